@@ -13,7 +13,7 @@ use isoslice::model::{
     Source, SourceKind, load_within, parse_vm, place,
 };
 use isoslice::pipeline::{self, Options};
-use isoslice::preview::{Toolpath, write_html};
+use isoslice::preview::Toolpath;
 use isoslice::reader::{Event, Reader};
 use isoslice::settings::{Builder, Settings};
 use std::time::Duration;
@@ -213,7 +213,7 @@ pub fn gcode(bytes: &[u8]) {
     let _ = check(bytes, &Rules::new(&Settings::default())).map(drop);
     if let Ok(path) = Toolpath::read(Reader::new(bytes)) {
         let mut page = Vec::new();
-        if let Err(error) = write_html(&mut page, &path, "fuzz") {
+        if let Err(error) = path.write_html(&mut page, "fuzz") {
             panic!("{error}");
         }
     }

@@ -25,7 +25,7 @@ pub(crate) fn field(
     spacing: Mm,
 ) -> Result<Field, FieldError> {
     let field = Field::new(tree, depth, bounds, spacing)?;
-    Ok(field.with_cancel(limits::cancel()))
+    Ok(field.with_cancel(limits::Watch::hook()))
 }
 
 /// Does what [`field`] does, for the part of a model within a window parallel

@@ -59,8 +59,9 @@
 //!
 //! Settings that are expressions get their values from [`vary`].
 //!
-//! [`pipeline`] runs these stages (`pipeline/stages.rs` names them one after
-//! the other) over a window of layers that moves up the part, on any number of
+//! [`pipeline`] runs these stages (`pipeline/write.rs` has the steps of a run,
+//! `pipeline/stages` what is done for many layers at a time) over a window of
+//! layers that moves up the part, on any number of
 //! threads, which does not change the result. [`timings`] measures the stages,
 //! [`limits`] stops them when they take too much time or memory, [`files`]
 //! reads files, [`encoding`] reads text from bytes, and [`units`] names units.

@@ -130,11 +130,6 @@ impl Timings {
         let nanos = self.nanos[stage as usize].load(Ordering::Relaxed);
         nanos as f64 * 1e-9
     }
-
-    /// All stages with their times, in the order of the pipeline.
-    pub(crate) fn report(&self) -> Vec<(Stage, Seconds)> {
-        Stage::ALL.map(|s| (s, self.seconds(s))).to_vec()
-    }
 }
 
 /// Work of a stage, from [`Timings::begin`] until this is dropped.

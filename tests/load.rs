@@ -4,7 +4,6 @@
 
 mod common;
 
-use isoslice::limits::resident_bytes;
 use isoslice::model::Model;
 use isoslice::pipeline::{self, Options};
 use isoslice::settings::Settings;
@@ -12,6 +11,11 @@ use std::sync::Mutex;
 
 /// One at a time: memory is the whole process's.
 static ALONE: Mutex<()> = Mutex::new(());
+
+/// Memory of this process that is in use, where the system tells.
+fn resident_bytes() -> Option<u64> {
+    memory_stats::memory_stats().map(|stats| stats.physical_mem as u64)
+}
 
 /// A small part with walls, skin, infill, a hole and a bridge.
 const PART: &str = "max(max(max(abs(x) - 4, abs(y) - 4), abs(z) - 1.5), \

@@ -7,7 +7,7 @@
 #![allow(clippy::unwrap_used)]
 
 use assert_cmd::Command;
-use isoslice::preview::{Toolpath, write_html};
+use isoslice::preview::Toolpath;
 use isoslice::reader::{Event, Reader, Role};
 use isoslice::settings::Settings;
 use predicates::prelude::*;
@@ -179,7 +179,9 @@ fn a_page_is_written_beside_the_file_and_is_the_same_each_time() {
     assert!(page.contains("<title>part.gcode</title>"));
     let mut expected = Vec::new();
     let text = fs::read_to_string(data("cura.gcode")).unwrap();
-    write_html(&mut expected, &toolpath(&text), "part.gcode").unwrap();
+    toolpath(&text)
+        .write_html(&mut expected, "part.gcode")
+        .unwrap();
     assert!(page.into_bytes() == expected);
     // From standard input it has another name only.
     isoslice(&folder)
@@ -191,7 +193,9 @@ fn a_page_is_written_beside_the_file_and_is_the_same_each_time() {
         .stdout(is_empty());
     let piped = fs::read(folder.path().join("piped.html")).unwrap();
     let mut expected = Vec::new();
-    write_html(&mut expected, &toolpath(&text), "preview").unwrap();
+    toolpath(&text)
+        .write_html(&mut expected, "preview")
+        .unwrap();
     assert!(piped == expected);
 }
 
@@ -207,7 +211,7 @@ fn a_model_is_sliced_first() {
     let mut expected = Vec::new();
     // The settings know the bed; no file of ours tells it.
     let path = toolpath(&text).with_settings(&Settings::default());
-    write_html(&mut expected, &path, "formula").unwrap();
+    path.write_html(&mut expected, "formula").unwrap();
     assert!(page == expected);
 }
 

@@ -6,7 +6,7 @@
 //! whatever moves across the bed with the head.
 
 use crate::plane::Rect;
-use crate::plate::MOST_PARTS;
+use crate::plate::Plate;
 use crate::reader::{Move, Role};
 use crate::settings::{PlateSequence, Settings};
 use crate::units::Mm;
@@ -87,7 +87,7 @@ impl Finished {
         let Some(here) = self.here.take() else {
             return;
         };
-        let full = self.done.len() as u64 >= MOST_PARTS;
+        let full = self.done.len() as u64 >= Plate::MOST_PARTS;
         match self.done.last_mut() {
             Some(last) if full => last.add(here),
             _ => self.done.push(here),

@@ -282,9 +282,7 @@ fn standard_input() -> anyhow::Result<String> {
     /// Size of the largest kind of file, bytes. Loading refuses a file that is
     /// too large for its own kind.
     const MAX_BYTES: u64 = 64 << 20;
-    let bytes = files::read_standard_input(MAX_BYTES);
-    bytes
-        .and_then(|bytes| files::text(&bytes))
+    files::read_standard_input(MAX_BYTES)
         .context("cannot read the model from standard input")
 }
 

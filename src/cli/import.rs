@@ -13,7 +13,6 @@ use slicerprofile::{
 };
 use std::fmt::Write as _;
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -431,12 +430,12 @@ impl Import {
         let mut fresh: Vec<PathBuf> = Vec::new();
         for (output, (kind, name, path)) in outputs {
             let is_fresh = fs::symlink_metadata(&path).is_err();
-            if let Err(error) = finished(output, &path) {
+            if let Err(error) = output.finish() {
                 for path in fresh {
                     // The first error is reported, so later ones are dropped.
                     let _ = fs::remove_file(path);
                 }
-                return Err(error);
+                return Err(error.into());
             }
             if is_fresh {
                 fresh.push(path.clone());
@@ -584,23 +583,14 @@ fn slug(name: &str) -> String {
 
 /// Writes a file, whole or not at all.
 fn put(path: &Path, input: &Path, text: &str) -> anyhow::Result<()> {
-    finished(begun(path, input, text)?, path)
+    Ok(begun(path, input, text)?.finish()?)
 }
 
 /// A file with its text, which has not been put in its place yet.
 fn begun(path: &Path, input: &Path, text: &str) -> anyhow::Result<Output> {
     let mut output = output::create(path, &[input])?;
-    output
-        .write_all(text.as_bytes())
-        .with_context(|| format!("cannot write {}", path.display()))?;
+    output.put(text.as_bytes())?;
     Ok(output)
-}
-
-/// Puts a file in its place.
-fn finished(output: Output, path: &Path) -> anyhow::Result<()> {
-    output
-        .finish()
-        .with_context(|| format!("cannot write {}", path.display()))
 }
 
 #[cfg(test)]

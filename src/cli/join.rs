@@ -63,9 +63,7 @@ fn join(args: &JoinArgs) -> anyhow::Result<()> {
         .join(&mut output)
         .with_context(|| format!("cannot write {}", path.display()))?;
     let streamed = output.is_stream();
-    output
-        .finish()
-        .with_context(|| format!("cannot write {}", path.display()))?;
+    output.finish()?;
     let text = if args.json {
         let text = format!(
             "{:#}\n",

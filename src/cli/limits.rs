@@ -7,7 +7,7 @@ use super::patience::Patience;
 use super::terminal;
 use anyhow::Context;
 use clap::Args;
-use isoslice::files;
+use isoslice::files::Output;
 use isoslice::limits::{Limits, Watch, enough_space};
 use rayon::ThreadPool;
 use std::process::exit;
@@ -81,7 +81,7 @@ pub(super) fn watched<T>(
         GRACE,
         &|stopped| {
             // From here on no file is written.
-            let _pending = files::discard_all();
+            let _pending = Output::discard_all();
             terminal::report_error(&stopped.clone().into());
             exit(1);
         },

@@ -9,7 +9,6 @@ use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, roman};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 const COMPLETIONS: &str = "\
@@ -110,9 +109,8 @@ fn write_all(program: &Command, folder: &Path) -> anyhow::Result<()> {
         let (name, text) = page(command)?;
         let path = folder.join(name);
         let mut file = create(&path, &[])?;
-        file.write_all(&text)
-            .and_then(|()| file.finish())
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        file.put(&text)?;
+        file.finish()?;
     }
     Ok(())
 }

@@ -4,13 +4,12 @@
 //! written completely, or neither.
 
 use super::{plain, terminal};
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use isoslice::files::Output;
-use isoslice::settings::suggestions;
+use isoslice::settings::Settings;
 use std::fs;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -116,14 +115,10 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
         (&script, args.template.script().replace("NAME", stem)),
         (&settings, config(stem, args.template)),
     ];
-    let cannot = |path: &Path| format!("cannot write {}", path.display());
     let mut outputs = Vec::new();
     for (path, text) in &texts {
         let mut output = Output::create_new(path)?;
-        output
-            .write_all(text.as_bytes())
-            .and_then(|()| output.flush())
-            .with_context(|| cannot(path))?;
+        output.put(text.as_bytes())?;
         outputs.push(output);
     }
     // Both files are complete before either is put in its place.
@@ -133,7 +128,7 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
                 // This run wrote that file a moment ago.
                 let _ = fs::remove_file(ours);
             }
-            return Err(error).with_context(|| cannot(texts[k].0));
+            return Err(error.into());
         }
     }
     if !terminal::is_quiet() {
@@ -161,6 +156,6 @@ fn config(name: &str, template: Template) -> String {
          what is set\n\
          # here wins over them.\n\n{}{}",
         template.settings(),
-        suggestions(USEFUL)
+        Settings::suggestions(USEFUL)
     )
 }

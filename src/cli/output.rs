@@ -18,7 +18,7 @@ pub(super) fn create(path: &Path, inputs: &[&Path]) -> anyhow::Result<Output> {
         closed::need_output()?;
     }
     if is_stream(path) {
-        return Ok(Output::stream(stdout()));
+        return Ok(Output::stream(path, stdout()));
     }
     Ok(Output::create(path, inputs)?)
 }

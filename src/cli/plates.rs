@@ -4,7 +4,7 @@
 use super::args::{Gathered, ModelArgs, is_plate};
 use anyhow::bail;
 use clap::Args;
-use isoslice::plate::{MOST_PARTS, Plate, PlateFile, Wanted};
+use isoslice::plate::{Plate, PlateFile, Wanted};
 use isoslice::settings::Settings;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub(super) struct PlateArgs {
     #[arg(
         long,
         value_name = "N",
-        value_parser = clap::value_parser!(u64).range(1..=MOST_PARTS),
+        value_parser = clap::value_parser!(u64).range(1..=Plate::MOST_PARTS),
         help_heading = "Placement"
     )]
     copies: Option<u64>,

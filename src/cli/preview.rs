@@ -12,7 +12,7 @@ use isoslice::human_time;
 use isoslice::layers::LayerRange;
 use isoslice::limits::{self, Watch};
 use isoslice::pipeline::{self, Options};
-use isoslice::preview::{Toolpath, ToolpathError, write_html};
+use isoslice::preview::{Toolpath, ToolpathError};
 use isoslice::reader::{ReadError, Reader};
 use isoslice::settings::Settings;
 use std::ffi::OsStr;
@@ -144,9 +144,11 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     terminal::warn(&problems);
     let toolpath = toolpath.with_warnings(&problems);
     let cannot = || format!("cannot write {}", path.display());
-    write_html(&mut output, &toolpath, &name).with_context(cannot)?;
+    toolpath
+        .write_html(&mut output, &name)
+        .with_context(cannot)?;
     let streamed = output.is_stream();
-    output.finish().with_context(cannot)?;
+    output.finish()?;
 
     if !terminal::is_quiet() {
         let text = describe(&path, &toolpath, started)?;

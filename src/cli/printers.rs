@@ -214,9 +214,7 @@ fn read_key(kind: HostKind) -> anyhow::Result<Key> {
             .context("cannot read the key")?;
         line
     } else {
-        let bytes = files::read_standard_input(LONGEST_KEY);
-        bytes
-            .and_then(|bytes| files::text(&bytes))
+        files::read_standard_input(LONGEST_KEY)
             .context("cannot read the key from standard input")?
     };
     if text.trim().is_empty() {

@@ -9,8 +9,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::limits;
 use isoslice::model::Model;
-use isoslice::preview::{View, draw};
-use std::io::Write;
+use isoslice::preview::View;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -141,12 +140,11 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
     let behind = args.background.colour();
     let png = pool
         .install(|| {
-            limits::doing("picture", || draw(&model, view, args.pixels, behind))
+            limits::doing("picture", || view.draw(&model, args.pixels, behind))
         })
         .with_context(|| format!("cannot draw {}", model.name))?;
-    let no_picture = || format!("cannot write {}", path.display());
-    output.write_all(&png).with_context(no_picture)?;
-    output.finish().with_context(no_picture)
+    output.put(&png)?;
+    Ok(output.finish()?)
 }
 
 /// False if a name promises another kind of file.

@@ -3,8 +3,8 @@
 use super::args::{Gathered, SettingsSource};
 use super::{plain, print_json};
 use clap::{Args, ValueEnum};
-use isoslice::plate;
-use isoslice::settings::{Key, keys, schema};
+use isoslice::plate::PlateFile;
+use isoslice::settings::{Key, Settings, keys};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
@@ -57,8 +57,8 @@ enum SchemaOf {
 
 pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
     match args.schema {
-        Some(SchemaOf::Settings) => return print_json(&schema()),
-        Some(SchemaOf::Plate) => return print_json(&plate::schema()),
+        Some(SchemaOf::Settings) => return print_json(&Settings::schema()),
+        Some(SchemaOf::Plate) => return print_json(&PlateFile::schema()),
         None => {}
     }
     let gathered = args.source.gather()?;

@@ -8,7 +8,7 @@
 //! cannot be caught may leave a hidden file.
 
 use anyhow::Context;
-use isoslice::files;
+use isoslice::files::Output;
 use signal_hook::consts::{
     SIGALRM, SIGHUP, SIGINT, SIGPROF, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2,
     SIGVTALRM, SIGXCPU, SIGXFSZ,
@@ -49,7 +49,7 @@ pub(super) fn end_cleanly_when_asked() -> anyhow::Result<()> {
     waiting
         .spawn(move || {
             if signals.forever().next().is_some() {
-                let _pending = files::discard_all();
+                let _pending = Output::discard_all();
                 exit(INTERRUPTED);
             }
         })

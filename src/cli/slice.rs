@@ -12,7 +12,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use clap_complete::engine::ArgValueCompleter;
 use isoslice::Format;
-use isoslice::files::{Output, same_file};
+use isoslice::files::Output;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
@@ -157,7 +157,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         bail!("--send sends a file, and {} is none", path.display());
     }
     let format = format_of(&path)?;
-    let report = args.report_output(&path, &inputs)?;
+    let report = args.report_output(&output, &path, &inputs)?;
     let job = args.plate.job(&args.model, file, &gathered.settings)?;
     let (plate, settings) = (&job.plate, &job.plate.settings);
     // These warnings may explain why the models cannot be sliced.
@@ -194,24 +194,18 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let mut streamed = output.is_stream();
     // Both files are complete before either is put in its place.
     let report = match (report, &summary.report) {
-        (Some((mut file, path)), Some(report)) => {
-            let no_report = || format!("cannot write {}", path.display());
-            serde_json::to_writer_pretty(&mut file, report)
-                .map_err(std::io::Error::from)
-                .and_then(|()| file.write_all(b"\n"))
-                .and_then(|()| file.flush())
-                .with_context(no_report)?;
-            Some((file, path))
+        (Some(mut file), Some(report)) => {
+            let mut text = serde_json::to_vec_pretty(report)?;
+            text.push(b'\n');
+            file.put(&text)?;
+            Some(file)
         }
         _ => None,
     };
-    output
-        .finish()
-        .with_context(|| format!("cannot write {}", path.display()))?;
-    if let Some((file, path)) = report {
+    output.finish()?;
+    if let Some(file) = report {
         streamed |= file.is_stream();
-        file.finish()
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        file.finish()?;
     }
 
     let mut of_print = summary.warnings.clone();
@@ -273,21 +267,22 @@ impl SliceArgs {
     /// Opens the report's file, which must be neither an input nor the G-code.
     fn report_output(
         &self,
-        gcode: &Path,
+        gcode: &Output,
+        gcode_path: &Path,
         inputs: &[&Path],
-    ) -> anyhow::Result<Option<(Output, &Path)>> {
+    ) -> anyhow::Result<Option<Output>> {
         let Some(path) = &self.report else {
             return Ok(None);
         };
-        let both_streams = is_stream(path) && is_stream(gcode);
-        if both_streams || same_file(path, gcode) {
+        let both_streams = is_stream(path) && is_stream(gcode_path);
+        if both_streams || gcode.is_at(path) {
             bail!(
                 "the report and the G-code would both be {}; choose another \
                  name with --report",
                 path.display()
             );
         }
-        Ok(Some((output::create(path, inputs)?, path)))
+        Ok(Some(output::create(path, inputs)?))
     }
 }
 

@@ -7,7 +7,7 @@
 
 mod output;
 
-pub use output::{Output, OutputError, discard_all, same_file};
+pub use output::{Output, OutputError};
 
 use crate::encoding::{self, NotText};
 use crate::limits;
@@ -58,12 +58,13 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     within(bytes, most)
 }
 
-/// Does what [`read`] does, for standard input.
+/// Does what [`read_text`] does, for standard input.
 ///
 /// # Errors
-/// Those of [`read`].
-pub fn read_standard_input(most: u64) -> Result<Vec<u8>, FileError> {
-    within(waiting(move || up_to(io::stdin().lock(), most))?, most)
+/// Those of [`read_text`].
+pub fn read_standard_input(most: u64) -> Result<String, FileError> {
+    let bytes = waiting(move || up_to(io::stdin().lock(), most))?;
+    text(&within(bytes, most)?)
 }
 
 /// Does what [`read`] does, and returns the bytes as text.
@@ -75,10 +76,7 @@ pub fn read_text(path: &Path, most: u64) -> Result<String, FileError> {
 }
 
 /// Bytes as text.
-///
-/// # Errors
-/// If the bytes are not UTF-8.
-pub fn text(bytes: &[u8]) -> Result<String, FileError> {
+fn text(bytes: &[u8]) -> Result<String, FileError> {
     Ok(encoding::text(bytes)?.to_owned())
 }
 

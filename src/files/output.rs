@@ -5,7 +5,7 @@
 //! destination that is not a file, such as a pipe, is written piece by piece,
 //! and a process that is killed may leave a hidden file beside the destination,
 //! `.isoslice-….tmp`. A process that is asked to end removes that file first:
-//! see [`discard_all`].
+//! see [`Output::discard_all`].
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -22,17 +22,6 @@ static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn pending() -> MutexGuard<'static, Vec<PathBuf>> {
     PENDING.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Removes half-written files, because the process is about to end. While the
-/// result is held, no file is begun or put in its place.
-pub fn discard_all() -> MutexGuard<'static, Vec<PathBuf>> {
-    let mut pending = pending();
-    for path in pending.drain(..) {
-        // Nobody can be told of a failure here.
-        let _ = fs::remove_file(path);
-    }
-    pending
 }
 
 /// Why a file cannot be written.
@@ -96,7 +85,11 @@ pub enum OutputError {
 }
 
 /// Output that is being written.
-pub struct Output(Kind);
+pub struct Output {
+    kind: Kind,
+    /// Its name in errors.
+    path: PathBuf,
+}
 
 enum Kind {
     /// A file beside the destination, which is renamed at the end.
@@ -150,7 +143,7 @@ impl Output {
                 .write(true)
                 .open(&destination)
                 .map_err(system)?;
-            return Ok(Output::stream(file));
+            return Ok(Output::stream(path, file));
         }
         let folder = folder_of(&destination);
         if !folder.is_dir() {
@@ -168,12 +161,14 @@ impl Output {
                 .set_permissions(data.permissions())
                 .map_err(system)?;
         }
-        Ok(Output(Kind::Pending {
+        let kind = Kind::Pending {
             writer: BufWriter::with_capacity(BUFFER, file),
             listed,
             destination,
             replaces: true,
-        }))
+        };
+        let path = path.to_owned();
+        Ok(Output { kind, path })
     }
 
     /// Starts writing to `path`. No file may be there, neither now nor at the
@@ -187,34 +182,76 @@ impl Output {
             return Err(OutputError::Exists(path));
         }
         match temporary_in(folder_of(&path)) {
-            Ok((file, listed)) => Ok(Output(Kind::Pending {
-                writer: BufWriter::with_capacity(BUFFER, file),
-                listed,
-                destination: path,
-                replaces: false,
-            })),
+            Ok((file, listed)) => {
+                let kind = Kind::Pending {
+                    writer: BufWriter::with_capacity(BUFFER, file),
+                    listed,
+                    destination: path.clone(),
+                    replaces: false,
+                };
+                Ok(Output { kind, path })
+            }
             Err(source) => Err(OutputError::System { path, source }),
         }
     }
 
-    /// Output to a stream, which gets it piece by piece.
-    pub fn stream(to: impl Write + Send + 'static) -> Self {
+    /// Output to a stream, which gets it piece by piece. Errors call it `path`.
+    pub fn stream(path: &Path, to: impl Write + Send + 'static) -> Self {
         let to: Box<dyn Write + Send> = Box::new(to);
-        Output(Kind::Stream(BufWriter::with_capacity(BUFFER, to)))
+        Output {
+            kind: Kind::Stream(BufWriter::with_capacity(BUFFER, to)),
+            path: path.to_owned(),
+        }
+    }
+
+    /// Removes half-written files, because the process is about to end. While
+    /// the result is held, no file is begun or put in its place.
+    pub fn discard_all() -> MutexGuard<'static, Vec<PathBuf>> {
+        let mut pending = pending();
+        for path in pending.drain(..) {
+            // Nobody can be told of a failure here.
+            let _ = fs::remove_file(path);
+        }
+        pending
+    }
+
+    /// True if `path` names the file that this output is to become.
+    pub fn is_at(&self, path: &Path) -> bool {
+        same_file(&self.path, path)
     }
 
     /// True if the output is not a file, so that messages on standard output
     /// might get into it.
     pub fn is_stream(&self) -> bool {
-        matches!(self.0, Kind::Stream(_))
+        matches!(self.kind, Kind::Stream(_))
+    }
+
+    /// Writes bytes, all the way to the system.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn put(&mut self, bytes: &[u8]) -> Result<(), OutputError> {
+        let put = self.write_all(bytes).and_then(|()| self.flush());
+        put.map_err(|source| OutputError::System {
+            path: self.path.clone(),
+            source,
+        })
     }
 
     /// Puts the finished output in its place.
     ///
     /// # Errors
     /// If the system refuses. The destination is then as it was.
-    pub fn finish(self) -> io::Result<()> {
-        match self.0 {
+    pub fn finish(self) -> Result<(), OutputError> {
+        let Output { kind, path } = self;
+        kind.finish()
+            .map_err(|source| OutputError::System { path, source })
+    }
+}
+
+impl Kind {
+    fn finish(self) -> io::Result<()> {
+        match self {
             Kind::Stream(mut writer) => writer.flush(),
             Kind::Pending {
                 writer,
@@ -243,14 +280,14 @@ impl Output {
 
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match &mut self.0 {
+        match &mut self.kind {
             Kind::Pending { writer, .. } => writer.write(bytes),
             Kind::Stream(writer) => writer.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        match &mut self.0 {
+        match &mut self.kind {
             Kind::Pending { writer, .. } => writer.flush(),
             Kind::Stream(writer) => writer.flush(),
         }
@@ -259,7 +296,7 @@ impl Write for Output {
 
 /// True if two names are names of one file, which may not exist yet. Links,
 /// hard links and systems that ignore case are seen through.
-pub fn same_file(a: &Path, b: &Path) -> bool {
+pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
     let is_file = |path: &Path| fs::metadata(path).is_ok_and(|d| d.is_file());
     if is_file(a) && is_file(b) {
         return ::same_file::is_same_file(a, b).unwrap_or(a == b);

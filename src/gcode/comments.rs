@@ -137,7 +137,7 @@ fn orca(role: Role) -> &'static str {
     }
 }
 
-/// Bambu Studio has OrcaSlicer's names but for these.
+/// The role's name in Bambu Studio. All names but these are OrcaSlicer's.
 fn bambu(role: Role) -> &'static str {
     match role {
         Role::InternalBridge => "Bridge",

@@ -23,8 +23,8 @@ const MAKER: &str = concat!("isoslice ", env!("CARGO_PKG_VERSION"));
 /// clock does not change it.
 const DAY: &str = "2026-11-22";
 
-/// What the head of a text file says, kept for what stands beside the text in
-/// other formats.
+/// What the head of a text file says. In other formats it stands beside the
+/// text.
 pub(super) struct Said {
     pub at: Option<SystemTime>,
     pub thumbnails: Vec<Thumbnail>,
@@ -218,8 +218,8 @@ impl<W: Write> Writer<'_, W> {
         self.record.as_ref().map_or(0, |r| r.at(self.buffer.len()))
     }
 
-    /// Writes the start template, with the heating that it leaves to the
-    /// writer.
+    /// Writes the start template, with the heating that the template leaves to
+    /// the writer.
     fn heated_start(&mut self, start: &str, header: &Header) {
         let settings = self.settings;
         let filament = &settings.filament;
@@ -293,8 +293,8 @@ pub(super) fn end(
         totals.filament_length * filament_area(filament.diameter);
     // Density is in g/cm³.
     totals.filament_mass_g = totals.filament_volume * 1e-3 * filament.density;
-    // The template may name the whole time, which includes the foot's own. So
-    // it is filled in twice.
+    // The template may name the whole time, which includes the foot's own time.
+    // So the template is filled in twice.
     let trial = templates.end(*totals)?;
     totals.time += of_foot(before, text, &trial, settings);
     templates.end(*totals)

@@ -14,9 +14,9 @@ use crate::units::human_time;
 /// What a fact is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Of {
-    /// What the print takes.
+    /// The fact is about what the print takes.
     Print,
-    /// How it was sliced.
+    /// The fact is about how the print was sliced.
     Slicer,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct Fact {
     pub key: &'static str,
     pub value: String,
     pub of: Of,
-    /// True if printers that read binary files ask for it.
+    /// True if printers that read binary files ask for the fact.
     pub printer: bool,
 }
 

@@ -29,15 +29,16 @@ use crate::pace::motion::Planner;
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, Percent, feed_rate};
 
-/// Homes, then waits off the bed for the heaters.
+/// The template homes, then waits off the bed for the heaters.
 const START: &str = "\
 G28
 G1 Z5 F{{ feed_rate_z }}
 ";
 
-/// Turns the heaters off first, so that they are off even if a move is refused.
-/// Then lifts the nozzle before it moves aside, so that the nozzle is not
-/// dragged over the part. The writer turns the fan off.
+/// The template turns the heaters off first, so that they are off even if a
+/// move is refused. Then it lifts the nozzle before it moves the nozzle aside,
+/// so that the nozzle is not dragged over the part. The writer turns the fan
+/// off.
 const END: &str = "\
 M104 S0
 {% if bed_temperature > 0 or first_layer_bed_temperature > 0 %}
@@ -77,7 +78,10 @@ pub(super) fn default_end(flavour: Flavour) -> &'static str {
 /// True if the firmware keeps one acceleration for printing and travelling,
 /// which then has to be set before each change from one to the other.
 pub(super) fn one_acceleration(flavour: Flavour) -> bool {
-    matches!(flavour, Flavour::Klipper | Flavour::Bambu)
+    match flavour {
+        Flavour::Klipper | Flavour::Bambu => true,
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => false,
+    }
 }
 
 /// Sets the acceleration of printing moves to the number that follows.
@@ -99,7 +103,30 @@ pub(super) fn sets_acceleration(settings: &Settings) -> bool {
 /// True if the firmware keeps statistics of the print that hosts read the
 /// layer's number from.
 pub(super) fn print_stats(flavour: Flavour) -> bool {
-    flavour == Flavour::Klipper
+    match flavour {
+        Flavour::Klipper => true,
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa | Flavour::Bambu => {
+            false
+        }
+    }
+}
+
+/// True if the firmware shows how far a print has come (M73). A Marlin built
+/// without M73 says that it does not know it, and goes on.
+pub(super) fn shows_progress(flavour: Flavour) -> bool {
+    match flavour {
+        Flavour::Marlin | Flavour::Prusa | Flavour::Bambu => true,
+        Flavour::Klipper | Flavour::Rrf => false,
+    }
+}
+
+/// True if the firmware, while it leaves out a part, forgets where it should
+/// be.
+pub(super) fn forgets_place(flavour: Flavour) -> bool {
+    match flavour {
+        Flavour::Marlin | Flavour::Prusa | Flavour::Bambu => true,
+        Flavour::Klipper | Flavour::Rrf => false,
+    }
 }
 
 /// Lines that tell the printer that a layer begins, by its number from 1.
@@ -108,7 +135,7 @@ pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
         Flavour::Klipper => {
             vec![format!("SET_PRINT_STATS_INFO CURRENT_LAYER={number}")]
         }
-        // The screen's layer, and the camera's.
+        // The first line is for the screen, the second one for the camera.
         Flavour::Bambu => vec![
             format!("M73 L{number}"),
             format!("M991 S0 P{}", number.saturating_sub(1)),
@@ -120,7 +147,13 @@ pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
 /// The line that selects the extruder, for firmware that starts with none
 /// selected: temperatures are for the selected one.
 pub(super) fn select_tool(flavour: Flavour) -> Option<&'static str> {
-    (flavour == Flavour::Rrf).then_some("T0")
+    match flavour {
+        Flavour::Rrf => Some("T0"),
+        Flavour::Marlin
+        | Flavour::Klipper
+        | Flavour::Prusa
+        | Flavour::Bambu => None,
+    }
 }
 
 /// Which of Prusa's two firmwares a printer has, by what it calls itself.
@@ -226,7 +259,7 @@ pub(super) fn pressure_advance(settings: &Settings) -> Option<String> {
             Board::Old | Board::Mini | Board::Unknown => format!("M900 K{k}"),
         },
         Flavour::Rrf => format!("M572 D0 S{k}"),
-        // A linear model (M10) for flows up to L, mm³/s.
+        // M10 stands for a linear model, L for its greatest flow, mm³/s.
         Flavour::Bambu => format!("M900 K{k} L1000 M10"),
         Flavour::Klipper => format!("SET_PRESSURE_ADVANCE ADVANCE={k}"),
     })
@@ -263,11 +296,15 @@ pub(super) fn retraction(settings: &Settings) -> Vec<String> {
 
 /// The line that sets the fan to `pwm` of 255.
 pub(super) fn fan(flavour: Flavour, pwm: i64) -> String {
-    match (flavour, pwm) {
-        (Flavour::Rrf, _) => format!("M106 S{}", text(pwm as f64 / 255.0, 3)),
-        (Flavour::Bambu, 0) => "M106 S0".to_owned(),
-        (_, 0) => "M107".to_owned(),
-        _ => format!("M106 S{pwm}"),
+    match flavour {
+        Flavour::Rrf => format!("M106 S{}", text(pwm as f64 / 255.0, 3)),
+        Flavour::Marlin | Flavour::Klipper | Flavour::Prusa if pwm == 0 => {
+            "M107".to_owned()
+        }
+        Flavour::Marlin
+        | Flavour::Klipper
+        | Flavour::Prusa
+        | Flavour::Bambu => format!("M106 S{pwm}"),
     }
 }
 

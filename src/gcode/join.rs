@@ -73,9 +73,9 @@ pub enum JoinError {
     Differs {
         /// A file.
         one: PathBuf,
-        /// The file that is not like it.
+        /// A file that differs from the first one.
         other: PathBuf,
-        /// In what they differ.
+        /// In what the files differ.
         what: &'static str,
     },
     /// Files are text and binary.
@@ -86,7 +86,7 @@ pub enum JoinError {
     Formats {
         /// A file.
         one: PathBuf,
-        /// What it is.
+        /// The format of that file.
         format: Format,
         /// A file of the other kind.
         other: PathBuf,
@@ -103,7 +103,7 @@ pub enum JoinError {
     Gap {
         /// The first missing layer, from 1.
         first: usize,
-        /// The last one before the next file.
+        /// The last missing layer before the next file.
         last: usize,
         /// Number of the part's layers.
         count: usize,
@@ -119,11 +119,11 @@ pub enum JoinError {
     Overlap {
         /// The first layer that is there twice, from 1.
         first: usize,
-        /// The last one.
+        /// The last layer that is there twice.
         last: usize,
-        /// A file that has them.
+        /// A file that has these layers.
         one: PathBuf,
-        /// The other one.
+        /// The other file that has these layers.
         other: PathBuf,
     },
     /// The settings in a file do not read back.
@@ -427,7 +427,7 @@ impl RangeFile {
 /// A file's text.
 #[derive(Debug)]
 struct Source {
-    /// The text; that of a binary file in a temporary one.
+    /// The text. That of a binary file is unpacked into a temporary file.
     text: File,
     format: Format,
 }
@@ -585,7 +585,7 @@ impl<R: BufRead> BufRead for Summed<R> {
     }
 
     fn consume(&mut self, n: usize) {
-        // What was filled before costs nothing to ask for again.
+        // The buffer has been filled, so asking for it again costs nothing.
         if let Ok(ready) = self.inner.fill_buf() {
             self.sum.update(&ready[..n.min(ready.len())]);
         }
@@ -593,7 +593,8 @@ impl<R: BufRead> BufRead for Summed<R> {
     }
 }
 
-/// Keeps the error of an output, so that it is not taken for one of the input.
+/// Keeps the error of an output, so that it is not taken for an error of the
+/// input.
 struct Told<'a, W> {
     out: &'a mut W,
     failed: Option<io::Error>,

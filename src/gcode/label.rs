@@ -1,8 +1,8 @@
 //! Labels of the parts. Hosts show them, and leave a labelled part out if asked.
 //!
 //! In: the parts' names and their outlines seen from above. Out: the lines that
-//! define them in the file's head, and those around each in every layer. What is
-//! not the part, a skirt, stands outside of them.
+//! define them in the file's head, and those around each in every layer. What
+//! is no part, such as a skirt, stands outside of these lines.
 
 use super::Header;
 use super::Standing;
@@ -13,6 +13,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec2;
 use std::collections::BTreeSet;
+use std::iter::once;
 
 /// Most parts that Bambu Lab's firmware tells from one another.
 const MOST_BITS: usize = 64;
@@ -32,9 +33,9 @@ pub(super) struct Labels {
 /// The lines around a part in a layer.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Around {
-    /// The line before it.
+    /// The line before the part.
     pub start: String,
-    /// The line after it.
+    /// The line after the part.
     pub end: String,
 }
 
@@ -42,56 +43,66 @@ impl Labels {
     /// The labels of the file's parts; none if the settings ask for none.
     pub(super) fn new(settings: &Settings, header: &Header) -> Labels {
         let flavour = settings.gcode.flavour;
-        let too_many =
-            flavour == Flavour::Bambu && header.parts.len() > MOST_BITS;
+        let too_many = match flavour {
+            Flavour::Bambu => header.parts.len() > MOST_BITS,
+            Flavour::Marlin
+            | Flavour::Klipper
+            | Flavour::Rrf
+            | Flavour::Prusa => false,
+        };
         if !wanted(settings) || too_many {
             return Labels::default();
         }
         let names = names(&header.parts);
-        let named = || names.iter().zip(&header.parts);
         let around = |(k, name): (usize, &String)| match flavour {
             Flavour::Klipper => Around {
                 start: format!("EXCLUDE_OBJECT_START NAME={name}"),
                 end: format!("EXCLUDE_OBJECT_END NAME={name}"),
             },
-            // Which of the parts follows, as a number of 64 bits.
+            // M624 tells which of the parts follows, as a number of 64 bits.
             Flavour::Bambu => Around {
                 start: format!("M624 {}", STANDARD.encode(bit(k))),
                 end: "M625".to_owned(),
             },
-            _ => Around {
+            Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => Around {
                 start: format!("M486 S{k}"),
                 end: "M486 S-1".to_owned(),
             },
         };
-        let count = format!("M486 T{}", names.len());
-        let mut define = match flavour {
-            Flavour::Klipper => Vec::new(),
+        let count = || format!("M486 T{}", names.len());
+        let none = || "M486 S-1".to_owned();
+        let define = match flavour {
+            Flavour::Klipper => names
+                .iter()
+                .zip(&header.parts)
+                .map(|(name, part)| {
+                    let outline = outline(part);
+                    format!("EXCLUDE_OBJECT_DEFINE NAME={name} {outline}")
+                })
+                .collect(),
             Flavour::Bambu => vec![numbers(names.len())],
-            _ => vec![count],
-        };
-        for (k, (name, part)) in named().enumerate() {
-            match flavour {
-                Flavour::Klipper => define.push(format!(
-                    "EXCLUDE_OBJECT_DEFINE NAME={name} {}",
-                    outline(part)
-                )),
-                Flavour::Marlin | Flavour::Bambu => {}
-                Flavour::Rrf => define.push(format!("M486 S{k} A\"{name}\"")),
-                // The name has to be alone in its line.
-                Flavour::Prusa => define
-                    .extend([format!("M486 S{k}"), format!("M486 A{name}")]),
+            Flavour::Marlin => vec![count()],
+            Flavour::Rrf => {
+                let named = names.iter().enumerate();
+                let named = named.map(|(k, n)| format!("M486 S{k} A\"{n}\""));
+                once(count()).chain(named).chain([none()]).collect()
             }
-        }
-        if matches!(flavour, Flavour::Rrf | Flavour::Prusa) {
-            define.push("M486 S-1".to_owned());
-        }
+            Flavour::Prusa => {
+                // Prusa's firmware wants the name alone in its line.
+                let named = names.iter().enumerate();
+                let named = named.flat_map(|(k, n)| {
+                    [format!("M486 S{k}"), format!("M486 A{n}")]
+                });
+                once(count()).chain(named).chain([none()]).collect()
+            }
+        };
         let around = names.iter().enumerate().map(around).collect();
         Labels { define, around }
     }
 }
 
-/// The number that has the bit of a part alone, as bytes from the lowest on.
+/// The number of which only the bit of a part is set, as bytes from the lowest
+/// on.
 fn bit(part: usize) -> [u8; MOST_BITS / 8] {
     1u64.checked_shl(part as u32).unwrap_or(0).to_le_bytes()
 }
@@ -108,7 +119,7 @@ fn names(parts: &[Standing]) -> Vec<String> {
     let unique = |part: &Standing| {
         let plain = name(&part.name);
         let more = (2..).map(|k| format!("{plain}_{k}"));
-        let mut names = std::iter::once(plain.clone()).chain(more);
+        let mut names = once(plain.clone()).chain(more);
         // Klipper does not tell capitals from small letters.
         let free = names.find(|n| !taken.contains(&n.to_ascii_lowercase()));
         let name = free.unwrap_or(plain);
@@ -120,7 +131,13 @@ fn names(parts: &[Standing]) -> Vec<String> {
 
 /// True if the part's label needs the part's outline, as Klipper's does.
 pub(crate) fn needs_outline(settings: &Settings) -> bool {
-    settings.gcode.flavour == Flavour::Klipper && wanted(settings)
+    let uses_outline = match settings.gcode.flavour {
+        Flavour::Klipper => true,
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa | Flavour::Bambu => {
+            false
+        }
+    };
+    uses_outline && wanted(settings)
 }
 
 fn wanted(settings: &Settings) -> bool {
@@ -155,7 +172,7 @@ fn name(model: &str) -> String {
     }
 }
 
-/// `CENTER=x,y POLYGON=[[x,y],...]`.
+/// The part's outline as Klipper reads it: `CENTER=x,y POLYGON=[[x,y],...]`.
 fn outline(part: &Standing) -> String {
     let (min, max) = (part.min, part.max);
     let corners = [

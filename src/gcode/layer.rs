@@ -6,7 +6,7 @@ use super::progress::Clock;
 use super::{FULL, WIDTH, WriteError, Writer, XYZ, comments, flavour, scan};
 use crate::bead::{Bead, Role};
 use crate::pace::{OfPart, PacedLayer, PacedMove};
-use crate::settings::{Comments, Flavour};
+use crate::settings::Comments;
 use crate::units::{MICRON, Mm};
 use std::io::Write;
 use std::ops::Range;
@@ -41,11 +41,7 @@ impl<W: Write> Writer<'_, W> {
         self.set_fan(layer.fan);
         let mut labels = self.labels_in(layer).into_iter().peekable();
         let mut open: Option<(usize, String)> = None;
-        // While it leaves out a part, such firmware forgets where it should be.
-        let forgetful = matches!(
-            flavour,
-            Flavour::Marlin | Flavour::Prusa | Flavour::Bambu
-        );
+        let forgetful = flavour::forgets_place(flavour);
         let mut lifted = None;
         let mut clock = Clock::new(layer);
         let tells = self.waiting.is_some() || self.record.is_some();
@@ -194,8 +190,8 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
-    /// The first layer of a part that follows others. It does not wait: both
-    /// temperatures are near each other.
+    /// Sets the temperatures of the first layer for a part that follows others.
+    /// Nothing waits for them, since both temperatures are near each other.
     fn first_layer_again(&mut self) {
         let f = &self.settings.filament;
         if f.bed_temperature != f.first_layer_bed_temperature {
@@ -221,8 +217,8 @@ fn plane(bead: &Bead) -> Mm {
     }
 }
 
-/// The moves of a part in a layer that print it, with the travel to it, without the
-/// skirt before it. The range is empty if no part of it is printed.
+/// Of some moves those that print a part, with the travel to the part, without
+/// the skirt before it. The range is empty if nothing of the part is printed.
 fn labelled(moves: &[PacedMove]) -> Range<usize> {
     let is = |m: &PacedMove, skirt: bool| {
         matches!(m, PacedMove::Print { bead, .. }

@@ -33,7 +33,7 @@ impl<W: Write> Writer<'_, W> {
         }
     }
 
-    /// Marks what follows as printed by a template, which is not the part.
+    /// Marks what follows as printed by a template, not as the part.
     pub(super) fn custom_comment(&mut self) {
         self.type_comment(comments::custom(self.settings.gcode.comments));
     }

@@ -54,7 +54,7 @@ pub(crate) struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// What differs, in words; nothing if all is the same.
+    /// What differs, in words; nothing if both fingerprints are equal.
     pub(super) fn difference(&self, other: &Self) -> Option<&'static str> {
         [
             (&self.version, &other.version, "version of isoslice"),
@@ -103,7 +103,7 @@ pub(super) struct Manifest {
 pub(super) struct Head {
     /// The lines that only a range's file has.
     pub own: Range<u64>,
-    /// The line with the number of the file's layers, if it has one.
+    /// The line with the number of the file's layers, if the head has one.
     pub count: Option<Range<u64>>,
     /// Where a line tells how far the print has come.
     pub mark: u64,
@@ -116,7 +116,7 @@ pub(super) struct Head {
 /// What is to be known of a layer's text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct LayerText {
-    /// Where it ends.
+    /// Where the text ends.
     pub end: u64,
     pub time: Seconds,
     /// Filament fed, mm.
@@ -165,16 +165,17 @@ impl Print {
 /// A manifest in the making.
 pub(super) struct Record {
     pub manifest: Manifest,
-    /// The text that has been handed on: its length and its checksum.
+    /// Length and checksum of the text that has been handed on.
     length: u64,
     sum: crc32fast::Hasher,
     moments: Vec<Moment>,
-    /// Whether the whole print is to tell how far it has come.
+    /// True if the whole print is to tell how far it has come.
     tells_progress: bool,
 }
 
 impl Record {
-    /// Of a file with this header; nothing of a file that is not to be joined.
+    /// The record of a file with this header; nothing if the file is not to be
+    /// joined.
     pub(super) fn new(
         settings: &Settings,
         header: &Header,
@@ -199,7 +200,7 @@ impl Record {
         })
     }
 
-    /// Where the file is, with so many bytes that have not been handed on.
+    /// Length of the file so far. `ahead` bytes of it have not been handed on.
     pub(super) fn at(&self, ahead: usize) -> u64 {
         self.length + ahead as u64
     }
@@ -270,7 +271,7 @@ pub(super) struct Last {
 }
 
 impl Last {
-    /// Reads it from the end of a file whose length is `length`.
+    /// Reads the last line from the end of a file whose length is `length`.
     pub(super) fn read(end: &[u8], length: u64) -> Option<Last> {
         let text = end.strip_suffix(b"\n")?;
         let start = memchr::memrchr(b'\n', text).map_or(0, |at| at + 1);

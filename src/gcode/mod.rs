@@ -140,7 +140,10 @@ impl Format {
     pub fn usual_for(settings: &Settings) -> Format {
         match settings.gcode.flavour {
             Flavour::Bambu => Format::Plate,
-            _ => Format::Text,
+            Flavour::Marlin
+            | Flavour::Klipper
+            | Flavour::Rrf
+            | Flavour::Prusa => Format::Text,
         }
     }
 }
@@ -150,13 +153,13 @@ impl Format {
 pub(crate) struct Standing {
     /// The part's name.
     pub name: String,
-    /// Lower corner of what is printed of it, on the bed.
+    /// Lower corner of what is printed of the part, on the bed.
     pub min: DVec2,
-    /// Upper corner.
+    /// Upper corner of what is printed of the part, on the bed.
     pub max: DVec2,
     /// The part seen from above, on the bed: a convex ring around it. If the
-    /// ring is empty, the part's box is used. [`needs_outline`] says whether it
-    /// is needed.
+    /// ring is empty, the part's box is used. [`needs_outline`] says whether
+    /// the ring is needed.
     pub outline: Vec<DVec2>,
 }
 
@@ -175,7 +178,7 @@ pub(crate) struct Header {
     pub nozzle_temperature: Celsius,
     /// Lower corner of the part, or of all parts, on the bed.
     pub part_min: DVec3,
-    /// Upper corner of the part.
+    /// Upper corner of the part, or of all parts, on the bed.
     pub part_max: DVec3,
     /// The parts on the plate, which get a label each.
     pub parts: Vec<Standing>,
@@ -185,7 +188,7 @@ pub(crate) struct Header {
     pub one_by_one: bool,
     /// What the file is written as.
     pub format: Format,
-    /// What the file has in common with those of other ranges; nothing of a
+    /// What the file has in common with those of other ranges; nothing for a
     /// file that is not to be joined with others.
     pub fingerprint: Option<Fingerprint>,
 }
@@ -226,7 +229,7 @@ pub enum WriteError {
          please report it with the model"
     )]
     BadNumber {
-        /// Whether it is a coordinate, a speed or a length.
+        /// What the number is: a coordinate, a speed or a length.
         what: &'static str,
         /// The number.
         value: f64,
@@ -472,7 +475,7 @@ impl<'a, W: Write> Writer<'a, W> {
         if let Sink::Plate(_) = self.out {
             self.line("; EXECUTABLE_BLOCK_END");
         }
-        // Binary files have it in their tables.
+        // Binary files have the totals in their tables.
         if !matches!(self.out, Sink::Binary(_)) {
             let footer = ends::footer(self.settings, &self.totals, &facts);
             self.buffer.extend_from_slice(footer.as_bytes());

@@ -90,7 +90,7 @@ impl<W: Write> Writer<'_, W> {
         };
         let area = filament(bead.area());
         let mut path = bead.path();
-        // The head is at the first point, or this line is left out.
+        // If the head is at the first point, this line is left out.
         if let Some(start) = path.next() {
             self.go(start, speed, None)?;
         }
@@ -199,11 +199,11 @@ impl<W: Write> Writer<'_, W> {
         let y = self.count("y", p.y, XYZ)?;
         let i = self.count("i", turn.centre.x, XYZ)? - x0;
         let j = self.count("j", turn.centre.y, XYZ)? - y0;
-        // As the firmware sees it: from rounded points round a rounded centre.
+        // The firmware sees an arc from rounded points round a rounded centre.
         let arm = |x: i64, y: i64| DVec2::new(x as f64, y as f64) * MICRON;
         let (from, to) = (arm(-i, -j), arm(x - x0 - i, y - y0 - j));
         let angle = from.angle_to(to);
-        // Rounding may leave next to nothing of a short arc.
+        // Rounding may leave hardly anything of a short arc.
         if angle.is_nan() || angle * turn.angle <= 0.0 {
             return straight(self);
         }

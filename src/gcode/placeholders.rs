@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 pub(crate) struct Placeholder {
     /// The name.
     pub name: &'static str,
-    /// The templates that know it.
+    /// The templates that know the name.
     pub scope: Scope,
     value: fn(&Known<'_>) -> Value,
 }
@@ -61,7 +61,8 @@ pub(super) struct Known<'a> {
     pub totals: Totals,
 }
 
-// Rows: templates that know it, name, what it stands for, value.
+// Each row has the templates that know the placeholder, its name, what it
+// stands for, and its value.
 macro_rules! placeholders {
     ($($scope:ident $name:literal, $description:literal,
        |$k:pat_param| $value:expr;)*) => {
@@ -188,7 +189,7 @@ pub(super) fn of_settings(settings: &Settings) -> BTreeMap<String, Value> {
     values
 }
 
-/// The placeholders of `scope` alone.
+/// The placeholders that only templates of `scope` know.
 pub(super) fn of(
     scope: Scope,
     known: &Known<'_>,

@@ -39,7 +39,7 @@ const MOMENT: Seconds = 1.0;
 /// A place in a layer where there may be a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Moment {
-    /// Length of the text before it, bytes.
+    /// Length of the text before the place, bytes.
     pub at: u64,
     /// Time that has passed since the layer's beginning.
     pub time: Seconds,
@@ -54,8 +54,8 @@ pub(super) struct Rhythm {
 }
 
 impl Rhythm {
-    /// True if a mark is due so long after the print's beginning; it is made
-    /// then.
+    /// True if a mark is due at this time after the print's beginning. The time
+    /// then counts as that of the last mark.
     pub(super) fn is_due(&mut self, time: Seconds) -> bool {
         let due = time - self.last >= (0.05 * time).clamp(10.0, 60.0);
         if due {
@@ -218,14 +218,7 @@ pub(super) fn tells_progress(settings: &Settings) -> bool {
     match settings.gcode.progress {
         Emit::On => true,
         Emit::Off => false,
-        // A Marlin built without M73 says that it does not know it, and goes
-        // on.
-        Emit::Auto => {
-            matches!(
-                settings.gcode.flavour,
-                Flavour::Marlin | Flavour::Prusa | Flavour::Bambu
-            )
-        }
+        Emit::Auto => flavour::shows_progress(settings.gcode.flavour),
     }
 }
 
@@ -235,7 +228,7 @@ pub(super) struct Clock {
     time: Seconds,
     printing: Seconds,
     passed: Seconds,
-    /// When the next moment may come.
+    /// Time at which the next moment may come.
     next: Seconds,
 }
 

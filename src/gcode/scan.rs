@@ -3,11 +3,11 @@
 /// What a start template does about a heater.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Heating {
-    /// Nothing.
+    /// The template does nothing.
     Not,
-    /// Sets the temperature and goes on.
+    /// The template sets the temperature and goes on.
     Sets,
-    /// Sets the temperature and waits for it.
+    /// The template sets the temperature and waits for it.
     Waits,
 }
 
@@ -75,7 +75,8 @@ fn of_macro(name: &str) -> Heating {
 }
 
 /// True if a filled-in template may leave the machine with other units or
-/// modes: it sets them itself, or calls a macro, which can do anything.
+/// modes. Either the template sets them itself, or it calls a macro, which can
+/// do anything.
 pub(super) fn may_change_modes(rendered: &str) -> bool {
     const MODES: [&str; 6] = ["G20", "G21", "G90", "G91", "M82", "M83"];
     rendered

@@ -20,7 +20,7 @@ impl<W: Write> Sink<W> {
         })
     }
 
-    /// Ends the file. Packed files have what stands beside the text.
+    /// Ends the file. Packed files also have what stands beside the text.
     pub(super) fn finish(
         self,
         binary: impl FnOnce() -> bgcode::About,

@@ -12,7 +12,7 @@ use base64::engine::general_purpose::STANDARD;
 /// A picture for the file's head.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Thumbnail {
-    /// Width, height and format.
+    /// Width, height and format of the picture.
     pub size: PictureSize,
     /// The picture, as a file of that format.
     pub file: Vec<u8>,

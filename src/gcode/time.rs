@@ -21,9 +21,9 @@ impl<W: Write> Writer<'_, W> {
         self.start = at;
     }
 
-    /// Adds the time of the way from the head's end to the first layer. It is
-    /// no part of that layer's time: a layer's speeds depend on its time, and
-    /// must not depend on the layer at which a file begins.
+    /// Adds the time of the way from the head's end to the first layer. This
+    /// time is no part of that layer's: a layer's speeds depend on its time,
+    /// and must not depend on the layer at which a file begins.
     pub(super) fn time_approach(&mut self, layer: &PacedLayer) {
         let settings = self.settings;
         let acceleration = settings.travel_acceleration();
@@ -70,8 +70,8 @@ impl<W: Write> Writer<'_, W> {
     }
 }
 
-/// How long the foot takes: its own text, and the end template. `before` is what
-/// [`Writer::place`] gave at the foot's beginning.
+/// Time that the foot takes: its own text, and the end template. `before` is
+/// what [`Writer::place`] gave at the foot's beginning.
 pub(super) fn of_foot(
     before: &str,
     text: &[u8],

@@ -287,7 +287,7 @@ fn surface(
         bins: (i * piece, (i + 1) * piece),
         max_work: MOST_WORK / pieces as u64,
     };
-    let cancel = limits::cancel();
+    let cancel = limits::Watch::hook();
     let look = |i| lean(&model.tree, &model.bounds, &options(i), &cancel);
     let found: Vec<Result<Lean, LeanError>> =
         (0..pieces).into_par_iter().map(look).collect();

@@ -21,7 +21,7 @@ use crate::plane::offset::offset;
 /// Offsets of the border.
 pub(super) struct Concentric;
 
-/// Tolerance of the offsets, mm; nobody sees what they are off by.
+/// Tolerance of the offsets, mm. Nobody sees where exactly the rings are.
 const TOLERANCE: f64 = 0.02;
 
 impl Pattern for Concentric {

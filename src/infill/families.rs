@@ -34,8 +34,8 @@ pub(super) struct Family {
     pub of: f64,
     /// How far the lines are moved across their direction, to the left.
     pub shift: Mm,
-    /// How many times the setting `infill_phase` moves the lines: 1 for once, 0
-    /// for not at all.
+    /// How often the setting `infill_phase` moves the lines: 1 for once, 0 for
+    /// not at all.
     pub phase: f64,
 }
 
@@ -69,7 +69,8 @@ pub(super) fn lines(layer: &Layer<'_>, families: &[Family]) -> Vec<Piece> {
     pieces
 }
 
-/// A line's threshold: the share that has to be filled for it to be there.
+/// A line's threshold. The line is there if the share to be filled is more than
+/// this.
 pub(super) fn threshold(row: i64) -> f64 {
     // The digits of negative numbers go on to the left: two's complement.
     (row as u64).reverse_bits() as f64 / 2.0_f64.powi(64)

@@ -20,9 +20,9 @@ pub(super) struct Grading {
 
 /// Distance of the lattice's nodes, mm; they are closer in small areas.
 const STEP: Mm = 1.0;
-/// Least and greatest number of nodes along the longer side.
+/// Least and greatest number of nodes along the longer side of an area.
 const SIDE: (f64, f64) = (40.0, 1024.0);
-/// Nodes are no closer than this, mm.
+/// Least distance of the nodes, mm.
 const FINEST: Mm = 0.2;
 
 impl Grading {

@@ -24,8 +24,8 @@ struct End {
     number: usize,
 }
 
-/// A join: the end it leaves, the end it leads to, and whether it goes along
-/// the ring.
+/// A join: the end that it leaves, the end that it leads to, and whether it
+/// goes along the ring.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     to: usize,
@@ -126,7 +126,7 @@ fn take(pieces: &mut [Option<Piece>], end: usize) -> Option<Piece> {
     Some(piece)
 }
 
-/// Which pieces are on the same path.
+/// Tells which pieces are on one path.
 struct Paths {
     parent: Vec<usize>,
 }

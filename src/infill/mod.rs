@@ -85,7 +85,8 @@ impl Density<'_> {
 struct Layer<'a> {
     /// Border of the area at which the lines end.
     border: &'a Border<'a>,
-    /// How far the border is inside the area to be filled; negative if outside.
+    /// Distance of the border from that of the area to be filled; positive
+    /// inside the area.
     margin: Mm,
     /// Number of the layer.
     number: usize,
@@ -100,7 +101,7 @@ struct Layer<'a> {
     angle: Degrees,
     /// Share of a period by which the pattern is moved, 0 to 1.
     phase: f64,
-    /// Pieces shorter than this are not worth a travel.
+    /// Length of the shortest piece that is worth a travel.
     shortest: Mm,
 }
 
@@ -205,9 +206,9 @@ enum Kind {
 /// Where the part is, in the layers' coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Site {
-    /// The box around it.
+    /// The box around the part.
     pub part: Rect,
-    /// How high it is.
+    /// Height of the part.
     pub height: Mm,
     /// The middle of the bed.
     pub bed: DVec2,
@@ -215,7 +216,7 @@ pub(crate) struct Site {
     pub origin: DVec2,
 }
 
-/// Tells the operations of the infill's script, if the settings name one.
+/// Passes on the operations of the infill's script, if the settings name one.
 ///
 /// # Errors
 /// If the script cannot be read or run.

@@ -41,9 +41,9 @@ pub(super) enum Shape {
 
 /// Distance of the lattice's nodes, as a share of the line's width.
 const STEP: f64 = 0.5;
-/// Greatest error of lines, mm; nobody sees it.
+/// Greatest error of lines, mm. Nobody sees it.
 const CHORD: Mm = 0.05;
-/// How much larger a field's box is than the part's, mm. The sides that close
+/// How far a field's box reaches beyond the part's, mm. The sides that close
 /// the field's outlines lie there, outside of every layer.
 const MARGIN: Mm = 1.0;
 /// Tolerance of the offsets of a solid, mm.
@@ -245,7 +245,7 @@ fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
     Ok(found.into_iter().next().map_or(Area::EMPTY, |o| o.area))
 }
 
-/// How closely an expression that asks for d is looked at.
+/// The lattice on which an expression that asks for d is sampled.
 fn sampling(width: Mm) -> Sampling {
     Sampling {
         step: STEP * width,

@@ -80,7 +80,7 @@ const NODES: usize = 32;
 const HEIGHTS: usize = 96;
 /// Mixtures that are measured.
 const MIXTURES: usize = 16;
-/// How far chords may be off the line, mm, and as a share of a cell.
+/// Greatest distance of chords from the line: in mm, and as a share of a cell.
 const CHORD: (Mm, f64) = (0.05, 0.01);
 /// Distance of the nodes of a layer whose cells vary, as a share of the mean
 /// distance of its lines where they are densest.
@@ -93,7 +93,8 @@ const BLOCK: usize = 4;
 /// Cells are large where their share of the greatest share is less than this:
 /// they have as many blocks as the smallest cells have nodes.
 const MANY: f64 = 1.0 / BLOCK as f64;
-/// Where the density varies, a share of the plane below this is left empty.
+/// Where the density varies, a place that is to have less than this share is
+/// left empty.
 const LEAST: f64 = 0.01;
 
 impl<S: Surface> Sheet<S> {

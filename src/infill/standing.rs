@@ -53,7 +53,8 @@ impl Standing {
         })
     }
 
-    /// Forgets the layer below: everything in the next layer stands.
+    /// Forgets the layer below. Everything in the next layer then counts as
+    /// standing.
     pub(crate) fn forget(&mut self) {
         self.below = None;
     }

@@ -158,6 +158,12 @@ impl Watch {
         CURRENT.set(watch.map(|watch| watch.0.clone()));
     }
 
+    /// A cancel hook for a library that must not be unwound through. It stops
+    /// the library's work when the watch of the working thread says so.
+    pub fn hook() -> Cancel {
+        Cancel::when(is_stopped)
+    }
+
     /// Stops the work, from any thread.
     pub fn cancel(&self) {
         self.0.stop_for(Reason::Cancelled);
@@ -360,13 +366,7 @@ pub(crate) fn check() {
     }
 }
 
-/// A cancel hook for a library that must not be unwound through. It stops the
-/// library's work when the watch of the working thread says so.
-pub fn cancel() -> Cancel {
-    Cancel::when(is_stopped)
-}
-
-/// The result of work that may have been stopped by [`cancel`].
+/// The result of work that may have been stopped by [`Watch::hook`].
 pub(crate) trait Watched {
     /// The result, if the watch did not stop the work.
     fn watched(self) -> Self;
@@ -433,6 +433,6 @@ pub(crate) fn made(points: usize) {
 }
 
 /// Memory of this process that is in use, where the system tells.
-pub fn resident_bytes() -> Option<u64> {
+pub(crate) fn resident_bytes() -> Option<u64> {
     memory_stats::memory_stats().map(|stats| stats.physical_mem as u64)
 }

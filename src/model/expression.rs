@@ -215,6 +215,6 @@ mod tests {
         assert!(e.starts_with("column 6: unknown name `q`"), "{e}");
         assert!(e.contains("x, y, z, d"), "{e}");
         // A model has no d.
-        assert!(super::super::parse_formula("x + d").is_err());
+        assert!(super::super::formula::parse_formula("x + d").is_err());
     }
 }

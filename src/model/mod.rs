@@ -42,7 +42,7 @@ pub use allowed::Allowed;
 pub use error::LoadError;
 pub(crate) use expression::Place;
 pub use expression::{Expression, ExpressionError};
-pub use formula::{FormulaError, parse_formula};
+pub use formula::FormulaError;
 pub use isocontour::Bounds;
 pub use param::{ParamError, Parameter};
 pub use placement::{BuildVolume, Model, PlaceError, Placement, place};

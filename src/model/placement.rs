@@ -338,7 +338,7 @@ fn find_bounds(
     options: &SearchOptions,
 ) -> Result<FoundBounds, BoundsError> {
     limits::doing("bounds", || {
-        isocontour::find_bounds(tree, options, &limits::cancel()).watched()
+        isocontour::find_bounds(tree, options, &limits::Watch::hook()).watched()
     })
 }
 
@@ -354,7 +354,7 @@ fn far_out(
     const FAR_MM: f64 = 1000.0;
     /// The default accuracy of outlines, mm.
     const GOOD_MM: f64 = 0.005;
-    let cancel = limits::cancel();
+    let cancel = limits::Watch::hook();
     let far = bounds.min.abs().max(bounds.max.abs()).max_element();
     if far < FAR_MM {
         return Ok(None);

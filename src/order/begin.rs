@@ -5,8 +5,8 @@ use crate::plane::grid::nearest_on;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// A place on a bead is taken for one of the bead's points if it is nearer to
-/// it than this, mm.
+/// A place that is nearer than this to one of a bead's points is taken for that
+/// point, mm.
 const SAME: Mm = 0.01;
 
 /// A place on a bead: the index of a segment, and a point on it.

@@ -163,7 +163,7 @@ pub(super) fn finish(bead: Bead, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
     }
 }
 
-/// The jobs' indices in print order, and whether each is turned round.
+/// The jobs' indices in print order, and for each whether it is turned round.
 fn tour_of(
     jobs: &[(u32, Job)],
     at: Option<DVec2>,

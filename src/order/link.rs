@@ -25,14 +25,15 @@ const REACH: f64 = 3.4;
 const BACK: f64 = 2.5;
 /// Share of a stroke that may be taken from one of its ends.
 const SHARE: f64 = 0.4;
-/// Share of what a way between walls lays that has to be taken from them: they
-/// fill their places.
+/// Share of what a way between walls lays that has to be taken from the walls,
+/// which fill their places.
 const WALLS: f64 = 0.99;
-/// The same for skins, whose strokes leave corners open.
+/// Share of what a way between a skin's strokes lays that has to be taken from
+/// the strokes, which leave corners open.
 const SKINS: f64 = 0.5;
 /// Slack in distances from the outline, mm.
 const SLACK: Mm = 0.03;
-/// The lengths depend on each other, and are found in so many rounds.
+/// Number of rounds in which the lengths are found. They depend on each other.
 const ROUNDS: usize = 6;
 
 /// Lets beads go on in the next one where a short way leads there. `solid` is
@@ -68,9 +69,10 @@ pub(crate) fn linked(
 struct Link {
     from: DVec2,
     to: DVec2,
-    /// Its width between the two.
+    /// Width of the way between the two beads.
     width: Mm,
-    /// What is taken from the end of the one and the beginning of the other.
+    /// Lengths that are taken from the end of the first bead and from the
+    /// beginning of the second one.
     taken: [Mm; 2],
 }
 
@@ -133,7 +135,7 @@ impl Link {
     }
 
     /// The way as a bead between two that have been shortened. Between walls
-    /// it is no wall.
+    /// the way is no wall.
     fn bead(&self, before: &Bead, after: &Bead) -> Option<Bead> {
         let ends = vec![*before.points.last()?, *after.points.first()?];
         let role = match before.role {
@@ -145,8 +147,8 @@ impl Link {
     }
 }
 
-/// How far the way from the end of one bead to the beginning of another leads
-/// back along either of them.
+/// Length by which the way from the end of one bead to the beginning of another
+/// leads back along either of them.
 fn back([before, after]: [&Bead; 2], [from, to]: [DVec2; 2]) -> Option<Mm> {
     let ahead = |bead: &Bead, last: bool, end: DVec2| {
         let far = bead.width.min(SHARE * bead.length());

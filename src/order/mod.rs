@@ -50,8 +50,8 @@ pub(crate) struct LayerBeads {
     pub skirt: Vec<Bead>,
     /// Supports.
     pub support: Vec<Bead>,
-    /// Supports are printed after the part, not before it. If layers take
-    /// turns, the nozzle changes between the two once in a layer.
+    /// True if supports are printed after the part. If layers take turns in
+    /// this, the nozzle changes between part and supports once in a layer.
     pub support_last: bool,
     /// Closed beads of the walls.
     pub walls: Vec<Bead>,
@@ -81,7 +81,7 @@ impl LayerBeads {
 pub(crate) struct Head {
     /// Where the nozzle stands; nothing if it has not printed yet.
     pub at: Option<DVec2>,
-    /// Seams of the layer below.
+    /// The seams of the layer below.
     pub seams: Vec<DVec2>,
 }
 
@@ -92,11 +92,11 @@ const SEAM_REACH: Mm = 2.0;
 /// What is known of a layer besides its beads.
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
-    /// Its number, from the bed.
+    /// The layer's number, from the bed.
     pub number: usize,
-    /// Its solid.
+    /// The layer's solid.
     pub outline: &'a Area,
-    /// What holds its walls, if that is less than all of them.
+    /// What holds the layer's walls, unless all of them are held.
     pub support: Option<&'a Support<'a>>,
 }
 
@@ -160,8 +160,8 @@ pub(crate) fn order(
     out
 }
 
-/// The order in which to go ways that each have their beginning and end: a
-/// short one from `at` on.
+/// The order in which to go some ways, each from its beginning to its end, so
+/// that the whole way from `at` on is short.
 pub(crate) fn in_turn(
     ways: &[(DVec2, DVec2)],
     at: Option<DVec2>,

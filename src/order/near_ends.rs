@@ -14,8 +14,8 @@ pub(super) struct NearEnds {
     cell: Mm,
     columns: usize,
     rows: usize,
-    /// Where each cell's points begin in `members`, and where the last one's
-    /// end.
+    /// Where each cell's points begin in `members`, and where those of the last
+    /// cell end.
     starts: Vec<u32>,
     members: Vec<u32>,
 }

@@ -10,7 +10,7 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    /// Points and their numbers.
+    /// The points to be visited, each with its number.
     pub(super) fn new(points: impl Iterator<Item = (DVec2, usize)>) -> Nearest {
         let all = points
             .map(|(p, i)| GeomWithData::new(p.to_array(), i))

@@ -19,6 +19,7 @@ use super::near_ends::NearEnds;
 use super::nearest::Nearest;
 use crate::units::Mm;
 use glam::DVec2;
+use std::ops::Range;
 
 /// Something to visit.
 #[derive(Clone, Copy, Debug)]
@@ -27,9 +28,9 @@ pub(super) struct Stop {
     pub from: DVec2,
     /// Where the stop is left.
     pub to: DVec2,
-    /// Whether the stop may be taken the other way round.
+    /// True if the stop may be taken the other way round.
     pub turns: bool,
-    /// Stops of a lower stage come first.
+    /// The stop's stage. Stops of lower stages come first.
     pub stage: u32,
 }
 
@@ -38,7 +39,7 @@ pub(super) struct Stop {
 pub(super) struct Visit {
     /// The stop's number.
     pub stop: usize,
-    /// Whether the stop is taken the other way round.
+    /// True if the stop is taken the other way round.
     pub turned: bool,
 }
 
@@ -213,13 +214,13 @@ impl<'a> Search<'a> {
     }
 
     /// The end of a stop at which it is not entered. For an exchange, a stop
-    /// that cannot be turned has one place only; the error is the way through
-    /// it.
+    /// that cannot be turned counts as one place. The way through it is
+    /// neglected.
     fn other(stop: &Stop) -> DVec2 {
         if stop.turns { stop.to } else { stop.from }
     }
 
-    /// Where the `k`th stop of the tour is entered; the tour's end, if `k` is
+    /// Where the `k`th stop of the tour is entered, or the tour's end if `k` is
     /// behind the last stop.
     fn entry(&self, k: usize) -> Option<DVec2> {
         let Some(visit) = self.tour.get(k) else {
@@ -233,8 +234,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Where the stop before the `k`th one is left; the tour's start, if there
-    /// is none.
+    /// Where the stop before the `k`th one is left, or the tour's start if
+    /// there is no such stop.
     fn exit_before(&self, k: usize) -> Option<DVec2> {
         let Some(k) = k.checked_sub(1) else {
             return self.start;
@@ -348,13 +349,10 @@ impl<'a> Search<'a> {
     ) -> bool {
         // The part that is moved begins or ends at the stop that is to be
         // joined.
+        let at = place + usize::from(left);
         (1..=MOVED).any(|count| {
-            let part = match left {
-                true if place + 1 >= count => place + 1 - count..place + 1,
-                false if place + count <= self.tour.len() => {
-                    place..place + count
-                }
-                _ => return false,
+            let Some(part) = self.part(at, count, left) else {
+                return false;
             };
             // Turning the part brings the end to be joined to the right side.
             self.shift(part.start, part.end, k, left == forward)
@@ -370,18 +368,30 @@ impl<'a> Search<'a> {
         left: bool,
         forward: bool,
     ) -> bool {
+        // The stops come behind a stop that is left at this end, or before one
+        // that is entered.
+        let to = place + usize::from(left);
         (1..=MOVED).any(|count| {
-            let part = match forward {
-                // The stops before the way, the last of which is joined.
-                true if k >= count => k - count..k,
-                false if k + count <= self.tour.len() => k..k + count,
-                _ => return false,
+            let Some(part) = self.part(k, count, forward) else {
+                return false;
             };
-            // They come behind a stop that is left at this end, or before one
-            // that is entered.
-            let to = place + usize::from(left);
             self.shift(part.start, part.end, to, left == forward)
         })
+    }
+
+    /// `count` stops of the tour: those before the `k`th one, or those from it
+    /// on; nothing if there are not so many.
+    fn part(
+        &self,
+        k: usize,
+        count: usize,
+        before: bool,
+    ) -> Option<Range<usize>> {
+        if before {
+            Some(k.checked_sub(count)?..k)
+        } else {
+            Some(k..k + count).filter(|part| part.end <= self.tour.len())
+        }
     }
 
     /// Moves the stops from `from` to `to` to before the `k`th one, perhaps

@@ -118,7 +118,7 @@ impl<'a> Rater<'a> {
     }
 
     /// A rater for settings that are all constant. An expression has no value
-    /// in it.
+    /// by this rater.
     ///
     /// # Errors
     /// If a setting is no valid expression.
@@ -173,8 +173,8 @@ impl<'a> Rater<'a> {
     /// rounded to whole degrees.
     ///
     /// # Errors
-    /// If an expression has no value there, or one at which plastic does not
-    /// melt or that the printer does not bear.
+    /// If an expression has no value there, or if plastic does not melt at the
+    /// value, or the printer does not bear it.
     pub(crate) fn temperature(
         &self,
         span: &LayerSpan,
@@ -299,7 +299,7 @@ impl<'a> Rater<'a> {
         (steps, shares)
     }
 
-    /// Share of its volume at which a bead of its role is printed.
+    /// Share of a bead's volume that is printed, by the bead's role.
     fn share(&self, bead: &Bead) -> f64 {
         match bead.role {
             Role::Bridge => 0.01 * self.settings.bridge_flow,

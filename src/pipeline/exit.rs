@@ -7,6 +7,7 @@
 //! one path, which is moved to each place. What one layer passes to the next is
 //! forgotten at the beginning of every block: see [`Exit::restart`].
 
+use super::job::{Base, Job};
 use super::layer::Ready;
 use super::part::{PartDone, PartExit, Passed};
 use super::supply::OnPlate;
@@ -31,6 +32,36 @@ use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 
+/// Rates of the parts, and of what belongs to no part.
+pub(super) struct Rates<'a> {
+    pub parts: Vec<Rater<'a>>,
+    pub plate: Rater<'a>,
+}
+
+impl<'a> Rates<'a> {
+    /// The rates of a plate, whose parts have these bases.
+    ///
+    /// # Errors
+    /// If a setting is no valid expression, or if there is no part.
+    pub(super) fn new(
+        plate: &'a Plate,
+        bases: &'a [Base<'a>],
+    ) -> Result<Rates<'a>, SliceError> {
+        let of = |settings: &'a Settings, base: &'a Base<'a>| {
+            Rater::new(settings, &base.part.model, &base.around)
+        };
+        let of_part = |base: &'a Base<'a>| {
+            of(&base.part.settings, base)
+                .map_err(|e| plate.named(base.part, e.into()))
+        };
+        let first = bases.first().ok_or(SliceError::NoParts)?;
+        Ok(Rates {
+            parts: bases.iter().map(of_part).collect::<Result<_, _>>()?,
+            plate: of(&plate.settings, first)?,
+        })
+    }
+}
+
 /// The stages that run in order.
 pub(super) struct Exit<'a, 'w> {
     /// The settings of the whole plate.
@@ -38,9 +69,7 @@ pub(super) struct Exit<'a, 'w> {
     options: &'a Options<'a>,
     pictures: Option<Pictures>,
     parts: Vec<PartExit<'a>>,
-    /// Rates of the parts, and of what belongs to no part.
-    raters: &'a [Rater<'a>],
-    rater: &'a Rater<'a>,
+    rates: &'a Rates<'a>,
     /// For each place on the plate the part that stands there, and how far it
     /// is from where the model was placed.
     places: Vec<(usize, DVec2)>,
@@ -94,37 +123,32 @@ pub(super) struct Done {
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
-    /// An exit for writing `layers` of a plate. The layers of the same block
-    /// before them have to be given, too.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "each is a part that the caller has made, and is used once"
-    )]
+    /// An exit for writing a job. The layers of the same block before the job's
+    /// have to be given, too.
     pub(super) fn new(
-        timings: &'a Timings,
+        job: &'a Job<'a>,
         parts: Vec<PartExit<'a>>,
-        raters: &'a [Rater<'a>],
-        rater: &'a Rater<'a>,
-        places: Vec<(usize, DVec2)>,
+        rates: &'a Rates<'a>,
         skirt: Option<Skirt>,
-        layers: Range<usize>,
         options: &'a Options<'a>,
         pictures: Option<Pictures>,
         writer: Writer<'a, &'w mut dyn io::Write>,
     ) -> Self {
+        let settings = &job.plate.settings;
+        let places = job.plate.shifts();
+        let layers = job.layers.clone();
         Exit {
-            settings: rater.settings(),
+            settings,
             options,
             pictures,
             parts,
-            raters,
-            rater,
+            rates,
             extruded: vec![0.0; places.len()],
             places,
             skirt,
             last: None,
             at: None,
-            pacer: Pacer::new(rater.settings()),
+            pacer: Pacer::new(settings),
             writer,
             next: layers.start - layers.start % BLOCK,
             turn: None,
@@ -132,7 +156,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             finished: 0.0,
             clear: None,
             layers,
-            timings,
+            timings: job.stopwatch(),
             printing: 0,
             slowed: 0,
             roles: BTreeMap::new(),
@@ -216,7 +240,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             })?;
         }
         let mut paced = self.timings.time(Stage::Pace, || {
-            self.pacer.layer(span, stretches, self.rater)
+            self.pacer.layer(span, stretches, &self.rates.plate)
         })?;
         paced.before = self.before;
         if written {
@@ -256,13 +280,13 @@ impl<'a, 'w> Exit<'a, 'w> {
     where
         'a: 'p,
     {
-        let (raters, rater) = (self.raters, self.rater);
+        let rates = self.rates;
         let mut stretches = Vec::new();
         if let Some(moves) = self.skirt_moves(span) {
             stretches.push(Stretch {
                 place: None,
                 moves,
-                rater,
+                rater: &rates.plate,
                 site: Site::default(),
             });
         }
@@ -310,7 +334,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             stretches.push(Stretch {
                 place: Some(place),
                 moves,
-                rater: &raters[part],
+                rater: &rates.parts[part],
                 site: passed.site(shift),
             });
         }

@@ -1,10 +1,10 @@
 //! Follows what hangs up the layers of a part, while the layers are written or
 //! in a survey.
 
-use super::SliceError;
 use super::layer::Layer;
-use super::stages::Stages;
-use super::{BLOCK, pool};
+use super::stages::{ALL_LAYERS, Stages};
+use super::start::pool;
+use super::{BLOCK, SliceError};
 use crate::hang::{Hanging, Look, Tracker, Unsupported};
 use crate::heights::heights;
 use crate::limits;
@@ -53,7 +53,7 @@ pub fn survey(
     for group in spans.chunks(slab * pool.current_num_threads()) {
         limits::check();
         let slabs = group.par_chunks(slab);
-        let made = slabs.map(|slab| stages.layers(slab, &(0..usize::MAX)));
+        let made = slabs.map(|slab| stages.layers(slab, &ALL_LAYERS));
         let made: Vec<Result<Vec<Layer>, SliceError>> =
             pool.install(|| made.collect());
         // The last layer of the slab before is kept, since the next layer is

@@ -7,6 +7,7 @@
 //! [`PartExit::restart`].
 
 use super::hanging::Follow;
+use super::job::Planned;
 use super::layer::{Filled, Layer, Ready};
 use super::tally::Tally;
 use super::{BLOCK, SliceError};
@@ -102,27 +103,28 @@ pub(super) struct PartDone {
 }
 
 impl<'a> PartExit<'a> {
-    /// The stages for a part of `layer_count` layers, of which `layers` are
-    /// written.
+    /// The stages for a part, of whose layers `layers` are written.
     pub(super) fn new(
-        part: &'a Part,
-        timings: &'a Timings,
+        planned: &'a Planned<'a>,
         layers: Range<usize>,
-        layer_count: usize,
-        spiral: Option<&'a Spiral<'a>>,
         relief: Option<Relief<'a>>,
     ) -> Self {
+        let Planned {
+            part,
+            stages,
+            spans,
+        } = planned;
         PartExit {
             part,
             settings: &part.settings,
             offset: part.model.offset.truncate(),
-            spiral,
+            spiral: stages.spiral.as_ref(),
             relief,
             head: Head::default(),
             standing: Standing::new(&part.settings),
             layers,
-            layer_count,
-            timings,
+            layer_count: spans.len(),
+            timings: &stages.timings,
             beads: 0,
             tally: Tally::default(),
             warnings: Vec::new(),

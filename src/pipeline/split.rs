@@ -13,18 +13,17 @@
 //! the cost is the time. It is the length of the outlines of a few layers, and
 //! of the lines in them.
 
+use super::job::{Base, Planned};
 use super::layer::Layer;
-use super::stages::Stages;
-use super::{
-    BLOCK, Base, Fills, Options, SliceError, layers_of, pool, raft, stages_of,
-};
+use super::stages::{ALL_LAYERS, Stages};
+use super::start::{layers_of, pool};
+use super::{BLOCK, Options, SliceError};
 use crate::layers::LayerSpan;
 use crate::limits;
 use crate::plane::Area;
 use crate::plate::{Part, Plate};
 use crate::settings::Settings;
 use crate::units::Mm;
-use crate::vary::Surroundings;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -89,15 +88,9 @@ fn costs_of(
     spans: &[LayerSpan],
     pool: &ThreadPool,
 ) -> Result<Vec<f64>, SliceError> {
-    let base = Base {
-        part,
-        spans,
-        around: Surroundings::new(&part.model),
-        fills: Fills::new(&part.settings),
-        raft_fills: raft::Fills::new(&part.settings),
-    };
-    let options = Options::default();
-    let (stages, spans) = stages_of(&base, &(0..1), &options, pool)?;
+    let base = Base::new(part, spans);
+    let planned = base.stages(&(0..1), &Options::default(), pool)?;
+    let Planned { stages, spans, .. } = &planned;
     let settings = &part.settings;
     let count = spans.len();
     let looks = LOOKS.min(count);
@@ -105,7 +98,7 @@ fn costs_of(
     let at = |k: usize| (2 * k + 1) * count / (2 * looks);
     let look = |k: usize| {
         limits::check();
-        cost(&stages, &spans[at(k)], settings)
+        cost(stages, &spans[at(k)], settings)
     };
     let found: Result<Vec<f64>, SliceError> =
         pool.install(|| (0..looks).into_par_iter().map(look).collect());
@@ -122,7 +115,7 @@ fn cost(
     span: &LayerSpan,
     settings: &Settings,
 ) -> Result<f64, SliceError> {
-    let layers = stages.layers(&[*span], &(0..usize::MAX))?;
+    let layers = stages.layers(&[*span], &ALL_LAYERS)?;
     // Any layer costs something.
     let of_layer = |layer: &Layer| lines_in(layer.area(), settings);
     Ok(1.0 + layers.iter().map(of_layer).sum::<f64>())

@@ -46,8 +46,8 @@ pub(super) struct Supply<'a> {
     /// The infill of the layer that was filled last, if internal bridges may
     /// lie on it.
     under: Option<Infilled>,
-    /// The same, as it is known to a block that begins soon: whatever its
-    /// lowest layers lie on, they lie on the same in each run.
+    /// The infill of that layer as a run finds it that begins with the next
+    /// block: the block's lowest layers lie on this infill in each run.
     early: Option<Infilled>,
 }
 

@@ -24,7 +24,7 @@ use glam::DVec2;
 /// A bed, and the distance to keep on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bed {
-    /// Its width and depth.
+    /// Width and depth of the bed.
     pub size: DVec2,
     /// Distance between parts.
     pub spacing: Mm,
@@ -36,9 +36,9 @@ pub(super) struct Box {
     pub name: String,
     /// Width and depth, with the brim.
     pub size: DVec2,
-    /// The same without the brim, for messages.
+    /// Width and depth without the brim, for messages.
     pub body: DVec2,
-    /// The middle, if the part has a place.
+    /// The middle of the part, if it has a place.
     pub at: Option<DVec2>,
 }
 
@@ -67,7 +67,8 @@ impl Rect {
         self.max - self.min
     }
 
-    /// How far two overlap; less than 0 where they do not.
+    /// How far two rectangles overlap along each axis; less than 0 where they
+    /// do not.
     fn overlap(self, other: Rect) -> DVec2 {
         self.max.min(other.max) - self.min.max(other.min)
     }
@@ -128,7 +129,8 @@ pub(super) fn arrange(
             Err(_) => share = (share * LARGER).min(1.0),
         }
     };
-    // Their middle is the bed's, unless some have a place.
+    // All boxes together have their middle in the bed's, unless some have a
+    // place.
     let mut by = DVec2::ZERO;
     if fixed.is_empty() {
         let all = placed.iter().copied().reduce(|a, b| Rect {
@@ -181,8 +183,8 @@ fn standing(boxes: &[Box], bed: Bed) -> Result<Vec<Rect>, PlateError> {
     Ok(fixed.into_iter().map(|(_, foot)| foot).collect())
 }
 
-/// Places for the boxes of `order` in a region of that share of the bed's
-/// sides, or which one has none.
+/// Places for the boxes of `order` in a region whose sides are `share` of the
+/// bed's. The error is the number of a box without a place.
 fn packed(
     boxes: &[Box],
     order: &[usize],
@@ -258,7 +260,8 @@ fn cut(free: &mut Vec<Rect>, occupied: Rect) {
         let some = |r: &Rect| r.size().cmpgt(DVec2::ZERO).all();
         pieces.extend(sides.into_iter().filter(some));
     }
-    // Only the largest: a piece within another one is not needed.
+    // Only the largest pieces are kept: a piece within another one is not
+    // needed.
     for (i, piece) in pieces.iter().enumerate() {
         let within = |(j, other): (usize, &Rect)| {
             j != i && other.holds(*piece) && (other != piece || j < i)

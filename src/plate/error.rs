@@ -1,6 +1,6 @@
 //! Why there is no plate.
 
-use super::MOST_PARTS;
+use super::Plate;
 use crate::model::{LoadError, PlaceError};
 use crate::settings::SettingsError;
 
@@ -8,18 +8,19 @@ use crate::settings::SettingsError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlateError {
-    /// There is nothing on it.
+    /// There is nothing on the plate.
     #[error(
         "there is nothing on the plate; give it a model, with copies = 1 or \
          more"
     )]
     Empty,
-    /// There is too much on it.
+    /// There is too much on the plate.
     #[error(
-        "{count} parts are more than a plate may have: at most {MOST_PARTS}"
+        "{count} parts are more than a plate may have: at most {}",
+        Plate::MOST_PARTS
     )]
     TooMany {
-        /// How many were asked for.
+        /// How many parts were asked for.
         count: u64,
     },
     /// A setting differs that holds for the whole plate.
@@ -31,11 +32,11 @@ pub enum PlateError {
     Differs {
         /// Where the part is asked for.
         asked: String,
-        /// The setting.
+        /// Name of the setting.
         key: &'static str,
         /// The part's value.
         value: String,
-        /// The plate's.
+        /// The plate's value.
         of_plate: String,
     },
     /// Copies that stand in one place.
@@ -44,9 +45,9 @@ pub enum PlateError {
          out, or name each of them with its own"
     )]
     CopiesInOnePlace {
-        /// Where they are asked for.
+        /// Where the copies are asked for.
         asked: String,
-        /// How many.
+        /// How many copies are asked for.
         copies: u64,
     },
     /// A climbing wall with something beside it.
@@ -55,7 +56,7 @@ pub enum PlateError {
          break; slice the parts one by one, or set spiral = false"
     )]
     Spiral {
-        /// Where it is asked for.
+        /// Where the part is asked for.
         asked: String,
     },
     /// The model's own coordinates on a plate.
@@ -64,26 +65,26 @@ pub enum PlateError {
          stand with `at` in a plate file"
     )]
     KeptPosition {
-        /// Where it is asked for.
+        /// Where the part is asked for.
         asked: String,
     },
     /// A model cannot be loaded.
     #[error("{asked}")]
     Load {
-        /// Where it is asked for.
+        /// Where the model is asked for.
         asked: String,
-        /// Why not.
+        /// Why the model cannot be loaded.
         #[source]
         error: Box<LoadError>,
     },
     /// A model cannot be placed.
     #[error("{asked}: {name}")]
     Place {
-        /// Where it is asked for.
+        /// Where the model is asked for.
         asked: String,
-        /// The model.
+        /// Name of the model.
         name: String,
-        /// Why not.
+        /// Why the model cannot be placed.
         #[source]
         error: PlaceError,
     },
@@ -93,9 +94,9 @@ pub enum PlateError {
          it, or leave that out to have a place found"
     )]
     OffBed {
-        /// The part.
+        /// Name of the part.
         name: String,
-        /// Sides, and by how much they are exceeded.
+        /// The sides of the bed that the part exceeds, and by how much.
         excess: String,
     },
     /// Two parts with places overlap.
@@ -105,13 +106,13 @@ pub enum PlateError {
          have a place found"
     )]
     Overlap {
-        /// One part.
+        /// Name of one part.
         first: String,
-        /// The other.
+        /// Name of the other part.
         second: String,
-        /// By how much along x, mm.
+        /// By how much they overlap along x, mm.
         x: f64,
-        /// And along y.
+        /// By how much they overlap along y, mm.
         y: f64,
     },
     /// A part finds no place.
@@ -124,17 +125,17 @@ pub enum PlateError {
     Full {
         /// The first part without a place.
         name: String,
-        /// Its size.
+        /// Size of that part.
         size: String,
-        /// What belongs to it.
+        /// What belongs to that part.
         with: &'static str,
-        /// How many have a place.
+        /// How many parts have a place.
         placed: usize,
-        /// How many there are.
+        /// How many parts there are.
         count: usize,
         /// Size of the bed.
         bed: String,
-        /// The distance between them, mm.
+        /// The distance between parts, mm.
         spacing: f64,
     },
     /// It is not known how much room the head needs.
@@ -163,11 +164,11 @@ pub enum PlateError {
     TooNear {
         /// The part that is finished first.
         first: String,
-        /// The one that is printed beside it.
+        /// The part that is printed beside it.
         later: String,
         /// How far they are from each other, mm.
         apart: f64,
-        /// How far they should be, mm.
+        /// How far they should be from each other, mm.
         radius: f64,
     },
     /// What carries the head would hit a part that is finished.
@@ -180,19 +181,19 @@ pub enum PlateError {
     TooHigh {
         /// The part that is finished first.
         first: String,
-        /// Its height, mm.
+        /// Height of the part that is finished first, mm.
         height: f64,
-        /// The one that is printed after it.
+        /// The part that is printed after it.
         later: String,
-        /// How high it may be, mm.
+        /// How high the first part may be, mm.
         gantry: f64,
     },
     /// A plate file cannot be read.
     #[error("cannot read the plate file {file}: {cause}")]
     Unreadable {
-        /// The file.
+        /// The file's name.
         file: String,
-        /// Why not.
+        /// Why the file cannot be read.
         cause: String,
     },
     /// A plate file is not understood.

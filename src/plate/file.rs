@@ -19,7 +19,7 @@
 //! plate's settings. Paths start from the file's folder. Guaranteed: no key is
 //! ignored.
 
-use super::{MOST_PARTS, PlateError, Wanted};
+use super::{Plate, PlateError, Wanted};
 use crate::files::{self, MAX_SETTINGS_BYTES};
 use crate::model::{Placement, Source};
 use crate::settings::{Builder, Settings};
@@ -30,7 +30,7 @@ use toml::de::{DeTable, DeValue};
 /// A plate file that has been read.
 #[derive(Clone, Debug)]
 pub struct PlateFile {
-    /// What is wanted.
+    /// The parts that are wanted.
     pub parts: Vec<Wanted>,
     /// What holds for the whole plate.
     pub settings: Settings,
@@ -98,7 +98,7 @@ impl PlateFile {
                 return Err(file.wrong(0, how.to_owned()));
             }
         };
-        if parts.len() as u64 > MOST_PARTS {
+        if parts.len() as u64 > Plate::MOST_PARTS {
             let count = parts.len() as u64;
             return Err(PlateError::TooMany { count });
         }
@@ -132,12 +132,12 @@ impl PlateFile {
 struct File<'a> {
     name: &'a str,
     text: &'a str,
-    /// What paths in it start from.
+    /// The folder that paths in the file start from.
     folder: &'a Path,
 }
 
 impl File<'_> {
-    /// The file and the line of a byte of it.
+    /// The file's name, and the line of a byte of the file.
     fn place(&self, byte: usize) -> String {
         let before = self.text.bytes().take(byte);
         let line = 1 + before.filter(|b| *b == b'\n').count();
@@ -256,11 +256,13 @@ impl File<'_> {
             None => 1,
             Some((value, DeValue::Integer(i))) => {
                 let count = u64::from_str_radix(i.as_str(), i.radix()).ok();
-                let some = count.filter(|n| (1..=MOST_PARTS).contains(n));
+                let some =
+                    count.filter(|n| (1..=Plate::MOST_PARTS).contains(n));
                 some.ok_or_else(|| {
                     let how = format!(
-                        "copies = {} is out of range; use 1 to {MOST_PARTS}",
-                        i.as_str()
+                        "copies = {} is out of range; use 1 to {}",
+                        i.as_str(),
+                        Plate::MOST_PARTS
                     );
                     self.wrong(value.span().start, how)
                 })?

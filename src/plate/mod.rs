@@ -34,7 +34,6 @@ mod shared;
 
 pub use error::PlateError;
 pub use file::PlateFile;
-pub use schema::schema;
 
 use crate::adhesion::brim_reach;
 use crate::model::{
@@ -47,9 +46,6 @@ use arrange::{Bed, Box as Piece, arrange};
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 
-/// Greatest number of parts on a plate.
-pub const MOST_PARTS: u64 = 1000;
-
 /// What positions are multiples of, mm: a digit of the G-code, so that equal
 /// parts are written alike.
 const DIGIT: Mm = 1e-3;
@@ -59,29 +55,30 @@ const DIGIT: Mm = 1e-3;
 pub struct Wanted {
     /// The model.
     pub source: Source,
-    /// Parameters of its script, with their values.
+    /// Parameters of the model's script, with their values.
     pub defines: Vec<(String, String)>,
-    /// How it is scaled and turned. Where it stands is `at`.
+    /// How the model is scaled and turned. Where it stands is `at`.
     pub placement: Placement,
-    /// How it is printed.
+    /// How the model is printed.
     pub settings: Settings,
-    /// Where on the bed the middle of its box stands, mm; nothing if a place is
-    /// to be found.
+    /// Where on the bed the middle of the model's box stands, mm; nothing if a
+    /// place is to be found.
     pub at: Option<(f64, f64)>,
-    /// How many there are.
+    /// Number of copies.
     pub copies: u64,
-    /// Where it was asked for, for messages: a file and a line, or a model.
+    /// Where the copies were asked for, for messages: a file and a line, or a
+    /// model.
     pub asked: String,
 }
 
 /// Parts that are printed together.
 #[derive(Clone)]
 pub struct Plate {
-    /// Its name: that of the model, if there is one part only.
+    /// The plate's name. If there is one part only, it is the model's.
     pub name: String,
-    /// What holds for all of it.
+    /// The settings that hold for the whole plate.
     pub settings: Settings,
-    /// The parts. Those of a name may differ in parameters or settings.
+    /// The parts. Parts of one name may differ in parameters or settings.
     pub parts: Vec<Part>,
 }
 
@@ -90,9 +87,9 @@ pub struct Plate {
 pub struct Part {
     /// The model, placed as if it were alone.
     pub model: Model,
-    /// How it is printed.
+    /// How the part is printed.
     pub settings: Settings,
-    /// Where it stands.
+    /// The places where the part stands.
     pub places: Vec<PartPlace>,
     /// Where there may be supports, where the model was placed; nothing for
     /// anywhere on the bed.
@@ -104,11 +101,14 @@ pub struct Part {
 pub struct PartPlace {
     /// Name of the part in this place.
     pub name: String,
-    /// How far it is from where the model was placed, mm.
+    /// How far the place is from where the model was placed, mm.
     pub shift: DVec2,
 }
 
 impl Plate {
+    /// Greatest number of parts on a plate.
+    pub const MOST_PARTS: u64 = 1000;
+
     /// A plate with one part, where the model was placed.
     pub fn of(model: &Model, settings: &Settings) -> Plate {
         let place = PartPlace {
@@ -144,7 +144,7 @@ impl Plate {
         if count == 0 {
             return Err(PlateError::Empty);
         }
-        if count > MOST_PARTS {
+        if count > Plate::MOST_PARTS {
             return Err(PlateError::TooMany { count });
         }
         for one in wanted {
@@ -168,7 +168,7 @@ impl Plate {
         Ok(plate)
     }
 
-    /// In how many places there are parts.
+    /// Number of places in which there are parts.
     pub fn place_count(&self) -> usize {
         self.parts.iter().map(|part| part.places.len()).sum()
     }
@@ -281,7 +281,7 @@ impl Part {
         let apart =
             |a: Rect, b: Rect| (a.min - b.max).max(b.min - a.max).max_element();
         let gaps = self.feet().flat_map(|own| {
-            // Its own box is the one that it overlaps wholly.
+            // The box that a part overlaps wholly is its own.
             let others = all.iter().filter(move |other| **other != own);
             others.map(move |other| apart(own, *other))
         });
@@ -316,7 +316,7 @@ impl Wanted {
         Ok(())
     }
 
-    /// True if the two are copies of one part.
+    /// True if `self` and `other` are copies of one part.
     fn is_like(&self, other: &Wanted) -> bool {
         self.source == other.source
             && self.defines == other.defines
@@ -325,7 +325,7 @@ impl Wanted {
     }
 }
 
-/// Numbers of what is wanted, those together that are copies of one part.
+/// Indices of what is wanted, in groups of copies of one part.
 fn kinds(wanted: &[Wanted]) -> Vec<Vec<usize>> {
     let mut kinds: Vec<Vec<usize>> = Vec::new();
     for (i, one) in wanted.iter().enumerate() {
@@ -394,7 +394,7 @@ fn place_all(
         size: DVec2::new(printer.bed_x, printer.bed_y),
         spacing: sequence::spacing(settings, parts.iter().map(|p| &p.0)),
     };
-    // In the order in which they are asked for.
+    // The boxes come in the order in which the parts are asked for.
     let mut asked: Vec<(usize, usize)> = Vec::new();
     for (k, (_, kind)) in parts.iter().enumerate() {
         for &i in *kind {
@@ -429,13 +429,13 @@ fn place_all(
     for mut part in placed {
         let free = part.free(&feet).min(settings.plate.spacing);
         if count == 1 {
-            // The ordinary case: the model itself stands there.
+            // Ordinarily the model itself stands there.
             for place in &mut part.places {
                 part.model.offset += place.shift.extend(0.0);
                 place.shift = DVec2::ZERO;
             }
         } else if part.settings.infill_centre == InfillCentre::Bed {
-            // Each has a pattern of its own, and so is a part of its own.
+            // Each place has a pattern of its own, and so is a part of its own.
             for place in std::mem::take(&mut part.places) {
                 let mut one = part.clone();
                 one.model.offset += place.shift.extend(0.0);

@@ -59,10 +59,10 @@ impl Head {
 /// A part in its place.
 struct Standing<'a> {
     name: &'a str,
-    /// Where the nozzle may be while it is printed, and what stands there
+    /// Where the nozzle may be while the part is printed, and what stands there
     /// afterwards.
     area: Rect,
-    /// Its top above the bed.
+    /// Height of the part's top above the bed.
     top: Mm,
 }
 
@@ -71,7 +71,7 @@ pub(super) fn one_by_one(settings: &Settings) -> bool {
     settings.plate.sequence == PlateSequence::OneByOne
 }
 
-/// The distance at which parts of these are to be arranged.
+/// The distance that parts keep from one another where they are arranged.
 pub(super) fn spacing<'a>(
     settings: &Settings,
     parts: impl Iterator<Item = &'a Part>,
@@ -127,7 +127,7 @@ impl Plate {
         finished + ABOVE
     }
 
-    /// Refuses what parts that are printed one by one cannot have.
+    /// Refuses settings that parts printed one by one cannot have.
     pub(super) fn check_alone(&self) -> Result<(), PlateError> {
         if self.settings.draft_shield != DraftShield::Off {
             return Err(PlateError::ShieldOneByOne);
@@ -138,8 +138,8 @@ impl Plate {
         }
     }
 
-    /// Refuses a plate whose parts cannot be printed one by one, if they are to
-    /// be.
+    /// If parts are to be printed one by one, refuses a plate on which they
+    /// cannot be.
     pub(super) fn check_sequence(&self) -> Result<(), PlateError> {
         let Some(turns) = self.turns() else {
             return Ok(());
@@ -185,13 +185,13 @@ impl Plate {
 }
 
 impl Part {
-    /// Height of its top above the bed, on its raft.
+    /// Height of the part's top above the bed, on its raft.
     fn top(&self) -> Mm {
         let lift = self.settings.raft_height();
         self.model.printed_bounds().max.z + lift
     }
 
-    /// What it may cover of the bed in a place, with its supports.
+    /// What the part may cover of the bed in a place, with its supports.
     fn covers(&self, shift: DVec2) -> Rect {
         let foot = self.foot();
         let mut area = foot;

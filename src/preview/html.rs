@@ -6,7 +6,8 @@
 //! in it can become markup or script.
 //!
 //! [`live_html`] is the page of a program that serves it, with parts that ask
-//! that program for the moves ([`live_moves`]) and for what else it can tell.
+//! that program for the moves ([`Toolpath::live_moves`]) and for what else it
+//! can tell.
 //!
 //! The page's parts are in `assets/preview`, with two libraries in `vendor`.
 
@@ -58,8 +59,8 @@ const PARTS: &[(&str, &str)] = &[
     ("main.js", include_str!("../../assets/preview/main.js")),
 ];
 
-/// The parts of a page that a program serves. They are empty in other pages,
-/// but for what the page may load.
+/// The parts of a page that a program serves. In other pages these parts are
+/// empty, except for what the page may load.
 const LIVE_PARTS: &[(&str, &str)] = &[
     ("connect", "; img-src data: blob:; connect-src 'self'"),
     ("live.css", include_str!("../../assets/preview/live.css")),
@@ -94,19 +95,34 @@ struct Told<'a> {
     statistics: &'a Statistics,
 }
 
-/// Writes the page. `name` is the print's name.
-///
-/// # Errors
-/// If `out` cannot be written to.
-pub fn write_html(
-    out: &mut dyn Write,
-    path: &Toolpath,
-    name: &str,
-) -> io::Result<()> {
-    let packed = pack(path)?;
-    let told = serde_json::to_string(&told(path, &packed, name))?;
-    let moves = STANDARD.encode(&packed.bytes);
-    write_page(out, FILE_PARTS, name, &told, &moves)
+impl Toolpath {
+    /// Writes the page that shows the moves. `name` is the print's name.
+    ///
+    /// # Errors
+    /// If `out` cannot be written to.
+    pub fn write_html(
+        &self,
+        out: &mut dyn Write,
+        name: &str,
+    ) -> io::Result<()> {
+        let packed = pack(self)?;
+        let told = serde_json::to_string(&told(self, &packed, name))?;
+        let moves = STANDARD.encode(&packed.bytes);
+        write_page(out, FILE_PARTS, name, &told, &moves)
+    }
+
+    /// What the page of [`live_html`] asks for: a line of JSON, and behind it
+    /// the packed moves.
+    ///
+    /// # Errors
+    /// Never, since it writes to memory. The encoder's interface requires it.
+    pub fn live_moves(&self, name: &str) -> io::Result<Vec<u8>> {
+        let packed = pack(self)?;
+        let mut bytes = serde_json::to_vec(&told(self, &packed, name))?;
+        bytes.push(b'\n');
+        bytes.extend_from_slice(&packed.bytes);
+        Ok(bytes)
+    }
 }
 
 /// The page of a program that serves it and tells it of the print `name`.
@@ -115,18 +131,6 @@ pub fn live_html(name: &str) -> String {
     // Memory takes any number of bytes.
     let _ = write_page(&mut page, LIVE_PARTS, name, "null", "");
     String::from_utf8_lossy(&page).into_owned()
-}
-
-/// What such a page asks for: a line of JSON, and behind it the packed moves.
-///
-/// # Errors
-/// Never, since it writes to memory. The encoder's interface requires it.
-pub fn live_moves(path: &Toolpath, name: &str) -> io::Result<Vec<u8>> {
-    let packed = pack(path)?;
-    let mut bytes = serde_json::to_vec(&told(path, &packed, name))?;
-    bytes.push(b'\n');
-    bytes.extend_from_slice(&packed.bytes);
-    Ok(bytes)
 }
 
 fn told<'a>(path: &'a Toolpath, packed: &Packed, name: &'a str) -> Told<'a> {
@@ -214,7 +218,7 @@ mod tests {
     fn page(gcode: &str, name: &str) -> String {
         let path = Toolpath::read(Reader::new(gcode.as_bytes())).unwrap();
         let mut page = Vec::new();
-        write_html(&mut page, &path, name).unwrap();
+        path.write_html(&mut page, name).unwrap();
         String::from_utf8(page).unwrap()
     }
 
@@ -263,7 +267,7 @@ mod tests {
     #[test]
     fn moves_follow_the_line_that_tells_of_them() {
         let path = Toolpath::read(Reader::new(&b"G1 X1 E1\n"[..])).unwrap();
-        let bytes = live_moves(&path, "a\nb").unwrap();
+        let bytes = path.live_moves("a\nb").unwrap();
         let end = bytes.iter().position(|b| *b == b'\n').unwrap();
         let told: serde_json::Value =
             serde_json::from_slice(&bytes[..end]).unwrap();

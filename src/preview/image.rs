@@ -139,8 +139,8 @@ pub(super) type Rows<'a> =
 /// one.
 ///
 /// # Errors
-/// Those of `draw`; if a side is 0 or too large for PNG, or there are not as
-/// many pixels as that.
+/// Those of `draw`; if a side is 0 or too large for PNG, or `draw` hands over
+/// another number of pixels.
 pub(super) fn png_by_rows(
     [width, height]: [usize; 2],
     behind: Option<[u8; 3]>,
@@ -172,8 +172,8 @@ fn over(mut pixel: [f32; 4], background: [u8; 3]) -> [f32; 4] {
     pixel
 }
 
-/// The pixels, of `count`, that a length from `from` on covers, and each one's
-/// share of the length.
+/// The pixels that a length from `from` on covers, of `count` pixels, and for
+/// each its share of the length.
 fn shares(from: f64, length: f64, count: usize) -> Vec<(usize, f32)> {
     let to = from + length;
     let first = from.floor().max(0.0) as usize;

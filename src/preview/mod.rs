@@ -17,9 +17,8 @@ mod svg;
 mod toolpath;
 
 pub(crate) use folder::Pictures;
-pub use html::{live_html, live_moves, write_html};
+pub use html::live_html;
 pub(crate) use picture::thumbnails;
-pub use picture::{draw, sketch};
 pub(crate) use raster::outline_from_above;
 pub use raster::{PictureError, View};
 pub(crate) use svg::layer_svg;

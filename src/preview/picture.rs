@@ -23,10 +23,11 @@ const THUMBNAIL: f64 = 1.5;
 /// Samples of the picture along the side of a pixel of the light's view.
 /// Shadows are softer than what casts them.
 const MAP: f64 = 1.5;
-/// As [`MAP`], for sketches, of which the light's view would be half of the
-/// work.
+/// What [`MAP`] is, for sketches. With [`MAP`] the light's view would be half
+/// of their work.
 const ROUGH_MAP: f64 = 4.0;
-/// Least longer side with which they are drawn, pixels.
+/// Least length of the longer side with which pictures in a file's head are
+/// drawn, pixels.
 const LEAST: f64 = 128.0;
 
 /// Number of operations that a picture in a file's head may take. For a
@@ -39,32 +40,37 @@ const AFFORDABLE: u64 = 6_000_000_000;
 /// samples.
 const COARSER: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// Draws a model, as a PNG file, in front of a colour (sRGB) or nothing.
-///
-/// # Errors
-/// If fidget refuses the model's expression, or a side is too large for PNG.
-pub fn draw(
-    model: &Model,
-    view: View,
-    size: [usize; 2],
-    behind: Option<[u8; 3]>,
-) -> Result<Vec<u8>, PictureError> {
-    let longest = size[0].max(size[1]);
-    let block = if longest <= SMOOTHED { SMOOTH } else { 1 };
-    in_blocks(model, view, size, behind, (block, MAP))
-}
+impl View {
+    /// Draws a model, as a PNG file, in front of a colour (sRGB) or nothing.
+    /// `size` is in pixels.
+    ///
+    /// # Errors
+    /// If fidget refuses the model's expression, or a side is too large for
+    /// PNG.
+    pub fn draw(
+        self,
+        model: &Model,
+        size: [usize; 2],
+        behind: Option<[u8; 3]>,
+    ) -> Result<Vec<u8>, PictureError> {
+        let longest = size[0].max(size[1]);
+        let block = if longest <= SMOOTHED { SMOOTH } else { 1 };
+        in_blocks(model, self, size, behind, (block, MAP))
+    }
 
-/// As [`draw`], in a fraction of the time, with rough edges.
-///
-/// # Errors
-/// As [`draw`].
-pub fn sketch(
-    model: &Model,
-    view: View,
-    size: [usize; 2],
-    behind: Option<[u8; 3]>,
-) -> Result<Vec<u8>, PictureError> {
-    in_blocks(model, view, size, behind, (1, ROUGH_MAP))
+    /// Does what [`View::draw`] does in a fraction of the time. Edges are
+    /// rough.
+    ///
+    /// # Errors
+    /// Those of [`View::draw`].
+    pub fn sketch(
+        self,
+        model: &Model,
+        size: [usize; 2],
+        behind: Option<[u8; 3]>,
+    ) -> Result<Vec<u8>, PictureError> {
+        in_blocks(model, self, size, behind, (1, ROUGH_MAP))
+    }
 }
 
 /// Draws a picture, each pixel of which is made of `block` × `block` samples,
@@ -82,8 +88,8 @@ fn in_blocks(
     })
 }
 
-/// Hands over the picture, of blocks of `block` × `block` samples, some rows at
-/// a time.
+/// Hands over the picture some rows at a time. Each pixel is made of a block of
+/// `block` × `block` samples.
 fn drawn(
     subject: &Subject,
     [width, height]: [usize; 2],

@@ -183,8 +183,8 @@ impl Subject {
         Subject::at_most(u64::MAX, model, view)
     }
 
-    /// As [`Subject::new`], but sampling fails once it has taken `most`
-    /// operations.
+    /// Does what [`Subject::new`] does, but sampling fails once it has taken
+    /// `most` operations.
     pub(super) fn at_most(
         operations: u64,
         model: &Model,
@@ -200,7 +200,7 @@ impl Subject {
         }
         let sight = Sight::new(&tree)?
             .at_most(operations)
-            .with_cancel(limits::cancel());
+            .with_cancel(limits::Watch::hook());
         let sight = Arc::new(sight);
         Ok(Subject::of(sight, view.axes(), bounds))
     }

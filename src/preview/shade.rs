@@ -32,7 +32,8 @@ const FILL_FROM: Vec3 = Vec3::new(0.75, -0.1, 0.65);
 const GLOSS: f32 = 0.16;
 const NARROW: i32 = 28;
 
-/// Number of directions in which corners are looked for, and of looks in each.
+/// Number of directions in which corners are looked for, and number of looks in
+/// each of them.
 const DIRECTIONS: usize = 8;
 const LOOKS: usize = 5;
 /// Greatest distance of a look, as a share of the picture's longer side.

@@ -45,7 +45,7 @@ pub enum ToolpathError {
         .most / 1_000_000
     )]
     TooLong {
-        /// The line of the first move that is too much.
+        /// The line of the first move beyond that number.
         line: u64,
         /// How many moves a toolpath may have.
         most: usize,
@@ -180,8 +180,8 @@ impl Toolpath {
         &self.statistics
     }
 
-    /// With what the settings know and files may not say: the bed, and what
-    /// the filament costs.
+    /// The toolpath with what the settings know and files may not say: the bed,
+    /// and what the filament costs.
     pub fn with_settings(mut self, settings: &Settings) -> Self {
         let [x, y] = [settings.printer.bed_x, settings.printer.bed_y];
         let statistics = &mut self.statistics;
@@ -191,7 +191,7 @@ impl Toolpath {
         self
     }
 
-    /// With what the user should know, to be listed.
+    /// The toolpath with more warnings, which the page lists.
     pub fn with_warnings(mut self, warnings: &[String]) -> Self {
         self.statistics.warnings.extend_from_slice(warnings);
         self

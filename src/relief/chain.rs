@@ -10,13 +10,13 @@ use glam::DVec2;
 /// A level stretch shorter than this is printed with what is beside it, mm.
 const SHORT: Mm = 1.0;
 
-/// Lengths below this are none, mm.
+/// Lengths below this count as 0, mm.
 const NOTHING: Mm = 1e-7;
 
 /// Beads of one width each.
 pub(super) struct Chain {
     beads: Vec<Ended>,
-    /// Their points; that at which two beads meet is there once.
+    /// The points of the beads. A point at which two beads meet is there once.
     points: Vec<DVec2>,
     /// Length of the path up to each point.
     lengths: Vec<Mm>,
@@ -27,15 +27,15 @@ pub(super) struct Chain {
 /// A place along a chain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
-    /// Length of the path up to it, mm.
+    /// Length of the path up to the place, mm.
     pub at: Mm,
-    /// Where it is.
+    /// The place.
     pub point: DVec2,
-    /// The segment that it is on.
+    /// The segment that the place is on.
     segment: usize,
-    /// True if the next layer does not cover it.
+    /// True if the next layer does not cover the place.
     pub open: bool,
-    /// True if it is a point of the path.
+    /// True if the place is a point of the path.
     pub corner: bool,
 }
 
@@ -55,7 +55,7 @@ pub(super) fn any_open(beads: &[Ended], cover: Option<&EdgeGrid>) -> bool {
 }
 
 impl Chain {
-    /// Of beads that have one width each.
+    /// The chain of beads that have one width each.
     pub(super) fn new(beads: Vec<Ended>) -> Chain {
         let (mut points, mut lengths) = (Vec::new(), Vec::new());
         let mut owners = Vec::new();
@@ -82,7 +82,7 @@ impl Chain {
         }
     }
 
-    /// Greatest width of its beads.
+    /// Greatest width of the chain's beads.
     pub(super) fn width(&self) -> Mm {
         let widths = self.beads.iter().map(|ended| ended.bead.width);
         widths.fold(0.0, f64::max)
@@ -108,7 +108,7 @@ impl Chain {
             let mut from = 0.0;
             for to in cuts {
                 let way = (to - from) * length;
-                // The last cut is the segment's end, and gets there.
+                // The last cut is the segment's end, and is always reached.
                 if way <= NOTHING && to < 1.0 {
                     continue;
                 }
@@ -153,8 +153,8 @@ impl Chain {
         }
     }
 
-    /// Share of the bead's width that lies open at a stop whose middle does,
-    /// and where the middle of that share is, from the stop.
+    /// For a stop whose middle lies open: the share of the bead's width that
+    /// lies open, and where the middle of that share is, from the stop.
     pub(super) fn open_share(
         &self,
         stop: &Stop,
@@ -180,9 +180,9 @@ impl Chain {
         (high - low, (0.5 * (low + high) - 0.5) * across)
     }
 
-    /// The beads with the levels that knots along them tell, those that stay
-    /// level as they are. `extra` is how much higher the material of a bead
-    /// is counted for a fill.
+    /// The beads with the levels of the knots along them. Beads that stay level
+    /// are as they were. `extra` is how much higher the material of a bead is
+    /// counted for a fill.
     pub(super) fn levelled(
         self,
         knots: &[Knot],
@@ -240,7 +240,7 @@ impl Chain {
         let next = self.lengths.partition_point(|l| *l < at - NOTHING);
         let next = next.clamp(1, self.lengths.len() - 1);
         let (from, to) = (self.lengths[next - 1], self.lengths[next]);
-        // The very points that the beads had, so that they meet.
+        // These are the very points that the beads had, so that pieces meet.
         if (at - to).abs() <= NOTHING {
             return self.points[next];
         }

@@ -64,7 +64,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use surface::{Facing, Spot, Window};
 
-/// How much steeper than at full strength a face is that gets nothing.
+/// How much steeper than a face of full strength a face is that gets nothing.
 const FADE: Degrees = 10.0;
 
 /// Distance of places along a bead at which the surface is looked for, mm.
@@ -73,7 +73,7 @@ const STEP: Mm = 0.1;
 /// Distance at which the slope of the surface is measured, mm.
 const BESIDE: Mm = 0.1;
 
-/// Rises below this are none, mm: half of what G-code resolves.
+/// Rises below this count as 0, mm: it is half of what G-code resolves.
 const LEVEL: Mm = 0.0005;
 
 /// How far the nozzle may be from the heights that were found, mm.
@@ -119,11 +119,11 @@ pub(crate) struct Site<'a> {
 /// The layer above or below a layer.
 #[derive(Clone, Copy)]
 pub(crate) enum Side<'a> {
-    /// It is the same, or does not matter.
+    /// That layer has an equal outline, or does not matter.
     Closed,
-    /// There is none.
+    /// There is no such layer.
     Open,
-    /// Its height, and its outline.
+    /// The height and the outline of that layer.
     Layer(Mm, &'a EdgeGrid),
 }
 
@@ -154,7 +154,7 @@ struct Bounds {
 }
 
 impl<'a> Relief<'a> {
-    /// Of a model, if the settings ask for it.
+    /// What follows the surface of a model, if the settings ask for it.
     ///
     /// # Errors
     /// If the strength is no expression, or the field cannot be evaluated.
@@ -203,7 +203,8 @@ impl<'a> Relief<'a> {
         site: Site<'_>,
         facing: Facing,
     ) -> Result<Vec<Ended>, ReliefError> {
-        // Each either a path of beads that follow, or one that does not.
+        // Each path is of beads that follow the surface, or of beads that do
+        // not.
         let mut paths: Vec<(Vec<Ended>, bool)> = Vec::new();
         for ended in beads {
             let own = follows(&ended.bead, facing);
@@ -272,7 +273,7 @@ impl<'a> Relief<'a> {
         Ok(chain.levelled(&knots, TOLERANCE, extra))
     }
 
-    /// What is known of the heights at some stops of a chain; nothing if the
+    /// What is known of the heights at some stops of a chain, or nothing if the
     /// layer is right as it is. Heights are counted out of the layer: upwards
     /// from its top, or downwards from its bottom.
     fn knots(
@@ -371,7 +372,7 @@ impl<'a> Site<'a> {
 }
 
 impl Facing {
-    /// 1 if out of the part is up.
+    /// 1 if the way out of the part leads up, −1 if it leads down.
     fn sign(self) -> f64 {
         match self {
             Facing::Up => 1.0,
@@ -447,7 +448,7 @@ fn follows(bead: &Bead, facing: Facing) -> bool {
         && bead.points.len() > 1
 }
 
-/// True if a bead goes on where the one before ends.
+/// True if the bead `next` goes on where the bead before it ends.
 fn goes_on(before: &Ended, next: &Ended) -> bool {
     let bead = &before.bead;
     before.wipe.is_none()
@@ -456,10 +457,10 @@ fn goes_on(before: &Ended, next: &Ended) -> bool {
         && bead.points.last() == next.bead.points.first()
 }
 
-/// How much higher than its layer a bead's material has to be counted, so that
-/// as wide as it is, and one spacing from the next, it fills a layer that is
-/// higher by `fill`. Beads beside each other share their round ends, which are
-/// the larger the higher the beads are.
+/// How much higher than its layer a bead's material has to be counted so that
+/// it fills a layer that is higher by `fill`. The bead's width stays, and so
+/// does its distance from the next one, which is one spacing. Beads beside each
+/// other share their round ends, which are the larger the higher the beads are.
 fn extra(bead: &Bead, fill: Mm) -> Mm {
     if bead.role == Role::Ironing {
         return 0.0;

@@ -10,35 +10,35 @@ use crate::units::Mm;
 /// What a knot knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// It lies open below the surface, which tells the height.
+    /// The knot lies open below the surface, which tells the height.
     Open,
-    /// It lies open, but no height suits it: an edge, a cliff.
+    /// The knot lies open, but no height suits it: an edge, a cliff.
     Bare,
-    /// The next layer covers it.
+    /// The next layer covers the knot.
     Covered,
 }
 
 /// A place along a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Knot {
-    /// Length of the path up to it, mm.
+    /// Length of the path up to the place, mm.
     pub at: Mm,
-    /// What it knows.
+    /// What the knot knows.
     pub kind: Kind,
     /// Height of the nozzle above the layer's top, mm.
     pub rise: Mm,
-    /// Height of the material beyond the layer's, mean over the bead's width,
-    /// mm.
+    /// By how much the material is higher than the layer, as a mean over the
+    /// bead's width, mm.
     pub fill: Mm,
     /// True if the path has a point of its own here.
     pub corner: bool,
 }
 
-/// Greatest slope along a path; what is steeper is a cliff. It is that of the
-/// steepest face which beads may follow in full, and a little more.
+/// Greatest slope along a path. What is steeper is a cliff. The slope is a
+/// little more than that of the steepest face which beads may follow in full.
 const CLIFF: f64 = 0.75;
 
-/// A height by which knots may differ at any distance, mm.
+/// Height by which knots may differ at any distance, mm.
 const SLACK: Mm = 0.002;
 
 /// Greatest slope with which a way over a gap begins and ends.
@@ -50,10 +50,10 @@ const STEPS: usize = 8;
 /// Share of a ramp over which the material goes back to the layer's.
 const FADE: f64 = 0.25;
 
-/// Distances closer than this are the same, mm.
+/// Lengths that differ by less count as equal, mm.
 const ALIKE: Mm = 1e-7;
 
-/// One side of a gap: where it is, the height there, the slope and the fill.
+/// One side of a gap: its place, the height there, the slope and the fill.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     at: Mm,

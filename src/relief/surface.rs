@@ -39,14 +39,14 @@ pub(super) enum Facing {
 /// A point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spot {
-    /// Its height in the model's frame, mm.
+    /// Height of the point in the model's frame, mm.
     pub height: Mm,
-    /// Change of the height with x and y.
+    /// Change of the surface's height with x and y.
     pub slope: DVec2,
 }
 
-/// The surface above each point, or below it; nothing where there is none in the
-/// window, or where the point stands on an edge or a spike. `beside` is the
+/// The surface above each point, or below it; nothing where the window has no
+/// surface, or where the point stands on an edge or a spike. `beside` is the
 /// distance at which the slope is measured.
 ///
 /// # Errors
@@ -85,7 +85,7 @@ pub(super) fn spots(
 }
 
 /// The height within the window at which the part ends upwards, or downwards,
-/// for each point; of several the outermost one.
+/// for each point. If there are several such heights, it is the outermost one.
 fn heights(
     probe: &Probe,
     points: &[DVec2],
@@ -94,7 +94,7 @@ fn heights(
 ) -> Result<Vec<Option<Mm>>, ProbeError> {
     let (x, y): (Vec<f32>, Vec<f32>) =
         points.iter().map(|p| (p.x as f32, p.y as f32)).unzip();
-    // From the part's inside outwards.
+    // The heights go from the part's inside outwards.
     let (first, last) = match facing {
         Facing::Up => (window.low, window.high),
         Facing::Down => (window.high, window.low),

@@ -50,7 +50,7 @@ const VARYING: f64 = 0.1;
 pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
     match role {
         Role::Overhang | Role::OuterWall => SHOWN * settings.accuracy,
-        // They keep a distance from the part.
+        // Loops around the part keep a distance from it.
         Role::Skirt | Role::Brim => BESIDE * settings.path_accuracy,
         Role::Support | Role::SupportInterface => {
             SUPPORT * settings.path_accuracy
@@ -59,8 +59,8 @@ pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
     }
 }
 
-/// Share of a role's tolerance that is for arcs, if there are any: they are
-/// laid along what the thinning leaves.
+/// Share of a role's tolerance that is for arcs, if the settings ask for them.
+/// Arcs are laid along what the thinning leaves.
 const ARCS: f64 = 0.7;
 
 /// How far arcs may be from the path of a bead of this role.
@@ -119,7 +119,7 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
 /// The bead in pieces of constant width, as long as the tolerances of its role
 /// permit.
 pub(crate) fn pieces(bead: Bead, settings: &Settings) -> Vec<Bead> {
-    // Arcs take what there is.
+    // The arcs take the rest of the tolerance.
     let path = if settings.arcs() {
         0.0
     } else {

@@ -29,13 +29,13 @@ const AREA: f64 = 0.03;
 /// half, so that most of it is made up for within a width or two.
 const FEW: f64 = 3.0;
 
-/// Length in which what a bead that does not show lays too early or too late is
-/// less than a printer evens out, mm: at 60 mm/s it is 25 ms, and the pressure in
-/// a nozzle takes longer to change.
+/// A length of which a printer evens out what is laid too early or too late,
+/// mm. At 60 mm/s it takes 25 ms, and the pressure in a nozzle takes longer to
+/// change. It counts for beads that do not show.
 const EVENED: Mm = 1.5;
 
-/// How near to each other the places of such a bead are in which a piece may end,
-/// in lengths of the shortest piece.
+/// Distance of the places in which a piece of a bead that does not show may
+/// end, in lengths of the shortest piece.
 const ENDS: f64 = 1.0 / 3.0;
 
 /// Pieces of a role are not made shorter than this, mm. Of beads that show
@@ -70,9 +70,9 @@ impl Stretch {
         }
     }
 
-    /// What is meant along both, if `other` comes after this stretch. The widths
-    /// of this stretch do not count if it is shorter than `short` and `other` is
-    /// not.
+    /// What is meant along this stretch and `other`, which comes after it. The
+    /// widths of this stretch do not count if it is shorter than `short` and
+    /// `other` is not.
     fn and(self, other: Stretch, short: Mm) -> Stretch {
         let (low, high) = match (self.length < short, other.length < short) {
             (true, false) => (other.low, other.high),
@@ -86,7 +86,7 @@ impl Stretch {
         }
     }
 
-    /// Its mean width.
+    /// Mean width of the stretch.
     fn width(&self) -> Mm {
         if self.length > 0.0 {
             self.content / self.length
@@ -96,9 +96,9 @@ impl Stretch {
     }
 }
 
-/// How far widths may be from what is meant.
+/// How far the widths of a bead's pieces may be from what is meant.
 struct Slack {
-    /// Height and least width that counts.
+    /// Height of the bead, and the least width that counts.
     height: Mm,
     narrowest: Mm,
     /// The most that is permitted, whatever the width, of a bead that shows.
@@ -146,7 +146,7 @@ impl Slack {
         area.min(self.most.unwrap_or(f64::INFINITY))
     }
 
-    /// True if a stretch may have one width, or is too short for more.
+    /// True if a stretch may have one width, or is too short to be divided.
     fn takes(&self, all: &Stretch) -> bool {
         let slack = self.at(all.low, all.length);
         all.high - all.low <= 2.0 * slack || all.length < self.short

@@ -4,15 +4,15 @@
 use super::value::{Kind, Measure, Raw, Refused, Value};
 use crate::units::{Mm, Percent};
 
-/// A length that is printed with a nozzle, and suits one of its size.
+/// A length that has to suit the nozzle.
 ///
 /// `auto` is usually a share, too, which each setting has of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum ByNozzle {
-    /// What usually suits the nozzle.
+    /// The length that usually suits the nozzle.
     #[default]
     Auto,
-    /// A length, the same with every nozzle.
+    /// A length that does not depend on the nozzle.
     Length(Mm),
     /// A share of the nozzle's diameter.
     Share(Percent),
@@ -32,7 +32,7 @@ impl ByNozzle {
 
 /// A share of the nozzle's diameter.
 pub(super) fn share_of(nozzle: Mm, share: Percent) -> Mm {
-    // In this order 70 % of 0.4 mm are the number nearest to 0.28.
+    // Multiplied first, 70 % of 0.4 mm are the number nearest to 0.28.
     share * nozzle / 100.0
 }
 

@@ -120,7 +120,7 @@ impl Settings {
         self.contour_z_angle.min(bound)
     }
 
-    /// Whether all layers above the first have one height.
+    /// True if all layers above the first have one height.
     pub fn is_uniform(&self) -> bool {
         self.layer_heights == Varying::Constant(LayerHeights::Uniform)
     }
@@ -139,8 +139,8 @@ impl Settings {
         }
     }
 
-    /// Walls around tops; no more than [`Settings::walls`], which are around
-    /// all of the part if the others cannot be led around a top.
+    /// Number of walls around tops: at most [`Settings::walls`], and exactly so
+    /// many if walls cannot be led around tops.
     pub fn top_walls(&self) -> u32 {
         let wanted = if self.divides_walls() {
             self.top_walls
@@ -157,8 +157,8 @@ impl Settings {
             && self.wall_offset == WallOffset::Distance
     }
 
-    /// Solid layers below an upward face: `top_layers` if set, else what
-    /// fits into `top_thickness`.
+    /// Number of solid layers below an upward face: `top_layers` if set, else
+    /// what fits into `top_thickness`.
     pub fn top_layers(&self) -> u32 {
         self.top_layers.unwrap_or_else(|| {
             layers_in(self.top_thickness(), self.layer_height())
@@ -183,15 +183,15 @@ impl Settings {
     }
 
     /// Least temperature of the nozzle at which plastic is pushed:
-    /// `filament.min_nozzle_temperature` if set, else what Marlin
-    /// (`EXTRUDE_MINTEMP`) and Klipper (`min_extrude_temp`) refuse to push
-    /// filament below.
+    /// `filament.min_nozzle_temperature` if set, otherwise the one below which
+    /// Marlin (`EXTRUDE_MINTEMP`) and Klipper (`min_extrude_temp`) refuse to
+    /// push filament.
     pub fn min_nozzle_temperature(&self) -> Celsius {
         const USUAL: Celsius = 170.0;
         self.filament.min_nozzle_temperature.unwrap_or(USUAL)
     }
 
-    /// Greatest temperature that the nozzle may be told:
+    /// Greatest temperature that may be asked of the nozzle:
     /// `printer.max_nozzle_temperature` if set, else more than nearly all hot
     /// ends bear.
     pub fn max_nozzle_temperature(&self) -> Celsius {
@@ -199,7 +199,7 @@ impl Settings {
         self.printer.max_nozzle_temperature.unwrap_or(MOST)
     }
 
-    /// Greatest temperature that the bed may be told:
+    /// Greatest temperature that may be asked of the bed:
     /// `printer.max_bed_temperature` if set, else more than nearly all beds
     /// reach.
     pub fn max_bed_temperature(&self) -> Celsius {
@@ -294,7 +294,7 @@ impl Settings {
         }
     }
 
-    /// Layers between the bed and the part.
+    /// Number of layers between the bed and the part.
     pub fn raft_layers(&self) -> usize {
         self.raft.layers as usize
     }
@@ -328,7 +328,7 @@ impl Settings {
         (most - self.part_first_height()).max(0.0)
     }
 
-    /// A bead is at most so high, as a share of its width.
+    /// Greatest height of a bead, as a share of its width.
     pub(crate) const FLAT: f64 = 0.9;
 
     /// Greatest height of a bead of some width that fills what is below it.
@@ -364,8 +364,8 @@ impl Settings {
         notes.into_iter().flatten().collect()
     }
 
-    /// Solid layers above a downward face: `bottom_layers` if set, else what
-    /// fits into `bottom_thickness`.
+    /// Number of solid layers above a downward face: `bottom_layers` if set,
+    /// else what fits into `bottom_thickness`.
     pub fn bottom_layers(&self) -> u32 {
         self.bottom_layers.unwrap_or_else(|| {
             layers_in(self.bottom_thickness(), self.layer_height())
@@ -392,7 +392,7 @@ impl Acceleration {
     }
 }
 
-/// Whole layers in a thickness, but at least 1 for any thickness above 0.
+/// Number of whole layers in a thickness; at least 1 for any thickness above 0.
 fn layers_in(thickness: Mm, layer_height: Mm) -> u32 {
     // 0.6 / 0.2 is 2.9999999999999996.
     const SLACK: f64 = 1e-4;

@@ -8,21 +8,21 @@ use std::path::PathBuf;
 /// Where a setting was given.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GivenIn {
-    /// In a file.
+    /// The setting was given in a file.
     File {
         /// The file's name as it was given.
         name: String,
-        /// Line, from 1.
+        /// Line in the file, from 1.
         line: usize,
     },
-    /// In a profile.
+    /// The setting was given in a profile.
     Profile {
         /// The profile's file, in messages.
         name: String,
-        /// Line, from 1.
+        /// Line in the profile, from 1.
         line: usize,
     },
-    /// As an assignment on the command line.
+    /// The setting was given as an assignment on the command line.
     Set,
 }
 
@@ -83,7 +83,7 @@ pub enum SettingsError {
          settings` prints it"
     )]
     NotToml {
-        /// Where.
+        /// Where the mistake is.
         place: GivenIn,
         /// What the parser says.
         message: String,
@@ -99,7 +99,7 @@ pub enum SettingsError {
     /// There is no such setting.
     #[error("{place}: there is no setting {key:?}; {hint}")]
     UnknownKey {
-        /// Where.
+        /// Where the key was given.
         place: GivenIn,
         /// The key.
         key: String,
@@ -112,7 +112,7 @@ pub enum SettingsError {
          example {example} = {value}"
     )]
     Group {
-        /// Where.
+        /// Where the group was given a value.
         place: GivenIn,
         /// The group.
         key: String,
@@ -160,7 +160,7 @@ pub enum SettingsError {
     /// A value is of the wrong type.
     #[error("{place}: {key} = {value} is not understood; write {expected}")]
     WrongType {
-        /// Where.
+        /// Where the value was given.
         place: GivenIn,
         /// The key.
         key: String,
@@ -172,7 +172,7 @@ pub enum SettingsError {
     /// A number is outside its range.
     #[error("{place}: {key} = {value} is out of range; use {allowed}")]
     OutOfRange {
-        /// Where.
+        /// Where the value was given.
         place: GivenIn,
         /// The key.
         key: String,

@@ -59,11 +59,9 @@ pub use error::{GivenIn, SettingsError};
 pub use profile::{Origin, Profile, Profiles};
 pub use read::Builder;
 pub use rows::Settings;
-pub use schema::schema;
 pub use shipped::ProfileKind;
 pub use table::{Key, keys};
 pub use value::Range;
-pub use write::suggestions;
 
 pub(crate) use by_nozzle::ByNozzle;
 pub(crate) use infill::Infill;

@@ -26,9 +26,9 @@ const MOST_INHERITED: usize = 32;
 /// Where a profile comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// It is part of the program.
+    /// The profile is part of the program.
     Shipped,
-    /// A file of the user's.
+    /// The profile is a file of the user's.
     File(PathBuf),
 }
 
@@ -41,9 +41,9 @@ pub struct Profile {
     pub name: String,
     /// The description in the profile; empty if there is none.
     pub description: String,
-    /// The profile of this kind that it starts from.
+    /// The profile of its kind that the profile starts from.
     pub inherits: Option<String>,
-    /// Where it comes from.
+    /// Where the profile comes from.
     pub origin: Origin,
     /// The profile's text.
     pub text: String,
@@ -79,7 +79,8 @@ impl Profile {
         file_name(self.kind, &self.name, &self.origin)
     }
 
-    /// True if it is one of the program's printers with another nozzle.
+    /// True if the profile is one of the program's printers with another
+    /// nozzle.
     pub fn is_another_nozzle(&self) -> bool {
         self.origin == Origin::Shipped
             && NOZZLES.iter().any(|(name, _)| *name == self.name)
@@ -193,7 +194,7 @@ impl Profiles {
     ///
     /// # Errors
     /// If one of the profiles does not exist or inherits from itself, if there
-    /// are too many, or as [`Profiles::find`].
+    /// are too many, and the errors of [`Profiles::find`].
     pub fn chain(
         &self,
         kind: ProfileKind,
@@ -241,8 +242,8 @@ impl Profiles {
         Ok(chain)
     }
 
-    /// As [`Profiles::find`], but a missing profile is no error. A path starts
-    /// from the folder `beside`.
+    /// Does what [`Profiles::find`] does, but a missing profile is no error. A
+    /// path starts from the folder `beside`.
     fn look_up(
         &self,
         kind: ProfileKind,
@@ -280,7 +281,8 @@ impl Profiles {
         if !path.is_file() {
             return match path.symlink_metadata() {
                 Err(_) => Ok(None),
-                // A folder, a device, or a link to nothing.
+                // The path leads to a folder or a device, or is a link to
+                // nothing.
                 Ok(_) => Err(SettingsError::Unreadable {
                     path,
                     cause: std::io::Error::other("it is no regular file"),

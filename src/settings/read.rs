@@ -33,13 +33,13 @@ impl Builder {
     /// Takes over what a TOML file says.
     ///
     /// # Errors
-    /// If the file cannot be read, or as [`Builder::toml`].
+    /// If the file cannot be read, and the errors of [`Builder::toml`].
     pub fn file(&mut self, path: &Path) -> Result<(), SettingsError> {
         let text = text::read(path)?;
         self.toml(&path.display().to_string(), &text)
     }
 
-    /// Takes over what TOML `text` says; `name` is the file's in messages.
+    /// Takes over what TOML `text` says. Messages call the file `name`.
     ///
     /// # Errors
     /// If it is not TOML, has an unknown key, or a value is of the wrong type
@@ -57,7 +57,7 @@ impl Builder {
         })
     }
 
-    /// Takes over a profile, after those that it inherits from, and returns
+    /// Takes over a profile, after those that it inherits from. Returns all of
     /// them in that order.
     ///
     /// # Errors
@@ -80,7 +80,7 @@ impl Builder {
         Ok(chain)
     }
 
-    /// Takes over `text` except for the keys in `skip`. `place` makes a place
+    /// Takes over `text` except for the keys in `skip`. `place` makes the place
     /// of a line.
     fn take_over(
         &mut self,
@@ -95,7 +95,7 @@ impl Builder {
         self.assign_all(table.get_ref(), skip, &place)
     }
 
-    /// Takes over a table of a file, `text`; `name` is the file's in messages.
+    /// Takes over a table of the file `text`. Messages call the file `name`.
     ///
     /// # Errors
     /// As [`Builder::toml`].

@@ -324,16 +324,16 @@ table::settings! {
         density: Percent = 12.0, in 1.0..=100.0;
         /// Number of dense layers at the top of a support.
         interface_layers: u32 = 2, in 0..=1000;
-        /// Share of these layers that is printed.
+        /// Share of the dense layers at the top of a support that is printed.
         interface_density: Percent = 95.0, in 10.0..=100.0;
-        /// Distance between the lines of these layers, from middle to middle;
-        /// auto is by interface_density.
+        /// Distance between the lines of the dense layers at the top of a
+        /// support, from middle to middle; auto is by interface_density.
         interface_spacing: Option<Mm> = None, in 0.1..=20.0;
-        /// Pattern of these layers.
+        /// Pattern of the dense layers at the top of a support.
         interface_pattern: InterfacePattern = InterfacePattern::Lines;
-        /// Direction of their lines on even layers, counter-clockwise from the
-        /// x axis; odd layers are turned by a right angle. auto is
-        /// infill_angle.
+        /// Direction of the lines of the dense layers at the top of a support,
+        /// on even layers, counter-clockwise from the x axis; odd layers are
+        /// turned by a right angle. auto is infill_angle.
         interface_angle: Option<Degrees> = None, in -360.0..=360.0;
     }
     /// Layers between the bed and the part, which come off after the print.
@@ -639,8 +639,8 @@ table::settings! {
         /// known.
         head_clearance_radius: Option<Mm> = None, in 1.0..=500.0;
         /// Height above the nozzle's tip up to which nothing but the nozzle is
-        /// within that circle: parts no higher than this may stand nearer to
-        /// those printed after them.
+        /// within head_clearance_radius: parts no higher than this may stand
+        /// nearer to those printed after them.
         head_clearance_height: Mm = 0.0, in 0.0..=500.0;
         /// Height above the nozzle's tip of whatever moves across the whole bed
         /// with the head, such as the beam that carries it. Of parts that are

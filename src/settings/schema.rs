@@ -5,57 +5,61 @@
 //! takes of types, words and ranges; what settings make together only the
 //! program checks. Profiles fit it as well.
 
+use super::rows::Settings;
 use super::table::{Key, keys};
 use super::value::Kind;
 use serde_json::{Map, Value, json};
 
-/// Begins an expression.
+/// Pattern of the beginning of an expression.
 const EXPRESSION: &str = "^\\s*expr:";
-/// A share with its sign.
+/// Pattern of a share with its sign.
 const SHARE: &str = "^\\s*[-+]?[0-9]*\\.?[0-9]+([eE][-+]?[0-9]+)?\\s*%\\s*$";
 
-/// The schema of a settings file.
-pub fn schema() -> Value {
-    let mut top = Map::new();
-    for (name, text) in [
-        ("description", "What a profile is for; in profiles only."),
-        (
-            "inherits",
-            "The profile that this one starts from; in profiles only.",
-        ),
-    ] {
-        top.insert(
-            name.to_owned(),
-            json!({ "type": "string", "description": text }),
-        );
+impl Settings {
+    /// The schema of a settings file.
+    pub fn schema() -> Value {
+        let mut top = Map::new();
+        for (name, text) in [
+            ("description", "What a profile is for; in profiles only."),
+            (
+                "inherits",
+                "The profile that this one starts from; in profiles only.",
+            ),
+        ] {
+            top.insert(
+                name.to_owned(),
+                json!({ "type": "string", "description": text }),
+            );
+        }
+        for key in keys() {
+            let group = match key.group() {
+                "" => &mut top,
+                group => {
+                    let table = top.entry(group).or_insert_with(|| {
+                        json!({
+                            "type": "object",
+                            "description": key.section(),
+                            "additionalProperties": false,
+                            "properties": {},
+                        })
+                    });
+                    let Some(inner) = table["properties"].as_object_mut()
+                    else {
+                        continue;
+                    };
+                    inner
+                }
+            };
+            group.insert(key.leaf().to_owned(), of(key));
+        }
+        json!({
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "title": "Settings of isoslice",
+            "type": "object",
+            "additionalProperties": false,
+            "properties": top,
+        })
     }
-    for key in keys() {
-        let group = match key.group() {
-            "" => &mut top,
-            group => {
-                let table = top.entry(group).or_insert_with(|| {
-                    json!({
-                        "type": "object",
-                        "description": key.section(),
-                        "additionalProperties": false,
-                        "properties": {},
-                    })
-                });
-                let Some(inner) = table["properties"].as_object_mut() else {
-                    continue;
-                };
-                inner
-            }
-        };
-        group.insert(key.leaf().to_owned(), of(key));
-    }
-    json!({
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Settings of isoslice",
-        "type": "object",
-        "additionalProperties": false,
-        "properties": top,
-    })
 }
 
 /// The schema of a setting's value.
@@ -82,7 +86,8 @@ fn of(key: &Key) -> Value {
         Kind::Switch => vec![json!({ "type": "boolean" })],
         Kind::Text | Kind::Sizes | Kind::Steps(_) => vec![text],
         Kind::Word(all) => vec![words(all)],
-        // Besides the words a script's name, or an expression.
+        // Besides its words the setting takes a script's name, or an
+        // expression.
         Kind::WordOrShape(all) => {
             let script = json!({ "type": "string", "pattern": "\\.rhai$" });
             vec![words(all), expression, script]
@@ -102,7 +107,8 @@ fn of(key: &Key) -> Value {
         unit => format!(" ({unit})"),
     };
     out["description"] = format!("{}{unit}", key.description()).into();
-    // A default is shown in editors; it is TOML, which differs in no value here.
+    // Editors show the default. It is written in TOML, which is also JSON for
+    // all of these values.
     if let Ok(default) = serde_json::from_str::<Value>(&key.default()) {
         out["default"] = default;
     }
@@ -114,7 +120,8 @@ mod tests {
     use super::*;
     use crate::settings::shipped::SHIPPED;
 
-    /// True if a value fits a schema, as far as this one uses the language.
+    /// True if a value fits a schema. Only what this schema uses of the
+    /// language is known.
     fn fits(schema: &Value, value: &toml::Value) -> bool {
         if let Some(any) = schema["anyOf"].as_array() {
             return any.iter().any(|one| fits(one, value));
@@ -163,7 +170,7 @@ mod tests {
 
     fn check(text: &str) -> bool {
         let table: toml::Table = text.parse().unwrap();
-        fits(&schema(), &toml::Value::Table(table))
+        fits(&Settings::schema(), &toml::Value::Table(table))
     }
 
     #[test]
@@ -193,7 +200,7 @@ mod tests {
 
     #[test]
     fn every_setting_is_told_of() {
-        let schema = schema();
+        let schema = Settings::schema();
         for key in keys() {
             let properties = &schema["properties"];
             let of_key = match key.group() {

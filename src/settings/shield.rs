@@ -6,16 +6,16 @@ use crate::units::Mm;
 /// A wall around the print that keeps draughts off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum DraftShield {
-    /// None.
+    /// There is no draft shield.
     Off,
-    /// As high as the print.
+    /// The draft shield is as high as the print.
     Full,
-    /// So high, mm.
+    /// The draft shield is this high, mm.
     UpTo(Mm),
 }
 
 impl DraftShield {
-    /// Up to which height above the bed there is one, mm; 0 for none.
+    /// Height of the draft shield above the bed, mm; 0 if there is none.
     pub(crate) fn height(self) -> Mm {
         match self {
             DraftShield::Off => 0.0,

@@ -4,11 +4,12 @@
 /// What a profile is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProfileKind {
-    /// A machine: bed, limits, retraction, firmware, start of the print.
+    /// The profile is of a machine: bed, limits, retraction, firmware, start of
+    /// the print.
     Printer,
-    /// A material: temperatures, fan, flow, density, cost.
+    /// The profile is of a material: temperatures, fan, flow, density, cost.
     Filament,
-    /// A kind of print: heights, walls, infill.
+    /// The profile is of a kind of print: heights, walls, infill.
     Preset,
 }
 

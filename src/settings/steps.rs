@@ -9,7 +9,7 @@ use crate::units::Percent;
 /// Greatest number of steps.
 const MOST: usize = 20;
 
-/// What stands for no steps.
+/// The word for no steps.
 const OFF: &str = "off";
 
 /// The value at a step.
@@ -24,9 +24,10 @@ enum At {
 /// What steps are values of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Of {
-    /// Speeds of the nozzle, mm/s, or shares of the speed without steps.
+    /// The values are speeds of the nozzle, mm/s, or shares of the speed
+    /// without steps.
     Speed,
-    /// Speeds of the fan, %.
+    /// The values are speeds of the fan, %.
     Fan,
 }
 
@@ -64,12 +65,12 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    /// No steps of a speed.
+    /// Steps of a speed, of which there are none.
     pub(super) fn of_speed() -> Steps {
         Steps::off(Of::Speed)
     }
 
-    /// No steps of a fan's speed.
+    /// Steps of a fan's speed, of which there are none.
     pub(super) fn of_fan() -> Steps {
         Steps::off(Of::Fan)
     }
@@ -84,8 +85,8 @@ impl Steps {
         self.steps.is_empty()
     }
 
-    /// The value at a share; `own` is what it is without steps, and at 0 %. From
-    /// the last step on it stays as it is.
+    /// The value at a share. `own` is the value without steps, and at 0 %. From
+    /// the last step on the value stays as it is.
     pub(crate) fn at(&self, share: Percent, own: f64) -> f64 {
         let value = |at: At| match at {
             At::Value(value) => value,

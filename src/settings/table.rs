@@ -12,13 +12,13 @@ use super::value::{Kind, Measure, Range, Value};
 /// One row of the table: a setting's name and all that is known about it.
 #[derive(Debug)]
 pub struct Key {
-    /// Name in files and on the command line: `layer_height`,
+    /// Name of the setting in files and on the command line: `layer_height`,
     /// `speed.outer_wall`.
     pub name: &'static str,
     pub(super) section: &'static str,
-    /// Unit of its value, empty if it has none.
+    /// Unit of the setting's value; empty if it has none.
     pub unit: &'static str,
-    /// Allowed values, if it is a number.
+    /// Allowed values, if the setting is a number.
     pub range: Option<Range>,
     pub(super) doc: &'static str,
     pub(super) field: fn(&Settings) -> &dyn Value,
@@ -88,7 +88,8 @@ impl Key {
             (Kind::Varying, unit) => format!(
                 "{range}{}{unit} or \"expr: ...\", a formula of x, y, z and {}",
                 if unit.is_empty() { "" } else { " " },
-                // What `Quantity::of_outline` knows in place of the depth.
+                // `Quantity::of_outline` knows the curvature in place of the
+                // depth.
                 match self.name {
                     "xy_compensation" => "curvature",
                     _ => "d",
@@ -167,7 +168,7 @@ impl Key {
             .map_or(self.name, |(_, leaf)| leaf)
     }
 
-    /// The unit as it follows a number.
+    /// The unit as text behind a number.
     pub(super) fn spaced_unit(&self) -> String {
         match self.unit {
             "" => String::new(),
@@ -212,7 +213,7 @@ pub(super) fn is_group(name: &str) -> bool {
     keys().iter().any(|key| key.group() == name)
 }
 
-/// The known name most like `name`; nothing if none is much like it.
+/// The known name most like `name`, or nothing if all are very different.
 pub(super) fn nearest(name: &str) -> Option<&'static str> {
     // Likeness below which suggestions are guesses that do not help.
     const ALIKE: f64 = 0.6;
@@ -238,8 +239,8 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
         .map(|(_, name)| name)
 }
 
-/// The names that have `name` as a part, in whole words, and the fewest words
-/// besides, in the table's order.
+/// The names that have `name` as a part, in whole words, and as few other words
+/// as possible. They are in the table's order.
 pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
     const MOST: usize = 4;
     let name = name.to_lowercase().replace('-', "_");

@@ -28,7 +28,7 @@ pub(super) fn read(path: &Path) -> Result<String, SettingsError> {
 /// What a profile says about itself.
 pub(super) struct Head {
     pub(super) description: Option<String>,
-    /// The profile it starts from, and the line that says so.
+    /// The profile that this one starts from, and the line that says so.
     pub(super) inherits: Option<(String, usize)>,
 }
 
@@ -130,8 +130,8 @@ pub(super) fn flatten<'a>(
                 flatten(&format!("{name}."), inner, entries);
                 continue;
             }
-            // In an unknown table the settings are told of, not the table,
-            // unless it is empty.
+            // Of an unknown table the error names the settings, or the table if
+            // it is empty.
             DeValue::Table(inner) if !known && !inner.is_empty() => {
                 flatten(&format!("{name}."), inner, entries);
                 continue;

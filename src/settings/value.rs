@@ -23,9 +23,9 @@ impl Range {
 /// What a number is measured by.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measure {
-    /// Its unit; empty if it has none.
+    /// The number's unit; empty if it has none.
     pub unit: &'static str,
-    /// The allowed values, if only some are.
+    /// The range of allowed values, if there is one.
     pub range: Option<Range>,
 }
 
@@ -66,9 +66,10 @@ impl Raw<'_> {
 /// Why a value was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Refused {
-    /// It is not of the setting's type, or not one of its words.
+    /// The value is not of the setting's type, or not one of the setting's
+    /// words.
     Type,
-    /// It is outside the setting's range, or not finite.
+    /// The value is outside the setting's range, or not finite.
     Range,
 }
 
@@ -87,7 +88,7 @@ pub(super) enum Kind {
     Text,
     /// Sizes of pictures.
     Sizes,
-    /// Values by steps, and what may be assigned.
+    /// Values by steps. The text says what may be assigned.
     Steps(&'static str),
     Word(&'static [&'static str]),
     /// A word, an expression, or the name of a script.
@@ -189,7 +190,7 @@ impl Varying {
     /// The beginning of an expression, which tells it from other text.
     pub(crate) const PREFIX: &str = "expr:";
 
-    /// The number, if it is the same everywhere.
+    /// The number, if there is one number for all places.
     pub(crate) fn constant(&self) -> Option<f64> {
         match self {
             Varying::Constant(value) => Some(*value),
@@ -197,7 +198,7 @@ impl Varying {
         }
     }
 
-    /// True if it is this number everywhere.
+    /// True if the value is this number everywhere.
     pub(crate) fn is(&self, value: f64) -> bool {
         self.constant() == Some(value)
     }

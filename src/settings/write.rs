@@ -32,7 +32,7 @@ impl Settings {
         text
     }
 
-    /// The settings that are not as by default, as TOML that reads back as
+    /// The settings that differ from their defaults, as TOML that reads back as
     /// these settings.
     pub fn changed(&self) -> String {
         let mut text = String::new();
@@ -67,18 +67,18 @@ impl Settings {
         }
         text
     }
-}
 
-/// The settings with these names, explained, each with its default in a
-/// comment. The text sets none of them.
-pub fn suggestions(names: &[&str]) -> String {
-    let mut text = String::new();
-    for key in names.iter().filter_map(|name| table::find(name)) {
-        explain(&mut text, key);
-        // Whole names make a line work anywhere in a file.
-        text.push_str(&format!("# {} = {}\n\n", key.name, key.default()));
+    /// The settings with these names, explained, each with its default in a
+    /// comment. The text sets none of them.
+    pub fn suggestions(names: &[&str]) -> String {
+        let mut text = String::new();
+        for key in names.iter().filter_map(|name| table::find(name)) {
+            explain(&mut text, key);
+            // Whole names make a line work anywhere in a file.
+            text.push_str(&format!("# {} = {}\n\n", key.name, key.default()));
+        }
+        text
     }
-    text
 }
 
 /// What a setting means and takes, as comments.

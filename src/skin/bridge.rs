@@ -19,6 +19,7 @@
 //! short, so the shortest lines must not decide: a direction is judged by the
 //! span that three quarters of the lines' length stay below.
 
+use super::direction::{across, best, common, fan, rows};
 use crate::plane::clip::{difference, intersection};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, Segment, hatch};
@@ -46,14 +47,10 @@ pub(super) struct Bridge {
 /// Tolerance of the offsets. They are borders between lines inside the part,
 /// which nobody sees.
 const TOLERANCE: Mm = 0.02;
-/// Step of the fan of angles.
-const FAN: Degrees = 7.5;
-/// At most so many directions of sides are tried.
+/// Greatest number of directions of sides that are tried.
 const SIDES: usize = 16;
-/// Lines looked at for each direction.
+/// Number of lines looked at for each direction.
 const ROWS: f64 = 24.0;
-/// Share of the lines' length that counts.
-const COMMON: f64 = 0.75;
 /// Share of the lines' length that must be held at both ends.
 const HELD: f64 = 0.6;
 
@@ -93,8 +90,8 @@ pub(super) fn bridges(
     (found, left)
 }
 
-/// What each of some areas takes of an area, where several would the first one
-/// that is asked, and what they leave of it.
+/// What each of `takers` takes of an area, and what all of them leave. Where
+/// several takers would take one place, the first one does.
 pub(super) fn shared(area: &Area, takers: &[Area]) -> (Vec<Area>, Area) {
     let mut parts = vec![Area::EMPTY; takers.len()];
     // Many places are clipped at a time: one by one, each would be clipped with
@@ -160,7 +157,6 @@ pub(crate) fn direction(
     below: &EdgeGrid,
     width: Mm,
 ) -> Option<Degrees> {
-    let fan = (0..(180.0 / FAN) as usize).map(|i| i as f64 * FAN);
     let mut sides: Vec<(Mm, Degrees)> = gap
         .rings
         .iter()
@@ -175,42 +171,24 @@ pub(crate) fn direction(
     sides.retain(|s| s.0 > 0.2 * longest && s.0 > width);
     sides.truncate(SIDES);
     let sides = sides.iter().map(|s| s.1);
-    let across = sides.clone().map(|a| (a + 90.0).rem_euclid(180.0));
     // The sides come first: of equally good directions the first one wins.
-    sides
-        .chain(across)
-        .chain(fan)
-        .filter_map(|angle| {
-            let (cost, held) = hang(gap, below, angle, width)?;
-            (held >= HELD).then_some((cost, angle))
-        })
-        .reduce(|best, next| {
-            // A direction that is better by rounding alone does not win.
-            let better = next.0 < best.0 * (1.0 - 1e-3);
-            if better { next } else { best }
-        })
-        .map(|best| best.1)
+    let tried = sides.clone().chain(sides.map(across)).chain(fan());
+    let costs = tried.filter_map(|angle| {
+        let (cost, held) = hang(gap, below, angle, width)?;
+        (held >= HELD).then_some((cost, angle))
+    });
+    best(costs).map(|best| best.1)
 }
 
-/// The span that `COMMON` of the length of lines in a direction stay below,
-/// and the share of their length that is held at both ends.
+/// For lines in a direction: the span that is common among them, and the share
+/// of their length that is held at both ends.
 fn hang(
     gap: &Area,
     below: &EdgeGrid,
     angle: Degrees,
     width: Mm,
 ) -> Option<(f64, f64)> {
-    let along = DVec2::from_angle(angle.to_radians());
-    let v = gap.rings.iter().flatten().map(|p| along.perp().dot(*p));
-    let (low, high) = v.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
-        (r.0.min(v), r.1.max(v))
-    });
-    let spacing = ((high - low) / ROWS).max(0.5 * width);
-    let lines = Lines {
-        angle,
-        spacing,
-        phase: low + 0.5 * spacing,
-    };
+    let lines = rows(gap, angle, ROWS, width);
     let mut spans: Vec<(Mm, Mm)> = Vec::new();
     let (mut held, mut total) = (0.0, 0.0);
     for (line, ends) in hung(gap, below, lines, width) {
@@ -226,16 +204,10 @@ fn hang(
         spans.push((span, length));
         total += length;
     }
-    spans.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut below = 0.0;
-    let common = spans.iter().find(|(_, length)| {
-        below += length;
-        below >= COMMON * total
-    });
-    common.map(|(span, _)| (*span, held / total))
+    common(spans).map(|span| (span, held / total))
 }
 
-/// Lines across a gap, and whether `below` holds each one's ends.
+/// Lines across a gap, and for each one whether `below` holds its ends.
 pub(crate) fn hung(
     gap: &Area,
     below: &EdgeGrid,

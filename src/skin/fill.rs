@@ -102,7 +102,7 @@ impl Filler<'_> {
         (!rings.is_empty()).then_some(Patch { rings, fills })
     }
 
-    /// How far lines end off the ring's centre line.
+    /// Distance of the lines' ends from the ring's centre line, mm.
     fn off_ring(&self) -> Mm {
         let s = self.settings;
         0.5 * s.printer.nozzle_diameter + s.skin_ring_gap
@@ -374,7 +374,7 @@ impl Filler<'_> {
     }
 }
 
-/// The border of an area, for lines of which some may be beside each other.
+/// The border of an area, if some of the lines are beside each other.
 fn border(area: &Area, lines: &[(i64, Stroke)]) -> Option<EdgeGrid> {
     /// Size of the cells, mm: turns are shorter.
     const CELL: Mm = 1.0;

@@ -19,6 +19,7 @@
 //! their roles change.
 
 pub(crate) mod bridge;
+mod direction;
 mod fill;
 pub(crate) mod over_infill;
 mod roles;
@@ -46,7 +47,7 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
-    /// The bead that is printed first, or, of several fills, may be.
+    /// The bead that is printed first. If several may be, it is one of them.
     pub(crate) fn first(&self) -> Option<&Bead> {
         let lines = self.fills.iter().flat_map(|fill| &fill.lines);
         self.rings.iter().chain(lines).next()
@@ -58,18 +59,18 @@ impl Patch {
 pub(crate) struct Fill {
     /// The beads.
     pub lines: Vec<Bead>,
-    /// For each bead the beads that have to be printed before it; empty if any
-    /// order will do.
+    /// For each bead the numbers of the beads that have to be printed before
+    /// it. Empty if any order will do.
     pub after: Vec<Vec<u32>>,
-    /// Whether each bead has to be printed the way it runs; empty if no bead
-    /// has to.
+    /// For each bead whether it has to be printed the way it runs. Empty if no
+    /// bead has to.
     pub one_way: Vec<bool>,
 }
 
 /// The layers directly above and below a layer, if there are any.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Faces<'a> {
-    /// The next layer.
+    /// The layer above.
     pub above: Option<Face<'a>>,
     /// The layer below.
     pub below: Option<Face<'a>>,
@@ -78,9 +79,9 @@ pub(crate) struct Faces<'a> {
 /// A neighbouring layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Face<'a> {
-    /// Its exact outline: lines change their role right at its edge.
+    /// The layer's exact outline: lines change their role right at its edge.
     pub outline: &'a Solid<'a>,
-    /// Its outline, only as exact as areas need it.
+    /// The layer's outline, only as exact as areas need it.
     pub rough: &'a Solid<'a>,
 }
 
@@ -191,7 +192,7 @@ mod tests {
         }
     }
 
-    /// The content that a stroke lays if its share of the plane is its width
+    /// Content that a stroke lays, mm². Its share of the plane is its width
     /// less `less`.
     pub(super) fn laid(s: &Stroke, less: Mm) -> f64 {
         let widths = |i: usize| 0.5 * (s.width_at(i) + s.width_at(i + 1));

@@ -25,6 +25,7 @@
 //! held is left out, and the next layer lies over its place.
 
 use super::bridge::shared;
+use super::direction::{across, best, common, fan, rows};
 use super::strokes::strokes;
 use super::{Face, Fill, Patch};
 use crate::bead::{Bead, Role, Stroke, spacing};
@@ -44,17 +45,11 @@ const TOLERANCE: Mm = 0.02;
 /// common from one line of infill to the next.
 const FARTHEST: f64 = 1.5;
 
-/// Step of the fan of angles.
-const FAN: Degrees = 7.5;
-
 /// Directions of the infill's lines that are tried.
 const DIRECTIONS: usize = 4;
 
-/// Lines looked at for each direction.
+/// Number of lines looked at for each direction.
 const ROWS: f64 = 64.0;
-
-/// Share of the lines' length that counts.
-const COMMON: f64 = 0.75;
 
 /// Size of the cells of a grid of lines, mm.
 pub(crate) const CELL: Mm = 1.0;
@@ -63,36 +58,38 @@ pub(crate) const CELL: Mm = 1.0;
 /// width fits in, on both sides of its middle.
 const LEFT: f64 = 0.4;
 
-/// How far beyond its end is looked for what holds a line, mm.
+/// How far beyond a line's end something is looked for that holds the line, mm.
 const BEYOND: Mm = 0.05;
 
-/// Infill that is sparser than this has more than one layer of bridges, where
-/// nobody says how many, %.
+/// Infill sparser than this has more than one layer of bridges, unless the
+/// settings say how many there are, %.
 const SPARSE: Percent = 10.0;
 
 /// What the layer below has of infill, or of bridges that sag.
 #[derive(Clone, Copy)]
 pub(crate) struct Under<'a> {
-    /// Where it has what is to be bridged.
+    /// Where the layer below has what is to be bridged.
     pub area: &'a Solid<'a>,
-    /// Where lines alone hold what lies on it: all of its sparse area.
+    /// Where only lines hold what lies on the layer below: all of its sparse
+    /// area.
     pub sparse: &'a Solid<'a>,
-    /// All of these lines.
+    /// All lines of the layer below that may be bridged.
     pub lines: &'a EdgeGrid,
 }
 
 /// Bridges of a layer on which the next one is to lay more.
 pub(crate) struct Level {
-    /// What their lines cover.
+    /// What the bridges' lines cover.
     area: Area,
-    /// What they were to cover: below the rest there is nothing.
+    /// What the lines were to cover. Below what they do not cover there is
+    /// nothing.
     meant: Area,
     lines: Vec<Vec<DVec2>>,
-    /// How many layers of bridges are to follow.
+    /// Number of layers of bridges that are to follow.
     more: u32,
 }
 
-/// As [`Level`], with the infill beside it.
+/// A [`Level`], with the infill beside it.
 pub(crate) struct Below {
     area: Solid<'static>,
     sparse: Solid<'static>,
@@ -101,7 +98,7 @@ pub(crate) struct Below {
 }
 
 impl Level {
-    /// With the sparse area and the infill of its layer.
+    /// These bridges with the sparse area and the infill of their layer.
     pub(crate) fn beside(self, sparse: &Area, infill: &[Bead]) -> Below {
         let infill = infill.iter().map(|bead| bead.path().collect());
         let lines: Vec<Vec<DVec2>> =
@@ -119,13 +116,13 @@ impl Level {
 /// A layer that may lie on infill.
 #[derive(Clone, Copy)]
 pub(crate) struct Over<'a> {
-    /// Its skin.
+    /// The layer's skin.
     pub skin: &'a Area,
-    /// Its own sparse area.
+    /// The layer's own sparse area.
     pub sparse: &'a Area,
     /// The layer above, which covers what is no top.
     pub above: Face<'a>,
-    /// Its height.
+    /// The layer's height, mm.
     pub height: Mm,
 }
 
@@ -137,7 +134,7 @@ pub(crate) struct Bridged {
     pub skin: Area,
     /// The rest of the sparse area.
     pub sparse: Area,
-    /// Where bridges are to follow on them.
+    /// The bridges on which the next layer is to lay more.
     pub levels: Vec<Level>,
 }
 
@@ -186,8 +183,8 @@ pub(crate) fn bridged(
     all
 }
 
-/// How many layers of bridges follow the lowest one over infill, where the way
-/// from one of its lines to the next is common.
+/// Number of layers of bridges that follow the lowest one over infill. `way` is
+/// the common way from one line of the infill to the next.
 fn more_layers(way: Mm, settings: &Settings) -> u32 {
     let sparse = || match settings.infill_density.constant() {
         Some(density) if settings.infill_is_pattern() => density < SPARSE,
@@ -200,10 +197,10 @@ fn more_layers(way: Mm, settings: &Settings) -> u32 {
     }
 }
 
-/// The internal bridges of a layer over one kind of thing, if there are any.
-/// If it is bridges, `other` is where the layer has some already; what gets no
-/// line then stays skin, since it does not sag far. `more` tells of a common way
-/// how many layers of bridges are to follow.
+/// The internal bridges of a layer over one kind of thing, if there are any. If
+/// that is bridges, `other` is where the layer has bridges already. What gets
+/// no line then stays skin, since it does not sag far. `more` gives the number
+/// of layers of bridges that are to follow, by the common way.
 fn on(
     over: Over<'_>,
     under: Under<'_>,
@@ -328,7 +325,7 @@ fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
     lines.map(|bead| bead.path().collect()).collect()
 }
 
-/// What straight lines cover that reach so far to both sides.
+/// What straight lines cover that reach `half` to both sides.
 fn covered(lines: &[Vec<DVec2>], half: Mm) -> Area {
     let ways = lines.iter().flat_map(|line| line.windows(2));
     let strips = ways.filter_map(|way| strip(way[0], way[1], half));
@@ -353,8 +350,8 @@ fn strip(from: DVec2, to: DVec2, half: Mm) -> Option<Vec<DVec2>> {
 /// What lines may end on.
 struct Ground<'a> {
     under: Under<'a>,
-    /// The layer's own areas: skin, also what other bridges are of it, and the
-    /// rest.
+    /// The layer's own areas: its skin, including what other bridges cover, and
+    /// the rest.
     skin: EdgeGrid,
     sparse: EdgeGrid,
     /// How far from its middle a line of infill holds what lies on it.
@@ -365,12 +362,12 @@ struct Ground<'a> {
 
 /// An end of a line that has to move.
 struct End {
-    /// Which of the line's points it is.
+    /// The point's index in the line.
     index: usize,
-    /// Where it is, and where it has to be.
+    /// Where the end is, and where it has to be.
     from: DVec2,
     to: DVec2,
-    /// True if that is farther out.
+    /// True if the line has to become longer.
     goes_on: bool,
 }
 
@@ -402,7 +399,8 @@ impl Ground<'_> {
         if free && let Some(to) = self.next_hold(from, out) {
             return Some(at(if (to - p).dot(out) > 0.0 { to } else { p }));
         }
-        // Back to the last line of infill that it crosses.
+        // Otherwise the line goes back to the last line of infill that it
+        // crosses.
         let cuts = self.under.lines.crossings(p, inner);
         let near = cuts.into_iter().fold(f64::INFINITY, f64::min);
         let to = p.lerp(inner, near) + self.reach * out;
@@ -410,16 +408,16 @@ impl Ground<'_> {
             .then(|| at(if (to - p).dot(out) > 0.0 { p } else { to }))
     }
 
-    /// True if a line that ends at `p` on its way `out` ends at a wall or over
-    /// what is solid.
+    /// True if a line in the direction `out` that ends at `p` ends at a wall or
+    /// over what is solid.
     fn is_held(&self, p: DVec2, out: DVec2) -> bool {
         let beyond = p + BEYOND * out;
         let wall = !self.sparse.contains(beyond) && !self.skin.contains(beyond);
         wall || !self.under.sparse.grid().contains(beyond)
     }
 
-    /// Where a line may end that goes on from a place on its way out: on the
-    /// next line of infill, on what is solid below, or at a wall.
+    /// Where a line may end that goes on from a place in the direction `out`:
+    /// on the next line of infill, on what is solid below, or at a wall.
     fn next_hold(&self, from: DVec2, out: DVec2) -> Option<DVec2> {
         let to = from + self.farthest * out;
         let first = |cuts: Vec<f64>, least: f64| {
@@ -435,7 +433,7 @@ impl Ground<'_> {
         let near = line.min(solid).min(wall);
         let at = near.is_finite().then(|| from.lerp(to, near))?;
         if near < wall {
-            // It lies on the line of infill as wide as that is.
+            // The bridge's line lies on the whole width of the line of infill.
             return Some(at + self.reach * out);
         }
         // Other skin that hangs itself holds nothing.
@@ -450,17 +448,9 @@ impl Ground<'_> {
 /// to the next are shortest, and the way that is common there. All of a layer
 /// has one direction, so that its lines do not get in one another's way.
 fn direction(under: Under<'_>, width: Mm) -> Option<(Mm, Degrees)> {
-    let across = infill_directions(under.lines, under.area.area());
-    let across = across.into_iter().map(|a| (a + 90.0).rem_euclid(180.0));
-    let fan = (0..(180.0 / FAN) as usize).map(|i| i as f64 * FAN);
-    across
-        .chain(fan)
-        .filter_map(|angle| Some((common_way(under, angle, width)?, angle)))
-        .reduce(|best, next| {
-            // A direction that is better by rounding alone does not win.
-            let better = next.0 < best.0 * (1.0 - 1e-3);
-            if better { next } else { best }
-        })
+    let along = infill_directions(under.lines, under.area.area());
+    let tried = along.into_iter().map(across).chain(fan());
+    best(tried.filter_map(|a| Some((common_way(under, a, width)?, a))))
 }
 
 /// The directions in which most of some infill's lines run.
@@ -496,31 +486,16 @@ fn infill_directions(lines: &EdgeGrid, area: &Area) -> Vec<Degrees> {
 /// in a direction stays below; nothing if no line fits in.
 fn common_way(under: Under<'_>, angle: Degrees, width: Mm) -> Option<Mm> {
     let gap = under.area.area();
-    let along = DVec2::from_angle(angle.to_radians());
-    let v = gap.rings.iter().flatten().map(|p| along.perp().dot(*p));
-    let (low, high) = v.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
-        (r.0.min(v), r.1.max(v))
-    });
-    let space = ((high - low) / ROWS).max(0.5 * width);
-    let lines = Lines {
-        angle,
-        spacing: space,
-        phase: low + 0.5 * space,
-    };
-    let mut ways: Vec<Mm> = Vec::new();
+    let lines = rows(gap, angle, ROWS, width);
+    let mut ways: Vec<(Mm, Mm)> = Vec::new();
     for line in hatch(gap, lines, 0.5 * width) {
         let length = line.from.distance(line.to);
         let mut stops = under.lines.crossings(line.from, line.to);
         stops.extend([0.0, 1.0]);
         stops.sort_by(f64::total_cmp);
         let all = stops.windows(2);
-        ways.extend(all.map(|pair| (pair[1] - pair[0]) * length));
+        let all = all.map(|pair| (pair[1] - pair[0]) * length);
+        ways.extend(all.map(|way| (way, way)));
     }
-    ways.sort_by(f64::total_cmp);
-    let total: Mm = ways.iter().sum();
-    let mut below = 0.0;
-    ways.into_iter().find(|way| {
-        below += way;
-        below >= COMMON * total
-    })
+    common(ways)
 }

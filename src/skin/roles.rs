@@ -14,9 +14,9 @@ use glam::DVec2;
 /// The neighbours of an island of skin.
 #[derive(Clone, Copy)]
 pub(super) struct Sides<'a> {
-    /// The layer above: how much of the island it covers, and where.
+    /// How much of the island the layer above covers, and where.
     pub above: (Covered, Option<&'a EdgeGrid>),
-    /// The layer below: how much of the island it covers, and where.
+    /// How much of the island the layer below covers, and where.
     pub below: (Covered, Option<&'a EdgeGrid>),
 }
 

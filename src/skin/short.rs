@@ -40,11 +40,11 @@ pub(super) fn join_short(pieces: Vec<(Role, Stroke)>) -> Vec<(Role, Stroke)> {
     runs.of(pieces)
 }
 
-/// Pieces in a row that have become one, known by the first of them.
+/// Pieces in a row that have become one. A run is known by its first piece.
 struct Run {
     role: Role,
     length: Mm,
-    /// The run before.
+    /// The run before this one.
     before: Option<usize>,
     /// The run's last piece; nothing if the run is part of another one.
     last: Option<usize>,
@@ -108,7 +108,7 @@ impl Runs {
         Some(start)
     }
 
-    /// Makes a run and the one after it one.
+    /// Makes one run of a run and the run after it.
     fn unite(&mut self, run: usize, after: usize) {
         let last = self.all[after].last.take();
         self.all[run].length += self.all[after].length;

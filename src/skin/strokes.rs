@@ -28,14 +28,14 @@ const SHORT: Mm = 0.3;
 /// How far the round end of a line covers the side of its row, as a share of
 /// the line's width: half a row off the centre line the end is set back.
 const ROUND: f64 = 0.3;
-/// Length over which a width that changes at once does so, mm.
+/// Length over which a width changes that would otherwise jump, mm.
 const JUMP: Mm = 0.05;
 
 /// A range of coordinates along the rows.
 type Span = (f64, f64);
 
-/// By how much a line grows to one side, as pairs of a coordinate along the
-/// line and the growth there.
+/// Growth of a line to one side: pairs of a coordinate along the line and the
+/// growth there.
 type Profile = Vec<(f64, Mm)>;
 
 /// The lines as strokes `width` wide, each with its row; neighbouring rows

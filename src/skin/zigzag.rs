@@ -41,8 +41,8 @@ pub(super) struct Joined {
     /// For each stroke the strokes that it has to wait for, if the lines had to
     /// wait.
     pub after: Vec<Vec<u32>>,
-    /// Whether each stroke has to begin with its first line, if the lines had
-    /// to wait.
+    /// For each stroke whether it has to begin with its first line, if the
+    /// lines had to wait.
     pub one_way: Vec<bool>,
 }
 
@@ -60,8 +60,8 @@ impl Joined {
     }
 }
 
-/// Share of the plane that a turn takes, as a share of a line's: so little
-/// that the lines' round ends reach the border's corners.
+/// Share of the plane that a turn takes, as a share of what a line takes. The
+/// turn is so narrow that the lines' round ends reach the border's corners.
 const NARROW: f64 = 0.5;
 /// Longest way from end to end, in spacings.
 const REACH: f64 = 2.3;
@@ -73,9 +73,10 @@ const JUMP: Mm = 0.05;
 struct Turn {
     length: Mm,
     lines: [usize; 2],
-    /// By how much each of the two lines ends early.
+    /// Length by which each of the two lines ends early, mm.
     early: [Mm; 2],
-    /// Whether the turn is at the lines' last points, not at their first ones.
+    /// True if the turn is at the lines' last points, false if it is at their
+    /// first ones.
     last: bool,
 }
 
@@ -199,7 +200,8 @@ impl Turns<'_> {
             .min(self.spacing)
     }
 
-    /// By how much two lines end early, together, that are joined over a way.
+    /// Length by which two lines that are joined over a way end early, both
+    /// together, mm.
     fn early(&self, way: Mm) -> Mm {
         let (own, turn) = (self.spacing, self.share());
         (way * turn + JUMP * (own - turn)) / own

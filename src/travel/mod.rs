@@ -55,7 +55,7 @@ pub(crate) struct Travel {
     /// Filament to push forward at the end, mm. It replaces what oozed out on a
     /// travel without a retraction.
     pub prime: Mm,
-    /// Least height of the nozzle on the way, if something stands there.
+    /// Least height of the nozzle on the way, mm, if something stands there.
     pub clear: Option<Mm>,
 }
 

@@ -28,20 +28,21 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// How much a face may lean for a wall to go on in the next layer: by this share
-/// of its width from layer to layer.
+/// How much a face may lean for a wall to go on in the next layer, as a share
+/// of the wall's width from layer to layer.
 const ASIDE: f64 = 0.25;
 /// Distance of the places at which a wall looks for the next one, mm.
 const STEP: Mm = 0.5;
-/// A shorter stretch goes with what is beside it, mm.
+/// A stretch of a wall that is shorter than this goes with what is beside it,
+/// mm.
 const SHORT: Mm = 1.0;
 
 /// A layer above or below.
 #[derive(Clone, Copy)]
 pub(crate) struct Beside<'a> {
-    /// Its height, mm.
+    /// Height of that layer, mm.
     pub height: Mm,
-    /// Its outline; nothing if it is that of the layer itself.
+    /// Outline of that layer; nothing if both layers have equal outlines.
     pub outline: Option<&'a EdgeGrid>,
 }
 
@@ -55,7 +56,7 @@ pub(crate) struct Interlock<'a> {
     pub above: Option<Beside<'a>>,
 }
 
-/// Whether a wall goes on in the layer below, and in the layer above.
+/// True where a wall goes on in the layer below, and in the layer above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Joined {
     below: bool,
@@ -98,7 +99,8 @@ impl Interlock<'_> {
         out
     }
 
-    /// Lengths of a wall, one after another, in which it goes on alike.
+    /// The stretches of a wall, one after another, each of which goes on in one
+    /// way, with their lengths.
     fn runs(&self, bead: &Bead) -> Vec<(Mm, Joined)> {
         let mut runs: Vec<(Mm, Joined)> = Vec::new();
         for (a, b) in bead.segments() {
@@ -143,8 +145,9 @@ impl Interlock<'_> {
         }
     }
 
-    /// A wall in its place. A neighbour of its kind takes half of each layer's
-    /// height from it, or leaves it half of its own.
+    /// A wall in its place. A wall below that is lowered, too, leaves half of
+    /// its own height to this wall. A wall above takes half of this wall's
+    /// height.
     fn lowered(&self, bead: Bead, joined: Joined) -> Bead {
         let own = bead.height;
         let rise = if joined.above { -0.5 * own } else { 0.0 };

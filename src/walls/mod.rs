@@ -21,8 +21,8 @@ use std::iter;
 
 /// The walls' lines as beads, the outer wall's first. A part too thin for walls
 /// is an outer wall. A bead in the middle of walls fills a gap, unless it goes
-/// on in one of the walls. Rings shorter than `small` are marked here, since
-/// later stages may open or cut them.
+/// on in one of the walls. Rings shorter than `small`, mm, are marked here,
+/// since later stages may open or cut them.
 pub(crate) fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
     let all = walls.lines.iter().zip(roles(Role::InnerWall));
     all.chain(walls.thin.iter().zip(roles(Role::GapFill)))
@@ -32,11 +32,11 @@ pub(crate) fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
         .collect()
 }
 
-/// As [`beads`], of walls that interlock: every other inner wall is to lie half
-/// a layer lower.
+/// Does what [`beads`] does for walls that interlock: every other inner wall is
+/// to lie half a layer lower.
 pub(crate) fn interlocked(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
     let mut all = beads(walls, height, small);
-    // They come in the order of the walls.
+    // The beads come in the order of the walls.
     let mut counted = 0;
     for (k, lines) in walls.lines.iter().enumerate() {
         let of_wall = &mut all[counted..counted + lines.len()];
@@ -63,7 +63,7 @@ pub(crate) fn thin(walls: &mut Walls, settings: &Settings) {
 /// polygons. The arcs begin at each wall's first point; in the print they begin
 /// at its seam.
 pub(crate) fn rounded(walls: &Walls, settings: &Settings) -> Walls {
-    /// How near the polygons are to the arcs, mm.
+    /// Greatest distance of the polygons from the arcs, mm.
     const FLAT: Mm = 0.0002;
     let mut walls = walls.clone();
     for (lines, role) in walls.lines.iter_mut().zip(roles(Role::InnerWall)) {

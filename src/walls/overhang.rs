@@ -90,13 +90,13 @@ impl<'a> Support<'a> {
         }
     }
 
-    /// Whether a wall hangs somewhere.
+    /// True if a wall hangs somewhere.
     pub(crate) fn hangs(&self, bead: &Bead) -> bool {
         crate::limits::check();
         self.pieces(bead).iter().any(|piece| piece.hangs)
     }
 
-    /// Whether there is more of the part beside this place of a bead.
+    /// True if there is more of the part beside this place of a bead.
     fn leans(&self, bead: &Bead, place: f64, width: Mm) -> bool {
         // The segment that the place is on, or that begins there.
         let from = place.floor();
@@ -106,8 +106,8 @@ impl<'a> Support<'a> {
         self.own.contains(p + side) || self.own.contains(p - side)
     }
 
-    /// The parts of a bead, each of which hangs or does not; none of a bead
-    /// without a length.
+    /// The parts of a bead, each of which hangs or does not. A bead without a
+    /// length has no parts.
     fn pieces(&self, bead: &Bead) -> Vec<Piece> {
         let wall = usize::from(bead.role != Role::OuterWall);
         let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
@@ -165,7 +165,8 @@ struct Piece {
     from: f64,
     to: f64,
     hangs: bool,
-    /// It reaches what is beside it, in part at least.
+    /// True if the piece, or some of it, is so wide that it reaches what is
+    /// beside it.
     wide: bool,
 }
 

@@ -26,7 +26,8 @@ pub(crate) struct Reach<'a> {
 }
 
 impl<'a> Reach<'a> {
-    /// Of a layer on the solid `below`, with supports under it.
+    /// What holds a layer that lies on the solid `below` and has supports under
+    /// it.
     pub(crate) fn new(
         below: &'a EdgeGrid,
         support: Option<&'a EdgeGrid>,
@@ -52,7 +53,8 @@ impl<'a> Reach<'a> {
         sum
     }
 
-    /// How much a place counts.
+    /// How much of nothing there is below a place: 0 on the solid, 1 in the
+    /// air.
     fn counts(&self, p: DVec2) -> f64 {
         if self.below.contains(p) {
             return 0.0;

@@ -11,17 +11,9 @@
 # CHROMIUM names a browser in another place.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd "$here/../.." && pwd)
-isoslice=$(realpath "${1:-${CARGO_TARGET_DIR:-$root/target}/release/isoslice}")
+. "$here/../others.sh" "the browser test" ISOSLICE_BROWSER "${1:-}"
 playwright=playwright-core@1.65.1
 
-skip() {
-    printf 'SKIPPED: the browser test: %s\n' "$*"
-    [ "${ISOSLICE_BROWSER:-}" != required ] || exit 1
-    exit 0
-}
-
-[ -x "$isoslice" ] || { echo "no $isoslice; build it first" >&2; exit 1; }
 command -v node >/dev/null && command -v npm >/dev/null \
     || skip "there is no node or npm"
 

@@ -9,19 +9,11 @@
 # is an error. VENV names a folder in which the parsers stay for the next time.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd "$here/../.." && pwd)
-isoslice=$(realpath "${1:-${CARGO_TARGET_DIR:-$root/target}/release/isoslice}")
+. "$here/../others.sh" "the hosts" ISOSLICE_HOSTS "${1:-}"
 # Their own dependencies are not needed to read a file; Pillow makes small
 # pictures of large ones.
 parsers=(moonraker==0.11.0 OctoPrint==1.11.8 py-gcode-metadata==0.2.0 pillow)
 
-skip() {
-    printf 'SKIPPED: the hosts: %s\n' "$*"
-    [ "${ISOSLICE_HOSTS:-}" != required ] || exit 1
-    exit 0
-}
-
-[ -x "$isoslice" ] || { echo "no $isoslice; build it first" >&2; exit 1; }
 command -v python3 >/dev/null || skip "there is no python3"
 
 work=$(mktemp -d)

@@ -14,7 +14,7 @@ use isocontour::{
     Bounds, Detail, Field, Rect, SLAB, SearchOptions, find_bounds,
     outlines as find_outlines,
 };
-use isoslice::limits::{Limits, cancel, doing};
+use isoslice::limits::{Limits, Watch, doing};
 use isoslice::settings::{Settings, keys};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -47,7 +47,7 @@ pub(crate) fn rings<'py>(
             within,
             ..SearchOptions::default()
         };
-        let found = find_bounds(&of.0, &options, &cancel());
+        let found = find_bounds(&of.0, &options, &Watch::hook());
         let found = doing("bounds", || found)?.bounds;
         look(&of.0, &found, spacing, &z, detail)
     })?;
@@ -106,7 +106,8 @@ fn look(
         min: bounds.min.truncate(),
         max: bounds.max.truncate(),
     };
-    let field = Field::new(tree, 0.0, rect, spacing)?.with_cancel(cancel());
+    let field =
+        Field::new(tree, 0.0, rect, spacing)?.with_cancel(Watch::hook());
     let mut order: Vec<usize> = (0..z.len()).collect();
     order.sort_by(|a, b| z[*a].total_cmp(&z[*b]));
     let mut all: Rings = vec![Vec::new(); z.len()];

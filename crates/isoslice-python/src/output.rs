@@ -1,7 +1,6 @@
 //! What G-code is written to: a file, which is complete or not there at all, or
 //! bytes.
 
-use anyhow::Context;
 use isoslice::files;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -41,9 +40,7 @@ impl Output {
             Output::Bytes(bytes) => Ok(Written::Bytes(bytes)),
             Output::File(file, path) => {
                 let is_stream = file.is_stream();
-                file.finish().with_context(|| {
-                    format!("cannot write {}", path.display())
-                })?;
+                file.finish()?;
                 Ok(if is_stream {
                     Written::Stream(path)
                 } else {

@@ -9,7 +9,7 @@ use anyhow::Context;
 use isoslice::limits::Limits;
 use isoslice::pipeline::{self, Options, Summary};
 use isoslice::plate::Plate;
-use isoslice::preview::{Toolpath, write_html};
+use isoslice::preview::Toolpath;
 use isoslice::reader::Reader;
 use isoslice::settings::{Settings, keys};
 use isoslice::{Figures, Format, Hanging, Sum, human_time};
@@ -320,7 +320,7 @@ impl Sliced {
                 .with_settings(&settings)
                 .with_warnings(&[warnings, problems].concat());
             let mut page = Vec::new();
-            write_html(&mut page, &toolpath, &title)?;
+            toolpath.write_html(&mut page, &title)?;
             Ok(page)
         })?;
         String::from_utf8(page)

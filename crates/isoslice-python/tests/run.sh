@@ -9,18 +9,10 @@
 # ISOSLICE_PYTHON=required that is an error.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-root=$(cd "$here/../../.." && pwd)
-isoslice=$(realpath "${1:-${CARGO_TARGET_DIR:-$root/target}/release/isoslice}")
+. "$here/../../../tests/others.sh" "the Python package" ISOSLICE_PYTHON "${1:-}"
 # Bytes of the largest wheel.
 most=10000000
 
-skip() {
-    printf 'SKIPPED: the Python package: %s\n' "$*"
-    [ "${ISOSLICE_PYTHON:-}" != required ] || exit 1
-    exit 0
-}
-
-[ -x "$isoslice" ] || { echo "no $isoslice; build it first" >&2; exit 1; }
 command -v python3 >/dev/null || skip "there is no python3"
 python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' \
     || skip "python3 is older than 3.10"

@@ -1,5 +1,6 @@
 """Slicing: results, outlines, progress, and how it ends."""
 
+import inspect
 import math
 import os
 import signal
@@ -46,6 +47,18 @@ def test_outlines_of_a_field():
     assert ball.outlines(np.linspace(-4, 4, 70))[35][0].dtype == np.float64
     half = ball.outlines(0, bounds=[(-9, -9, -9), (9, 9, 9)])
     assert len(half) == 1
+
+
+def test_outlines_has_the_keywords_of_slice():
+    of_slice = inspect.signature(iso.slice).parameters
+    of_outlines = dict(inspect.signature(iso.outlines).parameters)
+    assert of_outlines.pop("z").kind is inspect.Parameter.POSITIONAL_OR_KEYWORD
+    assert of_outlines.keys() < of_slice.keys()
+    for name, parameter in of_outlines.items():
+        # Annotation, default and kind are the same.
+        assert parameter == of_slice[name]
+    own = "output layers format report check svg"
+    assert of_slice.keys() - of_outlines.keys() == set(own.split())
 
 
 def test_outlines_as_printed():

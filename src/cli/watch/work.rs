@@ -11,11 +11,11 @@ use crate::cli::info::parameter;
 use crate::cli::limits::{GRACE, LimitArgs, workers};
 use crate::cli::terminal;
 use anyhow::Context;
-use isoslice::files::{self, read_text};
+use isoslice::files::{Output, read_text};
 use isoslice::limits::{Limits, Reason, Stopped, Watch, doing};
 use isoslice::model::{LoadError, Model, ParamError, ScriptError};
 use isoslice::pipeline::{self, Options, Summary};
-use isoslice::preview::{Toolpath, draw, live_moves, sketch};
+use isoslice::preview::{Toolpath, View};
 use isoslice::reader::Reader;
 use isoslice::settings::keys;
 use serde::Serialize;
@@ -70,7 +70,7 @@ pub(super) fn work(session: &Session, job: &Job) {
 /// Work that takes too long otherwise is waited for.
 fn give_up(stopped: &Stopped) {
     if matches!(stopped.reason, Reason::Memory | Reason::Space) {
-        let _pending = files::discard_all();
+        let _pending = Output::discard_all();
         terminal::report_error(&stopped.clone().into());
         exit(1);
     }
@@ -135,7 +135,7 @@ fn make(
     let reader = Reader::new(reader).filament_diameter(diameter);
     let path =
         doing("reading", || Toolpath::read(reader))?.with_settings(settings);
-    let moves = live_moves(&path, &name)?;
+    let moves = path.live_moves(&name)?;
     let stem = Path::new(&name).file_stem().unwrap_or_default();
     let file = format!("{}.gcode", stem.to_string_lossy());
     session.tell(|state| {
@@ -237,9 +237,9 @@ pub(super) fn draw_within(
 ) -> anyhow::Result<Vec<u8>> {
     watch.run(|| {
         let pool = workers(threads)?;
-        let draw = if look.rough { sketch } else { draw };
+        let draw = if look.rough { View::sketch } else { View::draw };
         let drawn = pool.install(|| {
-            doing("picture", || draw(model, look.view, look.size, None))
+            doing("picture", || draw(look.view, model, look.size, None))
         });
         drawn.with_context(|| format!("cannot draw {}", model.name))
     })?

@@ -8,7 +8,7 @@ use minijinja::{
     filters,
 };
 
-/// What a template may use up: steps, and pieces of memory of 64 bytes. It is
+/// What a template may use up: steps, and pieces of memory of 64 bytes. This is
 /// enough for thousands of lines and 13 MB.
 const FUEL: u64 = 200_000;
 

@@ -11,9 +11,9 @@ use minijinja::{Error, ErrorKind};
 pub struct TemplateError {
     /// The setting that holds the template.
     pub template: &'static str,
-    /// Line, from 1.
+    /// Line of the mistake, from 1.
     pub line: usize,
-    /// Column in characters, from 1.
+    /// Column of the mistake, in characters, from 1.
     pub column: usize,
     /// What is wrong, and the remedy.
     pub message: String,
@@ -69,7 +69,7 @@ pub(super) fn meant(name: &str, scope: Scope) -> Option<&'static str> {
     placeholders::names(scope)
         .map(|known| (like(known), known))
         .filter(|(likeness, _)| *likeness >= NEAR)
-        // Of several names that are equally near, the first one is taken.
+        // If several names are equally near, the first one is taken.
         .fold(None::<(f64, &str)>, |best, this| match best {
             Some(best) if best.0 >= this.0 => Some(best),
             _ => Some(this),

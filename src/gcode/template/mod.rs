@@ -85,13 +85,14 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// The error for a mistake at a byte of `ours`.
+    /// The error for a mistake at the byte `at` of the text in minijinja's
+    /// syntax.
     fn error(&self, at: usize, message: String) -> TemplateError {
         let at = foreign::origin(self.written, &self.ours, at);
         error(self.name, self.written, at, message)
     }
 
-    /// The error for one of the engine.
+    /// The error for an error of the engine.
     fn failure(&self, failed: &minijinja::Error) -> TemplateError {
         match failure(failed) {
             (Some(at), message) => self.error(at, message),
@@ -266,9 +267,9 @@ fn add(
         .into_iter()
         .filter(|used| !is_known(used))
         .collect();
-    // The error is about the first unknown name in the text. Each is searched
-    // for in the whole text, so of very many only the first by the alphabet
-    // are.
+    // The error is about the first unknown name in the text. Each name is
+    // searched for in the whole text. So if there are very many, only the first
+    // ones of the alphabet are searched for.
     unknown.sort();
     unknown.truncate(FEW);
     let place = |used: &String| (find(ours, &pieces, used), used.clone());

@@ -5,7 +5,7 @@ use std::ops::Range;
 /// A piece of a template.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Piece {
-    /// Where the piece is, in bytes.
+    /// Place of the piece, in bytes.
     pub at: Range<usize>,
     /// True for an expression or a condition, false for plain text.
     pub code: bool,

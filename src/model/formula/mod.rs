@@ -38,7 +38,7 @@ pub struct FormulaError {
 }
 
 /// Parses the formula of a shape.
-pub fn parse_formula(text: &str) -> Result<Tree, FormulaError> {
+pub(crate) fn parse_formula(text: &str) -> Result<Tree, FormulaError> {
     match parse(text, None)? {
         Value::Field(tree) => Ok(tree),
         Value::Number(v) => Err(FormulaError {

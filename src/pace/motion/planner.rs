@@ -298,8 +298,8 @@ fn jerk_limit(jerk: &Jerk, a: [f64; 4], b: [f64; 4], turns: bool) -> f64 {
     speed * speed
 }
 
-/// Sine and cosine of half the angle that two moves enclose whose directions
-/// have the scalar product `cos`: (1, 0) straight on, (0, 1) back.
+/// Sine and cosine of half the angle that two moves enclose: (1, 0) straight
+/// on, (0, 1) back. `cos` is the scalar product of their directions.
 fn half_angle(cos: f64) -> (f64, f64) {
     let half = |x: f64| (0.5 * x).clamp(0.0, 1.0).sqrt();
     (half(1.0 + cos), half(1.0 - cos))

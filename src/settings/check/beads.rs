@@ -142,7 +142,7 @@ fn layer_heights(s: &Settings) -> [(&'static str, Mm); 2] {
 fn line_widths(
     s: &Settings,
 ) -> impl Iterator<Item = (&'static str, Mm)> + use<> {
-    // An automatic width suits the nozzle, or is another's.
+    // An automatic width suits the nozzle, or is that of another setting.
     s.by_nozzle()
         .into_iter()
         .filter(|(key, set, _)| {

@@ -7,7 +7,7 @@ use crate::settings::{
     Varying, WallOrder,
 };
 
-/// Heights are equal that differ by less, mm.
+/// Heights that differ by less than this count as equal, mm.
 const ROUNDED: f64 = 1e-6;
 
 /// Warns of settings without effect.
@@ -326,7 +326,7 @@ fn supports_without_effect(
     );
 }
 
-/// Warns of heights that the rule for heights does not ask for.
+/// Warns of settings of heights that `layer_heights` does not use.
 fn heights_without_effect(
     s: &Settings,
     warn: &mut dyn FnMut(&str, bool, String),
@@ -507,7 +507,8 @@ fn overhangs_without_effect(
     );
 }
 
-/// Warns of settings for patterns if infill is an expression, and the reverse.
+/// Warns of settings for patterns if infill is an expression, and of settings
+/// for expressions if infill is a pattern.
 fn infill_without_effect(
     s: &Settings,
     warn: &mut dyn FnMut(&str, bool, String),

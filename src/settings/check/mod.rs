@@ -23,7 +23,7 @@ use speeds::too_fast;
 pub(super) struct Conflict {
     /// What is wrong, with keys, values and the remedy.
     pub(super) message: String,
-    /// The keys it is about.
+    /// The keys of these settings.
     pub(super) keys: Vec<&'static str>,
 }
 
@@ -77,7 +77,7 @@ fn total_flow(s: &Settings, warnings: &mut Vec<String>) {
     }
 }
 
-/// Other slicers write 15 % as 0.15.
+/// Warns of shares below 1 %: other slicers write 15 % as 0.15.
 fn share_of_one(s: &Settings, warnings: &mut Vec<String>) {
     if let Some(density) = s.infill_density.constant()
         && density > 0.0
@@ -91,8 +91,9 @@ fn share_of_one(s: &Settings, warnings: &mut Vec<String>) {
     }
 }
 
-/// A distance that differs from place to place suits neither a vase's wall,
-/// which is found on the surface, nor walls that are the expression's own.
+/// A compensation that differs from place to place suits neither a climbing
+/// wall, which is found on the surface, nor walls that are offsets of the
+/// expression.
 fn uneven_growth(s: &Settings) -> Result<(), Conflict> {
     if s.xy_compensation.constant().is_some() {
         return Ok(());
@@ -113,7 +114,8 @@ fn uneven_growth(s: &Settings) -> Result<(), Conflict> {
     ))
 }
 
-/// Without walls, skin and infill there is nothing to print.
+/// Refuses settings without walls, skin and infill: there would be nothing to
+/// print.
 fn something_is_printed(s: &Settings) -> Result<(), Conflict> {
     let solid = s.top_layers() + s.bottom_layers() > 0;
     if s.walls == 0 && !solid && s.is_hollow() {
@@ -212,7 +214,7 @@ fn klipper_retraction(s: &Settings) -> Result<(), Conflict> {
     Ok(())
 }
 
-/// What does not go with a raft.
+/// Refuses what does not go with a raft, and warns of what makes little sense.
 fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
     /// Rounding of lengths, mm.
     const SLACK: f64 = 1e-9;
@@ -258,7 +260,7 @@ fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
                 round(s.layer_height()),
                 s.printer.nozzle_diameter,
                 round(s.infill_width()),
-                // Down, so that it is accepted.
+                // The figure is rounded down, so that it is accepted.
                 (s.raft_gap_most() * 1000.0 + 1e-6).floor() / 1000.0,
             ),
         ));
@@ -284,8 +286,8 @@ fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
     Ok(())
 }
 
-/// What cannot stand beside a climbing wall: the nozzle would have to leave it
-/// in every layer.
+/// Refuses what cannot stand beside a climbing wall: the nozzle would have to
+/// leave the wall in every layer.
 fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
     if !s.spiral {
         return Ok(());
@@ -320,7 +322,7 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
     Ok(())
 }
 
-/// Rounds to 3 decimals, for messages.
+/// A number with 3 decimals, for messages.
 fn round(x: f64) -> f64 {
     (x * 1000.0).round() / 1000.0
 }

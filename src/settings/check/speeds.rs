@@ -7,10 +7,10 @@ use crate::units::{Mm, cross_section};
 struct Limited {
     /// The speed's key.
     key: &'static str,
-    /// The speed as set, mm/s, and the speed that is reached.
+    /// The speed as set and the speed that is reached, mm/s.
     set: f64,
     possible: f64,
-    /// Plastic that the set speed takes, mm³/s.
+    /// Plastic that the speed as set takes, mm³/s.
     flow: f64,
 }
 
@@ -100,7 +100,7 @@ fn limited_speeds(s: &Settings) -> Vec<Limited> {
     let limited = |(key, speed, width): (&'static str, &Varying, Mm)| {
         let speed = speed.constant()?;
         let area = flow * cross_section(width * widened, s.thickest_layer());
-        // Only differences that the shown decimal can tell count.
+        // Only differences that show in the decimals of the message count.
         (speed * area > most + 0.05).then(|| Limited {
             key,
             set: speed,

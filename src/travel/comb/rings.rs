@@ -19,7 +19,7 @@ pub(super) struct Rings {
 /// A place on a ring.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mark {
-    /// How far along the straight way the mark is.
+    /// Place of the mark along the straight way.
     pub t: f64,
     pub edge: usize,
     pub at: DVec2,
@@ -56,7 +56,7 @@ impl Rings {
         self.island[self.places.ring(edge)]
     }
 
-    /// How far along its ring a mark is.
+    /// Place of a mark along the mark's ring.
     pub(super) fn place(&self, grid: &EdgeGrid, mark: &Mark) -> Mm {
         let (p, _) = grid.edge(mark.edge);
         self.places.begin(mark.edge) + p.distance(mark.at)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -188,16 +189,13 @@ def profiles(folder: Optional[Path] = None) -> list[dict[str, Any]]:
     return _native.profiles(folder)
 
 
-_OF_SLICE = (
-    "params name settings printer filament preset profiles config size scale "
-    "height rotate at keep_position bounds threads time_limit memory_limit "
-    "progress more"
-).split()
+# The keywords that all functions share: those of `outlines`.
+_SHARED = list(inspect.signature(outlines).parameters)[2:]
 
 
 def _keywords(given: dict[str, Any]) -> dict[str, Any]:
-    """The keywords that all functions share."""
-    keywords = {name: given[name] for name in _OF_SLICE}
+    """The keywords that all functions share, of all that were given."""
+    keywords = {name: given[name] for name in _SHARED}
     for name in ("params", "settings"):
         if keywords[name] is not None:
             keywords[name] = dict(keywords[name])

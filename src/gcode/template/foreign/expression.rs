@@ -58,7 +58,7 @@ enum Token<'a> {
     Text(&'a str),
     Name(&'a str),
     Sign(&'a str),
-    /// A pattern, without its slashes, and whether it is to be there.
+    /// A pattern, without its slashes, and whether the text is to have it.
     Pattern(&'a str, bool),
 }
 
@@ -349,7 +349,7 @@ impl<'a> Parser<'a> {
                     "write {name}[0] for x or {name}[1] for y"
                 ));
             }
-            // Nothing is printed with another one.
+            // Nothing is printed with another extruder.
             (_, Some(_)) if !first && name == "is_extruder_used" => {
                 ("false".to_owned(), Kind::Other)
             }
@@ -388,8 +388,9 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// An expression that tells whether a text is as a pattern says: one or several
-/// words, `A|B`, alone or anywhere in it, `.*A.*`.
+/// An expression that tells whether a text matches a pattern. The pattern is
+/// one word or several (`A|B`), which are the whole text or anywhere in it
+/// (`.*A.*`).
 fn looks_like(text: &str, pattern: &str) -> Result<String, Refused> {
     let refused = || {
         Err(format!(

@@ -25,8 +25,8 @@ const AS_IT_IS: &str = "text that is meant for the printer as it is stands \
 /// Greatest length of a placeholder, bytes.
 const LONGEST: usize = 2048;
 
-/// A template in minijinja's syntax; or a place in bytes and what is wrong
-/// there.
+/// A template in minijinja's syntax. The error is a place in bytes and what is
+/// wrong there.
 pub(super) fn translated<'a>(
     source: &'a str,
     pieces: &[Piece],
@@ -114,7 +114,7 @@ impl Translation<'_> {
         Ok(())
     }
 
-    /// A placeholder in minijinja's syntax; nothing if the text is no
+    /// A placeholder in minijinja's syntax, or nothing if the text is no
     /// placeholder.
     fn tag(
         &mut self,

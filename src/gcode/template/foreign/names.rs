@@ -26,9 +26,10 @@ pub(super) enum Ours {
     /// One expression in `gcode.layer`, the other elsewhere.
     ByScope(Kind, &'static str, &'static str),
     /// One expression in `gcode.layer` and one in `gcode.end`, where the last
-    /// layer is meant; unknown elsewhere.
+    /// layer is meant. Other templates do not know the name.
     OfLayer(Kind, &'static str, &'static str),
-    /// No expression; why, or what to write instead.
+    /// No expression stands for the name. The text says why, or what to write
+    /// instead.
     None(&'static str),
 }
 

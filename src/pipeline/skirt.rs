@@ -1,0 +1,62 @@
+//! The skirt or the draft shield round several parts.
+//!
+//! A single part has its own, which its stages lay.
+
+use super::SliceError;
+use super::job::{Job, Planned, outline_of};
+use super::stages::shielded;
+use crate::adhesion::{Skirt, brim_reach, hull};
+use crate::plane::{Area, Ring};
+use crate::settings::DraftShield;
+
+/// The skirt or the draft shield round several parts, if there is one.
+pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
+    let plate = job.plate;
+    let settings = &plate.settings;
+    let skirt = &settings.skirt;
+    let shield = settings.draft_shield != DraftShield::Off;
+    let any = shield || (skirt.loops > 0 && skirt.layers > 0);
+    if plate.place_count() == 1 || !any {
+        return Ok(None);
+    }
+    // A higher one would be in the way of the head.
+    let layers = match job.turns {
+        Some(_) => 1,
+        None => skirt.layers,
+    };
+    let mut areas = Vec::new();
+    for Planned {
+        part,
+        stages,
+        spans,
+    } in &job.parts
+    {
+        let beside = if shield {
+            stages.seen_from_above(spans, &outline_of(part)?)
+        } else {
+            stages.beside(spans, layers as usize)?
+        };
+        // The hull of the parts' hulls is the hull of them all.
+        let hulls: Vec<Ring> = beside.iter().map(hull).collect();
+        for place in &part.places {
+            let by = part.model.offset.truncate() + place.shift;
+            let moved = |ring: &Ring| ring.iter().map(|p| *p + by).collect();
+            let rings = hulls.iter().map(moved).collect();
+            areas.push(Area { rings });
+        }
+    }
+    // The skirt goes round the widest brim.
+    let mut widest = settings.clone();
+    let brims = plate.parts.iter().map(|part| &part.settings);
+    let brims = brims.max_by(|a, b| brim_reach(a).total_cmp(&brim_reach(b)));
+    if let Some(brim) = brims {
+        widest.brim = brim.brim.clone();
+    }
+    if shield {
+        let high = job.parts.iter().map(|p| shielded(p.spans, settings));
+        let high = high.max().unwrap_or(0);
+        return Ok(Some(Skirt::shield(&areas, high, &widest)));
+    }
+    widest.skirt.layers = layers;
+    Ok(Some(Skirt::new(&areas, &widest)))
+}

@@ -1,0 +1,128 @@
+//! The beads of a layer, before they have their order.
+
+use super::Stages;
+use crate::bead::{Bead, Role};
+use crate::infill::{self, InfillError};
+use crate::order::LayerBeads;
+use crate::pipeline::SliceError;
+use crate::pipeline::layer::{Inside, Layer, faces, window};
+use crate::plane::Area;
+use crate::region::exposure::FillAreas;
+use crate::resolution::thin;
+use crate::skin::Patch;
+use crate::timings::Stage;
+use crate::{skin, walls};
+use std::collections::VecDeque;
+
+impl Stages<'_> {
+    /// Everything there is to print in layer `i` of the window, and where it
+    /// has sparse infill.
+    pub(in crate::pipeline) fn beads(
+        &self,
+        layers: &VecDeque<Layer>,
+        i: usize,
+        Inside { walls, roomy }: &Inside,
+    ) -> Result<(LayerBeads, FillAreas), SliceError> {
+        let Layer { span, outline, .. } = &layers[i];
+        let (number, height) = (span.index, span.height());
+        let solid = outline.grid();
+        let skirt = self.loops(&layers[i]);
+        let turns =
+            self.timings.time(Stage::Walls, || self.turns(layers, i))?;
+        if !turns.is_empty() {
+            let beads = LayerBeads {
+                skirt,
+                turns,
+                ..LayerBeads::default()
+            };
+            return Ok((beads, FillAreas::default()));
+        }
+        let (areas, mut skin) = self.timings.time(Stage::Skin, || {
+            let window = window(layers, i);
+            let areas = self.exposure.split(&walls.fill, roomy, &window);
+            let skin = skin::patches(
+                &areas.skin,
+                faces(layers, i),
+                number,
+                height,
+                self.settings,
+            );
+            (areas, skin)
+        });
+        if self.is_on_raft(number) {
+            // The skin's underside lies over the air above the raft.
+            let down = of_skin(&mut skin);
+            for bead in down.filter(|b| b.role == Role::BottomSkin) {
+                bead.role = Role::Bridge;
+            }
+        }
+        let small = self.settings.speed.small_wall_length;
+        let mut walls = if self.settings.interlocks() {
+            walls::interlocked(walls, height, small)
+        } else {
+            walls::beads(walls, height, small)
+        };
+        let sites = self.timings.time(Stage::Walls, || {
+            self.seams.sites(&walls, number, span.sample_z(), solid)
+        })?;
+        if let Some(fuzzy) = &self.fuzzy {
+            self.timings.time(Stage::Walls, || {
+                fuzzy.apply(&mut walls, number, span.sample_z(), solid)
+            })?;
+        }
+        let mut beads = LayerBeads {
+            support: self.support_beads(span)?,
+            support_last: !number.is_multiple_of(2),
+            skirt,
+            turns: Vec::new(),
+            walls,
+            sites,
+            infill: self.infill_in(&areas.sparse, &layers[i])?,
+            skin,
+        };
+        // The walls have been thinned already.
+        self.timings.time(Stage::Infill, || {
+            let all = beads.skirt.iter_mut().chain(&mut beads.support);
+            self.thin(all.chain(&mut beads.infill));
+            self.thin(of_skin(&mut beads.skin));
+        });
+        Ok((beads, areas))
+    }
+
+    /// A layer's sparse infill.
+    pub(super) fn infill_in(
+        &self,
+        sparse: &Area,
+        layer: &Layer,
+    ) -> Result<Vec<Bead>, InfillError> {
+        let target = infill::Target {
+            number: layer.span.index,
+            z: layer.span.sample_z(),
+            height: layer.span.height(),
+        };
+        let solid = layer.outline.grid();
+        self.timings.time(Stage::Infill, || {
+            if self.settings.spiral {
+                Ok(Vec::new())
+            } else {
+                self.infill.beads(sparse, target, Some(solid))
+            }
+        })
+    }
+
+    /// Thins beads as far as their roles permit.
+    pub(super) fn thin<'b>(&self, beads: impl Iterator<Item = &'b mut Bead>) {
+        for bead in beads {
+            let role = bead.role;
+            thin(bead, role, self.settings);
+        }
+    }
+}
+
+/// The beads of some skin.
+pub(super) fn of_skin(skin: &mut [Patch]) -> impl Iterator<Item = &mut Bead> {
+    skin.iter_mut().flat_map(|patch| {
+        let fills = patch.fills.iter_mut().flat_map(|f| &mut f.lines);
+        patch.rings.iter_mut().chain(fills)
+    })
+}

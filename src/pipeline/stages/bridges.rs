@@ -1,0 +1,86 @@
+//! Internal bridges: skin over the infill of the layer below.
+
+use super::Stages;
+use super::beads::of_skin;
+use crate::bead::Bead;
+use crate::pipeline::SliceError;
+use crate::pipeline::layer::{Layer, faces};
+use crate::plane::Area;
+use crate::region::exposure::FillAreas;
+use crate::skin::over_infill::{Below, Level, Over, Under, bridged};
+use crate::skin::{self, Patch};
+use crate::timings::Stage;
+use std::collections::VecDeque;
+
+/// What replaces parts of a layer that has internal bridges.
+pub(in crate::pipeline) struct OverInfill {
+    pub skin: Vec<Patch>,
+    pub infill: Vec<Bead>,
+    pub sparse: Area,
+    pub levels: Vec<Level>,
+}
+
+impl Stages<'_> {
+    /// True if skin over sparse infill becomes internal bridges.
+    pub(in crate::pipeline) fn bridges_infill(&self) -> bool {
+        self.settings.internal_bridges && !self.settings.spiral
+    }
+
+    /// How many layers below the first of a block have to be filled, since its
+    /// internal bridges lie on their infill or on their bridges.
+    pub(in crate::pipeline) fn rehearsed_bridges(&self) -> usize {
+        let layers = self.settings.internal_bridge_layers;
+        match (self.bridges_infill(), layers) {
+            (false, _) => 0,
+            (true, Some(layers)) => layers as usize,
+            (true, None) => 2,
+        }
+    }
+
+    /// Layer `i` of the window with internal bridges over the infill of the
+    /// layer below, and over its bridges `levels`, if there are any. `areas` are
+    /// those of layer `i`.
+    pub(in crate::pipeline) fn over_infill(
+        &self,
+        layers: &VecDeque<Layer>,
+        i: usize,
+        areas: &FillAreas,
+        under: Under<'_>,
+        levels: &[Below],
+    ) -> Result<Option<OverInfill>, SliceError> {
+        let faces = faces(layers, i);
+        let Some(above) = faces.above else {
+            return Ok(None);
+        };
+        let layer = &layers[i];
+        let height = layer.span.height();
+        let over = Over {
+            skin: &areas.skin,
+            sparse: &areas.sparse,
+            above,
+            height,
+        };
+        let made = self.timings.time(Stage::Skin, || {
+            let bridged = bridged(over, under, levels, self.settings)?;
+            let number = layer.span.index;
+            let rest = &bridged.skin;
+            let mut skin =
+                skin::patches(rest, faces, number, height, self.settings);
+            skin.extend(bridged.patches);
+            self.thin(of_skin(&mut skin));
+            Some((skin, bridged.sparse, bridged.levels))
+        });
+        let Some((skin, sparse, levels)) = made else {
+            return Ok(None);
+        };
+        let mut infill = self.infill_in(&sparse, layer)?;
+        self.timings
+            .time(Stage::Infill, || self.thin(infill.iter_mut()));
+        Ok(Some(OverInfill {
+            skin,
+            infill,
+            sparse,
+            levels,
+        }))
+    }
+}

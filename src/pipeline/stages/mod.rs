@@ -1,0 +1,191 @@
+//! The stages that run for many layers at a time, on any thread.
+//!
+//! In: a slab's spans. Out: the outlines of its layers, and, once a layer's
+//! neighbours are known, its beads. Nothing here depends on the order in which
+//! layers are worked on.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `outlines` | outlines from the field |
+//! | `printed` | which layers print anything |
+//! | `spiral`, `support`, `skirt` | what is planned for all layers at once, and what a layer has of it |
+//! | `inside` | walls and what they leave |
+//! | `beads` | all beads of a layer |
+//! | `bridges` | skin that replaces what lies over infill |
+
+mod beads;
+mod bridges;
+mod inside;
+mod outlines;
+mod printed;
+mod skirt;
+mod spiral;
+mod support;
+
+use super::layer::Layer;
+use super::raft::Raft;
+use super::supported::Supported;
+use super::{BLOCK, SliceError};
+use crate::adhesion::Skirt;
+use crate::contour::{Field, field};
+use crate::fuzzy::Fuzzy;
+use crate::infill::{self, Infill};
+use crate::layers::LayerSpan;
+use crate::model::Model;
+use crate::plane::Rect;
+use crate::region::compensate::Growth;
+use crate::region::exposure::Exposure;
+use crate::report::Gauge;
+use crate::seam::Seams;
+use crate::settings::{Settings, WallOffset};
+use crate::spiral::Spiral;
+use crate::timings::Timings;
+use crate::units::Mm;
+use crate::vary::Surroundings;
+pub(super) use bridges::OverInfill;
+use glam::DVec2;
+pub(super) use outlines::ALL_LAYERS;
+use outlines::{WallFields, by_depth};
+pub(super) use skirt::shielded;
+use std::ops::Range;
+
+/// What the layers have in common.
+pub(super) struct Stages<'a> {
+    settings: &'a Settings,
+    model: &'a Model,
+    /// The part's box in the plane.
+    rect: Rect,
+    field: Field,
+    wall_fields: WallFields,
+    seams: Seams<'a>,
+    fuzzy: Option<Fuzzy<'a>>,
+    /// The skirt, if more layers than the first have it.
+    skirt: Option<Skirt>,
+    /// The supports, once they are planned.
+    support: Option<Supported<'a>>,
+    /// Layers of the part that are known from planning its supports, from below.
+    known: Vec<Layer>,
+    /// The raft, once it is planned, and the number of its layers.
+    raft: Option<Raft<'a>>,
+    raft_layers: usize,
+    /// Height of the bed in the model's coordinates.
+    bed: Mm,
+    /// The climbing wall, if there is one.
+    pub spiral: Option<Spiral<'a>>,
+    /// How far outlines grow, if that differs from place to place.
+    growth: Option<Growth>,
+    exposure: Exposure<'a>,
+    infill: Infill<'a>,
+    pub timings: Timings,
+    pub gauge: Gauge<'a>,
+}
+
+impl<'a> Stages<'a> {
+    pub(super) fn new(
+        model: &'a Model,
+        settings: &'a Settings,
+        around: &'a Surroundings<'a>,
+        gauge: Gauge<'a>,
+        spans: &'a [LayerSpan],
+    ) -> Result<Self, SliceError> {
+        let rect = Rect {
+            min: model.bounds.min.truncate(),
+            max: model.bounds.max.truncate(),
+        };
+        let spacing = settings.sample_spacing;
+        let make = |depth: Mm| field(&model.tree, depth, rect, spacing);
+        let field = make(0.0)?;
+        let wall_fields = match settings.wall_offset {
+            WallOffset::Distance => WallFields::None,
+            WallOffset::Field if settings.is_uniform() => WallFields::Alike(
+                by_depth(settings.layer_height(), settings, make)?,
+            ),
+            WallOffset::Field => WallFields::ByHeight,
+        };
+        let site = site(model, settings, rect);
+        Ok(Stages {
+            settings,
+            model,
+            rect,
+            field,
+            wall_fields,
+            seams: Seams::new(settings, around)?,
+            fuzzy: Fuzzy::new(settings, around)?,
+            skirt: None,
+            support: None,
+            known: Vec::new(),
+            raft: None,
+            raft_layers: settings.raft_layers(),
+            bed: -model.offset.z,
+            spiral: None,
+            exposure: Exposure::new(settings, spans),
+            growth: Growth::new(settings, model)?,
+            infill: Infill::new(settings, around, site)?,
+            timings: Timings::default(),
+            gauge,
+        })
+    }
+
+    /// A rectangle of the bed in the model's coordinates.
+    fn in_model(&self, on_bed: Rect) -> Rect {
+        let offset = self.model.offset.truncate();
+        Rect {
+            min: on_bed.min - offset,
+            max: on_bed.max - offset,
+        }
+    }
+
+    /// The site from which fillings of supports are laid out.
+    fn site(&self) -> infill::Site {
+        site(self.model, self.settings, self.rect)
+    }
+
+    /// True if a layer is the part's first one, on a raft.
+    pub(super) fn is_on_raft(&self, layer: usize) -> bool {
+        self.raft_layers > 0 && layer == self.raft_layers
+    }
+
+    /// Number of layers whose field is walked at a time.
+    pub(super) fn slab_layers(&self) -> usize {
+        self.field.slab_layers()
+    }
+
+    /// The layers whose outlines are needed to write `layers` of `count`: these
+    /// layers, those to be rehearsed, and the neighbours of all of them.
+    pub(super) fn needed(
+        &self,
+        layers: &Range<usize>,
+        count: usize,
+    ) -> Range<usize> {
+        let first = layers.start - layers.start % BLOCK;
+        // The part may end below all of these.
+        let below = first.saturating_sub(self.reach_below()).min(count);
+        below..(layers.end + self.reach_above()).clamp(below, count)
+    }
+
+    /// Number of layers above a layer that it depends on.
+    pub(super) fn reach_above(&self) -> usize {
+        self.exposure.reach_above()
+    }
+
+    /// Number of layers below a layer that it depends on.
+    pub(super) fn reach_below(&self) -> usize {
+        // A turn lies on a layer that has to be known.
+        let below = usize::from(self.settings.spiral);
+        // Internal bridges lie on infill, which has to be known as well.
+        let infill = self.rehearsed_bridges();
+        self.exposure.reach_below().max(below) + infill
+    }
+}
+
+/// The site from which the fillings of a part are laid out.
+fn site(model: &Model, settings: &Settings, part: Rect) -> infill::Site {
+    let printer = &settings.printer;
+    let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
+    infill::Site {
+        part,
+        height: model.bounds.size().z,
+        bed: bed - model.offset.truncate(),
+        origin: model.origin.truncate(),
+    }
+}

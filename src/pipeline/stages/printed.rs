@@ -1,0 +1,105 @@
+//! How much of a part prints, before anything is planned.
+
+use super::outlines::WallFields;
+use super::{ALL_LAYERS, Stages};
+use crate::contour::field_in;
+use crate::layers::LayerSpan;
+use crate::limits;
+use crate::pipeline::SliceError;
+use crate::pipeline::layer::{Inside, Layer};
+use crate::pipeline::sound::{self, Found};
+use crate::plane::Rect;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use std::collections::VecDeque;
+
+/// What is known of a layer that was looked at without its neighbours.
+struct Looked {
+    /// True if there is something to print.
+    prints: bool,
+    found: Found,
+}
+
+impl Stages<'_> {
+    /// Number of the part's layers up to the highest one that has something to
+    /// print. The bounds may reach higher than the part, and what is thinner
+    /// than any line is left out.
+    ///
+    /// # Errors
+    /// If hardly any of the part can be printed: see [`sound`].
+    pub(in crate::pipeline) fn printed(
+        &self,
+        pool: &ThreadPool,
+        spans: &[LayerSpan],
+    ) -> Result<usize, SliceError> {
+        // Mostly the last layer is the highest that prints. If it does not
+        // print, the others are looked at slab by slab.
+        let (below, last) = spans.split_at(spans.len().saturating_sub(1));
+        let slabs = below.rchunks(self.slab_layers());
+        let mut sampled = false;
+        for slab in std::iter::once(last).chain(slabs) {
+            limits::check();
+            let looked = pool.install(|| self.look_at(slab))?;
+            let highest = looked.iter().rposition(|l| l.prints);
+            let thin = looked.iter().any(|l| l.found.is_suspicious());
+            if thin && !sampled {
+                let found_in = |window: Rect, span: &LayerSpan| {
+                    self.found_in(window, span)
+                };
+                let line = self.settings.thinnest_line();
+                sound::sample(pool, self.rect, spans, line, found_in)?;
+                sampled = true;
+            }
+            if let Some(highest) = highest {
+                return Ok(slab.first().map_or(0, |s| s.index) + highest + 1);
+            }
+        }
+        Ok(0)
+    }
+
+    /// What there is to print in some layers.
+    fn look_at(&self, spans: &[LayerSpan]) -> Result<Vec<Looked>, SliceError> {
+        let layers = self.layers(spans, &ALL_LAYERS)?.into_par_iter();
+        let look = |layer: Layer| {
+            let inside = self.inside_below(&layer, None);
+            let found = found(&layer, &inside);
+            if layer.area().is_empty() {
+                let prints = false;
+                return Ok(Looked { prints, found });
+            }
+            let alone = VecDeque::from([layer]);
+            let (beads, _) = self.beads(&alone, 0, &inside)?;
+            let prints = !(beads.walls.is_empty()
+                && beads.infill.is_empty()
+                && beads.skin.is_empty());
+            Ok(Looked { prints, found })
+        };
+        layers.map(look).collect()
+    }
+
+    /// What a nozzle can make of a window of a layer.
+    ///
+    /// # Errors
+    /// Those of [`Stages::layers`].
+    fn found_in(
+        &self,
+        window: Rect,
+        span: &LayerSpan,
+    ) -> Result<Found, SliceError> {
+        let spacing = self.settings.sample_spacing;
+        let field = field_in(&self.model.tree, window, spacing)?;
+        let span = std::slice::from_ref(span);
+        let none = &WallFields::None;
+        let layers = self.layers_of(&field, none, span, &ALL_LAYERS)?;
+        let layer = layers.first();
+        Ok(layer.map_or(Found::default(), |l| {
+            found(l, &self.inside_below(l, None))
+        }))
+    }
+}
+
+/// What a nozzle can make of a layer.
+fn found(layer: &Layer, inside: &Inside) -> Found {
+    let dropped = layer.found.dropped_rings;
+    Found::new(layer.area().content(), dropped, &inside.walls)
+}

@@ -1,0 +1,117 @@
+//! What lies round a part: skirt, brim and draft shield.
+
+use super::{ALL_LAYERS, Stages};
+use crate::adhesion::{Skirt, loops};
+use crate::bead::Bead;
+use crate::layers::LayerSpan;
+use crate::pipeline::SliceError;
+use crate::pipeline::layer::Layer;
+use crate::plane::Area;
+use crate::plane::clip::union;
+use crate::settings::Settings;
+use crate::units::Mm;
+use glam::DVec2;
+
+/// About how many layers' outlines a high skirt is laid round. It keeps a
+/// distance from the part, which the layers in between do not exceed.
+const SKIRT_SAMPLES: usize = 64;
+
+/// Heights that differ by less do so by rounding only, mm.
+const ROUNDED: Mm = 1e-6;
+
+impl Stages<'_> {
+    /// Lays the skirt of the whole part, `spans`, after its supports and its
+    /// raft, if more layers than the first have it.
+    ///
+    /// # Errors
+    /// If the outlines beside the skirt cannot be found.
+    pub(in crate::pipeline) fn plan_skirt(
+        &mut self,
+        spans: &[LayerSpan],
+    ) -> Result<(), SliceError> {
+        let skirt = &self.settings.skirt;
+        if skirt.loops > 0 && skirt.layers > 1 {
+            let areas = self.beside(spans, skirt.layers as usize)?;
+            self.skirt = Some(Skirt::new(&areas, self.settings));
+        }
+        Ok(())
+    }
+
+    /// What stands of the part and its supports in the lowest `layers`, or in
+    /// some of them if they are many.
+    pub(in crate::pipeline) fn beside(
+        &self,
+        spans: &[LayerSpan],
+        layers: usize,
+    ) -> Result<Vec<Area>, SliceError> {
+        let beside = &spans[..spans.len().min(layers)];
+        let step = beside.len().div_ceil(SKIRT_SAMPLES).max(1);
+        let mut areas = Vec::new();
+        for span in beside.iter().step_by(step).chain(beside.last()) {
+            let of_span =
+                self.layers(std::slice::from_ref(span), &ALL_LAYERS)?;
+            areas.extend(of_span.iter().map(|l| l.area().clone()));
+        }
+        let slice = |s: &LayerSpan| self.support.as_ref()?.slice(s.index);
+        let support = beside.iter().filter_map(slice);
+        let support = support.flat_map(|s| [&s.body, &s.interface]);
+        areas.extend(support.cloned());
+        areas.extend(self.raft.iter().map(|raft| raft.area.clone()));
+        Ok(areas)
+    }
+
+    /// The part and its supports as seen from above. `part` lies around the
+    /// part, on the bed.
+    pub(in crate::pipeline) fn seen_from_above(
+        &self,
+        spans: &[LayerSpan],
+        part: &[DVec2],
+    ) -> Vec<Area> {
+        let offset = self.model.offset.truncate();
+        let part = Area {
+            rings: vec![part.iter().map(|p| p - offset).collect()],
+        };
+        let supports = spans.iter();
+        let supports = supports.filter_map(|s| self.support_area(s.index));
+        std::iter::once(part).chain(supports).collect()
+    }
+
+    /// Plans the draft shield of the whole part, `spans`, after its supports
+    /// and its raft. `part` lies around the part as seen from above, on the
+    /// bed.
+    pub(in crate::pipeline) fn plan_shield(
+        &mut self,
+        spans: &[LayerSpan],
+        part: &[DVec2],
+    ) {
+        let all = self.seen_from_above(spans, part);
+        let layers = shielded(spans, self.settings);
+        self.skirt = Some(Skirt::shield(&all, layers, self.settings));
+    }
+
+    /// The skirt and the brim of a layer.
+    pub(super) fn loops(&self, layer: &Layer) -> Vec<Bead> {
+        let number = layer.span.index;
+        let beside = match number {
+            0 => self.support_area(number),
+            _ => None,
+        };
+        let beside = beside.map(|area| union(&area, layer.area()));
+        loops(
+            number,
+            beside.as_ref().unwrap_or(layer.area()),
+            layer.span.height(),
+            self.skirt.as_ref(),
+            self.settings,
+        )
+    }
+}
+
+/// Number of layers that have the draft shield.
+pub(in crate::pipeline) fn shielded(
+    spans: &[LayerSpan],
+    settings: &Settings,
+) -> usize {
+    let height = settings.draft_shield.height();
+    spans.partition_point(|span| span.top <= height + ROUNDED)
+}

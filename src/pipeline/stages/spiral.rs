@@ -1,0 +1,65 @@
+//! The climbing wall of a part.
+
+use super::Stages;
+use super::outlines::WallFields;
+use crate::bead::Bead;
+use crate::layers::LayerSpan;
+use crate::limits;
+use crate::pipeline::SliceError;
+use crate::pipeline::layer::Layer;
+use crate::spiral::Spiral;
+use rayon::ThreadPool;
+use std::collections::VecDeque;
+
+impl<'a> Stages<'a> {
+    /// Plans the climbing wall of the layers to be printed, if there is one. It
+    /// takes all of their outlines, one slab after another, since each turn
+    /// begins where the turn below ends.
+    pub(in crate::pipeline) fn plan_spiral(
+        &mut self,
+        pool: &ThreadPool,
+        spans: &[LayerSpan],
+    ) -> Result<(), SliceError> {
+        if !self.settings.spiral {
+            return Ok(());
+        }
+        let mut spiral = Spiral::new(self.model, self.settings, spans)?;
+        let last_flat = spiral.first() - 1;
+        let all = last_flat..spans.len();
+        for slab in spans.chunks(self.slab_layers()) {
+            limits::check();
+            // Offset fields are not asked for.
+            let none = &WallFields::None;
+            let made = || self.layers_of(&self.field, none, slab, &all);
+            for layer in pool.install(made)? {
+                spiral.add(&layer.span, layer.area())?;
+            }
+        }
+        self.spiral = Some(spiral);
+        Ok(())
+    }
+
+    /// The turns of a layer's climbing walls; none if it is flat.
+    pub(super) fn turns(
+        &self,
+        layers: &VecDeque<Layer>,
+        i: usize,
+    ) -> Result<Vec<Bead>, SliceError> {
+        let Layer { span, outline, .. } = &layers[i];
+        let below = i.checked_sub(1).map(|k| layers[k].span);
+        match (self.spiral_at(span.index), below) {
+            (Some(spiral), Some(below)) => {
+                Ok(spiral.turns(span, &below, outline.area())?)
+            }
+            _ => Ok(Vec::new()),
+        }
+    }
+
+    /// The climbing wall, if a layer is part of it.
+    pub(in crate::pipeline) fn spiral_at(
+        &self,
+        layer: usize,
+    ) -> Option<&Spiral<'a>> {
+        self.spiral.as_ref().filter(|spiral| spiral.has(layer))
+    }
+}

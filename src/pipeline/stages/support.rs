@@ -1,0 +1,244 @@
+//! What stands below a part: its supports and its raft.
+
+use super::outlines::WallFields;
+use super::{ALL_LAYERS, Stages};
+use crate::bead::Bead;
+use crate::infill::InfillError;
+use crate::layers::LayerSpan;
+use crate::limits;
+use crate::pipeline::SliceError;
+use crate::pipeline::layer::Layer;
+use crate::pipeline::raft::{self, Raft};
+use crate::pipeline::supported::{Fills, Supported};
+use crate::plane::clip::union;
+use crate::plane::offset::offset;
+use crate::plane::{Area, Rect};
+use crate::support::{Asked, Heights, Plan, Survey, Wishes, coarse};
+use crate::timings::Stage;
+use crate::units::Mm;
+use crate::vary::Surroundings;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Number of points of the outlines that are kept from planning supports to
+/// printing. They take about 100 bytes each. Outlines beyond that are found a
+/// second time.
+const KNOWN: usize = 2_000_000;
+
+impl<'a> Stages<'a> {
+    /// Plans the supports of the whole part, `spans`. `fills` are the settings
+    /// by which supports and their dense tops are filled. `room` is the part of
+    /// the bed that supports may use.
+    ///
+    /// # Errors
+    /// If the part's outlines cannot be found, or `support.where` has no value
+    /// somewhere.
+    pub(in crate::pipeline) fn plan_supports(
+        &mut self,
+        pool: &ThreadPool,
+        spans: &'a [LayerSpan],
+        around: &'a Surroundings<'a>,
+        fills: &'a Fills,
+        room: Rect,
+    ) -> Result<(), SliceError> {
+        let wishes = Wishes::new(self.settings, around)?;
+        let asked = Asked {
+            wishes: wishes.as_ref(),
+            settings: self.settings,
+        };
+        // The plan does not know the raft, which serves as its bed.
+        let raft = (self.raft_layers, self.settings.raft_height());
+        let above = spans.iter().skip(self.raft_layers);
+        let above = above.map(|span| without_raft(*span, raft)).collect();
+        let heights = Heights::new(above, self.settings);
+        let sections = self.sections(pool, &heights)?;
+        let (stages, left): (&Stages<'a>, _) = (self, AtomicUsize::new(KNOWN));
+        let of_slab = |slab: &[LayerSpan]| {
+            let layers = stages.layers(slab, &ALL_LAYERS)?;
+            let found = layers
+                .iter()
+                .map(|layer| (without_raft(layer.span, raft), layer.area()));
+            let survey = || Survey::new(found, asked);
+            let survey = stages.timings.time(Stage::Support, survey)?;
+            let kept = keep(&layers, &left);
+            Ok::<_, SliceError>((survey, kept.then_some(layers)))
+        };
+        let slabs = spans[self.raft_layers..].par_chunks(self.slab_layers());
+        let made: Vec<Result<_, SliceError>> =
+            pool.install(|| slabs.map(of_slab).collect());
+        let mut survey = Survey::default();
+        let mut known = Vec::new();
+        for slab in made {
+            let (above, layers) = slab?;
+            survey.append(above, asked)?;
+            known.extend(layers.into_iter().flatten());
+        }
+        let bed = self.in_model(room);
+        let plan = pool.install(|| {
+            let plan = || Plan::new(survey, sections, heights, bed, asked);
+            self.timings.time(Stage::Support, plan)
+        });
+        self.known = known;
+        let site = self.site();
+        self.support = Some(Supported::new(plan, fills, around, site)?);
+        Ok(())
+    }
+
+    /// The part at half the height of each layer's supports, where that is not
+    /// half the height of the layer.
+    fn sections(
+        &self,
+        pool: &ThreadPool,
+        heights: &Heights,
+    ) -> Result<Option<Vec<Area>>, SliceError> {
+        if heights.own().eq(heights.spans().iter().copied()) {
+            return Ok(None);
+        }
+        let lift = self.settings.raft_height();
+        let own: Vec<LayerSpan> = heights
+            .own()
+            .map(|span| LayerSpan {
+                index: span.index + self.raft_layers,
+                bottom: span.bottom + lift,
+                top: span.top + lift,
+            })
+            .collect();
+        let of_slab = |slab: &[LayerSpan]| {
+            let all = 0..usize::MAX;
+            let none = &WallFields::None;
+            let layers = self.layers_of(&self.field, none, slab, &all)?;
+            let sections =
+                layers.iter().map(|l| coarse(l.area(), self.settings));
+            Ok::<_, SliceError>(sections.collect())
+        };
+        let slabs = own.par_chunks(self.slab_layers());
+        let made: Vec<Result<Vec<Area>, SliceError>> =
+            pool.install(|| slabs.map(of_slab).collect());
+        let made: Vec<Vec<Area>> =
+            made.into_iter().collect::<Result<_, _>>()?;
+        Ok(Some(made.concat()))
+    }
+
+    /// Plans the raft of the whole part, `spans`, after its supports, if there
+    /// is a raft. The raft carries the layers up to the lowest one in which a
+    /// line of the part has room, since the layers below that are empty, or
+    /// nearly so.
+    ///
+    /// # Errors
+    /// If the outlines above the raft cannot be found.
+    pub(in crate::pipeline) fn plan_raft(
+        &mut self,
+        spans: &[LayerSpan],
+        around: &'a Surroundings<'a>,
+        fills: &'a raft::Fills,
+        room: Rect,
+    ) -> Result<(), SliceError> {
+        let first = self.raft_layers;
+        if first == 0 {
+            return Ok(());
+        }
+        let s = self.settings;
+        let half = 0.5 * s.thinnest_line();
+        let mut under = Area::EMPTY;
+        for span in spans.iter().skip(first) {
+            limits::check();
+            let of_span =
+                self.layers(std::slice::from_ref(span), &ALL_LAYERS)?;
+            if let Some(support) = self.support_area(span.index) {
+                under = union(&under, &support);
+            }
+            let Some(layer) = of_span.first() else {
+                continue;
+            };
+            under = union(&under, layer.area());
+            if !offset(layer.area(), -half, s.accuracy).is_empty() {
+                break;
+            }
+        }
+        let raft =
+            Raft::new(&under, self.in_model(room), fills, around, self.site())?;
+        self.raft = Some(raft);
+        Ok(())
+    }
+
+    /// The supports, once they are planned.
+    pub(in crate::pipeline) fn support(&self) -> Option<&Supported<'a>> {
+        self.support.as_ref()
+    }
+
+    /// Where a layer has supports.
+    pub(in crate::pipeline) fn support_area(
+        &self,
+        layer: usize,
+    ) -> Option<Area> {
+        match &self.raft {
+            Some(raft) if layer < self.raft_layers => Some(raft.area.clone()),
+            _ => self.support()?.area(layer),
+        }
+    }
+
+    /// Height of the tops of a layer's supports above the layer's own top, mm.
+    pub(in crate::pipeline) fn support_rise(&self, span: &LayerSpan) -> Mm {
+        self.support().map_or(0.0, |support| support.rise(span))
+    }
+
+    /// Where supports stand on a layer, if its beads follow the surface.
+    pub(in crate::pipeline) fn on_which_supports_stand(
+        &self,
+        span: &LayerSpan,
+    ) -> Option<Area> {
+        let follows = !self.settings.contour_z.is(0.0);
+        self.support().filter(|_| follows)?.on_top(span)
+    }
+
+    /// Where supports hold a layer, if that matters for its walls.
+    pub(in crate::pipeline) fn held_by_support(
+        &self,
+        layer: usize,
+    ) -> Option<Area> {
+        let by_reach = self.settings.by_reach();
+        self.support().filter(|_| by_reach)?.under(layer)
+    }
+
+    /// The beads of a layer's supports, or of its raft.
+    pub(super) fn support_beads(
+        &self,
+        span: &LayerSpan,
+    ) -> Result<Vec<Bead>, InfillError> {
+        self.timings.time(Stage::Support, || {
+            match (&self.raft, self.support()) {
+                (Some(raft), _) if span.index < self.raft_layers => {
+                    raft.beads(span)
+                }
+                (_, Some(support)) => support.beads(span),
+                _ => Ok(Vec::new()),
+            }
+        })
+    }
+}
+
+/// A layer's number and heights without the raft's.
+fn without_raft(span: LayerSpan, (layers, height): (usize, Mm)) -> LayerSpan {
+    LayerSpan {
+        index: span.index - layers,
+        bottom: span.bottom - height,
+        top: span.top - height,
+    }
+}
+
+/// True if layers may be kept. Then the number of their points is taken from
+/// `left`.
+fn keep(layers: &[Layer], left: &AtomicUsize) -> bool {
+    let mut points = 0;
+    for (k, layer) in layers.iter().enumerate() {
+        let below = k.checked_sub(1).map(|below| &layers[below]);
+        if !below.is_some_and(|below| layer.same_outline(below)) {
+            let rings = layer.area().rings.iter();
+            points += rings.map(|ring| ring.len()).sum::<usize>();
+        }
+    }
+    let take = |left: usize| left.checked_sub(points);
+    left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take)
+        .is_ok()
+}

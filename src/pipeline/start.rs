@@ -1,0 +1,76 @@
+//! How every look at a plate starts: threads, rafts and the heights of layers.
+
+use super::SliceError;
+use crate::heights::{Heights, Steps, heights};
+use crate::layers::LayerSpan;
+use crate::limits;
+use crate::plate::{Part, Plate};
+use crate::settings::{LayerHeights, Varying};
+use crate::units::Mm;
+use rayon::ThreadPool;
+
+/// Accuracy of heights, mm.
+const FIT: Mm = 1e-3;
+
+/// A pool of so many threads, or as many as the machine has, under the watch of
+/// this thread.
+pub(super) fn pool(
+    threads: Option<usize>,
+) -> Result<ThreadPool, rayon::ThreadPoolBuildError> {
+    let watch = limits::Watch::current();
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
+        .build()
+}
+
+/// The layers of each part, from the bed. Parts of uniform layers share them.
+/// If heights follow the surface, they follow the surfaces of all parts.
+pub(super) fn layers_of(
+    plate: &Plate,
+) -> Result<(Vec<Vec<LayerSpan>>, Option<Steps>), SliceError> {
+    let uniform = plate.settings.layer_heights
+        == Varying::Constant(LayerHeights::Uniform);
+    if let (false, [_, _, ..]) = (uniform, plate.parts.as_slice()) {
+        let Some(whole) = plate.of_each() else {
+            return Err(SliceError::TooLargeTogether);
+        };
+        let Heights { spans, steps } = heights(&whole, &plate.settings)?;
+        let of_part = |part: &Part| {
+            let top = part.model.printed_bounds().max.z;
+            let has = |s: &&LayerSpan| s.sample_z() < top;
+            spans.iter().take_while(has).copied().collect()
+        };
+        return Ok((plate.parts.iter().map(of_part).collect(), steps));
+    }
+    let mut all = Vec::new();
+    let mut steps = None;
+    for part in &plate.parts {
+        let found = heights(&part.model, &part.settings)
+            .map_err(|e| plate.named(part, e.into()))?;
+        all.push(found.spans);
+        steps = found.steps;
+    }
+    Ok((all, steps))
+}
+
+impl Plate {
+    /// The plate with its parts on their rafts, if they have any.
+    pub(super) fn raised(&self) -> Result<Plate, SliceError> {
+        let lift = self.settings.raft_height();
+        let mut raised = self.clone();
+        if lift == 0.0 {
+            return Ok(raised);
+        }
+        let most = self.settings.printer.height;
+        for part in &mut raised.parts {
+            part.model = part.model.raised(lift);
+            let top = part.model.printed_bounds().max.z;
+            if top > most + FIT {
+                let error = SliceError::RaftTooHigh { lift, top, most };
+                return Err(self.named(part, error));
+            }
+        }
+        Ok(raised)
+    }
+}

@@ -1,0 +1,199 @@
+//! The steps of a run, one after the other: the plan, the file's start, its
+//! layers, its end, and the sums of it all.
+
+use super::exit::{Exit, Rates};
+use super::head::header;
+use super::job::{Base, Job, Planned, Run};
+use super::part::{PartExit, Passed};
+use super::skirt::skirt_round;
+use super::supply::Supplies;
+use super::{SliceError, Summary};
+use crate::gcode::{Writer, thick_beads};
+use crate::plane::Rect;
+use crate::preview::Pictures;
+use crate::relief::Relief;
+use crate::report::{Report, RunFigures};
+use crate::units::Mm3;
+use rayon::ThreadPool;
+use std::io;
+
+/// Slices and writes. `copy` gets the text as it is composed.
+pub(super) fn write(
+    run: &Run<'_>,
+    out: &mut dyn io::Write,
+    copy: &mut dyn FnMut(&[u8]),
+) -> Result<Summary, SliceError> {
+    let (plate, pool) = (run.plate, run.pool);
+    let bases = plate.parts.iter().zip(run.spans);
+    let bases: Vec<Base<'_>> =
+        bases.map(|(part, spans)| Base::new(part, spans)).collect();
+    let job = Job::new(run, &bases)?;
+    let skirt = pool.install(|| skirt_round(&job))?;
+    let rates = Rates::new(plate, &bases)?;
+    // The check comes before hours of work, not after them.
+    let printed = match job.turns {
+        Some(_) => job.spans,
+        None => &job.spans[job.layers.clone()],
+    };
+    for span in printed {
+        rates.plate.temperature(span)?;
+    }
+    let (header, no_picture) = header(run, &job, &rates.plate)?;
+    let pictures = pictures(run, &job)?;
+    let writer = Writer::new(out, &plate.settings, &header, copy)?;
+    let mut warnings = told_of_writing(&job, writer.warnings());
+    warnings.extend(no_picture);
+    let parts = exits(&job, &bases, pool)?;
+    let mut exit =
+        Exit::new(&job, parts, &rates, skirt, run.options, pictures, writer);
+    match &job.turns {
+        Some(turns) => one_by_one(&mut exit, turns, &job, pool)?,
+        None => {
+            let parts = job.parts.iter().map(|p| (&p.stages, p.spans));
+            Supplies::new(parts, pool, &job.layers)
+                .each(pool, |ready| exit.layer(ready))?;
+        }
+    }
+    let mut done = exit.finish()?;
+    let figures = std::mem::take(&mut done.figures);
+    let extruded = done.totals.filament_volume;
+    let mut summary = Summary::new(&job, done, warnings);
+    (summary.outline_error, summary.wall_error) = figures.accuracy();
+    if run.options.report {
+        summary.report = report(&job, figures, extruded, pool)?;
+    }
+    summary.timings = job.timings();
+    Ok(summary)
+}
+
+/// The folder for pictures of the layers, if they are asked for.
+fn pictures(
+    run: &Run<'_>,
+    job: &Job<'_>,
+) -> Result<Option<Pictures>, SliceError> {
+    let Some(dir) = run.options.svg_dir else {
+        return Ok(None);
+    };
+    let (low, high) = job.plate.reach();
+    let frame = Rect {
+        min: low.truncate(),
+        max: high.truncate(),
+    };
+    let made = Pictures::new(dir, frame, &job.layers, job.count);
+    Ok(Some(
+        made.map_err(|e| SliceError::Picture(dir.to_owned(), e))?,
+    ))
+}
+
+/// What the user should know of templates and of widths of lines. `of_writer`
+/// are the warnings of the writer.
+fn told_of_writing(job: &Job<'_>, of_writer: &[String]) -> Vec<String> {
+    let plate = job.plate;
+    let mut all = of_writer.to_vec();
+    if job.turns.is_some() && !plate.settings.gcode.layer.trim().is_empty() {
+        all.push(
+            "gcode.layer is run at the height of each layer, while finished \
+             parts stand beside it (plate.sequence = \"one-by-one\"): it must \
+             not move the head, nor call a macro that does"
+                .to_owned(),
+        );
+    }
+    // The parts' lines may be wider than those of the plate's settings.
+    let of_parts = plate.parts.iter().filter_map(|p| thick_beads(&p.settings));
+    for warning in of_parts {
+        if !all.contains(&warning) {
+            all.push(warning);
+        }
+    }
+    all
+}
+
+/// The stages of each part that run in order.
+fn exits<'a>(
+    job: &'a Job<'a>,
+    bases: &'a [Base<'a>],
+    pool: &'a ThreadPool,
+) -> Result<Vec<PartExit<'a>>, SliceError> {
+    let exit = |(planned, base): (&'a Planned<'a>, &'a Base<'a>)| {
+        let Planned { part, spans, .. } = *planned;
+        let relief =
+            Relief::new(&part.model, &part.settings, &base.around, pool)
+                .map_err(|e| job.plate.named(part, e.into()))?;
+        let layers = match job.turns {
+            Some(_) => 0..spans.len(),
+            None => job.layers.clone(),
+        };
+        Ok(PartExit::new(planned, layers, relief))
+    };
+    job.parts.iter().zip(bases).map(exit).collect()
+}
+
+/// Prints parts one by one, in the order of `turns`. Parts in several places
+/// are sliced once: the paths of all of their layers are kept.
+fn one_by_one(
+    exit: &mut Exit<'_, '_>,
+    turns: &[usize],
+    job: &Job<'_>,
+    pool: &ThreadPool,
+) -> Result<(), SliceError> {
+    let shifts = job.plate.shifts();
+    let of_place = |place: usize| shifts[place].0;
+    let mut below = 0.0;
+    // Equal parts have equal heights, and so come one after the other.
+    for alike in turns.chunk_by(|&a, &b| of_place(a) == of_place(b)) {
+        let Some((&first, copies)) = alike.split_first() else {
+            continue;
+        };
+        let part = of_place(first);
+        let Planned { stages, spans, .. } = &job.parts[part];
+        let layers = 0..spans.len();
+        exit.begin(first, below);
+        below = spans.last().map_or(0.0, |span| span.top);
+        let mut kept: Vec<Passed> = Vec::new();
+        let supplies = Supplies::new([(stages, *spans)], pool, &layers);
+        supplies.each(pool, |ready| {
+            for (_, ready) in ready {
+                let passed = exit.pass(part, ready)?;
+                exit.print_turn(part, &passed)?;
+                if !copies.is_empty() {
+                    kept.push(passed);
+                }
+            }
+            Ok(())
+        })?;
+        for &place in copies {
+            exit.begin(place, below);
+            for passed in &kept {
+                exit.print_turn(part, passed)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The report on a single part, of which this volume was extruded.
+fn report(
+    job: &Job<'_>,
+    figures: RunFigures,
+    extruded: Mm3,
+    pool: &ThreadPool,
+) -> Result<Option<Report>, SliceError> {
+    let (spans, layers) = (job.spans, &job.layers);
+    let (Some(first), Some(last)) =
+        (spans.get(layers.start), spans.get(layers.end - 1))
+    else {
+        return Ok(None);
+    };
+    let (plate, stages) = (job.plate, &job.parts[0].stages);
+    let lift = plate.settings.raft_height();
+    let bed = plate.parts[0].model.offset.z;
+    let z = [first.bottom.max(lift), last.top.max(lift)];
+    let z = z.map(|z| z - bed);
+    let volume = pool.install(|| stages.gauge.volume(z, &stages.timings))?;
+    Ok(Some(figures.report(
+        &stages.gauge,
+        spans.len(),
+        volume,
+        extruded,
+    )))
+}
