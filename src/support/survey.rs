@@ -39,7 +39,7 @@ impl Asked<'_> {
         let [unheld, unprinted] =
             need(here, below, span.height(), self.settings);
         let found = Found {
-            need: Need::new(unheld, &wish),
+            need: Need::new(unheld, &wish, span.height()),
             wished: !wish.is_none(),
         };
         Ok((found, unprinted))
