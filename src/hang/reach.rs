@@ -5,7 +5,7 @@ use crate::units::Mm;
 
 /// Width of a lip that hangs without harm, as a multiple of the outer wall's.
 const LIP: f64 = 2.0;
-/// Accuracy of rims, mm.
+/// Accuracy of rims, mm. Layer by layer it adds up to less reach than there is.
 const SLACK: Mm = 0.01;
 
 /// How far a layer may stick out.
@@ -21,7 +21,7 @@ impl Limits {
     /// The limits of a layer of this height.
     pub(super) fn new(height: Mm, settings: &Settings) -> Limits {
         Limits {
-            held: height * settings.support.angle.to_radians().tan() + SLACK,
+            held: settings.held(height) + SLACK,
             lip: LIP * settings.outer_wall_width(),
         }
     }

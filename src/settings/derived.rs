@@ -130,6 +130,12 @@ impl Settings {
         self.thin_min / 100.0 * self.outer_wall_width()
     }
 
+    /// How far beyond its rim a layer holds the layer above, which has some
+    /// height, by `support.angle`.
+    pub(crate) fn held(&self, height: Mm) -> Mm {
+        height * self.support.angle.to_radians().tan()
+    }
+
     /// Height of the thickest layers above the first.
     pub fn thickest_layer(&self) -> Mm {
         if self.is_uniform() {

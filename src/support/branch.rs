@@ -38,8 +38,8 @@ const FOOT: Mm = 1.0;
 pub(super) const POINT: Mm = 0.1;
 /// Tolerance of a core's outline, mm.
 const FINE: Mm = 0.01;
-/// Corners of a post's outline.
-const CORNERS: u32 = 24;
+/// How far the sides of a disc may be inside its circle, mm.
+const SAGITTA: Mm = 0.02;
 /// Longest edge of a core that is moved as one, mm.
 const EDGE: Mm = 1.0;
 
@@ -310,9 +310,11 @@ pub(super) fn middle(area: &Area) -> DVec2 {
 
 /// A disc around a point. Its corners are on the circle.
 fn disc(middle: DVec2, radius: Mm) -> Ring {
-    let step = std::f64::consts::TAU / f64::from(CORNERS);
+    let half = (1.0 - SAGITTA / radius).clamp(0.0, 1.0).acos();
+    let corners = (std::f64::consts::PI / half).ceil().clamp(8.0, 48.0);
+    let step = std::f64::consts::TAU / corners;
     let corner = |k| DVec2::from_angle(f64::from(k) * step) * radius + middle;
-    (0..CORNERS).map(corner).collect()
+    (0..corners as u32).map(corner).collect()
 }
 
 /// A ring all of whose points move towards `middle` by `by`, but not nearer

@@ -20,17 +20,19 @@ use crate::region::floating::floating;
 use crate::region::neighbour::Neighbour;
 use crate::settings::Settings;
 use crate::skin::bridge::{direction, hung};
-use crate::units::{Degrees, Mm, Mm2};
+use crate::units::{Degrees, Mm};
 use glam::DVec2;
 use std::cell::OnceCell;
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.01;
-/// How far outlines may be off where they are nearly level, mm: what sticks out
-/// by less than that beyond what is held needs nothing.
-const SLACK: Mm = 0.02;
-/// What is smaller sticks to what is beside it, mm².
-const SPECK: Mm2 = 0.03;
+/// What sticks out beyond what is held needs nothing if it is less than this
+/// share of the layer's height: a face that leans by just `support.angle`
+/// holds itself, in layers of any height.
+const SLACK: f64 = 0.1;
+/// Length of the thinnest strip that is no speck, mm, if it is as wide as the
+/// layer is high: what is smaller sticks to what is beside it.
+const SPECK: Mm = 0.15;
 /// Lines that are looked at across a gap, about.
 const LINES: f64 = 400.0;
 /// A line runs along a rim if the angle between them is no more than that,
@@ -49,8 +51,8 @@ pub(super) struct Need {
 }
 
 impl Need {
-    /// By what is not held and what is wanted.
-    pub(super) fn new(unheld: Area, wish: &Wish) -> Need {
+    /// By what is not held and what is wanted of a layer of some height.
+    pub(super) fn new(unheld: Area, wish: &Wish, height: Mm) -> Need {
         let must = if wish.left.is_empty() {
             unheld
         } else {
@@ -59,7 +61,7 @@ impl Need {
         let all = if wish.held.is_empty() {
             must.clone()
         } else {
-            union(&must, &large(wish.held.clone()))
+            union(&must, &large(wish.held.clone(), height))
         };
         Need { all, must }
     }
@@ -101,7 +103,7 @@ pub(super) fn need(
 
 /// How far a layer of some height holds what is above it.
 fn held(height: Mm, settings: &Settings) -> Mm {
-    height * settings.support.angle.to_radians().tan() + SLACK
+    settings.held(height) + SLACK * height
 }
 
 /// What is farther from `below` than that holds, as much as is no speck, and
@@ -115,7 +117,7 @@ fn beyond(
     let (held, half) = (held(height, settings), Printed::half(settings));
     // Corners reach a little farther than that.
     let reached = offset(&below.core, held + half, TOLERANCE);
-    let beyond = large(difference(&here.area, &reached));
+    let beyond = large(difference(&here.area, &reached), height);
     if beyond.is_empty() {
         return [Area::EMPTY, Area::EMPTY];
     }
@@ -137,7 +139,7 @@ fn beyond(
         unprinted.extend(difference(&rest, &printed).rings);
         need.extend(printed.rings);
     }
-    [need, unprinted].map(|rings| large(Area { rings }))
+    [need, unprinted].map(|rings| large(Area { rings }, height))
 }
 
 /// What of a part that is `beyond` all that is held no bridge spans.
@@ -165,7 +167,7 @@ fn unbridged(
             rings.extend(unspanned(gap, &rim, below, settings).rings);
         }
     }
-    large(intersection(&beyond, &unite(&Area { rings })))
+    large(intersection(&beyond, &unite(&Area { rings })), height)
 }
 
 /// The rim of a layer, and how wide the walls are that follow it.
@@ -234,9 +236,9 @@ fn unspanned(
 }
 
 /// The islands that are no specks.
-fn large(area: Area) -> Area {
+fn large(area: Area, height: Mm) -> Area {
     let islands = area.islands().into_iter();
-    let rings = islands.filter(|i| i.content() > SPECK);
+    let rings = islands.filter(|i| i.content() > SPECK * height);
     Area {
         rings: rings.flat_map(|i| i.rings).collect(),
     }
@@ -262,11 +264,29 @@ mod tests {
     fn a_ledge_needs_support_beyond_what_the_layer_below_holds() {
         let below = rect(0.0, 0.0, 10.0, 10.0);
         let area = of(&rect(0.0, 0.0, 30.0, 10.0), &below);
-        let held = 0.2 * 55f64.to_radians().tan() + SLACK;
+        let held = held(0.2, &Settings::default());
         let exact = 10.0 * (20.0 - held);
         assert!((area.content() - exact).abs() < 0.1, "{}", area.content());
         // 0.28 mm in a layer of 0.2 mm: 54.5°.
         assert!(of(&rect(0.0, 0.0, 10.28, 10.0), &below).is_empty());
+    }
+
+    #[test]
+    fn a_slope_needs_support_by_its_angle_whatever_the_layer_height() {
+        let settings = Settings::default();
+        let below = rect(0.0, 0.0, 10.0, 10.0);
+        for height in [0.05, 0.1, 0.2, 0.3, 0.6] {
+            let needs = |angle: f64| {
+                let out = height * angle.to_radians().tan();
+                let here = rect(0.0, 0.0, 10.0 + out, 10.0);
+                let [here, below] =
+                    [&here, &below].map(|a| Printed::new(a, &settings).0);
+                let [need, _] = need(&here, &below, height, &settings);
+                !need.is_empty()
+            };
+            // Faces that lean by 55 degrees hold themselves.
+            assert_eq!([55.5, 60.0].map(needs), [false, true], "{height}");
+        }
     }
 
     #[test]
@@ -285,7 +305,7 @@ mod tests {
         // In the middle of a plate lines run from side to side.
         assert!(over(&slit(0.0)).is_empty());
         // Beside its edge walls run along the slit.
-        let held = 0.2 * 55f64.to_radians().tan() + SLACK;
+        let held = held(0.2, &Settings::default());
         let exact = (1.0 - 2.0 * held) * (14.0 - 2.0 * held);
         let found = over(&slit(8.7)).content();
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
@@ -299,7 +319,7 @@ mod tests {
         let strip = rect(0.0, 0.0, 10.5, 10.0);
         let post = rect(9.0, -2.0, 10.4, -0.2);
         let (here, below) = (union(&strip, &post), union(&plate, &post));
-        let held = 0.2 * 55f64.to_radians().tan() + SLACK;
+        let held = held(0.2, &Settings::default());
         let found = of(&here, &below).content();
         let exact = (0.5 - held) * (10.0 - held);
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
@@ -311,7 +331,7 @@ mod tests {
         let plate = rect(0.0, 0.0, 10.0, 10.0);
         let spike =
             |half: f64| union(&plate, &rect(9.0, 5.0 - half, 14.0, 5.0 + half));
-        let held = 0.2 * 55f64.to_radians().tan() + SLACK;
+        let held = held(0.2, &Settings::default());
         let [need, unprinted] = both(&spike(0.1), &plate);
         assert!(need.is_empty(), "{need:?}");
         let exact = 0.2 * (4.0 - held);

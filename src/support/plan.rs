@@ -347,6 +347,30 @@ mod tests {
     }
 
     #[test]
+    fn supports_are_cut_around_ends_that_are_too_thin_to_be_printed() {
+        let settings = Settings::default();
+        let heights = Heights::new(spans(6), &settings);
+        let none = vec![Area::EMPTY; 6];
+        // A spike of 0.2 mm that ends in the middle of a support of 6 mm.
+        let spike = rect(-5.0, -0.1, 1.0, 0.1);
+        let mut ends = none.clone();
+        ends[1] = spike;
+        let parts = Parts {
+            heights: &heights,
+            outlines: &none,
+            ends: &ends,
+            sections: &none,
+            bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
+        };
+        let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];
+        let found = slices(parts, &none, areas, &settings);
+        let content = |j: usize| found[j].area().content();
+        assert_eq!([content(0), content(2)], [36.0; 2]);
+        let cut = (4.0 + BESIDE) * (0.2 + 2.0 * BESIDE);
+        assert!((content(1) - (36.0 - cut)).abs() < 0.01, "{}", content(1));
+    }
+
+    #[test]
     fn every_island_of_support_rests_on_support_or_part() {
         // A plate under one of the arms.
         let mut outlines = tee();

@@ -39,7 +39,7 @@ impl Asked<'_> {
         let [unheld, unprinted] =
             need(here, below, span.height(), self.settings);
         let found = Found {
-            need: Need::new(unheld, &wish),
+            need: Need::new(unheld, &wish, span.height()),
             wished: !wish.is_none(),
         };
         Ok((found, unprinted))
@@ -168,5 +168,30 @@ pub(super) fn thinned(area: Area) -> Area {
     let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
     Area {
         rings: rings.filter(|ring| ring.len() > 2).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::rect;
+
+    #[test]
+    fn thin_ends_lie_on_what_is_printed_and_points_in_the_air_do_not() {
+        let block = rect(0.0, 0.0, 5.0, 5.0);
+        let spike = rect(4.0, 2.0, 8.0, 2.2);
+        let point = rect(20.0, 0.0, 20.1, 0.1);
+        let both = Area {
+            rings: [spike.rings.clone(), point.rings].concat(),
+        };
+        let mut survey = Survey {
+            outlines: vec![block.clone(), block, Area::EMPTY, Area::EMPTY],
+            unprinted: vec![Area::EMPTY, both.clone(), both, Area::EMPTY],
+            ..Survey::default()
+        };
+        let ends = survey.ends();
+        let none = Area::EMPTY;
+        // The spike goes on above the layer in which it begins.
+        assert_eq!(ends, [none.clone(), spike.clone(), spike, none]);
     }
 }

@@ -356,3 +356,89 @@ fn places(points: &[DVec2]) -> RTree<GeomWithData<[f64; 2], usize>> {
     let place = |(k, p): (usize, &DVec2)| GeomWithData::new(p.to_array(), k);
     RTree::bulk_load(numbered.map(place).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layers::LayerSpan;
+    use crate::plane::rect;
+    use crate::support::heights::Heights;
+
+    /// What [`gather`] makes of branches over empty layers.
+    fn gathered(branches: Vec<Branch>) -> Vec<Branch> {
+        let settings = Settings::default();
+        let span = |index| LayerSpan {
+            index,
+            bottom: 0.2 * index as f64,
+            top: 0.2 * (index + 1) as f64,
+        };
+        let heights = Heights::new((0..4).map(span).collect(), &settings);
+        let none = vec![Area::EMPTY; 4];
+        let parts = Parts {
+            heights: &heights,
+            outlines: &none,
+            ends: &none,
+            sections: &none,
+            bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
+        };
+        let room = Room::new(parts, 4, &settings);
+        let step = Step {
+            layer: 2,
+            lean: 0.2,
+            parts,
+            room: &room,
+            settings: &settings,
+        };
+        let mut branches = branches;
+        gather(&mut branches, step);
+        branches
+    }
+
+    fn branch(core: Area, cell: Option<[u32; 2]>, foot: Foot) -> Branch {
+        Branch {
+            held: core.content(),
+            core,
+            foot,
+            cell,
+            top: 1.0,
+        }
+    }
+
+    #[test]
+    fn branches_of_a_cell_that_lie_over_each_other_become_one() {
+        let cell = Some([1, 2]);
+        let [a, b, c] = [0.0, 2.0, 4.0].map(|x| rect(x, 0.0, x + 3.0, 3.0));
+        let of = |core: &Area, cell, foot| branch(core.clone(), cell, foot);
+        let far = rect(20.0, 0.0, 23.0, 3.0);
+        let all = [&a, &far, &c, &b].map(|core| of(core, cell, Foot::Bed));
+        let found = gathered(all.to_vec());
+        let mut sizes: Vec<[f64; 2]> = found
+            .iter()
+            .map(|branch| [branch.core.content(), branch.held])
+            .collect();
+        sizes.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        // Three squares, of which neighbours have a third in common.
+        let wanted = [[9.0, 9.0], [21.0, 27.0]];
+        assert_eq!(sizes.len(), 2, "{sizes:?}");
+        for (found, wanted) in sizes.iter().zip(wanted) {
+            let off = [found[0] - wanted[0], found[1] - wanted[1]];
+            assert!(off.iter().all(|o| o.abs() < 1e-3), "{sizes:?}");
+        }
+    }
+
+    #[test]
+    fn branches_of_other_cells_and_feet_columns_and_posts_stay_apart() {
+        let (a, b) = (rect(0.0, 0.0, 3.0, 3.0), rect(1.0, 1.0, 4.0, 4.0));
+        let point = rect(1.5, 1.5, 1.6, 1.6);
+        let cell = Some([1, 2]);
+        let pair = |b: &Area, cell_of_b, foot| {
+            let a = branch(a.clone(), cell, Foot::Bed);
+            gathered(vec![a, branch(b.clone(), cell_of_b, foot)]).len()
+        };
+        assert_eq!(pair(&b, cell, Foot::Bed), 1);
+        assert_eq!(pair(&b, Some([2, 2]), Foot::Bed), 2);
+        assert_eq!(pair(&b, cell, Foot::Part), 2);
+        assert_eq!(pair(&b, None, Foot::Bed), 2);
+        assert_eq!(pair(&point, cell, Foot::Bed), 2);
+    }
+}
