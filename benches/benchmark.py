@@ -407,7 +407,7 @@ def machine():
     memory = field_of("/proc/meminfo", "MemTotal").split()[0]
     gigabytes = f"{int(memory) / 1e6:.0f} GB" if memory.isdigit() else "?"
     return (f"{field_of('/proc/cpuinfo', 'model name')}, {os.cpu_count()} "
-            f"cores, {gigabytes}; {platform.system()} {platform.release()}")
+            f"cores, {gigabytes}; {platform.system()}")
 
 
 def compared(bench):
@@ -523,8 +523,8 @@ of this page is made by one command:
     benches/benchmark.py
 
 which needs `prusa-slicer`, `python3-numpy` and `python3-matplotlib`. This run
-took {minutes:.0f} minutes, with at most {asked.runs} runs of each command; one of
-more than a minute was run once. Times are processor time of all threads in
+took {minutes:.0f} minutes, with at most {asked.runs} runs of each command; one of more than a
+minute was run once. Times are processor time of all threads in
 seconds, the mean and its 95 % confidence interval (Student's t).
 
 - Machine: {machine()}
@@ -556,9 +556,10 @@ with cells of at most {CELL} mm, which is counted.
 ## Growth
 
 A ball of gyroid on a plate of 1 mm. By size: the ball is scaled, with four cells
-across and sheets of a 25th of its size. By cell: a ball of 30 mm whose sheets are a
-fifth of a cell thick. The mesher's cells are at most half of a sheet. A way that took longer than {limit:.0f} s, or that ended with an error, was
-not tried any further.
+across and sheets of a 25th of its size. By cell: a ball of 30 mm whose sheets are
+a fifth of a cell thick. The mesher's cells are at most half of a sheet. A way
+that took longer than {limit:.0f} s, or that ended with an error, was not tried any
+further.
 
 ![Growth of time and memory](benchmark/growth.svg)
 
