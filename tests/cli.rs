@@ -1110,8 +1110,11 @@ fn every_template_slices_as_it_is() {
                 .args(line.split_whitespace())
                 .assert()
                 .success()
-                // A slow machine may say that it is still at work.
-                .stderr(contains("warning").not());
+                // After 10 s, on a slow machine, it says that it is at work.
+                .stderr(
+                    is_empty().or(starts_with("note: still at work")
+                        .and(contains("\n").count(1))),
+                );
             count += 1;
         }
         assert_eq!(count, 3, "{template}");

@@ -391,9 +391,8 @@ fn tops_do_not_rise_into_the_gap_below_supports() {
             // The stem and what it covers.
             let covered = p.truncate().abs().max_element() < 3.5;
             if away < 0.05 {
-                // At its border, which is exact to 0.03 mm, the way up may
-                // begin.
-                assert!(p.z < 3.025, "{p}");
+                // At its border the way up may begin.
+                assert!(p.z < 3.02, "{p}");
                 below += usize::from(p.z < 3.001);
             } else if away > 2.0 && !covered {
                 assert!((p.z - 3.08).abs() < 0.002, "{p} {away}");

@@ -5,7 +5,8 @@ use crate::units::Mm;
 
 /// Width of a lip that hangs without harm, as a multiple of the outer wall's.
 const LIP: f64 = 2.0;
-/// Accuracy of rims, mm. Layer by layer it adds up to less reach than there is.
+/// How far rims may be off, mm. So much more counts as held, lest a face that
+/// leans by just `support.angle` hangs.
 const SLACK: Mm = 0.01;
 
 /// How far a layer may stick out.

@@ -6,7 +6,7 @@ use crate::layers::LayerSpan;
 use crate::plane::Area;
 use crate::plane::clip::union;
 use crate::plane::offset::shrunk_freely;
-use crate::region::{wall_depths, walls};
+use crate::region::{support_walls, wall_depths};
 use crate::resolution;
 use crate::settings::{
     self, InfillPattern, InterfacePattern, Settings, Supports, Varying,
@@ -332,7 +332,7 @@ impl<'a> SupportFill<'a> {
             }
         }
         if !thin.is_empty() {
-            let mut walls = walls(&thin, height, self.settings);
+            let mut walls = support_walls(&thin, height, self.settings);
             walls::thin(&mut walls, self.settings);
             beads.extend(walls::beads(&walls, height, small));
             fill.rings.extend(walls.fill.rings);

@@ -324,20 +324,37 @@ pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
     (depths, border)
 }
 
-/// The walls of an outline, as offsets in the plane.
+/// The walls of supports: their tips are not led on, as pieces that nobody sees
+/// are too long to become narrow there.
+pub(crate) fn support_walls(
+    outline: &Area,
+    height: Mm,
+    settings: &Settings,
+) -> Walls {
+    laid(outline, None, false, height, settings)
+}
+
+/// The walls of a part's outline, with [`Settings::top_walls`] of them around what
+/// the outline `above`, that of the next layer, leaves open, if it is given.
+pub(crate) fn walls(
+    outline: &Area,
+    above: Option<&Area>,
+    height: Mm,
+    settings: &Settings,
+) -> Walls {
+    laid(outline, above, true, height, settings)
+}
+
+/// The walls of an outline, as offsets in the plane; if they are `seen`, with
+/// narrow tips.
 ///
 /// Two walls at a time, and what they leave, are made from the same border: a
 /// grid of its edges and its ridges serve for all of them. For more of them
 /// the search would have to look too far around.
-pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
-    walls_below(outline, None, height, settings)
-}
-
-/// As [`walls`], with [`Settings::top_walls`] of them around what the outline
-/// `above`, that of the next layer, leaves open.
-pub(crate) fn walls_below(
+fn laid(
     outline: &Area,
     above: Option<&Area>,
+    seen: bool,
     height: Mm,
     settings: &Settings,
 ) -> Walls {
@@ -389,7 +406,11 @@ pub(crate) fn walls_below(
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
             let mut walls = cut(&rings, &beads, plan.centre, plan.width);
-            let least = plan.tips(height);
+            let least = if outer && seen {
+                plan.tips(height)
+            } else {
+                plan.least
+            };
             let beads = tip::lead_to_ends(beads, solid.grid(), depth, least);
             let beads: Vec<Stroke> =
                 beads.iter().map(|r| r.stroke(plan.extra)).collect();
@@ -597,7 +618,7 @@ mod tests {
             walls: 3,
             ..Settings::default()
         };
-        let w = walls(&disc(10.0), 0.2, &settings);
+        let w = walls(&disc(10.0), None, 0.2, &settings);
         let s = spacing(0.45, 0.45, 0.2);
         for (k, lines) in w.lines.iter().enumerate() {
             let r = 10.0 - 0.225 - s * k as f64;
@@ -632,7 +653,7 @@ mod tests {
             let ring = [(0.0, 0.0), (50.0, 0.0), (50.0, width), (0.0, width)]
                 .map(|(x, y)| DVec2::new(x, y))
                 .to_vec();
-            walls(&Area { rings: vec![ring] }, 0.2, &Settings::default())
+            walls(&Area { rings: vec![ring] }, None, 0.2, &Settings::default())
         };
         for i in 0..40 {
             let width = 0.3 + 0.04 * f64::from(i);
@@ -684,7 +705,7 @@ mod tests {
             walls: 0,
             ..Settings::default()
         };
-        let w = walls(&disc(3.0), 0.2, &settings);
+        let w = walls(&disc(3.0), None, 0.2, &settings);
         assert!(w.lines.is_empty());
         assert_eq!(w.fill, disc(3.0));
         assert_eq!(w.gap, 0.0);

@@ -31,7 +31,7 @@ struct Print {
 /// The walls of a part that is thin all over, as they are printed.
 fn print(part: &Area) -> Print {
     let settings = Settings::default();
-    let laid = walls(part, HEIGHT, &settings);
+    let laid = walls(part, None, HEIGHT, &settings);
     let pieces: Vec<Bead> = beads(&laid, HEIGHT, 0.0)
         .into_iter()
         .flat_map(|b| crate::resolution::pieces(b, &Settings::default()))
@@ -192,6 +192,23 @@ fn wedges_are_covered_from_the_narrowest_bead_on() {
             &p,
         );
         faults.check(p.out < 0.02, "out", &format!("{length}"), &p);
+    }
+}
+
+#[test]
+fn tips_are_covered_to_where_they_are_as_thin_as_the_layer_is_high() {
+    let mut faults = Faults::default();
+    for (degrees, turn) in [(20.0_f64, 0.3), (25.0, 4.0), (30.0, 1.7)] {
+        let half = (0.5 * degrees).to_radians().tan();
+        let wedge =
+            area(&[(0.0, 0.0), (4.0, -4.0 * half), (4.0, 4.0 * half)], turn);
+        let p = print(&wedge);
+        let part = format!("{degrees} degrees");
+        // The triangle that is thinner than that, without the round end of the
+        // bead before it. From 0.27 mm on it would be 1.8 times as large.
+        let tip = 0.25 * HEIGHT * HEIGHT / half;
+        faults.check(p.hole < tip, "hole", &part, &p);
+        faults.check(p.out < 0.015, "out", &part, &p);
     }
 }
 
@@ -421,7 +438,7 @@ fn walls_of_two_widths_lie_a_spacing_apart() {
         ..Settings::default()
     };
     let square = crate::plane::shapes::rect(-HALF, -HALF, HALF, HALF);
-    let laid = walls(&square, HEIGHT, &settings);
+    let laid = walls(&square, None, HEIGHT, &settings);
     let depth = |bead: &Bead| {
         let middles = bead.segments().map(|(a, b)| a.midpoint(b));
         let depths = middles.map(|p| HALF - p.abs().max_element());

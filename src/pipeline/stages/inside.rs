@@ -5,7 +5,7 @@ use crate::hang::Look;
 use crate::pipeline::layer::{Inside, Layer};
 use crate::plane::Area;
 use crate::region::exposure::roomy;
-use crate::region::{Walls, field_walls, walls_below};
+use crate::region::{Walls, field_walls, walls};
 use crate::report::{LayerFigures, LayerParts, ReportError};
 use crate::timings::Stage;
 use crate::walls;
@@ -53,7 +53,7 @@ impl Stages<'_> {
         let walls = self.timings.time(Stage::Walls, || {
             let outline = layer.area();
             let mut walls = if layer.offsets.is_empty() {
-                walls_below(outline, above, height, self.settings)
+                walls(outline, above, height, self.settings)
             } else {
                 let areas = layer.offsets.to_vec();
                 field_walls(outline, areas, height, self.settings)
