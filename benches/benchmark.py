@@ -200,8 +200,9 @@ def read(path):
 
 
 def deviation(model, walls):
-    """How far the outer walls' edges are outside of the surface in the plane
-    of their layer, um: the mean, and what 99 % are within."""
+    """How far the outer walls' edges are outside of the surface, in the plane
+    of their layer, um: the mean, and what 99 % are within; None without walls
+    of the nominal width."""
     if not walls:
         return None
     # Of many places some, evenly.
@@ -571,4 +572,7 @@ further.
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except Failed as failed:
+        sys.exit(f"failed: {failed}")

@@ -1,13 +1,11 @@
 //! The supports of a part, layer by layer.
 
-use crate::bead::{Bead, Role, Stroke, spacing};
+use crate::bead::{Bead, Role, spacing};
 use crate::infill::{self, Infill, InfillError};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
 use crate::plane::clip::union;
-use crate::plane::offset::shrunk_freely;
-use crate::region::{support_walls, wall_depths};
-use crate::resolution;
+use crate::region::support_walls;
 use crate::settings::{
     self, InfillPattern, InterfacePattern, Settings, Supports, Varying,
     WallOffset,
@@ -265,10 +263,6 @@ impl Fills {
     }
 }
 
-/// How exact the paths of supports are, mm. A path of the part itself is as
-/// exact as its outline.
-const ACCURACY: Mm = 0.03;
-
 /// The settings for lines of a width and a density, in one wall.
 pub(super) fn filled_by(
     width: Mm,
@@ -282,7 +276,6 @@ pub(super) fn filled_by(
         infill: settings::Infill::Pattern(InfillPattern::Rectilinear),
         infill_density: Varying::Constant(density),
         wall_offset: WallOffset::Distance,
-        accuracy: settings.accuracy.max(ACCURACY),
         ..settings.clone()
     }
 }
@@ -319,50 +312,21 @@ impl<'a> SupportFill<'a> {
             return Ok(Vec::new());
         }
         let height = span.height();
-        let small = self.settings.speed.small_wall_length;
-        let (mut beads, mut fill) = (Vec::new(), Area::EMPTY);
-        let mut thin = Area::EMPTY;
-        for island in area.islands() {
-            match self.plain(&island, height) {
-                Some((line, within)) => {
-                    beads.extend(line);
-                    fill.rings.extend(within.rings);
-                }
-                None => thin.rings.extend(island.rings),
-            }
-        }
-        if !thin.is_empty() {
-            let mut walls = support_walls(&thin, height, self.settings);
-            walls::thin(&mut walls, self.settings);
-            beads.extend(walls::beads(&walls, height, small));
-            fill.rings.extend(walls.fill.rings);
-        }
+        let mut walls = support_walls(area, height, self.settings);
+        walls::thin(&mut walls, self.settings);
         let target = infill::Target {
             number: span.index,
             z: span.sample_z(),
             height,
         };
-        beads.extend(self.infill.beads(&fill, target, None)?);
+        let lines = self.infill.beads(&walls.fill, target, None)?;
+        let small = self.settings.speed.small_wall_length;
+        let mut beads = walls::beads(&walls, height, small);
+        beads.extend(lines);
         for bead in &mut beads {
             bead.role = self.role;
             bead.small = false;
         }
         Ok(beads)
-    }
-
-    /// The wall of an island that is nowhere too thin for two of them, as most
-    /// posts are, and what is inside it.
-    fn plain(&self, island: &Area, height: Mm) -> Option<(Vec<Bead>, Area)> {
-        let (depths, inner) = wall_depths(height, self.settings);
-        let tolerance = self.settings.accuracy;
-        let within = shrunk_freely(island, inner, tolerance)?;
-        let wall = shrunk_freely(island, *depths.first()?, tolerance)?;
-        let width = self.settings.outer_wall_width();
-        let line = |ring| {
-            let mut stroke = Stroke::new(ring, true, width);
-            resolution::thin(&mut stroke, self.role, self.settings);
-            Bead::new(self.role, stroke, height)
-        };
-        Some((wall.rings.into_iter().map(line).collect(), within))
     }
 }

@@ -26,42 +26,6 @@ pub(crate) fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     offset_within(&solid, None, distance, tolerance)
 }
 
-/// An island shrunk by `distance`, if nothing is in the way of any part of its
-/// border: then it is nowhere thinner than twice the distance. For islands of
-/// few points; of others the sweep that this spares is less of the work.
-pub(crate) fn shrunk_freely(
-    island: &Area,
-    distance: Mm,
-    tolerance: Mm,
-) -> Option<Area> {
-    let solid = Solid::of(island, distance);
-    let clearance = distance - slack(tolerance);
-    let mut rings = Vec::with_capacity(island.rings.len());
-    for ring in &island.rings {
-        let moved = moved(ring, distance, tolerance, &mut Vec::new());
-        let is_turned = || {
-            let [before, after] = [ring, &moved].map(|r| signed_area(r));
-            before * after <= 0.0
-        };
-        if moved.len() < 3 || is_turned() {
-            return None;
-        }
-        let clear =
-            |(a, b)| trim::state(a, b, solid.grid(), clearance) == State::Clear;
-        if !super::edges(&moved).all(clear) {
-            return None;
-        }
-        rings.push(moved);
-    }
-    Some(Area { rings })
-}
-
-/// By how much less than asked for a border may have moved: arcs are cut short
-/// by the tolerance, and coordinates are rounded.
-fn slack(tolerance: Mm) -> Mm {
-    1.02 * tolerance + 1e-6
-}
-
 /// How far an area's edges can move inwards until they meet what is opposite.
 /// Each edge, numbered as in a grid, has a least and a greatest distance, since
 /// the room changes along it. An edge of which nothing is known has 0 and
@@ -104,7 +68,8 @@ pub(crate) fn offset_within(
         return area.clone();
     }
     let grid = solid.grid();
-    let slack = slack(tolerance);
+    // Arcs are cut short by the tolerance, and coordinates are rounded.
+    let slack = 1.02 * tolerance + 1e-6;
     let clearance = (distance.abs() - slack).max(0.0);
     // A ring no wider than twice the distance vanishes when its inside shrinks,
     // and of a hardly wider one next to nothing is left. Turned inside out, or
@@ -404,30 +369,10 @@ impl Sides {
 
 #[cfg(test)]
 mod tests {
-    use super::super::clip::{difference, union, unite};
+    use super::super::clip::{difference, unite};
     use super::super::shapes::rect;
     use super::*;
     use std::f64::consts::PI;
-
-    #[test]
-    fn what_is_nowhere_thin_shrinks_freely() {
-        let square = rect(0.0, 0.0, 4.0, 4.0);
-        let found = shrunk_freely(&square, 1.5, 1e-3).unwrap();
-        assert!((found.content() - 1.0).abs() < 1e-9);
-        assert_eq!(shrunk_freely(&square, 2.1, 1e-3), None);
-        // A neck of 1 mm between two squares.
-        let neck = rect(3.0, 1.5, 9.0, 2.5);
-        let two = union(&square, &rect(8.0, 0.0, 12.0, 4.0));
-        let island = union(&two, &neck);
-        assert_eq!(shrunk_freely(&island, 0.6, 1e-3), None);
-        let found = shrunk_freely(&island, 0.4, 1e-3).unwrap();
-        let wanted = offset(&island, -0.4, 1e-3).content();
-        assert!((found.content() - wanted).abs() < 1e-9);
-        // A hole near to the rim.
-        let hole = difference(&square, &rect(0.8, 1.0, 2.0, 2.0));
-        assert_eq!(shrunk_freely(&hole, 0.5, 1e-3), None);
-        assert_eq!(shrunk_freely(&hole, 0.3, 1e-3).unwrap().rings.len(), 2);
-    }
 
     #[test]
     fn shrinking_keeps_convex_corners_and_rounds_concave_ones() {
