@@ -22,13 +22,16 @@ use super::cover::{Covered, Islands};
 use crate::plane::clip::{union, unite};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
-use crate::plane::{Area, Ring, Solid, edges, path_length, signed_area};
+use crate::plane::{Area, Rect, Ring, Solid, edges, path_length, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
 /// Cosine of the angle between the directions of two edges, each with the
 /// area to its left, from which on they face each other.
 const FACING: f64 = -0.866;
+
+/// How many times as long as the limit a slit is at least.
+const LENGTH: f64 = 4.0;
 
 /// Edges that touch may overlap by so much for rounding, mm.
 const ROUNDING: Mm = 1e-6;
@@ -75,10 +78,26 @@ pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
         first += ring.len() + usize::from(!ring.is_empty());
     }
     if found.is_empty() {
-        Area::EMPTY
-    } else {
-        unite(&Area { rings: found })
+        return Area::EMPTY;
     }
+    long(unite(&Area { rings: found }), width, tolerance)
+}
+
+/// Those of the slits that are longer than [`LENGTH`] limits. A slit between
+/// curves has many pieces. Each is turned a little against the next one, so
+/// their ends need not touch.
+fn long(mut slits: Area, width: Mm, tolerance: Mm) -> Area {
+    let mut joined = offset(&slits, 0.25 * width, tolerance).islands();
+    joined.retain(|slit| {
+        let Rect { min, max } = slit.bounds();
+        min.distance(max) >= LENGTH * width
+    });
+    let joined = Area {
+        rings: joined.into_iter().flat_map(|slit| slit.rings).collect(),
+    };
+    let joined = Solid::of(&joined, width);
+    slits.rings.retain(|ring| joined.grid().contains(ring[0]));
+    slits
 }
 
 /// What lies between two edges that face each other, where that is narrower
@@ -261,9 +280,27 @@ mod tests {
             other.rings[0].iter_mut().for_each(|p| *p += step);
             other
         };
+        // The end of a notch that opens by 20° is 0.28 mm long where it is
+        // as narrow as a slit.
+        let notch = {
+            let at = |x: f64, y: f64| DVec2::new(x, y);
+            let open = (0.5 * 20.0_f64.to_radians()).tan() * 3.0;
+            Area {
+                rings: vec![vec![
+                    at(-3.0, -3.0),
+                    at(3.0, -3.0),
+                    at(3.0, -open),
+                    at(0.0, 0.0),
+                    at(3.0, open),
+                    at(3.0, 3.0),
+                    at(-3.0, 3.0),
+                ]],
+            }
+        };
         let areas = [
             wide(0.1001),
             wide(0.3),
+            notch,
             Area { rings: vec![star] },
             all([rect(0.0, 0.0, 9.0, 9.0), hole(rect(2.0, 2.0, 7.0, 7.0))]),
             all([rect(0.0, 0.0, 9.0, 9.0), hole(rect(0.02, 0.02, 8.9, 8.9))]),
