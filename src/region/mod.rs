@@ -17,6 +17,7 @@
 //! strokes go on in one another where they meet ([`joints`]).
 
 mod ball;
+mod bend;
 pub(crate) mod compensate;
 pub(crate) mod cover;
 pub(crate) mod exposure;
@@ -42,6 +43,7 @@ use crate::plane::simplify::simplify;
 use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
+use bend::is_bend;
 use glam::DVec2;
 use line::{absorb, cut};
 use pocket::Left;
@@ -165,7 +167,8 @@ pub(crate) struct Laid {
 pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
     let counts = Counts::new(&[lay], None);
     let skeleton = Skeleton::new(area, counts.limit(), tolerance);
-    let thin = skeleton.thin_places(&counts);
+    let nodes = skeleton.ends(counts.limit());
+    let thin = skeleton.thin_places(&counts, &nodes);
     let rings = skeleton.shrunk(lay.centre, tolerance);
     let beads = thin.beads(1, 0.0);
     Laid {
@@ -235,9 +238,11 @@ impl<'a> Skeleton<'a> {
         )
     }
 
-    /// The ridges where there are fewer beads than the walls have.
-    fn thin_places(&self, counts: &Counts) -> ThinPlaces {
-        let parts = self.ridges.iter().flat_map(|r| counts.split(r));
+    /// The ridges where there are fewer beads than the walls have. `nodes` is
+    /// where ridges end.
+    fn thin_places(&self, counts: &Counts, nodes: &EdgeGrid) -> ThinPlaces {
+        let bends = |part: &Ridge| is_bend(part, self.solid.grid(), nodes);
+        let parts = self.ridges.iter().flat_map(|r| counts.split(r, &bends));
         ThinPlaces(parts.collect())
     }
 }
@@ -397,8 +402,8 @@ fn laid(
         let counts = Counts::new(&pair, Some(plans[next]));
         let skeleton = Skeleton::new(&area, counts.limit(), settings.accuracy);
         let solid = &skeleton.solid;
-        let places = skeleton.thin_places(&counts);
         let nodes = skeleton.ends(counts.limit());
+        let places = skeleton.thin_places(&counts, &nodes);
         let mut depth = 0.0;
         for (k, plan) in pair.iter().enumerate() {
             // The outer wall is seen.
@@ -688,7 +693,7 @@ mod tests {
             thickness: (0..=60).map(|i| 0.9 + 0.02 * x(i)).collect(),
             closed: false,
         };
-        let places = ThinPlaces(counts.split(&ridge));
+        let places = ThinPlaces(counts.split(&ridge, &|_| false));
         let depth = outer.inner;
         let begins = places.beads(3, depth)[0].points[0].x;
         let bead = places.beads(3, depth)[0].thickness[0];

@@ -45,7 +45,8 @@ const SLACK: Mm = 0.02;
 pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let counts = Counts::new(&[plan, plan], None);
     let skeleton = Skeleton::new(area, counts.limit(), tolerance);
-    let places = skeleton.thin_places(&counts);
+    let nodes = skeleton.ends(counts.limit());
+    let places = skeleton.thin_places(&counts, &nodes);
     let whole = skeleton.shrunk(plan.centre, tolerance);
     let single = places.beads(1, 0.0);
     let rings = cut(&whole, &single, plan.centre, plan.width);
@@ -128,7 +129,8 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
         crate::limits::check();
         // Two rings at a time, as walls.
         let skeleton = Skeleton::new(&area, counts.limit(), tolerance);
-        let places = skeleton.thin_places(&counts);
+        let nodes = skeleton.ends(counts.limit());
+        let places = skeleton.thin_places(&counts, &nodes);
         let mut depth = 0.0;
         for k in 0..2 {
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);

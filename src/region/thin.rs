@@ -34,7 +34,7 @@ const SHORT: Mm = 4.0;
 /// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
 /// Longest bulge, as a share of its greatest width.
-const BULGE_LENGTH: f64 = 1.1;
+const BULGE_LENGTH: f64 = 1.6;
 /// Parts are merged in so many rounds, the shortest ones first.
 const ROUNDS: u32 = 5;
 
@@ -50,6 +50,9 @@ struct Count {
     /// What the walls outside of the innermost bead or pair take of it.
     taken: Mm,
 }
+
+/// Tells whether a bead along a part of a ridge leaves nothing open beside it.
+pub(super) type Bends<'a> = &'a dyn Fn(&Ridge) -> bool;
 
 /// The numbers of beads that thicknesses get.
 #[derive(Debug)]
@@ -80,12 +83,10 @@ impl Counts {
                 taken: depth,
             });
             let wide = wall.limit * WIDE;
-            // A bulge at the part's surface would be seen.
-            let bulge = if depth > 0.0 { BULGE * wide } else { wide };
             counts.push(Count {
                 upto: depth + wall.limit,
                 range: (depth + wall.least / NARROW, depth + wide),
-                bulge: depth + bulge,
+                bulge: depth + BULGE * wide,
                 taken: depth,
             });
             squeezed = depth + SQUEEZE * 2.0 * wall.inner;
@@ -117,12 +118,23 @@ impl Counts {
         self.counts.partition_point(|c| c.upto < thickness)
     }
 
-    /// True if a number of beads can be made to fit all along a ridge; if there
-    /// are as many at both its ends, `between` them, they may bulge.
-    fn fits(&self, number: usize, ridge: &Ridge, between: bool) -> bool {
+    /// True if a number of beads can be made to fit all along a ridge. If there
+    /// are as many at both its ends, `between` them, they may bulge. What is
+    /// left open beside a bulge at the surface would be seen, so there a ridge
+    /// has to be one of `bends`.
+    fn fits(
+        &self,
+        number: usize,
+        ridge: &Ridge,
+        between: bool,
+        bends: Bends<'_>,
+    ) -> bool {
         self.counts.get(number).is_some_and(|c| {
             let longest = BULGE_LENGTH * (c.bulge - c.taken);
-            let bulges = between && ridge.length() < longest;
+            let bulges = between
+                && ridge.length() < longest
+                && ridge.thickest() <= c.bulge
+                && (c.taken > 0.0 || bends(ridge));
             let most = if bulges { c.bulge } else { c.range.1 };
             ridge.thinnest() >= c.range.0 && ridge.thickest() <= most
         })
@@ -130,7 +142,11 @@ impl Counts {
 
     /// The parts of a ridge and their numbers of beads, without those that are
     /// too thick to have one.
-    pub(super) fn split(&self, ridge: &Ridge) -> Vec<(usize, Ridge)> {
+    pub(super) fn split(
+        &self,
+        ridge: &Ridge,
+        bends: Bends<'_>,
+    ) -> Vec<(usize, Ridge)> {
         let few = self.counts.len();
         let (thin, thick) = (ridge.thinnest(), ridge.thickest());
         let (low, high) = (self.number(thin), self.number(thick));
@@ -163,7 +179,8 @@ impl Counts {
             all.rotate_left(longest);
         }
         for round in (0..ROUNDS).rev() {
-            all = self.merged(all, SHORT / f64::from(1 << round), ridge.closed);
+            let short = SHORT / f64::from(1 << round);
+            all = self.merged(all, short, ridge.closed, bends);
         }
         for (number, part) in &mut all {
             // A bead needs some length, or it is but a widening of the walls.
@@ -190,6 +207,7 @@ impl Counts {
         parts: Vec<(usize, Ridge)>,
         short: Mm,
         closed: bool,
+        bends: Bends<'_>,
     ) -> Vec<(usize, Ridge)> {
         let first = parts.first().map(|p| p.0).filter(|_| closed);
         let mut merged: Vec<(usize, Ridge)> = Vec::with_capacity(parts.len());
@@ -199,7 +217,7 @@ impl Counts {
             let after = rest.peek().map(|p| p.0).or(first);
             if part.length() < short && Some(number) != before {
                 let same = before == after;
-                let fits = |n: &usize| self.fits(*n, &part, same);
+                let fits = |n: &usize| self.fits(*n, &part, same, bends);
                 // Where both fit, the number nearer to its own.
                 let mut beside: Vec<usize> =
                     before.into_iter().chain(after).filter(fits).collect();
@@ -266,7 +284,7 @@ mod tests {
     fn the_thicker_the_more_beads() {
         // Each number goes on for longer than parts have to be.
         let wedge = ridge(60.0, |x| 0.05 + x / 28.0);
-        let parts = counts().split(&wedge);
+        let parts = counts().split(&wedge, &|_| false);
         assert_eq!(numbers(&parts), [0, 1, 2, 3, 4]);
         // One bead from thin_min, 60 %, to thin_max, 180 % of 0.45 mm.
         let one = &parts[1].1;
@@ -282,7 +300,7 @@ mod tests {
     fn a_thickness_that_wavers_keeps_its_number() {
         let wavers = |middle: f64, by: f64| {
             let t = move |x: f64| middle + by * (2.0 * x).sin();
-            counts().split(&ridge(30.0, t))
+            counts().split(&ridge(30.0, t), &|_| false)
         };
         for (middle, by) in [(0.83, 0.1), (1.084, 0.05), (1.65, 0.15)] {
             let parts = wavers(middle, by);
@@ -295,7 +313,7 @@ mod tests {
     #[test]
     fn what_is_long_has_the_number_that_fits_best() {
         let step = |x: f64| if x < 10.0 { 0.78 } else { 0.87 };
-        let parts = counts().split(&ridge(20.0, step));
+        let parts = counts().split(&ridge(20.0, step), &|_| false);
         assert_eq!(numbers(&parts), [1, 2]);
     }
 
@@ -307,7 +325,7 @@ mod tests {
                 let share = (2.0 * (x - 10.0) / length).abs();
                 1.3 + (most - 1.3) * (1.0 - share).max(0.0)
             };
-            numbers(&counts().split(&ridge(20.0, t)))
+            numbers(&counts().split(&ridge(20.0, t), &|_| false))
         };
         // Wider than a bead may be for long, 1.716 mm.
         assert_eq!(bend(1.85, 2.6), [3]);
@@ -316,7 +334,10 @@ mod tests {
         assert!(bend(2.0, 2.6).contains(&4));
         // One bead alone does not bulge.
         let t = |x: f64| 0.6 + 0.4 * (1.0 - (x - 10.0).abs()).max(0.0);
-        assert_eq!(numbers(&counts().split(&ridge(20.0, t))), [1, 2, 1]);
+        assert_eq!(
+            numbers(&counts().split(&ridge(20.0, t), &|_| false)),
+            [1, 2, 1]
+        );
     }
 
     #[test]
@@ -335,7 +356,7 @@ mod tests {
             closed: true,
         };
         for shift in [0, 70, 150, 260] {
-            let parts = counts().split(&all(shift));
+            let parts = counts().split(&all(shift), &|_| false);
             let by = |number| -> f64 {
                 let own = parts.iter().filter(|p| p.0 == number);
                 own.map(|p| p.1.length()).sum()
