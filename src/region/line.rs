@@ -16,6 +16,11 @@ use glam::DVec2;
 
 /// Distance of the places at which a line near a ridge is looked at, mm.
 const STEP: Mm = 0.2;
+/// Length from which a piece of a ring is laid, as a share of its width. Where
+/// three strips meet, short pieces are all that lies between their beads at the
+/// surface (measured on lattices: pieces longer than their width only leave a
+/// third more of the solid uncovered, with as many retractions).
+const SHORTEST: f64 = 0.25;
 /// How exactly the place is found at which it has to end, mm.
 const END: Mm = 0.005;
 /// Distance of the places at which a line's width is looked at, mm.
@@ -265,7 +270,7 @@ pub(super) fn cut(
             }
         }
         for piece in pieces {
-            if piece.length() > width {
+            if piece.length() > SHORTEST * width {
                 lines.push(piece);
             }
         }

@@ -34,7 +34,10 @@ const SHORT: Mm = 4.0;
 /// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
 /// Longest bulge, as a share of its greatest width.
-const BULGE_LENGTH: f64 = 1.6;
+const BULGE_LENGTH: f64 = 1.1;
+/// Longest bulge of a bead that lies between no others. Nothing is laid twice
+/// there, however long it is.
+const BEND_LENGTH: f64 = 1.6;
 /// Parts are merged in so many rounds, the shortest ones first.
 const ROUNDS: u32 = 5;
 
@@ -130,11 +133,13 @@ impl Counts {
         bends: Bends<'_>,
     ) -> bool {
         self.counts.get(number).is_some_and(|c| {
-            let longest = BULGE_LENGTH * (c.bulge - c.taken);
+            let inside = c.taken > 0.0;
+            let most = if inside { BULGE_LENGTH } else { BEND_LENGTH };
+            let longest = most * (c.bulge - c.taken);
             let bulges = between
                 && ridge.length() < longest
                 && ridge.thickest() <= c.bulge
-                && (c.taken > 0.0 || bends(ridge));
+                && (inside || bends(ridge));
             let most = if bulges { c.bulge } else { c.range.1 };
             ridge.thinnest() >= c.range.0 && ridge.thickest() <= most
         })
