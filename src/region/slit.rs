@@ -22,7 +22,7 @@ use super::cover::{Covered, Islands};
 use crate::plane::clip::{union, unite};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
-use crate::plane::{Area, Rect, Ring, Solid, edges, path_length, signed_area};
+use crate::plane::{Area, Ring, Solid, edges, path_length, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -30,7 +30,7 @@ use glam::DVec2;
 /// area to its left, from which on they face each other.
 const FACING: f64 = -0.866;
 
-/// How many times as long as the limit a slit is at least.
+/// How many times as long as the limit a slit is at least that gets wider.
 const LENGTH: f64 = 4.0;
 
 /// Edges that touch may overlap by so much for rounding, mm.
@@ -48,6 +48,8 @@ const HARDLY: f64 = 10.0;
 pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
     let grid = outline.grid();
     let mut found: Vec<Ring> = Vec::new();
+    // The middles of those pieces that end where the gap gets too wide.
+    let mut opening: Vec<DVec2> = Vec::new();
     let mut facing: Vec<usize> = Vec::new();
     let mut first = 0;
     for ring in &outline.area().rings {
@@ -71,26 +73,46 @@ pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
                     facing.push(edge);
                 }
             });
-            found.extend(facing.iter().filter_map(|&edge| {
-                between((a, b), grid.edge(edge), width, tolerance)
-            }));
+            for &edge in &facing {
+                let other = grid.edge(edge);
+                let Some((piece, opens)) =
+                    between((a, b), other, width, tolerance)
+                else {
+                    continue;
+                };
+                if opens {
+                    opening.push(piece.iter().sum::<DVec2>() / 4.0);
+                }
+                found.push(piece);
+            }
         }
         first += ring.len() + usize::from(!ring.is_empty());
     }
     if found.is_empty() {
         return Area::EMPTY;
     }
-    long(unite(&Area { rings: found }), width, tolerance)
+    let slits = unite(&Area { rings: found });
+    without_notches(slits, &opening, width, tolerance)
 }
 
-/// Those of the slits that are longer than [`LENGTH`] limits. A slit between
-/// curves has many pieces. Each is turned a little against the next one, so
-/// their ends need not touch.
-fn long(mut slits: Area, width: Mm, tolerance: Mm) -> Area {
+/// The slits without those that have a piece in `opening` and are shorter than
+/// [`LENGTH`] limits. A slit between curves has many pieces. Each is turned a
+/// little against the next one, so their ends need not touch.
+fn without_notches(
+    mut slits: Area,
+    opening: &[DVec2],
+    width: Mm,
+    tolerance: Mm,
+) -> Area {
+    if opening.is_empty() {
+        return slits;
+    }
     let mut joined = offset(&slits, 0.25 * width, tolerance).islands();
     joined.retain(|slit| {
-        let Rect { min, max } = slit.bounds();
-        min.distance(max) >= LENGTH * width
+        let bounds = slit.bounds();
+        let opens = |&p: &DVec2| bounds.contains(p) && slit.contains(p);
+        bounds.min.distance(bounds.max) >= LENGTH * width
+            || !opening.iter().any(opens)
     });
     let joined = Area {
         rings: joined.into_iter().flat_map(|slit| slit.rings).collect(),
@@ -101,13 +123,14 @@ fn long(mut slits: Area, width: Mm, tolerance: Mm) -> Area {
 }
 
 /// What lies between two edges that face each other, where that is narrower
-/// than `width`; on both sides it reaches by `margin` into the area.
+/// than `width`; on both sides it reaches by `margin` into the area. Also
+/// returns whether the gap gets wider at one of its ends.
 fn between(
     (a, b): (DVec2, DVec2),
     (c, d): (DVec2, DVec2),
     width: Mm,
     margin: Mm,
-) -> Option<Ring> {
+) -> Option<(Ring, bool)> {
     // Along the slit, as the first edge runs, and across it, to the second.
     let u = ((b - a).normalize_or_zero() - (d - c).normalize_or_zero())
         .try_normalize()?;
@@ -120,6 +143,7 @@ fn between(
     };
     let gap = |x: f64| side(a2, b2, x) - side(a1, b1, x);
     let (mut low, mut high) = (a1.x.max(a2.x), b1.x.min(b2.x));
+    let opens = gap(low).max(gap(high)) > width;
     // The gap is linear: each bound cuts off one end.
     for (sign, bound) in [(1.0, width), (-1.0, ROUNDING)] {
         let over = |x: f64| sign * gap(x) - bound;
@@ -140,12 +164,13 @@ fn between(
         return None;
     }
     let corner = |x: f64, y: f64| a + u * x + v * y;
-    Some(vec![
+    let piece = vec![
         corner(low, side(a2, b2, low) + margin),
         corner(high, side(a2, b2, high) + margin),
         corner(high, side(a1, b1, high) - margin),
         corner(low, side(a1, b1, low) - margin),
-    ])
+    ];
+    Some((piece, opens))
 }
 
 /// The area with its slits filled, as [`slits`] has found them.
