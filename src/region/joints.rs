@@ -36,6 +36,9 @@ const CROSS_STEP: Mm = 0.1;
 const ROOMY: f64 = 0.8;
 /// Times that a way across may become half as gentle.
 const HALVES: usize = 3;
+/// Widest slit between a way across and the border that is closed by moving the
+/// way, mm. What is wider is no slit: the border is another strip's.
+const SLIT: Mm = 0.15;
 /// Least width on the way across, as a share of the mean one.
 const LEAST: f64 = 0.5;
 /// Share of a stroke that may be taken from one of its ends.
@@ -48,6 +51,15 @@ const STOP: f64 = 0.4;
 const STUB: f64 = 0.15;
 /// Ends may lie on other strokes by so much, mm.
 const SLACK: Mm = 0.005;
+
+/// The space around a place for a bead with its middle there.
+#[derive(Clone, Copy)]
+pub(super) struct Space {
+    /// How wide such a bead may be.
+    pub width: Mm,
+    /// Where the nearest border is, a unit vector; zero if there is none.
+    pub out: DVec2,
+}
 
 /// One end of an open stroke.
 #[derive(Clone, Copy)]
@@ -113,7 +125,7 @@ impl End {
 pub(super) fn join(
     rings: Vec<Stroke>,
     beads: Vec<Stroke>,
-    room: impl Fn(DVec2) -> Mm,
+    room: impl Fn(DVec2) -> Space,
 ) -> (Vec<Stroke>, Vec<Stroke>) {
     let count = rings.len();
     let mut strokes = rings;
@@ -150,7 +162,7 @@ pub(super) fn join(
 fn pairs(
     strokes: &[Stroke],
     ends: &[End],
-    room: &impl Fn(DVec2) -> Mm,
+    room: &impl Fn(DVec2) -> Space,
 ) -> Vec<(usize, usize)> {
     let widest = ends.iter().map(|e| e.width).fold(0.0, f64::max);
     let reach = REACH * widest;
@@ -180,7 +192,7 @@ fn pairs(
                 continue;
             }
             if let Some(cost) = end.cost(other)
-                && room(end.at.midpoint(other.at))
+                && room(end.at.midpoint(other.at)).width
                     > 0.35 * (end.width + other.width)
                 && !crossed(end.at, other.at)
             {
@@ -215,7 +227,7 @@ fn pairs(
 fn ramp(
     ends: [&End; 2],
     strokes: &[Stroke],
-    room: &impl Fn(DVec2) -> Mm,
+    room: &impl Fn(DVec2) -> Space,
 ) -> Mm {
     let place = |end: &End, length: Mm| {
         let stroke = &strokes[end.stroke];
@@ -226,7 +238,9 @@ fn ramp(
     for _ in 0..HALVES {
         let [p, q] = ends.map(|end| place(end, length));
         let [v, w] = ends.map(|end| end.width);
-        if across([p, q], [v, w]).all(|(at, meant)| room(at) >= ROOMY * meant) {
+        if across([p, q], [v, w])
+            .all(|(at, meant)| room(at).width >= ROOMY * meant)
+        {
             break;
         }
         length *= 0.5;
@@ -278,7 +292,7 @@ impl Links {
         &self,
         strokes: Vec<Stroke>,
         rings: usize,
-        room: &impl Fn(DVec2) -> Mm,
+        room: &impl Fn(DVec2) -> Space,
     ) -> Vec<Chain> {
         let mut strokes: Vec<Option<Stroke>> =
             strokes.into_iter().map(Some).collect();
@@ -319,7 +333,7 @@ impl Links {
 }
 
 impl Chain {
-    fn go_on(&mut self, after: &Stroke, room: &impl Fn(DVec2) -> Mm) {
+    fn go_on(&mut self, after: &Stroke, room: &impl Fn(DVec2) -> Space) {
         let (mut points, mut widths) = self.take();
         let n = after.points.len();
         cross(&mut points, &mut widths, after, room);
@@ -329,7 +343,7 @@ impl Chain {
     }
 
     /// Leads the stroke back to its beginning.
-    fn close(&mut self, room: &impl Fn(DVec2) -> Mm) {
+    fn close(&mut self, room: &impl Fn(DVec2) -> Space) {
         let start = self.stroke.clone();
         let (mut points, mut widths) = self.take();
         cross(&mut points, &mut widths, &start, room);
@@ -350,7 +364,7 @@ fn cross(
     points: &mut Vec<DVec2>,
     widths: &mut Vec<Mm>,
     to: &Stroke,
-    room: &impl Fn(DVec2) -> Mm,
+    room: &impl Fn(DVec2) -> Space,
 ) {
     let (Some(&p), Some(&v), Some(&q)) =
         (points.last(), widths.last(), to.points.first())
@@ -358,10 +372,18 @@ fn cross(
         return;
     };
     for (at, meant) in across([p, q], [v, to.width_at(0)]) {
+        let Space { width, out } = room(at);
+        // Beside a curved border a straight way would leave a slit open.
+        let slit = width - meant;
+        if slit > 0.0 && slit < SLIT {
+            points.push(at + 0.5 * slit * out);
+            widths.push(meant);
+            continue;
+        }
         points.push(at);
         // What was taken from both ends may have moved the way to where there
         // is next to no room: a bead still needs a width.
-        widths.push(meant.min(room(at).max(LEAST * meant)));
+        widths.push(meant.min(width.max(LEAST * meant)));
     }
 }
 
@@ -510,8 +532,15 @@ mod tests {
         Stroke::new(points.collect(), false, width)
     }
 
-    fn anywhere(_: DVec2) -> Mm {
-        f64::INFINITY
+    fn anywhere(_: DVec2) -> Space {
+        wide(f64::INFINITY)
+    }
+
+    fn wide(width: Mm) -> Space {
+        Space {
+            width,
+            out: DVec2::ZERO,
+        }
     }
 
     /// What a stroke lays, by its height, mm².
@@ -538,6 +567,41 @@ mod tests {
         let other = rings.iter().find(|r| r.length() < 6.0).unwrap();
         let begins = other.points.iter().map(|p| p.x).fold(9.0, f64::min);
         assert!((5.1..5.6).contains(&begins), "{begins}");
+    }
+
+    /// A strip of 0.84 mm round a circle: one bead, which goes on in the outer
+    /// one of two walls.
+    #[test]
+    fn a_way_across_follows_a_curved_border() {
+        let (outer, inner) = (3.0, 2.16);
+        let arc = |radius: f64, from: f64, to: f64| {
+            let at = move |i: u32| {
+                let angle = from + (to - from) * f64::from(i) / 100.0;
+                DVec2::from_angle(angle) * radius
+            };
+            (0..=100).map(at).collect::<Vec<DVec2>>()
+        };
+        let bead = Stroke::new(arc(2.58, 0.0, 1.5), false, 0.84);
+        let walls = [2.79, 2.37]
+            .map(|radius| Stroke::new(arc(radius, 1.53, 3.0), false, 0.42));
+        let room = |p: DVec2| {
+            let (to_outer, to_inner) = (outer - p.length(), p.length() - inner);
+            let out = p.normalize() * (to_inner - to_outer).signum();
+            Space {
+                width: 2.0 * to_outer.min(to_inner),
+                out,
+            }
+        };
+        let (rings, _) = join(walls.to_vec(), vec![bead], room);
+        let through = rings
+            .iter()
+            .max_by(|a, b| a.length().total_cmp(&b.length()));
+        let through = through.unwrap();
+        for (i, p) in through.points.iter().enumerate() {
+            let edge = p.length() + 0.5 * through.width_at(i);
+            assert!((edge - outer).abs() < 0.002, "{p}: {edge}");
+        }
+        assert!(through.length() > 2.58 * 1.5 + 2.79 * 1.4);
     }
 
     #[test]
@@ -615,7 +679,7 @@ mod tests {
         let pieces = [[0.0, 4.0], [4.3, 9.0]]
             .map(|[a, b]| line(&[(a, 0.0), (b, 0.0)], 0.5));
         let joined = |room: f64| {
-            let (_, beads) = join(Vec::new(), pieces.to_vec(), |_| room);
+            let (_, beads) = join(Vec::new(), pieces.to_vec(), |_| wide(room));
             beads.len()
         };
         assert_eq!(joined(0.5), 1);
@@ -628,7 +692,7 @@ mod tests {
         // Too short for as much to be taken from it as from the bead.
         let wall = line(&[(5.1, 0.21), (5.2, 0.21)], 0.42);
         // There is room where the ends meet, and none where they cross over.
-        let room = |p: DVec2| if p.x < 5.045 { -1.0 } else { 1.0 };
+        let room = |p: DVec2| wide(if p.x < 5.045 { -1.0 } else { 1.0 });
         let (rings, _) = join(vec![wall], vec![bead], room);
         assert_eq!(rings.len(), 1);
         assert!(rings[0].widths.iter().all(|w| *w > 0.3));

@@ -45,6 +45,7 @@ use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use bend::is_bend;
 use glam::DVec2;
+use joints::Space;
 use line::{absorb, cut};
 use pocket::Left;
 use ridge::{Ridge, ridges};
@@ -514,10 +515,15 @@ fn joined(
     extra: Mm,
 ) -> (Vec<Stroke>, Vec<Stroke>) {
     let far = depth + JOINT;
-    // How wide a bead may be that has its middle at a place.
     let room = |p: DVec2| match solid.grid().nearest_edge(p, far) {
-        Some((_, q)) => 2.0 * (p.distance(q) - depth) + extra,
-        None => f64::INFINITY,
+        Some((_, q)) => Space {
+            width: 2.0 * (p.distance(q) - depth) + extra,
+            out: (q - p).normalize_or_zero(),
+        },
+        None => Space {
+            width: f64::INFINITY,
+            out: DVec2::ZERO,
+        },
     };
     joints::join(lines, thin, room)
 }
