@@ -253,7 +253,7 @@ mod tests {
 
     fn both(here: &Area, below: &Area) -> [Area; 2] {
         let settings = Settings::default();
-        let printed = |area: &Area| Printed::new(area, &settings).0;
+        let printed = |area: &Area| Printed::new(area, 0.2, &settings).0;
         need(&printed(here), &printed(below), 0.2, &settings)
     }
 
@@ -281,8 +281,8 @@ mod tests {
             let needs = |angle: f64| {
                 let out = height * angle.to_radians().tan();
                 let here = rect(0.0, 0.0, 10.0 + out, 10.0);
-                let [here, below] =
-                    [&here, &below].map(|a| Printed::new(a, &settings).0);
+                let [here, below] = [&here, &below]
+                    .map(|a| Printed::new(a, height, &settings).0);
                 let [need, _] = need(&here, &below, height, &settings);
                 !need.is_empty()
             };
