@@ -344,3 +344,50 @@ fn dense_layers_have_a_pattern_direction_and_spacing_of_their_own() {
     let rings = interface(&["support.interface_pattern=concentric"]);
     assert!(both(&rings, 45.0) < 5.0 && both(&rings, 0.0) > 300.0);
 }
+
+/// A cone of 15° that hangs from an arm, its tip down at 6 mm.
+const DROP: &str = "min(min(max(max(abs(x) - 12, abs(y) - 6), abs(z - 15) - 1), \
+                    max(max(abs(x - 10) - 2, abs(y) - 6), abs(z - 8) - 8)), \
+                    max(0.966*(sqrt(x^2 + y^2) - 0.268*(z - 6)), z - 15))";
+
+#[test]
+fn supports_of_a_tip_stay_out_of_it_with_wide_nozzles() {
+    for (nozzle, height) in [(0.4, 0.2), (0.6, 0.3), (0.8, 0.2), (0.8, 0.4)] {
+        let set = [
+            "supports=auto",
+            &format!("printer.nozzle_diameter={nozzle}"),
+            &format!("layer_height={height}"),
+            &format!("first_layer_height={height}"),
+        ];
+        let (gcode, summary) = run(DROP, &set);
+        assert_eq!(summary.warnings, Vec::<String>::new());
+        // By height: how near supports and part come to the cone's axis.
+        let (mut support, mut part) = (Vec::new(), Vec::new());
+        for layer in parse(&gcode) {
+            for m in layer.prints() {
+                let (a, b) = m.ends();
+                let near = a.midpoint(b).distance(DVec2::splat(110.0));
+                let is_support = [SUPPORT, SUPPORT_INTERFACE].contains(&m.role);
+                let list = if is_support { &mut support } else { &mut part };
+                list.push((m.to.z, near, 0.5 * m.width));
+            }
+        }
+        let at_tip = part.iter().filter(|(_, near, _)| *near < 1.0);
+        let first = at_tip.map(|t| t.0).fold(f64::INFINITY, f64::min);
+        // Where the cone is about as thick as the narrowest bead of a tip.
+        let thick = 2.0 * 0.268 * (first - 6.0);
+        assert!(thick < 0.7 * nozzle + 0.1, "{nozzle}: {thick}");
+        // What holds it ends a gap below it.
+        let below = support
+            .iter()
+            .filter(|(z, near, _)| *near < 1.2 && *z < first);
+        let top = below.map(|s| s.0).fold(0.0, f64::max);
+        assert!((first - height - top - 0.2).abs() < 1e-6, "{nozzle}: {top}");
+        // No support lies in the cone, be it printed there or not.
+        for (z, near, half) in support {
+            let cone = 0.268 * (z - 0.5 * height - 6.0);
+            let free = near - half - cone;
+            assert!(cone < 0.0 || free > 0.0, "{nozzle}: {free} at {z}");
+        }
+    }
+}

@@ -446,11 +446,14 @@ fn less(area: &Area, islands: &[Area]) -> Area {
     }
 }
 
-/// The parts of an area wide and large enough for sparse infill.
+/// The parts of an area wide and large enough for sparse infill: lines that
+/// cross a narrower one would be stubs, and few of them.
 fn printable(area: &Area, settings: &Settings) -> Area {
     /// Narrower than this, along all of its border, is what rounding takes.
     const ROUNDING: Mm = 1e-5;
-    let half = 0.5 * settings.infill_width();
+    /// Width of the narrowest part, in lines.
+    const LINES: f64 = 2.0;
+    let half = 0.5 * LINES * settings.infill_width();
     let mut wide = Area::EMPTY;
     for island in area.islands() {
         if island.content() < settings.skin_min_area {
@@ -562,10 +565,19 @@ mod tests {
     fn slivers_of_sparse_area_become_skin() {
         let settings = Settings::default();
         let fill = rect(0.0, 0.0, 20.0, 20.0);
-        // Leaves a strip 0.2 mm wide once the skin has grown.
-        let cover = rect(19.8 - settings.skin_overlap(), -1.0, 21.0, 21.0);
-        let f = split_under(&fill, &[&cover], &[], 0, &settings);
-        assert_eq!(f.skin, fill);
-        assert!(f.sparse.is_empty());
+        // Leaves a strip so wide once the skin has grown.
+        let strip = |width: f64| {
+            let from = 20.0 - width - settings.skin_overlap();
+            let cover = rect(from, -1.0, 21.0, 21.0);
+            let f = split_under(&fill, &[&cover], &[], 0, &settings);
+            assert!(
+                (f.skin.content() + f.sparse.content() - 400.0).abs() < 1e-3
+            );
+            f.sparse.content()
+        };
+        let two = 2.0 * settings.infill_width();
+        assert_eq!([0.2, 0.5 * two, two - 0.05].map(strip), [0.0; 3]);
+        let wide = strip(two + 0.1);
+        assert!((wide - 20.0 * (two + 0.1)).abs() < 0.1, "{wide}");
     }
 }

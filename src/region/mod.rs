@@ -351,6 +351,12 @@ pub(crate) fn walls(
     laid(outline, above, true, height, settings)
 }
 
+/// True if a part's outline in a layer of this height has room for any bead.
+pub(crate) fn prints(outline: &Area, height: Mm, settings: &Settings) -> bool {
+    let walls = walls(outline, None, height, settings);
+    walls.lines.iter().chain(&walls.thin).any(|l| !l.is_empty())
+}
+
 /// The walls of an outline, as offsets in the plane; if they are `seen`, with
 /// narrow tips.
 ///
@@ -421,7 +427,9 @@ fn laid(
             let beads: Vec<Stroke> =
                 beads.iter().map(|r| r.stroke(plan.extra)).collect();
             if outer {
-                tip::fill_posts(&mut walls, &beads, solid, *plan, tolerance);
+                tip::fill_posts(
+                    &mut walls, &beads, solid, *plan, least, tolerance,
+                );
             }
             depth += plan.inner;
             let slivers = places.slivers(2 * k + 2, depth);

@@ -228,28 +228,33 @@ fn corners(
     }
 }
 
+/// How thick an island is, about, that is about as long as it is wide.
+fn thickness(ring: &[DVec2]) -> Mm {
+    4.0 * signed_area(ring) / ring_length(ring).max(f64::MIN_POSITIVE)
+}
+
+/// True if an island is a post in which a wall has room for its bead only, if
+/// that may be as narrow as `least`.
+fn is_post(ring: &[DVec2], lay: Lay, least: Mm) -> bool {
+    let bounds = Rect::around(ring);
+    let size = (bounds.max - bounds.min).max_element();
+    size < 2.0 * lay.limit && (least..=lay.limit).contains(&thickness(ring))
+}
+
 /// Gives posts, islands about as long as they are wide that are too thin for
-/// a wall and have no ridge, a ring that fills them.
+/// a wall and have no ridge, a ring that fills them. The ring is no narrower
+/// than `least`.
 pub(super) fn fill_posts(
     lines: &mut Vec<Stroke>,
     thin: &[Stroke],
     outline: &Solid<'_>,
     lay: Lay,
+    least: Mm,
     tolerance: Mm,
 ) {
-    let thickness = |ring: &[DVec2]| {
-        4.0 * signed_area(ring) / ring_length(ring).max(f64::MIN_POSITIVE)
-    };
     let rings = &outline.area().rings;
-    let mut post: Vec<bool> = rings
-        .iter()
-        .map(|ring| {
-            let bounds = Rect::around(ring);
-            let size = (bounds.max - bounds.min).max_element();
-            size < 2.0 * lay.limit
-                && (lay.least..=lay.limit).contains(&thickness(ring))
-        })
-        .collect();
+    let mut post: Vec<bool> =
+        rings.iter().map(|r| is_post(r, lay, least)).collect();
     if !post.contains(&true) {
         return;
     }
@@ -265,7 +270,7 @@ pub(super) fn fill_posts(
     }
     lines.retain(|line| ring_of(line).is_none_or(|ring| !post[ring]));
     for (ring, _) in rings.iter().zip(&post).filter(|(_, p)| **p) {
-        let width = (0.5 * thickness(ring)).max(lay.least);
+        let width = (0.5 * thickness(ring)).max(least);
         let one = Area {
             rings: vec![ring.clone()],
         };

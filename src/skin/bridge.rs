@@ -51,6 +51,8 @@ const TOLERANCE: Mm = 0.02;
 const SIDES: usize = 16;
 /// Number of lines looked at for each direction.
 const ROWS: f64 = 24.0;
+/// What holds the end of a line is no farther from it than so many widths.
+pub(crate) const ANCHOR: f64 = 2.0;
 /// Share of the lines' length that must be held at both ends.
 const HELD: f64 = 0.6;
 
@@ -216,7 +218,7 @@ pub(crate) fn hung(
 ) -> Vec<(Segment, [bool; 2])> {
     let along = DVec2::from_angle(lines.angle.to_radians());
     // A wall may stand between the end of a line and what holds it.
-    let steps = [0.1, 0.5 * width, width, 1.5 * width, 2.0 * width];
+    let steps = [0.1, 0.5 * width, width, 1.5 * width, ANCHOR * width];
     let holds = |p: DVec2, out: DVec2| {
         steps.iter().any(|d| below.contains(p + out * *d))
     };

@@ -42,6 +42,8 @@ const FINE: Mm = 0.01;
 const SAGITTA: Mm = 0.02;
 /// Longest edge of a core that is moved as one, mm.
 const EDGE: Mm = 1.0;
+/// Areas that differ by less than this differ by rounding, mm².
+const ROUNDED: Mm2 = 1e-6;
 
 /// A layer that branches come down to.
 #[derive(Clone, Copy)]
@@ -188,6 +190,11 @@ impl Branch {
             return;
         }
         let mut core = difference(&pulled, &blocked);
+        if !self.is_column() && pulled.content() - core.content() < ROUNDED {
+            // Nothing is in the way.
+            self.core = finely(pulled);
+            return;
+        }
         if self.is_post() && !self.is_column() && !core.is_empty() {
             // All of it can go to what is left of it.
             self.core = largest(core);
@@ -254,11 +261,13 @@ impl Branch {
         let disc = Area {
             rings: vec![disc(middle, post)],
         };
-        let near = disc.bounds().grown(TOLERANCE);
-        let taken = step.room.taken(step.layer, near);
-        if taken.is_empty() {
+        // What is around the core is free.
+        let beyond = post - size.core + 3.0 * TOLERANCE;
+        if step.room.is_away(step.layer, middle, beyond) {
             return disc;
         }
+        let near = disc.bounds().grown(TOLERANCE);
+        let taken = step.room.taken(step.layer, near);
         union(&all(), &difference(&disc, &taken))
     }
 }

@@ -20,8 +20,8 @@
 //!    to the bed past the part.
 //! 3. [`tree`] lets branches grow from the top down: each is drawn together by
 //!    `support.branch_angle` until it is a post, and posts that can meet do.
-//! 4. From the bottom up, each island of support that rests on nothing is taken
-//!    out, so none begins in the air.
+//! 4. [`pieces`] splits the islands of support into sparse and dense parts, and
+//!    [`settle`] takes out, from the bottom up, those that rest on nothing.
 //! 5. [`cavity`] tells which of them nobody can take out.
 //!
 //! The plan depends on the part and on the settings only, and is made of all
@@ -41,9 +41,11 @@ mod cells;
 mod heights;
 mod need;
 mod parts;
+mod pieces;
 mod plan;
 mod printed;
 mod room;
+mod settle;
 mod slice;
 mod survey;
 mod tree;

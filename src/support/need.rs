@@ -19,7 +19,7 @@ use crate::plane::{Area, Solid};
 use crate::region::floating::floating;
 use crate::region::neighbour::Neighbour;
 use crate::settings::Settings;
-use crate::skin::bridge::{direction, hung};
+use crate::skin::bridge::{ANCHOR, direction, hung};
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
 use std::cell::OnceCell;
@@ -91,7 +91,7 @@ pub(super) fn need(
         let around = beyond.bounds().grown(reach);
         let [core, area] =
             [&below.core, &below.area].map(|all| crop(&all.rings, around));
-        let thick = Solid::new(Printed::thick(&core, &area, settings));
+        let thick = Printed::thick(&core, &area, settings);
         unbridged(beyond, &here.area, &thick, height, settings)
     };
     if begins.is_empty() {
@@ -146,7 +146,7 @@ fn beyond(
 fn unbridged(
     beyond: Area,
     here: &Area,
-    below: &Solid<'_>,
+    below: &Area,
     height: Mm,
     settings: &Settings,
 ) -> Area {
@@ -154,7 +154,7 @@ fn unbridged(
     let around = offset(&beyond, held + TOLERANCE, TOLERANCE);
     // Most of a layer is far from all that sticks out.
     let own = Neighbour::new(here);
-    let under = Neighbour::new(below.area());
+    let under = Neighbour::new(below);
     let rim = Rim {
         outline: here,
         grid: OnceCell::new(),
@@ -164,7 +164,7 @@ fn unbridged(
     for near in clusters(&around) {
         let all = intersection(&own.near(&near.area), &near.area);
         for gap in under.open(&all).islands() {
-            rings.extend(unspanned(gap, &rim, below, settings).rings);
+            rings.extend(unspanned(gap, &rim, &under, settings).rings);
         }
     }
     large(intersection(&beyond, &unite(&Area { rings })), height)
@@ -198,15 +198,17 @@ impl Rim<'_> {
 fn unspanned(
     gap: Area,
     rim: &Rim<'_>,
-    below: &Solid<'_>,
+    below: &Neighbour<'_>,
     settings: &Settings,
 ) -> Area {
     let width = settings.bottom_skin_width();
-    let grid = below.grid();
+    let bounds = gap.bounds();
+    // As far as the ends of lines are looked at.
+    let around = below.within(bounds.grown(ANCHOR * width));
+    let grid = &EdgeGrid::new(&around, width);
     let Some(angle) = direction(&gap, grid, width) else {
         return gap;
     };
-    let bounds = gap.bounds();
     let size = (bounds.max - bounds.min).length();
     let spacing = width.max(size / LINES);
     let lines = Lines {
@@ -251,7 +253,7 @@ mod tests {
 
     fn both(here: &Area, below: &Area) -> [Area; 2] {
         let settings = Settings::default();
-        let printed = |area: &Area| Printed::new(area, &settings).0;
+        let printed = |area: &Area| Printed::new(area, 0.2, &settings).0;
         need(&printed(here), &printed(below), 0.2, &settings)
     }
 
@@ -279,8 +281,8 @@ mod tests {
             let needs = |angle: f64| {
                 let out = height * angle.to_radians().tan();
                 let here = rect(0.0, 0.0, 10.0 + out, 10.0);
-                let [here, below] =
-                    [&here, &below].map(|a| Printed::new(a, &settings).0);
+                let [here, below] = [&here, &below]
+                    .map(|a| Printed::new(a, height, &settings).0);
                 let [need, _] = need(&here, &below, height, &settings);
                 !need.is_empty()
             };

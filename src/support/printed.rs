@@ -4,24 +4,32 @@
 //! thick. A part that begins in a point begins where a line fits into it, and
 //! a spike that is too thin for a line holds nothing.
 
-use crate::plane::Area;
 use crate::plane::clip::{crop, intersection};
 use crate::plane::offset::offset;
+use crate::plane::{Area, Ring};
+use crate::region::prints;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
+use glam::DVec2;
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.002;
 /// Thick places are so much wider than the places of lines' middles, by half
 /// the thinnest line: corners of 90 degrees stay.
 const CORNER: f64 = 1.5;
+/// A small island has room for a line for sure if it is so many times as thick
+/// as the thinnest line. A narrow strip is half as thick as it counts here.
+const SURE: f64 = 2.4;
+/// What stands for the middle of an island is this share of its size.
+const MIDDLE: f64 = 0.05;
 
 /// What is printed of a layer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Printed {
     /// Its islands that have room for a line.
     pub area: Area,
-    /// Where the middle of the thinnest line may be.
+    /// Where the middle of the thinnest line may be, and the middle of what is
+    /// printed although it is thinner.
     pub core: Area,
 }
 
@@ -31,21 +39,36 @@ impl Printed {
         0.5 * settings.thinnest_line()
     }
 
-    /// What is printed of an outline, and its islands that are not.
-    pub(super) fn new(outline: &Area, settings: &Settings) -> (Printed, Area) {
-        let core = offset(outline, -Self::half(settings), TOLERANCE);
+    /// What is printed of the outline of a layer of some height, and its islands
+    /// that are not.
+    pub(super) fn new(
+        outline: &Area,
+        height: Mm,
+        settings: &Settings,
+    ) -> (Printed, Area) {
+        let mut core = offset(outline, -Self::half(settings), TOLERANCE);
         let small: Mm2 = (4.0 * settings.outer_wall_width()).powi(2);
-        let islands = outline.islands().into_iter();
-        let (printed, not): (Vec<Area>, Vec<Area>) =
-            islands.partition(|island| {
-                let has = || crop(&core.rings, island.bounds());
-                island.content() > small
-                    || !intersection(island, &has()).is_empty()
-            });
-        let [area, not] = [printed, not].map(|islands| Area {
-            rings: islands.into_iter().flat_map(|i| i.rings).collect(),
-        });
-        (Printed { area, core }, not)
+        let (mut area, mut not) = (Vec::new(), Vec::new());
+        for island in outline.islands() {
+            if island.content() > small {
+                area.extend(island.rings);
+                continue;
+            }
+            let has = crop(&core.rings, island.bounds());
+            let fits = !intersection(&island, &has).is_empty();
+            let thickness = 4.0 * island.content() / island.perimeter();
+            let sure = fits && thickness > SURE * settings.thinnest_line();
+            if !sure && !prints(&island, height, settings) {
+                not.extend(island.rings);
+                continue;
+            }
+            if !fits {
+                core.rings.extend(middle(&island));
+            }
+            area.extend(island.rings);
+        }
+        let area = Area { rings: area };
+        (Printed { area, core }, Area { rings: not })
     }
 
     /// What of an area is wide enough for a line, by the core around it.
@@ -53,4 +76,11 @@ impl Printed {
         let wide = CORNER * Self::half(settings);
         intersection(area, &offset(core, wide, TOLERANCE))
     }
+}
+
+/// What stands for the middle of a small island.
+fn middle(island: &Area) -> Option<Ring> {
+    let ring = island.rings.first()?;
+    let at = ring.iter().sum::<DVec2>() / ring.len().max(1) as f64;
+    Some(ring.iter().map(|p| at.lerp(*p, MIDDLE)).collect())
 }

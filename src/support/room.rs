@@ -23,6 +23,7 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// How thick branches are.
 #[derive(Clone, Copy, Debug)]
@@ -73,9 +74,14 @@ impl<'a> Room<'a> {
     ) -> Room<'a> {
         let core = Size::new(settings).core + TOLERANCE;
         let everywhere = |_: &Area| None;
+        // Each outline is beside several layers of supports.
+        let grown = |outline: &Area| offset(outline, beside(core), TOLERANCE);
+        let grown: Vec<Area> = parts.outlines.par_iter().map(grown).collect();
+        let beside = |k: usize| Cow::Borrowed(&grown[k]);
         let tight: Vec<Area> = (0..count)
             .into_par_iter()
-            .map(|j| thinned(taken(parts, j, core, everywhere, settings)))
+            .map(|j| taken(parts, j, core, everywhere, beside, settings))
+            .map(thinned)
             .collect();
         let lean = settings.support.branch_angle.to_radians().tan();
         let mut closed: Vec<Area> = Vec::with_capacity(count);
@@ -99,17 +105,23 @@ impl<'a> Room<'a> {
         }
     }
 
+    /// True if a point of layer `j` is farther than `distance` from all that is
+    /// too near to the part for the middle of a branch.
+    pub(super) fn is_away(&self, j: usize, at: DVec2, distance: Mm) -> bool {
+        let grid = self.tight[j].grid();
+        grid.nearest_within(at, distance).is_none() && !grid.contains(at)
+    }
+
     /// Of a box, the part of layer `j` and what is too near to it.
     pub(super) fn taken(&self, j: usize, within: Rect) -> Area {
-        // What is too near for the middle of a branch has all of it.
-        let tight = &self.tight[j];
-        if !tight.grid().meets(within) && !tight.grid().contains(within.min) {
-            return Area::EMPTY;
-        }
         let reach = self.settings.support.xy_gap + 1.0;
         let near = within.grown(reach);
         let nearby = |area: &Area| Some(crop(&area.rings, near));
-        let all = taken(self.parts, j, 0.0, nearby, self.settings);
+        let grown = |k: usize| {
+            let outline = crop(&self.parts.outlines[k].rings, near);
+            Cow::Owned(offset(&outline, beside(0.0), TOLERANCE))
+        };
+        let all = taken(self.parts, j, 0.0, nearby, grown, self.settings);
         crop(&all.rings, within)
     }
 
@@ -165,14 +177,22 @@ impl<'a> Room<'a> {
 /// the gaps, mm.
 const BESIDE: Mm = 0.05;
 
+/// How far the middle of what reaches `margin` to all sides is to the side of
+/// what is right below or above it.
+fn beside(margin: Mm) -> Mm {
+    BESIDE + TOLERANCE + margin
+}
+
 /// Where nothing may be in layer `j` that reaches `margin` to all sides: the
 /// part and what is near to it. `within` gives what is to be looked at of an
-/// outline, if that is not all.
-fn taken(
+/// outline, if that is not all. `grown` gives that of an outline, and what is
+/// nearer to it than [`beside`].
+fn taken<'a>(
     parts: Parts<'_>,
     j: usize,
     margin: Mm,
     within: impl Fn(&Area) -> Option<Area>,
+    grown: impl Fn(usize) -> Cow<'a, Area>,
     settings: &Settings,
 ) -> Area {
     crate::limits::check();
@@ -189,21 +209,22 @@ fn taken(
     let gap = settings.support.xy_gap + 2.0 * TOLERANCE + margin;
     let area = offset(here, gap, TOLERANCE);
     // The layers beside it, and those within the gaps above and below.
-    let beside = heights.beside(j);
-    let first = beside.start.min(heights.gap_below(j).start + 1);
-    let above = (beside.end..outlines.len())
+    let level = heights.beside(j);
+    let first = level.start.min(heights.gap_below(j).start + 1);
+    let above = (level.end..outlines.len())
         .take_while(|&i| heights.below(i).is_none_or(|top| top < j));
-    let mut rings = Vec::new();
-    for k in (first..beside.end).chain(above) {
-        if outlines[k] != *section {
-            let other =
-                within(&outlines[k]).unwrap_or_else(|| outlines[k].clone());
-            rings.extend(other.rings);
-        }
-    }
-    if rings.is_empty() {
+    let mut others = (first..level.end)
+        .chain(above)
+        .filter(|&k| outlines[k] != *section)
+        .map(grown)
+        .filter(|area| !area.is_empty())
+        .peekable();
+    if others.peek().is_none() {
         return area;
     }
-    let near = BESIDE + TOLERANCE + margin;
-    union(&area, &offset(&unite(&Area { rings }), near, TOLERANCE))
+    let mut rings = area.rings;
+    for other in others {
+        rings.extend_from_slice(&other.rings);
+    }
+    unite(&Area { rings })
 }

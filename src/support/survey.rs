@@ -13,6 +13,7 @@ use crate::plane::Area;
 use crate::plane::clip::{crop, difference, intersection};
 use crate::plane::simplify::simplify;
 use crate::settings::Settings;
+use crate::units::Mm;
 use crate::vary::VaryError;
 
 /// What asks for supports.
@@ -80,7 +81,8 @@ impl Survey {
     ) -> Result<Survey, VaryError> {
         let mut survey = Survey::default();
         for (span, outline) in layers {
-            let (here, unprinted) = Printed::new(outline, asked.settings);
+            let (here, unprinted) =
+                Printed::new(outline, span.height(), asked.settings);
             survey.outlines.push(thinned(here.area.clone()));
             survey.unprinted.push(unprinted);
             match &mut survey.ends {
@@ -157,9 +159,10 @@ impl Survey {
     }
 }
 
-/// An outline as coarse as supports ask for, without what is not printed.
-pub(crate) fn coarse(outline: &Area, settings: &Settings) -> Area {
-    let (printed, _) = Printed::new(outline, settings);
+/// The outline of a layer of some height, as coarse as supports ask for,
+/// without what is not printed.
+pub(crate) fn coarse(outline: &Area, height: Mm, settings: &Settings) -> Area {
+    let (printed, _) = Printed::new(outline, height, settings);
     thinned(printed.area)
 }
 

@@ -108,8 +108,9 @@ impl<'a> Stages<'a> {
             let all = 0..usize::MAX;
             let none = &WallFields::None;
             let layers = self.layers_of(&self.field, none, slab, &all)?;
-            let sections =
-                layers.iter().map(|l| coarse(l.area(), self.settings));
+            let sections = layers
+                .iter()
+                .map(|l| coarse(l.area(), l.span.height(), self.settings));
             Ok::<_, SliceError>(sections.collect())
         };
         let slabs = own.par_chunks(self.slab_layers());

@@ -1,0 +1,216 @@
+//! The islands of support in each layer, and where they are dense.
+//!
+//! In: the area that branches have, and what they hold. Out: for each layer its
+//! islands, each with its sparse and its dense part.
+
+use super::heights::Heights;
+use super::parts::Parts;
+use super::room::Size;
+use super::{SPECK, TOLERANCE};
+use crate::plane::clip::{crop, difference, intersection, union, unite};
+use crate::plane::offset::offset;
+use crate::plane::{Area, Rect};
+use crate::settings::Settings;
+use crate::units::Mm;
+use rayon::prelude::*;
+
+/// Supports stay so far away from the ends of the part that are too thin to be
+/// printed, mm.
+const BESIDE: Mm = 0.05;
+
+/// An island of support.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    /// All of it.
+    pub all: Area,
+    /// The box around it.
+    pub bounds: Rect,
+    /// Where it is sparse.
+    pub body: Area,
+    /// Where it is dense, because something is right above.
+    pub interface: Area,
+}
+
+/// The islands of support in each layer. `areas` are what the branches have,
+/// `needs` what they hold.
+pub(super) fn pieces(
+    parts: Parts<'_>,
+    needs: &[Area],
+    areas: Vec<Area>,
+    settings: &Settings,
+) -> Vec<Vec<Piece>> {
+    let roof = settings.support.interface_layers as usize;
+    let tops = tops(parts.heights, needs, areas.len(), settings);
+    let of_layer = |(j, all): (usize, Area)| {
+        crate::limits::check();
+        if all.is_empty() || parts.heights.span(j).is_none() {
+            return Vec::new();
+        }
+        let all = without_ends(on_bed(all, parts.bed), parts, j);
+        let above: Vec<&Area> = tops.iter().skip(j).take(roof).collect();
+        printable(all)
+            .map(|island| Piece::new(island, &above, settings))
+            .collect()
+    };
+    areas.into_par_iter().enumerate().map(of_layer).collect()
+}
+
+/// By layer, what is right above.
+fn tops(
+    heights: &Heights,
+    needs: &[Area],
+    count: usize,
+    settings: &Settings,
+) -> Vec<Area> {
+    let mut tops: Vec<Area> = vec![Area::EMPTY; count];
+    for (i, need) in needs.iter().enumerate() {
+        if need.is_empty() {
+            continue;
+        }
+        if let Some(j) = heights.below(i) {
+            let top = offset(need, Size::new(settings).post, TOLERANCE);
+            tops[j] = union(&tops[j], &top);
+        }
+    }
+    tops
+}
+
+/// What of an area is on the bed.
+fn on_bed(all: Area, bed: Rect) -> Area {
+    let Rect { min, max } = all.bounds();
+    if bed.contains(min) && bed.contains(max) {
+        return all;
+    }
+    unite(&crop(&all.rings, bed))
+}
+
+/// The supports of layer `j` without what is too near to the ends of the part
+/// that are too thin to be printed.
+fn without_ends(all: Area, parts: Parts<'_>, j: usize) -> Area {
+    let ends = parts.ends[parts.heights.beside(j)].iter();
+    let ends: Vec<_> = ends.flat_map(|e| e.rings.clone()).collect();
+    if ends.is_empty() {
+        return all;
+    }
+    let ends = unite(&Area { rings: ends });
+    difference(&all, &offset(&ends, BESIDE, TOLERANCE))
+}
+
+impl Piece {
+    /// An island below some tops.
+    fn new(all: Area, tops: &[&Area], settings: &Settings) -> Piece {
+        let bounds = all.bounds();
+        let [body, interface] = split(&all, bounds, tops, settings);
+        Piece {
+            all,
+            bounds,
+            body,
+            interface,
+        }
+    }
+}
+
+/// Splits an island into its sparse and its dense part. What is sparse is wide
+/// enough for two lines: narrower strips would be as dense as what is beside
+/// them, and have walls of their own.
+fn split(
+    island: &Area,
+    bounds: Rect,
+    tops: &[&Area],
+    settings: &Settings,
+) -> [Area; 2] {
+    let near = tops.iter().map(|top| crop(&top.rings, bounds));
+    let above = Area {
+        rings: near.flat_map(|area| area.rings).collect(),
+    };
+    let rest = difference(island, &above);
+    if island.content() - rest.content() <= SPECK {
+        return [island.clone(), Area::EMPTY];
+    }
+    let half = settings.infill_width();
+    let core = offset(&rest, -half, TOLERANCE);
+    let wide = offset(&core, half + TOLERANCE, TOLERANCE);
+    let body = joined(printable(intersection(&rest, &wide)));
+    let interface = if body.is_empty() {
+        island.clone()
+    } else {
+        joined(printable(difference(island, &body)))
+    };
+    [body, interface]
+}
+
+/// The islands of an area that are no specks.
+fn printable(area: Area) -> impl Iterator<Item = Area> {
+    let islands = area.islands().into_iter();
+    islands.filter(|island| island.content() > SPECK)
+}
+
+/// Some islands as one area.
+fn joined(islands: impl Iterator<Item = Area>) -> Area {
+    Area {
+        rings: islands.flat_map(|island| island.rings).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layers::LayerSpan;
+    use crate::plane::rect;
+
+    fn heights() -> Heights {
+        let z = |i: usize| 0.2 * i as f64;
+        let span = |index| LayerSpan {
+            index,
+            bottom: z(index),
+            top: z(index + 1),
+        };
+        Heights::new((0..6).map(span).collect(), &Settings::default())
+    }
+
+    #[test]
+    fn supports_are_cut_around_ends_that_are_too_thin_to_be_printed() {
+        let none = vec![Area::EMPTY; 6];
+        // A spike of 0.2 mm that ends in the middle of a support of 6 mm.
+        let mut ends = none.clone();
+        ends[1] = rect(-5.0, -0.1, 1.0, 0.1);
+        let heights = heights();
+        let parts = Parts {
+            heights: &heights,
+            outlines: &none,
+            ends: &ends,
+            sections: &none,
+            bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
+        };
+        let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];
+        let found = pieces(parts, &none, areas, &Settings::default());
+        let content =
+            |j: usize| found[j].iter().map(|p| p.all.content()).sum::<f64>();
+        assert_eq!([content(0), content(2)], [36.0; 2]);
+        let cut = (4.0 + BESIDE) * (0.2 + 2.0 * BESIDE);
+        assert!((content(1) - (36.0 - cut)).abs() < 0.01, "{}", content(1));
+    }
+
+    #[test]
+    fn what_is_right_above_makes_an_island_dense_and_narrow_strips_with_it() {
+        let settings = Settings::default();
+        let island = rect(0.0, 0.0, 10.0, 6.0);
+        let split_by = |x: f64| {
+            let top = rect(-1.0, -1.0, x, 7.0);
+            let bounds = island.bounds();
+            let parts = split(&island, bounds, &[&top], &settings);
+            parts.map(|part| part.content())
+        };
+        let near = |found: [f64; 2], wanted: [f64; 2]| {
+            (found[0] - wanted[0]).abs() < 0.2
+                && (found[1] - wanted[1]).abs() < 0.2
+        };
+        let two = 2.0 * settings.infill_width();
+        assert_eq!(split_by(-0.5), [60.0, 0.0]);
+        assert!(near(split_by(4.0), [36.0, 24.0]), "{:?}", split_by(4.0));
+        let wide = 10.0 - (two + 0.1);
+        let wanted = [6.0 * (two + 0.1), 6.0 * wide];
+        assert!(near(split_by(wide), wanted), "{:?}", split_by(wide));
+        assert_eq!(split_by(10.0 - (two - 0.1)), [0.0, 60.0]);
+    }
+}

@@ -1,0 +1,149 @@
+//! Leaves out what rests on nothing.
+//!
+//! In: the islands of support in each layer. Out: those that stay. An island
+//! stays if it rests on one below it that stays, or, where supports may, on the
+//! part. So none begins in the air.
+
+use super::parts::Parts;
+use super::pieces::Piece;
+use super::slice::Slice;
+use crate::plane::clip::{crop, intersection};
+use crate::plane::{Area, Rect, Ring};
+use crate::settings::{Settings, Supports};
+use crate::units::Mm2;
+use glam::DVec2;
+
+/// Support has to rest on so much, as a share of itself, or mm².
+const REST: (f64, Mm2) = (0.1, 0.3);
+/// Number of points at which two areas are compared.
+const POINTS: u32 = 24;
+/// Points are spread by these shares of a box from one to the next, so that no
+/// row of them lies along a side (Roberts 2018, the sequence R2).
+const SPREAD: DVec2 = DVec2::new(0.754_877_666, 0.569_840_291);
+
+/// The supports of each layer, of the islands that rest on something.
+pub(super) fn settled(
+    parts: Parts<'_>,
+    layers: Vec<Vec<Piece>>,
+    settings: &Settings,
+) -> Vec<Slice> {
+    let mut slices = Vec::with_capacity(layers.len());
+    // The supports below; nothing is below the first layer that can have some.
+    let mut below: Option<Vec<Piece>> = None;
+    for (j, pieces) in layers.into_iter().enumerate() {
+        crate::limits::check();
+        let mut slice = Slice::default();
+        if parts.heights.span(j).is_none() {
+            slices.push(slice);
+            continue;
+        }
+        let mut stays = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            let on_support = below.as_ref().is_none_or(|below| {
+                let near =
+                    below.iter().filter(|b| b.bounds.meets(piece.bounds));
+                rests_on(&piece, near.flat_map(|b| &b.all.rings))
+            });
+            if !on_support {
+                if !stands(&piece, j, parts, settings) {
+                    continue;
+                }
+                let deeper = parts.heights.deeper(j);
+                if deeper > 0.0 {
+                    slice.deeper = deeper;
+                    slice.standing.rings.extend_from_slice(&piece.all.rings);
+                }
+            }
+            slice.body.rings.extend_from_slice(&piece.body.rings);
+            slice
+                .interface
+                .rings
+                .extend_from_slice(&piece.interface.rings);
+            stays.push(piece);
+        }
+        below = Some(stays);
+        slices.push(slice);
+    }
+    slices
+}
+
+/// True if an island of layer `j` may stand on the part, and has it below.
+fn stands(
+    piece: &Piece,
+    j: usize,
+    parts: Parts<'_>,
+    settings: &Settings,
+) -> bool {
+    // The layers right below may be the gap over the part.
+    settings.supports == Supports::Auto
+        && parts
+            .heights
+            .gap_below(j)
+            .any(|k| rests_on(piece, &parts.outlines[k].rings))
+}
+
+/// True if enough of an island lies on an area of these rings.
+fn rests_on<'a>(
+    piece: &Piece,
+    rings: impl IntoIterator<Item = &'a Ring>,
+) -> bool {
+    let under = crop(rings, piece.bounds);
+    if under.is_empty() {
+        return false;
+    }
+    let least = (REST.0 * piece.all.content()).min(REST.1);
+    // Some points tell nearly always, and much faster.
+    common(&piece.all, &under, piece.bounds) > 2.0 * least
+        || intersection(&piece.all, &under).content() >= least
+}
+
+/// About how much two areas have in common within a box.
+fn common(a: &Area, b: &Area, within: Rect) -> Mm2 {
+    let size = within.max - within.min;
+    let at = |k: u32| within.min + (f64::from(k) * SPREAD).fract() * size;
+    let points = (1..=POINTS).map(at);
+    let both = points.filter(|&p| a.contains(p) && b.contains(p)).count();
+    // One or two points may lie in next to nothing.
+    if both < 3 {
+        return 0.0;
+    }
+    size.element_product() * both as f64 / f64::from(POINTS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::rect;
+
+    fn piece(all: &Area) -> Piece {
+        Piece {
+            all: all.clone(),
+            bounds: all.bounds(),
+            body: all.clone(),
+            interface: Area::EMPTY,
+        }
+    }
+
+    #[test]
+    fn an_island_rests_on_a_tenth_of_itself_or_a_third_of_a_square_millimetre()
+    {
+        let rests = |island: &Area, on: &Area| {
+            let by_points = common(island, on, island.bounds());
+            (rests_on(&piece(island), &on.rings), by_points > 0.0)
+        };
+        let post = rect(0.0, 0.0, 1.0, 1.0);
+        assert_eq!(rests(&post, &post), (true, true));
+        let strip = |by: f64| rect(1.0 - by, -1.0, 2.0, 2.0);
+        assert_eq!(rests(&post, &strip(0.11)), (true, false));
+        assert_eq!(rests(&post, &strip(0.09)), (false, false));
+        let roof = rect(0.0, 0.0, 20.0, 20.0);
+        // A rib of 0.01 mm along all of a roof is 0.2 mm².
+        for y in 0..200 {
+            let y = 0.1 * f64::from(y) + 0.003;
+            let rib = rect(-1.0, y, 21.0, y + 0.01);
+            assert_eq!(rests(&roof, &rib), (false, false), "{y}");
+        }
+        assert_eq!(rests(&roof, &rect(19.0, 19.0, 20.0, 19.4)), (true, false));
+        assert!(!rests(&roof, &Area::EMPTY).0);
+    }
+}
