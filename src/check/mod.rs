@@ -55,7 +55,7 @@ use crate::limits;
 use crate::reader::{
     Event, Heater, Move, Problem, ReadError, Reader, Role, Words,
 };
-use crate::settings::{Flavour, Settings};
+use crate::settings::Settings;
 use crate::units::{Celsius, Mm, Mm2, MmPerSec};
 use ending::Ending;
 use finished::{Finished, HeadRoom};
@@ -133,22 +133,17 @@ impl Rules {
     pub fn new(settings: &Settings) -> Rules {
         let printer = &settings.printer;
         let nozzle = printer.nozzle_diameter;
-        // Klipper's defaults for `max_extrude_cross_section` and
-        // `max_extrude_only_distance` (docs/Config_Reference.md). Other
-        // firmware has no limit of the cross-section, but no nozzle lays more
-        // than twice as much.
-        let klipper = settings.gcode.flavour == Flavour::Klipper;
+        // Most firmware has no limit of the cross-section, but no nozzle lays
+        // more than 8 squares of itself.
+        let refuses = settings.gcode.flavour.firmware().refuses;
+        let section = refuses.map_or(8.0, |r| r.section);
         Rules {
             bed: DVec2::new(printer.bed_x, printer.bed_y),
             height: printer.height,
             nozzle,
             filament_diameter: settings.filament.diameter,
-            cross_section: if klipper {
-                4.0 * nozzle * nozzle
-            } else {
-                8.0 * nozzle * nozzle
-            },
-            feed: klipper.then_some(50.0),
+            cross_section: section * nozzle * nozzle,
+            feed: refuses.map(|r| r.feed),
             retraction: (2.0 * settings.retract.length).max(20.0),
             // A negative `retract.extra_prime` pushes forward less than was
             // pulled back.

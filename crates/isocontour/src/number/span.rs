@@ -6,7 +6,7 @@
 //! drop out.
 
 use super::wide::{self, Turn};
-use super::{Number, Part};
+use super::{Component, Number};
 use crate::interval::Interval;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -335,7 +335,7 @@ impl Number for Span {
     }
 }
 
-impl Part for Span {
+impl Component for Span {
     #[inline(always)]
     fn choose(a: Self, b: Self, x: Self, y: Self) -> Self {
         let mut out = Span::UNKNOWN;
