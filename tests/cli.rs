@@ -648,7 +648,7 @@ fn typical_mistakes_are_told_what_to_write() {
         ("slice ok.rhai --config unit.toml", "numbers have no unit"),
         ("slice ok.rhai --layers 99..", "ask for layers from 1 to 50"),
         ("slice ok.rhai --set infill_density=0.15", "write 15% if"),
-        ("slice text.rhai", "a text in quotes, but a field is wanted"),
+        ("slice text.rhai", "here stands text, but a shape is wanted"),
         ("slice python.rhai", "a function is fn name(a, b) { a + b }"),
         ("slice -e x2+y^2-9", "did you mean `x^2`?"),
         ("slice -e x^2+y²-9", "did you mean `y^2`?"),

@@ -141,7 +141,8 @@ impl Import {
         }
         if translation.settings.is_empty() {
             bail!(
-                "{}: isoslice knows none of its {} keys",
+                "{}: isoslice knows none of its {} keys; it must be a profile of \
+                 PrusaSlicer, OrcaSlicer, Bambu Studio or Cura",
                 file.display(),
                 picked.values.len()
             );

@@ -22,8 +22,8 @@ pub(super) const GRACE: Duration = Duration::from_secs(2);
 #[command(next_help_heading = "Limits")]
 pub(super) struct LimitArgs {
     /// Stop with an error after this time, in seconds, or with a unit: 90,
-    /// 10min, 2h; none for no limit [default: 1h, or 18 s if nearly nothing is
-    /// sliced in them]
+    /// 10min, 2h; none for no limit [default: 1h, and 18 s if by then next to
+    /// nothing is sliced]
     #[arg(long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Limit<Duration>>,
 

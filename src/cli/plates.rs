@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(super) struct PlateArgs {
     /// More models for the same plate; MODEL may also be a plate file (.toml),
-    /// which tells of each part where it stands and how it is printed:
+    /// which says for each part where it stands and how it is printed:
     /// docs/plates.md
     #[arg(value_name = "MORE", value_parser = model_file)]
     more: Vec<PathBuf>,

@@ -47,7 +47,7 @@ pub enum JoinError {
     #[error("there are no files to join; name those of all ranges")]
     Nothing,
     /// A file cannot be read.
-    #[error("cannot read {}", .0.display())]
+    #[error("cannot read {}: check its name", .0.display())]
     Unread(PathBuf, #[source] io::Error),
     /// A file does not end as one of a range.
     #[error(

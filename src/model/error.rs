@@ -55,7 +55,7 @@ pub enum LoadError {
         error: NotText,
     },
     /// A malformed `.vm` file.
-    #[error("{file}, {error}")]
+    #[error("{file}: {error}")]
     Vm {
         /// File.
         file: String,
@@ -63,7 +63,7 @@ pub enum LoadError {
         error: VmError,
     },
     /// A malformed formula.
-    #[error("{file}, {error}")]
+    #[error("{file}: {error}")]
     Formula {
         /// Name of the formula.
         file: String,

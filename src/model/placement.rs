@@ -143,9 +143,10 @@ impl Model {
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
 pub enum PlaceError {
-    /// The model has no usable extent.
+    /// The model has no usable extent. The message says all that the bounds'
+    /// error says, so that error is no source of this one.
     #[error("{}", super::error::of_bounds(.0))]
-    Bounds(#[from] BoundsError),
+    Bounds(BoundsError),
     /// The placed expression is too large.
     #[error(transparent)]
     Expression(#[from] ExpandError),
@@ -205,6 +206,12 @@ pub enum PlaceError {
         /// Top of the part, mm.
         top_mm: f64,
     },
+}
+
+impl From<BoundsError> for PlaceError {
+    fn from(error: BoundsError) -> Self {
+        PlaceError::Bounds(error)
+    }
 }
 
 /// How far a part may reach over the bed's edge. Bounds that were found may be

@@ -124,7 +124,7 @@ pub(crate) enum BookError {
     #[error(
         "there is no printer {name}{}",
         if known.is_empty() {
-            "; isoslice printers add makes one known".to_owned()
+            "; `isoslice printers add` makes one known".to_owned()
         } else {
             format!("; there are {}", known.join(", "))
         }

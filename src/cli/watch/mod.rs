@@ -116,7 +116,7 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
     let files: Vec<_> = given.cloned().collect();
     for file in &files {
         if !file.is_file() {
-            bail!("there is no file {}", file.display());
+            bail!("there is no file {}; check its name", file.display());
         }
     }
 
