@@ -2,7 +2,7 @@
 
 use super::super::{Format, TemplateError};
 use crate::settings::SettingsError;
-use std::io::{self, Write};
+use std::io;
 use std::path::PathBuf;
 
 /// Why files cannot be joined.
