@@ -147,8 +147,10 @@
 //! | z-hop | lifting the nozzle on a travel |
 
 #![warn(unreachable_pub)]
-// Links to private modules lead somewhere in the documentation of private items.
-#![allow(rustdoc::private_intra_doc_links)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
 // Failures are errors, not panics; only tests may panic. Indices are allowed,
 // since geometry is full of them; the fuzzer and the hostile models test those.
 #![cfg_attr(

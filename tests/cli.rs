@@ -1,7 +1,7 @@
 //! The command line as a user meets it: the real program is run.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use assert_cmd::Command;
 use predicates::prelude::*;

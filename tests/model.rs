@@ -1,7 +1,7 @@
 //! Models from text to placement, against shapes whose extent is known.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use fidget::context::Tree;
 use glam::DVec3;

@@ -273,7 +273,7 @@ fn printing(step: &PacedMove) -> Seconds {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
+#[allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 mod tests {
     use super::*;
 

@@ -398,7 +398,7 @@ pub(crate) fn outline_from_above(
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
+#[allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 mod tests {
     use super::*;
     use crate::model::{

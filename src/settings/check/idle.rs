@@ -310,20 +310,16 @@ fn supports_without_effect(
          them out"
             .to_owned(),
     );
-    warn(
-        "support.style",
-        s.supports == Supports::Off,
-        "support.style has no effect, since supports = off prints none; set \
-         supports to \"auto\" or \"plate\""
-            .to_owned(),
-    );
-    warn(
-        "support.where",
-        s.supports == Supports::Off,
-        "support.where has no effect, since supports = off prints none; set \
-         supports to \"auto\" or \"plate\""
-            .to_owned(),
-    );
+    for key in ["support.style", "support.where"] {
+        warn(
+            key,
+            s.supports == Supports::Off,
+            format!(
+                "{key} has no effect, since supports = off prints none; set \
+                 supports to \"auto\" or \"plate\""
+            ),
+        );
+    }
 }
 
 /// Warns of settings of heights that `layer_heights` does not use.
