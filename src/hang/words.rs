@@ -79,10 +79,9 @@ impl Hanging {
         }
         if let Some(foot) = self.foot {
             all.push(format!(
-                "the part is {height:.1} mm high and stands on {:.1} mm² \
-                 only: from a height of about {:.0} mm on the nozzle may tear \
-                 it off the bed; give it a brim (brim.place = \"outer\"), or \
-                 lay it down",
+                "the part stands on {:.1} mm² and is {height:.1} mm high: \
+                 from about {:.0} mm on the nozzle may tear it off the bed; \
+                 give it a brim (brim.place = \"outer\"), or lay it down",
                 foot.area, foot.holds
             ));
         }
