@@ -342,9 +342,8 @@ table::settings! {
         /// Number of the raft's layers; 0 for no raft. The first is thick and
         /// sparse, those above it are solid.
         layers: u32 = 0, in 0..=100;
-        /// Air between the raft and the part. auto is 0.2 mm, or less if beads
-        /// of the part's first layer that sink through the air would become
-        /// higher than the nozzle is wide.
+        /// Air between the raft and the part. auto is 0.2 mm, or the nozzle's
+        /// diameter less layer_height if that is less.
         gap: Option<Mm> = None, in 0.0..=2.0;
         /// How far the raft reaches beyond the first layer of the part and of
         /// its supports.
