@@ -68,7 +68,7 @@ table::settings! {
         top_walls: Option<u32> = None, in 1..=1000;
         /// Whether to print the part as a vase: bottom_layers flat layers,
         /// and above them one wall that climbs without a break, without
-        /// infill, tops, seams and retractions.
+        /// infill, top skin, seams and retractions.
         spiral: bool = false;
         /// Number of walls that climb side by side if spiral is true. The nozzle
         /// goes from each to the next one outside of it once a turn.
