@@ -1,21 +1,9 @@
 //! Turned and scaled expressions, and boxes.
 
+use crate::units::sin_cos;
 use fidget::context::Tree;
 use glam::DMat3;
 use isocontour::Bounds;
-
-/// Sine and cosine of an angle in degrees, exact at multiples of 90: a part
-/// turned onto its side keeps its planes axis-aligned.
-fn sin_cos(degrees: f64) -> (f64, f64) {
-    let turn = degrees.rem_euclid(360.0);
-    match turn {
-        0.0 | 360.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        _ => turn.to_radians().sin_cos(),
-    }
-}
 
 /// The matrix that turns about x, then y, then z.
 pub(super) fn rotation([x, y, z]: [f64; 3]) -> DMat3 {
