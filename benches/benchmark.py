@@ -69,7 +69,7 @@ ISOSLICE = [
     "--set", "skirt.loops=1", "--set", "infill_density=15%",
     "--set", "top_thickness=0.8", "--set", "bottom_thickness=0.6",
 ]
-MESHER = os.path.join(BUILT, "examples/mesh")
+MESHER = os.path.join(BUILT, "through-mesh")
 
 
 # --- What is measured -------------------------------------------------------
@@ -478,7 +478,7 @@ def main():
     parser.add_argument("--into", default=os.path.join(ROOT, "docs"))
     parser.add_argument("--quick", action="store_true")
     asked = parser.parse_args()
-    for target in (["--bin", "isoslice"], ["--example", "mesh"]):
+    for target in (["--bin", "isoslice"], ["-p", "through-mesh"]):
         subprocess.run(["cargo", "build", "--release", *target], cwd=ROOT,
                        check=True, stderr=subprocess.DEVNULL)
     sizes = [20, 50] if asked.quick else [20, 40, 80, 150, 300]

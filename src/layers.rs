@@ -129,7 +129,7 @@ impl FromStr for LayerRange {
             }
         };
         if range.first == 0 || range.first > range.last {
-            return Err("it has no layers in it".into());
+            return Err("it has no layers: write the lower number first".into());
         }
         Ok(range)
     }

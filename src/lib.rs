@@ -102,53 +102,12 @@
 //! # }
 //! ```
 //!
-//! # Glossary
-//!
-//! Each thing has one word, here, in the settings and in the G-code's summary.
-//! Where a dialect of G-code has another word ("perimeter"), only [`gcode`]
-//! knows it.
-//!
-//! | word | meaning |
-//! |---|---|
-//! | accuracy | greatest distance of a result from what it stands for, mm: of an outline from f = 0, of a polygon from its curve |
-//! | bead | one extruded line: centre line, width, height, role |
-//! | bridge | skin whose lines hang between supports |
-//! | comb | lead a travel round obstacles |
-//! | field | the function's values in a layer's plane |
-//! | first layer | the layer on the bed |
-//! | flow | material extruded, as a share of the beads' volume |
-//! | gap fill | bead as wide as the thin place that it fills |
-//! | hanging | not held by the layer below while it is printed |
-//! | hole | closed ring inside an island, outside of the part |
-//! | infill | sparse lines where skin is not needed |
-//! | island | connected piece of a layer, with its holes |
-//! | layer | all that is printed at one height |
-//! | layer height | thickness of a layer, and height of its beads |
-//! | line width | width of a squeezed bead |
-//! | outline | border of the part in a layer: where f = 0 |
-//! | overhang | wall that the layer below does not hold |
-//! | place | where a part stands on the plate |
-//! | plate | what is printed in one go: a part, or several |
-//! | prime | push forward what retraction has pulled back |
-//! | reach | distance of a hanging place from what holds it |
-//! | retraction | pulling filament back, so that it does not ooze on a travel |
-//! | ring | closed line, counter-clockwise round a part, clockwise round a hole |
-//! | role | purpose of a bead: outer wall, skin, … |
-//! | sample plane | height at which a layer's function is evaluated |
-//! | seam | where a closed bead begins and ends |
-//! | skin | solid area that faces up (top) or down (bottom), some layers deep |
-//! | skirt | loop round the part that starts the flow |
-//! | slab | layers whose field is evaluated together |
-//! | spacing | distance between the centre lines of neighbouring beads |
-//! | tolerance | slack of one step of an algorithm, such as thinning a ring: a share of the accuracy, so that all steps together keep it |
-//! | travel | move without extruding |
-//! | wall | bead along the outline; the outer wall is the one that shows |
-//! | wipe | going on along a bead while retracting |
-//! | z-hop | lifting the nozzle on a travel |
-
+#![doc = include_str!("../docs/glossary.md")]
 #![warn(unreachable_pub)]
-// Links to private modules lead somewhere in the documentation of private items.
-#![allow(rustdoc::private_intra_doc_links)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
 // Failures are errors, not panics; only tests may panic. Indices are allowed,
 // since geometry is full of them; the fuzzer and the hostile models test those.
 #![cfg_attr(

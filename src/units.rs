@@ -69,6 +69,19 @@ pub fn human_time(seconds: Seconds) -> String {
     }
 }
 
+/// Sine and cosine of an angle, exact at multiples of 90°: a part that is turned
+/// onto its side, or seen from one, keeps its planes along the axes.
+pub(crate) fn sin_cos(degrees: Degrees) -> (f64, f64) {
+    let turn = degrees.rem_euclid(360.0);
+    match turn {
+        0.0 | 360.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        _ => turn.to_radians().sin_cos(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,7 +14,7 @@
 //! types that the files share and calls those files.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 #[path = "architecture/checker.rs"]
 mod checker;

@@ -1,7 +1,7 @@
 //! The command line as a user meets it: the real program is run.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use assert_cmd::Command;
 use predicates::prelude::*;
@@ -648,12 +648,24 @@ fn typical_mistakes_are_told_what_to_write() {
         ("slice ok.rhai --config unit.toml", "numbers have no unit"),
         ("slice ok.rhai --layers 99..", "ask for layers from 1 to 50"),
         ("slice ok.rhai --set infill_density=0.15", "write 15% if"),
-        ("slice text.rhai", "a text in quotes, but a field is wanted"),
+        ("slice text.rhai", "here stands text, but a shape is wanted"),
         ("slice python.rhai", "a function is fn name(a, b) { a + b }"),
         ("slice -e x2+y^2-9", "did you mean `x^2`?"),
         ("slice -e x^2+y²-9", "did you mean `y^2`?"),
         ("slice -e x^2+y^2=9", "write a - b for a < b or a = b"),
         ("render ok.rhai -o ok.jpg", "render draws PNG pictures"),
+        ("slice ok.rhai --set wall=3", "did you mean walls?"),
+        ("slice ok.rhai --set support=auto", "did you mean supports?"),
+        (
+            "slice ok.rhai --set line_width=0.5",
+            "did you mean outer_wall_width",
+        ),
+        (
+            "slice ok.rhai --layers 5..1",
+            "write the lower number first",
+        ),
+        ("slice ok.rhai --report no/r.json", "there is no folder no"),
+        ("new no/part", "there is no folder no; make it"),
         ("check none.gcode", "cannot read none.gcode: check its name"),
         (
             "preview none.gcode",
@@ -665,6 +677,28 @@ fn typical_mistakes_are_told_what_to_write() {
             .assert()
             .stderr(contains(told));
     }
+}
+
+/// Errors that tell their cause with a remedy are not followed by the cause.
+#[test]
+fn a_cause_is_told_once() {
+    let folder = folder();
+    for (formula, told) in [
+        ("x", "the model is unbounded"),
+        ("sqrt(x^2+y^2)-5", "the model has no height"),
+        ("sin(1e6*x)+sqrt(x^2+y^2+z^2)-5", "too finely"),
+    ] {
+        isoslice(&folder)
+            .args(["slice", "-e", formula])
+            .assert()
+            .code(1)
+            .stderr(contains(told).count(1));
+    }
+    // Another cause is told.
+    isoslice(&folder)
+        .args(["slice", "none.rhai"])
+        .assert()
+        .stderr(contains("because: No such file"));
 }
 
 /// Nothing is sliced for a printer that cannot get so hot.

@@ -1,7 +1,7 @@
 //! Profiles of other slicers become profiles of isoslice.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use assert_cmd::Command;
 use isoslice::settings::keys;

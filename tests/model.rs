@@ -1,7 +1,7 @@
 //! Models from text to placement, against shapes whose extent is known.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use fidget::context::Tree;
 use glam::DVec3;
@@ -557,7 +557,7 @@ fn files_are_loaded_by_their_extension() {
     let e = error(&file("a", b""));
     assert!(e.contains("no extension"), "{e}");
     let e = error(&file("b.vm", b"_0 var-x\n_1 add _0\n"));
-    assert!(e.contains("b.vm, line 2: `add`"), "{e}");
+    assert!(e.contains("b.vm: line 2: `add`"), "{e}");
     let e = error(&file("c.rhai", b"let a = 1;\n\xff"));
     assert!(e.contains("line 2: not valid UTF-8"), "{e}");
     let e = error(&file("d.rhai", b"x +"));

@@ -4,7 +4,7 @@
 //! What a browser makes of a page is tested by `tests/browser/run.sh`.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use assert_cmd::Command;
 use isoslice::preview::Toolpath;

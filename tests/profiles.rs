@@ -1,7 +1,7 @@
 //! Profiles: those of the program, and a user's beside them.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 mod common;
 

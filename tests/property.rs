@@ -6,7 +6,7 @@
 //! The formulas are only to be survived.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 #[path = "property/check.rs"]
 mod check;

@@ -2,7 +2,7 @@
 //! What the clients do with hosts that misbehave is tested in src/cli/hosts/tests.rs.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 #[path = "common/served.rs"]
 mod served;

@@ -1,7 +1,7 @@
 //! The settings table as a whole, and what its users read when they err.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 mod common;
 

@@ -2,7 +2,7 @@
 //! usual mistakes: the real program is run.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use assert_cmd::Command;
 use std::fs;

@@ -2,7 +2,7 @@
 //! page makes of it is tested in a browser: tests/browser/watch.mjs.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 #[path = "common/served.rs"]
 mod served;

@@ -17,13 +17,13 @@ class Camera {
     this.fit(1);
   }
 
-  // Another box, seen from where the camera is.
+  // Sees another box from where the camera is.
   hold(box) {
     this.box = box;
     this.radius = halfDiagonal(box);
   }
 
-  // The whole box in sight, from where the camera is, or from a look.
+  // Brings the whole box into sight, from where the camera is, or from a look.
   fit(aspect, look = this.look) {
     this.look = look;
     [this.yaw, this.pitch] = LOOKS[look];
@@ -50,8 +50,8 @@ class Camera {
     return [0, 4, 8].map(i => [camera[i], camera[i + 1], camera[i + 2]]);
   }
 
-  // For a window of this size in pixels, in which everything within `reach` of
-  // the box is to be seen.
+  // The matrix of a window of this size in pixels, in which everything within
+  // `reach` of the box is seen.
   matrix(width, height, reach) {
     const room = 1.5 * this.radius + reach;
     const near = Math.max(this.distance - room, this.distance / 100, 0.1);
@@ -86,7 +86,7 @@ class Camera {
       Math.max(-steepest, Math.min(steepest, this.pitch + dy * 0.006));
   }
 
-  // By pixels of a window `height` pixels high.
+  // Moves the camera by pixels of a window that is `height` pixels high.
   shift(dx, dy, height) {
     const scale =
       2 * this.distance * Math.tan(FIELD_OF_VIEW / 2) / height;
@@ -96,7 +96,8 @@ class Camera {
     }
   }
 
-  // Nearer by a factor; (x, y), pixels from the middle, stays where it is.
+  // Moves the camera nearer by a factor. The place (x, y), in pixels from the
+  // middle, stays where it is.
   zoom(factor, x, y, height) {
     const before = this.distance;
     this.distance = Math.max(

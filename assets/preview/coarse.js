@@ -1,4 +1,4 @@
-// The same print with fewer moves, for while it is turned.
+// The print with fewer moves, which is drawn while the view turns.
 //
 // Moves of one purpose that follow each other on nearly a line become one.
 // What stands in `moves` as for the whole print: points, heights, roles;
@@ -7,7 +7,7 @@
 
 // Greatest distance of a point from the line that replaces it, mm.
 const COARSE = 0.12;
-// Most moves in one.
+// Greatest number of moves that become one.
 const MERGED = 24;
 
 function coarsen(moves, told) {
@@ -18,7 +18,7 @@ function coarsen(moves, told) {
   let [made, layer] = [0, 0];
 
   // Whether all points between two lie near the line from one to the other.
-  // Asked for every move, so in plain numbers.
+  // This is called for every move, so it works on plain numbers.
   const straight = (from, to) => {
     const x = points[4 * from];
     const y = points[4 * from + 1];

@@ -1,13 +1,13 @@
 // What the colours of the beads mean: roles, or a number of each move.
 
-// In the order of the roles, then the travels.
+// The colours of the roles in their order, and then that of travels.
 const COLOURS = [
   "#e0703a", "#eebc4e", "#4458c9", "#3aa79a", "#d64550", "#5b8cc9", "#8a68bf",
   "#58b4e0", "#ee9aa6", "#a85c4f", "#7ea35b", "#4d7a43", "#2f8f74", "#b9a57f",
   "#a1a6ac", "#8d99a8", "#6485b5",
 ];
 const CUSTOM = 14;
-// From low to high; light and dark grounds both leave it legible.
+// Colours from low to high, which can be told apart on light and dark grounds.
 const RAMP = [
   "#4f3f96", "#4062a8", "#2f87a6", "#26a28d",
   "#55bd68", "#98cf45", "#d8d63c", "#fbb92f",
@@ -22,7 +22,7 @@ const MODES = {
   fan: { unit: "%", digits: 0, of: i => moves.fans[i] },
   time: { unit: "s a layer", digits: 0, of: i => told.time[moves.layers[i]] },
 };
-// Bars of the histogram.
+// Number of bars of the histogram.
 const BARS = 60;
 
 function setMode(mode) {
@@ -78,7 +78,7 @@ function measure(of) {
     }
     return bars;
   };
-  // A few moves far out would leave one colour for all the others.
+  // A few moves with numbers far out would leave one colour for all the others.
   const fine = spread(4096);
   const total = fine.reduce((sum, bar) => sum + bar, 0);
   const at = share => {
@@ -99,7 +99,8 @@ function measure(of) {
 function showScale({ low, high, bars }, { unit, digits }) {
   const highest = Math.max(...bars, 1e-9);
   const width = 240 / BARS;
-  // Roots, so that what is rare can be seen beside what is common.
+  // The bars show roots, so that what is rare can be seen beside what is
+  // common.
   const path = [...bars].map((bar, i) => {
     const tall = 36 * Math.sqrt(bar / highest);
     return tall > 0

@@ -1,5 +1,5 @@
-// What a page does that isoslice serves (`isoslice watch`): it asks what there
-// is to show, and says what its user has changed.
+// The page of `isoslice watch`. It asks the program for the model's state,
+// shows it, and sends what its user changes.
 
 // Share of the window's pixels, along a side, in pictures while they turn.
 const ROUGH = 0.3;
@@ -12,11 +12,12 @@ const signalled = controller => controller?.signal.aborted ?? false;
 
 class Live {
   constructor() {
-    // What the program told last.
+    // The state that the program sent last.
     this.told = null;
-    // What the page has of that.
+    // The revisions of the parts of that state that the page has.
     this.has = { model: 0, print: 0, settings: 0 };
-    // What the user wants to see, and whether they want it while it is old.
+    // The view that the user has chosen, and whether an older model may be
+    // shown in it.
     this.view = "layers";
     this.impatient = false;
     this.drawing = false;
@@ -37,7 +38,7 @@ class Live {
       this.impatient = view === "layers";
       this.showView();
     });
-    // The page's own parts, which other pages have as well, are a tab here.
+    // The parts of the page of `preview` are one of the tabs here.
     for (const id of ["modes", "scale", "amounts", "roles", "cut"]) {
       $(id).classList.add("of-print");
     }
@@ -64,7 +65,7 @@ class Live {
     document.documentElement.dataset.tab = tab;
   }
 
-  // Waits for news, and shows them.
+  // Waits for new states, and shows them.
   async follow() {
     try {
       const seen = this.told?.revision ?? 0;
@@ -136,7 +137,7 @@ class Live {
     this.showView();
   }
 
-  // The layers, where the part may be shown now.
+  // Shows the layers, if the part's picture is shown now.
   showLayers() {
     this.view = "layers";
     this.impatient = true;
@@ -161,7 +162,7 @@ class Live {
 
   async fetchPrint(print) {
     const answer = await fetch(`print?revision=${print.revision}`);
-    // A newer one may have taken its place; there will be news of it.
+    // A newer print may have replaced this one; a new state will tell.
     if (!answer.ok) {
       return;
     }
@@ -174,7 +175,7 @@ class Live {
 
   // --- the part's picture
 
-  // Whether the part is shown, and not its layers.
+  // True if the part's picture is shown, and not its layers.
   get showsPart() {
     const { told: news, has } = this;
     if (!news?.model || this.view === "part") {
@@ -209,14 +210,16 @@ class Live {
     if (camera && this.showsPart) {
       this.brisk = brisk;
       if (brisk) {
-        // A fine picture that is still being drawn would come too late.
+        // A fine picture that is still being drawn would come too late, so it
+        // is given up.
         this.finePicture?.abort();
       }
       this.draw();
     }
   }
 
-  // One picture is drawn at a time, from where the camera is by then.
+  // One picture is drawn at a time, from where the camera is when it is asked
+  // for.
   async draw() {
     if (this.drawing) {
       return;
@@ -231,7 +234,7 @@ class Live {
       left: `${left}px`, top: `${top}px`,
       width: `${room[0]}px`, height: `${room[1]}px`,
     });
-    // A new part's first picture is a rough one, too.
+    // The first picture of a new part is a rough one, too.
     const known = $("picture").dataset.model === String(this.has.model);
     const rough = this.brisk || !known;
     const density = rough ? ROUGH : Math.min(2, devicePixelRatio || 1);
@@ -266,13 +269,14 @@ class Live {
         URL.revokeObjectURL(before);
       }
     } catch {
-      // Nobody waits for it any more, or the program has ended, which `follow`
-      // tells.
+      // The picture is no longer wanted, or the program has ended. `follow`
+      // tells of that.
       this.asked = "";
       again = signalled(this.finePicture) ? 0 : AGAIN;
     }
     this.drawing = false;
-    // Where the camera has gone since, and finer when it rests.
+    // The next picture is from where the camera is now, and a fine one once the
+    // camera rests.
     if (rough) {
       this.brisk = false;
       again = 120;
@@ -286,7 +290,8 @@ class Live {
 
   // --- what the user changes
 
-  // Changes are sent one after the other; those in between are put together.
+  // Changes are sent one after the other. Those made while one is being sent
+  // are sent together.
   async change(kind, name, value) {
     this.changes ??= {};
     if (kind === "profile") {
@@ -321,7 +326,7 @@ class Live {
     }
   }
 
-  // A line with a name, what sets it, and what is said of it.
+  // A line of the form: a name, the field that sets it, and a remark.
   field(name, input, words, changed, back) {
     const field = element("label", "", { className: "field" });
     field.classList.toggle("changed", changed);
@@ -358,7 +363,8 @@ class Live {
 
   listParameters() {
     const box = $("parameters");
-    // Not while the user is at them: what they do would be lost.
+    // The fields are not replaced while the user edits them, as the edits would
+    // be lost.
     const held = box.contains(document.activeElement)
       ? document.activeElement.dataset.of : null;
     const { parameters } = this.told.model;

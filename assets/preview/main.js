@@ -1,21 +1,21 @@
 // The page: what is shown, and how it is asked for.
 
-// After this long without a change the picture is drawn in full.
+// Time without a change after which the picture is drawn in full, milliseconds.
 const REST = 160;
-// A click is not the first of two after this time, milliseconds.
+// Time after which a click is no longer the first of two, milliseconds.
 const ONE_CLICK = 220;
 
-// Of the print that is shown. A page that a program serves has none at first.
+// Belongs to the print that is shown. A page of `watch` has no print at first.
 let told = null;
 let figures, layerCount, moves, scene, marks;
 let camera, layerSlider, moveSlider;
 const cut = new Cut();
-// What asks the program that serves this page; nothing for a file.
+// Asks the program that serves this page; null if the page is a file.
 const live = typeof Live === "undefined" ? null : new Live();
 
 const state = {
   mode: "role",
-  // What the table tells of the roles.
+  // The amount that the table of roles tells.
   amount: "time",
   marks: { seams: false, retractions: false },
   // The move that was picked, and the place that a warning names.
@@ -23,7 +23,7 @@ const state = {
   pointed: null,
   hidden: 1 << TRAVEL | 1 << JUMP,
   playing: false,
-  // Only the highest layer, and which one was the lowest before that.
+  // Whether only the highest layer is shown, and the lowest layer before that.
   only: false,
   lowBefore: 0,
 };
@@ -33,7 +33,7 @@ const layerEnd = layer =>
 
 // --- drawing
 
-// Nothing is drawn before it is known how much can be.
+// Nothing is drawn before the page knows how much the graphics card can draw.
 let ready = false;
 let wanted = false;
 let lastFrame = 0;
@@ -46,7 +46,7 @@ let pickTimer = 0;
 function redraw(brisk = true) {
   moving = brisk;
   live?.turned(brisk);
-  // Layers behind the part's picture need not be drawn.
+  // Layers that the part's picture hides need not be drawn.
   if (ready && !wanted && !live?.showsPart) {
     wanted = true;
     requestAnimationFrame(frame);
@@ -188,7 +188,7 @@ function play() {
   if (state.playing && moveSlider.high === moveSlider.max) {
     toMove(moveSlider.min);
   }
-  // A layer in some seconds, however many moves it has.
+  // A layer plays within some seconds, however many moves it has.
   const start = performance.now();
   const from = moveSlider.high;
   const perSecond = Math.max(8, (moveSlider.max - moveSlider.min) / 8);
@@ -267,7 +267,7 @@ function otherTheme() {
   try {
     localStorage.setItem("isoslice-theme", theme);
   } catch {
-    // Some browsers remember nothing for files.
+    // Some browsers have no storage for pages that are files.
   }
 }
 

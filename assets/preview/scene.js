@@ -44,7 +44,7 @@ uvec4 of(highp usampler2D list, int i) {
 }
 void main() {
   int move = begin + (lines ? gl_VertexID >> 1 : gl_VertexID >> 3);
-  // Of a line, the middles of either end.
+  // A line has the middles of both ends.
   int vertex = lines ? 1 + 3 * (gl_VertexID & 1) : gl_VertexID & 7;
   uvec4 detail = of(details, move);
   vec4 from = vec4(of(points, move));
@@ -86,7 +86,7 @@ void main() {
     end.z -= radius.y / swell;
   }
 
-  // Directions in the section: to the eye, and to the silhouettes.
+  // Directions in the bead's section: to the eye, and to the two silhouettes.
   vec3 back = eye - end;
   vec2 seen = vec2(dot(back, right), dot(back, up));
   seen = dot(seen, seen) > 1e-9 ? normalize(seen) : vec2(0.0, 1.0);
@@ -97,7 +97,7 @@ void main() {
     normal = normalize(outward + 0.3 * facing);
     end += outward * radius.x * 0.9;
   } else if (vertex >= 6) {
-    // The section lies open: this corner is the one away from the eye.
+    // The plane has cut the bead: this corner is the one away from the eye.
     vec2 scaled = radius * seen;
     vec2 place = radius * scaled / max(length(scaled), 1e-9);
     normal = outward;
@@ -135,7 +135,7 @@ void main() {
   shown = vec4(colour * (0.40 + 0.14 * sky + 0.46 * key + 0.10 * fill), 1.0);
 }`;
 
-// Marks are round, and lie a little before what they mark.
+// Marks are round, and lie a little nearer to the eye than what they mark.
 const MARK_VERTEX = `#version 300 es
 uniform mat4 to_clip;
 uniform vec3 eye;
@@ -207,9 +207,9 @@ const STRIPS = 12;
 // Moves that are drawn at once: their corners have numbers of 16 bits.
 const CHUNK = 8192;
 
-// How fast the picture is to change while it is turned, milliseconds.
+// Time that a picture may take while the view changes, milliseconds.
 const SMOOTH = 33;
-// How long a picture may take once it is at rest, milliseconds.
+// Time that a picture may take while the view is at rest, milliseconds.
 const PATIENCE = 1500;
 // What is drawn at each level: all moves or the coarser ones, with tips, as
 // strips or as lines, and so many layers as one.
@@ -249,7 +249,7 @@ class Scene {
       }
     }
     this.byValue = false;
-    // Of LEVELS: while the view changes, and at rest.
+    // Indices of LEVELS: while the view changes, and at rest.
     this.level = 0;
     this.restLevel = 0;
     this.triangles = 0;
@@ -282,7 +282,7 @@ class Scene {
     };
     this.strips = corners(strips);
     this.beads = corners([...strips, ...tips]);
-    // Nothing comes from buffers but the corners' numbers.
+    // The buffers have the corners' numbers only.
     this.noAttributes = gl.createVertexArray();
     for (const set of [this.whole, this.coarse]) {
       set.pointsTexture = texture(gl, set.points, gl.RGBA16UI, gl.UNSIGNED_SHORT);
@@ -310,7 +310,7 @@ class Scene {
     gl.enable(gl.DEPTH_TEST);
   }
 
-  // Gives back what is in the graphics card.
+  // Frees what is in the graphics card.
   release() {
     const gl = this.gl;
     const infos = [
@@ -380,9 +380,10 @@ class Scene {
     const few = this.triangles;
     const perLine =
       Math.max(0, await measured(LINES + 3) - took) / (this.triangles - few + 1);
-    // From the cheapest level on, until one takes too long.
+    // Levels are tried from the cheapest one on, until one takes too long.
     for (let next = cheapest - 1; next >= 0 && took < SMOOTH; next--) {
-      // A card that can draw all lines need not be tried with fewer beads.
+      // On a card that draws all lines fast enough, levels with fewer beads are
+      // not tried.
       if (next > LAST_COARSE && next < LINES) {
         continue;
       }
@@ -399,7 +400,8 @@ class Scene {
       return count * lines * perLine < PATIENCE;
     };
     this.restLevel = AT_REST.find(within) ?? LINES;
-    // What is fast enough to turn is fast enough to rest.
+    // A level that is fast enough while the view changes is fast enough at
+    // rest.
     if (AT_REST.includes(level)) {
       this.restLevel = Math.min(this.restLevel, level);
     }

@@ -38,7 +38,7 @@ class Slider {
         && (Math.abs(value - this.low) < Math.abs(value - this.high)
           || (this.low === this.high && value < this.low));
       held = event.target.dataset.end || (nearLow ? "low" : "high");
-      // Of two handles in one place, the one that can move.
+      // If two handles are in one place, the one that can move.
       if (this.two && this.low === this.high && this.high === this.max) {
         held = "low";
       }

@@ -1,6 +1,6 @@
 //! Meshes a model with fidget's own mesher, as an STL file.
 //!
-//!     cargo run --release --example mesh MODEL OUT.stl DEPTH
+//!     cargo run --release -p through-mesh -- MODEL OUT.stl DEPTH
 //!
 //! What isoslice does without, for `benchmark.py` to compare with. The mesh
 //! has 2^DEPTH cells along a cube a fifth larger than the model's largest
@@ -16,7 +16,7 @@ use std::fs::File;
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [path, out, depth] = args.as_slice() else {
-        return Err("usage: mesh MODEL OUT.stl DEPTH".into());
+        return Err("usage: through-mesh MODEL OUT.stl DEPTH".into());
     };
     let volume = BuildVolume {
         x: 400.0,

@@ -39,7 +39,7 @@ pub enum Damaged {
     Format {
         /// Number of the block, from 1; 0 is the head.
         block: u64,
-        /// What is wrong.
+        /// The fault, in words.
         what: &'static str,
     },
     /// There is no text.
@@ -77,7 +77,7 @@ pub struct Unpacked<R> {
 enum OfBlocks {
     /// Comments of what the file says about itself.
     Comments,
-    /// Nothing.
+    /// The block is left out.
     Nothing,
     /// Pictures are kept.
     Pictures(Vec<(PictureSize, Vec<u8>)>),

@@ -40,164 +40,43 @@
 //! unless the temperature that it is given says otherwise.
 
 mod alongside;
+mod commands;
 mod ending;
+mod filament;
 mod finished;
 mod ground;
 mod heat;
+mod rules;
 mod verdict;
 mod words;
 
 pub(crate) use alongside::Alongside;
-pub(crate) use heat::HeatLimit;
+pub use rules::Rules;
 pub use verdict::{Finding, Kind, Severity, Verdict};
 
 use crate::limits;
-use crate::reader::{
-    Event, Heater, Move, Problem, ReadError, Reader, Role, Words,
-};
-use crate::settings::{Flavour, Settings};
-use crate::units::{Celsius, Mm, Mm2, MmPerSec};
+use crate::reader::{Event, Heater, Move, ReadError, Reader, Role};
+use crate::units::Mm;
 use ending::Ending;
-use finished::{Finished, HeadRoom};
-use glam::{DVec2, DVec3};
+use finished::Finished;
+use glam::DVec3;
 use ground::Ground;
 use heat::{Heat, Readiness};
+use rules::ROUNDING;
 use std::io::Read;
-use words::Effect;
 
 /// How far beside the bed templates may go to purge and to wipe, mm.
 const BESIDE: Mm = 15.0;
 
-/// Precision of the positions in a file, mm.
-const ROUNDING: Mm = 2e-3;
-
 /// Share of a speed by which rounding may exceed it: files have whole mm/min,
 /// or few decimals.
 const SPEED_ROUNDING: f64 = 1e-3;
-
-/// Pulled-back filament that does not count, since numbers are rounded and some
-/// slicers push forward a little less.
-const SLACK: Mm = 0.1;
-
-/// Greatest number of findings that wait to see whether something is printed
-/// after them.
-const HELD: usize = 32;
 
 /// A bit for each axis that has been homed, from x.
 const HOMED: u8 = 0b111;
 
 /// Number of tools that are told apart; all others count as one.
 const TOOLS: u32 = 64;
-
-/// What a printer can do, and what a file must keep to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Rules {
-    /// Far corner of the bed; the near corner is zero.
-    pub bed: DVec2,
-    /// Greatest height of the nozzle.
-    pub height: Mm,
-    /// Diameter of the nozzle.
-    pub nozzle: Mm,
-    /// Diameter of the filament.
-    pub filament_diameter: Mm,
-    /// Greatest cross-section of a bead.
-    pub cross_section: Mm2,
-    /// Greatest length of filament pushed or pulled while the head stands.
-    pub feed: Option<Mm>,
-    /// Greatest length pulled back at a time.
-    pub retraction: Mm,
-    /// Filament that may be missing when a bead begins.
-    pub missing: Mm,
-    /// Height at which the file begins to print: 0 is the bed, and more if the
-    /// file continues a part.
-    pub base: Mm,
-    /// Greatest speed in the plane.
-    pub speed: MmPerSec,
-    /// Greatest speed of the z axis.
-    pub speed_z: MmPerSec,
-    /// Least temperature of a nozzle that filament is pushed through.
-    pub least_heat: Celsius,
-    /// What the head needs beside finished parts, if parts are printed one by
-    /// one.
-    pub(crate) head_room: Option<HeadRoom>,
-    /// How hot the nozzle may be.
-    pub(crate) nozzle_heat: HeatLimit,
-    /// How hot the bed may be.
-    pub(crate) bed_heat: HeatLimit,
-    /// How hot the chamber may be.
-    pub(crate) chamber_heat: HeatLimit,
-}
-
-impl Rules {
-    /// The rules of the printer in the settings.
-    pub fn new(settings: &Settings) -> Rules {
-        let printer = &settings.printer;
-        let nozzle = printer.nozzle_diameter;
-        // Klipper's defaults for `max_extrude_cross_section` and
-        // `max_extrude_only_distance` (docs/Config_Reference.md). Other
-        // firmware has no limit of the cross-section, but no nozzle lays more
-        // than twice as much.
-        let klipper = settings.gcode.flavour == Flavour::Klipper;
-        Rules {
-            bed: DVec2::new(printer.bed_x, printer.bed_y),
-            height: printer.height,
-            nozzle,
-            filament_diameter: settings.filament.diameter,
-            cross_section: if klipper {
-                4.0 * nozzle * nozzle
-            } else {
-                8.0 * nozzle * nozzle
-            },
-            feed: klipper.then_some(50.0),
-            retraction: (2.0 * settings.retract.length).max(20.0),
-            // A negative `retract.extra_prime` pushes forward less than was
-            // pulled back.
-            missing: SLACK + (-settings.retract.extra_prime).max(0.0),
-            base: 0.0,
-            speed: printer.max_speed,
-            speed_z: printer.max_speed_z,
-            least_heat: settings.min_nozzle_temperature(),
-            head_room: HeadRoom::of(settings),
-            // If the printer's own limits are not set, these hold: what usual
-            // hot ends, beds and chambers bear, and what hardly any bears.
-            nozzle_heat: HeatLimit::new(
-                "printer.max_nozzle_temperature",
-                printer.max_nozzle_temperature,
-                300.0,
-                settings.max_nozzle_temperature(),
-            ),
-            bed_heat: HeatLimit::new(
-                "printer.max_bed_temperature",
-                printer.max_bed_temperature,
-                120.0,
-                settings.max_bed_temperature(),
-            ),
-            chamber_heat: HeatLimit::new(
-                "printer.max_chamber_temperature",
-                printer.max_chamber_temperature,
-                80.0,
-                150.0,
-            ),
-        }
-    }
-
-    /// How hot a heater may be, and the heater's name.
-    fn heat(&self, heater: Heater) -> (&HeatLimit, &'static str) {
-        match heater {
-            Heater::Nozzle(_) => (&self.nozzle_heat, "nozzle"),
-            Heater::Bed => (&self.bed_heat, "bed"),
-            Heater::Chamber => (&self.chamber_heat, "chamber"),
-        }
-    }
-
-    /// True if the head can go to `p`, give or take `margin` in the plane.
-    fn reach(&self, p: DVec3, margin: Mm) -> bool {
-        let low = DVec3::new(-margin, -margin, -ROUNDING);
-        let high = self.bed.extend(self.height);
-        let high = high + DVec3::new(margin, margin, ROUNDING);
-        !(p.cmplt(low).any() || p.cmpgt(high).any())
-    }
-}
 
 /// Checks a file.
 ///
@@ -343,155 +222,6 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn problem(&mut self, line: u64, problem: Problem) {
-        let kind = match problem {
-            Problem::LongLine => Kind::LongLine,
-            Problem::CarriageReturn => Kind::LineEnd,
-            _ => Kind::Senseless,
-        };
-        let at = DVec3::NAN;
-        self.verdict.add(kind, line, at, || problem.to_string());
-    }
-
-    /// Reports a temperature that is more than the heater bears.
-    fn limit_heat(&mut self, line: u64, heater: Heater, to: Celsius) {
-        let (limit, name) = self.rules.heat(heater);
-        if to > limit.most {
-            self.verdict.add_about(
-                Kind::TooHot,
-                name,
-                line,
-                DVec3::NAN,
-                || {
-                    format!(
-                        "the {name} is told {to} °C; {} is {}",
-                        limit.setting, limit.most
-                    )
-                },
-            );
-        } else if to > limit.usual {
-            self.verdict.add_about(Kind::Hot, name, line, DVec3::NAN, || {
-                format!(
-                    "the {name} is told {to} °C, more than most bear; set {} \
-                     to what yours does",
-                    limit.setting
-                )
-            });
-        }
-    }
-
-    /// Takes in the homing of the axes that are named, or of all.
-    fn home(&mut self, line: u64, words: &Words) {
-        let named = |l: &u8| words.has(*l);
-        let all = !b"XYZ".iter().any(named);
-        // No firmware homes z before it knows x and y.
-        if named(&b'Z') {
-            self.homed = HOMED;
-        }
-        for (i, letter) in b"XYZ".iter().enumerate() {
-            if all || named(letter) {
-                self.homed |= 1 << i;
-            }
-        }
-        if (all || words.has(b'Z')) && self.ending.has_printed() {
-            let kind = Kind::Changed;
-            self.verdict.add_about(kind, "G28", line, DVec3::NAN, || {
-                "G28 homes z with a print on the bed, which the nozzle or \
-                     the probe may meet"
-                    .into()
-            });
-        }
-    }
-
-    /// Takes in a command that the reader does not follow.
-    fn code(&mut self, line: u64, letter: char, tenths: u32, words: &Words) {
-        match (letter, tenths) {
-            // With a time (S) these commands turn the motors off later.
-            ('M', 180 | 840) if !words.has(b'S') => self.motors_off(words),
-            // RepRapFirmware's macro for G32 homes.
-            ('G', 320) => self.homed = HOMED,
-            // This sets a tool's standby temperature only.
-            ('G', 100) | ('M', 5680) => {
-                if let Some(standby) = words.get(b'R') {
-                    self.limit_heat(line, Heater::Nozzle(None), standby);
-                }
-            }
-            _ => {}
-        }
-        let effect = words::of_code(letter, tenths, words);
-        if effect != Some(Effect::None) {
-            self.word(line, &words::code(letter, tenths), effect);
-        }
-    }
-
-    /// Takes in that motors are turned off, the named ones or all. Their
-    /// positions are unknown from then on.
-    fn motors_off(&mut self, words: &Words) {
-        let all = !b"XYZE".iter().any(|l| words.has(*l));
-        for (i, letter) in b"XYZ".iter().enumerate() {
-            if all || words.has(*letter) {
-                self.homed &= !(1 << i);
-            }
-        }
-    }
-
-    /// Takes in a command that is a name.
-    fn named<R: Read>(&mut self, line: u64, reader: &Reader<R>) {
-        /// Length of the longest name that is shown whole.
-        const LONGEST: usize = 40;
-        let named = reader.named();
-        if named.name().is_empty() {
-            self.own_start = true;
-        } else if named.is("SET_HEATER_TEMPERATURE") {
-            // The reader has made sense of all but the heater.
-            let heater = named.get("HEATER").unwrap_or_default();
-            let heater = &heater[..heater.len().min(LONGEST)];
-            let heater = String::from_utf8_lossy(heater);
-            let word = format!("SET_HEATER_TEMPERATURE HEATER={heater}");
-            return self.word(line, &word, None);
-        } else if let Some(effect) = words::of_name(named) {
-            if effect != Effect::None {
-                let name = String::from_utf8_lossy(named.name());
-                self.word(line, &name.to_uppercase(), Some(effect));
-            }
-            return;
-        }
-        // A macro may heat, home and purge.
-        self.heat.macro_called(named);
-        self.ending.macro_called();
-        self.homed = HOMED;
-        for (heater, to) in heat::told(named) {
-            self.limit_heat(line, heater, to);
-        }
-        let unfilled = |(_, value): (&[u8], &[u8])| {
-            value.starts_with(b"[") || value.starts_with(b"{")
-        };
-        if named.pairs().any(unfilled) {
-            self.verdict.add(Kind::Senseless, line, DVec3::NAN, || {
-                "a placeholder that nobody has filled in".into()
-            });
-        }
-        if !named.name().is_empty() {
-            // A name consists of letters, digits and _, so it can be shown.
-            let name = named.name();
-            let name = &name[..name.len().min(LONGEST)];
-            self.word(line, &String::from_utf8_lossy(name), None);
-        }
-    }
-
-    /// Reports what a command does. Without an effect, the command is unknown.
-    fn word(&mut self, line: u64, word: &str, effect: Option<Effect>) {
-        let (kind, why) = match effect {
-            Some(Effect::None) => return,
-            Some(Effect::Warns(why)) => (Kind::Changed, why),
-            Some(Effect::Harms(why)) => (Kind::Harmful, why),
-            None => (Kind::UnknownWord, "is not known"),
-        };
-        self.verdict.add_about(kind, word, line, DVec3::NAN, || {
-            format!("{word} {why}")
-        });
-    }
-
     fn step(&mut self, step: &Move) {
         self.verdict.moves += 1;
         self.ending.step(step);
@@ -629,161 +359,6 @@ impl<'a> Checker<'a> {
             }
         };
         self.verdict.add(Kind::Cold, step.line, step.to, || why);
-    }
-
-    fn filament(&mut self, step: &Move, template: bool) {
-        let fed = step.filament;
-        let rules = self.rules;
-        if !step.travels()
-            && let Some(most) = rules.feed
-            && fed.abs() > most
-        {
-            let kind = if template {
-                Kind::Purge
-            } else {
-                Kind::LongFeed
-            };
-            self.verdict.add(kind, step.line, step.to, || {
-                format!(
-                    "{fed:.1} mm of filament in one move; Klipper refuses \
-                     more than {most} mm unless its max_extrude_only_distance \
-                     says otherwise"
-                )
-            });
-        }
-        if fed < 0.0 {
-            *self.back(step) -= fed;
-            // A move up or down is no wipe.
-            if sideways(step) && !step.wipe && !template {
-                let why = format!(
-                    "{:.3} mm of filament go back while the head moves and \
-                     does not wipe",
-                    -fed
-                );
-                self.hold(Kind::Backwards, step, why);
-            }
-            let back = *self.back(step);
-            if back > rules.retraction && !template {
-                let why =
-                    format!("{back:.1} mm of filament are pulled back in all");
-                self.hold(Kind::LongRetraction, step, why);
-            }
-        } else if fed > 0.0 {
-            if step.prints() && sideways(step) && !template {
-                self.begin(step);
-            }
-            let back = self.back(step);
-            *back = (*back - fed).max(0.0);
-        }
-    }
-
-    /// Keeps a finding that counts only if something is printed after it.
-    fn hold(&mut self, kind: Kind, step: &Move, why: String) {
-        if self.held.len() == HELD {
-            self.let_go();
-        }
-        self.held.push((kind, step.line, step.to, why));
-    }
-
-    /// Makes the findings that were held count, as something is printed.
-    fn let_go(&mut self) {
-        for (kind, line, at, why) in self.held.drain(..) {
-            self.verdict.add(kind, line, at, || why);
-        }
-    }
-
-    /// Reports a bead that begins without its filament.
-    fn begin(&mut self, step: &Move) {
-        if !self.held.is_empty() {
-            self.let_go();
-        }
-        let missing = *self.back(step);
-        let short = missing > self.rules.missing;
-        if short || self.firmware_back & bit(step.tool) != 0 {
-            let kind = Kind::Unprimed;
-            self.verdict.add(kind, step.line, step.from, || {
-                if short {
-                    format!(
-                        "a bead begins with {missing:.2} mm of filament still \
-                     pulled back"
-                    )
-                } else {
-                    "a bead begins after G10, before G11".into()
-                }
-            });
-        }
-        // The missing filament counts for this bead only.
-        *self.back(step) = 0.0;
-    }
-
-    /// The pulled-back filament of the tool that moves.
-    fn back(&mut self, step: &Move) -> &mut Mm {
-        &mut self.back[step.tool.min(TOOLS - 1) as usize]
-    }
-
-    fn bead(&mut self, step: &Move, template: bool) {
-        let rules = self.rules;
-        let area = step.area(rules.filament_diameter);
-        if area > rules.cross_section {
-            let kind = if template {
-                Kind::Purge
-            } else {
-                Kind::ThickBead
-            };
-            self.verdict.add(kind, step.line, step.to, || {
-                format!(
-                    "{area:.2} mm² of plastic for each mm; {:.2} mm² are the \
-                     most that a nozzle of {} mm can lay",
-                    rules.cross_section, rules.nozzle
-                )
-            });
-        }
-        if template {
-            return;
-        }
-        let z = step.from.z.max(step.to.z);
-        if rules.head_room.is_some() {
-            if self.begins_lower(step.role, z) || z < self.top - rules.nozzle {
-                // The next part begins.
-                self.finished.next_part();
-                self.ground = Ground::default();
-                self.top = rules.base;
-            }
-            self.finished.bead(step);
-        }
-        // A layer is no higher than the nozzle is wide, including the air above
-        // a raft. The first layer may lie on a thick sheet.
-        let most = self.top + rules.nozzle + ROUNDING;
-        if z > most {
-            let top = self.top;
-            self.verdict.add(Kind::Jump, step.line, step.to, || {
-                format!(
-                    "a bead at z = {z:.3}; the highest one below it is at \
-                     {top:.3}, and nothing is printed between: what holds it \
-                     may be thinner than a line there; scale the model up \
-                     (--scale), or make that part of it thicker"
-                )
-            });
-        }
-        self.top = self.top.max(z);
-        // Skirts stand alone, and ironing lays nothing. A bead out of reach has
-        // been reported, and might take any number of cells.
-        let within =
-            rules.reach(step.from, BESIDE) && rules.reach(step.to, BESIDE);
-        if within && !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
-            self.ground.bead(step);
-        }
-    }
-
-    /// True if a bead is the first of its layer, skirts left out, and begins no
-    /// higher than the layer before: layers of one part only go up.
-    fn begins_lower(&mut self, role: Role, z: Mm) -> bool {
-        if role == Role::SkirtBrim || self.begun.is_some() {
-            return false;
-        }
-        self.begun = Some(z);
-        self.begun_before
-            .is_some_and(|before| z < before + ROUNDING)
     }
 
     /// Reports a head that would hit a finished part.

@@ -141,7 +141,7 @@ impl Kind {
 /// One finding, with all of its places.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// What is wrong.
+    /// The kind of the fault.
     pub kind: Kind,
     /// The command, heater or axis that it is about, if the kind has several;
     /// else empty.

@@ -15,7 +15,7 @@ use std::sync::LazyLock;
 /// What a command does to what the check has understood.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Effect {
-    /// Nothing.
+    /// The command does nothing that matters.
     None,
     /// The command should be looked at. The text says what it does, and
     /// completes a sentence that begins with the command.

@@ -87,12 +87,12 @@ struct Json<'a> {
     layer_count: usize,
     layer_height_mm: f64,
     first_layer_height_mm: f64,
-    /// What layers of different heights amount to.
+    /// A summary of layers of different heights.
     #[serde(skip_serializing_if = "Option::is_none")]
     steps: Option<Steps>,
     operations: usize,
     parameters: Vec<JsonParameter<'a>>,
-    /// With `--supports`.
+    /// The places that need supports, with `--supports`.
     #[serde(skip_serializing_if = "Option::is_none")]
     needs_support: Option<SupportsJson>,
     warnings: Vec<String>,
@@ -207,7 +207,7 @@ pub(super) fn describe_steps(
     Ok(())
 }
 
-/// What would need supports.
+/// The places that would need supports.
 #[derive(Serialize)]
 pub(super) struct SupportsJson {
     area_mm2: f64,

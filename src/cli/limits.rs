@@ -22,8 +22,8 @@ pub(super) const GRACE: Duration = Duration::from_secs(2);
 #[command(next_help_heading = "Limits")]
 pub(super) struct LimitArgs {
     /// Stop with an error after this time, in seconds, or with a unit: 90,
-    /// 10min, 2h; none for no limit [default: 1h, or 18 s if nearly nothing is
-    /// sliced in them]
+    /// 10min, 2h; none for no limit [default: 1h, or sooner if next to nothing
+    /// is sliced in 18 s]
     #[arg(long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Limit<Duration>>,
 
@@ -80,7 +80,7 @@ pub(super) fn watched<T>(
     watch.last_resort(
         GRACE,
         &|stopped| {
-            // From here on no file is written.
+            // From here on no file is put in its place.
             let _pending = Output::discard_all();
             terminal::report_error(&stopped.clone().into());
             exit(1);

@@ -63,7 +63,7 @@ Exit codes:
   1    something is wrong with the model, the settings or a file
   2    something is wrong with the command line
   130  interrupted by a signal
-  141  whoever read our output has closed it before the end
+  141  what reads the output has closed it before the end
 
 Environment:
   ISOSLICE_PROFILES  folder of your own profiles

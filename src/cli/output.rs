@@ -1,4 +1,4 @@
-//! What a command writes: a file, which is complete or not there at all, or
+//! The output of a command: a file, which is complete or not there at all, or
 //! standard output.
 
 use super::closed;

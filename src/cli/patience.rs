@@ -89,8 +89,8 @@ fn word(
     }
     let remedy = activity.remedy();
     text += &format!(
-        ". Ctrl-C ends it and leaves no file; --time-limit bounds it. To have \
-         it sooner: {remedy}"
+        ". Ctrl-C ends it and leaves no file; --time-limit bounds it. \
+         {remedy}, to have it sooner"
     );
     text
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(super) struct PlateArgs {
     /// More models for the same plate; MODEL may also be a plate file (.toml),
-    /// which tells of each part where it stands and how it is printed:
+    /// which says for each part where it stands and how it is printed:
     /// docs/plates.md
     #[arg(value_name = "MORE", value_parser = model_file)]
     more: Vec<PathBuf>,
@@ -27,7 +27,7 @@ pub(super) struct PlateArgs {
     copies: Option<u64>,
 }
 
-/// What is to be printed.
+/// A plate to print.
 pub(super) struct Job {
     pub(super) plate: Plate,
     /// What the user should know of a plate file's settings.
@@ -76,7 +76,7 @@ impl PlateArgs {
         }
     }
 
-    /// What is to be printed, by a plate file or the command line.
+    /// Reads what is to be printed from a plate file or the command line.
     pub(super) fn job(
         &self,
         model: &ModelArgs,

@@ -54,7 +54,7 @@ pub(super) fn run(args: &SendArgs) -> anyhow::Result<()> {
     let printer = book.find(&args.to)?;
     let shown = args.file.display();
     if !args.file.is_file() {
-        bail!("there is no file {shown}");
+        bail!("there is no file {shown}; check its name");
     }
     let ending = args.file.extension().and_then(|e| e.to_str());
     let ending = ending.unwrap_or_default().to_ascii_lowercase();

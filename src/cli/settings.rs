@@ -46,7 +46,7 @@ pub(super) struct SettingsArgs {
     schema: Option<SchemaOf>,
 }
 
-/// What a schema is of.
+/// The files that a schema describes.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum SchemaOf {
     // The option describes these; descriptions here would make clap print a

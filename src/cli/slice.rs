@@ -169,7 +169,10 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     terminal::warn(&before);
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| {
-            format!("cannot make the folder {}", folder.display())
+            format!(
+                "cannot make the folder {}: choose another with --svg",
+                folder.display()
+            )
         })?;
     }
 

@@ -132,7 +132,7 @@ impl PartJson<'_> {
     }
 }
 
-/// What hangs while it is printed, by kind.
+/// The area that hangs while it is printed, by kind.
 #[derive(Serialize)]
 struct HangingJson {
     begins_on_nothing: KindJson,

@@ -83,17 +83,26 @@ pub(super) fn wants_timings() -> bool {
 
 /// Shows an error and what caused it, one per line.
 pub(crate) fn report_error(error: &anyhow::Error) {
-    let mut chain = error.chain();
-    if let Some(first) = chain.next() {
-        say(ERROR, "error", &shown(first));
+    let texts = causes(error);
+    let mut texts = texts.iter();
+    if let Some(first) = texts.next() {
+        say(ERROR, "error", first);
     }
-    for cause in chain {
-        let _ = writeln!(stderr(), "  because: {}", shown(cause));
+    for cause in texts {
+        let _ = writeln!(stderr(), "  because: {cause}");
     }
 }
 
+/// The texts of an error and of its causes. Some errors tell their cause
+/// themselves, with a remedy, and then the cause is left out.
+pub(super) fn causes(error: &anyhow::Error) -> Vec<String> {
+    let mut texts: Vec<String> = error.chain().map(shown).collect();
+    texts.dedup_by(|cause, effect| effect.contains(&**cause));
+    texts
+}
+
 /// An error as it is shown: in one line, unless it lists faults.
-pub(super) fn shown(error: &(dyn Error + 'static)) -> String {
+fn shown(error: &(dyn Error + 'static)) -> String {
     let text = error.to_string();
     match error.downcast_ref::<SliceError>() {
         Some(SliceError::Unsafe(_)) => {

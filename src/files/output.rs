@@ -30,7 +30,7 @@ fn pending() -> MutexGuard<'static, Vec<PathBuf>> {
 pub enum OutputError {
     /// The name is a folder's.
     #[error(
-        "the output {} is a folder; name a file in it, as in -o {}",
+        "the output {} is a folder; name a file in it, as in {}",
         .0.display(),
         .0.join("part.gcode").display()
     )]
@@ -38,21 +38,20 @@ pub enum OutputError {
     /// The name is a link's that leads nowhere.
     #[error(
         "the output {} is a link that leads nowhere; remove it, or choose \
-         another name with -o",
+         another name",
         .0.display()
     )]
     DeadLink(PathBuf),
     /// The file is an input, too.
     #[error(
         "the output {} is also an input and would be overwritten; choose \
-         another name with -o",
+         another name",
         .0.display()
     )]
     Input(PathBuf),
     /// The file's folder does not exist.
     #[error(
-        "cannot write {}: there is no folder {}; make it, or choose another \
-         with -o",
+        "cannot write {}: there is no folder {}; make it, or choose another",
         path.display(),
         folder.display()
     )]
@@ -64,7 +63,7 @@ pub enum OutputError {
     },
     /// The file may not be replaced.
     #[error(
-        "the output {} exists and is read-only; choose another name with -o",
+        "the output {} exists and is read-only; choose another name",
         .0.display()
     )]
     ReadOnly(PathBuf),
@@ -181,7 +180,12 @@ impl Output {
         if fs::symlink_metadata(&path).is_ok() {
             return Err(OutputError::Exists(path));
         }
-        match temporary_in(folder_of(&path)) {
+        let folder = folder_of(&path);
+        if !folder.is_dir() {
+            let folder = folder.to_owned();
+            return Err(OutputError::NoFolder { path, folder });
+        }
+        match temporary_in(folder) {
             Ok((file, listed)) => {
                 let kind = Kind::Pending {
                     writer: BufWriter::with_capacity(BUFFER, file),

@@ -17,7 +17,7 @@
 //! configuration, and refuses the file.
 
 use crate::bead::Role;
-use crate::settings::{Comments, Flavour};
+use crate::settings::Comments;
 
 /// The comment after the last layer. What stands between the first layer's mark
 /// and this comment can be joined with the other layers of the part from other
@@ -85,18 +85,6 @@ pub(super) fn custom(dialect: Comments) -> Option<&'static str> {
     match dialect {
         Comments::Prusa | Comments::Orca | Comments::Bambu => Some("Custom"),
         Comments::Cura | Comments::None => None,
-    }
-}
-
-/// Cura's name of a firmware. Cura reads a file with any other name as one for
-/// Marlin.
-pub(super) fn cura_flavour(flavour: Flavour) -> &'static str {
-    match flavour {
-        Flavour::Rrf => "RepRap",
-        Flavour::Marlin
-        | Flavour::Klipper
-        | Flavour::Prusa
-        | Flavour::Bambu => "Marlin",
     }
 }
 

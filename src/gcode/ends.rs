@@ -6,7 +6,7 @@ use super::template::{TemplateError, Templates};
 use super::time::of_foot;
 use super::{
     Format, Header, Standing, Thumbnail, Totals, WriteError, Writer, XYZ,
-    comments, flavour, limits, text, thumbnail,
+    flavour, limits, text, thumbnail,
 };
 use crate::bgcode::{About, Key};
 use crate::package;
@@ -138,7 +138,7 @@ impl<W: Write> Writer<'_, W> {
         let labels = std::mem::take(&mut self.labels.define);
         self.lines(&labels);
         self.modes();
-        if let Some(select) = flavour::select_tool(flavour) {
+        if let Some(select) = flavour.firmware().select_tool {
             self.line(select);
         }
         self.heated_start(start, header);
@@ -148,7 +148,7 @@ impl<W: Write> Writer<'_, W> {
             self.line(&advance);
         }
         self.lines(&flavour::retraction(settings));
-        if flavour::print_stats(flavour) {
+        if flavour.firmware().print_stats {
             let count = header.layer_count;
             self.line(&format!("SET_PRINT_STATS_INFO TOTAL_LAYER={count}"));
         }
@@ -202,7 +202,7 @@ impl<W: Write> Writer<'_, W> {
             self.buffer.extend_from_slice(block.as_bytes());
         }
         if gcode.comments == Comments::Cura {
-            let name = comments::cura_flavour(gcode.flavour);
+            let name = gcode.flavour.firmware().cura_name;
             self.line(&format!(";FLAVOR:{name}"));
             let start = self.at();
             self.line(&layer_count(layers.len()));

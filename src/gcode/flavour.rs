@@ -29,17 +29,18 @@ use crate::pace::motion::Planner;
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, Percent, feed_rate};
 
-/// The template homes, then waits off the bed for the heaters.
-const START: &str = "\
+/// The start template used if the settings have none. The writer adds the
+/// heating before and after it. The template homes, then waits off the bed for the heaters.
+pub(super) const START: &str = "\
 G28
 G1 Z5 F{{ feed_rate_z }}
 ";
 
-/// The template turns the heaters off first, so that they are off even if a
+/// The end template used if the settings have none. The template turns the heaters off first, so that they are off even if a
 /// move is refused. Then it lifts the nozzle before it moves the nozzle aside,
 /// so that the nozzle is not dragged over the part. The writer turns the fan
 /// off.
-const END: &str = "\
+pub(super) const END: &str = "\
 M104 S0
 {% if bed_temperature > 0 or first_layer_bed_temperature > 0 %}
 M140 S0
@@ -52,43 +53,12 @@ M84
 /// Decimals of accelerations and speeds.
 const COARSE: u32 = 1;
 
-/// The start template of a firmware, used if the settings' is empty. The
-/// writer adds the heating before and after it.
-pub(super) fn default_start(flavour: Flavour) -> &'static str {
-    match flavour {
-        Flavour::Marlin
-        | Flavour::Klipper
-        | Flavour::Rrf
-        | Flavour::Prusa
-        | Flavour::Bambu => START,
-    }
-}
-
-/// The end template of a firmware, used if the settings' is empty.
-pub(super) fn default_end(flavour: Flavour) -> &'static str {
-    match flavour {
-        Flavour::Marlin
-        | Flavour::Klipper
-        | Flavour::Rrf
-        | Flavour::Prusa
-        | Flavour::Bambu => END,
-    }
-}
-
-/// True if the firmware keeps one acceleration for printing and travelling,
-/// which then has to be set before each change from one to the other.
-pub(super) fn one_acceleration(flavour: Flavour) -> bool {
-    match flavour {
-        Flavour::Klipper | Flavour::Bambu => true,
-        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => false,
-    }
-}
-
 /// Sets the acceleration of printing moves to the number that follows.
 pub(super) fn print_acceleration(flavour: Flavour) -> &'static [u8] {
-    match flavour {
-        Flavour::Klipper | Flavour::Bambu => b"M204 S",
-        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => b"M204 P",
+    if flavour.firmware().one_acceleration {
+        b"M204 S"
+    } else {
+        b"M204 P"
     }
 }
 
@@ -97,36 +67,8 @@ pub(super) fn print_acceleration(flavour: Flavour) -> &'static [u8] {
 pub(super) fn sets_acceleration(settings: &Settings) -> bool {
     let gcode = &settings.gcode;
     gcode.set_limits
-        && (one_acceleration(gcode.flavour) || settings.acceleration.by_role())
-}
-
-/// True if the firmware keeps statistics of the print that hosts read the
-/// layer's number from.
-pub(super) fn print_stats(flavour: Flavour) -> bool {
-    match flavour {
-        Flavour::Klipper => true,
-        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa | Flavour::Bambu => {
-            false
-        }
-    }
-}
-
-/// True if the firmware shows how far a print has come (M73). A Marlin built
-/// without M73 says that it does not know it, and goes on.
-pub(super) fn shows_progress(flavour: Flavour) -> bool {
-    match flavour {
-        Flavour::Marlin | Flavour::Prusa | Flavour::Bambu => true,
-        Flavour::Klipper | Flavour::Rrf => false,
-    }
-}
-
-/// True if the firmware, while it leaves out a part, forgets where it should
-/// be.
-pub(super) fn forgets_place(flavour: Flavour) -> bool {
-    match flavour {
-        Flavour::Marlin | Flavour::Prusa | Flavour::Bambu => true,
-        Flavour::Klipper | Flavour::Rrf => false,
-    }
+        && (gcode.flavour.firmware().one_acceleration
+            || settings.acceleration.by_role())
 }
 
 /// Lines that tell the printer that a layer begins, by its number from 1.
@@ -141,18 +83,6 @@ pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
             format!("M991 S0 P{}", number.saturating_sub(1)),
         ],
         Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => Vec::new(),
-    }
-}
-
-/// The line that selects the extruder, for firmware that starts with none
-/// selected: temperatures are for the selected one.
-pub(super) fn select_tool(flavour: Flavour) -> Option<&'static str> {
-    match flavour {
-        Flavour::Rrf => Some("T0"),
-        Flavour::Marlin
-        | Flavour::Klipper
-        | Flavour::Prusa
-        | Flavour::Bambu => None,
     }
 }
 

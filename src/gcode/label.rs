@@ -131,13 +131,7 @@ fn names(parts: &[Standing]) -> Vec<String> {
 
 /// True if the part's label needs the part's outline, as Klipper's does.
 pub(crate) fn needs_outline(settings: &Settings) -> bool {
-    let uses_outline = match settings.gcode.flavour {
-        Flavour::Klipper => true,
-        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa | Flavour::Bambu => {
-            false
-        }
-    };
-    uses_outline && wanted(settings)
+    settings.gcode.flavour.firmware().outlines_parts && wanted(settings)
 }
 
 fn wanted(settings: &Settings) -> bool {

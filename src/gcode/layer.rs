@@ -41,7 +41,7 @@ impl<W: Write> Writer<'_, W> {
         self.set_fan(layer.fan);
         let mut labels = self.labels_in(layer).into_iter().peekable();
         let mut open: Option<(usize, String)> = None;
-        let forgetful = flavour::forgets_place(flavour);
+        let forgetful = flavour.firmware().forgets_place;
         let mut lifted = None;
         let mut clock = Clock::new(layer);
         let tells = self.waiting.is_some() || self.record.is_some();

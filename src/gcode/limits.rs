@@ -9,15 +9,9 @@
 //! Not seen: what macros do, and moves from an unknown position.
 
 use super::number::text;
-use crate::settings::{Flavour, Settings, Varying};
+use crate::settings::{Refusals, Settings, Varying};
 use crate::units::{cross_section, filament_area};
 use glam::DVec2;
-
-/// Klipper's `max_extrude_only_distance`, mm.
-const ALONE: f64 = 50.0;
-
-/// Klipper's `max_extrude_cross_section` in squares of the nozzle.
-const SECTION: f64 = 4.0;
 
 /// The position of the head and of the filament.
 #[derive(Clone, Copy, Debug)]
@@ -34,9 +28,9 @@ pub(super) fn warnings(
     rendered: &str,
     settings: &Settings,
 ) -> Vec<String> {
-    if settings.gcode.flavour != Flavour::Klipper {
+    let Some(refuses) = settings.gcode.flavour.firmware().refuses else {
         return Vec::new();
-    }
+    };
     let mut state = Position {
         at: DVec2::NAN,
         e: 0.0,
@@ -46,7 +40,7 @@ pub(super) fn warnings(
     let lines = rendered.lines().enumerate();
     lines
         .filter_map(|(i, line)| {
-            let fault = step(&mut state, line, settings)?;
+            let fault = step(&mut state, line, settings, refuses)?;
             Some(format!(
                 "{name}, line {} as written ({}): {fault}",
                 i + 1,
@@ -59,6 +53,7 @@ pub(super) fn warnings(
 /// A warning about beads that are too thick.
 pub(crate) fn thick_beads(settings: &Settings) -> Option<String> {
     let s = settings;
+    let refuses = s.gcode.flavour.firmware().refuses?;
     let constant = |v: &Varying| v.constant().unwrap_or(100.0) / 100.0;
     let flow = constant(&s.flow) * s.filament.flow / 100.0;
     let widen = constant(&s.bead_width);
@@ -74,9 +69,8 @@ pub(crate) fn thick_beads(settings: &Settings) -> Option<String> {
     let width = widths.into_iter().fold(0.0, f64::max) * widen;
     let section = flow * cross_section(width, height);
     let nozzle = s.printer.nozzle_diameter;
-    let most = SECTION * nozzle * nozzle;
-    let klipper = s.gcode.flavour == Flavour::Klipper;
-    (klipper && section > most).then(|| {
+    let most = refuses.section * nozzle * nozzle;
+    (section > most).then(|| {
         format!(
             "the thickest beads may have {} mm², but Klipper by default \
              refuses more than {} mm² (max_extrude_cross_section); lower line \
@@ -91,6 +85,7 @@ fn step(
     state: &mut Position,
     line: &str,
     settings: &Settings,
+    refuses: Refusals,
 ) -> Option<String> {
     let code = line.split(';').next().unwrap_or("");
     let mut words = code.split_whitespace();
@@ -111,7 +106,7 @@ fn step(
             state.at.x = number('X').unwrap_or(state.at.x);
             state.at.y = number('Y').unwrap_or(state.at.y);
         }
-        "G0" | "G1" => return extrusion(state, settings, number),
+        "G0" | "G1" => return extrusion(state, settings, refuses, number),
         _ => {}
     }
     None
@@ -120,6 +115,7 @@ fn step(
 fn extrusion(
     state: &mut Position,
     settings: &Settings,
+    refuses: Refusals,
     number: impl Fn(char) -> Option<f64>,
 ) -> Option<String> {
     let [x, y] = ['X', 'Y'].map(&number);
@@ -138,15 +134,16 @@ fn extrusion(
     };
     state.at = to;
     if !moves {
-        return (fed.abs() > ALONE).then(|| {
+        return (fed.abs() > refuses.feed).then(|| {
             format!(
-                "Klipper by default refuses to move more than {ALONE} mm of \
-                 filament at a time (max_extrude_only_distance); split it"
+                "Klipper by default refuses to move more than {} mm of \
+                 filament at a time (max_extrude_only_distance); split it",
+                refuses.feed
             )
         });
     }
     let nozzle = settings.printer.nozzle_diameter;
-    let most = SECTION * nozzle * nozzle;
+    let most = refuses.section * nozzle * nozzle;
     let section =
         fed * filament_area(settings.filament.diameter) / from.distance(to);
     // Where the length of the move is not known, `section` is NaN and the
@@ -164,6 +161,7 @@ fn extrusion(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::Flavour;
 
     fn found(lines: &str) -> Vec<String> {
         let mut s = Settings::default();

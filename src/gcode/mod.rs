@@ -77,7 +77,7 @@ pub(crate) use thumbnail::Thumbnail;
 
 use crate::bead::Role;
 use crate::pace::PacedLayer;
-use crate::settings::{Comments, Flavour, Settings};
+use crate::settings::{Comments, Settings};
 use crate::units::{Celsius, Mm, Mm3, Seconds};
 use crate::{bgcode, package};
 use filament::Filament;
@@ -120,13 +120,13 @@ pub enum Format {
 impl Format {
     /// A warning if the printer of these settings may not read such a file.
     pub fn unusual_for(self, settings: &Settings) -> Option<String> {
-        let flavour = settings.gcode.flavour;
+        let firmware = settings.gcode.flavour.firmware();
         let told = match self {
-            Format::Binary if flavour != Flavour::Prusa => {
+            Format::Binary if !firmware.reads_binary => {
                 "binary G-code is for Prusa's printers from the MINI and \
                  MK3.5 on, but gcode.flavour is not \"prusa\""
             }
-            Format::Plate if flavour != Flavour::Bambu => {
+            Format::Plate if !firmware.reads_plates => {
                 "a file .gcode.3mf is for Bambu Lab's printers, but \
                  gcode.flavour is not \"bambu\"; --printer bambu-a1 sets it"
             }
@@ -138,12 +138,10 @@ impl Format {
     /// The format of files for the printer of these settings, if nobody names
     /// another one.
     pub fn usual_for(settings: &Settings) -> Format {
-        match settings.gcode.flavour {
-            Flavour::Bambu => Format::Plate,
-            Flavour::Marlin
-            | Flavour::Klipper
-            | Flavour::Rrf
-            | Flavour::Prusa => Format::Text,
+        if settings.gcode.flavour.firmware().reads_plates {
+            Format::Plate
+        } else {
+            Format::Text
         }
     }
 }

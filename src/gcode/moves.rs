@@ -376,7 +376,7 @@ impl<W: Write> Writer<'_, W> {
     /// Sets the acceleration of travels, for firmware that keeps one
     /// acceleration for travels and beads.
     fn accelerate_travel(&mut self) {
-        if flavour::one_acceleration(self.settings.gcode.flavour) {
+        if self.settings.gcode.flavour.firmware().one_acceleration {
             self.accelerate_printing(self.settings.travel_acceleration());
         }
     }

@@ -218,7 +218,7 @@ pub(super) fn tells_progress(settings: &Settings) -> bool {
     match settings.gcode.progress {
         Emit::On => true,
         Emit::Off => false,
-        Emit::Auto => flavour::shows_progress(settings.gcode.flavour),
+        Emit::Auto => settings.gcode.flavour.firmware().shows_progress,
     }
 }
 
@@ -273,7 +273,7 @@ fn printing(step: &PacedMove) -> Seconds {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
+#[allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 mod tests {
     use super::*;
 

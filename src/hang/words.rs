@@ -80,9 +80,8 @@ impl Hanging {
         if let Some(foot) = self.foot {
             all.push(format!(
                 "the part stands on {:.1} mm² and is {height:.1} mm high: \
-                 the pull of the nozzle may tear such a foot off from about \
-                 {:.0} mm on; give it a brim (brim.place = \"outer\"), or \
-                 lay the part down",
+                 from about {:.0} mm on the nozzle may tear it off the bed; \
+                 give it a brim (brim.place = \"outer\"), or lay it down",
                 foot.area, foot.holds
             ));
         }

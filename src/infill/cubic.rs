@@ -24,7 +24,6 @@ impl Pattern for Cubic {
         // along them by one length moves the cubes upwards.
         let families = [0.0, 120.0, 240.0].map(|turn| Family {
             turn,
-            of: 3.0,
             shift: -layer.z * FRAC_1_SQRT_2,
             phase: 1.0,
         });

@@ -24,14 +24,11 @@ use crate::plane::hatch::{Lines, hatch_border};
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
 
-/// Parallel lines. At an even share of the plane their spacing is `of` ·
-/// `layer.solid` / share.
+/// Parallel lines, all over the plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Family {
     /// Direction of the lines, from the pattern's direction.
     pub turn: Degrees,
-    /// Number of families among which the layer's lines are divided.
-    pub of: f64,
     /// How far the lines are moved across their direction, to the left.
     pub shift: Mm,
     /// How often the setting `infill_phase` moves the lines: 1 for once, 0 for
@@ -39,8 +36,11 @@ pub(super) struct Family {
     pub phase: f64,
 }
 
-/// The pieces of families of lines in a layer, for any density.
+/// The pieces of a layer's families of lines, for any density. The families
+/// share the density evenly: at an even density the lines of each are
+/// `families.len()` times as far apart as those of one family alone would be.
 pub(super) fn lines(layer: &Layer<'_>, families: &[Family]) -> Vec<Piece> {
+    let densest = families.len() as f64 * layer.solid;
     let mut pieces = Vec::new();
     for family in families {
         let angle = layer.angle + family.turn;
@@ -53,12 +53,12 @@ pub(super) fn lines(layer: &Layer<'_>, families: &[Family]) -> Vec<Piece> {
         };
         match layer.density {
             Density::Even(share) => {
-                let lines = lines(family.of * layer.solid / share);
+                let lines = lines(densest / share);
                 let all = hatch_border(layer.border, lines, layer.shortest);
                 pieces.extend(all.into_iter().map(|p| p.1));
             }
             Density::Graded(grading) => {
-                let lines = lines(family.of * layer.solid);
+                let lines = lines(densest);
                 let all = hatch_border(layer.border, lines, layer.shortest);
                 for (row, piece) in all {
                     thresholded(row, piece, layer, grading, &mut pieces);

@@ -16,7 +16,6 @@ impl Pattern for Grid {
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
         let families = [0.0, 90.0].map(|turn| Family {
             turn,
-            of: 2.0,
             shift: 0.0,
             phase: 1.0,
         });

@@ -55,4 +55,9 @@ impl Pattern for Hexagons {
         }
         cutter.finish()
     }
+
+    // The zigzags of two densities do not meet.
+    fn can_vary(&self) -> bool {
+        false
+    }
 }

@@ -152,6 +152,12 @@ trait Pattern: Send + Sync {
     /// the beads per area has to be `layer.density`, in the mean over layers.
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece>;
 
+    /// False if the pattern must have one density everywhere.
+    /// `infill_density` may then not be a formula.
+    fn can_vary(&self) -> bool {
+        true
+    }
+
     /// The longest way along the border over which two pieces are joined. The
     /// default is four times the mean spacing of parallel lines.
     fn reach(&self, layer: &Layer<'_>) -> Mm {
@@ -264,13 +270,14 @@ impl<'a> Infill<'a> {
             Quantity::new("infill_density", &settings.infill_density)?;
         let graded = density.constant().is_none();
         let kind = match &settings.infill {
-            settings::Infill::Pattern(InfillPattern::Hexagons) if graded => {
-                return Err(InfillError::NotGraded {
-                    pattern: InfillPattern::Hexagons.word(),
-                });
-            }
-            settings::Infill::Pattern(kind) => {
-                Kind::Pattern(pattern(*kind, graded))
+            settings::Infill::Pattern(word) => {
+                let pattern = pattern(*word, graded);
+                if graded && !pattern.can_vary() {
+                    return Err(InfillError::NotGraded {
+                        pattern: word.word(),
+                    });
+                }
+                Kind::Pattern(pattern)
             }
             settings::Infill::Expression(text) => Kind::Shape(
                 Shape::of_formula(text, &site, settings.infill_width())?,

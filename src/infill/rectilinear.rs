@@ -19,7 +19,6 @@ impl Pattern for Rectilinear {
             layer,
             &[Family {
                 turn,
-                of: 1.0,
                 shift: 0.0,
                 phase: 1.0,
             }],

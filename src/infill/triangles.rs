@@ -21,7 +21,6 @@ impl Pattern for Triangles {
         let ways = [(0.0, 1.0), (60.0, 1.0), (120.0, 0.0)];
         let families = ways.map(|(turn, phase)| Family {
             turn,
-            of: 3.0,
             shift: 0.0,
             phase,
         });

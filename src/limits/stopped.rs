@@ -150,8 +150,8 @@ fn remedy(stage: Option<&str>) -> &'static str {
              travel.combing=off"
         }
         _ => {
-            "Slice some layers at a time (--layers), or make the part, or \
-             its details, fewer"
+            "Slice some layers at a time (--layers), or give the part \
+             fewer details"
         }
     }
 }

@@ -5,7 +5,7 @@ use super::param::ParamError;
 use super::script::ScriptError;
 use super::vm::VmError;
 use crate::encoding::NotText;
-use isocontour::{BoundsError, ExpandError};
+use isocontour::ExpandError;
 
 /// Why a model cannot be loaded. The user can mend all of them, except
 /// `ScriptError::Bug`.
@@ -55,7 +55,7 @@ pub enum LoadError {
         error: NotText,
     },
     /// A malformed `.vm` file.
-    #[error("{file}, {error}")]
+    #[error("{file}: {error}")]
     Vm {
         /// File.
         file: String,
@@ -63,7 +63,7 @@ pub enum LoadError {
         error: VmError,
     },
     /// A malformed formula.
-    #[error("{file}, {error}")]
+    #[error("{file}: {error}")]
     Formula {
         /// Name of the formula.
         file: String,
@@ -94,67 +94,4 @@ pub enum LoadError {
         /// What is wrong.
         error: ExpandError,
     },
-}
-
-/// Why a model has no bounds, and what to do about it.
-pub(super) fn of_bounds(error: &BoundsError) -> String {
-    const CUT: &str = "--bounds x0,y0,z0:x1,y1,z1";
-    match error {
-        BoundsError::Unbounded {
-            direction,
-            at_mm,
-            flipped,
-        } => {
-            let flipped = if *flipped {
-                " (its outside is bounded: is the sign flipped? f must be \
-                 negative inside)"
-            } else {
-                ""
-            };
-            format!(
-                "the model is unbounded: it goes on along {direction} at \
-                 {at_mm} mm; intersect it with a box or a ball, or cut it \
-                 with {CUT}{flipped}"
-            )
-        }
-        BoundsError::Empty { searched, cause } => {
-            let cause = cause.as_ref().map(|cause| {
-                format!(
-                    "; in places f is NaN (not a number), which is outside: \
-                     {cause}"
-                )
-            });
-            format!(
-                "the model is empty: f is nowhere negative within {searched}; \
-                 f must be negative inside the part (an unsigned distance \
-                 needs a thickness subtracted){}",
-                cause.unwrap_or_default()
-            )
-        }
-        BoundsError::NotANumber { searched, cause } => format!(
-            "f is NaN (not a number) everywhere within {searched}, so there \
-             is no part: {cause}; keep the operand in range, as with \
-             max(0, …)"
-        ),
-        BoundsError::Flat { size: [x, y] } => format!(
-            "the model has no height: f does not depend on z (it is a drawing \
-             of {x:.3} × {y:.3} mm); give it a height with --height 3, or \
-             write max(f, abs(z - 1.5) - 1.5) in the script or formula"
-        ),
-        BoundsError::EverythingInside { limit_mm } => format!(
-            "everything is inside: f is negative all the way to ±{limit_mm} \
-             mm; f must be positive outside the part (is the sign flipped?), \
-             or cut it with {CUT}"
-        ),
-        BoundsError::Undecided { direction } => format!(
-            "the model's bounds were not found: the ranges of f along \
-             {direction} say too little (NaN, infinite or wildly \
-             overestimated values); give them with {CUT}"
-        ),
-        BoundsError::NoBox { min, max } => format!(
-            "the given bounds are no box: every lower number must be finite \
-             and less than its upper one ({CUT}), got {min}:{max}"
-        ),
-        other => other.to_string(),
-    }
 }

@@ -95,7 +95,10 @@ pub fn parse_vm(bytes: &[u8]) -> Result<Tree, VmError> {
             let meant =
                 super::param::nearest(opcode, OPCODES.iter().map(|o| o.0))
                     .map(|n| format!("; did you mean `{n}`?"))
-                    .unwrap_or_default();
+                    .unwrap_or_else(|| {
+                        let all: Vec<_> = OPCODES.iter().map(|o| o.0).collect();
+                        format!("; there are {}", all.join(", "))
+                    });
             return Err(error(format!(
                 "unknown operation `{}`{meant}",
                 shown(opcode)

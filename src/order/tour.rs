@@ -304,14 +304,18 @@ impl<'a> Search<'a> {
                 // True if the stop is left at this end.
                 let visit = self.tour[place];
                 let left = (end % 2 == 1) != visit.turned;
+                // The stop that is joined begins or ends here, and what is moved
+                // is turned so that the two ends meet.
+                let end_at = place + usize::from(left);
+                let flip = left == forward;
                 let done = if forward == left {
                     self.turn(k, place + usize::from(forward))
                 } else {
                     false
                 };
                 if done
-                    || self.fetch(k, place, left, forward)
-                    || self.bring(k, place, left, forward)
+                    || self.carry(end_at, left, k, flip)
+                    || self.carry(k, forward, end_at, flip)
                 {
                     return true;
                 }
@@ -338,44 +342,20 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Or-opt: moves up to 3 stops, the first or last of which is at `place`,
-    /// into the way to the `k`th stop.
-    fn fetch(
+    /// Or-opt: moves up to 3 stops to before the stop `to`, turned round if
+    /// `turned`. The moved stops are those before the stop `from`, or those from
+    /// it on.
+    fn carry(
         &mut self,
-        k: usize,
-        place: usize,
-        left: bool,
-        forward: bool,
+        from: usize,
+        before: bool,
+        to: usize,
+        turned: bool,
     ) -> bool {
-        // The part that is moved begins or ends at the stop that is to be
-        // joined.
-        let at = place + usize::from(left);
         (1..=MOVED).any(|count| {
-            let Some(part) = self.part(at, count, left) else {
-                return false;
-            };
-            // Turning the part brings the end to be joined to the right side.
-            self.shift(part.start, part.end, k, left == forward)
-        })
-    }
-
-    /// Or-opt: moves up to 3 stops beside the way to the `k`th one to the stop
-    /// at `place`.
-    fn bring(
-        &mut self,
-        k: usize,
-        place: usize,
-        left: bool,
-        forward: bool,
-    ) -> bool {
-        // The stops come behind a stop that is left at this end, or before one
-        // that is entered.
-        let to = place + usize::from(left);
-        (1..=MOVED).any(|count| {
-            let Some(part) = self.part(k, count, forward) else {
-                return false;
-            };
-            self.shift(part.start, part.end, to, left == forward)
+            self.part(from, count, before).is_some_and(|part| {
+                self.shift(part.start, part.end, to, turned)
+            })
         })
     }
 

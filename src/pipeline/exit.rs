@@ -10,7 +10,7 @@
 use super::job::{Base, Job};
 use super::layer::Ready;
 use super::part::{PartDone, PartExit, Passed};
-use super::supply::OnPlate;
+use super::supply::plate::OnPlate;
 use super::{BLOCK, Options, SliceError};
 use crate::adhesion::{Skirt, keep_on_bed};
 use crate::bead::Role;

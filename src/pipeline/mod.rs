@@ -34,7 +34,7 @@
 //! | `raft` | layers between the bed and the part |
 //! | `supported` | the supports of a part, layer by layer |
 //! | `sound` | notices early that next to nothing can be printed |
-//! | `supply` | runs `stages` for a window of layers ahead of those that are written |
+//! | `supply` | runs `stages` for a window of layers, with internal bridges, ahead of those that are written |
 //! | `part` | what is done in order for each part |
 //! | `hanging` | follows what hangs, also when no bead is laid |
 //! | `exit` | what is done in order for all parts |

@@ -6,7 +6,7 @@ use super::head::header;
 use super::job::{Base, Job, Planned, Run};
 use super::part::{PartExit, Passed};
 use super::skirt::skirt_round;
-use super::supply::Supplies;
+use super::supply::plate::Supplies;
 use super::{SliceError, Summary};
 use crate::gcode::{Writer, thick_beads};
 use crate::plane::Rect;

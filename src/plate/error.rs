@@ -69,7 +69,7 @@ pub enum PlateError {
         asked: String,
     },
     /// A model cannot be loaded.
-    #[error("{asked}")]
+    #[error("{asked}: the model cannot be loaded")]
     Load {
         /// Where the model is asked for.
         asked: String,
@@ -78,7 +78,7 @@ pub enum PlateError {
         error: Box<LoadError>,
     },
     /// A model cannot be placed.
-    #[error("{asked}: {name}")]
+    #[error("{asked}: {name} cannot be placed")]
     Place {
         /// Where the model is asked for.
         asked: String,

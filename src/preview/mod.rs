@@ -15,11 +15,13 @@ mod raster;
 mod shade;
 mod svg;
 mod toolpath;
+mod view;
 
 pub(crate) use folder::Pictures;
 pub use html::live_html;
 pub(crate) use picture::thumbnails;
+pub use raster::PictureError;
 pub(crate) use raster::outline_from_above;
-pub use raster::{PictureError, View};
 pub(crate) use svg::layer_svg;
 pub use toolpath::{Toolpath, ToolpathError};
+pub use view::View;

@@ -6,8 +6,9 @@
 //! architecture; on others sines may differ in the last bit.
 
 use super::image::{Picture, Rows, png_by_rows};
-use super::raster::{PictureError, Subject, View};
+use super::raster::{PictureError, Subject};
 use super::shade::{KEY_FROM, shade};
+use super::view::View;
 use crate::contour::FieldError;
 use crate::model::Model;
 use crate::settings::PictureSize;

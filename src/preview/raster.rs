@@ -3,86 +3,18 @@
 //! In: a placed model, a view, a size. Out: for each pixel how far the part
 //! reaches towards the viewer, and where its surface faces.
 //!
-//! ```text
-//!            u                 the viewer looks along −w, from infinitely
-//!            │   w (viewer)    far away: no perspective, so that lengths
-//!            │  ╱              compare
-//!            │ ╱  elevation
-//!   ─────────┼────────── r     azimuth: where the viewer stands, seen from
-//!           ╱│                 above, counter-clockwise from the x axis
-//! ```
-//!
 //! Details thinner than the distance between samples may be missed. The result
 //! does not depend on the number of threads.
 
+use super::view::View;
 use crate::limits::{self, Watched};
 use crate::model::{Bounds, Model};
-use crate::units::{Degrees, Mm};
+use crate::units::Mm;
 use fidget::context::Tree;
 use geo::{ConvexHull, MultiPoint};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use isocontour::{FieldError, Grid, Hit, Sight};
 use std::sync::Arc;
-
-/// The direction from which a part is seen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// Where the viewer stands, seen from above: counter-clockwise from the x
-    /// axis.
-    pub azimuth: Degrees,
-    /// Angle of the viewer above the horizon.
-    pub elevation: Degrees,
-}
-
-impl View {
-    /// The view from the front, the right and above, at equal angles to all
-    /// axes.
-    pub const ISO: View = View {
-        azimuth: -45.0,
-        // The angle between a cube's diagonal and its faces.
-        elevation: 35.264_389_682_754_654,
-    };
-    /// The view that most hosts have: more of the front, less of the top.
-    pub const THUMBNAIL: View = View {
-        azimuth: -60.0,
-        elevation: 30.0,
-    };
-
-    /// Views that have names.
-    pub const NAMED: [(&'static str, View); 7] = [
-        ("iso", View::ISO),
-        ("front", View::of(-90.0, 0.0)),
-        ("back", View::of(90.0, 0.0)),
-        ("left", View::of(180.0, 0.0)),
-        ("right", View::of(0.0, 0.0)),
-        ("top", View::of(-90.0, 90.0)),
-        ("bottom", View::of(-90.0, -90.0)),
-    ];
-
-    const fn of(azimuth: Degrees, elevation: Degrees) -> View {
-        View { azimuth, elevation }
-    }
-
-    /// The directions right, up and towards the viewer, as columns.
-    pub(super) fn axes(self) -> DMat3 {
-        let (sa, ca) = sin_cos(self.azimuth);
-        let (se, ce) = sin_cos(self.elevation);
-        let right = DVec3::new(-sa, ca, 0.0);
-        let towards = DVec3::new(ce * ca, ce * sa, se);
-        DMat3::from_cols(right, towards.cross(right), towards)
-    }
-}
-
-/// Sine and cosine, exact at multiples of 90°, so that faces stay flat.
-fn sin_cos(degrees: Degrees) -> (f64, f64) {
-    match degrees.rem_euclid(360.0) {
-        0.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        turn => turn.to_radians().sin_cos(),
-    }
-}
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
@@ -398,7 +330,7 @@ pub(crate) fn outline_from_above(
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
+#[allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 mod tests {
     use super::*;
     use crate::model::{

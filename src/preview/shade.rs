@@ -351,7 +351,8 @@ mod tests {
     use crate::model::{
         BuildVolume, Placement, Source, SourceKind, load, place,
     };
-    use crate::preview::raster::{Subject, View};
+    use crate::preview::raster::Subject;
+    use crate::preview::view::View;
     use glam::DVec3;
 
     /// A post on a plate as an expression and as a function.

@@ -2,8 +2,8 @@
 
 use super::by_nozzle::share_of;
 use super::{
-    Acceleration, ByNozzle, Emit, Flavour, Infill, LayerHeights, Settings,
-    Supports, Varying, WallOffset, check,
+    Acceleration, ByNozzle, Emit, Infill, LayerHeights, Settings, Supports,
+    Varying, WallOffset, check,
 };
 use crate::units::{
     Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, PricePerKg,
@@ -235,19 +235,8 @@ impl Settings {
     /// Moves a second that the firmware takes:
     /// `printer.max_moves_per_second` if set, else a cautious figure for its
     /// kind.
-    ///
-    /// Marlin gets its lines over a serial line mostly: 25 bytes at 115,200
-    /// baud are 2 ms, and each line is answered before the next but a few comes.
-    /// Prusa's 32-bit boards, RepRapFirmware and Bambu Lab's printers read the
-    /// file themselves.
-    /// Klipper plans on the host.
     pub fn max_moves_per_second(&self) -> PerSec {
-        let usual = match self.gcode.flavour {
-            Flavour::Marlin => 200.0,
-            Flavour::Prusa => 400.0,
-            Flavour::Rrf | Flavour::Bambu => 500.0,
-            Flavour::Klipper => 1000.0,
-        };
+        let usual = self.gcode.flavour.firmware().moves_per_second;
         self.printer.max_moves_per_second.unwrap_or(usual)
     }
 

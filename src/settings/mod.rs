@@ -40,6 +40,7 @@ mod by_nozzle;
 mod check;
 mod derived;
 mod error;
+mod firmware;
 mod infill;
 mod profile;
 mod read;
@@ -64,6 +65,7 @@ pub use table::{Key, keys};
 pub use value::Range;
 
 pub(crate) use by_nozzle::ByNozzle;
+pub(crate) use firmware::Refusals;
 pub(crate) use infill::Infill;
 pub(crate) use rows::{Acceleration, Cooling, Skirt, Speed};
 #[cfg(test)]

@@ -233,7 +233,8 @@ impl Conflict {
 }
 
 fn unknown(name: &str, place: GivenIn) -> SettingsError {
-    if table::is_group(name) {
+    let has_plural = table::find(&format!("{name}s")).is_some();
+    if table::is_group(name) && !has_plural {
         let first = keys().iter().find(|key| key.group() == name);
         return SettingsError::Group {
             place,
@@ -249,11 +250,38 @@ fn unknown(name: &str, place: GivenIn) -> SettingsError {
     }
 }
 
+/// Words of other slicers for settings whose names here are too different to be
+/// guessed.
+const FOREIGN: [(&str, &str); 6] = [
+    (
+        "line_width",
+        "outer_wall_width, inner_wall_width, skin_width or infill_width",
+    ),
+    (
+        "extrusion_width",
+        "outer_wall_width, inner_wall_width, skin_width or infill_width",
+    ),
+    ("perimeters", "walls"),
+    ("wall_loops", "walls"),
+    ("fill_density", "infill_density"),
+    (
+        "print_speed",
+        "speed.outer_wall, or another one of the group speed",
+    ),
+];
+
 fn hint(name: &str) -> String {
     if HEAD.contains(&name) {
         return "only profiles have it, which are named with --printer, \
                 --filament or --preset"
             .to_owned();
+    }
+    if let Some((_, now)) = FOREIGN.iter().find(|(word, _)| *word == name) {
+        return format!("did you mean {now}?");
+    }
+    let plural = format!("{name}s");
+    if table::find(&plural).is_some() {
+        return format!("did you mean {plural}?");
     }
     let meant = table::ambiguous(name);
     if meant.len() > 1 {

@@ -31,14 +31,15 @@ table::settings! {
         /// layers end exactly at level faces and at the part's top.
         layer_heights: Varying<LayerHeights> =
             Varying::Constant(LayerHeights::Uniform);
-        /// Height of the thinnest layers that are not uniform; up to half as
-        /// thin to end at a level face. auto is 20% of the nozzle's diameter.
+        /// Least height of layers that are not uniform. A layer that ends at a
+        /// level face may be half as high. auto is 20% of the nozzle's diameter.
         layer_height_min: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
-        /// Height of the thickest layers that are not uniform; auto is 75% of
-        /// the nozzle's diameter.
+        /// Greatest height of layers that are not uniform; auto is 75% of the
+        /// nozzle's diameter.
         layer_height_max: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// Greatest step that adaptive layers may make on the surface, measured
-        /// across it. layer_height_min comes first. auto is 25% of the nozzle's
+        /// across it. Where layers would have to be lower than
+        /// layer_height_min, the step is greater. auto is 25% of the nozzle's
         /// diameter.
         step_error: ByNozzle = ByNozzle::Auto, in 0.001..=2.0;
 
@@ -61,13 +62,13 @@ table::settings! {
         ["Walls"]
         /// Number of walls around each island and hole.
         walls: u32 = 2, in 0..=1000;
-        /// Number of walls around tops, which their lines fill up to these
-        /// walls; the others go around what the next layer covers. auto is as
-        /// many as walls.
+        /// Number of walls around top skin, whose lines reach up to them. The
+        /// other walls go around what the next layer covers. auto is as many
+        /// as walls.
         top_walls: Option<u32> = None, in 1..=1000;
         /// Whether to print the part as a vase: bottom_layers flat layers,
         /// and above them one wall that climbs without a break, without
-        /// infill, tops, seams and retractions.
+        /// infill, top skin, seams and retractions.
         spiral: bool = false;
         /// Number of walls that climb side by side if spiral is true. The nozzle
         /// goes from each to the next one outside of it once a turn.
@@ -341,8 +342,8 @@ table::settings! {
         /// Number of the raft's layers; 0 for no raft. The first is thick and
         /// sparse, those above it are solid.
         layers: u32 = 0, in 0..=100;
-        /// Air between the raft and the part; auto is 0.2 mm, or what of it
-        /// the nozzle's diameter leaves above layer_height.
+        /// Air between the raft and the part. auto is 0.2 mm, or the nozzle's
+        /// diameter less layer_height if that is less.
         gap: Option<Mm> = None, in 0.0..=2.0;
         /// How far the raft reaches beyond the first layer of the part and of
         /// its supports.
@@ -453,10 +454,10 @@ table::settings! {
         /// comes nearer to it than half a line's width.
         check_walls: bool = true;
         /// What hides the ooze of travels: sparse infill alone, or whatever is
-        /// inside the part and no top skin (covered). auto takes sparse infill
-        /// in layers of which it makes a quarter at least; in others, those of
-        /// lattices and of solid skin, whatever is inside, and inner walls may
-        /// be crossed, too.
+        /// inside the part and no top skin (covered). auto chooses for each
+        /// layer: sparse infill where that is a quarter of the layer or more.
+        /// In other layers, such as those of lattices and of solid skin, it is
+        /// covered, and travels may cross inner walls, too.
         hidden: Hidden = Hidden::Auto;
         /// Length of filament pulled back; 0 turns retraction off.
         length: Mm = 0.8, in 0.0..=50.0;

@@ -45,8 +45,10 @@
 //! units with features of 0.01 or more, so millimetres suit most parts.
 
 #![warn(unreachable_pub)]
-// Links to private modules lead somewhere in the documentation of private items.
-#![allow(rustdoc::private_intra_doc_links)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
 #![cfg_attr(
     not(test),
     deny(

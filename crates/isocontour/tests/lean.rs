@@ -1,6 +1,6 @@
 //! How level surfaces are, compared with what is known of them.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use fidget::context::Tree;
 use glam::DVec3;

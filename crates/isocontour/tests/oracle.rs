@@ -3,7 +3,7 @@
 //! arithmetic.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use contour::ContourBuilder;
 use fastrand::Rng;

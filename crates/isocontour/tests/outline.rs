@@ -1,7 +1,7 @@
 //! Outlines against shapes whose outline is known in closed form.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
 use fidget::context::Context;
 use fidget::context::Tree;

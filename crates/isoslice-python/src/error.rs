@@ -41,7 +41,9 @@ create_exception!(
 /// The exception for an error. Its text is what the command line writes behind
 /// `error: `.
 pub(crate) fn exception(error: &anyhow::Error) -> PyErr {
-    let parts: Vec<String> = error.chain().map(|e| e.to_string()).collect();
+    let mut parts: Vec<String> = error.chain().map(|e| e.to_string()).collect();
+    // Some errors tell their cause themselves.
+    parts.dedup_by(|cause, effect| effect.contains(&**cause));
     let text = parts.join("\n  because: ");
     if error.is::<LoadError>()
         || error.is::<PlaceError>()

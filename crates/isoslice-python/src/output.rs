@@ -1,4 +1,4 @@
-//! What G-code is written to: a file, which is complete or not there at all, or
+//! The output of G-code: a file, which is complete or not there at all, or
 //! bytes.
 
 use isoslice::files;

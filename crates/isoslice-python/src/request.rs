@@ -90,7 +90,7 @@ impl Request {
                     name: name.unwrap_or_else(|| FORMULA.to_owned()),
                     tree: expr.tree.clone(),
                     parameters: expr.parameters.clone(),
-                    // It is counted when there is time.
+                    // The size is counted when it is asked for.
                     expression_size: 0,
                 })
             }

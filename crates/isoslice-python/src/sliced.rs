@@ -75,10 +75,10 @@ pub(crate) struct Sliced {
     /// True if the G-code was checked, and found safe for the printer.
     #[pyo3(get)]
     checked: bool,
-    /// What the user should know, in sentences.
+    /// Warnings, in sentences.
     #[pyo3(get)]
     warnings: Vec<String>,
-    /// What the settings lead to unasked, in sentences.
+    /// Notes on what the settings lead to unasked, in sentences.
     #[pyo3(get)]
     notes: Vec<String>,
     summary: Summary,
@@ -90,7 +90,7 @@ pub(crate) struct Sliced {
 enum Gcode {
     Bytes(Py<PyBytes>),
     File(PathBuf),
-    /// It went through a pipe.
+    /// The file went through a pipe, from which it cannot be read again.
     Stream(PathBuf),
 }
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Error {
     /// The system refuses to read the file.
-    #[error("cannot read {path}: {cause}", path = .path.display())]
+    #[error("cannot read {path}, check its name: {cause}", path = .path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,

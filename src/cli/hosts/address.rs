@@ -3,10 +3,10 @@
 use super::HostError;
 use ureq::http::Uri;
 
-/// Characters of a stranger's words that are shown.
+/// Greatest number of characters of a stranger's words that are shown.
 const LONGEST: usize = 300;
 
-/// The address without a slash at its end, if it is one.
+/// The text without a slash at its end, if it is an address.
 pub(super) fn address(url: &str) -> Result<String, HostError> {
     let wrong = |why: &str| HostError::Address {
         url: shortened(url),

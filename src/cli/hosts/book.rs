@@ -19,19 +19,19 @@ use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Bytes of the file: some thousand printers.
+/// Greatest size of the file, bytes: some thousand printers.
 const LARGEST: u64 = 1 << 20;
 
 /// The name of the file in the folder of settings.
 const NAME: &str = "printers.toml";
 
-/// A key, which is shown to nobody.
+/// A key. No message and no log shows it.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub(crate) struct Key(String);
 
 impl Key {
-    /// A key from its text. Spaces around it are left out.
+    /// A key from text. Spaces around the key are left out.
     pub(crate) fn new(text: &str) -> Key {
         Key(text.trim().to_owned())
     }
@@ -52,15 +52,15 @@ pub(crate) struct Printer {
     pub name: String,
     /// The program.
     pub kind: HostKind,
-    /// Its address.
+    /// The program's address.
     pub url: String,
-    /// Its key.
+    /// The program's key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key: Option<Key>,
     /// The environment variable that holds the key instead.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key_env: Option<String>,
-    /// What `printer.model` is in G-code for it.
+    /// The setting `printer.model` of G-code for this printer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
     /// The only certificates (PEM) to trust.
@@ -72,7 +72,7 @@ pub(crate) struct Printer {
 }
 
 impl Printer {
-    /// The key, wherever it is from.
+    /// The key, from the file or from the environment.
     pub(super) fn secret(&self) -> Result<Option<String>, HostError> {
         let secret = match (&self.key_env, &self.key) {
             (Some(variable), _) => match std::env::var(variable) {
@@ -102,13 +102,13 @@ impl Printer {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum BookError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("cannot read {}", .0.display())]
     Read(PathBuf, #[source] FileError),
-    /// It is malformed.
+    /// The file is malformed.
     #[error("{}: {}", .0.display(), .1)]
     Malformed(PathBuf, String),
-    /// It cannot be written.
+    /// The file cannot be written.
     #[error("cannot write {}", .0.display())]
     Write(PathBuf, #[source] io::Error),
     /// A printer's name is not plain.
@@ -124,7 +124,7 @@ pub(crate) enum BookError {
     #[error(
         "there is no printer {name}{}",
         if known.is_empty() {
-            "; isoslice printers add makes one known".to_owned()
+            "; `isoslice printers add` makes one known".to_owned()
         } else {
             format!("; there are {}", known.join(", "))
         }
@@ -137,7 +137,7 @@ pub(crate) enum BookError {
     },
 }
 
-/// All printers of the user's.
+/// All printers of the user.
 #[derive(Clone, Debug)]
 pub(crate) struct PrinterBook {
     path: PathBuf,
@@ -178,7 +178,7 @@ impl PrinterBook {
         Ok(PrinterBook { path, printers })
     }
 
-    /// Whether others may read the file's keys.
+    /// True if other users may read the file and its keys.
     pub(crate) fn is_open_to_others(&self) -> bool {
         #[cfg(unix)]
         {
@@ -203,7 +203,7 @@ impl PrinterBook {
     /// The printer of a name.
     ///
     /// # Errors
-    /// If there is none.
+    /// If there is no such printer.
     pub(crate) fn find(&self, name: &str) -> Result<&Printer, BookError> {
         self.printers.get(name).ok_or_else(|| self.unknown(name))
     }
@@ -215,10 +215,11 @@ impl PrinterBook {
         }
     }
 
-    /// Adds a printer, or puts it in the place of one with its name.
+    /// Adds a printer, or replaces the one of the same name.
     ///
     /// # Errors
-    /// If its name or address cannot be, or the file cannot be written.
+    /// If the name or the address is not allowed, or the file cannot be
+    /// written.
     pub(crate) fn add(&mut self, printer: Printer) -> Result<(), BookError> {
         let letter = |c: char| c.is_alphanumeric() || c == '-' || c == '_';
         let name = &printer.name;
@@ -233,7 +234,7 @@ impl PrinterBook {
     /// Forgets a printer.
     ///
     /// # Errors
-    /// If there is none of this name, or the file cannot be written.
+    /// If there is no printer of this name, or the file cannot be written.
     pub(crate) fn remove(&mut self, name: &str) -> Result<(), BookError> {
         if self.printers.remove(name).is_none() {
             return Err(self.unknown(name));

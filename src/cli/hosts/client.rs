@@ -10,17 +10,18 @@ use ureq::http::Request;
 use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
 use ureq::{Agent, SendBody};
 
-/// Time to find the host and to connect.
+/// Greatest time to find the host and to connect.
 const CONNECT: Duration = Duration::from_secs(10);
-/// Time in which the host takes nothing of what it is sent.
+/// Greatest time in which the host takes nothing of what it is sent.
 const STALL: Duration = Duration::from_secs(20);
 /// Time for an answer. Hosts read through a file before they answer, which a
 /// small computer takes a while for. Tests do not wait for it.
 const ANSWER: Duration = Duration::from_secs(if cfg!(test) { 1 } else { 120 });
-/// Bytes of an answer that are read. Lists of files are long.
+/// Greatest number of bytes of an answer that are read. Lists of files are
+/// long.
 const LARGEST: u64 = 16 << 20;
 
-/// Header of the key, which all three hosts know.
+/// The header that holds the key. All three hosts know it.
 const KEY: &str = "X-Api-Key";
 
 /// Speaks with one host.
@@ -35,7 +36,7 @@ pub(super) struct Client {
 /// An answer that is no error of the transport.
 pub(super) struct Answer {
     pub code: u16,
-    /// The JSON in it; null if there is none.
+    /// The JSON in the answer; null if the answer has none.
     pub json: Value,
     text: String,
 }
@@ -64,10 +65,10 @@ impl Client {
         }
         let agent = Agent::config_builder()
             .http_status_as_error(false)
-            // The key must not follow to another host.
+            // The key must not be sent to another host that the answer names.
             .max_redirects(0)
             .max_redirects_will_error(false)
-            // Nor through one.
+            // The key must not go through a proxy either.
             .proxy(None)
             .user_agent(concat!("isoslice/", env!("CARGO_PKG_VERSION")))
             .tls_config(tls.build())
@@ -177,7 +178,7 @@ impl Client {
         }
     }
 
-    /// An error of the transport.
+    /// What an error of the transport means.
     fn failed(&self, error: ureq::Error) -> HostError {
         use ureq::Error;
         let host = self.name();
@@ -251,7 +252,7 @@ impl Client {
         }
     }
 
-    /// The answer is not what this kind of host answers.
+    /// The error that says that this kind of host answers otherwise.
     pub(super) fn stranger(&self, why: &str) -> HostError {
         HostError::Stranger {
             host: self.name(),
@@ -328,7 +329,7 @@ impl Answer {
     }
 }
 
-/// Whether an error of reading or writing is one of trust.
+/// True if an error of reading or writing says that the connection is not safe.
 fn of_tls(error: &io::Error) -> bool {
     let text = error.to_string();
     error.kind() == io::ErrorKind::InvalidData

@@ -126,9 +126,9 @@ pub(crate) enum HostError {
     Refused {
         /// Address.
         host: String,
-        /// What it was asked for.
+        /// What the host was asked for.
         what: String,
-        /// Its words.
+        /// The host's words.
         why: String,
     },
     /// There is no room.

@@ -69,7 +69,7 @@ pub(crate) struct Status {
     pub program: String,
     /// What the printer is doing, in the host's words.
     pub state: String,
-    /// Whether it could start a print now.
+    /// True if the printer could start a print now.
     pub ready: bool,
     /// Room for files, bytes, if the host tells.
     pub free: Option<u64>,
@@ -80,7 +80,7 @@ pub(crate) struct Status {
 pub(crate) struct Sent {
     /// The file's name on the host.
     pub name: String,
-    /// Whether the host has begun to print it.
+    /// True if the host has begun to print the file.
     pub started: bool,
 }
 
@@ -89,15 +89,16 @@ pub(crate) struct Sending<'a> {
     /// Name that the file is to have; letters that hosts may not take become
     /// underscores.
     pub name: &'a str,
-    /// Whether to print it.
+    /// True if the host is to print the file.
     pub start: bool,
     /// Told about progress: bytes sent, bytes in all.
     pub on_progress: &'a dyn Fn(u64, u64),
 }
 
-/// What a kind of host can be asked.
+/// The requests that every kind of host answers.
 trait Host {
-    /// Who it is and how it is, and whether it takes the key.
+    /// Asks which program answers and how the printer is, and whether the host
+    /// takes the key.
     fn status(&self, client: &Client) -> Result<Status, HostError>;
     /// Sends a file, and says what the host calls it.
     fn upload(
@@ -168,10 +169,10 @@ pub(crate) fn send(
     send_from(printer, &mut file, length, sending)
 }
 
-/// As [`send`], from anything that holds `length` bytes.
+/// Does what [`send`] does, from anything that holds `length` bytes.
 ///
 /// # Errors
-/// As [`send`].
+/// Those of [`send`].
 pub(crate) fn send_from(
     printer: &Printer,
     source: &mut dyn Read,
@@ -230,7 +231,7 @@ pub(crate) fn send_from(
 
 /// A name that every host takes, in any of their addresses.
 fn plain_name(name: &str) -> String {
-    /// Characters; printers' screens show fewer.
+    /// Greatest length of a name, characters; printers' screens show fewer.
     const LONGEST: usize = 100;
     let letter = |c: char| match c {
         '-' | '_' | '.' => c,

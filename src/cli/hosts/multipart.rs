@@ -4,8 +4,8 @@ use super::client::{Answer, Client};
 use super::{HostError, Upload};
 use std::io::{Cursor, Read};
 
-/// What divides the parts. It is no line of G-code, and in a binary file it is
-/// as unlikely as any 30 letters.
+/// The boundary between the parts of a form. No line of G-code is like it, and
+/// in a binary file it is as unlikely as any other 30 letters.
 const BOUNDARY: &str = "isoslice-7f3b1c9e52d84a60";
 
 /// The header that announces such a form.

@@ -47,7 +47,7 @@ impl Host for OctoPrint {
     }
 }
 
-/// Where a file is, whatever name the host gave it.
+/// The address of a file, whatever name the host gave it.
 fn path(name: &str) -> String {
     let parts = name.split('/');
     let parts =

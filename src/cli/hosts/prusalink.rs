@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 use std::io::Read;
 
 pub(super) struct PrusaLink {
-    /// Name of the storage to use; the first that can be written if not given.
+    /// Name of the storage to use. If none is given, the first storage that can
+    /// be written is used.
     pub storage: Option<String>,
 }
 
@@ -112,8 +113,8 @@ impl Host for PrusaLink {
     }
 }
 
-/// Where a file is; its name has plain letters only, but for a storage's
-/// spaces.
+/// The address of a file. Its name has plain letters only; a storage's name may
+/// have spaces.
 fn path(name: &str) -> String {
     format!("api/v1/files/{}", name.replace(' ', "%20"))
 }

@@ -5,14 +5,16 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Changes at most, and bytes of a name or a value: more than people make.
+/// Greatest number of changes, and greatest length of a name or a value in
+/// bytes: more than people ever make.
 const MOST: usize = 1000;
 const LONGEST: usize = 16 << 10;
 
-/// Changes by their names.
+/// Names that have been changed, and their values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(super) struct Choice {
-    /// `printer`, `filament`, `preset`; no value is for none of them.
+    /// Profiles by their kind: `printer`, `filament` or `preset`. A kind
+    /// without a value has no profile.
     pub profiles: BTreeMap<String, Option<String>>,
     /// Parameters of the script.
     pub define: BTreeMap<String, String>,
@@ -35,12 +37,12 @@ impl Choice {
         }
     }
 
-    /// Takes over changes from JSON, `{"define": {"cell": "8"}, "set":
-    /// {"walls": null}, "printer": "prusa-mk4"}`, where null takes a change
-    /// back.
+    /// Takes over changes from JSON such as `{"define": {"cell": "8"}, "set":
+    /// {"walls": null}, "printer": "prusa-mk4"}`. A null undoes a change.
     ///
     /// # Errors
-    /// If it is not that, or too much. Then nothing is changed.
+    /// If the JSON has another form, or too many changes. Then nothing is
+    /// changed.
     pub(super) fn change(&mut self, json: &[u8]) -> Result<(), String> {
         let malformed = |error| format!("the change is no JSON: {error}");
         let given: BTreeMap<String, Value> =

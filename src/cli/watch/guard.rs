@@ -10,10 +10,10 @@ use oxhttp::model::header::{HOST, HeaderName, ORIGIN};
 use oxhttp::model::{HeaderMap, StatusCode};
 use std::fmt::Write as _;
 
-/// Bytes of the secret.
+/// Length of the secret, bytes.
 const BYTES: usize = 16;
 
-/// The fence.
+/// Tells which requests are allowed.
 #[derive(Clone, Debug)]
 pub(super) struct Guard {
     port: u16,
@@ -21,7 +21,7 @@ pub(super) struct Guard {
 }
 
 impl Guard {
-    /// A fence with a new secret.
+    /// A guard with a new secret.
     ///
     /// # Errors
     /// If the system has no random numbers.
@@ -40,7 +40,7 @@ impl Guard {
         format!("http://127.0.0.1:{}/{}/", self.port, self.secret)
     }
 
-    /// What is asked for, below the secret.
+    /// The path of a request below the secret.
     ///
     /// # Errors
     /// The answer to a request that is not allowed.
@@ -72,7 +72,7 @@ impl Guard {
     }
 }
 
-/// Compares in a time that does not tell how much is right.
+/// Compares in a time that does not depend on how many bytes are equal.
 fn same(given: &str, secret: &str) -> bool {
     let differences = given.bytes().zip(secret.bytes()).map(|(a, b)| a ^ b);
     given.len() == secret.len() && differences.fold(0, |all, d| all | d) == 0

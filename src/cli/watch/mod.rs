@@ -44,7 +44,8 @@ Examples:
   isoslice watch part.rhai --config part.toml --printer prusa-mk4
   isoslice watch part.rhai -D radius=15 --port 8123";
 
-/// Connections at once. A browser has six for all tabs of a page.
+/// Greatest number of connections at once. A browser has six for all tabs of a
+/// page.
 const CONNECTIONS: usize = 64;
 
 /// Time until a connection on which nothing moves is given up. It must be
@@ -116,7 +117,7 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
     let files: Vec<_> = given.cloned().collect();
     for file in &files {
         if !file.is_file() {
-            bail!("there is no file {}", file.display());
+            bail!("there is no file {}; check its name", file.display());
         }
     }
 
@@ -159,8 +160,8 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
     server.join().context("the server has ended")
 }
 
-/// Does some work, and ends the program if that panics: a page for which
-/// nobody works would wait for ever.
+/// Does some work, and ends the program if the work panics. Otherwise the page
+/// would wait for ever.
 fn or_end(work: impl FnOnce()) {
     if catch_unwind(AssertUnwindSafe(work)).is_err() {
         exit(101);
@@ -182,7 +183,8 @@ fn watch_files(session: &Session) {
 /// The port that was asked for, or one that is free.
 fn free_port(wanted: Option<u16>) -> anyhow::Result<u16> {
     let port = wanted.unwrap_or(0);
-    // The server does not tell which port it got, so it is told one.
+    // The server does not tell which port it gets, so a free one is found
+    // before.
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
         .with_context(|| no_port(port))?;
     Ok(listener.local_addr()?.port())

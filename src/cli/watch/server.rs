@@ -32,13 +32,13 @@ use std::time::Duration;
 /// How long a page waits for news before it asks again.
 const PATIENCE: Duration = Duration::from_secs(15);
 
-/// Bytes that a page may send at once.
+/// Greatest size of a request's body, bytes.
 const LARGEST_BODY: u64 = 1 << 20;
 
 /// Greatest side of a picture, pixels.
 const LARGEST_PICTURE: usize = 2048;
 
-/// What the answers are made of.
+/// Makes the answers.
 pub(super) struct Site {
     pub session: Arc<Session>,
     pub job: Arc<Job>,
@@ -47,14 +47,15 @@ pub(super) struct Site {
     profiles: Value,
     /// Names of the printers that G-code can be sent to.
     printers: Vec<String>,
-    /// Held while a picture is drawn: one at a time leaves time for slicing.
+    /// Locked while a picture is drawn. Only one is drawn at a time, which
+    /// leaves processor time for slicing.
     drawing: Mutex<()>,
-    /// Stops the fine picture that is being drawn, for which a rough one does
-    /// not wait.
+    /// Stops the fine picture that is being drawn, so that a rough one need not
+    /// wait for it.
     fine: Mutex<Option<Watch>>,
 }
 
-/// An answer, or why there is none.
+/// An answer, or the error that is sent instead.
 type Answer = Result<Response<Body>, (StatusCode, String)>;
 
 impl Site {
@@ -140,7 +141,7 @@ impl Site {
         }
     }
 
-    /// What there is to show, once it is news.
+    /// The state as JSON, once it is newer than what the page has.
     fn state(&self, query: &Query) -> Answer {
         let seen = query.number("seen", 0.0)? as u64;
         let state = self.session.news(seen, PATIENCE);
@@ -268,7 +269,8 @@ impl Site {
     fn change(&self, request: &mut Request<Body>) -> Answer {
         let body = body(request)?;
         let mut changed = Ok(());
-        // Checked first, so that a mistake stops no work.
+        // The changes are checked first, so that a mistake does not stop the
+        // work.
         let mut choice = self.session.lock().choice.clone();
         if let Err(error) = choice.change(&body) {
             return Err((StatusCode::BAD_REQUEST, error));
@@ -279,8 +281,8 @@ impl Site {
         Ok(of_type("application/json", "{}"))
     }
 
-    /// Begins to send the print, if it is the newest one and no other is on its
-    /// way. How it goes on is part of the state.
+    /// Begins to send the print, if it is the newest one and no other print is
+    /// being sent. The state then tells how far the sending has come.
     fn send(&self, request: &mut Request<Body>) -> Answer {
         let order: Order = serde_json::from_slice(&body(request)?)
             .map_err(|error| (StatusCode::BAD_REQUEST, error.to_string()))?;
@@ -319,7 +321,7 @@ impl Site {
     }
 }
 
-/// What to send where.
+/// A request to send a print.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Order {
@@ -405,8 +407,8 @@ fn shared(bytes: Arc<[u8]>) -> Body {
     Body::from_read(Cursor::new(bytes))
 }
 
-/// The response as a file to save. Its name has plain letters only; the page
-/// asks for the whole one.
+/// The response as a file to save. The header's name has plain letters only;
+/// the page saves the file under its full name.
 fn as_file(
     mut response: Response<Body>,
     name: &str,
@@ -426,7 +428,7 @@ fn as_file(
     response
 }
 
-/// What stands behind the question mark. All of it is numbers.
+/// The numbers behind the question mark of an address, by their names.
 struct Query<'a>(HashMap<&'a str, &'a str>);
 
 impl Query<'_> {

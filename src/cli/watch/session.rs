@@ -1,8 +1,8 @@
-//! What is shared between the work, the page's requests and the files: what is
-//! wanted, and what there is to show.
+//! The state that the work, the page's requests and the watch over files share:
+//! what is to be shown, and what has been made so far.
 //!
-//! Whoever changes something that pages show gives it a new revision and wakes
-//! those who wait. A revision is never used twice.
+//! Each change of what pages show gets a revision, a number that is never used
+//! twice, and wakes all threads that wait for one.
 
 use super::choice::Choice;
 use isoslice::limits::Watch;
@@ -25,31 +25,32 @@ pub(super) struct Session {
     changed: Condvar,
 }
 
-/// All that is known.
+/// The state itself.
 pub(super) struct State {
-    /// Of the newest news.
+    /// Revision of the newest change.
     pub revision: u64,
     /// What is to be shown.
     pub choice: Choice,
-    /// Of what is to be shown. Work for an older one is in vain.
+    /// Revision of what is to be shown. Work for an older revision is in vain.
     pub wanted: u64,
-    /// Stops the work under way.
+    /// Stops the work that is being done.
     pub watch: Option<Watch>,
-    /// What is being done; nothing while all is done.
+    /// Name of the work that is being done; none while there is no work.
     pub busy: Option<&'static str>,
-    /// Layers sliced, and layers in all.
+    /// Number of layers that are sliced, and of all layers.
     pub progress: (usize, usize),
     reported: Instant,
-    /// Why what is wanted cannot be shown.
+    /// The error because of which the model cannot be shown.
     pub fault: Option<Fault>,
     /// Warnings about the settings.
     pub warnings: Vec<String>,
     pub settings: Option<Arc<Listed>>,
     pub model: Option<Arc<Shown>>,
     pub print: Option<Arc<Print>>,
-    /// Files that were read for it.
+    /// Files that the model and its settings were read from.
     pub files: Vec<PathBuf>,
-    /// How a page looked at the part last, for a rough picture.
+    /// The view that a page asked for last. A rough picture of it is drawn
+    /// ahead.
     pub look: Look,
     /// The picture that was drawn last.
     pub picture: Option<(u64, Look, Arc<[u8]>)>,
@@ -60,16 +61,16 @@ pub(super) struct State {
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Fault {
     pub text: String,
-    /// Lines of the script where it failed.
+    /// The lines of the script around the place of the error.
     pub excerpt: String,
 }
 
 /// The settings in use.
 pub(super) struct Listed {
     pub revision: u64,
-    /// One object for each setting, as JSON.
+    /// JSON with an object for each setting.
     pub json: String,
-    /// Those that are not the defaults, as TOML.
+    /// TOML with the settings that differ from their defaults.
     pub toml: String,
 }
 
@@ -86,25 +87,25 @@ pub(super) struct Print {
     pub revision: u64,
     /// What pages are told of it.
     pub told: Value,
-    /// The moves, as pages get them.
+    /// The moves in the form that pages get.
     pub moves: Arc<[u8]>,
     pub gcode: Arc<Text>,
-    /// Name for the G-code's file.
+    /// Name of the file under which a page saves the G-code.
     pub file: String,
-    /// The printer that it was made for, if the settings tell.
+    /// The printer that the G-code was made for, if the settings name it.
     pub printer_model: String,
 }
 
-/// Where a page looks at the part from, and the size of its picture.
+/// A view of the part that a page asks for, and the size of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Look {
     pub view: View,
     pub size: [usize; 2],
-    /// Whether it is to be there quickly, and not to be fine.
+    /// True if the picture is to be quick rather than fine.
     pub rough: bool,
 }
 
-/// What becomes of a print that is sent.
+/// How far the sending of a print has come.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Sending {
     pub busy: bool,
@@ -140,13 +141,13 @@ impl Session {
         }
     }
 
-    /// The state, to look at.
+    /// The state, locked for reading.
     pub(super) fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes the state, which is news to all pages. The change is told its
-    /// revision.
+    /// Changes the state under a new revision, which the change is given, and
+    /// wakes all pages that wait.
     pub(super) fn tell<T>(&self, change: impl FnOnce(&mut State) -> T) -> T {
         let mut state = self.lock();
         state.revision += 1;
@@ -168,7 +169,7 @@ impl Session {
         });
     }
 
-    /// Tells how far the slicing is, now and then.
+    /// Reports how many layers are sliced, though not at every layer.
     pub(super) fn report(&self, done: usize, total: usize) {
         let mut state = self.lock();
         if state.reported.elapsed() > PROGRESS {
@@ -179,7 +180,8 @@ impl Session {
         }
     }
 
-    /// Waits until there is news, or until `patience` is over.
+    /// Waits for a revision newer than the page has, or until `patience` is
+    /// over.
     pub(super) fn news(
         &self,
         seen: u64,
@@ -188,7 +190,7 @@ impl Session {
         self.wait(patience, |state| state.revision != seen)
     }
 
-    /// Waits for another revision to be wanted than `last`.
+    /// Waits until something other than revision `last` is to be shown.
     pub(super) fn next_wanted(&self, last: u64) -> MutexGuard<'_, State> {
         let mut state = self.lock();
         while state.wanted == last {
@@ -198,7 +200,7 @@ impl Session {
         state
     }
 
-    /// Waits for something, or until `patience` is over.
+    /// Waits until a condition holds, or until `patience` is over.
     pub(super) fn wait(
         &self,
         patience: Duration,
@@ -212,16 +214,16 @@ impl Session {
     }
 }
 
-/// Lines from one place that [`Text`] remembers to the next.
+/// Number of lines between two places that [`Text`] remembers.
 const STRIDE: usize = 1000;
 
-/// Longest line that is told, bytes.
+/// Greatest length of a line that a page gets, bytes.
 const LONGEST_LINE: u64 = 1 << 10;
 
-/// A file without a name, which several may read at once.
+/// G-code in a file without a name, which several threads may read at once.
 pub(super) struct Text {
     file: Mutex<File>,
-    /// Its size, bytes.
+    /// Size of the file, bytes.
     pub length: u64,
     /// Where every [`STRIDE`]th line begins.
     lines: Vec<u64>,
@@ -259,7 +261,8 @@ impl Text {
         })
     }
 
-    /// A line by its number, from 1, without its end; nothing if there is none.
+    /// The line of a number, counted from 1, without its end; none if the file
+    /// has no such line.
     pub(super) fn line(self: &Arc<Self>, number: usize) -> Option<String> {
         let before = number.checked_sub(1)?;
         let at = *self.lines.get(before / STRIDE)?;
@@ -277,7 +280,7 @@ impl Text {
         (!line.is_empty()).then(|| line.trim_end().to_owned())
     }
 
-    /// A reader of all of it.
+    /// A reader of the whole file.
     pub(super) fn read(self: &Arc<Self>) -> TextReader {
         TextReader {
             text: self.clone(),

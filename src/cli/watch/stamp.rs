@@ -10,28 +10,28 @@ use std::time::{Duration, SystemTime};
 /// Time between two looks at the files.
 pub(super) const EVERY: Duration = Duration::from_millis(15);
 
-/// For so many looks a file may be missing before that counts: some editors
-/// remove it before they write it.
+/// Number of looks for which a file may be missing before that counts as a
+/// change. Some editors remove a file before they write it anew.
 const PATIENCE: u32 = 30;
 
-/// What the files were at one look: time and size of each.
+/// The files at one look: time of the last change and size of each.
 type Look = Vec<Option<(SystemTime, u64)>>;
 
-/// Looks at files.
+/// Remembers what files were like.
 #[derive(Debug, Default)]
 pub(super) struct Stamps {
     files: Vec<PathBuf>,
-    /// As told last.
+    /// The stamps when a change was reported last.
     known: Look,
-    /// At the look before this one.
+    /// The stamps at the look before this one.
     last: Look,
     missing: u32,
 }
 
 impl Stamps {
-    /// True if a file has changed since that was told last, and it did not
-    /// change between this look and the one before, so that nobody is writing
-    /// it. Files that are new in the list count as unchanged.
+    /// True if a file has changed since the last change that was reported, and
+    /// has stayed the same since the look before, so that nobody is writing it.
+    /// Files that are new in the list count as unchanged.
     pub(super) fn changed(&mut self, files: &[PathBuf]) -> bool {
         let now: Look = files.iter().map(|file| stamp(file)).collect();
         if self.files != files {
@@ -86,7 +86,7 @@ mod tests {
         assert!(!stamps.changed(&files), "it may still be written");
         assert!(stamps.changed(&files));
         assert!(!stamps.changed(&files));
-        // Another file in its place.
+        // Another file is put in its place.
         fs::write(folder.path().join("new"), "x + 1 + 1").unwrap();
         fs::rename(folder.path().join("new"), &file).unwrap();
         assert!(!stamps.changed(&files));

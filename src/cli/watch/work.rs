@@ -1,7 +1,7 @@
 //! The work behind the page: read, draw, slice, over and over.
 //!
-//! What is wanted may change at any time; work that is then in vain is stopped.
-//! An error is shown, and what was made last stays.
+//! The wish may change at any time; work that is then in vain is stopped. If
+//! there is an error, the page shows it beside the model that was made last.
 
 use super::choice::Choice;
 use super::session::{Fault, Listed, Look, Print, Session, Shown, Text};
@@ -27,7 +27,7 @@ use std::process::exit;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What the work is done with, which does not change.
+/// The arguments of the command, which stay the same.
 pub(super) struct Job {
     pub model: ModelArgs,
     pub settings: SettingsSource,
@@ -35,10 +35,10 @@ pub(super) struct Job {
     pub threads: Option<u16>,
 }
 
-/// Time that a picture may take.
+/// Greatest time for a picture.
 const PICTURE: Duration = Duration::from_secs(10);
 
-/// Makes what is wanted, for ever.
+/// Reads, draws and slices what is to be shown, for ever.
 pub(super) fn work(session: &Session, job: &Job) {
     let mut last = 0;
     loop {
@@ -53,11 +53,11 @@ pub(super) fn work(session: &Session, job: &Job) {
             make(session, job, &choice, wanted)
         });
         let made = made.unwrap_or_else(|stopped| Err(stopped.into()));
-        // It reads the script, so nobody waits for the state meanwhile.
+        // The state is not locked meanwhile, since the script is read here.
         let fault = made.err().map(|error| fault(job, &error));
         session.tell(|state| {
             state.watch = None;
-            // Otherwise the next turn says what is wrong with it.
+            // If the script fails, the next turn reports the error.
             if state.wanted == wanted {
                 state.busy = None;
                 state.fault = fault;
@@ -66,8 +66,8 @@ pub(super) fn work(session: &Session, job: &Job) {
     }
 }
 
-/// Ends the program when it holds too much memory and does not let go of it.
-/// Work that takes too long otherwise is waited for.
+/// Ends the program if it holds too much memory and does not free it. Work that
+/// only takes too long is waited for.
 fn give_up(stopped: &Stopped) {
     if matches!(stopped.reason, Reason::Memory | Reason::Space) {
         let _pending = Output::discard_all();
@@ -76,17 +76,16 @@ fn give_up(stopped: &Stopped) {
     }
 }
 
-/// A script of more bytes is not read to show a line of it.
+/// Greatest size of a script of which lines are shown, bytes.
 const LARGEST_SCRIPT: u64 = 2 << 20;
 
 /// The error, with the place in the script.
 fn fault(job: &Job, error: &anyhow::Error) -> Fault {
-    let causes: Vec<_> = error.chain().map(terminal::shown).collect();
     let script = job.model.model.as_deref().filter(|file| file.is_file());
     let script = script.map(|file| read_text(file, LARGEST_SCRIPT));
     let script = script.and_then(Result::ok).unwrap_or_default();
     Fault {
-        text: causes.join("\nbecause: "),
+        text: terminal::causes(error).join("\nbecause: "),
         excerpt: excerpt(error, &script).unwrap_or_default(),
     }
 }
@@ -228,7 +227,7 @@ pub(super) fn picture_watch() -> Watch {
     })
 }
 
-/// Draws a model within a bounded time, in front of nothing.
+/// Draws a model within a bounded time, without a background.
 pub(super) fn draw_within(
     watch: &Watch,
     model: &Model,
@@ -277,7 +276,7 @@ pub(super) fn name_of(job: &Job) -> String {
     name.map_or(FORMULA.into(), |name| name.to_string_lossy().into_owned())
 }
 
-/// A setting, for the page.
+/// A setting as the page gets it.
 #[derive(Serialize)]
 struct Setting {
     name: &'static str,
@@ -288,9 +287,9 @@ struct Setting {
     allowed: String,
     value: String,
     from: String,
-    /// Whether the page has set it.
+    /// True if the page has set the setting.
     set: bool,
-    /// Whether it is not the default.
+    /// True if the value differs from the default.
     differs: bool,
 }
 

@@ -122,8 +122,8 @@ impl<'a> Templates<'a> {
                 text
             }
         };
-        let start = own(&gcode.start, flavour::default_start(gcode.flavour));
-        let end = own(&gcode.end, flavour::default_end(gcode.flavour));
+        let start = own(&gcode.start, flavour::START);
+        let end = own(&gcode.end, flavour::END);
         let layer = own(&gcode.layer, "");
         let mut known = placeholders::of_settings(settings);
         let of_all = Known {

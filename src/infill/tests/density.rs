@@ -73,8 +73,7 @@ fn a_varying_density_is_met_everywhere() {
     // From 10 % on the left to 60 % on the right.
     let density = |x: f64| 35.0 + 0.6 * x;
     let area = square(48.0);
-    // The density of hexagons cannot vary.
-    let varied = |kind: &InfillPattern| *kind != InfillPattern::Hexagons;
+    let varied = |kind: &InfillPattern| pattern(*kind, false).can_vary();
     for kind in InfillPattern::ALL.into_iter().filter(varied) {
         let settings = graded(kind, "35 + 0.6*x");
         let places = (0..40).map(spread);

@@ -145,22 +145,17 @@ pub(super) fn explain(
             if wanted.contains("-compatible") =>
         {
             failed(format!(
-                "a shape does not take {found}; give it its values by their \
-                 names, as in sphere(#{{ center: [0, 0, 0], radius: 5 }})"
+                "a shape does not take {}; give it its values by their \
+                 names, as in sphere(#{{ center: [0, 0, 0], radius: 5 }})",
+                suggest::plain_type(found)
             ))
         }
         EvalAltResult::ErrorMismatchDataType(wanted, found, _) => {
-            let named = |name: &str| match name.rsplit("::").next() {
-                Some("Tree" | "tree") => "a field".to_owned(),
-                Some("string") => "a text in quotes".to_owned(),
-                Some(other) => other.to_owned(),
-                None => name.to_owned(),
-            };
             failed(format!(
-                "here stands {}, but {} is wanted: a field is made of x, y, z \
+                "here stands {}, but {} is wanted: shapes are made of x, y, z \
                  and numbers, which have no quotes",
-                named(found),
-                named(wanted)
+                suggest::plain_type(found),
+                suggest::plain_type(wanted)
             ))
         }
         other => {

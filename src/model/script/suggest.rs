@@ -126,18 +126,18 @@ pub(super) fn function(signature: &str, own: &[String]) -> String {
         Some((name, types)) => (name.trim(), types.trim_end_matches(')')),
         None => (signature, ""),
     };
-    let of = match types.trim() {
-        "" => "no values".to_owned(),
-        types => plain_types(types),
+    let takes = match types.trim() {
+        "" => format!("{name} needs values"),
+        types => format!("{name} does not take {}", plain_types(types)),
     };
     if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
-        return format!("`{name}` does not work on {of}");
+        return format!("`{name}` does not work on {}", plain_types(types));
     }
     if let Some(call) = example(name) {
-        return format!("{name} does not take {of}; write for example {call}");
+        return format!("{takes}; write for example {call}");
     }
     if own.iter().any(|n| n == name) {
-        return format!("the script's {name} does not take {of}");
+        return format!("the script's {takes}");
     }
     let known = FUNCTIONS.iter().map(|(known, _)| -> &str { known });
     let known = known
@@ -203,16 +203,28 @@ pub(super) fn declared(text: &str, words: &[&str]) -> Vec<String> {
 
 /// rhai's names of types in words.
 fn plain_types(types: &str) -> String {
-    let word = |name: &str| match name.trim() {
+    let all: Vec<_> = types.split(", ").take(9).map(plain_type).collect();
+    format!("({})", all.join(", "))
+}
+
+/// rhai's name of a type in words.
+pub(super) fn plain_type(name: &str) -> &'static str {
+    let name = name.trim();
+    match name.rsplit("::").next().unwrap_or(name) {
         "i64" | "f64" | "f32" => "a number",
-        "Tree" => "a shape",
+        "Tree" | "tree" => "a shape",
+        "Vec2" => "a point such as [1, 2]",
+        "Vec3" => "a point such as [1, 2, 3]",
         "array" => "an array",
         "map" => "a map",
         "bool" => "true or false",
         "string" | "char" => "text",
         "()" => "nothing",
+        // The type of text in quotes has several names at once.
+        other if other.contains("String") => "text",
+        other if other.contains("Range") || other.contains("range") => {
+            "a range"
+        }
         _ => "another value",
-    };
-    let all: Vec<_> = types.split(", ").take(9).map(word).collect();
-    format!("({})", all.join(", "))
+    }
 }

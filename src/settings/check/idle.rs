@@ -10,17 +10,111 @@ use crate::settings::{
 /// Heights that differ by less than this count as equal, mm.
 const ROUNDED: f64 = 1e-6;
 
+/// Collects warnings of settings that were given and have no effect.
+struct Idle<'a> {
+    given: &'a dyn Fn(&str) -> bool,
+    warnings: &'a mut Vec<String>,
+}
+
+impl Idle<'_> {
+    /// Warns of a setting that was given, if it is idle.
+    fn warn(&mut self, key: &str, idle: bool, message: String) {
+        if (self.given)(key) && idle {
+            self.warnings.push(message);
+        }
+    }
+
+    /// Warns of settings that were given, if they are idle. `since` says why,
+    /// and what to do.
+    fn all(&mut self, keys: &[&str], idle: bool, since: &str) {
+        for key in keys {
+            let message = format!("{key} has no effect, since {since}");
+            self.warn(key, idle, message);
+        }
+    }
+}
+
 /// Warns of settings without effect.
 pub(super) fn without_effect(
     s: &Settings,
     given: &dyn Fn(&str) -> bool,
     warnings: &mut Vec<String>,
 ) {
-    let mut warn = |key: &str, idle: bool, message: String| {
-        if idle && given(key) {
-            warnings.push(message);
-        }
-    };
+    let idle = &mut Idle { given, warnings };
+    slowing_without_effect(s, idle);
+    for (key, value) in [
+        ("retract.z_hop", s.retract.z_hop),
+        ("retract.extra_prime", s.retract.extra_prime),
+    ] {
+        idle.warn(
+            key,
+            s.retract.length == 0.0 && value != 0.0,
+            format!(
+                "{key} = {value} mm has no effect, since retract.length = 0 \
+                 turns retraction off; give it a length, 0.8 mm say"
+            ),
+        );
+    }
+    idle.warn(
+        "gcode.set_limits",
+        !s.gcode.set_limits && s.acceleration.by_role(),
+        "gcode.set_limits = false keeps the accelerations by role from the \
+         printer: they only count for the estimate; set it to true, or the \
+         accelerations to 0"
+            .to_owned(),
+    );
+    idle.warn(
+        "ironing",
+        s.ironing && s.top_layers() == 0,
+        "ironing = true has no effect without solid tops; set top_layers or \
+         top_thickness to more than 0"
+            .to_owned(),
+    );
+    let height = s.thickest_layer();
+    let full = s.contour_z_full_angle(height);
+    idle.warn(
+        "contour_z_angle",
+        !s.contour_z.is(0.0) && full < s.contour_z_angle,
+        format!(
+            "contour_z_angle = {}° has no effect beyond {}° in layers of {} \
+             mm, where the nozzle's flat end ({} mm) cuts as deep into the \
+             lines beside as contour_z_gouge allows; raise contour_z_gouge, \
+             or tell printer.nozzle_flat if it is less",
+            s.contour_z_angle,
+            round(full),
+            round(height),
+            round(s.nozzle_flat()),
+        ),
+    );
+    heights_without_effect(s, idle);
+    overhangs_without_effect(s, idle);
+    scarfs_without_effect(s, idle);
+    interlocking_without_effect(s, idle);
+    top_walls_without_effect(s, idle);
+    idle.all(
+        &[
+            "internal_bridge_flow",
+            "internal_bridge_layers",
+            "speed.internal_bridge",
+            "cooling.internal_bridge_fan_speed",
+        ],
+        !s.internal_bridges,
+        "internal_bridges = false prints no internal bridges; set it to \
+         true",
+    );
+    idle.all(
+        &["contour_z_angle", "contour_z_gouge", "contour_z_below"],
+        s.contour_z.is(0.0),
+        "contour_z = 0% leaves the layers' steps; set contour_z to 100",
+    );
+    spiral_without_effect(s, idle);
+    supports_without_effect(s, idle);
+    adhesion_without_effect(s, idle);
+    infill_without_effect(s, idle);
+}
+
+/// Warns of speeds, and of times of layers, that limit nothing.
+fn slowing_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     let speed = &s.speed;
     let fastest = [
         &speed.outer_wall,
@@ -35,7 +129,7 @@ pub(super) fn without_effect(
     .into_iter()
     .map(|speed| speed.constant().unwrap_or(f64::INFINITY))
     .fold(0.0, f64::max);
-    warn(
+    idle.warn(
         "speed.first_layer",
         speed.first_layer > fastest,
         format!(
@@ -45,7 +139,7 @@ pub(super) fn without_effect(
             speed.first_layer,
         ),
     );
-    warn(
+    idle.warn(
         "cooling.min_speed",
         s.cooling.min_speed > fastest && s.cooling.min_layer_time > 0.0,
         format!(
@@ -56,7 +150,7 @@ pub(super) fn without_effect(
         ),
     );
     let cooling = &s.cooling;
-    warn(
+    idle.warn(
         "cooling.full_fan_layer",
         (1..=cooling.fan_off_layers).contains(&cooling.full_fan_layer),
         format!(
@@ -66,7 +160,7 @@ pub(super) fn without_effect(
             cooling.full_fan_layer, cooling.fan_off_layers,
         ),
     );
-    warn(
+    idle.warn(
         "cooling.long_layer_time",
         cooling.long_layer_time <= cooling.min_layer_time,
         format!(
@@ -76,80 +170,10 @@ pub(super) fn without_effect(
             cooling.long_layer_time, cooling.min_layer_time,
         ),
     );
-    for (key, value) in [
-        ("retract.z_hop", s.retract.z_hop),
-        ("retract.extra_prime", s.retract.extra_prime),
-    ] {
-        warn(
-            key,
-            s.retract.length == 0.0 && value != 0.0,
-            format!(
-                "{key} = {value} mm has no effect, since retract.length = 0 \
-                 turns retraction off; give it a length, 0.8 mm say"
-            ),
-        );
-    }
-    warn(
-        "gcode.set_limits",
-        !s.gcode.set_limits && s.acceleration.by_role(),
-        "gcode.set_limits = false keeps the accelerations by role from the \
-         printer: they only count for the estimate; set it to true, or the \
-         accelerations to 0"
-            .to_owned(),
-    );
-    warn(
-        "ironing",
-        s.ironing && s.top_layers() == 0,
-        "ironing = true has no effect without solid tops; set top_layers or \
-         top_thickness to more than 0"
-            .to_owned(),
-    );
-    let height = s.thickest_layer();
-    let full = s.contour_z_full_angle(height);
-    warn(
-        "contour_z_angle",
-        !s.contour_z.is(0.0) && full < s.contour_z_angle,
-        format!(
-            "contour_z_angle = {}° has no effect beyond {}° in layers of {} \
-             mm, where the nozzle's flat end ({} mm) cuts as deep into the \
-             lines beside as contour_z_gouge allows; raise contour_z_gouge, \
-             or tell printer.nozzle_flat if it is less",
-            s.contour_z_angle,
-            round(full),
-            round(height),
-            round(s.nozzle_flat()),
-        ),
-    );
-    heights_without_effect(s, &mut warn);
-    overhangs_without_effect(s, &mut warn);
-    scarfs_without_effect(s, &mut warn);
-    interlocking_without_effect(s, &mut warn);
-    top_walls_without_effect(s, &mut warn);
-    for key in [
-        "internal_bridge_flow",
-        "internal_bridge_layers",
-        "speed.internal_bridge",
-        "cooling.internal_bridge_fan_speed",
-    ] {
-        warn(
-            key,
-            !s.internal_bridges,
-            format!(
-                "{key} has no effect, since internal_bridges = false prints \
-                 no internal bridges; set it to true"
-            ),
-        );
-    }
-    for key in ["contour_z_angle", "contour_z_gouge", "contour_z_below"] {
-        warn(
-            key,
-            s.contour_z.is(0.0),
-            format!(
-                "{key} has no effect, since contour_z = 0% leaves the layers' \
-                 steps; set contour_z to 100"
-            ),
-        );
-    }
+}
+
+/// Warns of settings that one climbing wall leaves no place for.
+fn spiral_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     for key in [
         "walls",
         "top_walls",
@@ -158,9 +182,9 @@ pub(super) fn without_effect(
         "top_layers",
         "top_thickness",
         "ironing",
-        "fuzzy_skin",
+        "fuzzy.thickness",
     ] {
-        warn(
+        idle.warn(
             key,
             s.spiral,
             format!(
@@ -170,55 +194,47 @@ pub(super) fn without_effect(
             ),
         );
     }
-    for key in [
-        "contour_z",
-        "internal_bridges",
-        "supports",
-        "overhang_inner_first",
-        "overhang_reverse",
-        "seam_scarf_rise",
-        "walls_interlocked",
-        "speed.overhang_steps",
-        "cooling.overhang_fan_steps",
-    ] {
-        warn(
-            key,
-            s.spiral,
-            format!(
-                "{key} has no effect, since spiral = true prints flat layers \
-                 and plain walls only; leave one of them out"
-            ),
-        );
-    }
-    warn(
-        "spiral_walls",
-        !s.spiral,
-        "spiral_walls has no effect, since spiral = false prints walls in \
-         layers; set walls, or spiral = true"
-            .to_owned(),
+    idle.all(
+        &[
+            "contour_z",
+            "internal_bridges",
+            "supports",
+            "overhang_inner_first",
+            "overhang_reverse",
+            "seam_scarf_rise",
+            "walls_interlocked",
+            "speed.overhang_steps",
+            "cooling.overhang_fan_steps",
+        ],
+        s.spiral,
+        "spiral = true prints flat layers and plain walls only; leave one \
+         of them out",
     );
-    supports_without_effect(s, &mut warn);
-    for key in ["brim.ear_angle", "brim.ear_radius"] {
-        warn(
-            key,
-            s.brim.place != BrimPlace::Ears,
-            format!(
-                "{key} has no effect, since brim.place = {} makes no ears; set \
-                 it to \"ears\"",
-                s.brim.place.word(),
-            ),
-        );
-    }
-    warn(
-        "brim.width",
+    idle.all(
+        &["spiral_walls"],
+        !s.spiral,
+        "spiral = false prints walls in layers; set walls, or spiral = true",
+    );
+}
+
+/// Warns of settings of brims, shields, skirts and rafts that are not printed.
+fn adhesion_without_effect(s: &Settings, idle: &mut Idle<'_>) {
+    idle.all(
+        &["brim.ear_angle", "brim.ear_radius"],
+        s.brim.place != BrimPlace::Ears,
+        &format!(
+            "brim.place = {} makes no ears; set it to \"ears\"",
+            s.brim.place.word()
+        ),
+    );
+    idle.all(
+        &["brim.width"],
         s.brim.place == BrimPlace::Ears,
-        "brim.width has no effect, since brim.place = ears prints discs; set \
-         brim.ear_radius"
-            .to_owned(),
+        "brim.place = ears prints discs; set brim.ear_radius",
     );
     if let DraftShield::UpTo(height) = s.draft_shield {
         let first = s.bed_layer_height();
-        warn(
+        idle.warn(
             "draft_shield",
             height < first - ROUNDED,
             format!(
@@ -230,62 +246,45 @@ pub(super) fn without_effect(
         );
     }
     let shield = s.draft_shield != DraftShield::Off;
-    warn(
-        "draft_shield_gap",
+    idle.all(
+        &["draft_shield_gap"],
         !shield,
-        "draft_shield_gap has no effect, since draft_shield = off prints none; \
-         set it to \"full\", or to a height"
-            .to_owned(),
+        "draft_shield = off prints none; set it to \"full\", or to a height",
     );
-    for key in ["skirt.loops", "skirt.distance", "skirt.layers"] {
-        warn(
-            key,
-            shield,
-            format!(
-                "{key} has no effect, since the draft shield takes the skirt's \
-                 place; set draft_shield_gap, or draft_shield to \"off\""
-            ),
-        );
-    }
-    for key in ["raft.gap", "raft.expansion"] {
-        warn(
-            key,
-            s.raft.layers == 0,
-            format!(
-                "{key} has no effect, since raft.layers = 0 prints no raft; \
-                 set it to 3, say"
-            ),
-        );
-    }
-    for key in [
-        "elephant_foot",
-        "elephant_foot_layers",
-        "first_layer_height",
-    ] {
-        warn(
-            key,
-            s.raft.layers > 0,
-            format!(
-                "{key} has no effect, since the part stands on a raft \
-                 (raft.layers = {}) and not on the bed; leave one of them out",
-                s.raft.layers,
-            ),
-        );
-    }
-    infill_without_effect(s, &mut warn);
+    idle.all(
+        &["skirt.loops", "skirt.distance", "skirt.layers"],
+        shield,
+        "the draft shield takes the skirt's place; set draft_shield_gap, or \
+         draft_shield to \"off\"",
+    );
+    idle.all(
+        &["raft.gap", "raft.expansion"],
+        s.raft.layers == 0,
+        "raft.layers = 0 prints no raft; set it to 3, say",
+    );
+    idle.all(
+        &[
+            "elephant_foot",
+            "elephant_foot_layers",
+            "first_layer_height",
+        ],
+        s.raft.layers > 0,
+        &format!(
+            "the part stands on a raft (raft.layers = {}) and not on the bed; \
+         leave one of them out",
+            s.raft.layers
+        ),
+    );
 }
 
 /// Warns of settings of supports that are not printed.
-fn supports_without_effect(
-    s: &Settings,
-    warn: &mut dyn FnMut(&str, bool, String),
-) {
+fn supports_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     for key in [
         "support.interface_spacing",
         "support.interface_pattern",
         "support.interface_angle",
     ] {
-        warn(
+        idle.warn(
             key,
             s.supports == Supports::Off || s.support.interface_layers == 0,
             format!(
@@ -295,77 +294,53 @@ fn supports_without_effect(
             ),
         );
     }
-    warn(
+    idle.warn(
         "support.interface_angle",
         s.support.interface_pattern == InterfacePattern::Concentric,
         "support.interface_angle has no effect on \
          support.interface_pattern = concentric; set that to \"lines\""
             .to_owned(),
     );
-    warn(
-        "support.interface_density",
+    idle.all(
+        &["support.interface_density"],
         s.support.interface_spacing.is_some(),
-        "support.interface_density has no effect, since \
-         support.interface_spacing says how far apart lines are; leave one of \
-         them out"
-            .to_owned(),
+        "support.interface_spacing says how far apart lines are; leave one \
+         of them out",
     );
-    warn(
-        "support.style",
+    idle.all(
+        &["support.style", "support.where"],
         s.supports == Supports::Off,
-        "support.style has no effect, since supports = off prints none; set \
-         supports to \"auto\" or \"plate\""
-            .to_owned(),
-    );
-    warn(
-        "support.where",
-        s.supports == Supports::Off,
-        "support.where has no effect, since supports = off prints none; set \
-         supports to \"auto\" or \"plate\""
-            .to_owned(),
+        "supports = off prints none; set supports to \"auto\" or \"plate\"",
     );
 }
 
 /// Warns of settings of heights that `layer_heights` does not use.
-fn heights_without_effect(
-    s: &Settings,
-    warn: &mut dyn FnMut(&str, bool, String),
-) {
+fn heights_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     // Rafts and supports go by the height of uniform layers in any case.
     let part_alone = s.raft.layers == 0 && s.supports == Supports::Off;
-    warn(
-        "layer_height",
+    idle.all(
+        &["layer_height"],
         !s.is_uniform() && part_alone,
-        "layer_height has no effect, since layer_heights gives each layer a \
-         height of its own, between layer_height_min and layer_height_max; set \
-         these, or layer_heights to \"uniform\""
-            .to_owned(),
+        "layer_heights gives each layer a height of its own, between \
+         layer_height_min and layer_height_max; set these, or layer_heights \
+         to \"uniform\"",
     );
-    for key in ["layer_height_min", "layer_height_max", "step_error"] {
-        warn(
-            key,
-            s.is_uniform(),
-            format!(
-                "{key} has no effect, since layer_heights = uniform makes all \
-                 layers as high as layer_height; set layer_heights to \
-                 \"adaptive\""
-            ),
-        );
-    }
-    warn(
-        "step_error",
+    idle.all(
+        &["layer_height_min", "layer_height_max", "step_error"],
+        s.is_uniform(),
+        "layer_heights = uniform makes all layers as high as layer_height; \
+         set layer_heights to \"adaptive\"",
+    );
+    idle.all(
+        &["step_error"],
         matches!(s.layer_heights, Varying::Expression(_)),
-        "step_error has no effect, since layer_heights is an expression, \
-         whatever steps its heights make; set layer_heights to \"adaptive\""
-            .to_owned(),
+        "layer_heights is an expression, whatever steps its heights make; \
+         set layer_heights to \"adaptive\"",
     );
 }
 
 /// Warns if walls are to interlock and cannot.
-fn interlocking_without_effect(
-    s: &Settings,
-    warn: &mut dyn FnMut(&str, bool, String),
-) {
+fn interlocking_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     let (highest, nozzle) =
         (s.highest_interlocked(), s.printer.nozzle_diameter);
     let why = if s.walls < 2 {
@@ -385,7 +360,7 @@ fn interlocking_without_effect(
     } else {
         return;
     };
-    warn(
+    idle.warn(
         "walls_interlocked",
         s.walls_interlocked && !s.spiral,
         format!("walls_interlocked = true has no effect, since {why}"),
@@ -393,10 +368,7 @@ fn interlocking_without_effect(
 }
 
 /// Warns if tops are to have fewer walls and cannot.
-fn top_walls_without_effect(
-    s: &Settings,
-    warn: &mut dyn FnMut(&str, bool, String),
-) {
+fn top_walls_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     let Some(tops) = s.top_walls else {
         return;
     };
@@ -411,7 +383,7 @@ fn top_walls_without_effect(
          \"distance\""
             .to_owned()
     };
-    warn(
+    idle.warn(
         "top_walls",
         !s.spiral && s.top_walls() == s.walls,
         format!("top_walls = {tops} has no effect, since {why}"),
@@ -419,10 +391,7 @@ fn top_walls_without_effect(
 }
 
 /// Warns of settings for scarfs that rise.
-fn scarfs_without_effect(
-    s: &Settings,
-    warn: &mut dyn FnMut(&str, bool, String),
-) {
+fn scarfs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     let why = match (s.seam_scarf == 0.0, s.contour_z.is(0.0)) {
         (true, _) => {
             "seam_scarf = 0 makes plain seams; give it a length, 20 mm say"
@@ -433,12 +402,12 @@ fn scarfs_without_effect(
         }
         (false, true) => "",
     };
-    warn(
+    idle.warn(
         "seam_scarf_rise",
         s.seam_scarf_rise && !why.is_empty(),
         format!("seam_scarf_rise = true has no effect, since {why}"),
     );
-    warn(
+    idle.warn(
         "seam_gap",
         s.seam_scarf > 0.0 && s.scarf_rises() && s.seam_gap >= s.seam_scarf,
         format!(
@@ -448,20 +417,15 @@ fn scarfs_without_effect(
             s.seam_gap, s.seam_scarf,
         ),
     );
-    warn(
-        "seam_scarf_start",
+    idle.all(
+        &["seam_scarf_start"],
         !s.seam_scarf_rise,
-        "seam_scarf_start has no effect, since seam_scarf_rise = false keeps \
-         scarfs level; set it to true"
-            .to_owned(),
+        "seam_scarf_rise = false keeps scarfs level; set it to true",
     );
 }
 
 /// Warns of settings for walls that hang over the layer below.
-fn overhangs_without_effect(
-    s: &Settings,
-    warn: &mut dyn FnMut(&str, bool, String),
-) {
+fn overhangs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     for (key, steps, is_off) in [
         (
             "speed.overhang",
@@ -474,7 +438,7 @@ fn overhangs_without_effect(
             s.cooling.overhang_fan_steps.is_off(),
         ),
     ] {
-        warn(
+        idle.warn(
             key,
             !is_off,
             format!(
@@ -487,7 +451,7 @@ fn overhangs_without_effect(
         ("overhang_inner_first", s.overhang_inner_first),
         ("overhang_reverse", s.overhang_reverse),
     ] {
-        warn(
+        idle.warn(
             key,
             on && s.overhang_share >= 100.0,
             format!(
@@ -496,7 +460,7 @@ fn overhangs_without_effect(
             ),
         );
     }
-    warn(
+    idle.warn(
         "overhang_inner_first",
         s.overhang_inner_first && s.wall_order == WallOrder::InnerFirst,
         format!(
@@ -509,11 +473,8 @@ fn overhangs_without_effect(
 
 /// Warns of settings for patterns if infill is an expression, and of settings
 /// for expressions if infill is a pattern.
-fn infill_without_effect(
-    s: &Settings,
-    warn: &mut dyn FnMut(&str, bool, String),
-) {
-    warn(
+fn infill_without_effect(s: &Settings, idle: &mut Idle<'_>) {
+    idle.warn(
         "infill_mode",
         s.infill_is_pattern() && s.infill_mode != InfillMode::Surface,
         format!(
@@ -523,7 +484,7 @@ fn infill_without_effect(
         ),
     );
     let surface = s.infill_mode == InfillMode::Surface;
-    for (key, idle, remedy) in [
+    for (key, unused, remedy) in [
         (
             "infill_density",
             true,
@@ -533,13 +494,31 @@ fn infill_without_effect(
         ("infill_phase", true, "add to x and y in it"),
         ("infill_centre", true, "add to x and y in it"),
     ] {
-        warn(
+        idle.warn(
             key,
-            idle && !s.infill_is_pattern(),
+            unused && !s.infill_is_pattern(),
             format!(
                 "{key} has no effect: it is for patterns, and infill is an \
                  expression of its own; {remedy}, or set infill to a pattern",
             ),
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::keys;
+
+    #[test]
+    fn all_settings_that_are_asked_for_are_there() {
+        let asked = std::cell::Cell::new(0);
+        let given = |key: &str| {
+            assert!(keys().iter().any(|known| known.name == key), "{key}");
+            asked.set(asked.get() + 1);
+            false
+        };
+        without_effect(&Settings::default(), &given, &mut Vec::new());
+        assert!(asked.get() > 60, "{}", asked.get());
     }
 }

@@ -12,7 +12,8 @@ mod speeds;
 pub(super) use speeds::{flow_note, speed_note};
 
 use super::error::GivenPlaces;
-use super::{BrimPlace, DraftShield, Flavour, Settings, WallOffset};
+use super::firmware::Retraction;
+use super::{BrimPlace, DraftShield, Settings, WallOffset};
 use beads::{heights, sampling, shares, widths};
 use heat::temperatures;
 use idle::without_effect;
@@ -157,16 +158,22 @@ fn retraction(
             ),
         ));
     }
-    if s.gcode.flavour == Flavour::Klipper && retract.firmware {
-        klipper_retraction(s)?;
-    }
-    if s.gcode.flavour == Flavour::Bambu && retract.firmware {
-        return Err(conflict(
-            ["retract.firmware", "gcode.flavour", "retract.length"],
-            "retract.firmware = true, and Bambu Lab's firmware has no \
-             retraction of its own (G10); set it to false"
-                .to_owned(),
-        ));
+    if retract.firmware {
+        match s.gcode.flavour.firmware().retraction {
+            Retraction::Any => {}
+            Retraction::Klipper => klipper_retraction(s)?,
+            Retraction::None => {
+                return Err(conflict(
+                    ["retract.firmware", "gcode.flavour", "retract.length"],
+                    format!(
+                        "retract.firmware = true, but gcode.flavour = {:?} \
+                         has no retraction of its own (G10); set \
+                         retract.firmware to false",
+                        s.gcode.flavour.word(),
+                    ),
+                ));
+            }
+        }
     }
     if retract.min_travel > retract.max_unretracted {
         warnings.push(format!(

@@ -12,8 +12,8 @@ pub(super) fn split_axis(
     thinnest: f64,
 ) -> Option<usize> {
     let jumps = |i: usize| !steepness[i].is_finite() && steepness[i] != 0.0;
-    // Where f jumps, the box with the jump is never decided. Once it is as thin
-    // as what may be left out, its neighbours tell what there is.
+    // A box in which f jumps is never decided. Once the box is as thin as what
+    // may be left out, its neighbours tell whether there is anything.
     if (0..3).any(|i| jumps(i) && cell.width(i) <= thinnest) {
         return None;
     }

@@ -117,7 +117,7 @@ pub enum BoundsError {
     Empty {
         /// What was searched.
         searched: String,
-        /// What makes f NaN somewhere, if something does.
+        /// The operation that makes f NaN somewhere, if there is one.
         cause: Option<String>,
     },
     /// f is NaN everywhere.

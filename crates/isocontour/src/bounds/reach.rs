@@ -183,17 +183,18 @@ impl Search<'_> {
                     c.program = Rc::new(simple);
                 }
                 self.note_inside(start);
-                // With a long program boxes are only halved.
+                // If the program is long, boxes are only halved.
                 if c.program.len() as u64 * CLIMB < budget {
                     self.climb(side, &c.program, start, c.reach);
                 }
-                // This box comes back, cut at the new extent.
+                // The box is put back into the queue, cut at the new extent.
                 queue.push(c);
                 continue;
             }
             let whole = c.cell;
             c.cell = c.program.contracted(&whole, &self.scratch);
-            // What the jumps leave of the box may be too thin to count.
+            // The part of the box that the jumps leave may be too thin to
+            // count.
             let too_thin =
                 |i: usize| c.cell.width(i) < whole.width(i).min(thinnest);
             if (0..3).any(too_thin) {

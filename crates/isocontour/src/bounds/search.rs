@@ -74,7 +74,7 @@ impl<'a> Search<'a> {
         self.scratch.work > most || self.cancel.is_asked()
     }
 
-    /// What is searched, in words.
+    /// The space that is searched, in words.
     pub(super) fn searched(&self) -> String {
         match self.options.within {
             None => format!("±{} mm", self.options.limit_mm),

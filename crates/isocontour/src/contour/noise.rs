@@ -188,7 +188,7 @@ impl Noise {
         closely: bool,
         eyes: &mut Eyes<'_>,
     ) -> Result<(), FieldError> {
-        // Where nothing is too small, nothing is too fine.
+        // A leaf in which nothing is too small is not too fine.
         if self.smallest <= 0.0 || self.found[n] {
             return Ok(());
         }

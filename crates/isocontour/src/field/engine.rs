@@ -59,7 +59,7 @@ const UPWARDS: [Grouping; 3] = [
     },
 ];
 
-/// What is known from the expression and the lattice before any layer is known.
+/// What follows from the expression and the lattice alone, before any layer.
 pub(super) struct Plane {
     pub split: Split,
     x: Axis,

@@ -11,7 +11,7 @@ use fidget::var::Var;
 use fidget::vm::VmFunction;
 use std::collections::HashMap;
 
-/// Where the value of a tape's input is from.
+/// The source of the value of a tape's input.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Source {
     /// A coordinate.

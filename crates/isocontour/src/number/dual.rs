@@ -5,7 +5,7 @@
 //! of `min`), the derivatives are those of one side, or zero. Over a box they
 //! are all that occur, and unknown if there is a step.
 
-use super::{Number, Part};
+use super::{Component, Number};
 
 /// A value and its derivatives along `D` axes.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +14,7 @@ pub(crate) struct Dual<T, const D: usize> {
     pub d: [T; D],
 }
 
-impl<T: Part, const D: usize> Dual<T, D> {
+impl<T: Component, const D: usize> Dual<T, D> {
     /// A number with the value `v` and `by` times the derivatives of `self`.
     #[inline(always)]
     fn chain(self, v: T, by: T) -> Self {
@@ -77,7 +77,7 @@ impl<T: Part, const D: usize> Dual<T, D> {
     }
 }
 
-impl<T: Part, const D: usize> Number for Dual<T, D> {
+impl<T: Component, const D: usize> Number for Dual<T, D> {
     #[inline(always)]
     fn splat(v: f32) -> Self {
         Dual::flat(T::splat(v))

@@ -1,6 +1,6 @@
 //! Intervals, and their derivatives.
 
-use super::{Number, Part};
+use super::{Component, Number};
 use crate::interval::Interval;
 
 macro_rules! own {
@@ -54,7 +54,7 @@ fn is_flat(d: Interval) -> bool {
     d == Interval::ZERO
 }
 
-impl Part for Interval {
+impl Component for Interval {
     #[inline]
     fn along(self, by: Self) -> Self {
         // Otherwise 0 · ∞ would be any number.

@@ -11,7 +11,7 @@
 //!
 //! [`run`](run::run) evaluates fidget's tapes on any kind; `unary` and
 //! `binary` do single operations. A new kind implements [`Number`], and
-//! [`Part`] if it is to have derivatives.
+//! [`Component`] if it is to have derivatives.
 
 pub(crate) mod dual;
 mod interval;
@@ -73,7 +73,7 @@ pub(crate) trait Number: Copy {
 }
 
 /// Numbers that a value and its derivatives can be made of.
-pub(crate) trait Part: Number {
+pub(crate) trait Component: Number {
     /// A derivative times a factor. A derivative that is zero stays zero where
     /// the kind can tell, however large the factor may be.
     #[inline(always)]

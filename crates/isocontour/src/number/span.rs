@@ -6,7 +6,7 @@
 //! drop out.
 
 use super::wide::{self, Turn};
-use super::{Number, Part};
+use super::{Component, Number};
 use crate::interval::Interval;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -142,7 +142,7 @@ impl Number for Span {
         for k in 0..BOXES {
             let (lo, hi) = (self.lo[k], self.hi[k]);
             let (a, b) = (1.0 / hi, 1.0 / lo);
-            // Both ends have one sign.
+            // Both ends have the same sign.
             let known = (lo > 0.0) | (hi < 0.0);
             out.lo[k] = if known { a } else { f64::NAN };
             out.hi[k] = if known { b } else { f64::NAN };
@@ -335,7 +335,7 @@ impl Number for Span {
     }
 }
 
-impl Part for Span {
+impl Component for Span {
     #[inline(always)]
     fn choose(a: Self, b: Self, x: Self, y: Self) -> Self {
         let mut out = Span::UNKNOWN;

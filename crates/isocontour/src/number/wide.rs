@@ -18,7 +18,7 @@
 //! > software is freely granted, provided that this notice
 //! > is preserved.
 
-use super::{Number, Part};
+use super::{Component, Number};
 use fidget::types::FloatExt;
 
 /// Numbers in a [`Wide`].
@@ -203,7 +203,7 @@ fn max(a: f32, b: f32) -> f32 {
     if a.is_nan() { f32::NAN } else { greater }
 }
 
-impl Part for Wide {
+impl Component for Wide {
     #[inline(always)]
     fn choose(a: Self, b: Self, x: Self, y: Self) -> Self {
         a.choose_by(b, |a, b| a < b, x, y)

@@ -180,7 +180,7 @@ fn keep_above(slot: &Slot, least: f64, whole: &Cell, cell: &mut Cell) {
     let reach = |i: usize| slot.slope[i].magnitude() * 0.5 * whole.width(i);
     for (i, &middle) in centre.iter().enumerate() {
         let others: f64 = (0..3).filter(|&j| j != i).map(reach).sum();
-        // What the way along this axis must add to the value.
+        // The difference that a way along this axis must make to the value.
         let rise = least - slot.centre - others;
         let g = slot.slope[i];
         let slack = 1e-13 * (1.0 + middle.abs());

@@ -9,7 +9,7 @@
 use super::slot::Slot;
 use super::{Program, Step};
 use crate::interval::Interval;
-use crate::number::{Number, Part};
+use crate::number::{Component, Number};
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 
 impl Program {

@@ -76,9 +76,9 @@ fn meet(along: DVec2, a: DVec2, b: DVec2) -> f64 {
 /// A way to walk along a path.
 pub(super) struct Walk<'a, C, F> {
     pub points: Points<'a>,
-    /// How far gates reach to each side.
+    /// Half the width of a gate.
     pub half: Length,
-    /// How far the result may be off.
+    /// Greatest distance of the result from the path.
     pub tolerance: Length,
     /// Tells whether a point stays.
     pub corner: C,

@@ -25,108 +25,22 @@
 //! Not guaranteed: that a wall follows a surface that moves by more than 1 mm
 //! from one layer to the next. It is laid as if the surface did not move.
 
+mod error;
+mod ring;
+
+pub(crate) use error::SpiralError;
+
 use crate::bead::{Bead, Level, Role, Stroke, spacing};
 use crate::layers::LayerSpan;
-use crate::model::{Model, Probe, ProbeError, Spot};
-use crate::order::begin_near;
-use crate::plane::grid::nearest_on;
+use crate::model::{Model, Probe, Spot};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify_path;
 use crate::plane::{Area, Ring, signed_area};
 use crate::region::{OFFSET_SHARE, OUTLINE_SHARE};
 use crate::settings::Settings;
 use crate::units::Mm;
-use glam::{DMat2, DVec2};
-
-/// Greatest distance of points whose way to the surface is looked for, mm.
-const STEP: Mm = 0.25;
-
-/// Sine of the angle from which a corner is kept as one.
-const CORNER: f64 = 0.1;
-
-/// Why a part cannot be one wall.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SpiralError {
-    /// The part falls into several pieces.
-    #[error(
-        "spiral = true: at z = {z:.2} mm (layer {layer}) the part consists of \
-         {count} pieces, at {} and {}; a spiral is one wall, so join them, \
-         or set spiral = false",
-        place(.at[0]), place(.at[1])
-    )]
-    Pieces {
-        /// Height of the layer's middle, mm.
-        z: Mm,
-        /// Layer, from 1.
-        layer: usize,
-        /// Number of pieces.
-        count: usize,
-        /// A point on each of the two largest ones, on the bed.
-        at: [DVec2; 2],
-    },
-    /// The part is thinner than the wall.
-    #[error(
-        "spiral = true: at z = {z:.2} mm (layer {layer}) the part is thinner \
-         than its wall ({width:.2} mm); make it thicker or lower \
-         outer_wall_width"
-    )]
-    TooThin {
-        /// Height of the layer's middle, mm.
-        z: Mm,
-        /// Layer, from 1.
-        layer: usize,
-        /// Width of the wall, mm.
-        width: Mm,
-    },
-    /// A wall inside the first one has no room.
-    #[error(
-        "spiral_walls = {walls}: at z = {z:.2} mm (layer {layer}) there is no \
-         room for wall {wall} all the way round, beside x = {:.1}, y = {:.1}; \
-         make the part thicker there, or set spiral_walls = {}",
-        .at.x, .at.y, .wall - 1
-    )]
-    NoRoom {
-        /// How many walls were asked for.
-        walls: u32,
-        /// The wall, from the outside; that is wall 1.
-        wall: u32,
-        /// Height of the layer's middle, mm.
-        z: Mm,
-        /// Layer, from 1.
-        layer: usize,
-        /// A point on the wall outside of it, on the bed.
-        at: DVec2,
-    },
-    /// A high skirt would stand beside the wall.
-    #[error(
-        "skirt.layers = {skirt} would stand beside the climbing wall (spiral = \
-         true), which begins after {flat} flat layers and goes on without a \
-         stop; set skirt.layers to {flat} or less, or spiral = false"
-    )]
-    Skirt {
-        /// The skirt's layers.
-        skirt: usize,
-        /// Flat layers below the wall.
-        flat: usize,
-    },
-    /// The field cannot be evaluated.
-    #[error(transparent)]
-    Probe(#[from] ProbeError),
-}
-
-fn place(p: DVec2) -> String {
-    format!("x = {:.1}, y = {:.1}", p.x, p.y)
-}
-
-/// A point of a turn, on its way to the surface.
-struct Point {
-    at: DVec2,
-    /// Share of the turn's way.
-    share: f64,
-    /// Directions to the surface: one, or, at a corner, two.
-    out: [DVec2; 2],
-}
+use glam::DVec2;
+use ring::{Point, begin, farthest, lonely, points, rear};
 
 /// The wall of a part, turn by turn.
 pub(crate) struct Spiral<'a> {
@@ -432,18 +346,6 @@ impl<'a> Spiral<'a> {
     }
 }
 
-impl Point {
-    /// How the point moves if the surface beside it moves so far.
-    fn shift(&self, way: DVec2) -> DVec2 {
-        let [a, b] = self.out;
-        if a == b {
-            return way.x * a;
-        }
-        // It keeps its distance from both sides.
-        DMat2::from_cols(a, b).transpose().inverse() * way
-    }
-}
-
 /// A wall's stroke as a bead of a layer.
 fn bead(wall: usize, stroke: Stroke, span: &LayerSpan) -> Bead {
     let role = match wall {
@@ -451,89 +353,4 @@ fn bead(wall: usize, stroke: Stroke, span: &LayerSpan) -> Bead {
         _ => Role::InnerWall,
     };
     Bead::new(role, stroke, span.height())
-}
-
-/// The first point of a ring that is farthest from all of some pieces: beside it
-/// there is none of them.
-fn lonely(ring: &[DVec2], pieces: &[Ring]) -> DVec2 {
-    let away = |p: &DVec2| {
-        let to = pieces.iter().map(|piece| distance(*p, piece));
-        to.fold(f64::INFINITY, f64::min)
-    };
-    let far = ring.iter().map(|p| (away(p), *p));
-    let farthest = far.reduce(|a, b| if b.0 > a.0 { b } else { a });
-    farthest.map_or(DVec2::ZERO, |far| far.1)
-}
-
-/// Points along a ring, the first one once more at the end.
-fn points(ring: &[DVec2]) -> Vec<Point> {
-    let n = ring.len();
-    let side = |i: usize| (ring[i % n], ring[(i + 1) % n]);
-    let normal = |i: usize| {
-        let (a, b) = side(i);
-        -(b - a).normalize_or_zero().perp()
-    };
-    let length: Mm = (0..n).map(|i| side(i).0.distance(side(i).1)).sum();
-    let mut points = Vec::new();
-    let mut done = 0.0;
-    for i in 0..=n {
-        let (a, b) = side(i);
-        let (before, after) = (normal(i + n - 1), normal(i));
-        let out = if before.perp_dot(after).abs() > CORNER {
-            [before, after]
-        } else {
-            [(before + after).normalize_or_zero(); 2]
-        };
-        points.push(Point {
-            at: a,
-            share: (done / length).min(1.0),
-            out,
-        });
-        if i == n {
-            break;
-        }
-        let step = a.distance(b);
-        let count = (step / STEP).ceil().max(1.0);
-        for k in 1..count as usize {
-            let t = k as f64 / count;
-            points.push(Point {
-                at: a.lerp(b, t),
-                share: ((done + t * step) / length).min(1.0),
-                out: [after; 2],
-            });
-        }
-        done += step;
-    }
-    points
-}
-
-/// The ring from its point nearest to `start` on.
-fn begin(ring: &[DVec2], start: DVec2) -> Ring {
-    let stroke = Stroke::new(ring.to_vec(), true, 0.0);
-    let mut bead = Bead::new(Role::OuterWall, stroke, 0.0);
-    begin_near(&mut bead, start);
-    bead.stroke.points
-}
-
-/// The point of a ring that lies farthest back.
-fn rear(ring: &[DVec2]) -> DVec2 {
-    let by_y = |a: &&DVec2, b: &&DVec2| a.y.total_cmp(&b.y);
-    ring.iter().max_by(by_y).copied().unwrap_or_default()
-}
-
-/// Greatest distance of a ring's points from another ring, of some of them; 0 if
-/// there is no other one.
-fn farthest(ring: &[DVec2], from: &[DVec2]) -> Mm {
-    /// Points that are looked at.
-    const LOOKS: usize = 64;
-    let step = ring.len().div_ceil(LOOKS).max(1);
-    let looks = ring.iter().step_by(step).map(|&p| distance(p, from));
-    looks.filter(|d| d.is_finite()).fold(0.0, f64::max)
-}
-
-/// Distance of a point from a ring.
-fn distance(p: DVec2, ring: &[DVec2]) -> Mm {
-    let sides = ring.iter().zip(ring.iter().cycle().skip(1));
-    let to = sides.map(|(&a, &b)| nearest_on(p, a, b).distance(p));
-    to.fold(f64::INFINITY, f64::min)
 }

@@ -18,16 +18,22 @@
 //! by the bed. This is a warning and not an error, because sinking a part is a
 //! way to flatten its foot.
 
+mod error;
+mod transform;
+
+pub use error::PlaceError;
+
 use super::param::Parameter;
 use super::source::Loaded;
 use crate::limits::{self, Watched};
 use crate::settings::Settings;
 use fidget::context::Tree;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use isocontour::{
-    Bounds, BoundsError, ExpandError, FoundBounds, SearchOptions, digits,
-    expand, is_flat, shifted,
+    Bounds, BoundsError, FoundBounds, SearchOptions, digits, expand, is_flat,
+    shifted,
 };
+use transform::{box_field, mapped, rotation};
 
 /// The space a printer can reach, from (0, 0, 0).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,74 +143,6 @@ impl Model {
             max: self.bounds.max + self.offset,
         }
     }
-}
-
-/// Why a model cannot be placed.
-#[derive(Debug, thiserror::Error, PartialEq)]
-#[non_exhaustive]
-pub enum PlaceError {
-    /// The model has no usable extent.
-    #[error("{}", super::error::of_bounds(.0))]
-    Bounds(#[from] BoundsError),
-    /// The placed expression is too large.
-    #[error(transparent)]
-    Expression(#[from] ExpandError),
-    /// A number that makes no sense.
-    #[error("{option} {value}: {must}")]
-    BadNumber {
-        /// The option.
-        option: &'static str,
-        /// The option's value.
-        value: f64,
-        /// What it must be.
-        must: &'static str,
-    },
-    /// Two options that contradict each other.
-    #[error("{first} and {second} cannot be given together; drop one of them")]
-    Conflict {
-        /// One option.
-        first: &'static str,
-        /// The other option.
-        second: &'static str,
-    },
-    /// A height is given for a model that depends on z.
-    #[error(
-        "--height: the model depends on z, so it has a height of its own; \
-         leave the option out, or make the model larger with --size or --scale"
-    )]
-    HasHeight,
-    /// The part is larger than the printer.
-    #[error(
-        "the part does not fit the printer: {size} mm, the printer has \
-         {volume} mm ({excess}); make it smaller with --size or --scale, \
-         turn it with --rotate-x/y/z, or set the printer's size"
-    )]
-    TooLarge {
-        /// Size of the part.
-        size: String,
-        /// Size of the printer.
-        volume: String,
-        /// Axes and by how much they are exceeded.
-        excess: String,
-    },
-    /// The part is small enough, but not on the bed.
-    #[error(
-        "the part would reach beyond the printer ({excess}); choose another \
-         --at x,y, or leave --at and --keep-position out to have it centred"
-    )]
-    OffBed {
-        /// Sides and by how much they are exceeded.
-        excess: String,
-    },
-    /// Nothing of the part is above the bed.
-    #[error(
-        "with --keep-position all of the part lies below the bed (its top is \
-         at z = {top_mm:.3} mm); leave the option out, or move the part up"
-    )]
-    BelowBed {
-        /// Top of the part, mm.
-        top_mm: f64,
-    },
 }
 
 /// How far a part may reach over the bed's edge. Bounds that were found may be
@@ -459,64 +397,6 @@ fn check(placement: &Placement) -> Result<(), PlaceError> {
     Ok(())
 }
 
-/// Sine and cosine of an angle in degrees, exact at multiples of 90: a part
-/// turned onto its side keeps its planes axis-aligned.
-fn sin_cos(degrees: f64) -> (f64, f64) {
-    let turn = degrees.rem_euclid(360.0);
-    match turn {
-        0.0 | 360.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        _ => turn.to_radians().sin_cos(),
-    }
-}
-
-/// The matrix that turns about x, then y, then z.
-fn rotation([x, y, z]: [f64; 3]) -> DMat3 {
-    let (sx, cx) = sin_cos(x);
-    let (sy, cy) = sin_cos(y);
-    let (sz, cz) = sin_cos(z);
-    let about_x =
-        DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, cx, sx, 0.0, -sx, cx]);
-    let about_y =
-        DMat3::from_cols_array(&[cy, 0.0, -sy, 0.0, 1.0, 0.0, sy, 0.0, cy]);
-    let about_z =
-        DMat3::from_cols_array(&[cz, sz, 0.0, -sz, cz, 0.0, 0.0, 0.0, 1.0]);
-    about_z * about_y * about_x
-}
-
-/// The field of the turned and scaled part: g(p) = s·f(R⁻¹·p/s).
-fn mapped(tree: &Tree, rotation: DMat3, scale: f64) -> Tree {
-    // The inverse of a rotation is its transpose.
-    let back = rotation.transpose() * (1.0 / scale);
-    let mut m = nalgebra::Matrix4::<f32>::identity();
-    for row in 0..3 {
-        for column in 0..3 {
-            // This avoids negative zeros, which would not cancel in the
-            // expression.
-            m[(row, column)] = back.col(column)[row] as f32 + 0.0;
-        }
-    }
-    let turned = tree.remap_affine(nalgebra::Affine3::from_matrix_unchecked(m));
-    if scale == 1.0 {
-        turned
-    } else {
-        turned * scale as f32
-    }
-}
-
-/// Distance-like field of a box.
-fn box_field(bounds: &Bounds) -> Tree {
-    let (x, y, z) = Tree::axes();
-    let side = |axis: Tree, min: f64, max: f64| {
-        (Tree::constant(min as f32) - axis.clone()).max(axis - max as f32)
-    };
-    side(x, bounds.min.x, bounds.max.x)
-        .max(side(y, bounds.min.y, bounds.max.y))
-        .max(side(z, bounds.min.z, bounds.max.z))
-}
-
 fn offset(
     bounds: &Bounds,
     placement: &Placement,
@@ -572,35 +452,4 @@ const LARGE: [&str; 3] = ["wide (x)", "deep (y)", "high (z)"];
 
 fn sizes(v: DVec3) -> String {
     format!("{:.2} × {:.2} × {:.2}", v.x, v.y, v.z)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quarter_turns_are_exact() {
-        let m = rotation([90.0, 0.0, 0.0]);
-        assert_eq!(m * DVec3::Y, DVec3::Z);
-        let m = rotation([0.0, 90.0, 0.0]);
-        assert_eq!(m * DVec3::Z, DVec3::X);
-        let m = rotation([0.0, 0.0, -270.0]);
-        assert_eq!(m * DVec3::X, DVec3::Y);
-        // The rotation about x comes first, then that about z.
-        let m = rotation([90.0, 0.0, 90.0]);
-        assert_eq!(m * DVec3::Y, DVec3::Z);
-        assert_eq!(m * DVec3::X, DVec3::Y);
-    }
-
-    #[test]
-    fn a_quarter_turn_leaves_no_products_behind() {
-        let (x, y, z) = Tree::axes();
-        let tree = x.abs().max(y.abs() - 1.0).max(z.abs() - 2.0) - 1.0;
-        let turned = mapped(&tree, rotation([0.0, 0.0, 90.0]), 1.0);
-        let plain = expand(&tree).unwrap().0.len();
-        let size = expand(&turned).unwrap().0.len();
-        // The zeros vanish on import. What is left is at most a few constants
-        // and one sign.
-        assert!(size <= plain + 4, "{size} from {plain}");
-    }
 }

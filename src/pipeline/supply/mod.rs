@@ -1,26 +1,25 @@
-//! Filled layers from below, made ahead of whoever writes them.
+//! Filled layers of one part from below. [`plate`] hands over those of several
+//! parts, ahead of whoever writes them, and `bridges` lays internal bridges.
 //!
 //! In: the slabs of a part. Out: its layers in order, a few at a time, each
 //! with the neighbours on which it depends. Only the window of layers on which
 //! later layers depend is kept. So memory grows with the part's height only if it
 //! has supports, whose plan is kept elsewhere.
 
+mod bridges;
+pub(super) mod plate;
+
 use super::layer::{Filled, Inside, Layer, Ready};
-use super::stages::{OverInfill, Stages};
+use super::stages::Stages;
 use super::{BLOCK, SliceError};
 use crate::layers::LayerSpan;
-use crate::limits;
 use crate::plane::Solid;
-use crate::plane::grid::EdgeGrid;
-use crate::skin::over_infill::{Below, CELL, Level, Under};
+use bridges::{Bridges, Window};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
-use std::panic::resume_unwind;
 use std::sync::Arc;
-use std::sync::mpsc::sync_channel;
-use std::thread;
 
 /// Number of points of the outlines of layers that are filled together. Then
 /// the layers are handed over, since their beads take several times the memory
@@ -43,40 +42,7 @@ pub(super) struct Supply<'a> {
     next: usize,
     /// Index of the first layer that is handed over.
     first: usize,
-    /// The infill of the layer that was filled last, if internal bridges may
-    /// lie on it.
-    under: Option<Infilled>,
-    /// The infill of that layer as a run finds it that begins with the next
-    /// block: the block's lowest layers lie on this infill in each run.
-    early: Option<Infilled>,
-}
-
-/// A layer's sparse infill and its internal bridges, on which beads may lie.
-struct Infilled {
-    sparse: Solid<'static>,
-    lines: EdgeGrid,
-    levels: Vec<Below>,
-}
-
-impl Infilled {
-    fn new(filled: &Filled, levels: Vec<Level>) -> Infilled {
-        let infill = &filled.beads.infill;
-        let lines = infill.iter().map(|bead| bead.path());
-        let beside = |level: Level| level.beside(filled.sparse.area(), infill);
-        Infilled {
-            sparse: filled.sparse.clone(),
-            lines: EdgeGrid::of_lines(lines, CELL),
-            levels: levels.into_iter().map(beside).collect(),
-        }
-    }
-
-    fn under(&self) -> Under<'_> {
-        Under {
-            area: &self.sparse,
-            sparse: &self.sparse,
-            lines: &self.lines,
-        }
-    }
+    bridges: Bridges,
 }
 
 impl<'a> Supply<'a> {
@@ -105,8 +71,7 @@ impl<'a> Supply<'a> {
             window: VecDeque::new(),
             next: first.saturating_sub(below),
             first,
-            under: None,
-            early: None,
+            bridges: Bridges::default(),
             layers,
         }
     }
@@ -269,79 +234,14 @@ impl<'a> Supply<'a> {
             }
         }
         if stages.bridges_infill() {
-            self.bridge(which.start, &mut all)?;
+            let window = Window {
+                stages,
+                pool: self.pool,
+                layers: &self.window,
+            };
+            self.bridges.lay(&window, which.start, &mut all)?;
         }
         Ok(all)
-    }
-
-    /// Lays internal bridges in some layers, the first of which is layer
-    /// `start` of the window. They come one after the other: where bridges
-    /// replace a layer's infill, the next layer lies on the bridges.
-    fn bridge(
-        &mut self,
-        start: usize,
-        all: &mut [Filled],
-    ) -> Result<(), SliceError> {
-        for (k, filled) in all.iter_mut().enumerate() {
-            let i = start + k;
-            let from_block = self.early(i, filled)?;
-            let over = self.over(i, filled, self.under.as_ref())?;
-            let levels = over.map_or(Vec::new(), |over| {
-                filled.beads.skin = over.skin;
-                filled.beads.infill = over.infill;
-                filled.sparse = Solid::new(over.sparse);
-                over.levels
-            });
-            let own = || Infilled::new(filled, levels);
-            self.under = from_block.or_else(|| Some(own()));
-        }
-        Ok(())
-    }
-}
-
-impl Supply<'_> {
-    /// What internal bridges make of layer `i` of the window, if there are any.
-    fn over(
-        &self,
-        i: usize,
-        filled: &Filled,
-        under: Option<&Infilled>,
-    ) -> Result<Option<OverInfill>, SliceError> {
-        let (Some(below), Some(areas)) = (under, &filled.areas) else {
-            return Ok(None);
-        };
-        if areas.skin.is_empty() {
-            return Ok(None);
-        }
-        let (layers, levels) = (&self.window, &below.levels);
-        self.pool.install(|| {
-            self.stages
-                .over_infill(layers, i, areas, below.under(), levels)
-        })
-    }
-
-    /// What the next block's lowest layer lies on, if layer `i` of the window is
-    /// right below it. It follows from the layers that a run rehearses which
-    /// begins there, so their infill is as if nothing lay on what is below.
-    fn early(
-        &mut self,
-        i: usize,
-        filled: &Filled,
-    ) -> Result<Option<Infilled>, SliceError> {
-        let rehearsed = self.stages.rehearsed_bridges();
-        let away = BLOCK - self.window[i].span.index % BLOCK;
-        if away > rehearsed {
-            return Ok(None);
-        }
-        let below = if away == rehearsed {
-            None
-        } else {
-            self.early.take()
-        };
-        let over = self.over(i, filled, below.as_ref())?;
-        let levels = over.map_or(Vec::new(), |over| over.levels);
-        self.early = Some(Infilled::new(filled, levels));
-        Ok(if away == 1 { self.early.take() } else { None })
     }
 }
 
@@ -354,142 +254,6 @@ fn all_or_first<T>(
 
 /// Layers that are written together.
 type Batch = Result<Vec<Ready>, SliceError>;
-
-/// The layers of all parts of a plate, in order.
-pub(super) struct Supplies<'a> {
-    parts: Vec<OfPart<'a>>,
-    /// Index of the layer that is handed over next.
-    next: usize,
-}
-
-/// The layers of one part.
-struct OfPart<'a> {
-    supply: Supply<'a>,
-    /// The layers that wait for other parts.
-    waiting: VecDeque<Ready>,
-    /// Index after the part's last layer.
-    end: usize,
-}
-
-/// One layer of several of the plate's parts, each with the part's number.
-pub(super) type OnPlate = Vec<(usize, Ready)>;
-
-impl<'a> Supplies<'a> {
-    /// The supplies of parts that each have their `spans`: `layers` of all of
-    /// them, and the layers of the same block before these.
-    pub(super) fn new(
-        parts: impl IntoIterator<Item = (&'a Stages<'a>, &'a [LayerSpan])>,
-        pool: &'a ThreadPool,
-        layers: &Range<usize>,
-    ) -> Self {
-        let of_part = |(stages, spans): (&'a Stages<'a>, &'a [LayerSpan])| {
-            let end = layers.end.min(spans.len());
-            let supply = Supply::new(stages, pool, spans, layers.start..end);
-            let waiting = VecDeque::new();
-            OfPart {
-                supply,
-                waiting,
-                end,
-            }
-        };
-        Supplies {
-            parts: parts.into_iter().map(of_part).collect(),
-            next: layers.start - layers.start % BLOCK,
-        }
-    }
-
-    /// Passes the layers to `write`. While it works on some layers the next
-    /// ones are made, unless one thread has to do everything.
-    ///
-    /// # Errors
-    /// The first error of the supplies or of `write`.
-    pub(super) fn each(
-        self,
-        pool: &ThreadPool,
-        mut write: impl FnMut(OnPlate) -> Result<(), SliceError>,
-    ) -> Result<(), SliceError> {
-        let mut write_all = |batches: &mut dyn Iterator<Item = PlateBatch>| {
-            for batch in batches {
-                batch?.into_iter().try_for_each(&mut write)?;
-            }
-            Ok(())
-        };
-        if pool.current_num_threads() == 1 {
-            let mut batches = self;
-            return write_all(&mut batches);
-        }
-        let watch = limits::Watch::current();
-        thread::scope(|scope| {
-            // Only as many layers wait as are being written.
-            let (hand, batches) = sync_channel(0);
-            let supply = thread::Builder::new().name("layers".into());
-            let supply = supply
-                .spawn_scoped(scope, move || {
-                    limits::Watch::adopt(watch.as_ref());
-                    for batch in self {
-                        let failed = batch.is_err();
-                        // Nobody takes the batch if writing has failed.
-                        if hand.send(batch).is_err() || failed {
-                            break;
-                        }
-                    }
-                })
-                .map_err(SliceError::LayersThread)?;
-            let written = write_all(&mut batches.into_iter());
-            match supply.join() {
-                Ok(()) => written,
-                Err(panic) => resume_unwind(panic),
-            }
-        })
-    }
-
-    /// Makes sure that every part that goes on has a layer waiting.
-    fn fetch(&mut self) -> Result<(), SliceError> {
-        for part in &mut self.parts {
-            while part.end > self.next && part.waiting.is_empty() {
-                match part.supply.next() {
-                    Some(batch) => part.waiting.extend(batch?),
-                    None => part.end = self.next,
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The next layer, if every part that goes on has it waiting.
-    fn take(&mut self) -> Option<OnPlate> {
-        let next = self.next;
-        let on = self.parts.iter().filter(|part| part.end > next);
-        let (mut any, mut all) = (false, true);
-        for part in on {
-            any = true;
-            all &= !part.waiting.is_empty();
-        }
-        if !any || !all {
-            return None;
-        }
-        self.next += 1;
-        let parts = self.parts.iter_mut().enumerate();
-        let on = parts.filter(|(_, part)| part.end > next);
-        let taken = on.filter_map(|(k, p)| Some((k, p.waiting.pop_front()?)));
-        Some(taken.collect())
-    }
-}
-
-/// Layers of a plate that are written together.
-type PlateBatch = Result<Vec<OnPlate>, SliceError>;
-
-impl Iterator for Supplies<'_> {
-    type Item = PlateBatch;
-
-    fn next(&mut self) -> Option<PlateBatch> {
-        if let Err(error) = self.fetch() {
-            return Some(Err(error));
-        }
-        let batch: Vec<OnPlate> = std::iter::from_fn(|| self.take()).collect();
-        (!batch.is_empty()).then_some(Ok(batch))
-    }
-}
 
 impl Iterator for Supply<'_> {
     type Item = Batch;

@@ -1,19 +1,22 @@
 //! `isoslice profiles import`: makes profiles of those of other slicers.
 
+mod files;
+mod summary;
+mod words;
+
 use super::folder::ProfilesSource;
-use super::output::{self, is_stream};
+use super::output::is_stream;
 use super::{plain, terminal};
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::Args;
-use isoslice::files::Output;
 use isoslice::settings::{Builder, ProfileKind, Settings, keys};
 use isoslice::{try_templates, understands_placeholder};
 use slicerprofile::{
     Kind, Left, Picked, Setting, Source, Translation, Value, fill, translate,
 };
 use std::fmt::Write as _;
-use std::fs;
 use std::path::{Path, PathBuf};
+use words::{assignment, one_line, slug};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -23,11 +26,6 @@ Examples:
   isoslice profiles import PrusaResearch.ini --list
   isoslice profiles import PrusaResearch.ini --name \"Original Prusa MK4S 0.4 nozzle\"
   isoslice profiles import fine.curaprofile --as fine --all";
-
-/// Greatest number of keys that the summary names, of each kind.
-const MOST_SHOWN: usize = 8;
-/// Greatest length of a profile's name.
-const LONGEST_NAME: usize = 80;
 
 /// Arguments of `isoslice profiles import`.
 #[derive(Args, Debug)]
@@ -141,7 +139,8 @@ impl Import {
         }
         if translation.settings.is_empty() {
             bail!(
-                "{}: isoslice knows none of its {} keys",
+                "{}: isoslice knows none of its {} keys; it must be a profile of \
+                 PrusaSlicer, OrcaSlicer, Bambu Studio or Cura",
                 file.display(),
                 picked.values.len()
             );
@@ -357,166 +356,6 @@ impl Import {
         }
         Ok(text)
     }
-
-    /// Writes everything into one file.
-    fn write_one(
-        &self,
-        path: &Path,
-        args: &ImportArgs,
-    ) -> anyhow::Result<Vec<Written>> {
-        let text = self.text(&self.kinds)?;
-        let exists = !is_stream(path) && fs::symlink_metadata(path).is_ok();
-        if exists && !args.force {
-            bail!("{} is already there; --force replaces it", path.display());
-        }
-        put(path, &args.file, &text)?;
-        let kind = self.kinds.first().copied().unwrap_or(Kind::Print);
-        let name = path.display().to_string();
-        Ok(vec![(kind, name, path.to_owned())])
-    }
-
-    /// Writes a file for each kind into the user's folder.
-    fn write_each(&self, args: &ImportArgs) -> anyhow::Result<Vec<Written>> {
-        let Some(folder) = args.source.folder() else {
-            bail!(
-                "there is no folder for your profiles: name one with \
-                 --profiles DIR, or a file with -o FILE"
-            );
-        };
-        let given = match &args.new_name {
-            Some(name) => {
-                let fine = slug(name);
-                if fine.is_empty() || fine != *name {
-                    bail!(
-                        "--as {name:?} is no name of a profile: use small \
-                         letters, digits, dots and dashes, as in {:?}",
-                        if fine.is_empty() { "my-printer" } else { &fine }
-                    );
-                }
-                Some(fine)
-            }
-            None => None,
-        };
-        let mut files = Vec::new();
-        for kind in &self.kinds {
-            let own = self.picked.names.iter().find(|n| n.kind == *kind);
-            let own = own.map_or(self.name.clone(), |n| slug(&n.name));
-            let name = match given.clone().unwrap_or(own) {
-                none if none.is_empty() => "imported".to_owned(),
-                name => name,
-            };
-            let folder = folder.join(ours(*kind).folder());
-            let path = folder.join(format!("{name}.toml"));
-            if fs::symlink_metadata(&path).is_ok() && !args.force {
-                bail!(
-                    "there is a profile {} already; choose another name with \
-                     --as NAME, or replace it with --force",
-                    path.display()
-                );
-            }
-            files.push((*kind, name, folder, path));
-        }
-        // All are written before the first is put in its place.
-        let mut outputs = Vec::new();
-        for (kind, name, folder, path) in files {
-            fs::create_dir_all(&folder).with_context(|| {
-                format!("cannot make the folder {}", folder.display())
-            })?;
-            let text = self.text(&[kind])?;
-            let output = begun(&path, &args.file, &text)?;
-            outputs.push((output, (kind, name, path)));
-        }
-        let mut written: Vec<Written> = Vec::new();
-        let mut fresh: Vec<PathBuf> = Vec::new();
-        for (output, (kind, name, path)) in outputs {
-            let is_fresh = fs::symlink_metadata(&path).is_err();
-            if let Err(error) = output.finish() {
-                for path in fresh {
-                    // The first error is reported, so later ones are dropped.
-                    let _ = fs::remove_file(path);
-                }
-                return Err(error.into());
-            }
-            if is_fresh {
-                fresh.push(path.clone());
-            }
-            written.push((kind, name, path));
-        }
-        Ok(written)
-    }
-
-    /// What was done, for people.
-    fn summary(&self, written: &[Written], all: bool) -> String {
-        let t = &self.translation;
-        let mut out = String::new();
-        for (_, _, path) in written {
-            let _ = writeln!(out, "wrote {}", plain::value(path.display()));
-        }
-        let _ = writeln!(
-            out,
-            "{} keys became {} settings, {} are not needed, {} have no \
-             counterpart, {} are not known",
-            t.mapped,
-            t.settings.len(),
-            t.ignored.len(),
-            t.lost.len(),
-            t.unknown.len()
-        );
-        if all {
-            for setting in &t.settings {
-                let _ = writeln!(
-                    out,
-                    "  {} = {}, from {}",
-                    setting.name,
-                    plain::value(shown(&setting.value)),
-                    plain::value(setting.from.join(", "))
-                );
-            }
-        }
-        let lists = [
-            ("no counterpart", &t.lost, true),
-            ("not known", &t.unknown, true),
-            ("not needed", &t.ignored, false),
-        ];
-        for (title, list, always) in lists {
-            if list.is_empty() || !(always || all) {
-                continue;
-            }
-            let _ = writeln!(out, "{title}:");
-            let most = if all { list.len() } else { MOST_SHOWN };
-            for left in list.iter().take(most) {
-                let _ = writeln!(
-                    out,
-                    "  {} = {}: {}",
-                    plain::value(&left.key),
-                    plain::value(shortened(&left.value)),
-                    plain::value(&left.why)
-                );
-            }
-            if list.len() > most {
-                let more = list.len() - most;
-                let _ = writeln!(out, "  and {more} more: --all names them");
-            }
-        }
-        for remark in &self.remarks {
-            let _ = writeln!(out, "note: {}", plain::line(remark));
-        }
-        if !written.is_empty() {
-            let options: Vec<String> = written
-                .iter()
-                .map(|(kind, name, _)| {
-                    let word = ours(*kind).word();
-                    format!("--{word} {}", plain::value(name))
-                })
-                .collect();
-            let _ = writeln!(
-                out,
-                "slice with it: isoslice slice part.rhai {}",
-                options.join(" ")
-            );
-        }
-        out
-    }
 }
 
 /// A file that was written: its kind, its name on the command line, its path.
@@ -528,88 +367,5 @@ fn ours(kind: Kind) -> ProfileKind {
         Kind::Printer => ProfileKind::Printer,
         Kind::Filament => ProfileKind::Filament,
         Kind::Print => ProfileKind::Preset,
-    }
-}
-
-/// A setting as a line of TOML.
-fn assignment(setting: &Setting) -> String {
-    let value = match &setting.value {
-        Value::Number(x) => shown(&Value::Number(*x)),
-        Value::Switch(yes) => yes.to_string(),
-        Value::Text(text) => toml::Value::String(text.clone()).to_string(),
-    };
-    format!("{} = {value}", setting.name)
-}
-
-fn shown(value: &Value) -> String {
-    match value {
-        // Whole settings have no decimals.
-        Value::Number(x) => format!("{x}"),
-        Value::Switch(yes) => yes.to_string(),
-        Value::Text(text) => shortened(text),
-    }
-}
-
-/// A value, as part of a line of the summary.
-fn shortened(text: &str) -> String {
-    const MOST: usize = 60;
-    match text.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
-    }
-}
-
-/// Text that cannot end a comment's line.
-fn one_line(text: &str) -> String {
-    let plain = |c: char| if c.is_control() { ' ' } else { c };
-    text.chars().map(plain).collect()
-}
-
-/// The name of a profile's file: small letters, digits, dots and dashes.
-fn slug(name: &str) -> String {
-    let mut out = String::new();
-    for c in name.chars().flat_map(char::to_lowercase) {
-        let plain = c.is_alphanumeric() || (c == '.' && !out.is_empty());
-        if plain && out.len() < LONGEST_NAME {
-            out.push(c);
-        } else if !out.ends_with('-') && !out.is_empty() {
-            out.push('-');
-        }
-    }
-    let out = out.trim_end_matches(['-', '.']);
-    // With this ending the name would be a path on the command line.
-    out.strip_suffix(".toml").unwrap_or(out).to_owned()
-}
-
-/// Writes a file, whole or not at all.
-fn put(path: &Path, input: &Path, text: &str) -> anyhow::Result<()> {
-    Ok(begun(path, input, text)?.finish()?)
-}
-
-/// A file with its text, which has not been put in its place yet.
-fn begun(path: &Path, input: &Path, text: &str) -> anyhow::Result<Output> {
-    let mut output = output::create(path, &[input])?;
-    output.put(text.as_bytes())?;
-    Ok(output)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_of_files_are_plain() {
-        for (name, file) in [
-            (
-                "Original Prusa MK4S 0.4 nozzle",
-                "original-prusa-mk4s-0.4-nozzle",
-            ),
-            ("../../etc/passwd", "etc-passwd"),
-            ("K1 (0.4)", "k1-0.4"),
-            ("a.toml", "a"),
-            ("…", ""),
-        ] {
-            assert_eq!(slug(name), file);
-        }
     }
 }

@@ -1,0 +1,165 @@
+//! What each kind of firmware does: one row for each.
+//!
+//! In: a [`Flavour`]. Out: facts that several modules ask for. The words of
+//! G-code in which firmwares differ stand in `gcode/flavour.rs` and
+//! `gcode/label.rs`, and how they take corners in `pace/motion/planner.rs`.
+//! Every match there names all flavours, so the compiler lists what a new one
+//! needs.
+
+use super::words::Flavour;
+use crate::units::{Mm, PerSec};
+
+/// What a kind of firmware does.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Firmware {
+    /// Moves a second that it takes; a cautious figure.
+    pub moves_per_second: PerSec,
+    /// Whether it retracts by itself (G10 and G11).
+    pub retraction: Retraction,
+    /// What it refuses to extrude, unless its configuration says otherwise.
+    pub refuses: Option<Refusals>,
+    /// True if some of its printers read binary G-code.
+    pub reads_binary: bool,
+    /// True if its printers read G-code packed as .gcode.3mf, and expect it.
+    pub reads_plates: bool,
+    /// True if it keeps one acceleration for printing and travelling, which
+    /// then has to be set before each change from one to the other.
+    pub one_acceleration: bool,
+    /// True if it keeps statistics of the print that hosts read the layer's
+    /// number from.
+    pub print_stats: bool,
+    /// True if it shows how far a print has come (M73).
+    pub shows_progress: bool,
+    /// True if it forgets where it should be while it leaves out a part.
+    pub forgets_place: bool,
+    /// True if the label of a part names the part's outline.
+    pub outlines_parts: bool,
+    /// The line that selects the extruder, for firmware that starts with none
+    /// selected: temperatures are for the selected one.
+    pub select_tool: Option<&'static str>,
+    /// Cura's name of it. Cura reads a file with a name that it does not know
+    /// as one for Marlin.
+    pub cura_name: &'static str,
+}
+
+/// Whether firmware retracts by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Retraction {
+    /// It takes any lengths and speeds.
+    Any,
+    /// It refuses to push less than it pulled, and low speeds.
+    Klipper,
+    /// It does not.
+    None,
+}
+
+/// What firmware refuses to extrude. Klipper's are the only such limits that
+/// are known, so messages about them name Klipper.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Refusals {
+    /// Greatest cross-section of a line, in squares of the nozzle.
+    pub section: f64,
+    /// Greatest length of filament that is fed while the head stands.
+    pub feed: Mm,
+}
+
+/// Marlin gets its lines over a serial line mostly: 25 bytes at 115,200 baud
+/// are 2 ms, and each line is answered before the next but a few comes. A
+/// Marlin built without M73 says that it does not know M73, and goes on.
+const MARLIN: Firmware = Firmware {
+    moves_per_second: 200.0,
+    retraction: Retraction::Any,
+    refuses: None,
+    reads_binary: false,
+    reads_plates: false,
+    one_acceleration: false,
+    print_stats: false,
+    shows_progress: true,
+    forgets_place: true,
+    outlines_parts: false,
+    select_tool: None,
+    cura_name: "Marlin",
+};
+
+/// Klipper plans on the host. Its limits are the defaults of
+/// `max_extrude_cross_section` and `max_extrude_only_distance`
+/// (docs/Config_Reference.md).
+const KLIPPER: Firmware = Firmware {
+    moves_per_second: 1000.0,
+    retraction: Retraction::Klipper,
+    refuses: Some(Refusals {
+        section: 4.0,
+        feed: 50.0,
+    }),
+    reads_binary: false,
+    reads_plates: false,
+    one_acceleration: true,
+    print_stats: true,
+    shows_progress: false,
+    forgets_place: false,
+    outlines_parts: true,
+    select_tool: None,
+    cura_name: "Marlin",
+};
+
+/// RepRapFirmware 3 reads the file itself.
+const RRF: Firmware = Firmware {
+    moves_per_second: 500.0,
+    retraction: Retraction::Any,
+    refuses: None,
+    reads_binary: false,
+    reads_plates: false,
+    one_acceleration: false,
+    print_stats: false,
+    shows_progress: false,
+    forgets_place: false,
+    outlines_parts: false,
+    select_tool: Some("T0"),
+    cura_name: "RepRap",
+};
+
+/// Prusa's 32-bit boards read the file themselves. Those from the MINI and the
+/// MK3.5 on read binary G-code.
+const PRUSA: Firmware = Firmware {
+    moves_per_second: 400.0,
+    retraction: Retraction::Any,
+    refuses: None,
+    reads_binary: true,
+    reads_plates: false,
+    one_acceleration: false,
+    print_stats: false,
+    shows_progress: true,
+    forgets_place: true,
+    outlines_parts: false,
+    select_tool: None,
+    cura_name: "Marlin",
+};
+
+/// Bambu Lab's printers read the file themselves.
+const BAMBU: Firmware = Firmware {
+    moves_per_second: 500.0,
+    retraction: Retraction::None,
+    refuses: None,
+    reads_binary: false,
+    reads_plates: true,
+    one_acceleration: true,
+    print_stats: false,
+    shows_progress: true,
+    forgets_place: true,
+    outlines_parts: false,
+    select_tool: None,
+    cura_name: "Marlin",
+};
+
+impl Flavour {
+    /// What the firmware does.
+    pub(crate) fn firmware(self) -> &'static Firmware {
+        match self {
+            Flavour::Marlin => &MARLIN,
+            Flavour::Klipper => &KLIPPER,
+            Flavour::Rrf => &RRF,
+            Flavour::Prusa => &PRUSA,
+            Flavour::Bambu => &BAMBU,
+        }
+    }
+}
