@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds a Debian package of isoslice, with manual pages and completions:
+# Builds a Debian package of isoslice, with manual pages, completions, an
+# icon, and an entry that opens scripts with `isoslice watch`:
 #
 #     cargo install cargo-deb
 #     contrib/debian/build.sh

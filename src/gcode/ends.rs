@@ -21,7 +21,7 @@ const MAKER: &str = concat!("isoslice ", env!("CARGO_PKG_VERSION"));
 /// The day of this version, which stands in files without a timestamp. Some
 /// hosts recognise a slicer's file by the date behind the slicer's name. The
 /// clock does not change it.
-const DAY: &str = "2026-11-22";
+const DAY: &str = "2026-11-24";
 
 /// What the head of a text file says. In other formats it stands beside the
 /// text.
@@ -342,4 +342,16 @@ fn day_and_time(at: SystemTime) -> Option<(String, String)> {
 fn bed_heated(settings: &Settings) -> bool {
     let filament = &settings.filament;
     filament.bed_temperature > 0.0 || filament.first_layer_bed_temperature > 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DAY;
+
+    #[test]
+    fn the_day_of_this_version_is_that_in_the_changelog() {
+        let version = env!("CARGO_PKG_VERSION");
+        let heading = format!("## [{version}] - {DAY}\n");
+        assert!(include_str!("../../CHANGELOG.md").contains(&heading));
+    }
 }
