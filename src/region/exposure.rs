@@ -85,7 +85,7 @@ pub(crate) fn roomy(fill: &Area, settings: &Settings) -> Area {
     if settings.is_solid() {
         Area::EMPTY
     } else {
-        printable(fill, settings)
+        printable(fill, BETWEEN_WALLS, settings)
     }
 }
 
@@ -270,8 +270,8 @@ impl<'a> Exposure<'a> {
                 Exposed::Everywhere => {}
                 Exposed::Part(part) => {
                     let grown = grown(&part, &hanging, settings);
-                    let left =
-                        printable(&difference(&island, &grown), settings);
+                    let left = difference(&island, &grown);
+                    let left = printable(&left, BESIDE_SKIN, settings);
                     sparse.extend(left.islands());
                 }
             }
@@ -446,14 +446,19 @@ fn less(area: &Area, islands: &[Area]) -> Area {
     }
 }
 
-/// The parts of an area wide and large enough for sparse infill: lines that
-/// cross a narrower one would be stubs, and few of them.
-fn printable(area: &Area, settings: &Settings) -> Area {
+/// Least width of sparse infill between walls, in its lines.
+const BETWEEN_WALLS: f64 = 1.0;
+/// Least width of sparse infill beside skin, in its lines. The lines that cross a narrower strip are stubs, and
+/// so few that the skin above it would hang; skin widened by the strip has a
+/// stroke more.
+const BESIDE_SKIN: f64 = 2.0;
+
+/// The parts of an area large enough for sparse infill, and as wide as so many
+/// of its lines.
+fn printable(area: &Area, lines: f64, settings: &Settings) -> Area {
     /// Narrower than this, along all of its border, is what rounding takes.
     const ROUNDING: Mm = 1e-5;
-    /// Width of the narrowest part, in lines.
-    const LINES: f64 = 2.0;
-    let half = 0.5 * LINES * settings.infill_width();
+    let half = 0.5 * lines * settings.infill_width();
     let mut wide = Area::EMPTY;
     for island in area.islands() {
         if island.content() < settings.skin_min_area {
