@@ -25,14 +25,14 @@ pub(super) struct Ball {
 
 /// Distance of the balls along the border, mm: shorter edges get one each.
 pub(super) const STEP: Mm = 0.2;
-/// How exactly the end of a ridge is looked for along the border, mm.
+/// Accuracy along the border with which the end of a ridge is found, mm.
 const END: Mm = 0.005;
-/// The same where the area becomes thicker than what matters: the ridge is cut
-/// by its thickness there.
+/// Accuracy of a ridge's end where the area becomes thicker than what matters,
+/// mm. It may be coarse, since the ridge is cut by its thickness there.
 const THICK_END: Mm = 0.05;
 /// Turn of the border at a corner, and between balls that touch the corner.
 const FAN: f64 = 0.35;
-/// How deep the border may be in a ball that touches it, mm.
+/// Greatest depth of the border in a ball that touches it, mm.
 const DEEP: Mm = 5e-4;
 /// Distance of ball and border below which they touch, mm.
 const TOUCHING: Mm = 1e-5;
@@ -40,9 +40,11 @@ const TOUCHING: Mm = 1e-5;
 /// The stretches of edges that balls from the other side touch: asked again
 /// from this side, they would give the same ridge.
 struct Seen {
-    /// Each edge's last entry in `stretches`; `NONE` without one.
+    /// Each edge's last entry in `stretches`; `NONE` for edges that have no
+    /// entry.
     last: Vec<u32>,
-    /// From where to where along an edge, and the entry before it.
+    /// Stretches of edges: where each begins and ends along its edge, and the
+    /// entry before it of the same edge.
     stretches: Vec<(Mm, Mm, u32)>,
 }
 
@@ -93,7 +95,7 @@ impl Seen {
     }
 }
 
-/// What balls are grown from.
+/// The border of an area, from which balls are grown.
 pub(super) struct Border<'a> {
     grid: &'a EdgeGrid,
     /// Largest radius that matters.
@@ -186,9 +188,9 @@ impl<'a> Border<'a> {
                 before = None;
                 continue;
             }
-            // Nothing within reach of the whole edge's centres: no ball
-            // shrinks. A little less than the radius, or every edge would
-            // meet the next.
+            // If nothing is within reach of all centres along the edge, no ball
+            // shrinks. The reach is a little less than the radius, or each edge
+            // would meet the next one.
             let up = normal * self.radius;
             let beside = before.is_some_and(|b| b.2.is_some());
             if !beside && self.grid.clear(a + up, b + up, 0.98 * self.radius) {
@@ -267,8 +269,8 @@ impl<'a> Border<'a> {
             self.meets(number, r, here.is_some());
             self.meets(last, r, here.is_some());
             let here = here.filter(|g| {
-                // Of two corners the first one has the balls, and of a corner
-                // and an edge as well.
+                // A ball between two corners, or between a corner and an edge,
+                // belongs to the first of the two.
                 let (a, b) = self.grid.edge(g.edge);
                 match g.touch {
                     q if q.distance(a) < TOUCHING => number < g.edge,
@@ -365,7 +367,7 @@ impl<'a> Border<'a> {
             let (last, next) = (self.last[edge], self.next[edge]);
             let near = [last as usize, edge, next as usize];
             let radii = near.map(|e| match self.radii[e] {
-                // Nothing is known.
+                // Nothing is known of the edge.
                 (least, _) if least == f64::INFINITY => (0.0, f64::INFINITY),
                 radii => radii,
             });
@@ -483,8 +485,8 @@ impl<'a> Border<'a> {
                 return None;
             }
             touch = Some((edge, q));
-            // What else is in the ball that touches here is hardly deeper in
-            // it than this is in the one before.
+            // Nothing is much deeper in the ball that touches here than this
+            // edge is in the ball before.
             let deep = r - q.distance(centre);
             r = v.length_squared() / (2.0 * up);
             if deep < DEEP {

@@ -19,10 +19,11 @@ use crate::units::Mm;
 use crate::vary::{Quantity, VaryError};
 use glam::DVec2;
 
-/// How far outlines are moved outwards, if that differs from place to place.
+/// The distance by which outlines are moved outwards, if it differs from place
+/// to place.
 pub(crate) struct Growth {
     by: Quantity,
-    /// From the outlines' coordinates to the expression's.
+    /// Vector from the outlines' coordinates to those of the expression.
     origin: DVec2,
 }
 
@@ -57,8 +58,9 @@ impl Growth {
         z: Mm,
         tolerance: Mm,
     ) -> Result<Area, VaryError> {
-        // What the border goes over on its way, outwards and inwards. It may meet
-        // itself there, as the border of a hole does that is filled.
+        // The areas that the border passes over on its way outwards and
+        // inwards. The border may meet itself there, as that of a hole does
+        // that is filled.
         let (mut added, mut taken) = (Area::EMPTY, Area::EMPTY);
         let (mut places, mut by) = (Vec::new(), Vec::new());
         for ring in &area.rings {
@@ -111,15 +113,16 @@ impl Growth {
     }
 }
 
-/// How far the outline of a layer is moved outwards.
+/// The distance by which the outline of a layer is moved outwards.
 #[derive(Clone, Copy)]
 enum Grow<'a> {
     By(Mm),
-    /// What differs from place to place, at a height.
+    /// A distance that differs from place to place, and the layer's height in
+    /// it.
     Varying(&'a Growth, Mm),
 }
 
-/// What is done to the outline of a layer: its slits are filled, it is moved
+/// The changes to the outline of a layer: its slits are filled, and it is moved
 /// outwards, and then inwards where it is not too thin for that.
 #[derive(Clone, Copy)]
 pub(crate) struct Compensation<'a> {
@@ -133,7 +136,8 @@ pub(crate) struct Compensation<'a> {
 }
 
 impl<'a> Compensation<'a> {
-    /// What the settings want for a layer. `growth` is what they say of places.
+    /// The changes that the settings ask for in a layer. `growth` is what they
+    /// say of places.
     pub(crate) fn new(
         span: &LayerSpan,
         settings: &Settings,
@@ -227,7 +231,7 @@ impl<'a> Compensation<'a> {
             *wall = grow(wall)?;
         }
         let grown = grow(closed.as_ref().unwrap_or(outline.area()))?;
-        // What was wider than a slit may be one now.
+        // A gap that was wider than a slit may be one now.
         let closed = match self.grow {
             Grow::By(..=0.0) => None,
             _ => self.closed(&Solid::of(&grown, CELL), walls),

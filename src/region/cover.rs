@@ -36,12 +36,12 @@ pub(crate) fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
     })
 }
 
-/// Where an island is not covered by all covers.
+/// The part of an island that is not covered by all covers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Exposed {
     /// Nowhere: all of them cover all of it.
     Nowhere,
-    /// In this part.
+    /// This part is not covered.
     Part(Area),
     /// Everywhere, or in all but parts that do not matter.
     Everywhere,
@@ -54,18 +54,18 @@ pub(crate) enum Covered {
     Wholly,
     /// Some of it, or all but a touch.
     Partly,
-    /// Nothing.
+    /// None of it.
     Not,
 }
 
 /// Connected areas, to be asked what covers touch or cover of them.
 pub(crate) struct Islands<'a> {
     all: &'a [Area],
-    /// Their edges.
+    /// Edges of the islands.
     grid: EdgeGrid,
     /// The box around all of them.
     bounds: Rect,
-    /// Their outer rings.
+    /// Outer rings of the islands.
     nest: Nest,
 }
 
@@ -100,7 +100,7 @@ impl<'a> Islands<'a> {
         self.all.iter().zip(self.touching(cover)).map(of).collect()
     }
 
-    /// By island, whether an edge of the cover runs in it.
+    /// For each island, true if an edge of the cover runs in it.
     fn touching(&self, cover: &Solid<'_>) -> Vec<bool> {
         let mut touched = vec![false; self.all.len()];
         for ring in &cover.area().rings {
@@ -351,7 +351,7 @@ impl Near {
         area.rings.iter().map(ring).sum()
     }
 
-    /// By island the rings near to it.
+    /// For each island, the rings near it.
     fn rings(&self, area: &Area, islands: &[Area]) -> Vec<Vec<u32>> {
         let mut near = vec![Vec::new(); islands.len()];
         for (r, ring) in area.rings.iter().enumerate() {

@@ -39,9 +39,9 @@ use crate::units::Mm;
 /// The fill, split.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct FillAreas {
-    /// To be filled solid.
+    /// The area that is filled solid.
     pub skin: Area,
-    /// To be filled at the infill's density.
+    /// The area that is filled at the infill's density.
     pub sparse: Area,
 }
 
@@ -51,9 +51,9 @@ pub(crate) struct FillAreas {
 pub(crate) struct Window<'a> {
     /// Number of the layer.
     pub number: usize,
-    /// Its height.
+    /// Height of the layer.
     pub height: Mm,
-    /// Its outline.
+    /// Outline of the layer.
     pub here: &'a Solid<'a>,
     /// The layers above it, the nearest first, as far as the part and
     /// [`Exposure::reach_above`] reach; more do no harm.
@@ -134,13 +134,13 @@ impl<'a> Exposure<'a> {
         }
     }
 
-    /// How many layers above a layer it has to know: the next one, whose
-    /// outline tells roles, in any case.
+    /// Number of layers above a layer on which its fill depends: at least the
+    /// next one, whose outline decides roles.
     pub(crate) fn reach_above(&self) -> usize {
         slope_layers(self.covering(self.above.most())).max(1)
     }
 
-    /// How many layers below a layer it has to know.
+    /// Number of layers below a layer on which its fill depends.
     pub(crate) fn reach_below(&self) -> usize {
         slope_layers(self.covering(self.below.most())).max(1)
     }
@@ -281,8 +281,8 @@ impl<'a> Exposure<'a> {
 }
 
 impl<'a> Window<'a> {
-    /// What counts on a slope beside the first `layers` on one side; the last of
-    /// them recedes by `reach` from the farthest one.
+    /// The layers that count on a slope besides the first `layers` on one side.
+    /// The last of these recedes by `reach` from the farthest layer.
     fn slope(
         &self,
         side: &[&'a Solid<'a>],
@@ -328,7 +328,8 @@ impl Slope<'_> {
         let all = Area {
             rings: rings.cloned().collect(),
         };
-        // What is open is less than what lies under a slope: it first.
+        // The open area is smaller than the area under slopes, so it is looked
+        // at first.
         let covers: Option<Vec<Area>> = self
             .beyond
             .iter()
@@ -370,8 +371,8 @@ impl Slope<'_> {
     }
 }
 
-/// What of the exposed parts hangs in the air, by island, if bridges are to be
-/// anchored beyond the overlap that skin has anyway.
+/// For each island, the exposed parts that hang in the air, if bridges are to
+/// be anchored beyond the overlap that skin has anyway.
 fn hanging(
     exposed: &[Exposed],
     support: Option<&Solid<'_>>,
@@ -400,7 +401,7 @@ fn hanging(
             all.rings.extend(part.rings.iter().cloned());
         }
     }
-    // What a bead's own width bridges needs no anchor.
+    // A gap that a bead's own width bridges needs no anchor.
     let half = 0.5 * settings.bottom_skin_width();
     // Not `open`: what that cuts would shrink from the cut.
     let open = difference(&all, &near(&all, support.area()));
@@ -431,7 +432,8 @@ fn less(area: &Area, islands: &[Area]) -> Area {
     if islands.is_empty() {
         return area.clone();
     }
-    // By connected part: most are all sparse, or have no sparse area in them.
+    // Connected parts are looked at one by one, since most are all sparse or
+    // have no sparse area in them.
     let parts = area.islands();
     let inside = by_island(&parts, islands.to_vec());
     let rings = parts.into_iter().zip(inside).flat_map(|(part, inside)| {

@@ -15,11 +15,11 @@ use glam::DVec2;
 /// An island that begins in the air.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Floating {
-    /// Its outer ring and its holes.
+    /// Outer ring and holes of the island.
     pub island: Area,
-    /// A point of it.
+    /// A point of the island.
     pub at: DVec2,
-    /// Whether the layer below has solid around it.
+    /// True if the layer below has solid all around the island.
     pub in_cavity: bool,
 }
 

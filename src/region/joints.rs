@@ -57,7 +57,7 @@ const SLACK: Mm = 0.005;
 pub(super) struct Space {
     /// How wide such a bead may be.
     pub width: Mm,
-    /// Where the nearest border is, a unit vector; zero if there is none.
+    /// Direction of the nearest border, a unit vector; zero if there is none.
     pub out: DVec2,
 }
 
@@ -68,7 +68,7 @@ struct End {
     /// True for its last point, false for its first.
     last: bool,
     at: DVec2,
-    /// Where the stroke leads to, a unit vector.
+    /// Direction in which the stroke leads out of its end, a unit vector.
     ahead: DVec2,
     width: Mm,
 }
@@ -103,7 +103,7 @@ impl End {
         let turn = self.ahead.angle_to(-other.ahead).abs();
         let along = (self.ahead - other.ahead).normalize_or_zero();
         let near = way.length() <= REACH * mean
-            // They must not have passed each other by much.
+            // The two ends must not have passed each other by much.
             && way.dot(along) >= -mean;
         (near && turn <= TURN).then(|| turn + way.length() / mean)
     }
@@ -407,7 +407,7 @@ fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
     let open = order.into_iter().filter(|&i| !chains[i].stroke.closed);
     for i in open {
         crate::limits::check();
-        // How much of a bead with its middle at `p` lies on other strokes.
+        // Share of a bead with its middle at `p` that lies on other strokes.
         let over = |p: DVec2| {
             let mut most: Mm = 0.0;
             grid.visit_edges_near(p, p, STOP * widest, |edge| {
@@ -465,7 +465,7 @@ struct Line {
     first: usize,
     /// Distance along the stroke, and width, at each point of its path.
     at: Vec<(Mm, Mm)>,
-    /// From where to where along the stroke it is still laid.
+    /// The lengths along the stroke between which it is still laid.
     left: (Mm, Mm),
 }
 
@@ -498,7 +498,7 @@ impl Line {
             return 0.0;
         };
         let at = from + along;
-        // Of a stroke that yields nothing is left, not even its beginning.
+        // Nothing is left of a stroke that yields, not even its beginning.
         let laid = self.left.0 < self.left.1
             && (self.left.0..=self.left.1).contains(&at);
         if !laid {
@@ -543,7 +543,7 @@ mod tests {
         }
     }
 
-    /// What a stroke lays, by its height, mm².
+    /// The volume of a stroke divided by its height, mm².
     fn content(stroke: &Stroke) -> f64 {
         let each = stroke.segments().enumerate();
         each.map(|(i, (a, b))| {
@@ -641,7 +641,8 @@ mod tests {
         let lengths: Vec<f64> = beads.iter().map(Stroke::length).collect();
         assert_eq!(lengths.len(), 2);
         assert!((lengths[1] - 0.21).abs() < 0.01, "{lengths:?}");
-        // What reaches out by less than its round end covers does not.
+        // A stroke that reaches out by less than its round end covers does not
+        // reach out.
         let lobe = line(&[(0.0, 0.05), (0.0, 0.3)], 0.5);
         let (_, beads) = join(Vec::new(), vec![bead.clone(), lobe], anywhere);
         assert_eq!(beads, [bead]);
@@ -662,7 +663,7 @@ mod tests {
         assert!((shorter - 5.8).abs() < 0.05, "{shorter}");
     }
 
-    /// What yields must not make the other one yield as well.
+    /// A stroke that yields must not make the other one yield as well.
     #[test]
     fn of_two_strokes_as_long_as_each_other_one_stays() {
         for longer in [0.0, 0.004] {

@@ -21,7 +21,7 @@ const STEP: Mm = 0.2;
 /// surface (measured on lattices: pieces longer than their width only leave a
 /// third more of the solid uncovered, with as many retractions).
 const SHORTEST: f64 = 0.25;
-/// How exactly the place is found at which it has to end, mm.
+/// Accuracy of the place at which a line has to end, mm.
 const END: Mm = 0.005;
 /// Distance of the places at which a line's width is looked at, mm.
 const WIDEN_STEP: Mm = 0.1;
@@ -170,7 +170,8 @@ pub(super) fn cut(
         return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
     }
     let index = RidgeIndex::new(ridges, reach);
-    // Whether a place is free, as the segments near to it tell.
+    // True if no ridge is too near to a place. `near` are the segments that may
+    // be.
     let free = |p: DVec2, near: &[u32]| {
         match index.nearest_of(near, p, reach) {
             // A side of the thin place is half its thickness from the ridge,
@@ -206,7 +207,8 @@ pub(super) fn cut(
             let clear = if count > STRETCH {
                 index.clear(a, b, reach)
             } else {
-                // What may be near is looked at for each place anyway.
+                // On a short edge the segments that may be near are collected
+                // anyway: each place looks at them.
                 index.beside(a, b, reach, &mut near);
                 near.is_empty()
             };

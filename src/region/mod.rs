@@ -74,7 +74,7 @@ pub(crate) struct Walls {
     /// Depths of the walls' centre lines below the outline, where the part is
     /// not too thin for them.
     pub depths: Vec<Mm>,
-    /// What the walls leave for infill and skin.
+    /// The area that the walls leave for infill and skin.
     pub fill: Area,
     /// Some of the walls are not around the whole part, but around what the
     /// next layer covers.
@@ -195,7 +195,7 @@ fn cell(area: &Area) -> Mm {
 struct Skeleton<'a> {
     solid: Solid<'a>,
     ridges: Vec<Ridge>,
-    /// How far the area's edges can move inwards.
+    /// Distances by which the area's edges can move inwards.
     room: Room,
 }
 
@@ -319,7 +319,8 @@ pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
     for i in 0..settings.walls {
         depths.push(depth);
         let here = if i == 0 { outer } else { inner };
-        // What is filled begins half of the last wall's own spacing farther in.
+        // The filled area begins half of the last wall's own spacing farther
+        // in.
         let next = if i + 1 < settings.walls { inner } else { here };
         depth += spacing(here, next, height);
     }
@@ -434,7 +435,8 @@ fn laid(
             depth += plan.inner;
             let slivers = places.slivers(2 * k + 2, depth);
             let away = plan.inner - plan.centre;
-            // What the widths follow is found to a share of the accuracy.
+            // The ridges that the widths follow are found to a share of the
+            // accuracy.
             let fine = 0.4 * settings.accuracy;
             let walls = absorb(walls, &slivers, away, fine);
             // Skin begins with the bead of a thin place.

@@ -23,7 +23,7 @@ use rstar::{AABB, RTree};
 pub(crate) struct Neighbour<'a> {
     area: &'a Area,
     boxes: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
-    /// By ring.
+    /// The runs of each ring.
     runs: Vec<Runs>,
 }
 
@@ -37,7 +37,7 @@ struct Runs {
 /// Edges in a run: their boxes are then few beside the points themselves.
 const RUN: usize = 16;
 
-/// So much around an area is looked at, mm.
+/// Width of the border around an area that is looked at, mm.
 const MARGIN: Mm = 1.0;
 
 impl<'a> Neighbour<'a> {

@@ -30,11 +30,11 @@ pub(crate) struct Patch {
     pub thin: Vec<Stroke>,
     /// The ring whole.
     pub whole: Area,
-    /// Where these beads run inside the ring.
+    /// The area inside the ring that these beads run through.
     core: Vec<Ridge>,
 }
 
-/// How exactly the place is found at which a line has to end, mm.
+/// Accuracy of the place at which a line has to end, mm.
 const END: Mm = 0.005;
 /// Distance of the places at which a line is looked at, mm.
 const STEP: Mm = 0.2;
@@ -70,7 +70,7 @@ pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
 }
 
 impl Patch {
-    /// What lies more than `distance` inside the ring's centre line.
+    /// The area that lies more than `distance` inside the ring's centre line.
     pub(crate) fn inside(&self, distance: Mm, tolerance: Mm) -> Area {
         shrink(&self.whole, distance, tolerance)
     }

@@ -27,30 +27,30 @@ const STEP: Mm = 0.08;
 const LEAST: Mm = 0.02;
 /// Slack in distances that are equal but for thinning, mm.
 const SLACK: Mm = 0.01;
-/// How exactly the size of a ball is found, mm.
+/// Accuracy of the size of a ball, mm.
 const EXACT: Mm = 0.002;
-/// Times that a ball may shrink.
+/// Greatest number of times that a ball shrinks.
 const ROUNDS: usize = 8;
 /// Directions in which a place for other beads is looked for.
 const AROUND: usize = 8;
 
-/// What a wall leaves of an area, and what is laid there.
+/// The part of an area that a wall leaves, and what is laid there.
 pub(super) struct Left<'a> {
     /// The area's edges.
     pub grid: &'a EdgeGrid,
-    /// Depth at which it begins.
+    /// Depth in the area at which this part begins.
     pub depth: Mm,
-    /// How far the wall's lines are from it.
+    /// Distance of the wall's centre lines from this part.
     pub away: Mm,
     /// Width of the wall where nothing has widened it.
     pub width: Mm,
     /// Radius of the balls beside which another wall or skin is laid.
     pub radius: Mm,
-    /// The beads of thin places in it, as ridges of what is left.
+    /// The beads in thin places of this part, as its ridges.
     pub beads: &'a [Ridge],
-    /// Where the area's ridges end, which they do wherever strips meet.
+    /// The ends of the area's ridges, which are wherever strips meet.
     pub nodes: &'a EdgeGrid,
-    /// How far from such an end a pocket can be.
+    /// Greatest distance of a pocket from such an end.
     pub around: Mm,
 }
 
@@ -68,7 +68,7 @@ impl Left<'_> {
             .collect()
     }
 
-    /// How far from a pocket's middle a bead in its way can be.
+    /// Greatest distance from a pocket's middle of a bead that matters to it.
     fn reach(&self) -> Mm {
         2.0 * self.radius
     }
@@ -124,7 +124,7 @@ impl Left<'_> {
         if let (false, [_, .., b]) = (line.closed, line.points.as_slice()) {
             push(*b, line.width_at(n - 1), across(&line, n - 1), near);
         }
-        // One place alone is no pocket.
+        // A single place is no pocket.
         for i in 0..places.len() {
             let stays =
                 |k: usize| places.get(k).is_none_or(|p| p.moves.is_none());

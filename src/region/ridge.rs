@@ -71,7 +71,7 @@ pub(crate) fn ridges(
 }
 
 impl Ridge {
-    /// Its stroke, for a bead `extra` wider than the area is thick.
+    /// The ridge's stroke, for a bead `extra` wider than the area is thick.
     pub(super) fn stroke(&self, extra: Mm) -> Stroke {
         let widths = self.thickness.iter().map(|t| t + extra).collect();
         Stroke::varying(self.points.clone(), widths, self.closed)
@@ -251,7 +251,8 @@ mod tests {
         assert_eq!(r.points.len(), 2);
         assert!(r.thickness.iter().all(|t| (t - 0.5).abs() < 1e-4));
         assert!(r.points.iter().all(|p| (p.y - 0.25).abs() < 1e-4));
-        // It ends where a round end of that width reaches the strip's end.
+        // The ridge ends where a round end of that width reaches the strip's
+        // end.
         assert!((total(r) - 19.5).abs() < 0.3, "{}", total(r));
         assert!(ridges_of(&strip, 0.4).is_empty());
     }

@@ -125,15 +125,16 @@ fn between(a: Ball, b: Ball, grid: &EdgeGrid) -> impl Iterator<Item = Ball> {
     })
 }
 
-/// Where runs end.
+/// The ends of runs, for asking which are near each other.
 struct Ends {
     /// The ends as edges without length.
     grid: EdgeGrid,
     /// Farthest distance of ends that meet.
     reach: Mm,
-    /// By run, the one it has been joined to; itself, if to none.
+    /// For each run, the run that it has been joined to; the run itself, if
+    /// there is none.
     owner: Vec<usize>,
-    /// By run, the ways across from its ends to where others begin.
+    /// For each run, the ways across from its ends to the beginnings of others.
     links: Vec<Vec<Link>>,
 }
 
@@ -205,7 +206,7 @@ impl Ends {
     }
 }
 
-/// What has to be turned for one run to go on in another.
+/// The runs that have to be turned for one to go on in another.
 struct Meeting {
     turn_this: bool,
     turn_other: bool,
@@ -238,7 +239,8 @@ impl Meeting {
 }
 
 impl Ball {
-    /// How far the end of a run may be from where another goes on.
+    /// Greatest distance between the end of a run and the beginning of the run
+    /// that continues it.
     fn far(&self) -> Mm {
         (1.5 * STEP).max(1.1 * self.thickness)
     }
@@ -257,7 +259,7 @@ impl Ball {
 
     /// True if a bead from one to the other stays inside the border.
     fn leads_to(&self, other: &Ball, grid: &EdgeGrid) -> bool {
-        /// By how much it may stick out, mm.
+        /// Greatest length by which the bead may stick out, mm.
         const OUT: Mm = 0.01;
         let apart = self.centre.distance_squared(other.centre);
         let radius = 0.25 * (self.thickness + other.thickness) - OUT;

@@ -9,9 +9,9 @@ use crate::units::Mm;
 /// Layers of the shells on one side.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Shells {
-    /// So many, everywhere.
+    /// This many layers, everywhere.
     Alike(usize),
-    /// So many from each layer on, itself among them.
+    /// For each layer, this many layers from it on, counting itself.
     Each(Vec<usize>),
 }
 
@@ -23,7 +23,8 @@ impl Shells {
         thickness: Mm,
         upwards: bool,
     ) -> Shells {
-        // As whole layers are counted where they are alike.
+        // Share of a layer that counts as nothing, as it does where layers are
+        // alike.
         const SLACK: f64 = 1e-4;
         if thickness <= 0.0 {
             return Shells::Alike(0);

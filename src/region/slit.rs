@@ -30,16 +30,16 @@ use glam::DVec2;
 /// area to its left, from which on they face each other.
 const FACING: f64 = -0.866;
 
-/// How many times as long as the limit a slit is at least that gets wider.
+/// Least length of a slit that gets wider, in multiples of the limit.
 const LENGTH: f64 = 4.0;
 
-/// Edges that touch may overlap by so much for rounding, mm.
+/// Greatest overlap of edges that touch, due to rounding, mm.
 const ROUNDING: Mm = 1e-6;
 
-/// Share of the tolerance that goes to points that say nothing.
+/// Share of the tolerance that goes to leaving out points that hardly matter.
 const TIDY: f64 = 0.1;
 
-/// By how many times the tolerance a hole may be wider than a slit.
+/// By how much a hole may be wider than a slit, in multiples of the tolerance.
 const HARDLY: f64 = 10.0;
 
 /// The places in which an outline's slits are filled, each a little larger

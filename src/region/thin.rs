@@ -46,11 +46,13 @@ const ROUNDS: u32 = 5;
 struct Count {
     /// The nominal upper bound; the lower one is that of the count before.
     upto: Mm,
-    /// What it can be stretched to.
+    /// Least and greatest thickness to which this number of beads can be
+    /// stretched.
     range: (Mm, Mm),
-    /// What it can be stretched to over a short length, as in a bend.
+    /// Greatest thickness to which it can be stretched over a short length, as
+    /// in a bend.
     bulge: Mm,
-    /// What the walls outside of the innermost bead or pair take of it.
+    /// Thickness that the walls outside of the innermost bead or pair take.
     taken: Mm,
 }
 
@@ -60,7 +62,8 @@ pub(super) type Bends<'a> = &'a dyn Fn(&Ridge) -> bool;
 /// The numbers of beads that thicknesses get.
 #[derive(Debug)]
 pub(super) struct Counts {
-    /// By number of beads. Thicker places have these walls and more inside.
+    /// An entry for each number of beads. Thicker places have these walls and
+    /// more inside.
     counts: Vec<Count>,
 }
 
@@ -96,7 +99,7 @@ impl Counts {
             depth += 2.0 * wall.inner;
         }
         if inside.is_some() {
-            // What is inside has a bead of its own: only its bound counts.
+            // The area inside has a bead of its own: only its bound counts.
             counts.pop();
             if let Some(last) = counts.last_mut() {
                 last.range.1 = last.upto;
@@ -223,7 +226,8 @@ impl Counts {
             if part.length() < short && Some(number) != before {
                 let same = before == after;
                 let fits = |n: &usize| self.fits(*n, &part, same, bends);
-                // Where both fit, the number nearer to its own.
+                // Where the numbers of both neighbours fit, the one nearer to
+                // this number is taken.
                 let mut beside: Vec<usize> =
                     before.into_iter().chain(after).filter(fits).collect();
                 beside.sort_by_key(|n| n.abs_diff(number));
@@ -287,7 +291,7 @@ mod tests {
 
     #[test]
     fn the_thicker_the_more_beads() {
-        // Each number goes on for longer than parts have to be.
+        // Each number of beads goes on for longer than parts have to be.
         let wedge = ridge(60.0, |x| 0.05 + x / 28.0);
         let parts = counts().split(&wedge, &|_| false);
         assert_eq!(numbers(&parts), [0, 1, 2, 3, 4]);

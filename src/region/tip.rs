@@ -28,7 +28,7 @@ use crate::plane::{Area, Rect, Solid, ring_length, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
-/// By how much a bead may stick out of the part, mm.
+/// Greatest length by which a bead may stick out of the part, mm.
 const OUT: Mm = 0.005;
 /// Distance up to which a ball is taken to touch the border, mm.
 const TOUCHING: Mm = 0.03;
@@ -228,7 +228,7 @@ fn corners(
     }
 }
 
-/// How thick an island is, about, that is about as long as it is wide.
+/// Approximate thickness of an island that is about as long as it is wide.
 fn thickness(ring: &[DVec2]) -> Mm {
     4.0 * signed_area(ring) / ring_length(ring).max(f64::MIN_POSITIVE)
 }

@@ -22,7 +22,7 @@ use glam::DVec2;
 const SLOPE: f64 = 0.25;
 /// Gaps between places that move which are shorter than this are none, mm.
 const GAP: Mm = 0.6;
-/// How much farther a corner may move than its sides.
+/// Greatest distance that a corner moves, in multiples of that of its sides.
 const MITRE: f64 = 2.0;
 /// Least share of its length by which a piece of the line has to lead ahead
 /// when both its ends have moved.

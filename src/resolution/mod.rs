@@ -46,7 +46,8 @@ const WIDTH: f64 = 0.015;
 /// that is thinned twice by as much as possible keeps too many points.
 const VARYING: f64 = 0.1;
 
-/// How far the path of a bead of this role may be from where it was meant.
+/// Greatest distance of the path of a bead of this role from where it was
+/// meant.
 pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
     match role {
         Role::Overhang | Role::OuterWall => SHOWN * settings.accuracy,
@@ -63,7 +64,7 @@ pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
 /// Arcs are laid along what the thinning leaves.
 const ARCS: f64 = 0.7;
 
-/// How far arcs may be from the path of a bead of this role.
+/// Greatest distance of arcs from the path of a bead of this role.
 pub(crate) fn arc_tolerance(role: Role, settings: &Settings) -> Mm {
     if role.shows() {
         0.75 * settings.accuracy

@@ -52,7 +52,7 @@ pub(super) fn shortest(role: Role) -> Mm {
     if role.shows() { 0.07 } else { 0.6 }
 }
 
-/// What is meant along a stretch of a bead.
+/// The widths that are meant along a stretch of a bead.
 #[derive(Clone, Copy)]
 struct Stretch {
     /// Least and greatest width.
@@ -101,7 +101,8 @@ impl Stretch {
     }
 }
 
-/// How far the widths of a bead's pieces may be from what is meant.
+/// Greatest difference between the widths of a bead's pieces and those that are
+/// meant.
 struct Slack {
     /// Height of the bead, and the least width that counts.
     height: Mm,
@@ -127,7 +128,7 @@ impl Slack {
                 None
             },
             short: shortest(bead.role),
-            // Nothing of a bead that shows may stick out.
+            // A bead that shows must not stick out anywhere.
             silent: if bead.role.shows() {
                 0.0
             } else {
@@ -136,8 +137,7 @@ impl Slack {
         }
     }
 
-    /// How far the width of a piece may be off, by its least width and its
-    /// length.
+    /// Greatest error of a piece's width, by its least width and its length.
     fn at(&self, width: Mm, length: Mm) -> Mm {
         let width = width.max(self.narrowest);
         let share = match self.most {
@@ -157,7 +157,7 @@ impl Slack {
         all.high - all.low <= 2.0 * slack || all.length < self.short
     }
 
-    /// In how many parts a ramp is cut, so that pieces can end in it.
+    /// Number of parts into which a ramp is cut, so that pieces can end in it.
     fn parts(&self, ramp: &Stretch) -> usize {
         let parts = |slack: Mm, short: Mm| {
             let all = (ramp.high - ramp.low) / (2.0 * slack);
@@ -178,7 +178,7 @@ impl Slack {
                 }
             }
         };
-        // Of what is no number there is one part.
+        // If the number is NaN, there is one part.
         count as usize
     }
 }
@@ -191,7 +191,7 @@ pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
         return vec![bead];
     }
     let slack = Slack::of(&bead, edge);
-    // What varies in width lies in one plane.
+    // Beads that vary in width lie in one plane.
     let level: Vec<_> = bead.levels.first().copied().into_iter().collect();
     // The bead in parts, each from a point to the next one.
     let mut points = vec![bead.points[0]];
@@ -237,8 +237,8 @@ pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
     let piece = |(points, all): (Vec<DVec2>, Stretch)| {
         let mut width = all.width();
         if bead.role.shows() {
-            // Of a steep ramp the wide end lies under the round end of the
-            // piece beside it: the narrow end matters.
+            // The wide end of a steep ramp lies under the round end of the
+            // piece beside it, so the narrow end matters.
             let slack = slack.at(all.low, all.length).max(STEEP);
             width = width.min(all.low + slack);
         }

@@ -28,8 +28,8 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// How much a face may lean for a wall to go on in the next layer, as a share
-/// of the wall's width from layer to layer.
+/// Greatest lean of a face at which a wall goes on in the next layer, as a
+/// share of the wall's width from layer to layer.
 const ASIDE: f64 = 0.25;
 /// Distance of the places at which a wall looks for the next one, mm.
 const STEP: Mm = 0.5;
@@ -170,7 +170,7 @@ impl Interlock<'_> {
 /// Joins short runs to what is beside them.
 fn short_joined(runs: Vec<(Mm, Joined)>) -> Vec<(Mm, Joined)> {
     let mut out: Vec<(Mm, Joined)> = Vec::new();
-    // What is short at the beginning goes with what follows.
+    // A short piece at the beginning is joined to the next one.
     let mut before = 0.0;
     let longest = runs.iter().map(|r| r.0).fold(0.0, f64::max);
     for (length, joined) in runs {

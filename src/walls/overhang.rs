@@ -390,7 +390,7 @@ mod tests {
         let away = rect_ring(-9.0, -5.0, -5.0, 5.0);
         let found = lengths(&cut_in(thin.clone(), bent, away, 50.0));
         assert_eq!(found, [(Role::Overhang, 20.0)]);
-        // The same bead as a wall of something thicker leans on the rest.
+        // If that bead is the wall of something thicker, it leans on the rest.
         let thick = rect_ring(0.0, -0.3, 20.0, 5.0);
         let found = lengths(&cut_in(thick, fin, below, 50.0));
         assert_eq!(found, [(Role::OuterWall, 20.0)]);

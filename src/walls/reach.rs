@@ -15,10 +15,10 @@
 use crate::plane::grid::EdgeGrid;
 use glam::DVec2;
 
-/// How much what lies over a support counts of what lies over nothing.
+/// Weight of a reach over a support, where a reach over nothing has 1.
 const OVER_SUPPORT: f64 = 0.5;
 
-/// What holds the beads of a layer.
+/// The areas that hold the beads of a layer.
 #[derive(Clone, Copy)]
 pub(crate) struct Reach<'a> {
     below: &'a EdgeGrid,
@@ -26,8 +26,8 @@ pub(crate) struct Reach<'a> {
 }
 
 impl<'a> Reach<'a> {
-    /// What holds a layer that lies on the solid `below` and has supports under
-    /// it.
+    /// The areas that hold a layer on the solid `below`, with the supports
+    /// under it.
     pub(crate) fn new(
         below: &'a EdgeGrid,
         support: Option<&'a EdgeGrid>,
@@ -53,7 +53,7 @@ impl<'a> Reach<'a> {
         sum
     }
 
-    /// How much of nothing there is below a place: 0 on the solid, 1 in the
+    /// How far a place counts as lying on nothing: 0 on the solid, 1 in the
     /// air.
     fn counts(&self, p: DVec2) -> f64 {
         if self.below.contains(p) {

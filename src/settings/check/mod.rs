@@ -166,9 +166,9 @@ fn retraction(
                 return Err(conflict(
                     ["retract.firmware", "gcode.flavour", "retract.length"],
                     format!(
-                        "retract.firmware = true, but gcode.flavour = {:?} \
-                         has no retraction of its own (G10); set \
-                         retract.firmware to false",
+                        "retract.firmware = true, and the firmware of \
+                         gcode.flavour = {:?} has no retraction of its own \
+                         (G10); set retract.firmware to false",
                         s.gcode.flavour.word(),
                     ),
                 ));
