@@ -391,3 +391,31 @@ fn supports_of_a_tip_stay_out_of_it_with_wide_nozzles() {
         }
     }
 }
+
+#[test]
+fn what_is_forbidden_or_has_no_room_is_told_of() {
+    let warnings = |set: &[&str]| {
+        let (gcode, summary) = run(TEE, &[&["supports=auto"], set].concat());
+        assert!(supported(&gcode).iter().all(Vec::is_empty), "{set:?}");
+        summary.warnings
+    };
+    // Nothing is higher than 14 mm; undersides are no depth below the surface.
+    for wanted in ["-1", "expr: z - 20", "expr: d - 1"] {
+        let set = format!("support.where={wanted}");
+        let [warning] = &warnings(&[&set])[..] else {
+            panic!("{wanted}");
+        };
+        let says = "support.where is negative under every face that needs";
+        assert!(warning.starts_with(says), "{warning}");
+    }
+    // The arms begin at 10 mm.
+    for gap in ["9.95", "10"] {
+        let set = format!("support.z_gap={gap}");
+        let [warning] = &warnings(&[&set])[..] else {
+            panic!("{gap}");
+        };
+        let says = format!("support.z_gap = {gap} mm leaves no room");
+        assert!(warning.contains(&says), "{warning}");
+        assert!(warning.starts_with("4"), "{warning}");
+    }
+}

@@ -78,19 +78,16 @@ impl<'a> Supported<'a> {
             unmet,
             enclosed,
             idle,
+            forbidden,
             ..
         } = self.plan;
         if unheld.area > UNHELD {
             all.push(format!(
                 "{:.1} mm² that need supports get none, the largest of it at \
-                 {}: no support reaches it from below{}",
+                 {}: {}",
                 unheld.area,
                 place(unheld.worst),
-                match settings.supports {
-                    Supports::Plate =>
-                        "; supports = auto may stand on the part",
-                    _ => "; turn the part, or open what is around it",
-                }
+                why(unheld.worst.z, settings),
             ));
         }
         if unmet.area > UNHELD {
@@ -112,6 +109,15 @@ impl<'a> Supported<'a> {
                 enclosed.volume,
                 place(enclosed.worst),
             ));
+        }
+        if forbidden {
+            all.push(
+                "support.where is negative under every face that needs a \
+                 support, so none is printed: let it be 0 where the angle is \
+                 to decide; x and y are the model's own, z is the height above \
+                 the bed, d is next to 0 at an underside"
+                    .to_owned(),
+            );
         }
         if idle {
             all.push(
@@ -221,6 +227,23 @@ impl<'a> Supported<'a> {
         }
         Ok(beads)
     }
+}
+
+/// Why a face at this height above the supports' bed gets no support, and what
+/// to do.
+fn why(height: Mm, settings: &Settings) -> String {
+    let gap = settings.support.z_gap;
+    if height < gap + settings.first_layer_height() {
+        return format!(
+            "support.z_gap = {gap} mm leaves no room for one below it; lower \
+             that"
+        );
+    }
+    let next = match settings.supports {
+        Supports::Plate => "supports = auto may stand on the part",
+        _ => "turn the part, or open what is around it",
+    };
+    format!("no support reaches it from below; {next}")
 }
 
 /// Spacing of lines of supports that lie side by side.

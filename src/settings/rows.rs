@@ -174,7 +174,8 @@ table::settings! {
         /// its lines are anchored; auto is 150% of the nozzle's diameter.
         skin_overlap: ByNozzle = ByNozzle::Auto, in 0.0..=20.0;
         /// Pieces of sparse area smaller than this are filled solid, as
-        /// skin.
+        /// skin. So are pieces that are narrower than two lines, and small ones
+        /// in which no line of infill would lie.
         skin_min_area: Mm2 = 2.0, in 0.0..=1000.0;
 
         ["Ironing: a second pass over tops"]

@@ -10,11 +10,11 @@
 //!
 //! A column is a branch that is not drawn together.
 //!
-//! A branch is kept as its core: where the middle of a disc of radius
-//! [`Size::core`] may be, so that no neck is thinner than that disc. Where the
-//! part is in the way the core goes around it, as far as a branch may lean.
-//! Each point of a layer's core lies within that reach of the core below, so
-//! what is printed always rests on something.
+//! A branch is kept as its core. A disc of radius [`Size::core`] whose middle
+//! moves all over the core covers what is printed, so no neck is thinner than
+//! that disc. Where the part is in the way, the core goes around it, as far as
+//! a branch may lean. Each point of a layer's core lies within that reach of
+//! the core below, so what is printed always rests on something.
 
 use super::parts::Parts;
 use super::room::{Foot, Room, Size};
@@ -81,7 +81,7 @@ pub(super) struct Branch {
 }
 
 impl Branch {
-    /// True if it goes straight down, but for what the part is in the way of.
+    /// True if the branch goes straight down, except around the part.
     pub(super) fn is_column(&self) -> bool {
         self.cell.is_none()
     }
@@ -98,13 +98,14 @@ impl Branch {
         points.all(|p| p.distance(middle) < 3.0 * POINT)
     }
 
-    /// Holds what another branch that it touches has held so far.
+    /// Takes over what another branch holds, which it touches.
     pub(super) fn take(&mut self, other: Branch, step: Step<'_>) {
         let mut rings = std::mem::take(&mut self.core.rings);
         rings.extend(other.core.rings);
         self.core = unite(&Area { rings });
         if self.core.islands().len() > 1 {
-            // What is printed of them overlaps.
+            // The beads of the islands overlap, so what is between them is
+            // printed.
             let size = step.size().core;
             let wide = offset(&self.core, size, TOLERANCE);
             let between = offset(&wide, -size, TOLERANCE);
@@ -117,7 +118,7 @@ impl Branch {
         self.held += other.held;
     }
 
-    /// Becomes one post with another post.
+    /// Joins another post. The two become one in the middle between them.
     pub(super) fn meet(&mut self, other: &Branch) {
         let at = self.middle().midpoint(other.middle());
         self.core.rings = vec![disc(at, POINT)];
@@ -125,7 +126,7 @@ impl Branch {
         self.held += other.held;
     }
 
-    /// What is printed of it in one piece, each as a branch.
+    /// Splits the branch into branches that are each printed in one piece.
     pub(super) fn pieces(mut self, step: Step<'_>) -> Vec<Branch> {
         let islands = self.core.islands();
         if islands.len() < 2 {
@@ -155,15 +156,15 @@ impl Branch {
         pieces.into_iter().map(piece).collect()
     }
 
-    /// Goes down to a layer from the one above it. A post leans towards
-    /// `other`, if there is something to go to.
+    /// Takes the branch down to a layer from the layer above. A post leans
+    /// towards `other`, if that is given.
     pub(super) fn lower(&mut self, other: Option<DVec2>, step: Step<'_>) {
         crate::limits::check();
         let middle = self.middle();
         let pulled = match self.is_post() {
             _ if self.is_column() => self.core.clone(),
             true => {
-                // Halfway: the other one comes as well.
+                // The two meet halfway, since the other one leans as well.
                 let half = |other| 0.5 * (other - middle);
                 let way = other.map_or(DVec2::ZERO, half);
                 let at = middle + way.clamp_length_max(step.lean);
@@ -183,7 +184,7 @@ impl Branch {
         let near = bounds.grown(step.lean + 5.0 * TOLERANCE);
         let blocked = step.room.blocked(step.layer, self.foot, near);
         if blocked.is_empty() {
-            // To thin a column in every layer would let it drift.
+            // A column would drift if it were thinned in every layer.
             if !self.is_column() {
                 self.core = finely(pulled);
             }
@@ -196,11 +197,11 @@ impl Branch {
             return;
         }
         if self.is_post() && !self.is_column() && !core.is_empty() {
-            // All of it can go to what is left of it.
+            // A post is so small that all of it reaches what is left.
             self.core = largest(core);
             return;
         }
-        // What the part is in the way of goes aside, or stands on the part.
+        // What the part blocks goes aside, or stands on the part.
         let reach = step.lean + 3.0 * TOLERANCE;
         let lost = difference(&self.core, &offset(&core, reach, TOLERANCE));
         let lost = if lost.is_empty() {
@@ -213,9 +214,9 @@ impl Branch {
             let aside = difference(&aside, &blocked);
             core = match self.foot {
                 _ if !self.is_post() => union(&core, &aside),
-                // A way down leads from all of it.
+                // From every place there a way leads down to the bed.
                 Foot::Bed => beside(&aside, middle),
-                // Some of it may end in the air between two walls.
+                // Some places there may end in the air between two walls.
                 Foot::Part => largest(aside),
             };
         } else if self.is_column() {
@@ -225,7 +226,7 @@ impl Branch {
         self.core = finely(core);
     }
 
-    /// Of a box, what a branch stands on that comes down to a layer.
+    /// What a branch that comes down to a layer can stand on, within a box.
     fn landing(&self, step: Step<'_>, within: Rect) -> Area {
         if self.foot == Foot::Bed {
             return Area::EMPTY;
@@ -241,7 +242,7 @@ impl Branch {
         offset(&below.unwrap_or_default(), size.core, TOLERANCE)
     }
 
-    /// What of it is printed in a layer.
+    /// The area of the branch that is printed in a layer.
     pub(super) fn area(&self, step: Step<'_>) -> Area {
         let size = step.size();
         let bottom = step.parts.spans()[step.layer].bottom;
@@ -261,7 +262,8 @@ impl Branch {
         let disc = Area {
             rings: vec![disc(middle, post)],
         };
-        // What is around the core is free.
+        // No part is in the disc around the core's middle that the core has
+        // free.
         let beyond = post - size.core + 3.0 * TOLERANCE;
         if step.room.is_away(step.layer, middle, beyond) {
             return disc;
@@ -279,8 +281,8 @@ fn largest(area: Area) -> Area {
     largest.unwrap_or_default()
 }
 
-/// What of an area is next to the point of its rim that is nearest to `to`: as
-/// much as is still a post.
+/// The part of an area beside the point of its rim that is nearest to `to`, as
+/// large as a post may be.
 fn beside(area: &Area, to: DVec2) -> Area {
     let sides = area.rings.iter().flat_map(|ring| edges(ring));
     let nearest = sides.map(|(a, b)| nearest_on(to, a, b));
@@ -296,11 +298,11 @@ fn beside(area: &Area, to: DVec2) -> Area {
     largest(intersection(area, &near))
 }
 
-/// The middle of an area; that of its points if it has no content.
+/// The middle of an area. If the area has no content, the mean of its points.
 pub(super) fn middle(area: &Area) -> DVec2 {
     let mut sum = DVec2::ZERO;
     let mut content = 0.0;
-    // About one of its points, which keeps rounding small.
+    // Coordinates count from one of its points, which keeps rounding small.
     let points = || area.rings.iter().flatten();
     let about = points().next().copied().unwrap_or_default();
     for ring in &area.rings {

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //!   ┌───────────────┐
-//!   │   ┌───┐       │     what is empty in a layer is one with what is empty
-//!   │   │   └───────┘     in the next where the one lies over the other
+//!   │   ┌───┐       │     What is empty in a layer is one with what is empty
+//!   │   │   └───────┘     in the next layer where the one lies over the other.
 //!   │   └─▒▒▒───────┐
 //!   └───────────────┘
 //! ```
@@ -12,9 +12,9 @@
 //! the supports is in holes that no way leads out of, and where.
 //!
 //! Holes are compared at some places beside each ring, a little inside what is
-//! empty. A way out that is narrower than that, or that is nowhere above itself,
-//! is not found. What is open below the lowest layer is open: a part is lifted
-//! off the bed.
+//! empty. A way out is not found if it is narrower than that, or if it leans
+//! so much that its places in two layers do not overlap. A hole in the lowest
+//! layer is a way out, since a part is lifted off the bed.
 
 use super::parts::Parts;
 use super::slice::Slice;
@@ -119,7 +119,7 @@ fn has_holes(area: &Area) -> bool {
 struct Level<'a> {
     outline: &'a Area,
     nest: Nest,
-    /// By ring, whether it is that of a hole.
+    /// For each ring, whether it is the border of a hole.
     is_hole: Vec<bool>,
     /// The number of its first ring among those of all layers.
     first: usize,
@@ -136,7 +136,7 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// The number of the hole that a point is in; nothing in solid.
+    /// The number of the hole that a point is in; nothing if it is in solid.
     fn empty(&self, at: DVec2) -> Option<usize> {
         match self.nest.around(at) {
             None => Some(OUTSIDE),

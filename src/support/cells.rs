@@ -1,4 +1,4 @@
-//! The cells into which faces are cut that one branch cannot hold.
+//! Cuts faces that are too wide for one branch into cells.
 
 use super::SPECK;
 use crate::plane::clip::{crop, unite};
@@ -6,12 +6,12 @@ use crate::plane::{Area, Rect};
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Width of a cell, mm, about. A wider one takes branches longer to be drawn
-/// together; narrower ones have more posts.
+/// Width of a cell, mm, about. The branch of a wider cell needs more height to
+/// become a post; narrower cells have more posts.
 pub(super) const CELL: Mm = 12.0;
 /// A face that is no wider than so many cells is not cut.
 const UNCUT: f64 = 1.5;
-/// What is smaller than this share of a cell goes with what is beside it.
+/// A piece smaller than this share of a cell goes with the piece beside it.
 const SLIVER: f64 = 0.04;
 
 /// A grid over all that needs support.

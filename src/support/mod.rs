@@ -31,7 +31,8 @@
 //! is asked for, whatever the layer height.
 //!
 //! Not guaranteed: where layers of different heights follow each other, not
-//! every gap can be exact; it is never smaller than asked for. The plan keeps areas for all layers, so its memory grows with the height.
+//! every gap can be exact; none is smaller than asked for. The plan keeps areas
+//! for all layers, so its memory grows with the height.
 
 use crate::units::{Mm, Mm2};
 

@@ -1,4 +1,4 @@
-//! What of a layer needs a support, because the layer below does not hold it.
+//! What needs a support in a layer, because the layer below does not hold it.
 //!
 //! In: the outline of a layer and that of the layer below. Out: the areas that
 //! stick out by more than h·tan(`support.angle`), without what bridges span.
@@ -30,15 +30,15 @@ const TOLERANCE: Mm = 0.01;
 /// share of the layer's height: a face that leans by just `support.angle`
 /// holds itself, in layers of any height.
 const SLACK: f64 = 0.1;
-/// Length of the thinnest strip that is no speck, mm, if it is as wide as the
-/// layer is high: what is smaller sticks to what is beside it.
+/// A piece is a speck if its area is less than this length, mm, times the
+/// layer's height. A speck sticks to what is beside it.
 const SPECK: Mm = 0.15;
-/// Lines that are looked at across a gap, about.
+/// About so many lines are looked at across a gap.
 const LINES: f64 = 400.0;
-/// A line runs along a rim if the angle between them is no more than that,
+/// Greatest angle between a rim and a line that runs along it.
 const ALONG: Degrees = 30.0;
-/// and if it comes no more than that nearer to the rim on its way, mm: a wall,
-/// which stays where it is, would end elsewhere.
+/// A line that runs along a rim comes nearer to it by no more than this, mm.
+/// The wall beside the rim, which keeps its distance, would end elsewhere.
 const DRIFT: Mm = 0.1;
 
 /// What of a layer gets a support.
@@ -51,7 +51,8 @@ pub(super) struct Need {
 }
 
 impl Need {
-    /// By what is not held and what is wanted of a layer of some height.
+    /// The need of a layer of some height. `unheld` is what the layer below
+    /// does not hold.
     pub(super) fn new(unheld: Area, wish: &Wish, height: Mm) -> Need {
         let must = if wish.left.is_empty() {
             unheld
@@ -106,8 +107,8 @@ fn held(height: Mm, settings: &Settings) -> Mm {
     settings.held(height) + SLACK * height
 }
 
-/// What is farther from `below` than that holds, as much as is no speck, and
-/// what of it is too thin to be printed.
+/// What sticks out beyond all that `below` holds, without specks. Then what
+/// would stick out but is too thin to be printed.
 fn beyond(
     here: &Printed,
     below: &Printed,
@@ -142,7 +143,7 @@ fn beyond(
     [need, unprinted].map(|rings| large(Area { rings }, height))
 }
 
-/// What of a part that is `beyond` all that is held no bridge spans.
+/// What no bridge spans of `beyond`, which nothing else holds.
 fn unbridged(
     beyond: Area,
     here: &Area,
@@ -194,7 +195,7 @@ impl Rim<'_> {
     }
 }
 
-/// What of a gap bridges do not span.
+/// What bridges do not span of a gap.
 fn unspanned(
     gap: Area,
     rim: &Rim<'_>,

@@ -14,9 +14,13 @@ use crate::plane::clip::{crop, difference, unite};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
 use crate::settings::Settings;
-use crate::units::Mm2;
+use crate::units::{Mm, Mm2};
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// What is no higher above the bed than this needs no support if no gap fits
+/// below it, mm.
+const OVER_BED: Mm = 0.5;
 
 /// What needs a support and does not get one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,14 +39,16 @@ pub(crate) struct Plan {
     slices: Vec<Slice>,
     /// The heights of its layers.
     pub heights: Heights,
-    /// What needs one and has none.
+    /// What needs a support and has none.
     pub unheld: Unheld,
-    /// What is wanted to have one, does not need it, and has none.
+    /// What wishes ask a support for that nothing else needs, and has none.
     pub unmet: Unheld,
-    /// What of it nobody can take out.
+    /// Supports that nobody can take out.
     pub enclosed: Enclosed,
     /// True if there are wishes, and none is for an underside of the part.
     pub idle: bool,
+    /// True if something needs a support, and wishes forbid all of it.
+    pub forbidden: bool,
 }
 
 impl Plan {
@@ -59,6 +65,7 @@ impl Plan {
     ) -> Plan {
         let (wished, settings) = (asked.wishes.is_some(), asked.settings);
         let idle = wished && !survey.found.iter().any(|found| found.wished);
+        let forbidden = survey.found.iter().any(|found| found.forbidden);
         let of = |found: Found| (found.need.all, found.need.must);
         let (needs, musts): (Vec<Area>, Vec<Area>) =
             std::mem::take(&mut survey.found)
@@ -68,6 +75,7 @@ impl Plan {
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
             return Plan {
                 idle,
+                forbidden,
                 ..Plan::default()
             };
         };
@@ -105,24 +113,25 @@ impl Plan {
         self.slices.get(layer).filter(|slice| !slice.is_empty())
     }
 
-    /// What of `needs` has no support.
+    /// The part of `needs` that has no support.
     fn without(
         &self,
         parts: Parts<'_>,
         needs: &[Area],
         settings: &Settings,
     ) -> Unheld {
-        // What lies beside a support by less than this is held by it.
+        // A support also holds what is nearer to its side than this.
         let near = settings.support.xy_gap + settings.outer_wall_width();
         let lost = needs.par_iter().enumerate().map(|(i, need)| {
             if need.is_empty() {
                 return Area::EMPTY;
             }
-            // The bed holds what no gap fits under.
-            let Some(top) = parts.heights.below(i) else {
+            let top = parts.heights.below(i);
+            // The bed holds what is right above it.
+            if top.is_none() && parts.spans()[i].bottom < OVER_BED {
                 return Area::EMPTY;
-            };
-            let Some(slice) = self.slice(top) else {
+            }
+            let Some(slice) = top.and_then(|top| self.slice(top)) else {
                 return need.clone();
             };
             let around = need.bounds().grown(near + TOLERANCE);

@@ -1,8 +1,8 @@
-//! What of a layer is wide enough for a line.
+//! What is printed of a layer's outline.
 //!
-//! In: a layer's outline. Out: its islands that are printed, and where they are
-//! thick. A part that begins in a point begins where a line fits into it, and
-//! a spike that is too thin for a line holds nothing.
+//! In: a layer's outline. Out: its islands that are printed, and where they
+//! are thick. A part that begins in a point is printed from where a bead fits
+//! into it, and a spike that is too thin for a line holds nothing.
 
 use crate::plane::clip::{crop, intersection};
 use crate::plane::offset::offset;
@@ -14,11 +14,12 @@ use glam::DVec2;
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.002;
-/// Thick places are so much wider than the places of lines' middles, by half
-/// the thinnest line: corners of 90 degrees stay.
+/// Thick places are the core, grown by so many halves of the thinnest line.
+/// Corners of 90 degrees stay.
 const CORNER: f64 = 1.5;
-/// A small island has room for a line for sure if it is so many times as thick
-/// as the thinnest line. A narrow strip is half as thick as it counts here.
+/// A small island is printed for sure if four times its area over its
+/// perimeter is so many times the thinnest line. For a disc that is its
+/// diameter, for a narrow strip twice its width.
 const SURE: f64 = 2.4;
 /// What stands for the middle of an island is this share of its size.
 const MIDDLE: f64 = 0.05;

@@ -4,8 +4,8 @@
 //! takes with its gaps, and the one from which no way leads down to the bed:
 //!
 //! ```text
-//!         ╲░░░╱         above a part, what is nearer to its middle than
-//!        ┌─╲░╱─┐        a branch can lean on its way down cannot get past
+//!         ╲░░░╱         A branch above the middle of a part cannot lean far
+//!        ┌─╲░╱─┐        enough on its way down to get past the part.
 //!        └─────┘
 //! ───────────────────
 //! ```
@@ -45,14 +45,14 @@ impl Size {
     }
 }
 
-/// What of the layers, from the bed, is no place for supports.
+/// Where the lowest layers have no place for supports.
 pub(super) struct Room<'a> {
     parts: Parts<'a>,
     settings: &'a Settings,
     /// By layer, what is too near to the part for the middle of a branch.
     tight: Vec<Solid<'static>>,
-    /// By layer, from where the middle of a branch cannot get down to the bed;
-    /// it has what is too near, too.
+    /// By layer, from where the middle of a branch cannot get down to the bed.
+    /// What is too near to the part belongs to it.
     closed: Vec<Solid<'static>>,
 }
 
@@ -83,6 +83,7 @@ impl<'a> Room<'a> {
             .map(|j| taken(parts, j, core, everywhere, beside, settings))
             .map(thinned)
             .collect();
+        drop(grown);
         let lean = settings.support.branch_angle.to_radians().tan();
         let mut closed: Vec<Area> = Vec::with_capacity(count);
         for (tight, span) in tight.iter().zip(parts.spans()) {
@@ -112,7 +113,7 @@ impl<'a> Room<'a> {
         grid.nearest_within(at, distance).is_none() && !grid.contains(at)
     }
 
-    /// Of a box, the part of layer `j` and what is too near to it.
+    /// The part in layer `j`, and what is too near to it, within a box.
     pub(super) fn taken(&self, j: usize, within: Rect) -> Area {
         let reach = self.settings.support.xy_gap + 1.0;
         let near = within.grown(reach);
@@ -132,14 +133,14 @@ impl<'a> Room<'a> {
         let near = |all: &Solid<'_>| crop(&all.area().rings, bounds);
         let free = difference(area, &near(&self.tight[j]));
         let to_bed = difference(&free, &near(&self.closed[j]));
-        // Without what is only there by rounding.
+        // Rounding leaves slivers, which vanish in two offsets.
         let to_part = offset(&difference(&free, &to_bed), -BESIDE, TOLERANCE);
         let to_part = offset(&to_part, BESIDE, TOLERANCE);
         [to_bed, to_part]
     }
 
-    /// What of a box in layer `j` is no place for the middle of a branch that
-    /// stands on `foot`.
+    /// Where in a box the middle of a branch that stands on `foot` has no
+    /// place in layer `j`.
     pub(super) fn blocked(&self, j: usize, foot: Foot, within: Rect) -> Area {
         let all = &self.of(foot)[j];
         let grid = all.grid();
@@ -173,20 +174,20 @@ impl<'a> Room<'a> {
     }
 }
 
-/// How far a support is to the side of what is right below or above it within
-/// the gaps, mm.
+/// Distance of a support, in the plane, from the part in layers that are
+/// nearer to it in z than the gaps, mm.
 const BESIDE: Mm = 0.05;
 
-/// How far the middle of what reaches `margin` to all sides is to the side of
-/// what is right below or above it.
+/// [`BESIDE`] for the middle of something that reaches `margin` to all sides,
+/// with the tolerance of the offsets.
 fn beside(margin: Mm) -> Mm {
     BESIDE + TOLERANCE + margin
 }
 
-/// Where nothing may be in layer `j` that reaches `margin` to all sides: the
-/// part and what is near to it. `within` gives what is to be looked at of an
-/// outline, if that is not all. `grown` gives that of an outline, and what is
-/// nearer to it than [`beside`].
+/// Where layer `j` has no place for the middle of something that reaches
+/// `margin` to all sides: in the part, and too near to it. `within` gives the
+/// part of an outline that matters, unless all of it does. `grown` gives that
+/// of a layer's outline, grown by [`beside`].
 fn taken<'a>(
     parts: Parts<'_>,
     j: usize,
@@ -205,7 +206,7 @@ fn taken<'a>(
     let section = &sections[j];
     let here = within(section);
     let here = here.as_ref().unwrap_or(section);
-    // Of which the tolerances of what keeps off may take some.
+    // The tolerances of later offsets may take some of the gap.
     let gap = settings.support.xy_gap + 2.0 * TOLERANCE + margin;
     let area = offset(here, gap, TOLERANCE);
     // The layers beside it, and those within the gaps above and below.

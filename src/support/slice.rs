@@ -11,9 +11,10 @@ pub(crate) struct Slice {
     pub body: Area,
     /// Where it is dense, because something is right above.
     pub interface: Area,
-    /// Its islands that stand on the part, if they are [`Slice::deeper`].
+    /// The islands that stand on the part, if their beads reach farther down
+    /// than others.
     pub standing: Area,
-    /// How much farther down these reach than the others, mm.
+    /// How much farther down the beads of [`Slice::standing`] reach, mm.
     pub deeper: Mm,
 }
 

@@ -1,8 +1,9 @@
-//! What layers that follow each other tell of supports, slab by slab.
+//! Finds what needs supports, slab by slab.
 //!
-//! In: the outlines of a slab of layers. Out: what of them needs a support, and
-//! the outlines as coarse as supports ask for. The outlines themselves can be
-//! forgotten then: of all layers at once they would take much more memory.
+//! In: the outlines of a slab of layers. Out: what needs a support in each
+//! layer, and the outlines as coarse as supports ask for. The exact outlines
+//! can be forgotten then. Those of all layers at once would take much more
+//! memory.
 
 use super::TOLERANCE;
 use super::need::{Need, need};
@@ -25,8 +26,8 @@ pub(crate) struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// What of a layer needs a support, with the layer below it, and what of it
-    /// is too thin to be printed and so needs none.
+    /// What needs a support in a layer over the layer below. Then what would
+    /// need one but is too thin to be printed.
     fn of(
         self,
         here: &Printed,
@@ -39,8 +40,11 @@ impl Asked<'_> {
         };
         let [unheld, unprinted] =
             need(here, below, span.height(), self.settings);
+        let needs = !unheld.is_empty();
+        let need = Need::new(unheld, &wish, span.height());
         let found = Found {
-            need: Need::new(unheld, &wish, span.height()),
+            forbidden: needs && need.all.is_empty(),
+            need,
             wished: !wish.is_none(),
         };
         Ok((found, unprinted))
@@ -54,6 +58,8 @@ pub(super) struct Found {
     pub need: Need,
     /// True if something is wanted or forbidden.
     pub wished: bool,
+    /// True if something needs a support, and all of it is forbidden.
+    pub forbidden: bool,
 }
 
 /// Some layers that follow each other.
@@ -62,9 +68,10 @@ pub(crate) struct Survey {
     /// Their outlines, as coarse as supports ask for, without what is not
     /// printed.
     pub(super) outlines: Vec<Area>,
-    /// What of each is not printed, since it is thinner than any line.
+    /// What of each outline is not printed, since no line fits into it.
     unprinted: Vec<Area>,
-    /// What is found of each; of the first one only if it is the part's first.
+    /// What is found of each layer. Of the slab's first layer nothing is found
+    /// before [`Survey::append`] knows the layer below it.
     pub(super) found: Vec<Found>,
     /// The first layer with its outline, and the outline of the last one.
     ends: Option<(LayerSpan, [Printed; 2])>,
@@ -130,7 +137,7 @@ impl Survey {
 }
 
 impl Survey {
-    /// Takes from a layer what of it is too thin to be printed.
+    /// Takes away from a layer what is too thin to be printed.
     fn leave(&mut self, layer: usize, thin: Area) {
         if !thin.is_empty() {
             let outline = &mut self.outlines[layer];
@@ -139,8 +146,9 @@ impl Survey {
         }
     }
 
-    /// By layer, the thin ends of what is printed below them. Not the points in
-    /// which the part begins: supports may have the place of those.
+    /// By layer, ends that are too thin to be printed but lie on something
+    /// that is. Points in which the part begins are left out, since supports
+    /// may take their place.
     pub(super) fn ends(&mut self) -> Vec<Area> {
         let mut ends = std::mem::take(&mut self.unprinted);
         let mut below = Area::EMPTY;
@@ -166,7 +174,8 @@ pub(crate) fn coarse(outline: &Area, height: Mm, settings: &Settings) -> Area {
     thinned(printed.area)
 }
 
-/// The area with fewer points: they would grow in number with every layer.
+/// The area with fewer points. Without that their number would grow from layer
+/// to layer.
 pub(super) fn thinned(area: Area) -> Area {
     let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
     Area {

@@ -25,8 +25,8 @@ use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-/// What is left of the height where two posts meet, as a share of what they
-/// go down on their way to each other: below that it is not worth its while.
+/// Two posts lean towards each other only if they meet well above the bed.
+/// What is left below must be this share of what they come down on the way.
 const BELOW: f64 = 0.5;
 
 /// A branch stands on the part if that is nearer than this share of the way
@@ -38,12 +38,12 @@ const LOOKED_AT: usize = 16;
 const GRID: Mm = 2.0;
 /// Width of the squares of columns, mm.
 const SQUARE: Mm = 4.0;
-/// From so much on a low face is held by a column, mm²: it is cut into three
-/// cells or more.
+/// A low face as large as this, mm², is held by a column. It would be cut into
+/// three cells or more.
 const WIDE: Mm2 = 3.0 * CELL * CELL;
 
-/// The area that branches have in each of some layers, for what is needed in
-/// each of the part's layers.
+/// The area of all branches in each of the lowest `count` layers. `needs` is
+/// what needs a support in each of the part's layers.
 pub(super) fn grow(
     parts: Parts<'_>,
     needs: &[Area],
@@ -134,8 +134,8 @@ fn begun(
     new
 }
 
-/// The pieces of an area that one branch each can hold, and their cells. What
-/// columns are to hold has none.
+/// The pieces of an area, each for one branch, and their cells. A piece for a
+/// column has no cell.
 fn pieces(
     area: &Area,
     cells: &Cells,
@@ -226,8 +226,8 @@ fn is_near(
     near.into_iter().any(|k| solids[k].grid().contains(at))
 }
 
-/// Adds what is needed to a branch that holds the same cell and that it
-/// touches, or as one of its own.
+/// Joins a new branch with one of the same cell that it touches. If there is
+/// none, the new branch stays as it is.
 fn attach(branches: &mut Vec<Branch>, new: Branch, step: Step<'_>) {
     let reach = 2.0 * Size::new(step.settings).core;
     let around = offset(&new.core, reach, TOLERANCE);
@@ -258,7 +258,7 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
         }
         let (from, here) = (middles[k], middles[k].to_array());
         let clear = |&to: &DVec2| {
-            // The layer in which they meet.
+            // This is the layer in which the two meet.
             let meet = above.bottom - 0.5 * from.distance(to) / tan.max(1e-9);
             let spans = step.parts.spans()[..=step.layer].iter();
             let meet = spans.rev().position(|span| span.bottom <= meet);
@@ -279,8 +279,8 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
     branches.par_iter().enumerate().map(goal).collect()
 }
 
-/// Makes one branch of those of a cell that lie over each other, each of which
-/// is more than a post: pieces of a branch that went aside to the same place.
+/// Joins branches of one cell that lie over each other, if both are more than
+/// posts. They are pieces of a branch that went aside to the same place.
 fn gather(branches: &mut Vec<Branch>, step: Step<'_>) {
     let mut bounds: Vec<Rect> =
         branches.iter().map(|b| b.core.bounds()).collect();
@@ -316,7 +316,7 @@ fn gather(branches: &mut Vec<Branch>, step: Step<'_>) {
     branches.retain(|_| !gone.next().unwrap_or(false));
 }
 
-/// Makes one branch of a post and what it has met.
+/// Joins each post with the branch that it has met.
 fn join(branches: &mut Vec<Branch>, step: Step<'_>) {
     let middles: Vec<DVec2> = branches.iter().map(Branch::middle).collect();
     let places = places(&middles);
@@ -350,7 +350,7 @@ fn join(branches: &mut Vec<Branch>, step: Step<'_>) {
     branches.retain(|_| !gone.next().unwrap_or(false));
 }
 
-/// Some points by where they are, with their numbers.
+/// Points with their numbers, sorted by place.
 fn places(points: &[DVec2]) -> RTree<GeomWithData<[f64; 2], usize>> {
     let numbered = points.iter().enumerate();
     let place = |(k, p): (usize, &DVec2)| GeomWithData::new(p.to_array(), k);

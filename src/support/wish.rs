@@ -4,10 +4,10 @@
 //! In: a layer's outline and that of the layer below. Out: what of its
 //! underside is to be held, and what is to be left alone.
 //!
-//! The formula is looked at on a lattice of half a line's width, near undersides
-//! only, so a place may be off by some hundredths of a millimetre. What sticks
-//! out over the layer below by less than outlines may be off is no underside:
-//! in layers of 0.2 mm, what leans by less than 3°.
+//! The formula is evaluated on a lattice of half a line's width, near
+//! undersides only, so a border may be off by some hundredths of a millimetre.
+//! What sticks out over the layer below by less than outlines may be off is no
+//! underside: in layers of 0.2 mm, what leans by less than 3°.
 
 use crate::layers::LayerSpan;
 use crate::plane::clip::difference;
@@ -21,11 +21,11 @@ use glam::DVec2;
 
 /// The setting's name.
 const KEY: &str = "support.where";
-/// What is nearer to 0 than this is neither positive nor negative.
+/// A value nearer to 0 than this is neither positive nor negative.
 const ZERO: f64 = 1e-6;
 /// Distance of the lattice's nodes, as a share of a line's width.
 const STEP: f64 = 0.5;
-/// Lines may be off by this, mm.
+/// Borders may be off by this, mm.
 const CHORD: Mm = 0.02;
 /// Undersides stick out by more than so many times the outlines' accuracy.
 const SURE: f64 = 2.0;
