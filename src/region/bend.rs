@@ -2,13 +2,13 @@
 //! it.
 //!
 //! ```text
-//!     ━━━━━━━╮        Round the outside of a bend a strip is as round as
-//!     ━━━━╮ ◯ ╲       inside, so the ball in the bend is larger than those
-//!          ╲   ┃      before it and behind. Two walls would be too short to
-//!           ┃  ┃      print there.
+//!     ━━━━━━━╮        The outer border of a bend often has no larger radius
+//!     ━━━━╮ ◯ ╲       than the inner one, so the ball in the bend is larger
+//!          ╲   ┃      than those before it and behind it. Two walls would be
+//!           ┃  ┃      too short to print there.
 //! ```
 //!
-//! In: a part of a ridge. Out: whether balls along it reach the border
+//! In: a part of a ridge, the border, and where ridges end. Out: whether balls along it reach the border
 //! everywhere. In a corner they do not, and where strips meet they leave to
 //! other ridges what lies between.
 
@@ -132,7 +132,7 @@ mod tests {
         let sharp = bent(0.75, 0.01, 0.01);
         let border = EdgeGrid::new(&sharp, 1.0);
         assert!(!is_bend(&part(corner.clone()), &border, &none));
-        // A strip that ends there is reason enough.
+        // A strip that ends beside the part makes it no bend.
         let node = EdgeGrid::of(
             [(0, (at(0.3, -0.4), at(0.3, -0.4)))].into_iter(),
             1.0,

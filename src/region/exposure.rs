@@ -271,8 +271,7 @@ impl<'a> Exposure<'a> {
                 Exposed::Part(part) => {
                     let grown = grown(&part, &hanging, settings);
                     let left = difference(&island, &grown);
-                    let left = printable(&left, BESIDE_SKIN, settings);
-                    sparse.extend(left.islands());
+                    sparse.extend(beside(&left, &grown, settings));
                 }
             }
         }
@@ -427,6 +426,23 @@ fn grown(part: &Area, hanging: &Area, settings: &Settings) -> Area {
     union(&all, &offset(hanging, anchor, TOLERANCE))
 }
 
+/// The islands of sparse infill in what some skin leaves of an area.
+fn beside(left: &Area, skin: &Area, settings: &Settings) -> Vec<Area> {
+    let all = printable(left, BETWEEN_WALLS, settings);
+    let wide = printable(&all, BESIDE_SKIN, settings);
+    if wide.content() >= all.content() - TOLERANCE {
+        return all.islands();
+    }
+    // Narrow parts away from the skin stay as they are in layers without it.
+    let near = offset(skin, settings.infill_width(), TOLERANCE);
+    let narrow = difference(&all, &wide).islands();
+    let away = narrow
+        .into_iter()
+        .filter(|part| intersection(part, &near).is_empty());
+    let rings = away.flat_map(|part| part.rings).collect();
+    union(&wide, &Area { rings }).islands()
+}
+
 /// An area without some islands of it.
 fn less(area: &Area, islands: &[Area]) -> Area {
     if islands.is_empty() {
@@ -450,9 +466,9 @@ fn less(area: &Area, islands: &[Area]) -> Area {
 
 /// Least width of sparse infill between walls, in its lines.
 const BETWEEN_WALLS: f64 = 1.0;
-/// Least width of sparse infill beside skin, in its lines. The lines that cross a narrower strip are stubs, and
-/// so few that the skin above it would hang; skin widened by the strip has a
-/// stroke more.
+/// Least width of sparse infill beside skin, in its lines. The lines that cross a
+/// narrower strip are stubs, and there are so few of them that skin above the
+/// strip would hang. Skin that is wider by such a strip has one more stroke.
 const BESIDE_SKIN: f64 = 2.0;
 
 /// The parts of an area large enough for sparse infill, and as wide as so many
@@ -574,7 +590,9 @@ mod tests {
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         // Leaves a strip so wide once the skin has grown.
         let strip = |width: f64| {
-            let from = 20.0 - width - settings.skin_overlap();
+            // Under a slope of 45° the layer beyond would recede by its height.
+            let grows = settings.skin_overlap() + 0.2;
+            let from = 20.0 - width - grows;
             let cover = rect(from, -1.0, 21.0, 21.0);
             let f = split_under(&fill, &[&cover], &[], 0, &settings);
             assert!(
@@ -586,5 +604,21 @@ mod tests {
         assert_eq!([0.2, 0.5 * two, two - 0.05].map(strip), [0.0; 3]);
         let wide = strip(two + 0.1);
         assert!((wide - 20.0 * (two + 0.1)).abs() < 0.1, "{wide}");
+    }
+
+    #[test]
+    fn a_narrow_part_away_from_skin_stays_sparse() {
+        let settings = Settings::default();
+        // A square with skin in one half, and a rib of 1.5 lines beside the
+        // other half.
+        let rib = rect(20.0, 5.0, 30.0, 5.0 + 1.5 * settings.infill_width());
+        let fill = union(&rect(0.0, 0.0, 20.0, 20.0), &rib);
+        let cover = rect(10.0, -1.0, 31.0, 21.0);
+        let f = split_under(&fill, &[&cover], &[], 0, &settings);
+        assert!(
+            f.sparse
+                .contains(rib.bounds().min.midpoint(rib.bounds().max))
+        );
+        assert!(f.skin.contains(glam::DVec2::new(5.0, 5.0)));
     }
 }

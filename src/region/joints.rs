@@ -36,9 +36,13 @@ const CROSS_STEP: Mm = 0.1;
 const ROOMY: f64 = 0.8;
 /// Times that a way across may become half as gentle.
 const HALVES: usize = 3;
-/// Widest slit between a way across and the border that is closed by moving the
-/// way, mm. What is wider is no slit: the border is another strip's.
+/// Width of a slit between a way across and the border from which on the way
+/// does not move towards the border, mm: the border is that of another strip. Up to
+/// two thirds of this the slit is closed, beyond that less and less of it.
 const SLIT: Mm = 0.15;
+/// Difference of two strokes' widths, as a share of the smaller one, from which
+/// one of them is a bead in the middle of a strip and the other one a wall.
+const UNLIKE: f64 = 0.15;
 /// Least width on the way across, as a share of the mean one.
 const LEAST: f64 = 0.5;
 /// Share of a stroke that may be taken from one of its ends.
@@ -359,7 +363,7 @@ impl Chain {
 }
 
 /// The way across from a stroke's end to where another begins: nowhere wider
-/// than there is room.
+/// than there is room, and beside a border if it leads from a bead to a wall.
 fn cross(
     points: &mut Vec<DVec2>,
     widths: &mut Vec<Mm>,
@@ -371,12 +375,17 @@ fn cross(
     else {
         return;
     };
-    for (at, meant) in across([p, q], [v, to.width_at(0)]) {
+    let w = to.width_at(0);
+    // Beads in the middle of strips have borders on both sides.
+    let turns_wall = (v - w).abs() > UNLIKE * v.min(w);
+    for (at, meant) in across([p, q], [v, w]) {
         let Space { width, out } = room(at);
-        // Beside a curved border a straight way would leave a slit open.
+        // Beside a curved border a straight way from a bead to a wall would
+        // leave a slit open.
         let slit = width - meant;
-        if slit > 0.0 && slit < SLIT {
-            points.push(at + 0.5 * slit * out);
+        if turns_wall && slit > 0.0 && slit < SLIT {
+            let closed = slit.min(2.0 * (SLIT - slit));
+            points.push(at + 0.5 * closed * out);
             widths.push(meant);
             continue;
         }

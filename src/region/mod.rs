@@ -355,7 +355,9 @@ pub(crate) fn walls(
 /// True if a part's outline in a layer of this height has room for any bead.
 pub(crate) fn prints(outline: &Area, height: Mm, settings: &Settings) -> bool {
     let walls = walls(outline, None, height, settings);
-    walls.lines.iter().chain(&walls.thin).any(|l| !l.is_empty())
+    // Without walls, skin fills the outline.
+    !walls.fill.is_empty()
+        || walls.lines.iter().chain(&walls.thin).any(|l| !l.is_empty())
 }
 
 /// The walls of an outline, as offsets in the plane; if they are `seen`, with

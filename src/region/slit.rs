@@ -7,7 +7,7 @@
 //!   █████████│▒▒│█████    outline stays as it is, corners and all.
 //! ```
 //!
-//! In: an outline. Out: the same with its slits filled, or nothing if there
+//! In: an outline. Out: the outline with its slits filled, or nothing if there
 //! are none, as on most layers. Edges face each other if they are parallel to
 //! within 30°: a notch that opens wider is a notch, however narrow its end
 //! is. On an island with slits, holes that are no wider than a slit are filled
@@ -20,6 +20,7 @@
 
 use super::cover::{Covered, Islands};
 use crate::plane::clip::{union, unite};
+use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, Ring, Solid, edges, path_length, signed_area};
@@ -33,6 +34,10 @@ const FACING: f64 = -0.866;
 /// Least length of a slit that gets wider, in multiples of the limit.
 const LENGTH: f64 = 4.0;
 
+/// By how many limits pieces of slits grow until those of one slit touch: each
+/// is turned a little against the next one.
+const GROWN: f64 = 0.25;
+
 /// Greatest overlap of edges that touch, due to rounding, mm.
 const ROUNDING: Mm = 1e-6;
 
@@ -43,8 +48,8 @@ const TIDY: f64 = 0.1;
 const HARDLY: f64 = 10.0;
 
 /// The places in which an outline's slits are filled, each a little larger
-/// than the slit: what is narrower than `width` between facing edges. They
-/// reach into the area by `tolerance` at most.
+/// than the slit: what is narrower than `width` between facing edges, but not the
+/// ends of notches. They reach into the area by `tolerance` at most.
 pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
     let grid = outline.grid();
     let mut found: Vec<Ring> = Vec::new();
@@ -96,8 +101,7 @@ pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
 }
 
 /// The slits without those that have a piece in `opening` and are shorter than
-/// [`LENGTH`] limits. A slit between curves has many pieces. Each is turned a
-/// little against the next one, so their ends need not touch.
+/// [`LENGTH`] limits, ends of notches.
 fn without_notches(
     mut slits: Area,
     opening: &[DVec2],
@@ -107,18 +111,28 @@ fn without_notches(
     if opening.is_empty() {
         return slits;
     }
-    let mut joined = offset(&slits, 0.25 * width, tolerance).islands();
-    joined.retain(|slit| {
+    let joined = offset(&slits, GROWN * width, tolerance).islands();
+    let nest = Nest::new(joined.iter().filter_map(|slit| slit.rings.first()));
+    let mut opens = vec![false; joined.len()];
+    for &place in opening {
+        crate::limits::check();
+        if let Some(slit) = nest.around(place) {
+            opens[slit] = true;
+        }
+    }
+    let longest = (LENGTH + 2.0 * GROWN) * width;
+    let rings = joined.into_iter().zip(opens).filter_map(|(slit, opens)| {
         let bounds = slit.bounds();
-        let opens = |&p: &DVec2| bounds.contains(p) && slit.contains(p);
-        bounds.min.distance(bounds.max) >= LENGTH * width
-            || !opening.iter().any(opens)
+        let is_notch = opens && bounds.min.distance(bounds.max) < longest;
+        (!is_notch).then_some(slit.rings)
     });
     let joined = Area {
-        rings: joined.into_iter().flat_map(|slit| slit.rings).collect(),
+        rings: rings.flatten().collect(),
     };
     let joined = Solid::of(&joined, width);
-    slits.rings.retain(|ring| joined.grid().contains(ring[0]));
+    slits.rings.retain(|ring| {
+        ring.first().is_some_and(|&p| joined.grid().contains(p))
+    });
     slits
 }
 

@@ -29,7 +29,7 @@ const WIDEN: f64 = 1.25;
 /// Parts shorter than this take the number of a neighbour, if its beads can
 /// be made to fit, mm.
 const SHORT: Mm = 4.0;
-/// By how much a bead between two walls may be wider where the place between them
+/// By how much a bead, alone or between two walls, may be wider where its place
 /// has room for two beads, but only over a short length. Of two beads there, one
 /// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
@@ -113,7 +113,8 @@ impl Counts {
         Counts { counts }
     }
 
-    /// The greatest thickness that matters.
+    /// The greatest thickness that matters. A bulge that is thicker is left out:
+    /// to look farther around costs more than it gains.
     pub(super) fn limit(&self) -> Mm {
         let all = self.counts.iter().map(|c| c.upto.max(c.range.1));
         all.fold(0.0, f64::max)
@@ -341,12 +342,14 @@ mod tests {
         assert_eq!(bend(1.85, 8.0), [3, 4, 3]);
         // Wider than two walls and a bulge.
         assert!(bend(2.0, 2.6).contains(&4));
-        // One bead alone does not bulge.
+        // One bead alone bulges in a bend only.
         let t = |x: f64| 0.6 + 0.4 * (1.0 - (x - 10.0).abs()).max(0.0);
         assert_eq!(
             numbers(&counts().split(&ridge(20.0, t), &|_| false)),
             [1, 2, 1]
         );
+        let bent = counts().split(&ridge(20.0, t), &|_| true);
+        assert_eq!(numbers(&bent), [1]);
     }
 
     #[test]
