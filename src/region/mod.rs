@@ -129,6 +129,13 @@ impl Lay {
         (height - self.extra).max(TIP * self.least).min(self.least)
     }
 
+    /// Thickness down to which a post has a bead: a dab that is thinner does not
+    /// stick to what is below, unless lines are as thin.
+    fn posts(&self, height: Mm) -> Mm {
+        const DAB: Mm = 0.3;
+        self.tips(height).max(DAB).min(self.least)
+    }
+
     /// This wall in what other walls have left, which is known to
     /// `tolerance` on each side: a bead that seemed to fit there has to.
     fn after(self, tolerance: Mm) -> Lay {
@@ -421,17 +428,17 @@ fn laid(
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
             let mut walls = cut(&rings, &beads, plan.centre, plan.width);
-            let least = if outer && seen {
-                plan.tips(height)
+            let [least, post] = if outer && seen {
+                [plan.tips(height), plan.posts(height)]
             } else {
-                plan.least
+                [plan.least; 2]
             };
             let beads = tip::lead_to_ends(beads, solid.grid(), depth, least);
             let beads: Vec<Stroke> =
                 beads.iter().map(|r| r.stroke(plan.extra)).collect();
             if outer {
                 tip::fill_posts(
-                    &mut walls, &beads, solid, *plan, least, tolerance,
+                    &mut walls, &beads, solid, *plan, post, tolerance,
                 );
             }
             depth += plan.inner;
