@@ -29,17 +29,17 @@ use crate::pace::motion::Planner;
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, Percent, feed_rate};
 
-/// The start template used if the settings have none. The writer adds the
-/// heating before and after it. The template homes, then waits off the bed for the heaters.
+/// The start template for settings that have none. It homes, then waits off the
+/// bed for the heaters. The writer adds the heating before and after it.
 pub(super) const START: &str = "\
 G28
 G1 Z5 F{{ feed_rate_z }}
 ";
 
-/// The end template used if the settings have none. The template turns the heaters off first, so that they are off even if a
-/// move is refused. Then it lifts the nozzle before it moves the nozzle aside,
-/// so that the nozzle is not dragged over the part. The writer turns the fan
-/// off.
+/// The end template for settings that have none. It turns the heaters off first,
+/// so that they are off even if a move is refused. Then it lifts the nozzle before
+/// it moves the nozzle aside, so that the nozzle is not dragged over the part. The
+/// writer turns the fan off.
 pub(super) const END: &str = "\
 M104 S0
 {% if bed_temperature > 0 or first_layer_bed_temperature > 0 %}

@@ -15,6 +15,7 @@
 //! The private trait `Pattern` says what a pattern has to do. CONTRIBUTING.md
 //! lists the other files that a new pattern touches.
 
+mod bare;
 mod concentric;
 mod cubic;
 mod diamond;
@@ -32,6 +33,8 @@ mod shape;
 mod sheet;
 pub(crate) mod standing;
 mod triangles;
+
+pub(crate) use bare::fill_bare;
 
 use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::contour::{FieldError, remedy};

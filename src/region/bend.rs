@@ -8,13 +8,12 @@
 //!           ┃  ┃      too short to print there.
 //! ```
 //!
-//! In: a part of a ridge, the border, and where ridges end. Out: whether balls along it reach the border
-//! everywhere. In a corner they do not, and where strips meet they leave to
-//! other ridges what lies between.
+//! In: a part of a ridge, the border, and where ridges end. Out: whether balls
+//! along the part reach the border everywhere. In a corner they do not, and where
+//! strips meet they leave to other ridges what lies between.
 
 use super::ridge::Ridge;
 use crate::plane::grid::{EdgeGrid, nearest_on};
-
 use crate::units::Mm;
 use glam::DVec2;
 

@@ -730,6 +730,20 @@ mod tests {
     }
 
     #[test]
+    fn an_outline_is_printed_if_a_bead_or_skin_has_room() {
+        let printed = |width: f64, walls: u32| {
+            let strip = crate::plane::rect(0.0, 0.0, 5.0, width);
+            let settings = Settings {
+                walls,
+                ..Settings::default()
+            };
+            prints(&strip, 0.2, &settings)
+        };
+        assert_eq!([0.1, 0.3, 2.0].map(|w| printed(w, 2)), [false, true, true]);
+        assert!(printed(0.3, 0));
+    }
+
+    #[test]
     fn no_walls_leave_everything_to_the_fill() {
         let settings = Settings {
             walls: 0,

@@ -110,9 +110,9 @@ impl Piece {
     }
 }
 
-/// Splits an island into its sparse and its dense part. What is sparse is wide
-/// enough for two lines: narrower strips would be as dense as what is beside
-/// them, and have walls of their own.
+/// Splits an island into its sparse and its dense part. Beside the dense part a
+/// sparse one is wide enough for two lines: a narrower strip would be as dense as
+/// what is beside it, and have walls of its own.
 fn split(
     island: &Area,
     bounds: Rect,
@@ -130,7 +130,14 @@ fn split(
     let half = settings.infill_width();
     let core = offset(&rest, -half, TOLERANCE);
     let wide = offset(&core, half + TOLERANCE, TOLERANCE);
-    let body = joined(printable(intersection(&rest, &wide)));
+    let wide = intersection(&rest, &wide);
+    let body = if rest.content() - wide.content() > SPECK {
+        let beside = offset(&above, 2.0 * half, TOLERANCE);
+        union(&wide, &difference(&rest, &beside))
+    } else {
+        wide
+    };
+    let body = joined(printable(body));
     let interface = if body.is_empty() {
         island.clone()
     } else {
@@ -212,5 +219,17 @@ mod tests {
         let wanted = [6.0 * (two + 0.1), 6.0 * wide];
         assert!(near(split_by(wide), wanted), "{:?}", split_by(wide));
         assert_eq!(split_by(10.0 - (two - 0.1)), [0.0, 60.0]);
+    }
+
+    #[test]
+    fn a_narrow_island_is_dense_only_near_to_what_is_above() {
+        let settings = Settings::default();
+        let wall = rect(0.0, 0.0, 100.0, 0.6);
+        let top = rect(-1.0, -1.0, 5.0, 1.0);
+        let [body, interface] = split(&wall, wall.bounds(), &[&top], &settings)
+            .map(|part| part.content());
+        let near = 5.0 + 2.0 * settings.infill_width();
+        assert!((interface - 0.6 * near).abs() < 0.01, "{interface}");
+        assert!((body - 0.6 * (100.0 - near)).abs() < 0.01, "{body}");
     }
 }

@@ -50,6 +50,9 @@ impl Printed {
         let mut core = offset(outline, -Self::half(settings), TOLERANCE);
         let small: Mm2 = (4.0 * settings.outer_wall_width()).powi(2);
         let (mut area, mut not) = (Vec::new(), Vec::new());
+        // The middles join the core after the loop: no island may count the
+        // middle of another one as its own core.
+        let mut middles = Vec::new();
         for island in outline.islands() {
             if island.content() > small {
                 area.extend(island.rings);
@@ -64,10 +67,11 @@ impl Printed {
                 continue;
             }
             if !fits {
-                core.rings.extend(middle(&island));
+                middles.extend(middle(&island));
             }
             area.extend(island.rings);
         }
+        core.rings.extend(middles);
         let area = Area { rings: area };
         (Printed { area, core }, Area { rings: not })
     }
@@ -82,6 +86,12 @@ impl Printed {
 /// What stands for the middle of a small island.
 fn middle(island: &Area) -> Option<Ring> {
     let ring = island.rings.first()?;
-    let at = ring.iter().sum::<DVec2>() / ring.len().max(1) as f64;
+    let mean = ring.iter().sum::<DVec2>() / ring.len().max(1) as f64;
+    // The mean of a crescent's points lies beside it.
+    let at = if island.contains(mean) {
+        mean
+    } else {
+        *ring.first()?
+    };
     Some(ring.iter().map(|p| at.lerp(*p, MIDDLE)).collect())
 }

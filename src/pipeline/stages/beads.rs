@@ -6,15 +6,11 @@ use crate::infill::{self, InfillError};
 use crate::order::LayerBeads;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::{Inside, Layer, faces, window};
-use crate::plane::clip::union;
-use crate::plane::nest::Nest;
-use crate::plane::{Area, edges};
+use crate::plane::Area;
 use crate::region::exposure::FillAreas;
 use crate::resolution::thin;
-use crate::settings::{Settings, Varying};
 use crate::skin::Patch;
 use crate::timings::Stage;
-use crate::units::Mm2;
 use crate::{skin, walls};
 use std::collections::VecDeque;
 
@@ -47,7 +43,7 @@ impl Stages<'_> {
         });
         let infill = self.infill_in(&areas.sparse, &layers[i])?;
         let mut skin = self.timings.time(Stage::Skin, || {
-            fill_bare(&mut areas, &infill, self.settings);
+            infill::fill_bare(&mut areas, &infill, self.settings);
             skin::patches(
                 &areas.skin,
                 faces(layers, i),
@@ -126,95 +122,10 @@ impl Stages<'_> {
     }
 }
 
-/// Makes skin of the islands of sparse infill in which no line of it lies, if
-/// they are small: what is above them would rest on nothing.
-fn fill_bare(areas: &mut FillAreas, infill: &[Bead], settings: &Settings) {
-    /// A small island is no larger than a square of so many spacings.
-    const SIDE: f64 = 2.0;
-    let share = match settings.infill_density {
-        Varying::Constant(percent) if settings.infill_is_pattern() => {
-            percent / 100.0
-        }
-        _ => return,
-    };
-    if share <= 0.0 {
-        return;
-    }
-    let most: Mm2 = (SIDE * settings.infill_width() / share).powi(2);
-    let islands = areas.sparse.islands();
-    let is_small = |island: &Area| island.content() < most;
-    if !islands.iter().any(is_small) {
-        return;
-    }
-    let nest = Nest::new(islands.iter().filter_map(|i| i.rings.first()));
-    let mut has = vec![false; islands.len()];
-    for bead in infill {
-        // Their ends lie on what is around the island.
-        for (a, b) in edges(&bead.points) {
-            if let Some(island) = nest.around(a.midpoint(b)) {
-                has[island] = true;
-            }
-        }
-    }
-    let (bare, rest): (Vec<_>, Vec<_>) = islands
-        .into_iter()
-        .zip(has)
-        .partition(|(island, has)| !has && is_small(island));
-    if bare.is_empty() {
-        return;
-    }
-    let [bare, rest] = [bare, rest].map(|islands| Area {
-        rings: islands.into_iter().flat_map(|(i, _)| i.rings).collect(),
-    });
-    areas.skin = union(&areas.skin, &bare);
-    areas.sparse = rest;
-}
-
 /// The beads of some skin.
 pub(super) fn of_skin(skin: &mut [Patch]) -> impl Iterator<Item = &mut Bead> {
     skin.iter_mut().flat_map(|patch| {
         let fills = patch.fills.iter_mut().flat_map(|f| &mut f.lines);
         patch.rings.iter_mut().chain(fills)
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::bead::Stroke;
-    use crate::plane::rect;
-    use glam::DVec2;
-
-    #[test]
-    fn small_islands_without_a_line_of_infill_become_skin() {
-        let joined = |areas: &[Area]| Area {
-            rings: areas.iter().flat_map(|a| a.rings.clone()).collect(),
-        };
-        // Lines 3 mm apart: an island of 36 mm² is small.
-        let [crossed, bare] = [0.0, 10.0].map(|x| rect(x, 0.0, x + 3.0, 3.0));
-        let large = rect(20.0, 0.0, 27.0, 7.0);
-        let beside = rect(0.0, 20.0, 9.0, 29.0);
-        let line = vec![DVec2::new(-0.2, 1.0), DVec2::new(3.2, 2.0)];
-        let stroke = Stroke::new(line, false, 0.45);
-        let infill = [Bead::new(Role::SparseInfill, stroke, 0.2)];
-        let areas = FillAreas {
-            skin: beside.clone(),
-            sparse: joined(&[crossed.clone(), bare.clone(), large.clone()]),
-        };
-        let filled = |density: f64| {
-            let settings = Settings {
-                infill_density: density.into(),
-                ..Settings::default()
-            };
-            let mut areas = areas.clone();
-            fill_bare(&mut areas, &infill, &settings);
-            areas
-        };
-        let found = filled(15.0);
-        assert_eq!(found.sparse, joined(&[crossed, large]));
-        let skin = bare.content() + beside.content();
-        assert!((found.skin.content() - skin).abs() < 1e-6);
-        // Nobody wants lines there.
-        assert_eq!(filled(0.0), areas);
-    }
 }
