@@ -108,7 +108,7 @@ impl<'a> RidgeIndex<'a> {
     }
 
     /// Like [`RidgeIndex::nearest`], among some segments.
-    fn nearest_of(
+    pub(super) fn nearest_of(
         &self,
         segments: &[u32],
         p: DVec2,
@@ -307,24 +307,36 @@ fn widen(
     reach: Mm,
     tolerance: Mm,
 ) -> Stroke {
-    let n = line.points.len();
-    let mut places: Vec<Station> = Vec::with_capacity(n);
-    // A point, the way across the line there, and the slivers near to it.
-    let mut push = |p: DVec2, across: DVec2, near: &[u32]| {
+    let width = line.width;
+    moved(line, index, reach, tolerance, |p, across, _, near| {
         let sliver = index
             .nearest_of(near, p, reach)
             .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
         let left = across.normalize_or_zero();
-        places.push(Station {
+        Station {
             at: p,
             across,
-            width: line.width,
+            width,
             // Only straight inwards, lest the outer side moves.
             moves: sliver
                 .map(|(q, t)| 0.25 * t * left.dot((q - p).normalize_or_zero())),
             narrows: sliver.is_some_and(|(_, t)| t < 0.0),
-        });
-    };
+        }
+    })
+}
+
+/// Moves the places of a line that ridges come near to. `station` gets a place,
+/// the way across the line there, the line's width, and the ridges' segments
+/// within `reach`.
+pub(super) fn moved(
+    line: Stroke,
+    index: &RidgeIndex<'_>,
+    reach: Mm,
+    tolerance: Mm,
+    station: impl Fn(DVec2, DVec2, Mm, &[u32]) -> Station,
+) -> Stroke {
+    let n = line.points.len();
+    let mut places: Vec<Station> = Vec::with_capacity(n);
     let mut near = Vec::new();
     let mut clear = false;
     let segments = if line.closed { n } else { n.saturating_sub(1) };
@@ -333,18 +345,20 @@ fn widen(
             clear = index.group_clear(&line.points, k, reach);
         }
         let (a, b) = (line.points[k], line.points[(k + 1) % n]);
+        let (v, w) = (line.width_at(k), line.width_at(k + 1));
         let along = (b - a).normalize_or_zero();
         let at_a = across(&line, k);
         if clear {
             near.clear();
-            push(a, at_a, &[]);
+            places.push(station(a, at_a, v, &[]));
             continue;
         }
         let count = (a.distance(b) / WIDEN_STEP).ceil().clamp(1.0, 1e6);
-        let place = |i: usize| a.lerp(b, i as f64 / count);
+        let share = |i: usize| i as f64 / count;
+        let place = |i: usize| a.lerp(b, share(i));
         let count = count as usize;
         if index.clear_of(a, b, reach, count, &mut near) {
-            push(a, at_a, &[]);
+            places.push(station(a, at_a, v, &[]));
             continue;
         }
         for first in (0..count).step_by(STRETCH) {
@@ -354,12 +368,14 @@ fn widen(
             }
             for i in first..last {
                 let across = if i == 0 { at_a } else { along.perp() };
-                push(place(i), across, &near);
+                let width = v + share(i) * (w - v);
+                places.push(station(place(i), across, width, &near));
             }
         }
     }
     if let (false, [_, .., b]) = (line.closed, line.points.as_slice()) {
-        push(*b, across(&line, n - 1), &near);
+        let across = across(&line, n - 1);
+        places.push(station(*b, across, line.width_at(n - 1), &near));
     }
     widened(places, line.closed, tolerance).unwrap_or(line)
 }

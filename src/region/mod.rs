@@ -22,6 +22,7 @@ pub(crate) mod compensate;
 pub(crate) mod cover;
 pub(crate) mod exposure;
 pub(crate) mod floating;
+mod give;
 mod joints;
 pub(crate) mod line;
 pub(crate) mod neighbour;
@@ -44,6 +45,7 @@ use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use bend::is_bend;
+use give::give_way;
 use glam::DVec2;
 use joints::Space;
 use line::{absorb, cut};
@@ -448,6 +450,13 @@ fn laid(
             // accuracy.
             let fine = 0.4 * settings.accuracy;
             let walls = absorb(walls, &slivers, away, fine);
+            let walls = match lines.last() {
+                Some(outside) => {
+                    let width = plans[lines.len() - 1].width;
+                    give_way(walls, outside, width, height, fine)
+                }
+                None => walls,
+            };
             // Skin begins with the bead of a thin place.
             let radius = match pair.get(k + 1) {
                 Some(wall) => wall.centre + settings.accuracy,

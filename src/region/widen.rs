@@ -28,6 +28,11 @@ const MITRE: f64 = 2.0;
 /// when both its ends have moved.
 const AHEAD: f64 = 0.4;
 
+/// What is left of a move at each look at places that would pass each other.
+const LESS: f64 = 0.7;
+/// Moves smaller than this are none, mm.
+const LEAST: Mm = 0.003;
+
 /// A place on a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Station {
@@ -134,8 +139,8 @@ fn bridge_gaps(places: &mut [Station]) {
     }
 }
 
-/// Leaves places where they are that would pass each other: around a corner
-/// they move towards each other.
+/// Lets places move less that would pass each other: around a corner they move
+/// towards each other.
 fn unfold(places: &mut [Station], closed: bool) {
     let n = places.len();
     let ways = if closed { n } else { n.saturating_sub(1) };
@@ -150,8 +155,10 @@ fn unfold(places: &mut [Station], closed: bool) {
             let way = b.at - a.at;
             let ahead = (b.moved() - a.moved()).dot(way);
             if ahead < AHEAD * way.length_squared() {
-                places[i].moves = None;
-                places[(i + 1) % n].moves = None;
+                for place in [i, (i + 1) % n] {
+                    let moves = places[place].moves.map(|m| LESS * m);
+                    places[place].moves = moves.filter(|m| m.abs() > LEAST);
+                }
                 folded = true;
             }
         }
@@ -163,8 +170,12 @@ fn taper(places: &mut [Station], closed: bool) {
     let n = places.len();
     let ways = if closed { 2 * n } else { n };
     let mut limit = |i: usize, j: usize| {
-        let from = places[i].moves.map_or(0.0, f64::abs);
-        let most = from + 0.5 * SLOPE * places[i].at.distance(places[j].at);
+        let (a, b) = (places[i], places[j]);
+        let from = a.moves.map_or(0.0, f64::abs);
+        // The way that is left in a corner.
+        let way = (b.at - a.at).normalize_or_zero();
+        let ahead = (b.moved() - a.moved()).dot(way).max(0.0);
+        let most = from + 0.5 * SLOPE * ahead;
         if let Some(moves) = &mut places[j].moves {
             *moves = moves.clamp(-most, most);
         }

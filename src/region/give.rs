@@ -1,0 +1,152 @@
+//! Inner walls that give way where the walls outside of them have grown wider.
+//!
+//! ```text
+//!   ━━━━━━━━━━━━━━━━━━━━━━   A wall grows wider beside a pocket, and tapers on
+//!   ━━━━╮            ╭━━━━   both sides of it. The wall inside of it becomes
+//!        ╲━━━━━━━━━━╱        narrower by as much as the two would overlap, and
+//!   ━━━━╮            ╭━━━━   its inner side stays where it is.
+//!        ╲──────────╱
+//!   ──────────────────────
+//! ```
+//!
+//! In: a wall's lines, and those of the wall outside of it. Out: the lines, at
+//! their spacing from the others except where they would become too narrow.
+
+use super::line::{RidgeIndex, moved};
+use super::ridge::Ridge;
+use super::widen::Station;
+use crate::bead::{Stroke, spacing};
+use crate::units::Mm;
+
+/// Walls side by side may overlap by so much, mm.
+const OVERLAP: Mm = 0.01;
+/// Share of a wall's width that stays, however much the wall outside of it has
+/// grown.
+const NARROWEST: f64 = 0.6;
+
+/// Narrows lines on their outer side where the walls `outside` of them, which are
+/// usually `width` wide, have grown wider. Lines are thinned to `tolerance`.
+pub(super) fn give_way(
+    lines: Vec<Stroke>,
+    outside: &[Stroke],
+    width: Mm,
+    height: Mm,
+    tolerance: Mm,
+) -> Vec<Stroke> {
+    let wider = wider(outside, width);
+    if wider.is_empty() || lines.is_empty() {
+        return lines;
+    }
+    let widest = wider.iter().map(Ridge::thickest).fold(0.0, f64::max);
+    let own = lines.iter().flat_map(|l| &l.widths).copied();
+    let own = own.chain(lines.iter().map(|l| l.width)).fold(0.0, f64::max);
+    let reach = spacing(widest, own, height);
+    let index = RidgeIndex::new(&wider, reach);
+    let narrowed = |line: Stroke| {
+        let most = (1.0 - NARROWEST) * line.width;
+        moved(line, &index, reach, tolerance, |p, across, width, near| {
+            let left = across.normalize_or_zero();
+            let overlap = index
+                .nearest_of(near, p, reach)
+                .map(|(q, w)| {
+                    let overlap = spacing(width, w, height) - p.distance(q);
+                    overlap * left.dot((p - q).normalize_or_zero())
+                })
+                .filter(|overlap| *overlap > OVERLAP)
+                .map(|overlap| overlap.min(most));
+            Station {
+                at: p,
+                across,
+                width,
+                moves: overlap.map(|overlap| 0.5 * overlap),
+                narrows: overlap.is_some(),
+            }
+        })
+    };
+    lines.into_iter().map(narrowed).collect()
+}
+
+/// The pieces of walls that are wider than `width`.
+fn wider(walls: &[Stroke], width: Mm) -> Vec<Ridge> {
+    let mut pieces: Vec<Ridge> = Vec::new();
+    for wall in walls.iter().filter(|w| !w.widths.is_empty()) {
+        let mut goes_on = false;
+        for (k, (a, b)) in wall.segments().enumerate() {
+            let widths = [k, k + 1].map(|i| wall.width_at(i));
+            let is_wider = widths.iter().any(|w| *w > width + OVERLAP);
+            if is_wider && !goes_on {
+                pieces.push(Ridge {
+                    points: vec![a],
+                    thickness: vec![widths[0]],
+                    closed: false,
+                });
+            }
+            goes_on = is_wider;
+            if let Some(piece) = pieces.last_mut().filter(|_| is_wider) {
+                piece.points.push(b);
+                piece.thickness.push(widths[1]);
+            }
+        }
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    const HEIGHT: Mm = 0.2;
+    const WIDTH: Mm = 0.45;
+
+    /// A wall to the right, wider from 8 to 12 mm, with its outer side on y = 0.
+    fn outside(widest: Mm) -> Stroke {
+        let width = |x: f64| {
+            let ramp = (1.0 - ((x - 10.0).abs() - 2.0)).clamp(0.0, 1.0);
+            WIDTH + ramp * (widest - WIDTH)
+        };
+        let x = || (0..=200).map(|i| 0.1 * f64::from(i));
+        let points = x().map(|x| DVec2::new(x, 0.5 * width(x)));
+        Stroke::varying(points.collect(), x().map(width).collect(), false)
+    }
+
+    fn inside() -> Stroke {
+        let y = 0.5 * WIDTH + spacing(WIDTH, WIDTH, HEIGHT);
+        let ends = [DVec2::new(0.0, y), DVec2::new(20.0, y)];
+        Stroke::new(ends.to_vec(), false, WIDTH)
+    }
+
+    #[test]
+    fn an_inner_wall_keeps_its_spacing_and_its_inner_side() {
+        let outside = outside(0.6);
+        let usual = inside();
+        let side = usual.points[0].y + 0.5 * WIDTH;
+        let lines =
+            give_way(vec![usual], &[outside.clone()], WIDTH, HEIGHT, 1e-4);
+        let line = &lines[0];
+        let narrowest = line.widths.iter().copied().fold(1.0, f64::min);
+        assert!((narrowest - 0.3).abs() < 0.001, "{narrowest}");
+        for (p, w) in line.points.iter().zip(&line.widths) {
+            assert!((p.y + 0.5 * w - side).abs() < 1e-3, "{p}");
+            let k = (10.0 * p.x).round() as usize;
+            let q = outside.points[k.min(200)];
+            let meant = spacing(*w, outside.width_at(k.min(200)), HEIGHT);
+            assert!((p.y - q.y - meant).abs() < OVERLAP + 1e-3, "{p}");
+        }
+    }
+
+    #[test]
+    fn a_wall_becomes_no_narrower_than_a_share_of_its_width() {
+        let lines =
+            give_way(vec![inside()], &[outside(0.9)], WIDTH, HEIGHT, 1e-4);
+        let narrowest = lines[0].widths.iter().copied().fold(1.0, f64::min);
+        assert!((narrowest - NARROWEST * WIDTH).abs() < 1e-6, "{narrowest}");
+    }
+
+    #[test]
+    fn beside_walls_of_their_usual_width_nothing_changes() {
+        let usual = Stroke::new(outside(0.6).points, false, WIDTH);
+        let lines = give_way(vec![inside()], &[usual], WIDTH, HEIGHT, 1e-4);
+        assert_eq!(lines, [inside()]);
+    }
+}
