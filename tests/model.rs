@@ -270,6 +270,32 @@ fn blends_and_twists() {
     assert_eq!(found.bounds.max.z, 30.0);
 }
 
+/// A tube that winds around a circle has the box that its middle says: around
+/// the z axis, where all angles meet, too.
+#[test]
+fn knots_that_wind_round_the_z_axis() {
+    use std::f64::consts::PI;
+    for winds in [0.5_f64, 1.5, 4.5] {
+        let knot = format!(
+            "sqrt((abs((sqrt(x*x + y*y) - 15)*cos({winds}*atan2(y, x)) \
+             + z*sin({winds}*atan2(y, x))) - 4)^2 \
+             + (z*cos({winds}*atan2(y, x)) \
+             - (sqrt(x*x + y*y) - 15)*sin({winds}*atan2(y, x)))^2) - 2.6"
+        );
+        let (mut min, mut max) = ([f64::INFINITY; 2], [-f64::INFINITY; 2]);
+        for k in 0..=400_000 {
+            let angle = PI * (f64::from(k) / 200_000.0 - 1.0);
+            // The two middles of a cross-section, and its outer end.
+            let out = 15.0 + (4.0 * (winds * angle).cos()).abs() + 2.6;
+            for (i, v) in [angle.cos(), angle.sin()].into_iter().enumerate() {
+                min[i] = min[i].min(out * v);
+                max[i] = max[i].max(out * v);
+            }
+        }
+        assert_formula(&knot, [min[0], min[1], -6.6], [max[0], max[1], 6.6]);
+    }
+}
+
 #[test]
 fn unions_of_many_and_of_far_apart_bodies() {
     let text = "

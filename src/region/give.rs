@@ -121,8 +121,13 @@ mod tests {
         let outside = outside(0.6);
         let usual = inside();
         let side = usual.points[0].y + 0.5 * WIDTH;
-        let lines =
-            give_way(vec![usual], &[outside.clone()], WIDTH, HEIGHT, 1e-4);
+        let lines = give_way(
+            vec![usual],
+            std::slice::from_ref(&outside),
+            WIDTH,
+            HEIGHT,
+            1e-4,
+        );
         let line = &lines[0];
         let narrowest = line.widths.iter().copied().fold(1.0, f64::min);
         assert!((narrowest - 0.3).abs() < 0.001, "{narrowest}");

@@ -242,7 +242,7 @@ impl Program {
             let mut operands = step.operands().map(|o| v[o as usize]);
             let a = operands.next().unwrap_or(0.0);
             let b = operands.next().unwrap_or(0.0);
-            if piece::piece_at(step, a, b) != *index {
+            if !piece::holds(step, *index, a, b) {
                 return f64::NAN;
             }
         }

@@ -6,6 +6,10 @@
 //! gets. So the box is looked at once for each side: with a smooth piece in
 //! place of the operation, and the condition under which that piece is the true
 //! one. The condition rules out the part of the box on the other side.
+//!
+//! Around the pole of `atan2` all angles meet, and a range tells nothing either:
+//! there the pieces are sectors, in each of which the angle is known to a
+//! sixty-fourth of a turn.
 
 use super::Step;
 use super::slot::Slot;
@@ -13,11 +17,19 @@ use crate::cell::Cell;
 use crate::interval::Interval;
 use crate::number::{Number, binary, unary};
 use fidget::context::{BinaryOpcode, UnaryOpcode};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Greatest number of periods. Beyond it, f64 cannot tell one period from the
 /// next.
 const MOST_PERIODS: f64 = 1e15;
+
+/// Number of sectors around the pole of `atan2`. A curve that winds four and a
+/// half times around itself on its way round is known to a quarter of its turn.
+const SECTORS: f64 = 64.0;
+
+/// Number of the first sector among the pieces of `atan2`: the two sides of its
+/// jump come before it.
+const FIRST_SECTOR: f64 = 2.0;
 
 /// One piece of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,8 +54,36 @@ pub(super) struct Over {
     pub at_centre: bool,
 }
 
-/// The piece in which a point's operands lie.
-pub(super) fn piece_at(step: &Step, a: f64, b: f64) -> f64 {
+/// True if a point's operands lie in a piece.
+pub(super) fn holds(step: &Step, index: f64, a: f64, b: f64) -> bool {
+    if is_sector(step, index) {
+        sector(a.atan2(b)) == index
+    } else {
+        piece_at(step, a, b) == index
+    }
+}
+
+/// True if a piece is a sector around the pole of `atan2`.
+fn is_sector(step: &Step, index: f64) -> bool {
+    matches!(step, Step::Binary(BinaryOpcode::Atan, ..))
+        && index >= FIRST_SECTOR
+}
+
+/// The sector in which an angle lies.
+fn sector(angle: f64) -> f64 {
+    let number = ((angle + PI) * (SECTORS / TAU)).floor();
+    FIRST_SECTOR + number.clamp(0.0, SECTORS - 1.0)
+}
+
+/// The angles of a sector.
+fn angles(sector: f64) -> (f64, f64) {
+    let number = sector - FIRST_SECTOR;
+    let angle = |number: f64| number * (TAU / SECTORS) - PI;
+    (angle(number), angle(number + 1.0))
+}
+
+/// The piece in which a point's operands lie, where sectors do not count.
+fn piece_at(step: &Step, a: f64, b: f64) -> f64 {
     let side = |v: f64| if v >= 0.0 { 1.0 } else { 0.0 };
     match step {
         Step::Unary(op, _) => match op {
@@ -63,8 +103,8 @@ pub(super) fn piece_at(step: &Step, a: f64, b: f64) -> f64 {
     }
 }
 
-/// The pieces of a step that a box may meet: two or three. None if the step
-/// does not jump there, or jumps too often.
+/// The pieces of a step that a box may meet: two or three, or the sectors around
+/// a pole. None if the step does not jump there, or jumps too often.
 pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
     let (first, last) = match step {
         Step::Unary(op, _) => {
@@ -84,6 +124,14 @@ pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
             BinaryOpcode::Mod if !b.range.contains(0.0) => {
                 let periods = a.range.div(b.range.abs());
                 (periods.lo.floor(), periods.hi.floor())
+            }
+            BinaryOpcode::Atan
+                if a.range.contains(0.0) && b.range.contains(0.0) =>
+            {
+                let all = a.range.atan2(b.range);
+                let (first, last) = (sector(all.lo), sector(all.hi));
+                let count = (last - first) as usize;
+                return (0..=count).map(|k| first + k as f64).collect();
             }
             BinaryOpcode::Atan
                 if a.range.lo < 0.0
@@ -137,14 +185,15 @@ pub(super) fn over(
     if touches && grows(&condition.slot) {
         return None;
     }
-    let at_centre = piece_at(step, a.centre, b.centre) == index;
+    let at_centre = holds(step, index, a.centre, b.centre);
     let mut slot = piece_slot(step, index, a, b);
     // There is no way past a pole.
-    let pole = matches!(
-        step,
-        Step::Unary(UnaryOpcode::Tan | UnaryOpcode::Recip, _)
-            | Step::Binary(BinaryOpcode::Div, ..)
-    );
+    let pole = is_sector(step, index)
+        || matches!(
+            step,
+            Step::Unary(UnaryOpcode::Tan | UnaryOpcode::Recip, _)
+                | Step::Binary(BinaryOpcode::Div, ..)
+        );
     if pole && !at_centre {
         slot.centre = f64::NAN;
     }
@@ -223,6 +272,10 @@ fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
         Step::Binary(BinaryOpcode::Mod, ..) => {
             (remainder(index, a, b), 0.0, b.range.magnitude())
         }
+        Step::Binary(BinaryOpcode::Atan, ..) if is_sector(step, index) => {
+            let (lo, hi) = angles(index);
+            (angle(index, a, b), lo, hi)
+        }
         Step::Binary(BinaryOpcode::Atan, ..) => side(*a, index > 0.0),
         Step::Binary(BinaryOpcode::Compare, ..) => match index {
             0.0 => (difference(a, b), 0.0, 0.0),
@@ -237,6 +290,17 @@ fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
 fn remainder(index: f64, a: &Slot, b: &Slot) -> Slot {
     let times = Slot::constant(index);
     difference(a, &b.abs().mul(times))
+}
+
+/// The angle of b and a in a sector, continued beyond it where it jumps.
+fn angle(sector: f64, a: &Slot, b: &Slot) -> Slot {
+    if b.range.hi < 0.0 {
+        // Left of the pole the angle is ±π + atan(y/x).
+        let turn = if angles(sector).0 >= 0.0 { PI } else { -PI };
+        a.div(*b).atan().add(Slot::constant(turn))
+    } else {
+        binary(BinaryOpcode::Atan, *a, *b)
+    }
 }
 
 fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
@@ -288,6 +352,13 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
         },
         Step::Binary(op, ..) => match op {
             BinaryOpcode::Mod => remainder(index, a, b),
+            BinaryOpcode::Atan if is_sector(step, index) => {
+                let (lo, hi) = angles(index);
+                let mut slot = angle(index, a, b);
+                slot.range.lo = slot.range.lo.max(lo);
+                slot.range.hi = slot.range.hi.min(hi);
+                slot
+            }
             BinaryOpcode::Atan => {
                 // Left of the pole the angle is ±π + atan(y/x).
                 let turn = if index > 0.0 { PI } else { -PI };
