@@ -113,6 +113,8 @@ struct Step {
     top: f64,
     /// Width of the line, mm.
     width: f64,
+    /// True if it is in the last layer.
+    last: bool,
     /// True if it is of a support.
     support: bool,
     /// True if no other move lies between it and the one before.
@@ -155,12 +157,15 @@ fn steps(gcode: &str) -> Vec<Step> {
                 fed,
                 top,
                 width,
+                last: false,
                 support,
                 goes_on,
             });
         }
         goes_on = prints;
     }
+    let highest = steps.iter().map(|s: &Step| s.top).fold(0.0, f64::max);
+    steps.iter_mut().for_each(|s| s.last = s.top == highest);
     steps
 }
 
@@ -171,18 +176,57 @@ fn print(part: &Part, settings: &Settings) -> Vec<Step> {
     steps(&gcode)
 }
 
-/// Distances of the middles of beads that lie open from the surface, µm.
-fn distances(part: &Part, steps: &[Step]) -> Vec<f64> {
-    let mut off = Vec::new();
+/// What lies open of a bead, across its way.
+struct Bare {
+    /// The middle of it, at the nozzle's height.
+    middle: DVec3,
+    /// How wide it is, mm.
+    width: f64,
+    /// True if the next layer covers the bead's own middle.
+    strip: bool,
+    /// True if all of the bead lies open.
+    whole: bool,
+}
+
+/// What lies open at a share of a step's way, by the formula; nothing if the
+/// next layer covers all of it.
+fn bare(part: &Part, step: &Step, t: f64) -> Option<Bare> {
+    /// Places across a bead.
+    const ACROSS: i32 = 48;
+    let p = step.from.lerp(step.to, t);
+    let way = (step.to - step.from).truncate().normalize();
+    let across = way.perp().extend(0.0);
+    // Beads lie beside one another at this distance.
+    let spacing = step.width - HEIGHT * (1.0 - std::f64::consts::FRAC_PI_4);
+    // Up to 2 µm below the next layer's middle.
+    let next = step.top + 0.5 * HEIGHT - 0.002;
+    let open = |p: DVec3| step.last || part.height(p) < next;
+    let places = (0..ACROSS).map(|k| {
+        let share = (f64::from(k) + 0.5) / f64::from(ACROSS) - 0.5;
+        p + share * spacing * across
+    });
+    let bare: Vec<DVec3> = places.filter(|q| open(*q)).collect();
+    (!bare.is_empty()).then(|| Bare {
+        middle: bare.iter().sum::<DVec3>() / bare.len() as f64,
+        width: spacing / f64::from(ACROSS) * bare.len() as f64,
+        strip: !open(p),
+        whole: bare.len() == ACROSS as usize,
+    })
+}
+
+/// How far the nozzle is above the surface at the middle of what a bead leaves
+/// open, µm, every 0.1 mm along all beads: where a bead's own middle lies open,
+/// and in strips of 20 µm and more where the next layer covers that.
+fn distances(part: &Part, steps: &[Step]) -> [Vec<f64>; 2] {
+    let mut off = [Vec::new(), Vec::new()];
     for step in steps {
-        let length = step.from.distance(step.to);
-        let count = (length / 0.1).ceil();
+        let count = (step.from.distance(step.to) / 0.1).ceil();
         for i in 0..=count as usize {
-            let p = step.from.lerp(step.to, i as f64 / count);
-            let surface = part.height(p);
-            // Up to 2 µm below the next layer's middle.
-            if surface < step.top + 0.5 * HEIGHT - 0.002 {
-                off.push(1000.0 * (p.z - surface));
+            let bare = bare(part, step, i as f64 / count);
+            let wide = |b: &Bare| !b.strip || b.width > 0.02;
+            if let Some(bare) = bare.filter(wide) {
+                let above = bare.middle.z - part.height(bare.middle);
+                off[usize::from(bare.strip)].push(1000.0 * above);
             }
         }
     }
@@ -233,12 +277,15 @@ fn tops_lie_on_the_surface() {
         .chain([dome(), waves()])
     {
         let steps = print(&part, &settings(&STEEP));
-        let off = distances(&part, &steps);
-        assert!(off.len() > 10_000);
+        let [own, strips] = distances(&part, &steps);
+        assert!(own.len() > 10_000);
         // `TOLERANCE`, the rounding of z and that of x and y.
         let name = &part.formula;
-        assert!(rms(&off) < 1.5, "{name}: {}", rms(&off));
-        assert!(worst(&off) < 3.0, "{name}: {}", worst(&off));
+        for off in [own, strips].iter().filter(|off| !off.is_empty()) {
+            assert!(rms(off) < 2.5, "{name}: {}", rms(off));
+            // At a bend a bead has one height for both of its sides.
+            assert!(worst(off) < 18.0, "{name}: {}", worst(off));
+        }
         let share = volume(&steps) / part.volume() - 1.0;
         assert!(share.abs() < 0.005, "{name}: {share}");
         // Thinned to 1.5 µm, a way of 0.1 mm bends by 4·1.5/50.
@@ -246,7 +293,9 @@ fn tops_lie_on_the_surface() {
         assert!(bend < 0.08, "{name}: {bend}");
         // Level layers are off by half of their height.
         let flat = print(&part, &settings(&[]));
-        let off = distances(&part, &flat);
+        let [off, strips] = distances(&part, &flat);
+        // There the next layer's edge is half a layer above the strip.
+        assert!(strips.is_empty() || rms(&strips) > 40.0, "{name}");
         // Of a wedge of 25° only the middles of the outer walls lie open, all at
         // one height.
         assert!(rms(&off) > if part.parameter > 0.4 { 2.0 } else { 40.0 });
@@ -412,7 +461,7 @@ fn what_is_added_is_what_is_below_the_surface() {
         let [with, without] = [&STEEP[..], &[]]
             .map(|more| volume(&print(&part, &settings(more))));
         let share = (with - without) / part.volume();
-        assert!(share.abs() < 0.002, "{angle}: {share}");
+        assert!(share.abs() < 0.001, "{angle}: {share}");
     }
 }
 
@@ -445,15 +494,16 @@ fn steep_faces_stay_as_they_are_and_nothing_begins_at_once() {
     let radius = |angle: f64| 40.0 * angle.to_radians().sin();
     let mut faded = 0;
     for step in &steps {
-        let p = step.from.lerp(step.to, 0.5);
+        let Some(bare) = bare(&part, step, 0.5).filter(|b| b.whole) else {
+            continue;
+        };
+        let p = bare.middle;
         let at = p.truncate().length();
         let surface = part.height(p);
-        if surface > step.top + 0.5 * HEIGHT - 0.002 {
-            continue;
-        }
         let (rise, own) = (p.z - step.top, surface - step.top);
         match at {
-            _ if at < radius(7.5) => assert!((rise - own).abs() < 0.003),
+            // In bends a bead is led by what both sides leave open.
+            _ if at < radius(7.5) => assert!((rise - own).abs() < 0.008),
             _ if at > radius(18.5) => assert!(rise.abs() < 1e-6, "{rise}"),
             _ => {
                 let angle = (at / 40.0).asin().to_degrees();
@@ -478,9 +528,10 @@ fn a_flat_nozzle_follows_less() {
     assert!(level.iter().all(|s| s.from.z == s.to.z));
     // One with a finer end may.
     let fine = [&asked[..], &["printer.nozzle_flat=0.4"]].concat();
-    let off = distances(&part, &print(&part, &settings(&fine)));
+    let [off, _] = distances(&part, &print(&part, &settings(&fine)));
     assert!(off.len() > 100);
-    assert!(worst(&off) < 3.0);
+    // Bends are half as wide as the terraces between two layers' edges.
+    assert!(rms(&off) < 3.0 && worst(&off) < 50.0, "{}", worst(&off));
 }
 
 #[test]
@@ -489,12 +540,13 @@ fn an_expression_says_where() {
     let wanted = "contour_z=expr: 100*min(max(x/10, 0), 1)";
     let steps = print(&part, &settings(&[wanted]));
     for step in &steps {
-        let p = step.from.lerp(step.to, 0.5);
-        let own = part.height(p) - step.top;
-        if own < 0.5 * HEIGHT - 0.002 {
+        if let Some(bare) = bare(&part, step, 0.5).filter(|b| b.whole) {
+            let p = bare.middle;
+            let own = part.height(p) - step.top;
             let share = (p.x / 10.0).clamp(0.0, 1.0);
             let rise = p.z - step.top;
-            assert!((rise - share * own).abs() < 0.003, "{rise} {own}");
+            // In bends a bead is led by what both sides leave open.
+            assert!((rise - share * own).abs() < 0.006, "{rise} {own}");
         }
     }
 }

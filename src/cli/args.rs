@@ -203,10 +203,7 @@ impl ModelArgs {
             );
         }
         let source = self.source()?;
-        let asked = match &source {
-            Source::File(path) => path.display().to_string(),
-            Source::Text { name, .. } => name.clone(),
-        };
+        let asked = source.to_string();
         Ok(Wanted {
             source,
             defines: self.defines.clone(),

@@ -111,7 +111,7 @@ impl PlateArgs {
                 ..all[0].clone()
             });
         }
-        let name = name_of(&all);
+        let name = Plate::name_of(&all);
         let plate = Plate::new(&name, &all, settings)?;
         let warnings = Vec::new();
         Ok(Job { plate, warnings })
@@ -127,28 +127,5 @@ fn model_file(given: &str) -> Result<PathBuf, String> {
         Ok(path)
     } else {
         Err("models after the first are .rhai or .vm files".into())
-    }
-}
-
-/// The name of a plate of these models, made of their names if they are few.
-fn name_of(all: &[Wanted]) -> String {
-    use isoslice::model::Source;
-    const MOST: usize = 3;
-    let mut names: Vec<String> = Vec::new();
-    for one in all {
-        let name = match &one.source {
-            Source::Text { name, .. } => name.clone(),
-            Source::File(path) => {
-                let stem = path.file_stem().unwrap_or_default();
-                stem.to_string_lossy().into_owned()
-            }
-        };
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    match names.len() {
-        ..=MOST => names.join("+"),
-        _ => format!("{}+{} more", names[0], names.len() - 1),
     }
 }

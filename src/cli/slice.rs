@@ -16,7 +16,7 @@ use isoslice::files::Output;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
-use isoslice::plate::{Part, Plate};
+
 use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -164,7 +164,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let told = job.warnings.iter().cloned();
     let before: Vec<String> = told
         .filter(|warning| !gathered.warnings.contains(warning))
-        .chain(of_models(plate))
+        .chain(plate.warnings())
         .collect();
     terminal::warn(&before);
     if let Some(folder) = &args.svg {
@@ -287,24 +287,6 @@ impl SliceArgs {
         }
         Ok(Some(output::create(path, inputs)?))
     }
-}
-
-/// What the user should know of a plate's models, with their names if there are
-/// several.
-fn of_models(plate: &Plate) -> Vec<String> {
-    let several = plate.parts.len() > 1;
-    let of_part = |part: &Part| {
-        let name = part.model.name.clone();
-        let told = part.model.warnings.clone().into_iter();
-        told.map(move |warning| {
-            if several {
-                format!("{name}: {warning}")
-            } else {
-                warning
-            }
-        })
-    };
-    plate.parts.iter().flat_map(of_part).collect()
 }
 
 /// The time now, or SOURCE_DATE_EPOCH.

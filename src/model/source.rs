@@ -13,6 +13,7 @@ use crate::files::{self, FileError};
 use fidget::context::Tree;
 use glam::DVec2;
 use isocontour::expand;
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Largest file that is read. A .vm file of 10⁶ lines has about 20 MB.
@@ -33,7 +34,7 @@ pub enum SourceKind {
 }
 
 /// Where a model comes from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Source {
     /// A file; its extension says the format.
     File(PathBuf),
@@ -46,6 +47,79 @@ pub enum Source {
         /// The text.
         text: String,
     },
+    /// An expression at hand.
+    Field {
+        /// Name for messages and for the model.
+        name: String,
+        /// The field in the model's own frame, negative inside.
+        tree: Tree,
+        /// Parameters of the script that the field is from.
+        parameters: Vec<Parameter>,
+    },
+}
+
+impl Source {
+    /// Name of the model: the file's, without folder and extension.
+    pub fn name(&self) -> String {
+        match self {
+            Source::File(path) => {
+                let stem = path.file_stem().unwrap_or_default();
+                stem.to_string_lossy().into_owned()
+            }
+            Source::Text { name, .. } | Source::Field { name, .. } => {
+                name.clone()
+            }
+        }
+    }
+}
+
+/// How messages name the model.
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Source::File(path) => path.display().fmt(f),
+            Source::Text { name, .. } | Source::Field { name, .. } => {
+                f.write_str(name)
+            }
+        }
+    }
+}
+
+/// Expressions are equal if they are one object. To compare what they say could
+/// take a time that doubles with each level.
+impl PartialEq for Source {
+    fn eq(&self, other: &Source) -> bool {
+        match (self, other) {
+            (Source::File(a), Source::File(b)) => a == b,
+            (
+                Source::Text { name, kind, text },
+                Source::Text {
+                    name: name_b,
+                    kind: kind_b,
+                    text: text_b,
+                },
+            ) => (name, kind, text) == (name_b, kind_b, text_b),
+            (
+                Source::Field {
+                    name,
+                    tree,
+                    parameters,
+                },
+                Source::Field {
+                    name: name_b,
+                    tree: tree_b,
+                    parameters: parameters_b,
+                },
+            ) => {
+                tree.ptr_eq(tree_b)
+                    && (name, parameters) == (name_b, parameters_b)
+            }
+            (
+                Source::File(_) | Source::Text { .. } | Source::Field { .. },
+                _,
+            ) => false,
+        }
+    }
 }
 
 /// A model as it was written, before it is placed on a printer.
@@ -87,27 +161,29 @@ pub fn load_within(
     defines: &[(String, String)],
     limits: &ScriptLimits,
 ) -> Result<Loaded, LoadError> {
-    let (file, name, kind, bytes) = match source {
-        Source::File(path) => {
-            let kind = kind_of(path)?;
-            let name = path
-                .file_stem()
-                .map(|s| s.to_string_lossy().into_owned())
-                .unwrap_or_default();
-            let bytes = read(path, most_bytes(kind))?;
-            (path.display().to_string(), name, kind, bytes)
-        }
-        Source::Text { name, kind, text } => {
-            let bytes = text.clone().into_bytes();
-            within(&bytes, most_bytes(*kind), name)?;
-            (name.clone(), name.clone(), *kind, bytes)
-        }
-    };
+    let (file, name) = (source.to_string(), source.name());
     let no_parameters = || {
         none_wanted(defines).map_err(|error| LoadError::Param {
             file: file.clone(),
             error: Box::new(error),
         })
+    };
+    let (kind, bytes) = match source {
+        Source::File(path) => {
+            let kind = kind_of(path)?;
+            (kind, read(path, most_bytes(kind))?)
+        }
+        Source::Text { name, kind, text } => {
+            let bytes = text.clone().into_bytes();
+            within(&bytes, most_bytes(*kind), name)?;
+            (*kind, bytes)
+        }
+        Source::Field {
+            tree, parameters, ..
+        } => {
+            no_parameters()?;
+            return counted(file, name, tree.clone(), parameters.clone());
+        }
     };
     let (tree, parameters) = match kind {
         SourceKind::Vm => {
@@ -141,6 +217,16 @@ pub fn load_within(
             (script.tree, script.parameters)
         }
     };
+    counted(file, name, tree, parameters)
+}
+
+/// A model whose operations are counted.
+fn counted(
+    file: String,
+    name: String,
+    tree: Tree,
+    parameters: Vec<Parameter>,
+) -> Result<Loaded, LoadError> {
     let (context, _) =
         expand(&tree).map_err(|error| LoadError::Expression { file, error })?;
     Ok(Loaded {

@@ -168,6 +168,40 @@ impl Plate {
         Ok(plate)
     }
 
+    /// The name of a plate of these models, made of their names if they are few.
+    pub fn name_of(wanted: &[Wanted]) -> String {
+        const MOST: usize = 3;
+        let mut names: Vec<String> = Vec::new();
+        for one in wanted {
+            let name = one.source.name();
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        match names.len() {
+            ..=MOST => names.join("+"),
+            _ => format!("{}+{} more", names[0], names.len() - 1),
+        }
+    }
+
+    /// What the user should know of the models, with their names if there are
+    /// several.
+    pub fn warnings(&self) -> Vec<String> {
+        let several = self.parts.len() > 1;
+        let of_part = |part: &Part| {
+            let name = part.model.name.clone();
+            let told = part.model.warnings.clone().into_iter();
+            told.map(move |warning| {
+                if several {
+                    format!("{name}: {warning}")
+                } else {
+                    warning
+                }
+            })
+        };
+        self.parts.iter().flat_map(of_part).collect()
+    }
+
     /// Number of places in which there are parts.
     pub fn place_count(&self) -> usize {
         self.parts.iter().map(|part| part.places.len()).sum()

@@ -1,7 +1,7 @@
 //! Beads each of which begins where the one before ends, as one path.
 
 use super::profile::{Kind, Knot, thinned};
-use crate::bead::{Bead, Level, Stroke};
+use crate::bead::{Bead, Level, Stroke, spacing};
 use crate::plane::grid::EdgeGrid;
 use crate::seam::ending::Ended;
 use crate::units::Mm;
@@ -12,6 +12,10 @@ const SHORT: Mm = 1.0;
 
 /// Lengths below this count as 0, mm.
 const NOTHING: Mm = 1e-7;
+
+/// How far from the ends of a stretch it is looked at across its way, mm. At an
+/// end the border itself may run across.
+const INSIDE: Mm = 1e-3;
 
 /// Beads of one width each.
 pub(super) struct Chain {
@@ -31,26 +35,37 @@ pub(super) struct Stop {
     pub at: Mm,
     /// The place.
     pub point: DVec2,
-    /// The segment that the place is on.
-    segment: usize,
     /// True if the next layer does not cover the place.
     pub open: bool,
+    /// What the next layer leaves open of the bead here.
+    pub bare: Bare,
     /// True if the place is a point of the path.
     pub corner: bool,
 }
 
-/// True if the next layer leaves some of these beads open.
-pub(super) fn any_open(beads: &[Ended], cover: Option<&EdgeGrid>) -> bool {
+/// The part of a bead's share of the plane, across its way, that lies open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bare {
+    /// How much of the whole it is, 0 to 1.
+    pub share: f64,
+    /// Where its middle is.
+    pub middle: DVec2,
+}
+
+/// True if the next layer leaves some of these beads open, be it on one side.
+pub(super) fn any_open(
+    beads: &[Ended],
+    cover: Option<&EdgeGrid>,
+    height: Mm,
+) -> bool {
     let Some(cover) = cover else { return true };
     let open = |p: DVec2| !cover.contains(p);
     beads.iter().any(|ended| {
         let bead = &ended.bead;
+        let widths = bead.widths.iter().copied().fold(bead.width, f64::max);
+        let half = 0.5 * spacing(widths, widths, height);
         bead.points.first().copied().is_some_and(open)
-            || bead.segments().any(|(a, b)| {
-                let mut cuts = cover.crossings(a, b).into_iter();
-                // Touching the border is not lying open, but costs little.
-                cuts.next().is_some()
-            })
+            || bead.segments().any(|(a, b)| !cover.clear(a, b, half))
     })
 }
 
@@ -88,12 +103,15 @@ impl Chain {
         widths.fold(0.0, f64::max)
     }
 
-    /// The path's points, and more where it lies open: none farther from the
-    /// next than `step`, and one wherever the next layer's border is crossed.
+    /// The path's points, and more where a bead lies open, be it on one side:
+    /// none farther from the next than `step`, and one wherever the next layer's
+    /// border is crossed. `height` is the layer's. In bends, what lies open goes
+    /// over from that of one side to that of the other.
     pub(super) fn stops(
         &self,
         cover: Option<&EdgeGrid>,
         step: Mm,
+        height: Mm,
     ) -> Vec<Stop> {
         let mut stops: Vec<Stop> = Vec::new();
         for segment in 0..self.owners.len() {
@@ -114,70 +132,62 @@ impl Chain {
                 }
                 let middle = a.lerp(b, 0.5 * (from + to));
                 let open = cover.is_none_or(|c| !c.contains(middle));
+                let width = self.beads[self.owners[segment]].bead.width;
+                let reach = spacing(width, width, height);
+                let ends = [from, to].map(|t| a.lerp(b, t));
+                let beside =
+                    |c: &EdgeGrid| !c.clear(ends[0], ends[1], 0.5 * reach);
+                let near = cover.filter(|c| beside(c));
                 // One stop in the middle tells that it is covered.
-                let count = if open {
-                    (way / step).ceil().max(1.0)
+                let count = if open || near.is_some() {
+                    (way / step).ceil().max(2.0)
                 } else {
                     2.0
                 };
+                let across = reach / length * (b - a).perp();
+                let inside = (INSIDE / length).min(0.5 * (to - from));
                 for k in 0..=count as usize {
                     let t = from + (to - from) * k as f64 / count;
-                    self.push(&mut stops, segment, t, open);
+                    let at = a.lerp(b, t.clamp(from + inside, to - inside));
+                    let bare = Bare::new(at, across, near, open);
+                    self.push(&mut stops, segment, t, (open, bare));
                 }
                 from = to;
             }
         }
+        rounded(
+            &mut stops,
+            0.5 * spacing(self.width(), self.width(), height),
+        );
         stops
     }
 
-    /// Adds a stop; if there is one already, an open one stays.
-    fn push(&self, stops: &mut Vec<Stop>, segment: usize, t: f64, open: bool) {
+    /// Adds a stop. If there is one already, at a bend or at a border, it
+    /// stands for both sides.
+    fn push(
+        &self,
+        stops: &mut Vec<Stop>,
+        segment: usize,
+        t: f64,
+        (open, bare): (bool, Bare),
+    ) {
         let (a, b) = (self.points[segment], self.points[segment + 1]);
         let (from, to) = (self.lengths[segment], self.lengths[segment + 1]);
         let stop = Stop {
             at: from + t * (to - from),
             point: a.lerp(b, t),
-            segment,
             open,
+            bare,
             corner: t <= 0.0 || t >= 1.0,
         };
         match stops.last_mut() {
             Some(last) if stop.at - last.at <= NOTHING => {
-                let corner = last.corner || stop.corner;
-                if stop.open || !last.open {
-                    *last = stop;
-                }
-                last.corner = corner;
+                last.corner |= stop.corner;
+                last.open |= stop.open;
+                last.bare = last.bare.with(stop.bare);
             }
             _ => stops.push(stop),
         }
-    }
-
-    /// For a stop whose middle lies open: the share of the bead's width that
-    /// lies open, and where the middle of that share is, from the stop.
-    pub(super) fn open_share(
-        &self,
-        stop: &Stop,
-        cover: Option<&EdgeGrid>,
-    ) -> (f64, DVec2) {
-        let Some(cover) = cover else {
-            return (1.0, DVec2::ZERO);
-        };
-        let (a, b) = (self.points[stop.segment], self.points[stop.segment + 1]);
-        let width = self.beads[self.owners[stop.segment]].bead.width;
-        let across = width * (b - a).normalize_or_zero().perp();
-        let ends = [-0.5, 0.5].map(|share| stop.point + share * across);
-        let (mut low, mut high) = (0.0, 1.0);
-        for t in cover.crossings(ends[0], ends[1]) {
-            // A stop on the border lies open on the one side of it.
-            let near = (t - 0.5_f64).abs() <= NOTHING;
-            match t < 0.5 {
-                _ if near => {}
-                true => low = t.max(low),
-                false => high = t.min(high),
-            }
-        }
-        (high - low, (0.5 * (low + high) - 0.5) * across)
     }
 
     /// The beads with the levels of the knots along them. Beads that stay level
@@ -249,6 +259,102 @@ impl Chain {
         }
         let t = ((at - from) / (to - from)).clamp(0.0, 1.0);
         self.points[next - 1].lerp(self.points[next], t)
+    }
+}
+
+/// Replaces what lies open at stops nearer to a bend than `reach` by its mean
+/// over as much of the path, so that no height changes at once there.
+fn rounded(stops: &mut [Stop], reach: Mm) {
+    let (Some(first), Some(last)) = (stops.first(), stops.last()) else {
+        return;
+    };
+    let (start, end) = (first.at, last.at);
+    let inner = |s: &&Stop| s.corner && s.at > start && s.at < end;
+    let bends: Vec<Mm> = stops.iter().filter(inner).map(|s| s.at).collect();
+    let mean = |i: usize| {
+        let at = stops[i].at;
+        let reach = reach.min(at - start).min(end - at);
+        let next = bends.partition_point(|b| *b <= at - reach);
+        if bends.get(next).is_none_or(|b| *b >= at + reach) {
+            return stops[i].bare;
+        }
+        let from = stops.partition_point(|s| s.at <= at - reach);
+        let (mut share, mut moment) = (0.0, DVec2::ZERO);
+        for pair in stops[from.saturating_sub(1)..].windows(2) {
+            if pair[0].at >= at + reach {
+                break;
+            }
+            // The part of the way between the two that is within reach.
+            let length = pair[1].at - pair[0].at;
+            let low = pair[0].at.max(at - reach);
+            let high = pair[1].at.min(at + reach);
+            let t = (0.5 * (low + high) - pair[0].at) / length;
+            for (stop, part) in [(&pair[0], 1.0 - t), (&pair[1], t)] {
+                let weight = part * (high - low) * stop.bare.share;
+                share += weight;
+                moment += weight * (stop.bare.middle - stop.point);
+            }
+        }
+        let off = if share > 0.0 {
+            moment / share
+        } else {
+            DVec2::ZERO
+        };
+        Bare {
+            share: share / (2.0 * reach),
+            middle: stops[i].point + off,
+        }
+    };
+    let all: Vec<Bare> = (0..stops.len()).map(mean).collect();
+    for (stop, bare) in stops.iter_mut().zip(all) {
+        stop.bare = bare;
+    }
+}
+
+impl Bare {
+    /// What lies open of a bead that reaches from `p` by half of `across` to
+    /// both sides. `near` is the next layer, if its border is near; if not, all
+    /// of the bead is as its middle is, open or not.
+    fn new(
+        p: DVec2,
+        across: DVec2,
+        near: Option<&EdgeGrid>,
+        open: bool,
+    ) -> Bare {
+        let mut cuts = near.map_or(Vec::new(), |cover| {
+            cover.crossings(p - 0.5 * across, p + 0.5 * across)
+        });
+        let Some(cover) = near.filter(|_| !cuts.is_empty()) else {
+            return Bare {
+                share: f64::from(u8::from(open)),
+                middle: p,
+            };
+        };
+        cuts.extend([0.0, 1.0]);
+        cuts.sort_by(f64::total_cmp);
+        let (mut share, mut moment) = (0.0, 0.0);
+        for cut in cuts.windows(2) {
+            let middle = 0.5 * (cut[0] + cut[1]) - 0.5;
+            if !cover.contains(p + middle * across) {
+                share += cut[1] - cut[0];
+                moment += (cut[1] - cut[0]) * middle;
+            }
+        }
+        let off = if share > 0.0 { moment / share } else { 0.0 };
+        Bare {
+            share,
+            middle: p + off * across,
+        }
+    }
+
+    /// What lies open of both sides of a place together.
+    fn with(self, other: Bare) -> Bare {
+        let both = self.share + other.share;
+        let t = if both > 0.0 { other.share / both } else { 0.0 };
+        Bare {
+            share: 0.5 * both,
+            middle: self.middle.lerp(other.middle, t),
+        }
     }
 }
 

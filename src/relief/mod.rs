@@ -18,11 +18,13 @@
 //! next layer begins, its own beads begin at the height that these have reached.
 //!
 //! Guarantees, where a face is no steeper than the angle of full strength: each
-//! point of a bead's middle that lies open is on f = 0 within some micrometres,
-//! unless that is higher above the layer below than the nozzle is wide; all
-//! material together fills what is below f = 0. Steeper faces get less and less
-//! of it, and those [`FADE`] steeper nothing: nowhere does it begin at once.
-//! Under the next layer a bead comes back to the layer's top.
+//! bead is, at the middle of what lies open of it across its way, on f = 0 within
+//! some micrometres, unless that is higher above the layer below than the nozzle
+//! is wide; all material together fills what is below f = 0. That is so, too,
+//! where the next layer covers a bead's own middle: the nozzle then rises under
+//! the next layer's edge, but only what lies open gets more material. Steeper
+//! faces get less and less of it, and those [`FADE`] steeper nothing: nowhere does
+//! it begin at once. Under the next layer a bead comes back to the layer's top.
 //!
 //! Undersides (`contour_z_below`) are the other way round. The nozzle stays at the
 //! layer's top, where the next layer is to lie, and the material goes as deep as
@@ -33,10 +35,8 @@
 //!
 //! Not guaranteed: that undersides of beads that lie open above follow the surface
 //! as well, nor how smooth a face is across the beads, as each is level there.
-//! A bead whose middle is just covered leaves a groove along the next layer's
-//! edge, less than half a bead wide. A nozzle has a flat end, which cuts into
-//! higher beads beside it that are printed before. How deep is bounded
-//! (`contour_z_gouge`).
+//! A nozzle has a flat end, which cuts into higher beads beside it that are
+//! printed before. How deep is bounded (`contour_z_gouge`).
 //!
 //! | file | what it does |
 //! |---|---|
@@ -242,7 +242,8 @@ impl<'a> Relief<'a> {
         crate::limits::check();
         let cover = site.side(facing).outline();
         // Most of a part's beads lie below others, and on others.
-        if !chain::any_open(&beads, cover) {
+        let height = site.span.height();
+        if !chain::any_open(&beads, cover, height) {
             return Ok(beads);
         }
         let cut = |ended: &Ended| {
@@ -259,9 +260,9 @@ impl<'a> Relief<'a> {
         };
         let parts: Vec<Ended> = beads.iter().flat_map(cut).collect();
         let chain = Chain::new(parts);
-        let stops = chain.stops(cover, STEP);
+        let stops = chain.stops(cover, STEP, height);
         let bounds = Bounds::new(site, facing, self.settings);
-        let Some(knots) = self.knots(&chain, &stops, site, &bounds)? else {
+        let Some(knots) = self.knots(&stops, site, &bounds)? else {
             return Ok(beads);
         };
         let ramp = chain.width();
@@ -278,7 +279,6 @@ impl<'a> Relief<'a> {
     /// from its top, or downwards from its bottom.
     fn knots(
         &self,
-        chain: &Chain,
         stops: &[Stop],
         site: Site<'_>,
         bounds: &Bounds,
@@ -288,8 +288,9 @@ impl<'a> Relief<'a> {
                 Facing::Up => site.span.top,
                 Facing::Down => site.span.bottom,
             };
-        let open: Vec<&Stop> = stops.iter().filter(|s| s.open).collect();
-        let points: Vec<DVec2> = open.iter().map(|s| s.point).collect();
+        let seen = |stop: &&Stop| stop.bare.share > 0.0;
+        let points: Vec<DVec2> =
+            stops.iter().filter(seen).map(|s| s.bare.middle).collect();
         let window = bounds.window(face);
         let spots = surface::spots(
             &self.probe,
@@ -299,9 +300,8 @@ impl<'a> Relief<'a> {
             BESIDE,
         )?;
         let strengths = self.strengths(&points, &site.span)?;
-        let mut found = open.iter().zip(spots).zip(strengths);
+        let mut found = spots.into_iter().zip(strengths);
         let mut level = true;
-        let cover = site.side(bounds.facing).outline();
         let mut knot = |stop: &Stop| {
             let mut knot = Knot {
                 at: stop.at,
@@ -310,24 +310,20 @@ impl<'a> Relief<'a> {
                 fill: 0.0,
                 corner: stop.corner,
             };
-            if !stop.open {
+            if stop.open {
+                knot.kind = Kind::Bare;
+            }
+            if !seen(&stop) {
                 return knot;
             }
-            let found = found.next();
-            knot.kind = Kind::Bare;
-            if let Some(((_, Some(spot)), strength)) = found {
+            if let Some((Some(spot), strength)) = found.next() {
                 let of_slope = 0.01 * strength * bounds.share(&spot);
                 let kept = site.is_under_support(stop.point, bounds.facing);
-                let rise = |more: Mm| {
-                    let out =
-                        bounds.facing.sign() * (spot.height + more - face);
-                    let rise = bounds.clamped(of_slope * out);
-                    if kept { rise.min(0.0) } else { rise }
-                };
+                let out = bounds.facing.sign() * (spot.height - face);
+                let rise = bounds.clamped(of_slope * out);
                 knot.kind = Kind::Open;
-                knot.rise = rise(0.0);
-                let (share, off) = chain.open_share(stop, cover);
-                knot.fill = share * rise(off.dot(spot.slope));
+                knot.rise = if kept { rise.min(0.0) } else { rise };
+                knot.fill = stop.bare.share * knot.rise;
                 level &= knot.rise.abs() < LEVEL;
             }
             knot

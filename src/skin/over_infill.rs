@@ -297,9 +297,10 @@ fn on(
     }
     let lines = lines_of(&all.patches);
     let area = covered(&lines, 0.5 * space + TOLERANCE);
+    // What the lines have taken of the sparse area has no infill, either.
     let meant = parts.into_iter().flat_map(|part| part.rings);
     let meant = unite(&Area {
-        rings: meant.collect(),
+        rings: meant.chain(taken.rings).collect(),
     });
     if other.is_some() {
         let rest = difference(&meant, &area);

@@ -1,6 +1,7 @@
 //! The class `Expr`: a field f(x, y, z), with Python's operators.
 
 use crate::error::plain;
+use crate::pickle::{Step, steps, tree};
 use crate::request::loaded;
 use crate::value::{Field, arguments, from_json, parameters};
 use crate::work::at_work;
@@ -10,7 +11,7 @@ use fidget::var::Var;
 use fidget::vm::VmFunction;
 use isocontour::expand;
 use isoslice::limits::Limits;
-use isoslice::model::{self, Argument, Loaded, Parameter};
+use isoslice::model::{self, Allowed, Argument, Loaded, Parameter};
 use pyo3::basic::CompareOp;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -248,11 +249,62 @@ impl Expr {
         from_json(py, &serde_json::Value::Array(all))
     }
 
+    /// What pickle writes: how the field is made again.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Pickled)> {
+        let again = py.import("isoslice._native")?.getattr("unpickled_expr")?;
+        let parameters = self.parameters.iter().map(|p| {
+            let Parameter {
+                name,
+                default,
+                value,
+                description,
+                ..
+            } = p.clone();
+            (name, default, value, description)
+        });
+        let parameters = parameters.collect();
+        Ok((again, (steps(&self.tree)?, self.name.clone(), parameters)))
+    }
+
     /// Number of distinct operations, constants and variables.
     #[getter]
     fn size(&self) -> PyResult<usize> {
         Ok(expand(&self.tree).map_err(plain)?.0.len())
     }
+}
+
+/// A field as pickle has it: its steps, its name, and for each parameter its
+/// name, default, value and description.
+type Pickled = (
+    Vec<Step>,
+    Option<String>,
+    Vec<(String, String, String, String)>,
+);
+
+/// A field that pickle has read.
+#[pyfunction]
+pub(crate) fn unpickled_expr(
+    steps: Vec<Step>,
+    name: Option<String>,
+    parameters: Vec<(String, String, String, String)>,
+) -> PyResult<Expr> {
+    let parameters = parameters.into_iter();
+    let parameters =
+        parameters.map(|(name, default, value, description)| Parameter {
+            name,
+            default,
+            value,
+            description,
+            allowed: Allowed::default(),
+        });
+    Ok(Expr {
+        tree: tree(&steps)?,
+        name,
+        parameters: parameters.collect(),
+    })
 }
 
 /// A factor of a power: numbers stay numbers, which have cheaper powers.
@@ -268,11 +320,34 @@ fn power(base: Argument, exponent: Argument) -> PyResult<Expr> {
     Ok(tree.into())
 }
 
+/// The name of an operation, by which `unary_of` and `binary_of` know it.
+pub(crate) fn name_of(op: &impl std::fmt::Debug) -> String {
+    format!("{op:?}").to_lowercase()
+}
+
 /// A function of one field, by its name.
 #[pyfunction]
 pub(crate) fn unary(name: &str, of: Field) -> PyResult<Expr> {
-    let f = of.0;
-    let tree = match name {
+    unary_of(name, &of.0)
+        .map(Expr::from)
+        .ok_or_else(|| none(name))
+}
+
+/// A function of two fields, by its name.
+#[pyfunction]
+pub(crate) fn binary(name: &str, a: Field, b: Field) -> PyResult<Expr> {
+    let made = binary_of(name, &a.0, &b.0);
+    made.map(Expr::from).ok_or_else(|| none(name))
+}
+
+fn none(name: &str) -> PyErr {
+    PyValueError::new_err(format!("no function {name}"))
+}
+
+/// An operation on one field; nothing if none has this name.
+pub(crate) fn unary_of(name: &str, f: &Tree) -> Option<Tree> {
+    Some(match name {
+        "neg" => f.neg(),
         "sqrt" => f.sqrt(),
         "sin" => f.sin(),
         "cos" => f.cos(),
@@ -281,7 +356,7 @@ pub(crate) fn unary(name: &str, of: Field) -> PyResult<Expr> {
         "acos" => f.acos(),
         "atan" => f.atan(),
         "exp" => f.exp(),
-        "log" => f.ln(),
+        "log" | "ln" => f.ln(),
         "abs" => f.abs(),
         "floor" => f.floor(),
         "ceil" => f.ceil(),
@@ -291,26 +366,28 @@ pub(crate) fn unary(name: &str, of: Field) -> PyResult<Expr> {
         "sign" => f.compare(0.0),
         "not" => f.not(),
         "rand" => f.rand(),
-        _ => return Err(PyValueError::new_err(format!("no function {name}"))),
-    };
-    Ok(tree.into())
+        _ => return None,
+    })
 }
 
-/// A function of two fields, by its name.
-#[pyfunction]
-pub(crate) fn binary(name: &str, a: Field, b: Field) -> PyResult<Expr> {
-    let (a, b) = (a.0, b.0);
-    let tree = match name {
+/// An operation on two fields; nothing if none has this name.
+pub(crate) fn binary_of(name: &str, a: &Tree, b: &Tree) -> Option<Tree> {
+    let (a, b) = (a.clone(), b.clone());
+    Some(match name {
+        "add" => a + b,
+        "sub" => a - b,
+        "mul" => a * b,
+        "div" => a / b,
         "min" => a.min(b),
         "max" => a.max(b),
-        "atan2" => a.atan2(b),
+        "atan2" | "atan" => a.atan2(b),
         "mod" => a.modulo(b),
         "compare" => a.compare(b),
         "and" => a.and(b),
         "or" => a.or(b),
-        _ => return Err(PyValueError::new_err(format!("no function {name}"))),
-    };
-    Ok(tree.into())
+        "mix" => a.mix(b),
+        _ => return None,
+    })
 }
 
 /// Calls a function that scripts have: docs/shapes.md lists them.
@@ -396,12 +473,12 @@ fn write_tree(tree: &TreeOp, level: usize, text: &mut String) {
             let _ = write!(text, "{c}");
         }
         TreeOp::Unary(op, a) => {
-            let _ = write!(text, "{}(", format!("{op:?}").to_lowercase());
+            let _ = write!(text, "{}(", name_of(op));
             write_tree(a, level + 1, text);
             text.push(')');
         }
         TreeOp::Binary(op, a, b) => {
-            let _ = write!(text, "{}(", format!("{op:?}").to_lowercase());
+            let _ = write!(text, "{}(", name_of(op));
             write_tree(a, level + 1, text);
             text.push_str(", ");
             write_tree(b, level + 1, text);

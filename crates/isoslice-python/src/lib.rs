@@ -9,6 +9,7 @@
 //! | `error` | the library's errors as exceptions |
 //! | `value` | Python's values as fields, arguments and settings |
 //! | `expr` | the class `Expr`: its operators, and its value at places |
+//! | `pickle` | fields as plain values, for pickle |
 //! | `request` | the keywords of `slice`: which model, how it is placed, settings |
 //! | `work` | work without the GIL, with progress, that Ctrl-C ends |
 //! | `output` | the file or the bytes that G-code goes to |
@@ -25,6 +26,7 @@ mod expr;
 mod list;
 mod outline;
 mod output;
+mod pickle;
 mod request;
 mod sliced;
 mod value;
@@ -40,13 +42,15 @@ mod _native {
     #[pymodule_export]
     use crate::error::{Error, ModelError, SettingsError, SliceError, Stopped};
     #[pymodule_export]
-    use crate::expr::{Expr, binary, call, evaluate, load, unary};
+    use crate::expr::{
+        Expr, binary, call, evaluate, load, unary, unpickled_expr,
+    };
     #[pymodule_export]
     use crate::list::{profiles, settings};
     #[pymodule_export]
     use crate::outline::{outlines, rings};
     #[pymodule_export]
-    use crate::sliced::{Sliced, slice};
+    use crate::sliced::{Sliced, slice, unpickled_sliced};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -5,12 +5,13 @@ use crate::error::plain;
 use crate::value::{assignments, expr, parameters};
 use anyhow::bail;
 use glam::DVec3;
-use isocontour::{Bounds, expand};
+use isocontour::Bounds;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Limits;
 use isoslice::model::{
-    self, BuildVolume, LoadError, Model, Placement, Source, SourceKind,
+    self, BuildVolume, Model, Placement, Source, SourceKind,
 };
+use isoslice::plate::{Plate, PlateFile, Wanted};
 use isoslice::settings::{Builder, ProfileKind, Profiles, Settings};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -56,104 +57,205 @@ enum Files {
     Many(Vec<PathBuf>),
 }
 
-/// Which model is meant.
+/// A part of a plate: the attributes of Python's class `Part`.
+#[derive(FromPyObject)]
+pub(crate) struct PartGiven<'py> {
+    model: Bound<'py, PyAny>,
+    copies: u64,
+    params: Option<Bound<'py, PyDict>>,
+    at: Option<(f64, f64)>,
+    rotate: Option<Angles>,
+    scale: Option<f64>,
+    size: Option<f64>,
+    settings: Option<Bound<'py, PyDict>>,
+    name: Option<String>,
+}
+
+/// An angle about z, or angles about x, y and z, degrees.
+#[derive(FromPyObject)]
+enum Angles {
+    #[pyo3(transparent)]
+    All([f64; 3]),
+    #[pyo3(transparent)]
+    Z(f64),
+}
+
+/// What is to be printed.
 enum Given {
-    Source(Source, Vec<(String, String)>),
-    Loaded(model::Loaded),
+    One(Box<Wanted>),
+    Plate(Vec<Wanted>),
 }
 
 /// A request that has been read, and can be worked on without Python.
 pub(crate) struct Request {
     given: Given,
-    placement: Placement,
+    /// Name of the plate, if there may be several parts.
+    name: Option<String>,
+    /// What holds for the whole plate.
     pub(crate) settings: Settings,
     /// What the user should know of the settings.
     pub(crate) warnings: Vec<String>,
-    /// The files of settings.
-    files: Vec<PathBuf>,
+    /// The files that are read. No output may be one of them.
+    inputs: Vec<PathBuf>,
     pub(crate) threads: Option<usize>,
     pub(crate) limits: Limits,
 }
 
 impl Request {
-    /// Reads keywords, and the settings that they name.
+    /// Reads a model, or the name of a plate file, with keywords, and the
+    /// settings that they name.
     pub(crate) fn new(
         model: &Bound<'_, PyAny>,
         keywords: &Keywords<'_>,
     ) -> PyResult<Request> {
-        let defines = parameters(keywords.params.as_ref())?;
-        let given = match expr(model)? {
-            Some(expr) if defines.is_empty() => {
-                let expr = expr.get();
-                let name = keywords.name.clone().or(expr.name.clone());
-                Given::Loaded(model::Loaded {
-                    name: name.unwrap_or_else(|| FORMULA.to_owned()),
-                    tree: expr.tree.clone(),
-                    parameters: expr.parameters.clone(),
-                    // The size is counted when it is asked for.
-                    expression_size: 0,
-                })
-            }
-            Some(_) => {
-                return Err(PyTypeError::new_err(
-                    "params are for models that are read from a file: give \
-                     them to isoslice.load or isoslice.script",
-                ));
-            }
-            None => {
-                let path: PathBuf = model.extract().map_err(|_| {
-                    PyTypeError::new_err(
-                        "a model is an isoslice.Expr, or the name of a .rhai \
-                         or .vm file",
-                    )
-                })?;
-                if keywords.name.is_some() {
-                    return Err(PyTypeError::new_err(
-                        "name is for models that are no files",
-                    ));
-                }
-                Given::Source(Source::File(path), defines)
-            }
+        let path = match expr(model)? {
+            Some(_) => None,
+            None => model.extract::<PathBuf>().ok(),
         };
-        let (settings, warnings) = keywords.gather()?;
-        Ok(Request {
-            given,
-            placement: keywords.placement(&settings)?,
-            warnings,
-            files: keywords.files().to_vec(),
-            threads: keywords.threads()?,
-            limits: keywords.limits()?,
-            settings,
-        })
+        if let Some(path) = path.filter(|path| is_plate(path)) {
+            return Request::of_file(&path, keywords);
+        }
+        let (builder, _) = keywords.builder()?;
+        let (settings, warnings) = finish(&builder)?;
+        let name = keywords.name.clone();
+        let params = keywords.params.as_ref();
+        let wanted = keywords.wanted(model, name, params, &settings)?;
+        keywords.request(Given::One(wanted.into()), None, settings, warnings)
+    }
+
+    /// Reads the parts of a plate, with the keywords that hold for all of them.
+    pub(crate) fn of_parts(
+        parts: Vec<PartGiven<'_>>,
+        keywords: &Keywords<'_>,
+    ) -> PyResult<Request> {
+        if keywords.at.is_some() {
+            return Err(PyTypeError::new_err(
+                "at is for a single part; write Part(model, at=(x, y)), or \
+                 leave it out to have the parts arranged",
+            ));
+        }
+        let (builder, _) = keywords.builder()?;
+        let (settings, mut warnings) = finish(&builder)?;
+        let mut all = Vec::new();
+        for part in parts {
+            let mut builder = builder.clone();
+            let mut given = Vec::new();
+            if let Some(own) = &part.settings {
+                assignments(own, "", 0, &mut given)?;
+            }
+            for assignment in &given {
+                builder.set(assignment).map_err(plain_error)?;
+            }
+            let (of_part, told) = finish(&builder)?;
+            for warning in told {
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
+            }
+            let params = part.params.as_ref().or(keywords.params.as_ref());
+            let mut wanted =
+                keywords.wanted(&part.model, part.name, params, &of_part)?;
+            wanted.copies = part.copies;
+            wanted.at = part.at;
+            both(part.scale.is_some(), part.size.is_some(), "size and scale")?;
+            if part.scale.is_some() || part.size.is_some() {
+                wanted.placement.scale = part.scale;
+                wanted.placement.size = part.size;
+            }
+            match part.rotate {
+                None => {}
+                Some(Angles::All(angles)) => wanted.placement.rotate = angles,
+                Some(Angles::Z(z)) => wanted.placement.rotate = [0.0, 0.0, z],
+            }
+            all.push(wanted);
+        }
+        let name = keywords.name.clone();
+        let name = name.unwrap_or_else(|| Plate::name_of(&all));
+        keywords.request(Given::Plate(all), Some(name), settings, warnings)
+    }
+
+    fn of_file(path: &Path, keywords: &Keywords<'_>) -> PyResult<Request> {
+        if keywords.places() {
+            return Err(PyTypeError::new_err(format!(
+                "{} is a plate file, which tells itself of parameters and \
+                 places; write them there, and leave out params, name, height, \
+                 bounds and what places a model",
+                path.display()
+            )));
+        }
+        let (builder, sets) = keywords.builder()?;
+        let (_, mut warnings) = finish(&builder)?;
+        let file =
+            PlateFile::read(path, builder, &sets).map_err(plain_error)?;
+        for warning in &file.warnings {
+            if !warnings.contains(warning) {
+                warnings.push(warning.clone());
+            }
+        }
+        let name = path.file_stem().unwrap_or_default();
+        let name = name.to_string_lossy().into_owned();
+        let settings = file.settings;
+        let given = Given::Plate(file.parts);
+        let mut request =
+            keywords.request(given, Some(name), settings, warnings)?;
+        request.inputs.push(path.to_owned());
+        Ok(request)
     }
 
     /// The files that are read. No output may be one of them.
     pub(crate) fn inputs(&self) -> Vec<&Path> {
-        let model = match &self.given {
-            Given::Source(Source::File(path), _) => Some(path),
-            _ => None,
-        };
-        model.into_iter().chain(&self.files).map(|p| &**p).collect()
+        self.inputs.iter().map(|p| &**p).collect()
     }
 
     /// The model on the printer. This may take long.
     pub(crate) fn model(&self) -> anyhow::Result<Model> {
-        let loaded = match &self.given {
-            Given::Source(source, defines) => loaded(source, defines)?,
-            Given::Loaded(loaded) => {
-                let counted = expand(&loaded.tree);
-                let file = loaded.name.clone();
-                let (context, _) = counted
-                    .map_err(|error| LoadError::Expression { file, error })?;
-                model::Loaded {
-                    expression_size: context.len(),
-                    ..loaded.clone()
-                }
+        match &self.given {
+            Given::One(wanted) => {
+                let loaded = loaded(&wanted.source, &wanted.defines)?;
+                let volume = BuildVolume::of(&self.settings);
+                Ok(model::place(&loaded, &wanted.placement, volume)?)
             }
-        };
-        let volume = BuildVolume::of(&self.settings);
-        Ok(model::place(&loaded, &self.placement, volume)?)
+            Given::Plate(_) => {
+                bail!("this is a plate, and a model is wanted")
+            }
+        }
     }
+
+    /// All that is to be printed, where it stands. This may take long.
+    pub(crate) fn plate(&self) -> anyhow::Result<Plate> {
+        let name = self.name.as_deref().unwrap_or_default();
+        let all = match &self.given {
+            Given::One(_) => {
+                return Ok(Plate::of(&self.model()?, &self.settings));
+            }
+            Given::Plate(all) => all,
+        };
+        Ok(Plate::new(name, all, &self.settings)?)
+    }
+}
+
+/// True for the name of a plate file.
+fn is_plate(path: &Path) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+}
+
+fn plain_error(error: impl Into<anyhow::Error>) -> PyErr {
+    crate::error::exception(&error.into())
+}
+
+/// The settings, and what the user should know of them.
+fn finish(builder: &Builder) -> PyResult<(Settings, Vec<String>)> {
+    builder.clone().finish().map_err(plain_error)
+}
+
+fn both(first: bool, second: bool, names: &str) -> PyResult<()> {
+    if first && second {
+        return Err(PyTypeError::new_err(format!(
+            "{names} cannot be given together; drop one of them"
+        )));
+    }
+    Ok(())
 }
 
 /// A model as it was written.
@@ -184,7 +286,9 @@ pub(crate) fn source(
 }
 
 impl Keywords<'_> {
-    fn gather(&self) -> PyResult<(Settings, Vec<String>)> {
+    /// The settings that the keywords name, and those among them that are no
+    /// profiles' and no files'.
+    fn builder(&self) -> PyResult<(Builder, Vec<String>)> {
         let mut given = Vec::new();
         for group in self.settings.iter().chain([&self.more]) {
             assignments(group, "", 0, &mut given)?;
@@ -208,9 +312,102 @@ impl Keywords<'_> {
             for assignment in &given {
                 builder.set(assignment)?;
             }
-            Ok(builder.finish()?)
+            Ok(builder)
         };
-        gather().map_err(|error| crate::error::exception(&error))
+        let builder = gather().map_err(plain_error)?;
+        Ok((builder, given))
+    }
+
+    /// A model, with parameters of its script. `name` is for one that is no
+    /// file.
+    fn wanted(
+        &self,
+        model: &Bound<'_, PyAny>,
+        name: Option<String>,
+        params: Option<&Bound<'_, PyDict>>,
+        settings: &Settings,
+    ) -> PyResult<Wanted> {
+        let defines = parameters(params)?;
+        let source = match expr(model)? {
+            Some(expr) if defines.is_empty() => {
+                let expr = expr.get();
+                let name = name.or(expr.name.clone());
+                Source::Field {
+                    name: name.unwrap_or_else(|| FORMULA.to_owned()),
+                    tree: expr.tree.clone(),
+                    parameters: expr.parameters.clone(),
+                }
+            }
+            Some(_) => {
+                return Err(PyTypeError::new_err(
+                    "params are for models that are read from a file: give \
+                     them to isoslice.load or isoslice.script",
+                ));
+            }
+            None => {
+                let path: PathBuf = model.extract().map_err(|_| {
+                    PyTypeError::new_err(
+                        "a model is an isoslice.Expr, or the name of a .rhai \
+                         or .vm file",
+                    )
+                })?;
+                if name.is_some() {
+                    return Err(PyTypeError::new_err(
+                        "name is for models that are no files",
+                    ));
+                }
+                Source::File(path)
+            }
+        };
+        Ok(Wanted {
+            asked: source.to_string(),
+            source,
+            defines,
+            placement: self.placement(settings)?,
+            settings: settings.clone(),
+            at: None,
+            copies: 1,
+        })
+    }
+
+    /// A request for what is given.
+    fn request(
+        &self,
+        given: Given,
+        name: Option<String>,
+        settings: Settings,
+        warnings: Vec<String>,
+    ) -> PyResult<Request> {
+        let wanted = match &given {
+            Given::One(wanted) => std::slice::from_ref(&**wanted),
+            Given::Plate(all) => all,
+        };
+        let models = wanted.iter().filter_map(|one| match &one.source {
+            Source::File(path) => Some(path.clone()),
+            Source::Text { .. } | Source::Field { .. } => None,
+        });
+        Ok(Request {
+            name,
+            warnings,
+            inputs: models.chain(self.files().iter().cloned()).collect(),
+            threads: self.threads()?,
+            limits: self.limits()?,
+            settings,
+            given,
+        })
+    }
+
+    /// True if a keyword says which model it is, or where or how it stands.
+    fn places(&self) -> bool {
+        self.params.is_some()
+            || self.name.is_some()
+            || self.size.is_some()
+            || self.scale.is_some()
+            || self.height.is_some()
+            || self.rotate.is_some()
+            || self.at.is_some()
+            || self.keep_position
+            || self.bounds.is_some()
     }
 
     /// The files of settings.
@@ -223,14 +420,6 @@ impl Keywords<'_> {
     }
 
     fn placement(&self, settings: &Settings) -> PyResult<Placement> {
-        let both = |first: bool, second: bool, names: &str| {
-            if first && second {
-                return Err(PyTypeError::new_err(format!(
-                    "{names} cannot be given together; drop one of them"
-                )));
-            }
-            Ok(())
-        };
         both(self.size.is_some(), self.scale.is_some(), "size and scale")?;
         let fixed = self.keep_position;
         both(self.at.is_some(), fixed, "at and keep_position")?;

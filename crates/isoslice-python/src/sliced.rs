@@ -2,21 +2,22 @@
 
 use crate::error::{Error, plain};
 use crate::output::{Output, Written};
-use crate::request::{Keywords, Request, format, format_of, layers};
+use crate::request::{Keywords, PartGiven, Request, format, format_of, layers};
 use crate::value::from_json;
 use crate::work::{Progress, at_work};
 use anyhow::Context;
 use isoslice::limits::Limits;
 use isoslice::pipeline::{self, Options, Summary};
-use isoslice::plate::Plate;
 use isoslice::preview::Toolpath;
 use isoslice::reader::Reader;
 use isoslice::settings::{Settings, keys};
-use isoslice::{Figures, Format, Hanging, Sum, human_time};
+use isoslice::{Figures, Format, Hanging, RoleSum, Sum, human_time};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
@@ -24,6 +25,7 @@ use std::path::{Path, PathBuf};
 /// The results of a run: the G-code, how long it prints, what it takes, and how
 /// accurate it is.
 #[pyclass(frozen, module = "isoslice")]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct Sliced {
     /// Name of the model.
     #[pyo3(get)]
@@ -81,8 +83,11 @@ pub(crate) struct Sliced {
     /// Notes on what the settings lead to unasked, in sentences.
     #[pyo3(get)]
     notes: Vec<String>,
-    summary: Summary,
+    /// What is no number: tables by name, as JSON.
+    tables: Value,
+    #[serde(with = "crate::value::texts")]
     settings: Settings,
+    #[serde(skip, default = "Gcode::nowhere")]
     gcode: Gcode,
 }
 
@@ -94,11 +99,20 @@ enum Gcode {
     Stream(PathBuf),
 }
 
-/// Slices a model to a file, or to bytes.
+impl Gcode {
+    /// The bytes of nothing, until others take their place.
+    fn nowhere() -> Gcode {
+        Gcode::Stream(PathBuf::new())
+    }
+}
+
+/// Slices a model, or the parts of a plate, to a file, or to bytes.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python has names for them")]
 pub(crate) fn slice<'py>(
-    model: &Bound<'py, PyAny>,
+    py: Python<'py>,
+    model: Option<Bound<'py, PyAny>>,
+    parts: Vec<PartGiven<'py>>,
     output: Option<PathBuf>,
     layer_range: Option<Bound<'py, PyAny>>,
     format_name: Option<String>,
@@ -107,9 +121,11 @@ pub(crate) fn slice<'py>(
     svg: Option<PathBuf>,
     keywords: Keywords<'py>,
 ) -> PyResult<Sliced> {
-    let py = model.py();
     let range = layers(layer_range.as_ref())?;
-    let request = Request::new(model, &keywords)?;
+    let request = match &model {
+        Some(model) => Request::new(model, &keywords)?,
+        None => Request::of_parts(parts, &keywords)?,
+    };
     let format = match (&output, format_name) {
         (Some(_), Some(_)) => {
             return Err(PyValueError::new_err(
@@ -128,7 +144,7 @@ pub(crate) fn slice<'py>(
     let progress = keywords.progress.as_ref();
     let work = move |progress: &Progress| {
         let mut output = Output::create(output, &request.inputs())?;
-        let model = request.model()?;
+        let plate = request.plate()?;
         if let Some(folder) = &svg {
             std::fs::create_dir_all(folder).with_context(|| {
                 format!("cannot make the folder {}", folder.display())
@@ -144,10 +160,10 @@ pub(crate) fn slice<'py>(
             format,
             on_layer: &|done, all| progress.tell(done, all),
         };
-        let plate = Plate::of(&model, &request.settings);
         let summary = pipeline::slice_plate(&plate, &options, &mut output)
             .with_context(|| format!("cannot slice {}", plate.name))?;
-        Ok((plate.name, model.warnings, summary, output.finish()?))
+        let of_models = plate.warnings();
+        Ok((plate.name, of_models, summary, output.finish()?))
     };
     let (name, of_model, summary, written) =
         at_work(py, limits, progress, work)?;
@@ -161,7 +177,7 @@ pub(crate) fn slice<'py>(
         Written::File(path) => Gcode::File(path),
         Written::Stream(path) => Gcode::Stream(path),
     };
-    Ok(Sliced::new(name, summary, settings, warnings, gcode))
+    Sliced::new(name, summary, settings, warnings, gcode)
 }
 
 impl Sliced {
@@ -171,11 +187,30 @@ impl Sliced {
         settings: Settings,
         warnings: Vec<String>,
         gcode: Gcode,
-    ) -> Sliced {
+    ) -> PyResult<Sliced> {
+        let Summary {
+            roles,
+            outline_error,
+            wall_error,
+            report,
+            hanging: hangs,
+            timings,
+            ..
+        } = summary.clone();
+        let timings = timings.iter();
+        let timings = timings.map(|(stage, s)| (stage.name().to_owned(), *s));
+        let tables = serde_json::to_value(Tables {
+            roles,
+            outline_error,
+            wall_error,
+            report: serde_json::to_value(report).map_err(plain)?,
+            hanging: hanging(&hangs),
+            timings: timings.collect(),
+        });
         let cost = settings.filament_cost();
         let cost =
             (cost > 0.0).then(|| summary.filament_mass_g * cost / 1000.0);
-        Sliced {
+        Ok(Sliced {
             name,
             size: summary.size.into(),
             layer_count: summary.layer_count,
@@ -194,10 +229,10 @@ impl Sliced {
             checked: summary.verdict.is_some(),
             warnings,
             notes: settings.notes(),
-            summary,
+            tables: tables.map_err(plain)?,
             settings,
             gcode,
-        }
+        })
     }
 
     /// Name of the G-code's file, for titles.
@@ -243,8 +278,7 @@ impl Sliced {
     /// filament_mm, time_s.
     #[getter]
     fn roles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let roles = serde_json::to_value(&self.summary.roles);
-        from_json(py, &roles.map_err(plain)?)
+        from_json(py, &self.tables["roles"])
     }
 
     /// Distance of the outlines from f = 0, µm: points (how many were
@@ -255,37 +289,34 @@ impl Sliced {
         &self,
         py: Python<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        figures(py, self.summary.outline_error)
+        from_json(py, &self.tables["outline_error"])
     }
 
     /// Distance of the outer beads' edges from the outline, µm, as
     /// outline_error has it.
     #[getter]
     fn wall_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        figures(py, self.summary.wall_error)
+        from_json(py, &self.tables["wall_error"])
     }
 
     /// All that was measured (docs/accuracy.md), if report was asked for, else
     /// None.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let report = serde_json::to_value(&self.summary.report);
-        from_json(py, &report.map_err(plain)?)
+        from_json(py, &self.tables["report"])
     }
 
     /// What nothing holds while it is printed, by kind; the keys are those of
     /// the command line's --json.
     #[getter]
     fn hanging<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, &hanging(&self.summary.hanging))
+        from_json(py, &self.tables["hanging"])
     }
 
     /// Processor time by stage, s, added up over all threads.
     #[getter]
     fn timings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let timings = self.summary.timings.iter();
-        let all = timings.map(|(stage, s)| (stage.name().to_owned(), json!(s)));
-        from_json(py, &Value::Object(all.collect()))
+        from_json(py, &self.tables["timings"])
     }
 
     /// The settings that were used, by name, as TOML has them.
@@ -295,6 +326,23 @@ impl Sliced {
             (key.name.to_owned(), json!(key.get(&self.settings)))
         };
         from_json(py, &Value::Object(keys().iter().map(one).collect()))
+    }
+
+    /// What pickle writes: how the results are made again. G-code that is in a
+    /// file stays there, and only its name is written.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Pickled)> {
+        let again =
+            py.import("isoslice._native")?.getattr("unpickled_sliced")?;
+        let own = serde_json::to_string(self).map_err(plain)?;
+        let (bytes, path, stream) = match &self.gcode {
+            Gcode::Bytes(bytes) => (Some(bytes.clone_ref(py)), None, false),
+            Gcode::File(path) => (None, Some(path.clone()), false),
+            Gcode::Stream(path) => (None, Some(path.clone()), true),
+        };
+        Ok((again, (own, bytes, path, stream)))
     }
 
     /// The page of `isoslice preview`, as text: one HTML file that needs
@@ -350,12 +398,37 @@ fn went(path: &Path) -> PyErr {
     ))
 }
 
-fn figures<'py>(
-    py: Python<'py>,
-    figures: Option<Figures>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let figures = serde_json::to_value(figures);
-    from_json(py, &figures.map_err(plain)?)
+/// What is no number of a run's results.
+#[derive(Serialize)]
+struct Tables {
+    roles: BTreeMap<&'static str, RoleSum>,
+    outline_error: Option<Figures>,
+    wall_error: Option<Figures>,
+    report: Value,
+    hanging: Value,
+    timings: BTreeMap<String, f64>,
+}
+
+/// Results as pickle has them: all but the G-code as JSON, then its bytes or its
+/// file, and whether that is a stream.
+type Pickled = (String, Option<Py<PyBytes>>, Option<PathBuf>, bool);
+
+/// Results that pickle has read.
+#[pyfunction]
+pub(crate) fn unpickled_sliced(
+    own: &str,
+    bytes: Option<Py<PyBytes>>,
+    path: Option<PathBuf>,
+    stream: bool,
+) -> PyResult<Sliced> {
+    let read: Sliced = serde_json::from_str(own).map_err(plain)?;
+    let gcode = match (bytes, path) {
+        (Some(bytes), _) => Gcode::Bytes(bytes),
+        (None, Some(path)) if stream => Gcode::Stream(path),
+        (None, Some(path)) => Gcode::File(path),
+        (None, None) => Gcode::nowhere(),
+    };
+    Ok(Sliced { gcode, ..read })
 }
 
 fn hanging(hanging: &Hanging) -> Value {

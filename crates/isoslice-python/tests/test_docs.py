@@ -14,12 +14,13 @@ def test_the_guide_runs(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     page = (ROOT / "docs" / "python.md").read_text()
     blocks = re.findall(r"^```python\n(.*?)^```", page, re.S | re.M)
-    assert len(blocks) == 4
+    assert len(blocks) == 5
     names = {}
     for block in blocks:
         exec(block, names)
     assert "150 layers" not in capsys.readouterr().err
-    assert {p.name for p in tmp_path.iterdir()} == {"part.gcode", "out.gcode"}
+    written = {"part.gcode", "out.gcode", "plate.gcode"}
+    assert {p.name for p in tmp_path.iterdir()} == written
 
 
 def test_the_guide_names_all_of_sdf():

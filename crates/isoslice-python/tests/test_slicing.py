@@ -54,10 +54,12 @@ def test_outlines_has_the_keywords_of_slice():
     of_outlines = dict(inspect.signature(iso.outlines).parameters)
     assert of_outlines.pop("z").kind is inspect.Parameter.POSITIONAL_OR_KEYWORD
     assert of_outlines.keys() < of_slice.keys()
+    # A plate has no outlines of its own.
+    assert of_outlines.pop("model").kind == of_slice["model"].kind
     for name, parameter in of_outlines.items():
         # Annotation, default and kind are the same.
         assert parameter == of_slice[name]
-    own = "output layers format report check svg"
+    own = "model output copies layers format report check svg"
     assert of_slice.keys() - of_outlines.keys() == set(own.split())
 
 

@@ -90,7 +90,14 @@ from ._shapes import (
     union,
     wedge,
 )
-from ._slice import SliceWarning, outlines, profiles, settings, slice
+from ._slice import (
+    Part,
+    SliceWarning,
+    outlines,
+    profiles,
+    settings,
+    slice,
+)
 
 # Names of Python's own are left out: they are used as isoslice.min and so on.
 __all__ = [

@@ -6,6 +6,7 @@ import inspect
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Optional, Union
 
 from . import _native
@@ -20,10 +21,39 @@ class SliceWarning(UserWarning):
     """What the user should know of a print."""
 
 
+@dataclass(frozen=True)
+class Part:
+    """A part of a plate, as a [[part]] of a plate file: docs/plates.md.
+
+    model: an Expr, or the name of a script (.rhai) or a list of operations
+        (.vm).
+    copies: how many there are to be.
+    params: values of the script's parameters, if the model is a file.
+    at: where on the bed the middle of the part goes, mm. Default: it is
+        arranged with the others.
+    rotate: an angle about z, or angles about x, then y, then z, degrees.
+    scale: factor on all lengths.
+    size: length of the part's largest side, mm.
+    settings: settings of this part; they win over those of the whole plate.
+    name: the model's name in the G-code, if it is no file.
+    """
+
+    model: Model
+    copies: int = 1
+    params: Optional[Mapping[str, Any]] = None
+    at: Optional[Sequence[float]] = None
+    rotate: Union[float, Sequence[float], None] = None
+    scale: Optional[float] = None
+    size: Optional[float] = None
+    settings: Optional[Mapping[str, Any]] = None
+    name: Optional[str] = None
+
+
 def slice(
-    model: Model,
+    model: Union[Model, Part, Sequence[Union[Model, Part]]],
     output: Optional[Path] = None,
     *,
+    copies: Optional[int] = None,
     params: Optional[Mapping[str, Any]] = None,
     name: Optional[str] = None,
     settings: Optional[Mapping[str, Any]] = None,
@@ -50,16 +80,20 @@ def slice(
     progress: Optional[Callable[[int, int], Any]] = None,
     **more: Any,
 ) -> Sliced:
-    """Slices a model, to a file or to bytes: the bytes that `isoslice slice`
-    writes for this model and these settings.
+    """Slices a model, or a plate of several, to a file or to bytes: the bytes
+    that `isoslice slice` writes for these models and these settings.
 
     model: an Expr, or the name of a script (.rhai) or a list of operations
-        (.vm).
+        (.vm). Or a plate: the name of a plate file (.toml), or a list of models
+        and of Parts, which are arranged on the bed.
     output: the file to write; binary if its name ends in .bgcode, a plate for
         Bambu Lab's printers if it ends in .gcode.3mf. Without it the G-code is
         the result's `gcode`. The file is complete or not there at all.
+    copies: print so many of the model, or of each model in a list that is no
+        Part.
     params: values of the script's parameters, if the model is a file.
-    name: the model's name in the G-code, if it is no file.
+    name: the model's name in the G-code, if it is no file; of a list, the
+        plate's.
 
     settings: settings by their names, as in {"layer_height": 0.15,
         "speed.outer_wall": 30} or {"speed": {"outer_wall": 30}}.
@@ -96,8 +130,17 @@ def slice(
     SliceWarning, and in the result's `warnings`.
     """
     keywords = _keywords(locals())
+    parts = _parts(model, copies)
     sliced = _native.slice(
-        model, output, layers, format, report, check, svg, keywords
+        model if parts is None else None,
+        parts or [],
+        output,
+        layers,
+        format,
+        report,
+        check,
+        svg,
+        keywords,
     )
     for text in dict.fromkeys(sliced.warnings):
         warnings.warn(text, SliceWarning, stacklevel=2)
@@ -187,6 +230,28 @@ def profiles(folder: Optional[Path] = None) -> list[dict[str, Any]]:
     folder: that of your own profiles. Default: as on the command line.
     """
     return _native.profiles(folder)
+
+
+def _parts(model: Any, copies: Optional[int]) -> Optional[list[Part]]:
+    """The parts of a plate, or None for one model or a plate file."""
+    if isinstance(model, (list, tuple)):
+        several = list(model)
+    elif isinstance(model, Part) or copies is not None:
+        several = [model]
+    else:
+        return None
+    count = 1 if copies is None else copies
+
+    def plain(given: Optional[Mapping[str, Any]]) -> Optional[dict[str, Any]]:
+        return None if given is None else dict(given)
+
+    def part(given: Any) -> Part:
+        if not isinstance(given, Part):
+            return Part(given, copies=count)
+        params, settings = plain(given.params), plain(given.settings)
+        return replace(given, params=params, settings=settings)
+
+    return [part(given) for given in several]
 
 
 # The keywords that all functions share: those of `outlines`.
