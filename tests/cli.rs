@@ -959,6 +959,32 @@ fn the_time_is_written_if_it_is_asked_for() {
 }
 
 #[test]
+fn info_advises_supports_only_where_none_are_set() {
+    let folder = folder();
+    // A plate of 60 mm on a post.
+    let plate = "max(max(abs(x) - 30, abs(y) - 10), abs(z - 12) - 2)";
+    let post = "max(max(abs(x), abs(y)) - 3, abs(z - 5) - 6)";
+    let model = format!("min({plate}, {post})");
+    let told = |supports: &str| {
+        let mut info = isoslice(&folder);
+        info.args(["info", "-e", &model, "--supports", "--set", supports]);
+        let output = info.assert().success().get_output().clone();
+        let [out, err] = [output.stdout, output.stderr];
+        [out, err].map(|text| String::from_utf8(text).unwrap())
+    };
+    let [places, advice] = told("supports=off");
+    assert!(advice.contains("set supports = \"auto\""), "{advice}");
+    assert!(!places.contains("is set"), "{places}");
+    for kind in ["auto", "plate"] {
+        let [places, advice] = told(&format!("supports={kind}"));
+        assert!(!advice.contains("supports"), "{advice}");
+        let set = format!("supports = \"{kind}\" is set: slice the part");
+        assert!(places.contains(&set), "{places}");
+        assert!(places.contains("leans, reach"), "{places}");
+    }
+}
+
+#[test]
 fn info_and_summary_speak_json() {
     let folder = folder();
     write(&folder, "knob.rhai", KNOB);

@@ -54,7 +54,7 @@ pub(super) fn show(args: &InfoArgs, gathered: &Gathered) -> anyhow::Result<()> {
         let found = survey(&model, settings, None).with_context(|| {
             format!("cannot look at what hangs in {}", model.name)
         })?;
-        terminal::warn(&found.hanging.warnings(found.height, settings));
+        terminal::warn(&found.warnings(settings));
         Some(found)
     } else {
         None
@@ -62,7 +62,7 @@ pub(super) fn show(args: &InfoArgs, gathered: &Gathered) -> anyhow::Result<()> {
     if args.json {
         let mut warnings = [&gathered.warnings[..], &model.warnings].concat();
         if let Some(found) = &survey {
-            warnings.extend(found.hanging.warnings(found.height, settings));
+            warnings.extend(found.warnings(settings));
         }
         let mut json = Json::new(&model, settings, warnings)?;
         json.needs_support = survey.as_ref().map(SupportsJson::new);
@@ -310,6 +310,13 @@ pub(super) fn describe_supports(
     }
     if count > TOLD {
         writeln!(text, "    and {} smaller ones (--json)", count - TOLD)?;
+    }
+    if let Some(set) = survey.supports {
+        writeln!(
+            text,
+            "              supports = \"{set}\" is set: slice the part to \
+             learn what supports cost, and what none reaches"
+        )?;
     }
     Ok(())
 }

@@ -43,8 +43,7 @@ fn show(
         warnings.extend(of_model.map(|w| format!("{}: {w}", part.model.name)));
         let found = args.supports.then(|| survey_of(part)).transpose()?;
         if let Some(found) = &found {
-            let hanging = &found.hanging;
-            let all = hanging.warnings(found.height, &part.settings);
+            let all = found.warnings(&part.settings);
             let named = |w| format!("{}: {w}", part.model.name);
             warnings.extend(all.into_iter().map(named));
         }

@@ -10,7 +10,7 @@ use crate::heights::heights;
 use crate::limits;
 use crate::model::Model;
 use crate::report::Gauge;
-use crate::settings::Settings;
+use crate::settings::{Settings, Supports};
 use crate::units::Mm;
 use crate::vary::Surroundings;
 use glam::DVec2;
@@ -27,6 +27,23 @@ pub struct Survey {
     pub places: Vec<Unsupported>,
     /// Height of the part.
     pub height: Mm,
+    /// The value of the setting `supports`, if supports are to be printed.
+    pub supports: Option<&'static str>,
+}
+
+impl Survey {
+    /// What the user should know. If supports are to be printed, nothing is said
+    /// of what they hold: only their plan knows what they do not reach.
+    pub fn warnings(&self, settings: &Settings) -> Vec<String> {
+        let hanging = match self.supports {
+            None => self.hanging,
+            Some(_) => Hanging {
+                foot: self.hanging.foot,
+                ..Hanging::default()
+            },
+        };
+        hanging.warnings(self.height, settings)
+    }
 }
 
 /// Looks at a placed model for what would need supports, whether or not the
@@ -88,6 +105,10 @@ pub fn survey(
         hanging,
         places,
         height: spans.last().map_or(0.0, |span| span.top),
+        supports: match settings.supports {
+            Supports::Off => None,
+            set => Some(set.word()),
+        },
     })
 }
 

@@ -340,8 +340,9 @@ pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
     (depths, border)
 }
 
-/// The walls of supports: their tips are not led on, as pieces that nobody sees
-/// are too long to become narrow there.
+/// The walls of supports. Their tips are not led on, as pieces that nobody sees
+/// are too long to become narrow there. Pockets where their strips meet stay
+/// open: they hold nothing, and take a tenth of the time to find.
 pub(crate) fn support_walls(
     outline: &Area,
     height: Mm,
@@ -370,7 +371,7 @@ pub(crate) fn prints(outline: &Area, height: Mm, settings: &Settings) -> bool {
 }
 
 /// The walls of an outline, as offsets in the plane; if they are `seen`, with
-/// narrow tips.
+/// narrow tips, and wider beside pockets.
 ///
 /// Two walls at a time, and what they leave, are made from the same border: a
 /// grid of its edges and its ridges serve for all of them. For more of them
@@ -472,7 +473,11 @@ fn laid(
                 nodes: &nodes,
                 around: 0.35 * counts.limit(),
             };
-            lines.push(left.shared(walls, fine));
+            lines.push(if seen {
+                left.shared(walls, fine)
+            } else {
+                walls
+            });
             thin.push(beads);
         }
         // Nobody sees the border of what is filled.

@@ -28,6 +28,8 @@ use rayon::prelude::*;
 const BESIDE: Mm = 0.02;
 /// Places that are looked at beside a ring, at most.
 const PLACES: usize = 16;
+/// Number of layers that are looked at together.
+const TOGETHER: usize = 64;
 /// The number of what is around the part.
 const OUTSIDE: usize = 0;
 
@@ -56,17 +58,13 @@ pub(super) fn enclosed(parts: Parts<'_>, slices: &[Slice]) -> Enclosed {
             first - outline.rings.len()
         })
         .collect();
-    let levels: Vec<Level> = outlines
-        .par_iter()
-        .zip(numbers)
-        .map(|(outline, first)| Level::new(outline, first))
-        .collect();
-    let islands = |(j, slice): (usize, &Slice)| {
+    let level = |j: usize| Level::new(&outlines[j], numbers[j]);
+    let islands = |level: &Level<'_>, j: usize, slice: &Slice| {
         crate::limits::check();
         let mut within = Vec::new();
         for island in slice.area().islands() {
             let at = island.rings.first().and_then(|r| point_beside(r));
-            let hole = at.and_then(|at| levels[j].empty(at));
+            let hole = at.and_then(|at| level.empty(at));
             if let (Some(at), Some(hole)) = (at, hole)
                 && hole != OUTSIDE
             {
@@ -75,21 +73,32 @@ pub(super) fn enclosed(parts: Parts<'_>, slices: &[Slice]) -> Enclosed {
         }
         within
     };
-    let within = slices.par_iter().enumerate().flat_map_iter(islands);
-    let within: Vec<(usize, usize, DVec2, f64)> = within.collect();
-    if within.is_empty() {
-        return Enclosed::default();
-    }
     let mut sets = Sets::new(first);
-    for end in levels.first().into_iter().chain(levels.last()) {
-        end.holes().for_each(|hole| sets.join(hole, OUTSIDE));
+    for end in [0, outlines.len() - 1] {
+        let holes = level(end);
+        holes.holes().for_each(|hole| sets.join(hole, OUTSIDE));
     }
-    let pairs: Vec<Vec<[usize; 2]>> = levels
-        .par_windows(2)
-        .map(|pair| joins(&pair[0], &pair[1]))
-        .collect();
-    for [a, b] in pairs.into_iter().flatten() {
-        sets.join(a, b);
+    // What is known of a layer takes more memory than its outline, so only some
+    // layers are looked at together.
+    let mut within: Vec<(usize, usize, DVec2, f64)> = Vec::new();
+    for begin in (0..outlines.len()).step_by(TOGETHER) {
+        let end = outlines.len().min(begin + TOGETHER + 1);
+        let levels: Vec<Level> =
+            (begin..end).into_par_iter().map(level).collect();
+        let pairs: Vec<Vec<[usize; 2]>> = levels
+            .par_windows(2)
+            .map(|pair| joins(&pair[0], &pair[1]))
+            .collect();
+        for [a, b] in pairs.into_iter().flatten() {
+            sets.join(a, b);
+        }
+        let here = slices.iter().enumerate().skip(begin).take(TOGETHER);
+        let found: Vec<Vec<_>> = here
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(j, slice)| islands(&levels[j - begin], j, slice))
+            .collect();
+        within.extend(found.into_iter().flatten());
     }
     let outside = sets.of(OUTSIDE);
     let mut enclosed = Enclosed::default();

@@ -32,7 +32,8 @@
 //!
 //! Not guaranteed: where layers of different heights follow each other, not
 //! every gap can be exact; none is smaller than asked for. The plan keeps areas
-//! for all layers, so its memory grows with the height.
+//! for all layers, so its memory grows with the height. What sorts them, which
+//! takes several times as much, is kept for few layers at a time.
 
 use crate::units::{Mm, Mm2};
 

@@ -10,9 +10,11 @@ use super::settle::settled;
 use super::slice::Slice;
 use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
-use crate::plane::clip::{crop, difference, unite};
+use crate::plane::clip::{difference, unite};
+use crate::plane::clusters::clusters;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
+use crate::region::neighbour::Neighbour;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec3;
@@ -89,7 +91,7 @@ impl Plan {
             bed,
         };
         let room = Room::new(parts, highest, settings);
-        let areas = grow(parts, &needs, &room, highest, settings);
+        let areas = grow(parts, &needs, room, highest, settings);
         let pieces = pieces(parts, &needs, areas, settings);
         let mut plan = Plan {
             slices: settled(parts, pieces, settings),
@@ -134,10 +136,24 @@ impl Plan {
             let Some(slice) = top.and_then(|top| self.slice(top)) else {
                 return need.clone();
             };
-            let around = need.bounds().grown(near + TOLERANCE);
             let here = slice.body.rings.iter().chain(&slice.interface.rings);
-            let held = unite(&crop(here, around));
-            difference(need, &offset(&held, near, TOLERANCE))
+            let here = Area {
+                rings: here.cloned().collect(),
+            };
+            let here = Neighbour::new(&here);
+            let lost = clusters(need).into_iter().map(|need| {
+                let around = need.bounds.grown(near + TOLERANCE);
+                let held = unite(&here.within(around));
+                // Most of it lies right above a support.
+                let beside = difference(&need.area, &held);
+                if beside.is_empty() {
+                    return beside;
+                }
+                difference(&beside, &offset(&held, near, TOLERANCE))
+            });
+            Area {
+                rings: lost.flat_map(|area| area.rings).collect(),
+            }
         });
         let mut unheld = Unheld::default();
         for (i, area) in lost.collect::<Vec<_>>().into_iter().enumerate() {

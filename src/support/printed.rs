@@ -4,13 +4,15 @@
 //! are thick. A part that begins in a point is printed from where a bead fits
 //! into it, and a spike that is too thin for a line holds nothing.
 
-use crate::plane::clip::{crop, intersection};
+use crate::plane::clip::intersection;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Ring};
+use crate::region::neighbour::Neighbour;
 use crate::region::prints;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
+use std::cell::LazyCell;
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.002;
@@ -53,12 +55,13 @@ impl Printed {
         // The middles join the core after the loop: no island may count the
         // middle of another one as its own core.
         let mut middles = Vec::new();
+        let cores = LazyCell::new(|| Neighbour::new(&core));
         for island in outline.islands() {
             if island.content() > small {
                 area.extend(island.rings);
                 continue;
             }
-            let has = crop(&core.rings, island.bounds());
+            let has = cores.within(island.bounds());
             let fits = !intersection(&island, &has).is_empty();
             let thickness = 4.0 * island.content() / island.perimeter();
             let sure = fits && thickness > SURE * settings.thinnest_line();
@@ -71,6 +74,7 @@ impl Printed {
             }
             area.extend(island.rings);
         }
+        drop(cores);
         core.rings.extend(middles);
         let area = Area { rings: area };
         (Printed { area, core }, Area { rings: not })

@@ -106,6 +106,12 @@ impl<'a> Room<'a> {
         }
     }
 
+    /// Forgets a layer, and all layers above it.
+    pub(super) fn release(&mut self, j: usize) {
+        self.tight.truncate(j);
+        self.closed.truncate(j);
+    }
+
     /// True if a point of layer `j` is farther than `distance` from all that is
     /// too near to the part for the middle of a branch.
     pub(super) fn is_away(&self, j: usize, at: DVec2, distance: Mm) -> bool {

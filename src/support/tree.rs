@@ -16,6 +16,7 @@ use super::parts::Parts;
 use super::room::{Foot, Room, Size};
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, intersection, unite};
+use crate::plane::clusters::{Cluster, clusters};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Ring, Solid, point_beside};
 use crate::settings::{Settings, SupportStyle, Supports};
@@ -34,6 +35,9 @@ const BELOW: f64 = 0.5;
 const NEAR: f64 = 0.5;
 /// So many of the branches next to a post are looked at.
 const LOOKED_AT: usize = 16;
+/// Whether posts can meet is looked at in every so many layers: each layer that
+/// is looked at has a grid until the branches have passed it.
+const MEET: usize = 8;
 /// Size of the cells of outlines' grids, mm.
 const GRID: Mm = 2.0;
 /// Width of the squares of columns, mm.
@@ -47,7 +51,7 @@ const WIDE: Mm2 = 3.0 * CELL * CELL;
 pub(super) fn grow(
     parts: Parts<'_>,
     needs: &[Area],
-    room: &Room<'_>,
+    mut room: Room<'_>,
     count: usize,
     settings: &Settings,
 ) -> Vec<Area> {
@@ -65,8 +69,8 @@ pub(super) fn grow(
         return Vec::new();
     };
     let cells = Cells::new(bounds);
-    let solids: Vec<Solid> =
-        parts.outlines.iter().map(|o| Solid::of(o, GRID)).collect();
+    let below = parts.outlines.iter().take(count);
+    let mut solids: Vec<Solid> = below.map(|o| Solid::of(o, GRID)).collect();
     let mut areas = vec![Area::EMPTY; count];
     let mut branches: Vec<Branch> = Vec::new();
     for j in (0..count).rev() {
@@ -75,7 +79,7 @@ pub(super) fn grow(
             layer: j,
             lean: height * tan,
             parts,
-            room,
+            room: &room,
             settings,
         };
         let goals = goals(&branches, step, tan);
@@ -85,7 +89,7 @@ pub(super) fn grow(
         branches = pieces.collect();
         gather(&mut branches, step);
         join(&mut branches, step);
-        for (i, core) in &tops[j] {
+        for (i, core) in &std::mem::take(&mut tops[j]) {
             let top = parts.spans()[*i].bottom;
             for new in begun(core, top, step, &cells, &solids) {
                 attach(&mut branches, new, step);
@@ -96,9 +100,26 @@ pub(super) fn grow(
             .map(|branch| branch.area(step))
             .collect();
         let rings = each.into_iter().flat_map(|area| area.rings).collect();
-        areas[j] = unite(&Area { rings });
+        areas[j] = united(&Area { rings });
+        // Grids take several times the memory of what they sort, and nothing
+        // looks at layers above the branches again.
+        room.release(j);
+        solids.truncate(j);
     }
     areas
+}
+
+/// The union of some rings. Most branches stand alone, and only those whose
+/// boxes meet are compared.
+fn united(area: &Area) -> Area {
+    let of_cluster = |cluster: Cluster| match cluster.area.rings.len() {
+        1 => cluster.area,
+        _ => unite(&cluster.area),
+    };
+    let all = clusters(area).into_iter().map(of_cluster);
+    Area {
+        rings: all.flat_map(|area| area.rings).collect(),
+    }
 }
 
 /// The branches that begin in a layer under faces at the height `top`, whose
@@ -258,11 +279,12 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
         }
         let (from, here) = (middles[k], middles[k].to_array());
         let clear = |&to: &DVec2| {
-            // This is the layer in which the two meet.
+            // This is the layer in which the two meet, or a little above.
             let meet = above.bottom - 0.5 * from.distance(to) / tan.max(1e-9);
             let spans = step.parts.spans()[..=step.layer].iter();
             let meet = spans.rev().position(|span| span.bottom <= meet);
             let meet = step.layer - meet.unwrap_or(step.layer);
+            let meet = meet.next_multiple_of(MEET).min(step.layer);
             [step.layer, meet]
                 .iter()
                 .all(|&j| step.room.is_clear(j, branch.foot, from, to))
