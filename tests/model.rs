@@ -296,6 +296,25 @@ fn knots_that_wind_round_the_z_axis() {
     }
 }
 
+/// A ball with ripples around three axes has the box that it has with ripples
+/// around one of them: poles beside each other cost no more than they tell.
+#[test]
+fn ripples_around_several_axes() {
+    let ball = "sqrt(x*x + y*y + z*z) - 10";
+    let ripple = |y: f64| format!("0.1*sin(9*atan2(y - {y}, x))");
+    let three = format!(
+        "{ball} + {} + {} + {}",
+        ripple(0.0),
+        ripple(1.0),
+        ripple(-1.0)
+    );
+    let found = bounds_of(&formula(&three).tree).unwrap();
+    assert!(found.slack_mm < 1e-3, "{found:?}");
+    let size = found.bounds.size();
+    assert!(size.cmpgt(DVec3::splat(19.4)).all(), "{size}");
+    assert!(size.cmplt(DVec3::splat(20.6)).all(), "{size}");
+}
+
 #[test]
 fn unions_of_many_and_of_far_apart_bodies() {
     let text = "

@@ -279,6 +279,9 @@ fn tops_lie_on_the_surface() {
         let steps = print(&part, &settings(&STEEP));
         let [own, strips] = distances(&part, &steps);
         assert!(own.len() > 10_000);
+        // Of steep and of level faces few strips or none lie open.
+        let has_strips = (0.1..0.2).contains(&part.parameter);
+        assert!(!has_strips || strips.len() > 100, "{}", strips.len());
         // `TOLERANCE`, the rounding of z and that of x and y.
         let name = &part.formula;
         for off in [own, strips].iter().filter(|off| !off.is_empty()) {

@@ -9,7 +9,8 @@
 //!   ──────────────────────
 //! ```
 //!
-//! In: a wall's lines, and those of the wall outside of it. Out: the lines, at
+//! In: a wall's lines, and those of the wall outside of it, which is on their
+//! right. Out: the lines, at
 //! their spacing from the others except where they would become too narrow.
 
 use super::line::{RidgeIndex, moved};
@@ -43,7 +44,6 @@ pub(super) fn give_way(
     let reach = spacing(widest, own, height);
     let index = RidgeIndex::new(&wider, reach);
     let narrowed = |line: Stroke| {
-        let most = (1.0 - NARROWEST) * line.width;
         moved(line, &index, reach, tolerance, |p, across, width, near| {
             let left = across.normalize_or_zero();
             let overlap = index
@@ -53,7 +53,7 @@ pub(super) fn give_way(
                     overlap * left.dot((p - q).normalize_or_zero())
                 })
                 .filter(|overlap| *overlap > OVERLAP)
-                .map(|overlap| overlap.min(most));
+                .map(|overlap| overlap.min((1.0 - NARROWEST) * width));
             Station {
                 at: p,
                 across,
@@ -69,7 +69,7 @@ pub(super) fn give_way(
 /// The pieces of walls that are wider than `width`.
 fn wider(walls: &[Stroke], width: Mm) -> Vec<Ridge> {
     let mut pieces: Vec<Ridge> = Vec::new();
-    for wall in walls.iter().filter(|w| !w.widths.is_empty()) {
+    for wall in walls {
         let mut goes_on = false;
         for (k, (a, b)) in wall.segments().enumerate() {
             let widths = [k, k + 1].map(|i| wall.width_at(i));

@@ -172,7 +172,7 @@ fn taper(places: &mut [Station], closed: bool) {
     let mut limit = |i: usize, j: usize| {
         let (a, b) = (places[i], places[j]);
         let from = a.moves.map_or(0.0, f64::abs);
-        // The way that is left in a corner.
+        // In a corner, places that move come nearer to each other.
         let way = (b.at - a.at).normalize_or_zero();
         let ahead = (b.moved() - a.moved()).dot(way).max(0.0);
         let most = from + 0.5 * SLOPE * ahead;

@@ -19,7 +19,8 @@
 //!
 //! Guarantees, where a face is no steeper than the angle of full strength: each
 //! bead is, at the middle of what lies open of it across its way, on f = 0 within
-//! some micrometres, unless that is higher above the layer below than the nozzle
+//! some micrometres (in bends, where it has one height for both of its sides, within
+//! 20 µm), unless that is higher above the layer below than the nozzle
 //! is wide; all material together fills what is below f = 0. That is so, too,
 //! where the next layer covers a bead's own middle: the nozzle then rises under
 //! the next layer's edge, but only what lies open gets more material. Steeper
@@ -318,7 +319,9 @@ impl<'a> Relief<'a> {
             }
             if let Some((Some(spot), strength)) = found.next() {
                 let of_slope = 0.01 * strength * bounds.share(&spot);
-                let kept = site.is_under_support(stop.point, bounds.facing);
+                let kept = [stop.point, stop.bare.middle]
+                    .into_iter()
+                    .any(|p| site.is_under_support(p, bounds.facing));
                 let out = bounds.facing.sign() * (spot.height - face);
                 let rise = bounds.clamped(of_slope * out);
                 knot.kind = Kind::Open;

@@ -110,3 +110,9 @@ def test_what_cannot_be_on_a_plate(program, tmp_path):
     with pytest.raises(iso.Error) as caught:
         iso.slice(path)
     assert str(caught.value) == program.error("slice", path)
+
+
+def test_a_part_has_copies_of_its_own():
+    part = Part(iso.sphere([0, 0, 5], 5), copies=2)
+    with pytest.raises(TypeError, match="Part"):
+        iso.slice(part, copies=3)

@@ -200,7 +200,10 @@ impl Search<'_> {
             if (0..3).any(too_thin) {
                 continue;
             }
-            let by_pieces = c.program.by_pieces(&self.scratch);
+            let mut by_pieces = c.program.by_pieces(&self.scratch);
+            if by_pieces.is_empty() {
+                by_pieces = c.program.by_sectors(&self.scratch);
+            }
             if !by_pieces.is_empty() {
                 for program in by_pieces {
                     number += 1;

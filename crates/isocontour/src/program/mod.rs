@@ -328,24 +328,45 @@ impl Program {
     /// of the last `enclose` (of this program, with this scratch). Empty if no
     /// step jumps, or none with few pieces.
     pub(crate) fn by_pieces(&self, scratch: &Scratch) -> Vec<Self> {
-        let s = &scratch.slots;
-        if s.len() != self.steps.len() || self.pieces.len() >= MOST_PIECES {
-            return Vec::new();
+        let mut jumps = self.divided(scratch, piece::pieces_of);
+        jumps.next().unwrap_or_default()
+    }
+
+    /// The program once for each sector around the pole of `atan2` in the box of
+    /// the last `enclose` (of this program, with this scratch). Empty if there is
+    /// none. Empty, too, if there are several: the sectors of one tell little of
+    /// the others, and all together are too many.
+    pub(crate) fn by_sectors(&self, scratch: &Scratch) -> Vec<Self> {
+        let mut poles = self.divided(scratch, piece::sectors_of);
+        match (poles.next(), poles.next()) {
+            (Some(sectors), None) => sectors,
+            _ => Vec::new(),
         }
-        let mut live = None;
+    }
+
+    /// For each step that has some `parts` in the box of the last `enclose`, and
+    /// counts there, the program once for each of them.
+    fn divided<'a>(
+        &'a self,
+        scratch: &'a Scratch,
+        parts: impl Fn(&Step, &Slot, &Slot) -> Vec<f64> + 'a,
+    ) -> impl Iterator<Item = Vec<Self>> + 'a {
+        let s = &scratch.slots;
+        let known = s.len() == self.steps.len();
+        let usable = known && self.pieces.len() < MOST_PIECES;
+        let steps = self.steps.iter().enumerate().filter(move |_| usable);
         let mut taken = self.pieces.iter().peekable();
-        for (number, step) in self.steps.iter().enumerate() {
-            let is_taken =
-                taken.next_if(|p| p.step as usize == number).is_some();
-            if is_taken {
-                continue;
+        let mut live = None;
+        steps.filter_map(move |(number, step)| {
+            if taken.next_if(|p| p.step as usize == number).is_some() {
+                return None;
             }
             let [a, b] = slots_of(s, step);
-            let indices = piece::pieces_of(step, a, b);
+            let indices = parts(step, a, b);
             if indices.is_empty()
                 || !live.get_or_insert_with(|| self.live(s))[number]
             {
-                continue;
+                return None;
             }
             let with = |index: f64| {
                 let step = number as u32;
@@ -357,9 +378,8 @@ impl Program {
                     pieces,
                 }
             };
-            return indices.into_iter().map(with).collect();
-        }
-        Vec::new()
+            Some(indices.into_iter().map(with).collect())
+        })
     }
 
     /// The part of the box of the last `enclose` (of this program, with this

@@ -75,11 +75,13 @@ fn sector(angle: f64) -> f64 {
     FIRST_SECTOR + number.clamp(0.0, SECTORS - 1.0)
 }
 
-/// The angles of a sector.
+/// Limits between which all angles of a sector lie.
 fn angles(sector: f64) -> (f64, f64) {
+    /// More than what rounding makes of a limit.
+    const SLACK: f64 = 1e-15;
     let number = sector - FIRST_SECTOR;
     let angle = |number: f64| number * (TAU / SECTORS) - PI;
-    (angle(number), angle(number + 1.0))
+    (angle(number) - SLACK, angle(number + 1.0) + SLACK)
 }
 
 /// The piece in which a point's operands lie, where sectors do not count.
@@ -103,8 +105,8 @@ fn piece_at(step: &Step, a: f64, b: f64) -> f64 {
     }
 }
 
-/// The pieces of a step that a box may meet: two or three, or the sectors around
-/// a pole. None if the step does not jump there, or jumps too often.
+/// The pieces of a step that a box may meet: two or three. None if the step
+/// does not jump there, or jumps too often.
 pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
     let (first, last) = match step {
         Step::Unary(op, _) => {
@@ -124,14 +126,6 @@ pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
             BinaryOpcode::Mod if !b.range.contains(0.0) => {
                 let periods = a.range.div(b.range.abs());
                 (periods.lo.floor(), periods.hi.floor())
-            }
-            BinaryOpcode::Atan
-                if a.range.contains(0.0) && b.range.contains(0.0) =>
-            {
-                let all = a.range.atan2(b.range);
-                let (first, last) = (sector(all.lo), sector(all.hi));
-                let count = (last - first) as usize;
-                return (0..=count).map(|k| first + k as f64).collect();
             }
             BinaryOpcode::Atan
                 if a.range.lo < 0.0
@@ -165,6 +159,21 @@ pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
     } else {
         Vec::new()
     }
+}
+
+/// The sectors around the pole of a step that a box may meet. None if the step
+/// has no pole there.
+pub(super) fn sectors_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
+    let has_pole = matches!(step, Step::Binary(BinaryOpcode::Atan, ..))
+        && a.range.contains(0.0)
+        && b.range.contains(0.0);
+    if !has_pole {
+        return Vec::new();
+    }
+    let all = a.range.atan2(b.range);
+    let (first, last) = (sector(all.lo), sector(all.hi));
+    let count = (last - first) as usize;
+    (0..=count).map(|k| first + k as f64).collect()
 }
 
 /// A piece of a step over a box with this centre; `None` if the step has
@@ -296,7 +305,8 @@ fn remainder(index: f64, a: &Slot, b: &Slot) -> Slot {
 fn angle(sector: f64, a: &Slot, b: &Slot) -> Slot {
     if b.range.hi < 0.0 {
         // Left of the pole the angle is ±π + atan(y/x).
-        let turn = if angles(sector).0 >= 0.0 { PI } else { -PI };
+        let is_left = sector - FIRST_SECTOR >= 0.5 * SECTORS;
+        let turn = if is_left { PI } else { -PI };
         a.div(*b).atan().add(Slot::constant(turn))
     } else {
         binary(BinaryOpcode::Atan, *a, *b)

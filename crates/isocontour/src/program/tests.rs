@@ -92,10 +92,14 @@ fn pieces_hold_all_that_the_whole_has() {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
         (seed >> 11) as f64 / (1u64 << 53) as f64
     };
-    let mut divided = 0;
-    for _ in 0..300 {
+    let (mut divided, mut sectors) = (0, 0);
+    for k in 0..300 {
         let size = random() * random();
-        let lo: [f64; 3] = std::array::from_fn(|_| 4.0 * random() - 2.0);
+        let mut lo: [f64; 3] = std::array::from_fn(|_| 4.0 * random() - 2.0);
+        // Every third box is on the z axis, where all angles meet.
+        if k % 3 == 0 {
+            lo[..2].fill_with(|| -size * random());
+        }
         let cell = Cell {
             lo,
             hi: lo.map(|v| v + size),
@@ -107,8 +111,12 @@ fn pieces_hold_all_that_the_whole_has() {
         while let Some(part) = todo.pop() {
             let f = part.enclose(&cell, &mut scratch);
             let left = part.contracted(&cell, &scratch);
-            let by_pieces = part.by_pieces(&scratch);
+            let mut by_pieces = part.by_pieces(&scratch);
             divided += by_pieces.len();
+            if by_pieces.is_empty() {
+                by_pieces = part.by_sectors(&scratch);
+                sectors += by_pieces.len();
+            }
             let simple = part.simplify(&scratch).unwrap_or(part.clone());
             if by_pieces.is_empty() {
                 parts.push((part, simple, f, left));
@@ -141,6 +149,7 @@ fn pieces_hold_all_that_the_whole_has() {
         }
     }
     assert!(divided > 1000, "{divided}");
+    assert!(sectors > 1000, "{sectors}");
 }
 
 #[test]

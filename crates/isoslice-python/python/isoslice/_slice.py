@@ -240,6 +240,8 @@ def _parts(model: Any, copies: Optional[int]) -> Optional[list[Part]]:
         several = [model]
     else:
         return None
+    if isinstance(model, Part) and copies is not None:
+        raise TypeError("give a Part its copies itself: Part(model, copies=3)")
     count = 1 if copies is None else copies
 
     def plain(given: Optional[Mapping[str, Any]]) -> Optional[dict[str, Any]]:
