@@ -113,6 +113,6 @@ def test_what_cannot_be_on_a_plate(program, tmp_path):
 
 
 def test_a_part_has_copies_of_its_own():
-    part = Part(iso.sphere([0, 0, 5], 5), copies=2)
+    part = Part(iso.sphere(5), copies=2)
     with pytest.raises(TypeError, match="Part"):
         iso.slice(part, copies=3)
