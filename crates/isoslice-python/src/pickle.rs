@@ -115,7 +115,11 @@ fn made(name: &str, of: &[Tree], numbers: &[f32]) -> Option<Tree> {
         ("remap", [target, x, y, z], []) => {
             Some(target.remap_xyz(x.clone(), y.clone(), z.clone()))
         }
-        ("affine", [target], numbers) if numbers.len() == 16 => {
+        // Column by column: the last row is that of an affine map.
+        ("affine", [target], [.., a, _, _, _, b, _, _, _, c, _, _, _, d])
+            if numbers.len() == 16
+                && [*a, *b, *c, *d] == [0.0, 0.0, 0.0, 1.0] =>
+        {
             let matrix = Matrix4::from_iterator(numbers.iter().copied());
             Some(target.remap_affine(Affine3::from_matrix_unchecked(matrix)))
         }
