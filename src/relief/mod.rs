@@ -19,13 +19,14 @@
 //!
 //! Guarantees, where a face is no steeper than the angle of full strength: each
 //! bead is, at the middle of what lies open of it across its way, on f = 0 within
-//! some micrometres (in bends, where it has one height for both of its sides, within
-//! 20 µm), unless that is higher above the layer below than the nozzle
-//! is wide; all material together fills what is below f = 0. That is so, too,
-//! where the next layer covers a bead's own middle: the nozzle then rises under
-//! the next layer's edge, but only what lies open gets more material. Steeper
-//! faces get less and less of it, and those [`FADE`] steeper nothing: nowhere does
-//! it begin at once. Under the next layer a bead comes back to the layer's top.
+//! some micrometres, unless that is higher above the layer below than the nozzle
+//! is wide; all material together fills what is below f = 0. In a bend a bead has
+//! one height for both of its sides: there it is within 20 µm on faces of up to
+//! 25°, and may be farther off on steeper ones. The guarantee holds, too, where
+//! the next layer covers a bead's own middle: the nozzle then rises under the
+//! next layer's edge, but only what lies open gets more material. Steeper faces
+//! get less and less of it, and those [`FADE`] steeper nothing: nowhere does it
+//! begin at once. Under the next layer a bead comes back to the layer's top.
 //!
 //! Undersides (`contour_z_below`) are the other way round. The nozzle stays at the
 //! layer's top, where the next layer is to lie, and the material goes as deep as

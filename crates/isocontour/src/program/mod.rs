@@ -328,8 +328,10 @@ impl Program {
     /// of the last `enclose` (of this program, with this scratch). Empty if no
     /// step jumps, or none with few pieces.
     pub(crate) fn by_pieces(&self, scratch: &Scratch) -> Vec<Self> {
-        let mut jumps = self.divided(scratch, piece::pieces_of);
-        jumps.next().unwrap_or_default()
+        let mut jumps = self.dividing(scratch, piece::pieces_of);
+        jumps
+            .next()
+            .map_or(Vec::new(), |found| self.in_pieces(found))
     }
 
     /// The program once for each sector around the pole of `atan2` in the box of
@@ -337,20 +339,20 @@ impl Program {
     /// none. Empty, too, if there are several: the sectors of one tell little of
     /// the others, and all together are too many.
     pub(crate) fn by_sectors(&self, scratch: &Scratch) -> Vec<Self> {
-        let mut poles = self.divided(scratch, piece::sectors_of);
+        let mut poles = self.dividing(scratch, piece::sectors_of);
         match (poles.next(), poles.next()) {
-            (Some(sectors), None) => sectors,
+            (Some(found), None) => self.in_pieces(found),
             _ => Vec::new(),
         }
     }
 
-    /// For each step that has some `parts` in the box of the last `enclose`, and
-    /// counts there, the program once for each of them.
-    fn divided<'a>(
+    /// The numbers of the steps that count in the box of the last `enclose` and
+    /// have some `parts` there, each with these parts.
+    fn dividing<'a>(
         &'a self,
         scratch: &'a Scratch,
         parts: impl Fn(&Step, &Slot, &Slot) -> Vec<f64> + 'a,
-    ) -> impl Iterator<Item = Vec<Self>> + 'a {
+    ) -> impl Iterator<Item = (usize, Vec<f64>)> + 'a {
         let s = &scratch.slots;
         let known = s.len() == self.steps.len();
         let usable = known && self.pieces.len() < MOST_PIECES;
@@ -362,24 +364,26 @@ impl Program {
                 return None;
             }
             let [a, b] = slots_of(s, step);
-            let indices = parts(step, a, b);
-            if indices.is_empty()
-                || !live.get_or_insert_with(|| self.live(s))[number]
-            {
-                return None;
-            }
-            let with = |index: f64| {
-                let step = number as u32;
-                let mut pieces = self.pieces.clone();
-                let at = pieces.partition_point(|p| p.step < step);
-                pieces.insert(at, Piece { step, index });
-                Self {
-                    steps: self.steps.clone(),
-                    pieces,
-                }
-            };
-            Some(indices.into_iter().map(with).collect())
+            let found = parts(step, a, b);
+            let counts = !found.is_empty()
+                && live.get_or_insert_with(|| self.live(s))[number];
+            counts.then_some((number, found))
         })
+    }
+
+    /// The program once for each of these pieces of a step.
+    fn in_pieces(&self, (step, indices): (usize, Vec<f64>)) -> Vec<Self> {
+        let step = step as u32;
+        let at = self.pieces.partition_point(|p| p.step < step);
+        let with = |index: f64| {
+            let mut pieces = self.pieces.clone();
+            pieces.insert(at, Piece { step, index });
+            Self {
+                steps: self.steps.clone(),
+                pieces,
+            }
+        };
+        indices.into_iter().map(with).collect()
     }
 
     /// The part of the box of the last `enclose` (of this program, with this

@@ -23,8 +23,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// next.
 const MOST_PERIODS: f64 = 1e15;
 
-/// Number of sectors around the pole of `atan2`. A curve that winds four and a
-/// half times around itself on its way round is known to a quarter of its turn.
+/// Number of sectors around the pole of `atan2`. If a part winds k times around
+/// its middle on its way round the pole, its turn is known to k/64 in each.
 const SECTORS: f64 = 64.0;
 
 /// Number of the first sector among the pieces of `atan2`: the two sides of its
