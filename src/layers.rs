@@ -135,6 +135,14 @@ impl FromStr for LayerRange {
     }
 }
 
+/// The layer at a height above the bed, or the one nearest to it, as a range; an
+/// empty one if there are no layers.
+pub(crate) fn layer_at(spans: &[LayerSpan], z: Mm) -> Range<usize> {
+    let below = spans.partition_point(|span| span.top < z);
+    let layer = below.min(spans.len().saturating_sub(1));
+    layer..spans.len().min(layer + 1)
+}
+
 /// Greatest number of layers: 1 m of the thinnest ones that anybody prints
 /// (0.02 mm).
 pub(crate) const MAX_LAYERS: usize = 50_000;

@@ -276,3 +276,64 @@ fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
         .unwrap_err();
     assert!(error.to_string().contains("has 50 layers"), "{error}");
 }
+
+/// The walls that a layer's beads of this role follow: the places at which their
+/// moves end, in order of place.
+fn places<'a>(layer: &'a str, role: &str) -> Vec<&'a str> {
+    let mut of_role = false;
+    let mut all = Vec::new();
+    for line in layer.lines() {
+        if let Some(name) = line.strip_prefix(";TYPE:") {
+            of_role = name == role;
+        } else if of_role && line.starts_with("G1 X") && line.contains(" E") {
+            let end = line.find(" E").unwrap();
+            all.push(&line[..end]);
+        }
+    }
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// A glimpse of a layer has the beads that the layer has in a whole run, though
+/// they may begin elsewhere.
+#[test]
+fn a_glimpse() {
+    let settings = common::settings(&["layer_height=0.25", "skirt.loops=0"]);
+    let part = "max(max(abs(x), abs(y)) - 6 - sin(0.5*z), abs(z - 20) - 20)";
+    let model = common::formula(part, &settings);
+    let (whole, summary) = slice_layers(&model, &settings, "..", 1);
+    let layers: Vec<&str> = body(&whole).split(";LAYER_CHANGE\n").collect();
+    let height = |layer: usize| 0.2 + 0.25 * layer as f64;
+    let count = summary.layer_count;
+    for (z, layer) in [
+        (-5.0, 0),
+        (0.0, 0),
+        (0.21, 1),
+        (height(60) - 0.1, 60),
+        (height(131), 131),
+        (height(count - 1), count - 1),
+        (1e9, count - 1),
+        (f64::NAN, 0),
+    ] {
+        let options = Options {
+            threads: Some(2),
+            glimpse: Some(z),
+            ..Options::default()
+        };
+        let mut gcode = Vec::new();
+        let of_layer =
+            pipeline::slice(&model, &settings, &options, &mut gcode).unwrap();
+        assert_eq!(of_layer.layers, layer..layer + 1, "{z}");
+        assert_eq!(of_layer.layer_count, count);
+        let gcode = String::from_utf8(gcode).unwrap();
+        let layer = layers[layer + 1];
+        for role in ["External perimeter", "Perimeter", "Solid infill"] {
+            let (a, b) = (places(body(&gcode), role), places(layer, role));
+            // A loop has two more moves where it begins.
+            let other = a.iter().filter(|p| !b.contains(p)).count();
+            assert!(other <= 4, "{role} of {z}: {other} of {}", a.len());
+            assert!(a.len().abs_diff(b.len()) <= 4, "{role} of {z}");
+        }
+    }
+}

@@ -7,6 +7,7 @@
 #[path = "common/served.rs"]
 mod served;
 
+use serde_json::Value;
 use served::Watch;
 use std::fs;
 use std::process::{Command, Stdio};
@@ -93,6 +94,46 @@ fn changes_of_the_page_are_sliced() {
             && state["fault"].is_null()
             && state["model"]["parameters"][0]["name"] == "size"
     });
+}
+
+/// While a part is sliced, there is a glimpse of the layer that a page shows.
+#[test]
+fn the_layer_that_is_shown_comes_first() {
+    let folder = tempfile::tempdir().unwrap();
+    // One layer is quickly made, and all of them are not.
+    let script = "let r = param(\"radius\", 8.0);\n\
+                  max(sqrt(x*x + y*y) - r, abs(z - 100) - 100)\n";
+    fs::write(folder.path().join("rod.rhai"), script).unwrap();
+    let watch = Watch::start(folder.path(), &["rod.rhai"]);
+    assert!(watch.done()["glimpse"].is_null());
+    // Without a word of a layer there is none.
+    watch.post("change", r#"{"define": {"radius": "7"}}"#);
+    let state = watch.state(|state| state["model"]["size"][0] == 14.0);
+    assert!(state["glimpse"].is_null());
+    watch.done();
+    assert_eq!(watch.post("layer", r#"{"layer": 30.1}"#).code, 200);
+    watch.post("change", r#"{"define": {"radius": "6"}}"#);
+    let state = watch.state(|state| state["model"]["size"][0] == 12.0);
+    let glimpse = &state["glimpse"];
+    assert_eq!(glimpse["of_model"], state["model"]["revision"], "{state}");
+    assert_eq!(glimpse["layer"], 150);
+    assert_eq!(glimpse["layers"], 1000);
+    let moves = watch.get(&format!("glimpse?revision={}", glimpse["revision"]));
+    assert_eq!(moves.code, 200);
+    let end = moves.body.iter().position(|b| *b == b'\n').unwrap();
+    let told: Value = serde_json::from_slice(&moves.body[..end]).unwrap();
+    assert_eq!(told["z"].as_array().unwrap().len(), 1);
+    // All layers take its place.
+    assert!(watch.done()["glimpse"].is_null());
+    assert_eq!(watch.get("glimpse?revision=1").code, 404);
+    for (body, code) in [
+        (r#"{"layer": null}"#, 200),
+        (r#"{"layer": "x"}"#, 400),
+        (r#"{"layer": 1e999}"#, 400),
+        (r#"{"height": 1}"#, 400),
+    ] {
+        assert_eq!(watch.post("layer", body).code, code, "{body}");
+    }
 }
 
 #[test]

@@ -5,6 +5,8 @@
 const ROUGH = 0.3;
 // Greatest side of a picture, pixels.
 const LARGEST = 1600;
+// Time for which a layer is shown before the program is told of it, milliseconds.
+const LOOKED = 100;
 // Time until a program that does not answer is asked again, milliseconds.
 const AGAIN = 1000;
 
@@ -15,7 +17,7 @@ class Live {
     // The state that the program sent last.
     this.told = null;
     // The revisions of the parts of that state that the page has.
-    this.has = { model: 0, print: 0, settings: 0 };
+    this.has = { model: 0, print: 0, glimpse: 0, settings: 0 };
     // The view that the user has chosen, and whether an older model may be
     // shown in it.
     this.view = "layers";
@@ -24,6 +26,9 @@ class Live {
     this.asked = "";
     this.changes = null;
     this.changing = false;
+    // The height of the layer that the program knows to be shown.
+    this.layerTold = null;
+    this.layerTimer = 0;
   }
 
   async begin() {
@@ -85,7 +90,7 @@ class Live {
 
   async showNews() {
     const { has, told: news } = this;
-    const { model, print, fault, busy, progress } = news;
+    const { model, print, glimpse, fault, busy, progress } = news;
     $("busy").hidden = !busy;
     const [done, all] = progress;
     $("busy").firstChild.style.width = `${all > 0 ? 100 * done / all : 2}%`;
@@ -112,6 +117,8 @@ class Live {
     }
     if (print && print.revision !== has.print) {
       await this.fetchPrint(print);
+    } else if (glimpse && told && glimpse.revision !== has.glimpse) {
+      await this.fetchGlimpse(glimpse);
     } else if (!busy && told) {
       listFigures();
     }
@@ -137,6 +144,16 @@ class Live {
     this.showView();
   }
 
+  // What the user looks at has changed, or may have.
+  looked() {
+    const layers = told && this.view === "layers" && !this.has.glimpse;
+    if (layers) {
+      this.looksAt(told.z[layerSlider.high]);
+    } else if (this.view === "part") {
+      this.looksAt(null);
+    }
+  }
+
   // Shows the layers, if the part's picture is shown now.
   showLayers() {
     this.view = "layers";
@@ -144,8 +161,24 @@ class Live {
     this.showView();
   }
 
+  // Tells the program which layer is shown, once the slider rests. It makes that
+  // one first when the part changes.
+  looksAt(layer) {
+    clearTimeout(this.layerTimer);
+    this.layerTimer = setTimeout(async () => {
+      if (layer !== this.layerTold) {
+        this.layerTold = layer;
+        await this.post("layer", JSON.stringify({ layer })).catch(() => {});
+      }
+    }, LOOKED);
+  }
+
   // A line of the G-code that is shown.
   async line(number) {
+    // There is no file of a single layer.
+    if (this.has.glimpse) {
+      return "";
+    }
     try {
       const answer = await fetch(`line?print=${this.has.print}&line=${number}`);
       return answer.ok ? await answer.text() : "";
@@ -161,16 +194,46 @@ class Live {
   }
 
   async fetchPrint(print) {
-    const answer = await fetch(`print?revision=${print.revision}`);
-    // A newer print may have replaced this one; a new state will tell.
-    if (!answer.ok) {
+    const made = await this.fetchMoves("print", print.revision);
+    if (made) {
+      await show(...made);
+      this.has.print = print.revision;
+      this.has.glimpse = 0;
+      this.looked();
+    }
+  }
+
+  // Shows one layer of a part that is still being sliced. The others have no
+  // moves yet; their heights are as if all layers were equally high.
+  async fetchGlimpse(glimpse) {
+    const made = await this.fetchMoves("glimpse", glimpse.revision);
+    if (!made) {
       return;
+    }
+    const [data, packed] = made;
+    const { layer, layers } = glimpse;
+    const [start, z, time] = [data.first[0], data.z[0], data.time[0]];
+    const each = what => Array.from({ length: layers }, (_, i) => what(i));
+    data.first = each(i => i <= layer ? start : data.moves);
+    data.z = each(i => z * (i + 1) / (layer + 1));
+    data.time = each(i => i === layer ? time : 0);
+    // The tables go on telling of the last part that was sliced.
+    data.statistics = { ...figures, printed: this.told.model.box };
+    await show(data, packed, true);
+    this.has.glimpse = glimpse.revision;
+  }
+
+  // The moves and what is told of them; none if there are newer ones, of which a
+  // new state will tell.
+  async fetchMoves(path, revision) {
+    const answer = await fetch(`${path}?revision=${revision}`);
+    if (!answer.ok) {
+      return null;
     }
     const bytes = new Uint8Array(await answer.arrayBuffer());
     const end = bytes.indexOf(10);
     const told = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));
-    await show(told, bytes.subarray(end + 1));
-    this.has.print = print.revision;
+    return [told, bytes.subarray(end + 1)];
   }
 
   // --- the part's picture
@@ -182,8 +245,9 @@ class Live {
       return Boolean(news?.model);
     }
     // The layers of an older model are not shown in a newer one's place.
+    const newest = news.glimpse ?? news.print;
     return has.print === 0 || !this.impatient
-      && news.print?.of_model !== news.model.revision;
+      && newest?.of_model !== news.model.revision;
   }
 
   showView() {
@@ -191,6 +255,7 @@ class Live {
     const page = document.documentElement;
     const before = page.dataset.shows;
     page.dataset.shows = part ? "part" : "layers";
+    this.looked();
     for (const button of $("views").children) {
       button.setAttribute(
         "aria-pressed", (button.dataset.view === "part") === part);

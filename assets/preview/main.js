@@ -126,6 +126,7 @@ function layersChanged() {
   say($("layer-high"), high);
   say($("layer-low"), low);
   $("only").setAttribute("aria-pressed", state.only);
+  live?.looked();
   movesChanged();
 }
 
@@ -431,8 +432,9 @@ function layerAt(z) {
 }
 
 // Shows a print. If there is one already, the new one takes its place: the
-// camera, the colours and the heights that are shown stay.
-async function show(data, packed) {
+// camera, the colours and the heights that are shown stay. The tables stay as
+// well if there is just a glimpse of it.
+async function show(data, packed, glimpse = false) {
   const unpacked = await unpack(data, packed);
   const before = told && {
     low: told.z[layerSlider.low],
@@ -461,9 +463,11 @@ async function show(data, packed) {
   if (!scene.gl) {
     throw new Error("This browser has no WebGL 2, which the preview needs.");
   }
-  listRoles();
-  listMarks();
-  listFigures();
+  if (!glimpse) {
+    listRoles();
+    listMarks();
+    listFigures();
+  }
   if (!live) {
     listWarnings(figures.warnings);
   }
@@ -479,6 +483,7 @@ async function show(data, packed) {
   redraw(false);
   $("notice").hidden = true;
   document.documentElement.dataset.ready = "true";
+  document.documentElement.dataset.glimpse = glimpse;
 }
 
 async function start() {

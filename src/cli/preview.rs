@@ -199,6 +199,7 @@ impl PreviewArgs {
         let options = Options {
             threads: sliced.threads.map(usize::from),
             layers: sliced.layers.unwrap_or(LayerRange::ALL),
+            glimpse: None,
             svg_dir: None,
             report: false,
             // A model that is only shown need not be fit to print.

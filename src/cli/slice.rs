@@ -179,6 +179,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let options = Options {
         threads: args.threads.map(usize::from),
         layers: args.layers.unwrap_or(LayerRange::ALL),
+        glimpse: None,
         svg_dir: args.svg.as_deref(),
         report: report.is_some(),
         check: !args.no_check,

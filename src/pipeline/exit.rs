@@ -136,7 +136,7 @@ impl<'a, 'w> Exit<'a, 'w> {
     ) -> Self {
         let settings = &job.plate.settings;
         let places = job.plate.shifts();
-        let layers = job.layers.clone();
+        let layers = job.extent.layers.clone();
         Exit {
             settings,
             options,
@@ -150,7 +150,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             at: None,
             pacer: Pacer::new(settings),
             writer,
-            next: layers.start - layers.start % BLOCK,
+            next: job.extent.made.start,
             turn: None,
             before: 0,
             finished: 0.0,

@@ -20,8 +20,10 @@ pub(super) fn header(
 ) -> Result<(Header, Option<String>), SliceError> {
     let Job { plate, spans, .. } = *job;
     let (low, high) = plate.reach();
-    // Only the first range's pictures come into the joined file.
-    let first = job.layers.start == 0;
+    // Only the first range's pictures come into the joined file, and a glimpse
+    // needs none.
+    let glimpse = run.options.glimpse.is_some();
+    let first = job.extent.layers.start == 0 && !glimpse;
     let (pictures, parts) = run.pool.install(|| {
         job.stopwatch().time(Stage::Picture, || {
             let pictures = if first {
@@ -40,9 +42,9 @@ pub(super) fn header(
     let header = Header {
         model_name: plate.name.clone(),
         layer_count: job.count,
-        layers: job.layers.clone(),
+        layers: job.extent.layers.clone(),
         timestamp: run.options.timestamp,
-        nozzle_temperature: match spans.get(job.layers.start) {
+        nozzle_temperature: match spans.get(job.extent.layers.start) {
             Some(span) => rater.temperature(span)?,
             None => plate.settings.filament.first_layer_nozzle_temperature,
         },
@@ -51,7 +53,7 @@ pub(super) fn header(
         parts,
         thumbnails: pictures.unwrap_or_default(),
         format: run.options.format,
-        fingerprint: if job.layers.len() < spans.len() {
+        fingerprint: if job.extent.layers.len() < spans.len() && !glimpse {
             let of_parts = job.parts.iter().map(|planned| planned.spans);
             Some(fingerprint(plate, of_parts)?)
         } else {

@@ -4,6 +4,7 @@
 //! whole part at once (climbing walls, supports, rafts, draft shields) planned,
 //! and the layers of the file.
 
+use super::options::Extent;
 use super::raft;
 use super::stages::Stages;
 use super::supported::Fills;
@@ -74,7 +75,11 @@ impl<'a> Base<'a> {
             ..
         } = self;
         let (model, settings) = (&part.model, &part.settings);
-        let count = layers.end.min(spans.len()).saturating_sub(layers.start);
+        // In a glimpse as few places are measured as in a layer of a whole run.
+        let count = match options.glimpse {
+            Some(_) => spans.len(),
+            None => layers.end.min(spans.len()).saturating_sub(layers.start),
+        };
         let gauge = Gauge::new(model, settings, count.max(1), options.report)?;
         let stages = Stages::new(model, settings, around, gauge, spans)?;
         let printed = stages.printed(pool, spans)?;
@@ -146,8 +151,8 @@ pub(super) struct Job<'a> {
     pub spans: &'a [LayerSpan],
     /// Number of all layers. Those of parts that are printed one by one add up.
     pub count: usize,
-    /// The layers to be written.
-    pub layers: Range<usize>,
+    /// The layers of the run.
+    pub extent: Extent,
 }
 
 impl<'a> Job<'a> {
@@ -175,7 +180,7 @@ impl<'a> Job<'a> {
         let Some(spans) = tallest.max_by_key(|spans| spans.len()) else {
             return Err(SliceError::NoParts);
         };
-        options.layers.indices(spans.len())?;
+        let layers = options.indices(spans)?;
         for (planned, base) in parts.iter_mut().zip(bases) {
             let made = planned.plan(base, pool);
             made.map_err(|e| plate.named(base.part, e))?;
@@ -188,9 +193,13 @@ impl<'a> Job<'a> {
             }
             None => spans.len(),
         };
+        let layers = match &turns {
+            Some(_) => options.layers.indices(count)?,
+            None => layers,
+        };
         Ok(Job {
             plate,
-            layers: options.layers.indices(count)?,
+            extent: options.extent(layers),
             parts,
             turns,
             spans,

@@ -1,7 +1,10 @@
 //! What a caller may ask of a run.
 
+use super::BLOCK;
 use crate::gcode::Format;
-use crate::layers::LayerRange;
+use crate::layers::{LayerRange, LayerSpan, PlanError, layer_at};
+use crate::units::Mm;
+use std::ops::Range;
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -11,6 +14,11 @@ pub struct Options<'a> {
     pub threads: Option<usize>,
     /// Which of the part's layers to write.
     pub layers: LayerRange,
+    /// Write only the layer at this height above the bed, to be looked at and not
+    /// to be printed: the nearest one, if the part ends below. No other layer
+    /// is filled for it, so its seams and ways may begin elsewhere than in a
+    /// whole run. `layers` does not count.
+    pub glimpse: Option<Mm>,
     /// Folder for a picture of each layer.
     pub svg_dir: Option<&'a Path>,
     /// Measure everything, for a report, and not only a few points.
@@ -33,12 +41,68 @@ impl Default for Options<'_> {
         Options {
             threads: None,
             layers: LayerRange::ALL,
+            glimpse: None,
             svg_dir: None,
             report: false,
             check: true,
             timestamp: None,
             format: Format::Text,
             on_layer: &|_, _| {},
+        }
+    }
+}
+
+impl Options<'_> {
+    /// The layers to write of a part with these `spans`, by their indices.
+    ///
+    /// # Errors
+    /// If all of them lie above the part.
+    pub(super) fn indices(
+        &self,
+        spans: &[LayerSpan],
+    ) -> Result<Range<usize>, PlanError> {
+        match self.glimpse {
+            Some(z) => Ok(layer_at(spans, z)),
+            None => self.layers.indices(spans.len()),
+        }
+    }
+
+    /// What a run makes to write these layers.
+    pub(super) fn extent(&self, layers: Range<usize>) -> Extent {
+        let glimpse = self.glimpse.is_some();
+        let first = if glimpse {
+            layers.start
+        } else {
+            // The layers of a block depend on those below them in the block.
+            layers.start - layers.start % BLOCK
+        };
+        Extent {
+            made: first..layers.end,
+            layers,
+            glimpse,
+        }
+    }
+}
+
+/// Which layers a run makes, by their indices.
+#[derive(Clone, Debug)]
+pub(super) struct Extent {
+    /// The layers to be written.
+    pub layers: Range<usize>,
+    /// The layers to be made: those to be written, and those before them on
+    /// which their seams and ways depend.
+    pub made: Range<usize>,
+    /// True if a single layer is made to be looked at.
+    pub glimpse: bool,
+}
+
+impl Extent {
+    /// The extent of a run of all of a part's `count` layers.
+    pub(super) fn of_all(count: usize) -> Extent {
+        Extent {
+            layers: 0..count,
+            made: 0..count,
+            glimpse: false,
         }
     }
 }

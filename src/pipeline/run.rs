@@ -44,7 +44,7 @@ pub fn slice_plate(
     let (spans, steps) = pool.install(|| layers_of(plate))?;
     let tallest = spans.iter().max_by_key(|spans| spans.len());
     let all = tallest.map_or(&[][..], |spans| spans.as_slice());
-    let layers = options.layers.indices(all.len())?;
+    let layers = options.indices(all)?;
     let mut checker = None;
     if options.check {
         let rules = Rules {
@@ -84,7 +84,7 @@ fn refuse(plate: &Plate, options: &Options<'_>) -> Result<(), SliceError> {
     if options.report && plate.place_count() > 1 {
         return Err(SliceError::ReportOfSeveral);
     }
-    if options.layers != LayerRange::ALL {
+    if options.layers != LayerRange::ALL || options.glimpse.is_some() {
         if plate.turns().is_some() {
             return Err(SliceError::RangeOneByOne);
         }

@@ -101,7 +101,7 @@ impl Summary {
         let totals = done.totals;
         let mut summary = Summary {
             size: plate.size(),
-            layers: job.layers.clone(),
+            layers: job.extent.layers.clone(),
             layer_count: job.count,
             raft_layers: settings.raft_layers(),
             steps: None,

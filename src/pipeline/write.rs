@@ -4,6 +4,7 @@
 use super::exit::{Exit, Rates};
 use super::head::header;
 use super::job::{Base, Job, Planned, Run};
+use super::options::Extent;
 use super::part::{PartExit, Passed};
 use super::skirt::skirt_round;
 use super::supply::plate::Supplies;
@@ -33,7 +34,7 @@ pub(super) fn write(
     // The check comes before hours of work, not after them.
     let printed = match job.turns {
         Some(_) => job.spans,
-        None => &job.spans[job.layers.clone()],
+        None => &job.spans[job.extent.layers.clone()],
     };
     for span in printed {
         rates.plate.temperature(span)?;
@@ -50,7 +51,7 @@ pub(super) fn write(
         Some(turns) => one_by_one(&mut exit, turns, &job, pool)?,
         None => {
             let parts = job.parts.iter().map(|p| (&p.stages, p.spans));
-            Supplies::new(parts, pool, &job.layers)
+            Supplies::new(parts, pool, &job.extent)
                 .each(pool, |ready| exit.layer(ready))?;
         }
     }
@@ -79,7 +80,7 @@ fn pictures(
         min: low.truncate(),
         max: high.truncate(),
     };
-    let made = Pictures::new(dir, frame, &job.layers, job.count);
+    let made = Pictures::new(dir, frame, &job.extent.layers, job.count);
     Ok(Some(
         made.map_err(|e| SliceError::Picture(dir.to_owned(), e))?,
     ))
@@ -121,7 +122,7 @@ fn exits<'a>(
                 .map_err(|e| job.plate.named(part, e.into()))?;
         let layers = match job.turns {
             Some(_) => 0..spans.len(),
-            None => job.layers.clone(),
+            None => job.extent.layers.clone(),
         };
         Ok(PartExit::new(planned, layers, relief))
     };
@@ -146,11 +147,11 @@ fn one_by_one(
         };
         let part = of_place(first);
         let Planned { stages, spans, .. } = &job.parts[part];
-        let layers = 0..spans.len();
         exit.begin(first, below);
         below = spans.last().map_or(0.0, |span| span.top);
         let mut kept: Vec<Passed> = Vec::new();
-        let supplies = Supplies::new([(stages, *spans)], pool, &layers);
+        let extent = Extent::of_all(spans.len());
+        let supplies = Supplies::new([(stages, *spans)], pool, &extent);
         supplies.each(pool, |ready| {
             for (_, ready) in ready {
                 let passed = exit.pass(part, ready)?;
@@ -178,7 +179,7 @@ fn report(
     extruded: Mm3,
     pool: &ThreadPool,
 ) -> Result<Option<Report>, SliceError> {
-    let (spans, layers) = (job.spans, &job.layers);
+    let (spans, layers) = (job.spans, &job.extent.layers);
     let (Some(first), Some(last)) =
         (spans.get(layers.start), spans.get(layers.end - 1))
     else {

@@ -140,6 +140,53 @@ await test("a slider changes the part", async () => {
   assert.ok((await field.getAttribute("class")).includes("changed"));
 });
 
+await test("the layer that is shown comes before the others", async () => {
+  // As many layers as take a while.
+  write(good(120));
+  await layers(page, 600);
+  await state(page, "done");
+  await page.locator("#view").focus();
+  await page.keyboard.press("f");
+  await page.keyboard.press("End");
+  for (let i = 0; i < 100; i++) {
+    await page.keyboard.press("ArrowDown");
+  }
+  const high = await page.textContent("#layer-high");
+  assert.match(high, /^500 /);
+  // The page tells of the layer when the slider rests.
+  await page.waitForTimeout(500);
+  const shown = await page.evaluate(() => {
+    window.seen = [];
+    const root = document.documentElement;
+    new MutationObserver(() => window.seen.push(
+      [root.dataset.shows, root.dataset.glimpse, root.dataset.state].join()))
+      .observe(root, { attributes: true });
+    return root.dataset.shows;
+  });
+  const slider = page.locator('[data-name="radius"] input[type="range"]');
+  const slide = to => slider.evaluate((input, to) => {
+    input.value = to;
+    input.dispatchEvent(new Event("input"));
+  }, to);
+  assert.equal(shown, "layers");
+  await slide(9);
+  await page.waitForFunction(() =>
+    window.seen.some(seen => seen.endsWith("true,busy")),
+  null, { timeout: 60_000 });
+  assert.equal(await page.textContent("#layer-high"), high);
+  await shoot(page, "watch-glimpse");
+  await state(page, "done");
+  await page.waitForSelector('html[data-glimpse="false"]');
+  assert.equal(await page.textContent("#layer-high"), high);
+  // The picture of the part was not shown in between.
+  const seen = await page.evaluate(() => window.seen);
+  assert.ok(!seen.some(seen => seen.startsWith("part")), seen.join(" "));
+  assert.deepEqual(page.faults, []);
+  await slide(10);
+  write(good(4));
+  await layers(page, 20);
+});
+
 await test("a second tab shows the same, and changes the first", async () => {
   const second = await open({ width: 420, height: 800 });
   await second.waitForFunction(() =>

@@ -153,6 +153,7 @@ pub(crate) fn slice<'py>(
         let options = Options {
             threads: request.threads,
             layers: range,
+            glimpse: None,
             svg_dir: svg.as_deref(),
             report,
             check,

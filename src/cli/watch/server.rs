@@ -7,7 +7,7 @@
 
 use super::guard::Guard;
 use super::session::{Look, Print, Sending, Session, State};
-use super::work::{Job, draw_within, name_of, picture_watch};
+use super::work::{Job, PICTURE, draw_within, name_of, watch_for};
 use crate::cli::hosts;
 use crate::cli::send::outcome;
 use crate::cli::{plain, printers};
@@ -133,10 +133,12 @@ impl Site {
             (false, "settings.toml") => self.toml(),
             (false, "picture") => self.picture(&query),
             (false, "print") => self.print(&query),
+            (false, "glimpse") => self.glimpse(&query),
             (false, "gcode") => self.gcode(&query),
             (false, "line") => self.line(&query),
             (true, "change") => self.change(request),
             (true, "send") => self.send(request),
+            (true, "layer") => self.layer(request),
             _ => Err((StatusCode::NOT_FOUND, "there is no such thing".into())),
         }
     }
@@ -162,6 +164,7 @@ impl Site {
             "settings": state.settings.as_ref().map_or(0, |s| s.revision),
             "model": state.model.as_ref().map(|model| &model.told),
             "print": state.print.as_ref().map(|print| &print.told),
+            "glimpse": state.glimpse.as_ref().map(|glimpse| &glimpse.told),
             "printers": self.printers,
             "sending": state.sending,
         })
@@ -222,7 +225,7 @@ impl Site {
         let picture = match known {
             Some(picture) => picture,
             None => {
-                let watch = picture_watch();
+                let watch = watch_for(PICTURE);
                 *fine() = (!look.rough).then(|| watch.clone());
                 let threads = self.job.threads;
                 let drawn = draw_within(&watch, &model.model, look, threads);
@@ -245,6 +248,22 @@ impl Site {
         query.must_be("revision", print.revision)?;
         let moves = shared(print.moves.clone());
         Ok(of_type("application/octet-stream", moves))
+    }
+
+    fn glimpse(&self, query: &Query) -> Answer {
+        let glimpse = self.session.lock().glimpse.clone();
+        let glimpse = glimpse.ok_or_else(not_yet)?;
+        query.must_be("revision", glimpse.revision)?;
+        let moves = shared(glimpse.moves.clone());
+        Ok(of_type("application/octet-stream", moves))
+    }
+
+    /// Remembers which layer a page shows.
+    fn layer(&self, request: &mut Request<Body>) -> Answer {
+        let looked: Looked = serde_json::from_slice(&body(request)?)
+            .map_err(|error| (StatusCode::BAD_REQUEST, error.to_string()))?;
+        self.session.lock().layer = looked.layer;
+        Ok(of_type("application/json", "{}"))
     }
 
     fn gcode(&self, query: &Query) -> Answer {
@@ -319,6 +338,13 @@ impl Site {
         }
         Ok(of_type("application/json", "{}"))
     }
+}
+
+/// The height of the layer that a page shows, mm; none if it shows none.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Looked {
+    layer: Option<f64>,
 }
 
 /// A request to send a print.

@@ -47,6 +47,10 @@ pub(super) struct State {
     pub settings: Option<Arc<Listed>>,
     pub model: Option<Arc<Shown>>,
     pub print: Option<Arc<Print>>,
+    /// Height of the layer that a page shows, mm; none if no page shows layers.
+    pub layer: Option<f64>,
+    /// That layer of the newest model, until all of it is sliced.
+    pub glimpse: Option<Arc<Glimpse>>,
     /// Files that the model and its settings were read from.
     pub files: Vec<PathBuf>,
     /// The view that a page asked for last. A rough picture of it is drawn
@@ -96,6 +100,15 @@ pub(super) struct Print {
     pub printer_model: String,
 }
 
+/// One layer of a model that is still being sliced.
+pub(super) struct Glimpse {
+    pub revision: u64,
+    /// What pages are told of it.
+    pub told: Value,
+    /// The moves in the form that pages get.
+    pub moves: Arc<[u8]>,
+}
+
 /// A view of the part that a page asks for, and the size of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Look {
@@ -128,6 +141,8 @@ impl Session {
                 settings: None,
                 model: None,
                 print: None,
+                layer: None,
+                glimpse: None,
                 files,
                 look: Look {
                     view: View::ISO,

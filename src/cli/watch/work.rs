@@ -4,7 +4,9 @@
 //! there is an error, the page shows it beside the model that was made last.
 
 use super::choice::Choice;
-use super::session::{Fault, Listed, Look, Print, Session, Shown, Text};
+use super::session::{
+    Fault, Glimpse, Listed, Look, Print, Session, Shown, Text,
+};
 use crate::cli::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
 use crate::cli::excerpt::excerpt;
 use crate::cli::info::parameter;
@@ -21,7 +23,7 @@ use isoslice::settings::keys;
 use serde::Serialize;
 use serde_json::json;
 use std::fs::File;
-use std::io::{BufReader, BufWriter, IntoInnerError};
+use std::io::{BufReader, BufWriter, IntoInnerError, Read};
 use std::path::Path;
 use std::process::exit;
 use std::sync::Arc;
@@ -36,7 +38,10 @@ pub(super) struct Job {
 }
 
 /// Greatest time for a picture.
-const PICTURE: Duration = Duration::from_secs(10);
+pub(super) const PICTURE: Duration = Duration::from_secs(10);
+
+/// Greatest time for one layer ahead of the others.
+const GLIMPSE: Duration = Duration::from_millis(500);
 
 /// Reads, draws and slices what is to be shown, for ever.
 pub(super) fn work(session: &Session, job: &Job) {
@@ -126,21 +131,18 @@ fn make(
             None => return Err(error),
         },
     };
-    let shown = show(session, job, model, wanted)?;
+    let glimpse = glimpse(session, job, &gathered, &model);
+    let shown = show(session, job, model, glimpse, wanted)?;
     let (gcode, summary) = slice(session, job, &gathered, &shown.model)?;
     let name = name_of(job);
-    let reader = BufReader::new(gcode.read());
-    let diameter = settings.filament_diameter();
-    let reader = Reader::new(reader).filament_diameter(diameter);
-    let path =
-        doing("reading", || Toolpath::read(reader))?.with_settings(settings);
-    let moves = path.live_moves(&name)?;
+    let moves = moves(BufReader::new(gcode.read()), &gathered, &name)?;
     let stem = Path::new(&name).file_stem().unwrap_or_default();
     let file = format!("{}.gcode", stem.to_string_lossy());
     session.tell(|state| {
         if state.wanted != wanted {
             return;
         }
+        state.glimpse = None;
         state.print = Some(Arc::new(Print {
             revision: state.revision,
             told: json!({
@@ -177,16 +179,68 @@ fn no_longer_there(error: &anyhow::Error, choice: &Choice) -> Option<String> {
     }
 }
 
-/// Tells of a new model, with its picture, if that is quickly drawn.
+/// The moves of some G-code in the form that pages get.
+fn moves(
+    gcode: impl Read,
+    gathered: &Gathered,
+    name: &str,
+) -> anyhow::Result<Vec<u8>> {
+    let settings = &gathered.settings;
+    let diameter = settings.filament_diameter();
+    let reader = Reader::new(gcode).filament_diameter(diameter);
+    let path = doing("reading", || Toolpath::read(reader))?;
+    Ok(path.with_settings(settings).live_moves(name)?)
+}
+
+/// The layer of a new model that a page shows, if it is quickly made. It lacks
+/// only its revision and that of the model. If something is wrong, slicing all of
+/// the model tells of it.
+fn glimpse(
+    session: &Session,
+    job: &Job,
+    gathered: &Gathered,
+    model: &Model,
+) -> Option<Glimpse> {
+    let z = session.lock().layer?;
+    let options = Options {
+        threads: job.threads.map(usize::from),
+        glimpse: Some(z),
+        check: false,
+        ..Options::default()
+    };
+    let mut gcode = Vec::new();
+    let made = watch_for(GLIMPSE).run(|| -> anyhow::Result<_> {
+        let settings = &gathered.settings;
+        let summary = pipeline::slice(model, settings, &options, &mut gcode)?;
+        let moves = moves(gcode.as_slice(), gathered, &name_of(job))?;
+        Ok((summary, moves))
+    });
+    let (summary, moves) = made.ok()?.ok()?;
+    Some(Glimpse {
+        revision: 0,
+        told: json!({
+            "layer": summary.layers.start,
+            "layers": summary.layer_count,
+        }),
+        moves: moves.into(),
+    })
+}
+
+/// Tells of a new model, with its picture, if that is quickly drawn, and with one
+/// of its layers, if there is one already.
 fn show(
     session: &Session,
     job: &Job,
     model: Model,
+    glimpse: Option<Glimpse>,
     wanted: u64,
 ) -> anyhow::Result<Arc<Shown>> {
     let look = session.lock().look;
-    // A rough picture is there before anybody asks for it.
-    let picture = draw_within(&picture_watch(), &model, look, job.threads);
+    // A rough picture is there before anybody asks for it, unless a page shows a
+    // layer instead.
+    let picture = glimpse
+        .is_none()
+        .then(|| draw_within(&watch_for(PICTURE), &model, look, job.threads));
     let corners = model.printed_bounds();
     let parameters = model.parameters.iter().map(parameter);
     let parameters = serde_json::to_value(parameters.collect::<Vec<_>>())?;
@@ -209,7 +263,13 @@ fn show(
             state.model = Some(shown.clone());
             state.fault = None;
             state.busy = Some("slicing");
-            if let Ok(picture) = picture {
+            state.glimpse = glimpse.map(|mut glimpse| {
+                glimpse.revision = state.revision;
+                glimpse.told["revision"] = state.revision.into();
+                glimpse.told["of_model"] = state.revision.into();
+                Arc::new(glimpse)
+            });
+            if let Some(Ok(picture)) = picture {
                 let picture = (shown.revision, look, picture.into());
                 state.picture = Some(picture);
             }
@@ -218,10 +278,10 @@ fn show(
     }))
 }
 
-/// A watch over drawing one picture.
-pub(super) fn picture_watch() -> Watch {
+/// A watch over work that may take so long.
+pub(super) fn watch_for(time: Duration) -> Watch {
     Watch::new(Limits {
-        time: Some(PICTURE),
+        time: Some(time),
         memory_bytes: None,
         slow: None,
     })

@@ -22,10 +22,10 @@ mod skirt;
 mod spiral;
 mod support;
 
+use super::SliceError;
 use super::layer::Layer;
 use super::raft::Raft;
 use super::supported::Supported;
-use super::{BLOCK, SliceError};
 use crate::adhesion::Skirt;
 use crate::contour::{Field, field};
 use crate::fuzzy::Fuzzy;
@@ -150,17 +150,16 @@ impl<'a> Stages<'a> {
         self.field.slab_layers()
     }
 
-    /// The layers whose outlines are needed to write `layers` of `count`: these
-    /// layers, those to be rehearsed, and the neighbours of all of them.
+    /// The layers whose outlines are needed to make the layers `made` of `count`:
+    /// these layers and their neighbours.
     pub(super) fn needed(
         &self,
-        layers: &Range<usize>,
+        made: &Range<usize>,
         count: usize,
     ) -> Range<usize> {
-        let first = layers.start - layers.start % BLOCK;
         // The part may end below all of these.
-        let below = first.saturating_sub(self.reach_below()).min(count);
-        below..(layers.end + self.reach_above()).clamp(below, count)
+        let below = made.start.saturating_sub(self.reach_below()).min(count);
+        below..(made.end + self.reach_above()).clamp(below, count)
     }
 
     /// Number of layers above a layer that it depends on.

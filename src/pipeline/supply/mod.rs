@@ -9,9 +9,10 @@
 mod bridges;
 pub(super) mod plate;
 
+use super::SliceError;
 use super::layer::{Filled, Inside, Layer, Ready};
+use super::options::Extent;
 use super::stages::Stages;
-use super::{BLOCK, SliceError};
 use crate::layers::LayerSpan;
 use crate::plane::Solid;
 use bridges::{Bridges, Window};
@@ -46,27 +47,38 @@ pub(super) struct Supply<'a> {
 }
 
 impl<'a> Supply<'a> {
-    /// A supply of `layers` of the part's `spans`, and of the layers of the
-    /// same block before them.
+    /// A supply of a run's layers, of the part's `spans`.
     pub(super) fn new(
         stages: &'a Stages<'a>,
         pool: &'a ThreadPool,
         spans: &'a [LayerSpan],
-        layers: Range<usize>,
+        extent: Extent,
     ) -> Self {
+        let Extent {
+            layers,
+            made,
+            glimpse,
+        } = extent;
+        let needed = stages.needed(&made, spans.len());
         // A slab is the unit in which the field is walked, so the division
         // must depend neither on the threads nor on the range.
-        let needed = stages.needed(&layers, spans.len());
         let slab = stages.slab_layers();
-        let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
-        let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
-        let first = layers.start - layers.start % BLOCK;
+        let slabs: VecDeque<&[LayerSpan]> = if glimpse {
+            // Nobody compares a glimpse, which is to use all threads.
+            let each = needed.len().div_ceil(pool.current_num_threads());
+            spans[needed.clone()].chunks(each.clamp(1, slab)).collect()
+        } else {
+            let slabs = needed.start / slab..needed.end.div_ceil(slab);
+            let all = spans.chunks(slab).skip(slabs.start);
+            all.take(slabs.len()).collect()
+        };
+        let first = made.start;
         // Internal bridges of the first layer lie on those below.
         let below = stages.rehearsed_bridges();
         Supply {
             stages,
             pool,
-            slabs: slabs.iter().copied().collect(),
+            slabs,
             needed,
             window: VecDeque::new(),
             next: first.saturating_sub(below),

@@ -4,15 +4,15 @@
 //! that have one there, in order. While some are written, the next ones are
 //! made on another thread.
 
+use super::super::SliceError;
 use super::super::layer::Ready;
+use super::super::options::Extent;
 use super::super::stages::Stages;
-use super::super::{BLOCK, SliceError};
 use super::Supply;
 use crate::layers::LayerSpan;
 use crate::limits;
 use rayon::ThreadPool;
 use std::collections::VecDeque;
-use std::ops::Range;
 use std::panic::resume_unwind;
 use std::sync::mpsc::sync_channel;
 use std::thread;
@@ -37,16 +37,21 @@ struct OfPart<'a> {
 pub(in crate::pipeline) type OnPlate = Vec<(usize, Ready)>;
 
 impl<'a> Supplies<'a> {
-    /// The supplies of parts that each have their `spans`: `layers` of all of
-    /// them, and the layers of the same block before these.
+    /// The supplies of parts that each have their `spans`: the layers of a run of
+    /// this extent.
     pub(in crate::pipeline) fn new(
         parts: impl IntoIterator<Item = (&'a Stages<'a>, &'a [LayerSpan])>,
         pool: &'a ThreadPool,
-        layers: &Range<usize>,
+        extent: &Extent,
     ) -> Self {
         let of_part = |(stages, spans): (&'a Stages<'a>, &'a [LayerSpan])| {
-            let end = layers.end.min(spans.len());
-            let supply = Supply::new(stages, pool, spans, layers.start..end);
+            let end = extent.layers.end.min(spans.len());
+            let extent = Extent {
+                layers: extent.layers.start..end,
+                made: extent.made.start..end,
+                ..*extent
+            };
+            let supply = Supply::new(stages, pool, spans, extent);
             let waiting = VecDeque::new();
             OfPart {
                 supply,
@@ -56,7 +61,7 @@ impl<'a> Supplies<'a> {
         };
         Supplies {
             parts: parts.into_iter().map(of_part).collect(),
-            next: layers.start - layers.start % BLOCK,
+            next: extent.made.start,
         }
     }
 
