@@ -15,7 +15,7 @@
 
 use super::line::{RidgeIndex, moved};
 use super::ridge::Ridge;
-use super::widen::Station;
+use super::widen::{HIDDEN, Station};
 use crate::bead::{Stroke, spacing};
 use crate::units::Mm;
 
@@ -44,24 +44,31 @@ pub(super) fn give_way(
     let reach = spacing(widest, own, height);
     let index = RidgeIndex::new(&wider, reach);
     let narrowed = |line: Stroke| {
-        moved(line, &index, reach, tolerance, |p, across, width, near| {
-            let left = across.normalize_or_zero();
-            let overlap = index
-                .nearest_of(near, p, reach)
-                .map(|(q, w)| {
-                    let overlap = spacing(width, w, height) - p.distance(q);
-                    overlap * left.dot((p - q).normalize_or_zero())
-                })
-                .filter(|overlap| *overlap > OVERLAP)
-                .map(|overlap| overlap.min((1.0 - NARROWEST) * width));
-            Station {
-                at: p,
-                across,
-                width,
-                moves: overlap.map(|overlap| 0.5 * overlap),
-                narrows: overlap.is_some(),
-            }
-        })
+        moved(
+            line,
+            &index,
+            reach,
+            tolerance,
+            HIDDEN,
+            |p, across, width, near| {
+                let left = across.normalize_or_zero();
+                let overlap = index
+                    .nearest_of(near, p, reach)
+                    .map(|(q, w)| {
+                        let overlap = spacing(width, w, height) - p.distance(q);
+                        overlap * left.dot((p - q).normalize_or_zero())
+                    })
+                    .filter(|overlap| *overlap > OVERLAP)
+                    .map(|overlap| overlap.min((1.0 - NARROWEST) * width));
+                Station {
+                    at: p,
+                    across,
+                    width,
+                    moves: overlap.map(|overlap| 0.5 * overlap),
+                    narrows: overlap.is_some(),
+                }
+            },
+        )
     };
     lines.into_iter().map(narrowed).collect()
 }

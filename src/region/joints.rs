@@ -50,6 +50,9 @@ const SHARE: f64 = 0.4;
 /// Distance at which an end stops short of another stroke's middle, as a share
 /// of that one's width: a little less than half, since the end is round.
 const STOP: f64 = 0.4;
+/// Length of a stroke's own way, as a share of its width, from which on its end can
+/// lie on the stroke itself: nearer pieces lie before the end.
+const OWN: f64 = 3.0;
 /// Strokes whose ends lie on others are left out if what is left of them is
 /// shorter than this share of their width.
 const STUB: f64 = 0.15;
@@ -396,8 +399,8 @@ fn cross(
     }
 }
 
-/// Shortens the ends that lie on other strokes, and leaves out what lies on
-/// them all along. Of two that lie on each other the shorter one yields.
+/// Shortens the ends that lie on strokes, and leaves out what lies on others all
+/// along. Of two that lie on each other the shorter one yields.
 fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
     let paths = chains.iter().map(|c| c.stroke.path());
     let grid = EdgeGrid::of_lines(paths, widest);
@@ -416,16 +419,20 @@ fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
     let open = order.into_iter().filter(|&i| !chains[i].stroke.closed);
     for i in open {
         crate::limits::check();
-        // Share of a bead with its middle at `p` that lies on other strokes.
-        let over = |p: DVec2| {
+        // How far a bead with its middle at `p`, at a distance along its stroke,
+        // lies on strokes.
+        let over = |lines: &[Line], p: DVec2, along: Mm| {
             let mut most: Mm = 0.0;
             grid.visit_edges_near(p, p, STOP * widest, |edge| {
                 let other = grid.owner(edge);
-                if other != i {
-                    let (a, b) = grid.edge(edge);
-                    let q = nearest_on(p, a, b);
-                    let k = edge - lines[other].first;
-                    let lies = lines[other].width(k, q.distance(a));
+                let line = &lines[other];
+                let (a, b) = grid.edge(edge);
+                let q = nearest_on(p, a, b);
+                let (k, at) = (edge - line.first, q.distance(a));
+                let lies = line.width(k, at);
+                let before = other == i
+                    && (line.at[k].0 + at - along).abs() < OWN * lies;
+                if !before {
                     most = most.max(STOP * lies - p.distance(q));
                 }
             });
@@ -434,14 +441,19 @@ fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
         let mut stroke = chains[i].stroke.clone();
         let length = lines[i].length();
         let mut ends = [0.0; 2];
-        for taken in &mut ends {
+        for (end, taken) in ends.iter_mut().enumerate() {
             let line = Line::new(&stroke, 0);
             while *taken < length {
-                let over = over(line.place(&stroke, *taken));
+                let place = line.place(&stroke, *taken);
+                let along = if end == 0 { *taken } else { length - *taken };
+                let over = over(&lines, place, along);
                 if over <= SLACK {
                     break;
                 }
                 *taken += over;
+                if end == 0 {
+                    lines[i].left.0 = *taken;
+                }
             }
             stroke.reverse();
         }
@@ -655,6 +667,24 @@ mod tests {
         let lobe = line(&[(0.0, 0.05), (0.0, 0.3)], 0.5);
         let (_, beads) = join(Vec::new(), vec![bead.clone(), lobe], anywhere);
         assert_eq!(beads, [bead]);
+    }
+
+    #[test]
+    fn an_end_stops_short_of_its_own_stroke() {
+        // A loop that comes back to its beginning and goes on across it.
+        let bead = line(
+            &[(0.0, 0.0), (8.0, 0.0), (8.0, 4.0), (3.0, 4.0), (3.0, 0.1)],
+            0.5,
+        );
+        let (_, beads) = join(Vec::new(), vec![bead.clone()], anywhere);
+        let end = beads[0].points.last().unwrap();
+        assert!((end.y - 0.2).abs() < 0.01, "{end}");
+        assert_eq!(beads[0].points[0], DVec2::ZERO);
+        // A tight bend is no loop.
+        let bend =
+            line(&[(0.0, 0.0), (1.0, 0.0), (1.0, 0.15), (0.4, 0.15)], 0.5);
+        let (_, beads) = join(Vec::new(), vec![bend.clone()], anywhere);
+        assert_eq!(beads, [bend]);
     }
 
     #[test]

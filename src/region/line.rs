@@ -7,7 +7,7 @@
 //! in, each taking half.
 
 use super::ridge::Ridge;
-use super::widen::{Station, across, widened};
+use super::widen::{SEEN, Station, across, widened};
 use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, edges};
@@ -308,7 +308,7 @@ fn widen(
     tolerance: Mm,
 ) -> Stroke {
     let width = line.width;
-    moved(line, index, reach, tolerance, |p, across, _, near| {
+    moved(line, index, reach, tolerance, SEEN, |p, across, _, near| {
         let sliver = index
             .nearest_of(near, p, reach)
             .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
@@ -327,12 +327,13 @@ fn widen(
 
 /// Moves the places of a line that ridges come near to. `station` gets a place,
 /// the way across the line there, the line's width, and the ridges' segments
-/// within `reach`.
+/// within `reach`. `slope` is the greatest change of the line's width along its way.
 pub(super) fn moved(
     line: Stroke,
     index: &RidgeIndex<'_>,
     reach: Mm,
     tolerance: Mm,
+    slope: f64,
     station: impl Fn(DVec2, DVec2, Mm, &[u32]) -> Station,
 ) -> Stroke {
     let n = line.points.len();
@@ -377,7 +378,7 @@ pub(super) fn moved(
         let across = across(&line, n - 1);
         places.push(station(*b, across, line.width_at(n - 1), &near));
     }
-    widened(places, line.closed, tolerance).unwrap_or(line)
+    widened(places, line.closed, tolerance, slope).unwrap_or(line)
 }
 
 #[cfg(test)]

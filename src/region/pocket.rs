@@ -14,7 +14,7 @@
 
 use super::line::RidgeIndex;
 use super::ridge::Ridge;
-use super::widen::{Station, across, widened};
+use super::widen::{SEEN, Station, across, widened};
 use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::units::Mm;
@@ -132,7 +132,7 @@ impl Left<'_> {
                 places[i].moves = None;
             }
         }
-        widened(places, line.closed, tolerance).unwrap_or(line)
+        widened(places, line.closed, tolerance, SEEN).unwrap_or(line)
     }
 
     /// True if there is room for other beads all along a segment.

@@ -10,16 +10,18 @@
 //!
 //! In: places along a line, and how far each is to move. Out: the stroke.
 //!
-//! Guarantees: the width changes by no more than [`SLOPE`] along the way, so
-//! that pieces of constant width can follow it; the line does not fold over.
+//! Guarantees: the width changes by no more than a slope along the way, so that
+//! pieces of constant width can follow it; the line does not fold over.
 
 use super::ridge::Ridge;
 use crate::bead::Stroke;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Greatest change of a line's width along its way.
-const SLOPE: f64 = 0.25;
+/// Greatest change of a line's width along its way, if the line may be seen.
+pub(super) const SEEN: f64 = 0.25;
+/// Greatest change of a line's width along its way, if nobody sees the line.
+pub(super) const HIDDEN: f64 = 1.0;
 /// Gaps between places that move which are shorter than this are none, mm.
 const GAP: Mm = 0.6;
 /// Greatest distance that a corner moves, in multiples of that of its sides.
@@ -83,18 +85,19 @@ pub(super) fn across(line: &Stroke, k: usize) -> DVec2 {
 }
 
 /// The line with each place where it has to be, thinned to `tolerance`; nothing
-/// if none moves.
+/// if none moves. `slope` is the greatest change of its width along the way.
 pub(super) fn widened(
     mut places: Vec<Station>,
     closed: bool,
     tolerance: Mm,
+    slope: f64,
 ) -> Option<Stroke> {
     if places.iter().all(|p| p.moves.is_none()) {
         return None;
     }
     bridge_gaps(&mut places);
     unfold(&mut places, closed);
-    taper(&mut places, closed);
+    taper(&mut places, closed, slope);
     // Thinned as ridges are: the width is a third coordinate.
     let mut ridge = Ridge {
         points: places.iter().map(Station::moved).collect(),
@@ -166,7 +169,7 @@ fn unfold(places: &mut [Station], closed: bool) {
 }
 
 /// Lets the width change no faster than pieces of constant width can follow.
-fn taper(places: &mut [Station], closed: bool) {
+fn taper(places: &mut [Station], closed: bool, slope: f64) {
     let n = places.len();
     let ways = if closed { 2 * n } else { n };
     let mut limit = |i: usize, j: usize| {
@@ -175,7 +178,7 @@ fn taper(places: &mut [Station], closed: bool) {
         // In a corner, places that move come nearer to each other.
         let way = (b.at - a.at).normalize_or_zero();
         let ahead = (b.moved() - a.moved()).dot(way).max(0.0);
-        let most = from + 0.5 * SLOPE * ahead;
+        let most = from + 0.5 * slope * ahead;
         if let Some(moves) = &mut places[j].moves {
             *moves = moves.clamp(-most, most);
         }
@@ -225,9 +228,9 @@ mod tests {
     #[test]
     fn the_outer_side_stays_and_the_width_has_no_steps() {
         let places = row(|i| (40..60).contains(&i).then_some(0.05));
-        let stroke = widened(places, false, 1e-6).unwrap();
+        let stroke = widened(places, false, 1e-6, SEEN).unwrap();
         let (off, slope) = measured(&stroke);
-        assert!(off < 1e-5 && slope < 1.01 * SLOPE, "{off} {slope}");
+        assert!(off < 1e-5 && slope < 1.01 * SEEN, "{off} {slope}");
         let widest = stroke.widths.iter().copied().fold(0.0, f64::max);
         assert!((widest - 0.55).abs() < 1e-9);
     }
@@ -236,7 +239,7 @@ mod tests {
     fn short_gaps_are_none() {
         let gap = |from: usize, to: usize| {
             let moves = move |i| (!(from..to).contains(&i)).then_some(0.05);
-            let stroke = widened(row(moves), false, 1e-6).unwrap();
+            let stroke = widened(row(moves), false, 1e-6, SEEN).unwrap();
             let n = stroke.points.len();
             (0..n).map(|i| stroke.width_at(i)).fold(1.0, f64::min)
         };
@@ -253,9 +256,9 @@ mod tests {
             place.across = -DVec2::X;
         }
         places[50].across = DVec2::new(-1.0, 1.0);
-        let stroke = widened(places, false, 1e-6).unwrap();
+        let stroke = widened(places, false, 1e-6, SEEN).unwrap();
         // It leads to the right and then up, on ramps to the corner and back.
-        let least = -0.5 * SLOPE - 1e-9;
+        let least = -0.5 * SEEN - 1e-9;
         for (a, b) in stroke.segments() {
             let way = (b - a).normalize();
             assert!(way.x > least && way.y > least, "{a} {b}");
@@ -284,7 +287,7 @@ mod tests {
 
     #[test]
     fn lines_that_do_not_move_stay_as_they_are() {
-        assert_eq!(widened(row(|_| None), false, 1e-6), None);
-        assert_eq!(widened(Vec::new(), true, 1e-6), None);
+        assert_eq!(widened(row(|_| None), false, 1e-6, SEEN), None);
+        assert_eq!(widened(Vec::new(), true, 1e-6, SEEN), None);
     }
 }
