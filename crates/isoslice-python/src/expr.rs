@@ -1,9 +1,10 @@
-//! The class `Expr`: a field f(x, y, z), with Python's operators.
+//! What Python does with a field, an `Expr`: operators, functions, values.
 
 use crate::error::plain;
+use crate::operation::{binary_of, name_of, unary_of};
 use crate::pickle::{Step, steps, tree};
 use crate::request::loaded;
-use crate::value::{Field, arguments, from_json, parameters};
+use crate::value::{Expr, Field, arguments, from_json, parameters};
 use crate::work::at_work;
 use fidget::context::{Tree, TreeOp};
 use fidget::eval::{BulkEvaluator, Function, MathFunction, Tape};
@@ -11,48 +12,12 @@ use fidget::var::Var;
 use fidget::vm::VmFunction;
 use isocontour::expand;
 use isoslice::limits::Limits;
-use isoslice::model::{self, Allowed, Argument, Loaded, Parameter};
+use isoslice::model::{self, Allowed, Argument, Parameter};
 use pyo3::basic::CompareOp;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::fmt::Write as _;
-
-/// A field f(x, y, z): negative inside the part, 0 on its surface. Lengths are
-/// millimetres.
-///
-/// Operators and functions make new fields of fields and numbers. a | b is the
-/// union (the lesser value), a & b the intersection (the greater one), ~a the
-/// inverse.
-#[pyclass(frozen, module = "isoslice")]
-pub(crate) struct Expr {
-    pub(crate) tree: Tree,
-    /// Name of the file or text that the field was read from. Whatever is made
-    /// of the field has none.
-    pub(crate) name: Option<String>,
-    /// Parameters of the script that the field was read from.
-    pub(crate) parameters: Vec<Parameter>,
-}
-
-impl From<Tree> for Expr {
-    fn from(tree: Tree) -> Expr {
-        Expr {
-            tree,
-            name: None,
-            parameters: Vec::new(),
-        }
-    }
-}
-
-impl From<Loaded> for Expr {
-    fn from(loaded: Loaded) -> Expr {
-        Expr {
-            tree: loaded.tree,
-            name: Some(loaded.name),
-            parameters: loaded.parameters,
-        }
-    }
-}
 
 #[pymethods]
 impl Expr {
@@ -320,11 +285,6 @@ fn power(base: Argument, exponent: Argument) -> PyResult<Expr> {
     Ok(tree.into())
 }
 
-/// The name of an operation, by which `unary_of` and `binary_of` know it.
-pub(crate) fn name_of(op: &impl std::fmt::Debug) -> String {
-    format!("{op:?}").to_lowercase()
-}
-
 /// A function of one field, by its name.
 #[pyfunction]
 pub(crate) fn unary(name: &str, of: Field) -> PyResult<Expr> {
@@ -342,52 +302,6 @@ pub(crate) fn binary(name: &str, a: Field, b: Field) -> PyResult<Expr> {
 
 fn none(name: &str) -> PyErr {
     PyValueError::new_err(format!("no function {name}"))
-}
-
-/// An operation on one field; nothing if none has this name.
-pub(crate) fn unary_of(name: &str, f: &Tree) -> Option<Tree> {
-    Some(match name {
-        "neg" => f.neg(),
-        "sqrt" => f.sqrt(),
-        "sin" => f.sin(),
-        "cos" => f.cos(),
-        "tan" => f.tan(),
-        "asin" => f.asin(),
-        "acos" => f.acos(),
-        "atan" => f.atan(),
-        "exp" => f.exp(),
-        "log" | "ln" => f.ln(),
-        "abs" => f.abs(),
-        "floor" => f.floor(),
-        "ceil" => f.ceil(),
-        "round" => f.round(),
-        "square" => f.square(),
-        "recip" => f.recip(),
-        "sign" => f.compare(0.0),
-        "not" => f.not(),
-        "rand" => f.rand(),
-        _ => return None,
-    })
-}
-
-/// An operation on two fields; nothing if none has this name.
-pub(crate) fn binary_of(name: &str, a: &Tree, b: &Tree) -> Option<Tree> {
-    let (a, b) = (a.clone(), b.clone());
-    Some(match name {
-        "add" => a + b,
-        "sub" => a - b,
-        "mul" => a * b,
-        "div" => a / b,
-        "min" => a.min(b),
-        "max" => a.max(b),
-        "atan2" | "atan" => a.atan2(b),
-        "mod" => a.modulo(b),
-        "compare" => a.compare(b),
-        "and" => a.and(b),
-        "or" => a.or(b),
-        "mix" => a.mix(b),
-        _ => return None,
-    })
 }
 
 /// Calls a function that scripts have: docs/shapes.md lists them.

@@ -7,8 +7,9 @@
 //! | file | what it does |
 //! |---|---|
 //! | `error` | the library's errors as exceptions |
-//! | `value` | Python's values as fields, arguments and settings |
-//! | `expr` | the class `Expr`: its operators, and its value at places |
+//! | `value` | the class `Expr`; Python's values as fields, arguments and settings |
+//! | `operation` | operations on fields, by their names |
+//! | `expr` | the operators and functions of `Expr`, and its value at places |
 //! | `pickle` | fields as plain values, for pickle |
 //! | `request` | the keywords of `slice`: which model, how it is placed, settings |
 //! | `work` | work without the GIL, with progress, that Ctrl-C ends |
@@ -24,6 +25,7 @@
 mod error;
 mod expr;
 mod list;
+mod operation;
 mod outline;
 mod output;
 mod pickle;
@@ -42,15 +44,15 @@ mod _native {
     #[pymodule_export]
     use crate::error::{Error, ModelError, SettingsError, SliceError, Stopped};
     #[pymodule_export]
-    use crate::expr::{
-        Expr, binary, call, evaluate, load, unary, unpickled_expr,
-    };
+    use crate::expr::{binary, call, evaluate, load, unary, unpickled_expr};
     #[pymodule_export]
     use crate::list::{profiles, settings};
     #[pymodule_export]
     use crate::outline::{outlines, rings};
     #[pymodule_export]
     use crate::sliced::{Sliced, slice, unpickled_sliced};
+    #[pymodule_export]
+    use crate::value::Expr;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

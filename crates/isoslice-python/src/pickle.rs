@@ -8,7 +8,7 @@
 //! Guaranteed: what is no such list of steps is an exception. Not guaranteed:
 //! that another version of isoslice reads them.
 
-use crate::expr::{binary_of, name_of, unary_of};
+use crate::operation::{binary_of, name_of, unary_of};
 use fidget::context::{Tree, TreeOp};
 use fidget::var::Var;
 use nalgebra::{Affine3, Matrix4};

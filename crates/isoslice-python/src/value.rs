@@ -1,9 +1,8 @@
-//! Python's values as fields, as arguments of shapes, as settings and as
-//! parameters.
+//! The class of fields, and Python's values as fields, as arguments of shapes,
+//! as settings and as parameters.
 
-use crate::expr::Expr;
 use fidget::context::Tree;
-use isoslice::model::Argument;
+use isoslice::model::{Argument, Loaded, Parameter};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
@@ -14,6 +13,42 @@ const DEEPEST: usize = 8;
 
 /// Texts of settings are G-code templates at most.
 const LONGEST: usize = 1 << 20;
+
+/// A field f(x, y, z): negative inside the part, 0 on its surface. Lengths are
+/// millimetres.
+///
+/// Operators and functions make new fields of fields and numbers. a | b is the
+/// union (the lesser value), a & b the intersection (the greater one), ~a the
+/// inverse.
+#[pyclass(frozen, module = "isoslice")]
+pub(crate) struct Expr {
+    pub(crate) tree: Tree,
+    /// Name of the file or text that the field was read from. Whatever is made
+    /// of the field has none.
+    pub(crate) name: Option<String>,
+    /// Parameters of the script that the field was read from.
+    pub(crate) parameters: Vec<Parameter>,
+}
+
+impl From<Tree> for Expr {
+    fn from(tree: Tree) -> Expr {
+        Expr {
+            tree,
+            name: None,
+            parameters: Vec::new(),
+        }
+    }
+}
+
+impl From<Loaded> for Expr {
+    fn from(loaded: Loaded) -> Expr {
+        Expr {
+            tree: loaded.tree,
+            name: Some(loaded.name),
+            parameters: loaded.parameters,
+        }
+    }
+}
 
 /// A field: an `Expr`, what has a method `__isoslice__` that makes one, or a
 /// number. It is the operand of an operator.

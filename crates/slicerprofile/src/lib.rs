@@ -39,11 +39,13 @@
     )
 )]
 
+mod conversion;
 mod cura;
 mod error;
 mod fill;
 mod formula;
 mod gcode;
+mod given;
 mod ini;
 mod orca;
 mod parents;
@@ -55,9 +57,10 @@ mod values;
 
 pub use error::Error;
 pub use fill::{Filled, fill};
+pub use given::Value;
 pub use source::{Named, Picked, Slicer, Source};
 pub use table::{Kind, Row, Rule, rows};
-pub use translate::{Left, Setting, Translation, Value, translate};
+pub use translate::{Left, Setting, Translation, translate};
 pub use values::Values;
 
 pub(crate) use source::{MOST_BYTES, bytes_of};

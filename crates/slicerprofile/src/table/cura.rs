@@ -2,7 +2,7 @@
 
 use super::Kind::{Filament, Print, Printer};
 use super::{As, CURA, Make, Outcome, Row, Rule, make, row};
-use crate::translate::Given;
+use crate::given::Given;
 use Rule::{Ignored, Lost, Made, To};
 
 const SEVERAL: &str = "isoslice prints with one extruder and one material";

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use crate::Slicer;
-use crate::translate::{Given, Value};
+use crate::given::{Given, Value};
 use crate::values::{parse, share};
 
 /// Greatest distance of a bed's corner below 0 at which the bed counts as

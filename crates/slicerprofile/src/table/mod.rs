@@ -8,8 +8,8 @@ mod print;
 mod printer;
 
 use crate::Slicer;
-pub use crate::translate::As;
-use crate::translate::{Given, Value};
+pub use crate::conversion::As;
+use crate::given::{Given, Value};
 
 /// The kind of a profile, or of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -139,80 +139,6 @@ pub fn rows() -> impl Iterator<Item = &'static Row> {
 pub(crate) fn row_of(slicer: Slicer, key: &str) -> Option<&'static Row> {
     let mut all = rows().filter(|row| row.of.contains(&slicer));
     all.find(|row| row.keys.contains(&key))
-}
-
-/// True if the profile has keys of SuperSlicer alone, which shares most of its
-/// words with PrusaSlicer.
-fn is_superslicers(given: &Given<'_>) -> bool {
-    let keys = ["extrusion_spacing", "perimeter_extrusion_spacing"];
-    keys.iter().any(|key| given.values.has(key))
-}
-
-/// The key of which a share in the value of another key is a share. Of several
-/// keys it is the first that the profile has.
-pub(crate) fn share_of(
-    given: &Given<'_>,
-    key: &str,
-) -> &'static [&'static str] {
-    match (given.slicer, key) {
-        (Slicer::Prusa, key)
-            if key.ends_with("extrusion_width") && is_superslicers(given) =>
-        {
-            &["nozzle_diameter"]
-        }
-        (Slicer::Prusa, key) if key.ends_with("extrusion_width") => {
-            &["layer_height"]
-        }
-        (Slicer::Prusa, "first_layer_height") => &["layer_height"],
-        (
-            Slicer::Prusa,
-            "external_perimeter_speed" | "small_perimeter_speed",
-        ) => &["perimeter_speed"],
-        (Slicer::Prusa, "solid_infill_speed") => &["infill_speed"],
-        (Slicer::Prusa, "top_solid_infill_speed") => {
-            &["solid_infill_speed", "infill_speed"]
-        }
-        (Slicer::Prusa, "support_material_interface_speed") => {
-            &["support_material_speed"]
-        }
-        (Slicer::Prusa, "first_layer_speed") => {
-            &["external_perimeter_speed", "perimeter_speed"]
-        }
-        (Slicer::Prusa, "bridge_speed_internal" | "over_bridge_speed") => {
-            &["bridge_speed"]
-        }
-        (Slicer::Prusa, "support_material_xy_spacing") => &[
-            "external_perimeter_extrusion_width",
-            "extrusion_width",
-            "nozzle_diameter",
-        ],
-        (
-            Slicer::Prusa,
-            "infill_anchor" | "infill_anchor_max" | "infill_overlap",
-        ) => &["infill_extrusion_width", "extrusion_width"],
-        (Slicer::Orca, "small_perimeter_speed") => &["outer_wall_speed"],
-        (Slicer::Orca, "internal_bridge_speed" | "ineternal_bridge_speed") => {
-            &["bridge_speed"]
-        }
-        (Slicer::Orca, "support_interface_speed") => &["support_speed"],
-        (Slicer::Orca, "bridge_acceleration") => {
-            &["outer_wall_acceleration", "default_acceleration"]
-        }
-        (Slicer::Orca, key) if key.ends_with("acceleration") => {
-            &["default_acceleration"]
-        }
-        (Slicer::Orca, "seam_gap") => &["nozzle_diameter"],
-        (Slicer::Orca, "support_object_xy_distance") => {
-            &["outer_wall_line_width", "line_width", "nozzle_diameter"]
-        }
-        (Slicer::Orca, key) if key.ends_with("line_width") => {
-            &["nozzle_diameter"]
-        }
-        (Slicer::Orca, "initial_layer_travel_speed" | "skirt_speed") => {
-            &["travel_speed"]
-        }
-        _ => &[],
-    }
 }
 
 #[cfg(test)]

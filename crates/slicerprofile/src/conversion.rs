@@ -1,0 +1,122 @@
+//! How the value of one key becomes the value of one setting.
+
+use crate::Slicer;
+use crate::given::{Given, Value};
+use crate::values::{parse, share};
+
+/// How a setting's value is made from a key's value.
+#[derive(Clone, Copy, Debug)]
+pub enum As {
+    /// The number.
+    Number,
+    /// The number; 0 leaves it to the slicer.
+    Positive,
+    /// Yes or no.
+    Switch,
+    /// A percentage, with or without its sign.
+    Percent,
+    /// A ratio, of which 1 is 100 %; with a percent sign it is a percentage.
+    Ratio,
+    /// A length, or a share of the nozzle or of the layer's height; 0 leaves it
+    /// to the slicer.
+    Width,
+    /// A length, speed or acceleration, or a share of another one; 0 leaves it
+    /// to the slicer.
+    Amount,
+    /// A length or a share of another one; 0 is 0.
+    Length,
+    /// One of a few words.
+    Words(&'static [(&'static str, &'static str)]),
+    /// A name.
+    Name,
+    /// G-code.
+    Template,
+}
+
+impl As {
+    /// What documentation says of the conversion; empty if there is nothing to
+    /// say.
+    pub fn says(self) -> String {
+        match self {
+            As::Number | As::Switch | As::Percent | As::Name => String::new(),
+            As::Positive => "0 leaves it to isoslice".to_owned(),
+            As::Ratio => "1 becomes 100 %".to_owned(),
+            As::Width => "shares become shares of the nozzle".to_owned(),
+            As::Amount => "shares become numbers; 0 leaves it".to_owned(),
+            As::Length => "shares become lengths".to_owned(),
+            As::Words(words) => {
+                let pairs = words
+                    .iter()
+                    .map(|(theirs, ours)| format!("{theirs} → {ours}"));
+                pairs.collect::<Vec<_>>().join(", ")
+            }
+            As::Template => "its placeholders are translated".to_owned(),
+        }
+    }
+
+    pub(crate) fn value(
+        self,
+        given: &Given<'_>,
+        key: &str,
+    ) -> Result<Option<Value>, String> {
+        let Some(text) = given.values.first(key) else {
+            return Ok(None);
+        };
+        let number = || {
+            parse(text).ok_or_else(|| {
+                format!("{text} is not a number: write it yourself")
+            })
+        };
+        let above = |x: f64| (x > 0.0).then(|| x.into());
+        Ok(match self {
+            As::Number => Some(number()?.into()),
+            As::Positive => above(number()?),
+            As::Switch => Some(
+                given
+                    .switch(key)
+                    .ok_or_else(|| format!("{text} is neither 0 nor 1"))?
+                    .into(),
+            ),
+            As::Percent => Some(match share(text) {
+                Some(percent) => percent.into(),
+                None => number()?.into(),
+            }),
+            As::Ratio => Some(match share(text) {
+                Some(percent) => percent.into(),
+                None => (number()? * 100.0).into(),
+            }),
+            As::Width => match (share(text), given.slicer) {
+                (Some(0.0), _) => None,
+                (Some(_), Slicer::Prusa) => given.amount(key)?.and_then(above),
+                (Some(_), _) => Some(text.into()),
+                (None, _) => above(number()?),
+            },
+            As::Amount => given.amount(key)?.and_then(above),
+            As::Length => given.amount(key)?.map(Value::from),
+            As::Words(words) => {
+                let lower = text.to_ascii_lowercase();
+                let found = words.iter().find(|(theirs, _)| *theirs == lower);
+                let Some((_, ours)) = found else {
+                    return Err(format!(
+                        "isoslice has nothing like {text}; it keeps its own"
+                    ));
+                };
+                match *ours {
+                    "" => None,
+                    "true" => Some(true.into()),
+                    "false" => Some(false.into()),
+                    word => Some(match parse(word) {
+                        Some(number) => number.into(),
+                        None => word.into(),
+                    }),
+                }
+            }
+            As::Name => Some(text.into()),
+            As::Template => {
+                let whole = given.values.text(key).unwrap_or("");
+                let whole = whole.trim();
+                (!whole.is_empty()).then(|| whole.into())
+            }
+        })
+    }
+}
