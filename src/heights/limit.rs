@@ -9,7 +9,8 @@ use crate::units::Mm;
 /// between two level faces differ by that share at most.
 pub(super) const SLOPE: f64 = 0.25;
 
-/// Limits at equal distances. Beyond the ends, those at the ends hold.
+/// Limits at heights of equal distances. Below the lowest and above the highest
+/// of these heights the limit is constant.
 #[derive(Clone, Debug)]
 pub(super) struct Limit {
     bottom: Mm,
@@ -41,8 +42,8 @@ impl Limit {
         }
     }
 
-    /// Lowers the limit to a share of itself within each of some spans, and
-    /// smooths it.
+    /// Multiplies the limit within each span by the span's share, and lowers it
+    /// around until it is nowhere too steep.
     pub(super) fn lower(&mut self, spans: &[(Mm, Mm, f64)]) {
         let last = self.at.len() - 1;
         let shares = spans.iter().map(|&(lo, hi, share)| {

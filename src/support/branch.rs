@@ -91,7 +91,7 @@ impl Branch {
         middle(&self.core)
     }
 
-    /// True if it is one post and no wider than that.
+    /// True if the branch is one post, and no wider than a post.
     pub(super) fn is_post(&self) -> bool {
         let middle = self.middle();
         let mut points = self.core.rings.iter().flatten();
@@ -197,7 +197,8 @@ impl Branch {
             return;
         }
         if self.is_post() && !self.is_column() && !core.is_empty() {
-            // A post is so small that all of it reaches what is left.
+            // A post is so small that all of it can lean to where its largest
+            // part goes down.
             self.core = largest(core);
             return;
         }
@@ -262,8 +263,8 @@ impl Branch {
         let disc = Area {
             rings: vec![disc(middle, post)],
         };
-        // No part is in the disc around the core's middle that the core has
-        // free.
+        // The part keeps this far away from the core, so that only what is
+        // farther out has to be looked at.
         let beyond = post - size.core + 3.0 * TOLERANCE;
         if step.room.is_away(step.layer, middle, beyond) {
             return disc;

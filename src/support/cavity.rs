@@ -11,9 +11,9 @@
 //! In: the outlines of all layers, and the supports in each. Out: how much of
 //! the supports is in holes that no way leads out of, and where.
 //!
-//! Holes are compared at some places beside each ring, a little inside what is
-//! empty. A way out is not found if it is narrower than that, or if it leans
-//! so much that its places in two layers do not overlap. A hole in the lowest
+//! Holes are compared at some places beside each ring, [`BESIDE`] inside what is
+//! empty. A way out is not found if it is narrower than that distance, or if it
+//! leans so much that its holes in two layers do not overlap. A hole in the lowest
 //! layer is a way out, since a part is lifted off the bed.
 
 use super::parts::Parts;
@@ -30,7 +30,7 @@ const BESIDE: Mm = 0.02;
 const PLACES: usize = 16;
 /// Number of layers that are looked at together.
 const TOGETHER: usize = 64;
-/// The number of what is around the part.
+/// The number of the space around the part. Holes have the numbers after it.
 const OUTSIDE: usize = 0;
 
 /// Supports that cannot be taken out.
@@ -189,7 +189,8 @@ fn joins(a: &Level<'_>, b: &Level<'_>) -> Vec<[usize; 2]> {
     pairs
 }
 
-/// Numbers that belong together.
+/// Sets of numbers. Each number has another one of its set, or itself
+/// (union-find).
 struct Sets(Vec<usize>);
 
 impl Sets {
@@ -197,7 +198,7 @@ impl Sets {
         Sets((0..count).collect())
     }
 
-    /// The least number that one belongs to.
+    /// The least number of the set that a number belongs to.
     fn of(&mut self, mut k: usize) -> usize {
         while self.0[k] != k {
             self.0[k] = self.0[self.0[k]];

@@ -8,11 +8,11 @@
 //! ```
 //!
 //! In: the layers of the part, and `support.z_gap`. Out: for each layer, the
-//! height to which its supports reach. It is that of a face of the part less
-//! the gap: the highest such face that keeps the nozzle at or below the
-//! layer's top, so it never runs above what the layer's travels clear. A layer
-//! to which next to nothing would be left prints no supports; the layer above
-//! it prints more.
+//! height to which its supports reach: `support.z_gap` below a face of the part.
+//! Of all faces it is the highest one for which supports end at the layer's top
+//! or lower, because travels only clear what is no higher than that top. Where
+//! the supports of a layer would be very thin, the layer has none, and those of
+//! the layer above it are thicker.
 //!
 //! Guaranteed: the heights rise with the layers, and supports lie on each
 //! other without gaps. If `support.z_gap` is a number of whole layers, supports
@@ -25,9 +25,11 @@ use std::ops::Range;
 
 /// Heights closer than this differ by rounding only, mm.
 const ROUNDED: Mm = 1e-6;
-/// The first layer is at least so high, as a share of the part's.
+/// Supports in the first layer would be too thin below this share of the layer's
+/// height: they become as high as the layer.
 const FIRST: f64 = 0.6;
-/// Another layer is at least so high, as a share of the part's.
+/// Supports in another layer would be too thin below this share of the layer's
+/// height: the layer has none.
 const LEAST: f64 = 0.4;
 
 /// The heights of a part's layers and of their supports.
@@ -40,7 +42,7 @@ pub(crate) struct Heights {
     gap_bottom: Mm,
     /// Gap between a support and the part above it.
     gap_top: Mm,
-    /// Beads of supports are at most so high.
+    /// Greatest height of a bead of supports.
     most: Mm,
 }
 
@@ -110,35 +112,36 @@ impl Heights {
         Some(if as_layer { layer } else { span })
     }
 
-    /// By layer, from where to where its supports reach; those of the layer
-    /// where it has none.
+    /// From where to where the supports of each layer reach. A layer without
+    /// supports has its own span.
     pub(crate) fn own(&self) -> impl Iterator<Item = LayerSpan> {
         let layers = self.spans.iter().enumerate();
         layers.map(|(j, &layer)| self.span(j).unwrap_or(layer))
     }
 
-    /// The layer whose supports end `support.z_gap` below layer `i`, or as
-    /// little farther below it as there are any.
+    /// The layer whose supports end `support.z_gap` below layer `i`. If none end
+    /// there, it is the layer with the next lower end.
     pub(crate) fn below(&self, i: usize) -> Option<usize> {
         let highest = self.spans.get(i)?.bottom - self.gap_top + ROUNDED;
         let tops = &self.tops[..i];
         let j = tops.partition_point(|&top| top <= highest).checked_sub(1)?;
-        // The layers right below it may have no supports of their own.
+        // Of layers with equal tops only the lowest one has supports.
         let own = tops.partition_point(|&top| top < tops[j] - ROUNDED);
         Some(own)
     }
 
-    /// The layers below layer `j` of which the part keeps
-    /// `support.z_gap_bottom` from a support in it, and the layer on which such
-    /// a support stands.
+    /// The layers below layer `j`, from the one on which a support in layer `j`
+    /// stands. The top of that one is at least `support.z_gap_bottom` below the
+    /// support; in the others the part keeps away from the support.
     pub(crate) fn gap_below(&self, j: usize) -> Range<usize> {
         let lowest = self.bottom(j) - self.gap_bottom + ROUNDED;
         let on = self.spans[..j].partition_point(|span| span.top <= lowest);
         on.saturating_sub(1)..j
     }
 
-    /// How much higher beads in layer `j` are that stand on the part, so that
-    /// `support.z_gap_bottom` is left below them and no more.
+    /// By how much beads in layer `j` that stand on the part reach farther down
+    /// than other beads, so that no more than `support.z_gap_bottom` is left
+    /// below them.
     pub(super) fn deeper(&self, j: usize) -> Mm {
         let Some(on) = self.spans[..j].get(self.gap_below(j).start) else {
             return 0.0;

@@ -44,9 +44,9 @@ const DRIFT: Mm = 0.1;
 /// What of a layer gets a support.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Need {
-    /// All of it.
+    /// All that gets a support.
     pub all: Area,
-    /// What of it the layer below does not hold.
+    /// What the layer below does not hold. The rest is wished for.
     pub must: Area,
 }
 
@@ -68,8 +68,8 @@ impl Need {
     }
 }
 
-/// What of `here` the layer `below` does not hold, and what of that is too thin
-/// to be printed. `here` has this height.
+/// Two areas: what of `here`, a layer of some height, the layer `below` does not
+/// hold, and what would be part of that but is too thin to be printed.
 pub(super) fn need(
     here: &Printed,
     below: &Printed,
@@ -87,7 +87,7 @@ pub(super) fn need(
     let beyond = if beyond.is_empty() || !settings.bridges {
         beyond
     } else {
-        // Lines end where that holds them.
+        // Lines of a bridge end on what the layer below holds.
         let reach = held(height, settings) + 2.0 * settings.outer_wall_width();
         let around = beyond.bounds().grown(reach);
         let [core, area] =
@@ -107,8 +107,8 @@ fn held(height: Mm, settings: &Settings) -> Mm {
     settings.held(height) + SLACK * height
 }
 
-/// What sticks out beyond all that `below` holds, without specks. Then what
-/// would stick out but is too thin to be printed.
+/// Two areas without specks: what of `here` sticks out beyond all that `below`
+/// holds, and what would stick out but is too thin to be printed.
 fn beyond(
     here: &Printed,
     below: &Printed,
@@ -116,7 +116,7 @@ fn beyond(
     settings: &Settings,
 ) -> [Area; 2] {
     let (held, half) = (held(height, settings), Printed::half(settings));
-    // Corners reach a little farther than that.
+    // The layer below holds a little more at its corners: the loop looks there.
     let reached = offset(&below.core, held + half, TOLERANCE);
     let beyond = large(difference(&here.area, &reached), height);
     if beyond.is_empty() {
@@ -126,7 +126,7 @@ fn beyond(
         [&below.core, &below.area, &here.core].map(Neighbour::new);
     let (mut need, mut unprinted) = (Vec::new(), Vec::new());
     for island in beyond.islands() {
-        // What is near to it decides.
+        // What is farther away has no influence on the island.
         let around = island.bounds().grown(held + 4.0 * half);
         let thick = |core: &Neighbour<'_>, area: &Area| {
             Printed::thick(&core.within(around), area, settings)
@@ -143,7 +143,7 @@ fn beyond(
     [need, unprinted].map(|rings| large(Area { rings }, height))
 }
 
-/// What no bridge spans of `beyond`, which nothing else holds.
+/// What of `beyond` no bridge spans. Nothing else holds `beyond`.
 fn unbridged(
     beyond: Area,
     here: &Area,
@@ -204,7 +204,7 @@ fn unspanned(
 ) -> Area {
     let width = settings.bottom_skin_width();
     let bounds = gap.bounds();
-    // As far as the ends of lines are looked at.
+    // A line looks this far for something that holds its ends.
     let around = below.within(bounds.grown(ANCHOR * width));
     let grid = &EdgeGrid::new(&around, width);
     let Some(angle) = direction(&gap, grid, width) else {

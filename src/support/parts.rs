@@ -9,12 +9,12 @@ use crate::plane::{Area, Rect};
 pub(super) struct Parts<'a> {
     /// The heights of the layers, and of supports in them.
     pub heights: &'a Heights,
-    /// The outline of each.
+    /// The outline of each layer.
     pub outlines: &'a [Area],
-    /// The ends of each that are too thin to be printed.
+    /// The ends of each layer's outline that are too thin to be printed.
     pub ends: &'a [Area],
-    /// The part at half the height of what supports have of each layer: the
-    /// outline, where supports have the heights of the layers.
+    /// The part at the middle of each layer of supports. That is the outline
+    /// where supports have the heights of the layers.
     pub sections: &'a [Area],
     /// The bed, in the model's coordinates.
     pub bed: Rect,

@@ -14,14 +14,14 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use rayon::prelude::*;
 
-/// Supports stay so far away from the ends of the part that are too thin to be
+/// Distance of supports from those ends of the part that are too thin to be
 /// printed, mm.
 const BESIDE: Mm = 0.05;
 
 /// An island of support.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
-    /// All of it.
+    /// The whole island.
     pub all: Area,
     /// The box around it.
     pub bounds: Rect,
@@ -55,7 +55,7 @@ pub(super) fn pieces(
     areas.into_par_iter().enumerate().map(of_layer).collect()
 }
 
-/// By layer, what is right above.
+/// For each layer of supports, what it holds right above it.
 fn tops(
     heights: &Heights,
     needs: &[Area],

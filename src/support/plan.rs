@@ -20,8 +20,8 @@ use crate::units::{Mm, Mm2};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// What is no higher above the bed than this needs no support if no gap fits
-/// below it, mm.
+/// A face needs no support if no gap fits below it and it is no higher above the
+/// bed than this, mm.
 const OVER_BED: Mm = 0.5;
 
 /// What needs a support and does not get one.
@@ -43,7 +43,8 @@ pub(crate) struct Plan {
     pub heights: Heights,
     /// What needs a support and has none.
     pub unheld: Unheld,
-    /// What wishes ask a support for that nothing else needs, and has none.
+    /// What gets no support although wishes ask for one. Nothing else asks for
+    /// it.
     pub unmet: Unheld,
     /// Supports that nobody can take out.
     pub enclosed: Enclosed,
@@ -55,9 +56,9 @@ pub(crate) struct Plan {
 
 impl Plan {
     /// The plan for what a survey of all of a part's layers has found.
-    /// `sections` is the part at half the height of what supports have of each
-    /// layer, if that is not half the height of the layer. `bed` is in the
-    /// model's coordinates.
+    /// `sections` is the part at the middle of each layer of supports, if that
+    /// is not the middle of the part's layer. `bed` is in the model's
+    /// coordinates.
     pub(crate) fn new(
         mut survey: Survey,
         sections: Option<Vec<Area>>,
@@ -144,7 +145,7 @@ impl Plan {
             let lost = clusters(need).into_iter().map(|need| {
                 let around = need.bounds.grown(near + TOLERANCE);
                 let held = unite(&here.within(around));
-                // Most of it lies right above a support.
+                // This costs less than the offset, and is mostly enough.
                 let beside = difference(&need.area, &held);
                 if beside.is_empty() {
                     return beside;

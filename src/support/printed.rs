@@ -19,11 +19,12 @@ const TOLERANCE: Mm = 0.002;
 /// Thick places are the core, grown by so many halves of the thinnest line.
 /// Corners of 90 degrees stay.
 const CORNER: f64 = 1.5;
-/// A small island is printed for sure if four times its area over its
-/// perimeter is so many times the thinnest line. For a disc that is its
-/// diameter, for a narrow strip twice its width.
+/// A small island is printed for sure if its thickness, four times its area over
+/// its perimeter, is so many times the thinnest line. The thickness of a disc is
+/// its diameter, that of a narrow strip twice its width.
 const SURE: f64 = 2.4;
-/// What stands for the middle of an island is this share of its size.
+/// Size of the ring that stands for the middle of an island, as a share of the
+/// island's size.
 const MIDDLE: f64 = 0.05;
 
 /// What is printed of a layer.
@@ -31,8 +32,8 @@ const MIDDLE: f64 = 0.05;
 pub(super) struct Printed {
     /// Its islands that have room for a line.
     pub area: Area,
-    /// Where the middle of the thinnest line may be, and the middle of what is
-    /// printed although it is thinner.
+    /// Where the middle of the thinnest line may be. Islands that are printed
+    /// although they are thinner have a small ring in their middle.
     pub core: Area,
 }
 
@@ -91,7 +92,7 @@ impl Printed {
 fn middle(island: &Area) -> Option<Ring> {
     let ring = island.rings.first()?;
     let mean = ring.iter().sum::<DVec2>() / ring.len().max(1) as f64;
-    // The mean of a crescent's points lies beside it.
+    // The mean of a crescent's points lies outside the crescent.
     let at = if island.contains(mean) {
         mean
     } else {

@@ -35,7 +35,7 @@ pub(super) struct Size {
 }
 
 impl Size {
-    /// By the width of the lines.
+    /// The size that the width of the lines allows.
     pub(super) fn new(settings: &Settings) -> Size {
         let width = settings.infill_width();
         Size {
@@ -180,8 +180,8 @@ impl<'a> Room<'a> {
     }
 }
 
-/// Distance of a support, in the plane, from the part in layers that are
-/// nearer to it in z than the gaps, mm.
+/// Distance in the plane of a support from the part in the layers above and
+/// below it, as far as the gaps in z reach, mm.
 const BESIDE: Mm = 0.05;
 
 /// [`BESIDE`] for the middle of something that reaches `margin` to all sides,

@@ -13,7 +13,8 @@ use crate::settings::{Settings, Supports};
 use crate::units::Mm2;
 use glam::DVec2;
 
-/// Support has to rest on so much, as a share of itself, or mm².
+/// What an island has to rest on at least: this share of it, or this area if
+/// that is less.
 const REST: (f64, Mm2) = (0.1, 0.3);
 /// Number of points at which two areas are compared.
 const POINTS: u32 = 24;
@@ -21,7 +22,7 @@ const POINTS: u32 = 24;
 /// row of them lies along a side (Roberts 2018, the sequence R2).
 const SPREAD: DVec2 = DVec2::new(0.754_877_666, 0.569_840_291);
 
-/// The supports of each layer, of the islands that rest on something.
+/// The supports of each layer: the islands that rest on something.
 pub(super) fn settled(
     parts: Parts<'_>,
     layers: Vec<Vec<Piece>>,
@@ -74,7 +75,7 @@ fn stands(
     parts: Parts<'_>,
     settings: &Settings,
 ) -> bool {
-    // The layers right below may be the gap over the part.
+    // The layers right below may lie in the gap between support and part.
     settings.supports == Supports::Auto
         && parts
             .heights
@@ -92,7 +93,7 @@ fn rests_on<'a>(
         return false;
     }
     let least = (REST.0 * piece.all.content()).min(REST.1);
-    // Some points tell nearly always, and much faster.
+    // A few points mostly decide, and take much less time.
     common(&piece.all, &under, piece.bounds) > 2.0 * least
         || intersection(&piece.all, &under).content() >= least
 }
@@ -103,7 +104,7 @@ fn common(a: &Area, b: &Area, within: Rect) -> Mm2 {
     let at = |k: u32| within.min + (f64::from(k) * SPREAD).fract() * size;
     let points = (1..=POINTS).map(at);
     let both = points.filter(|&p| a.contains(p) && b.contains(p)).count();
-    // One or two points may lie in next to nothing.
+    // Two points say too little about an area.
     if both < 3 {
         return 0.0;
     }

@@ -19,7 +19,7 @@ pub(crate) struct Slice {
 }
 
 impl Slice {
-    /// All of its area.
+    /// The area of all supports in the layer.
     pub(crate) fn area(&self) -> Area {
         union(&self.body, &self.interface)
     }

@@ -174,8 +174,8 @@ pub(crate) fn coarse(outline: &Area, height: Mm, settings: &Settings) -> Area {
     thinned(printed.area)
 }
 
-/// The area with fewer points. Without that their number would grow from layer
-/// to layer.
+/// An area with fewer points. Unions and offsets of thousands of layers would
+/// add ever more points.
 pub(super) fn thinned(area: Area) -> Area {
     let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
     Area {

@@ -42,9 +42,9 @@ pub(crate) struct Wishes<'a> {
 /// What is wanted of a layer's underside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Wish {
-    /// To be held, whatever its angle.
+    /// What is to be held, whatever its angle.
     pub held: Area,
-    /// To be left alone.
+    /// What is to be left alone.
     pub left: Area,
 }
 
@@ -56,7 +56,7 @@ impl Wish {
 }
 
 impl<'a> Wishes<'a> {
-    /// Those of the settings; nothing if all is left to the angle.
+    /// The wishes of the settings; nothing if only the angle of faces counts.
     ///
     /// # Errors
     /// If the expression has a mistake.
