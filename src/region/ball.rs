@@ -1,9 +1,9 @@
 //! Balls that touch a border from within at two opposite places.
 //!
-//! In: an area's border. Out: by points all along it, the largest balls that
-//! touch it there, where they are smaller than what matters and touch the
-//! opposite side: their centres are on the ridge. Of two sides that face each
-//! other one has the balls. Where the border turns away from the area, balls
+//! In: an area's border. Out: for points all along the border, the largest ball
+//! that touches it there, if the ball also touches the opposite side and is not
+//! too large to matter: its centre is on the ridge. Of two sides that face each
+//! other only one has balls. Where the border turns away from the area, balls
 //! touch the corner from all directions between its sides.
 //!
 //! The balls shrink as in Ma, Bae and Choi, 3D medial axis point
@@ -50,7 +50,7 @@ struct Seen {
 
 const NONE: u32 = u32::MAX;
 
-/// The radii of no balls at all.
+/// The least and the greatest radius where there are no balls.
 const UNKNOWN: (Mm, Mm) = (f64::INFINITY, 0.0);
 
 impl Seen {
@@ -63,8 +63,8 @@ impl Seen {
 
     fn add(&mut self, edge: usize, from: Mm, to: Mm) {
         let (low, high) = (from.min(to), from.max(to));
-        // Along a long edge each goes on where the one before ends: kept
-        // apart, all of them would be looked through for every ball.
+        // Along a long edge each stretch goes on where the one before ends. Kept
+        // apart, all stretches would be looked through for every ball.
         if let Some(s) = self.stretches.get_mut(self.last[edge] as usize)
             && low <= s.1
             && s.0 <= high
@@ -136,7 +136,7 @@ impl<'a> Border<'a> {
         for ring in area.rings.iter().filter(|r| !r.is_empty()) {
             let first = border.next.len() as u32;
             let last = first + ring.len() as u32 - 1;
-            // The number that is no edge counts as the first one.
+            // A number that stands for no edge counts as that of the first edge.
             border.next.extend(first + 1..=last);
             border.next.extend([first, first]);
             border.last.push(last);
@@ -158,7 +158,7 @@ impl<'a> Border<'a> {
         // The last ball, its edge, and how far along the edge it is.
         let mut before: Option<(usize, Mm, Option<Grown>)> = None;
         let mut last_radius = 0.0;
-        // The first one, if there was one right away.
+        // The first ball, if the ring's first point has one.
         let mut very_first = None;
         let mut last_along = (0..ring.len()).rev().find_map(|i| {
             let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
@@ -248,9 +248,9 @@ impl<'a> Border<'a> {
         balls
     }
 
-    /// Balls that touch the corner at the start of an edge with this
-    /// `normal`, where the border turns by `turn` away from the area: the last
-    /// of them.
+    /// Adds balls that touch the corner at the start of an edge with this
+    /// `normal`, where the border turns by `turn` away from the area. Returns
+    /// the last of these balls.
     fn fan(
         &mut self,
         corner: DVec2,
@@ -421,8 +421,8 @@ impl<'a> Border<'a> {
         (r, opposite.then_some(grown))
     }
 
-    /// The radius of a ball at `p` that touches the border where another did,
-    /// or beside that: nothing larger fits there.
+    /// The radius of a ball at `p` that touches the border where another ball
+    /// did, or beside that place. Nothing larger fits there.
     fn beside(
         &self,
         p: DVec2,

@@ -2,10 +2,11 @@
 //!
 //! Most of a layer's fill lies well inside most of its neighbours, or far
 //! outside them. So the neighbours' edges are first looked up in a grid of
-//! the islands' edges: an island that no edge of a neighbour comes into is
-//! covered by it wholly or not at all, as any one of its points tells. Of the
-//! rest the first neighbours often tell that nothing that matters is covered;
-//! only where it is do all neighbours that touch the island go into one sweep.
+//! the islands' edges. If no edge of a neighbour comes into an island, the
+//! neighbour covers all of the island or nothing of it, and any point of the
+//! island tells which. For other islands the first neighbours often tell that
+//! nothing that matters is covered. Only if they do not, all neighbours that
+//! touch the island go into one sweep.
 
 use crate::plane::clip::{crop, intersection, not_covered_by_all};
 use crate::plane::grid::EdgeGrid;
@@ -18,8 +19,8 @@ use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
-/// How far borders between skin and sparse infill may be off: coarse enough to
-/// be cheap, finer than any bead, and nobody sees them, mm.
+/// How far borders between skin and sparse infill may be off, mm: nobody sees
+/// these borders, and a bead is much wider.
 pub(super) const TOLERANCE: Mm = 0.02;
 
 /// An outline as exact as skin needs it: a dozen layers ask what it covers of
@@ -39,7 +40,7 @@ pub(crate) fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
 /// The part of an island that is not covered by all covers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Exposed {
-    /// Nowhere: all of them cover all of it.
+    /// Nowhere: each cover covers all of the island.
     Nowhere,
     /// This part is not covered.
     Part(Area),

@@ -73,7 +73,7 @@ struct Slope<'a> {
     reach: Mm,
 }
 
-/// Layers that count on a slope, where `layers` do on a level.
+/// Number of layers that count on a slope if `layers` count on a level face.
 fn slope_layers(layers: usize) -> usize {
     (layers as f64 * std::f64::consts::SQRT_2).ceil() as usize
 }
@@ -95,14 +95,14 @@ pub(crate) struct Exposure<'a> {
     settings: &'a Settings,
     /// Layers that have to cover a layer from above, lest it get skin.
     above: Shells,
-    /// Layers that have to cover it from below.
+    /// Layers that have to cover a layer from below, lest it get skin.
     below: Shells,
     /// Layers of the part.
     spans: &'a [LayerSpan],
 }
 
 impl<'a> Exposure<'a> {
-    /// For a part of these layers.
+    /// The exposure of a part with these layers.
     pub(crate) fn new(
         settings: &'a Settings,
         spans: &'a [LayerSpan],
@@ -207,8 +207,8 @@ impl<'a> Exposure<'a> {
         if self.is_end(window.number) {
             return None;
         }
-        // A neighbour that is the same as the layer, or as another of its
-        // neighbours, covers nothing less.
+        // A neighbour that equals the layer, or another one of the neighbours,
+        // leaves nothing open that they do not.
         let mut seen = vec![window.here];
         let mut new = |near: &&'w Solid<'w>| {
             let new = !seen.iter().any(|s| s.is(near));
@@ -402,7 +402,7 @@ fn hanging(
     }
     // A gap that a bead's own width bridges needs no anchor.
     let half = 0.5 * settings.bottom_skin_width();
-    // Not `open`: what that cuts would shrink from the cut.
+    // `open` would not do: an offset would also shrink what it cuts off.
     let open = difference(&all, &near(&all, support.area()));
     let core = offset(&open, -half, TOLERANCE);
     let mut hanging = none();
@@ -474,7 +474,7 @@ const BESIDE_SKIN: f64 = 2.0;
 /// The parts of an area large enough for sparse infill, and as wide as so many
 /// of its lines.
 fn printable(area: &Area, lines: f64, settings: &Settings) -> Area {
-    /// Narrower than this, along all of its border, is what rounding takes.
+    /// Rounding may take what is narrower than this along all of its border.
     const ROUNDING: Mm = 1e-5;
     let half = 0.5 * lines * settings.infill_width();
     let mut wide = Area::EMPTY;

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! In: a wall's lines, and those of the wall outside of it, which is on their
-//! right. Out: the lines, at
-//! their spacing from the others except where they would become too narrow.
+//! right. Out: the wall's lines, which keep their spacing from the wall outside
+//! except where they would become too narrow.
 
 use super::line::{RidgeIndex, moved};
 use super::ridge::Ridge;
@@ -19,7 +19,7 @@ use super::widen::{HIDDEN, Station};
 use crate::bead::{Stroke, spacing};
 use crate::units::Mm;
 
-/// Walls side by side may overlap by so much, mm.
+/// Greatest overlap of walls side by side that is left alone, mm.
 const OVERLAP: Mm = 0.01;
 /// Share of a wall's width that stays, however much the wall outside of it has
 /// grown.

@@ -24,11 +24,11 @@ use glam::DVec2;
 const TURN: f64 = 1.75;
 /// Distance of ends that belong together, as a share of their mean width.
 const REACH: f64 = 0.75;
-/// Distance that joints keep, as a share of their mean width: two that cross
-/// would lay twice what lies between them.
+/// Distance that joints keep from each other, as a share of their mean width: two
+/// joints that cross would lay twice what lies between them.
 const APART: f64 = 0.5;
-/// Length of the way across from one line to another, as a share of their
-/// distance across.
+/// Length of the way across from one line to another, as a multiple of the
+/// distance between the two lines.
 const RAMP: f64 = 2.4;
 /// Distance of the places on a way across at which its width is found, mm.
 const CROSS_STEP: Mm = 0.1;
@@ -56,7 +56,7 @@ const OWN: f64 = 3.0;
 /// Strokes whose ends lie on others are left out if what is left of them is
 /// shorter than this share of their width.
 const STUB: f64 = 0.15;
-/// Ends may lie on other strokes by so much, mm.
+/// Greatest overlap of an end with another stroke that is left alone, mm.
 const SLACK: Mm = 0.005;
 
 /// The space around a place for a bead with its middle there.
@@ -88,7 +88,7 @@ impl End {
         let index = |k: usize| if last { end - k } else { k };
         let at = s.points[index(0)];
         let width = s.width_at(index(0));
-        // Far enough back for the direction not to be that of a kink.
+        // From a point farther back, lest a kink at the end give the direction.
         let far = (0..n)
             .map(|k| s.points[index(k)])
             .find(|p| p.distance(at) > 0.5 * width);
@@ -282,8 +282,8 @@ fn shorten(stroke: &mut Stroke, last: bool, length: Mm) {
     };
 }
 
-/// By stroke, for its first and its last point: the stroke that it goes on in
-/// there, and whether it does so at that one's last point.
+/// For each stroke, at its first and at its last point: the stroke in which it
+/// goes on there, and whether it goes on from the last point of that stroke.
 struct Links(Vec<[Option<(usize, bool)>; 2]>);
 
 /// Strokes that have become one.
@@ -294,7 +294,8 @@ struct Chain {
 }
 
 impl Links {
-    /// The strokes in chains. The first `rings` are pieces of rings.
+    /// Puts strokes together to chains. The first `rings` strokes are pieces of
+    /// rings.
     fn chains(
         &self,
         strokes: Vec<Stroke>,
@@ -393,14 +394,14 @@ fn cross(
             continue;
         }
         points.push(at);
-        // What was taken from both ends may have moved the way to where there
-        // is next to no room: a bead still needs a width.
+        // Shortened ends may have moved the way to where there is next to no
+        // room. A bead needs some width even there.
         widths.push(meant.min(width.max(LEAST * meant)));
     }
 }
 
-/// Shortens the ends that lie on strokes, and leaves out what lies on others all
-/// along. Of two that lie on each other the shorter one yields.
+/// Shortens ends that lie on strokes, and leaves out strokes that lie on others
+/// all along. Of two strokes that lie on each other the shorter one yields.
 fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
     let paths = chains.iter().map(|c| c.stroke.path());
     let grid = EdgeGrid::of_lines(paths, widest);

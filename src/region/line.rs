@@ -25,18 +25,18 @@ const SHORTEST: f64 = 0.25;
 const END: Mm = 0.005;
 /// Distance of the places at which a line's width is looked at, mm.
 const WIDEN_STEP: Mm = 0.1;
-/// Places on an edge that are looked at together: what is near to one of them
-/// is near to the others as well.
+/// Number of places on an edge that are looked at together. What is near to one
+/// of these places is near to the others as well.
 const STRETCH: usize = 16;
-/// Edges of a line that are looked at together at first: most of them are near
-/// to nothing.
+/// Number of edges of a line that are looked at together at first. No ridge is
+/// near to most of them.
 const GROUP: usize = 8;
 /// Least size of the cells in which ridges are looked up, mm.
 const CELL: Mm = 0.8;
 /// Slack in distances that are equal but for rounding and thinning, mm.
 const SLACK: Mm = 0.05;
 
-/// Ridges, to be asked for the nearest.
+/// Ridges, sorted so that the nearest one is found quickly.
 pub(super) struct RidgeIndex<'a> {
     ridges: &'a [Ridge],
     grid: EdgeGrid,
@@ -174,8 +174,8 @@ pub(super) fn cut(
     // be.
     let free = |p: DVec2, near: &[u32]| {
         match index.nearest_of(near, p, reach) {
-            // A side of the thin place is half its thickness from the ridge,
-            // so the ring's side is that less its depth.
+            // The border is half the place's thickness away from the ridge, and
+            // the ring is `depth` nearer to the ridge than the border is.
             Some((q, t)) => p.distance(q) > 0.5 * t - depth + SLACK,
             None => true,
         }
@@ -242,7 +242,7 @@ pub(super) fn cut(
                                 q = middle
                             }
                         }
-                        // The point that is free ends or begins a line.
+                        // A line ends or begins at the point that is free.
                         all.push((if on { p } else { q }, to.1));
                     }
                     on = to.1;

@@ -62,7 +62,7 @@ use thin::Counts;
 pub(crate) const OUTLINE_SHARE: f64 = 0.8;
 pub(crate) const OFFSET_SHARE: f64 = 0.3;
 
-/// Beads of no joint are wider than twice this, mm.
+/// Half of a width, mm, that no bead in a joint reaches.
 const JOINT: Mm = 20.0;
 
 /// A layer's walls and the area inside them.
@@ -78,8 +78,8 @@ pub(crate) struct Walls {
     pub depths: Vec<Mm>,
     /// The area that the walls leave for infill and skin.
     pub fill: Area,
-    /// Some of the walls are not around the whole part, but around what the
-    /// next layer covers.
+    /// True if some of the walls do not go around the whole part, but around
+    /// what the next layer covers.
     pub divided: bool,
     /// Solid that is neither under a bead nor left for filling, because it
     /// is thinner than any bead: mm², good to a per cent of the walls' area.
@@ -99,8 +99,9 @@ pub(crate) struct Lay {
     pub limit: Mm,
     /// Thickness below which there is no bead at all.
     pub least: Mm,
-    /// How much wider than the place is thick such a bead is: between other
-    /// beads it overlaps their round ends, at the part's surface it must not.
+    /// By how much the bead of a thin place is wider than the place is thick.
+    /// Between other beads it may overlap their round ends; at the part's surface
+    /// it must not stick out.
     pub extra: Mm,
 }
 
@@ -108,8 +109,8 @@ impl Lay {
     /// The outermost wall.
     fn outer(height: Mm, settings: &Settings) -> Lay {
         let outer = settings.outer_wall_width();
-        // As if walls of the same width followed: those that do follow begin
-        // half of their own spacing farther in.
+        // This is right for walls of equal width. A wall of another width begins
+        // half of its own spacing farther in.
         let half = 0.5 * spacing(outer, outer, height);
         let share = |percent: f64| outer * percent / 100.0;
         Lay {
@@ -138,8 +139,9 @@ impl Lay {
         self.tips(height).max(DAB).min(self.least)
     }
 
-    /// This wall in what other walls have left, which is known to
-    /// `tolerance` on each side: a bead that seemed to fit there has to.
+    /// This wall in what other walls have left. The border of that area is off
+    /// by up to `tolerance` on each side, and a place that was planned for a bead
+    /// has to stay wide enough for it.
     fn after(self, tolerance: Mm) -> Lay {
         Lay {
             least: (self.least - 2.0 * tolerance).max(0.0),
@@ -167,7 +169,7 @@ impl Lay {
 pub(crate) struct Laid {
     /// The rings, cut where a bead runs in their middle.
     pub lines: Vec<Stroke>,
-    /// These beads.
+    /// The beads of places too thin for the wall.
     pub thin: Vec<Stroke>,
     /// The rings, whole.
     pub rings: Area,
@@ -198,9 +200,8 @@ fn cell(area: &Area) -> Mm {
 
 /// An area and its ridges, as far as they matter to some walls.
 ///
-/// What is left of the area when it has shrunk by d has the same ridges where
-/// the area is thicker than 2·d, and is thinner there by that: all walls can
-/// be laid by the ridges of the outline.
+/// An area that has shrunk by d keeps its ridges where it was thicker than 2·d,
+/// and is thinner there by 2·d. So the ridges of the outline serve for all walls.
 struct Skeleton<'a> {
     solid: Solid<'a>,
     ridges: Vec<Ridge>,
@@ -261,8 +262,8 @@ impl<'a> Skeleton<'a> {
 struct ThinPlaces(Vec<(usize, Ridge)>);
 
 impl ThinPlaces {
-    /// Where there are so many beads, with what walls up to `depth` on both
-    /// sides leave of the thickness.
+    /// The parts of ridges with this number of beads, and the thickness that
+    /// walls up to `depth` on both sides leave there.
     fn beads(&self, number: usize, depth: Mm) -> Vec<Ridge> {
         let parts = self.0.iter().filter(|part| part.0 == number);
         parts
@@ -275,8 +276,8 @@ impl ThinPlaces {
     }
 
     /// What walls up to `depth` on both sides leave where there are so many
-    /// beads; less than nothing where they have to be narrower, except where
-    /// it makes no difference.
+    /// beads. The thickness is negative where walls overlap and have to become
+    /// narrower. Slight overlaps are left out.
     fn slivers(&self, number: usize, depth: Mm) -> Vec<Ridge> {
         /// Walls may overlap by so much, mm.
         const OVERLAP: Mm = 0.03;
@@ -289,10 +290,10 @@ impl ThinPlaces {
             .collect()
     }
 
-    /// Cuts slivers back where a bead goes on in the middle: its round end is
-    /// in what they would share out.
+    /// Cuts slivers back where a bead goes on in the middle: the round end of
+    /// that bead already fills a part of the sliver.
     fn make_way(&self, slivers: &mut [Ridge], number: usize) {
-        /// Beyond the round end, mm: walls become wider within so much.
+        /// Length beyond the round end, mm, over which walls become wider.
         const MORE: Mm = 0.05;
         let beads = self.0.iter().filter(|part| part.0 == number);
         let ends: HashSet<[u64; 2]> = beads
@@ -397,7 +398,7 @@ fn laid(
     let mut thin = Vec::new();
     let divide =
         |left: &Area, above| tops::divided(left, above, settings, tolerance);
-    // Walls that are not divided are laid as everywhere.
+    // Where there is nothing to divide, all walls go around the whole part.
     let above = above.filter(|above| {
         let tops = &plans[..settings.top_walls() as usize];
         let depth: Mm = tops.iter().map(|plan| plan.inner).sum();
@@ -458,7 +459,8 @@ fn laid(
                 }
                 None => walls,
             };
-            // Skin begins with the bead of a thin place.
+            // Inside the last wall, beads of skin fill what the thinnest of them
+            // fits into.
             let radius = match pair.get(k + 1) {
                 Some(wall) => wall.centre + settings.accuracy,
                 None => 0.5 * plans[next].least,
@@ -508,7 +510,7 @@ fn laid(
 }
 
 impl Walls {
-    /// These walls of an outline.
+    /// The walls of an outline.
     fn of(
         outline: &Area,
         lines: Vec<Vec<Stroke>>,

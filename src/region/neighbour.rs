@@ -34,7 +34,8 @@ struct Runs {
     levels: Vec<Vec<Rect>>,
 }
 
-/// Edges in a run: their boxes are then few beside the points themselves.
+/// Number of edges in a run. With so many, boxes take little memory beside the
+/// points.
 const RUN: usize = 16;
 
 /// Width of the border around an area that is looked at, mm.

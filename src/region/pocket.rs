@@ -8,7 +8,7 @@
 //!     ┃  ┃ ┃  ┃        as a ball is large that touches it from within.
 //! ```
 //!
-//! In: a wall's lines. Out: the same, wider beside pockets. The balls are those
+//! In: a wall's lines. Out: these lines, wider beside pockets. The balls are those
 //! of the medial axis of what the wall leaves, so that walls on all sides of a
 //! pocket meet in its middle.
 
@@ -169,7 +169,7 @@ impl Left<'_> {
             else {
                 break;
             };
-            // The one of which the border touches `q` at that depth.
+            // The radius with which the ball touches the border at `q`.
             let way = base - q;
             let room = 2.0 * (depth - way.dot(inwards));
             let least = (way.length_squared() - depth * depth) / room;

@@ -23,8 +23,8 @@ impl Shells {
         thickness: Mm,
         upwards: bool,
     ) -> Shells {
-        // Share of a layer that counts as nothing, as it does where layers are
-        // alike.
+        // A share of a layer so small counts as nothing, as it does where all
+        // layers have one height.
         const SLACK: f64 = 1e-4;
         if thickness <= 0.0 {
             return Shells::Alike(0);

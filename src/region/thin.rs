@@ -18,8 +18,8 @@ use crate::units::Mm;
 
 /// By how much a single bead may be narrower than its bound for a while.
 const NARROW: f64 = 1.25;
-/// By how much it may be wider: the wider, the more a round bead leaves open
-/// in corners.
+/// By how much a single bead may be wider than its bound. The wider a round bead
+/// is, the more it leaves open in corners.
 const WIDE: f64 = 1.12;
 /// Share of their nominal thickness down to which two walls can stay side by
 /// side for a while.
@@ -49,8 +49,8 @@ struct Count {
     /// Least and greatest thickness to which this number of beads can be
     /// stretched.
     range: (Mm, Mm),
-    /// Greatest thickness to which it can be stretched over a short length, as
-    /// in a bend.
+    /// Greatest thickness to which the beads can be stretched over a short
+    /// length, as in a bend.
     bulge: Mm,
     /// Thickness that the walls outside of the innermost bead or pair take.
     taken: Mm,
@@ -68,8 +68,9 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    /// Those of walls laid one inside the other, of which each can be a bead
-    /// in the middle instead; `inside` follows them, if anything does.
+    /// The numbers for walls laid one inside the other. A bead in the middle can
+    /// take the place of both sides of each wall. `inside` is what lies inside
+    /// all of the walls, if anything does.
     pub(super) fn new(walls: &[Lay], inside: Option<Lay>) -> Counts {
         let mut counts = Vec::new();
         let mut depth = 0.0;

@@ -105,8 +105,8 @@ fn lead(
 }
 
 /// Where a ridge goes on into a point or a round tip behind its last point,
-/// and how thick it is there: not thinner than `least`, unless that is what
-/// it is already. `lines` holds all ridges.
+/// and how thick it is there: no thinner than `least`, or than the ridge's last
+/// point if that is thinner still. `lines` holds all ridges.
 fn tip(
     ridge: &Ridge,
     lines: &EdgeGrid,
@@ -152,7 +152,7 @@ fn tip(
         let next = at(0.5 * (low + high));
         let reach = radius(next).min(r);
         let way = next.distance(c);
-        // Wider ahead, there is no tip but a junction.
+        // A strip that becomes wider ends in a junction, not in a tip.
         let widens = radius(next) > r + 0.1 * STEP;
         let done = way + reach - r < GAIN * way;
         // A ridge that has turned back there leads nowhere.
@@ -192,7 +192,7 @@ fn corners(
         grid.nearest_edge(p, (radius + depth - OUT).max(0.0))
             .is_none()
     };
-    // How far it is from the area's own border.
+    // The distance of the ridge's end from the area's own border.
     let whole = r + depth;
     let touch = |towards: DVec2| {
         let half = 0.5 * whole;

@@ -22,17 +22,19 @@ use glam::DVec2;
 pub(super) const SEEN: f64 = 0.25;
 /// Greatest change of a line's width along its way, if nobody sees the line.
 pub(super) const HIDDEN: f64 = 1.0;
-/// Gaps between places that move which are shorter than this are none, mm.
+/// Gaps between moving places that are shorter than this do not count, mm.
 const GAP: Mm = 0.6;
-/// Greatest distance that a corner moves, in multiples of that of its sides.
+/// Greatest distance by which a corner moves, as a multiple of the distance by
+/// which its sides move.
 const MITRE: f64 = 2.0;
 /// Least share of its length by which a piece of the line has to lead ahead
 /// when both its ends have moved.
 const AHEAD: f64 = 0.4;
 
-/// What is left of a move at each look at places that would pass each other.
+/// Share of a move that is left after each round in which places would pass each
+/// other.
 const LESS: f64 = 0.7;
-/// Moves smaller than this are none, mm.
+/// Moves smaller than this do not count, mm.
 const LEAST: Mm = 0.003;
 
 /// A place on a line.
@@ -45,7 +47,7 @@ pub(super) struct Station {
     pub width: Mm,
     /// How far the line moves to its left; nothing where it stays.
     pub moves: Option<Mm>,
-    /// The line gets narrower and not wider.
+    /// True if the line becomes narrower here, not wider.
     pub narrows: bool,
 }
 
@@ -54,7 +56,7 @@ impl Station {
         self.at + self.across * self.moves.unwrap_or(0.0)
     }
 
-    /// The width once it has moved.
+    /// The line's width after the move.
     fn widened(&self) -> Mm {
         let more = 2.0 * self.moves.map_or(0.0, f64::abs);
         if self.narrows {
@@ -65,9 +67,9 @@ impl Station {
     }
 }
 
-/// Across a line to its left at one of its points: both sides of a corner move
-/// by one if the corner moves by this. Sharp ones move no farther than
-/// [`MITRE`].
+/// The vector across a line to its left at one of its points. If a corner moves
+/// by this vector, both of its sides move by 1 mm. Sharp corners move no farther
+/// than [`MITRE`].
 pub(super) fn across(line: &Stroke, k: usize) -> DVec2 {
     let n = line.points.len();
     let way = |from: usize| {
