@@ -1,20 +1,10 @@
 //! Heights of layers, compared with what is known of the surfaces.
 
 use super::*;
-use crate::model::{BuildVolume, Placement, Source, SourceKind, load, place};
+use crate::model::{self, Placement};
 
 fn placed(formula: &str) -> Model {
-    let source = Source::Text {
-        name: "part".into(),
-        kind: SourceKind::Formula,
-        text: formula.into(),
-    };
-    let bed = BuildVolume {
-        x: 220.0,
-        y: 220.0,
-        z: 250.0,
-    };
-    place(&load(&source, &[]).unwrap(), &Placement::default(), bed).unwrap()
+    model::placed(formula, &Placement::default())
 }
 
 fn adaptive() -> Settings {

@@ -33,6 +33,8 @@ mod power;
 mod probe;
 mod script;
 mod source;
+#[cfg(test)]
+mod testing;
 mod together;
 mod value;
 mod vm;
@@ -50,6 +52,8 @@ pub use probe::ProbeError;
 pub(crate) use probe::{Probe, Spot};
 pub use script::{Argument, ScriptError, ScriptLimits, call};
 pub use source::{Loaded, Source, SourceKind, load, load_within};
+#[cfg(test)]
+pub(crate) use testing::placed;
 pub(crate) use together::together;
 pub use vm::{VmError, parse_vm};
 pub(crate) use written::operations;

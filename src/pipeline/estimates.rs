@@ -8,7 +8,7 @@
 //! `minimum_cruise_ratio: 0.5`, `instantaneous_corner_velocity: 1`). They are
 //! the sums of the moves' times, without homing.
 
-use crate::model::{BuildVolume, Placement, Source, SourceKind, load, place};
+use crate::model::{Placement, placed};
 use crate::pace::clock::time_of;
 use crate::pipeline::{Options, slice};
 use crate::settings::{Flavour, Settings};
@@ -97,19 +97,8 @@ fn wipes_and_sharp_corners_take_what_klipper_takes() {
 
 #[test]
 fn the_estimate_is_what_the_text_takes() {
-    let source = Source::Text {
-        name: "cup".into(),
-        kind: SourceKind::Formula,
-        text: "max(sqrt(x^2+y^2) - 6, abs(z) - 2, 4 - sqrt(x^2+y^2+z^2))"
-            .into(),
-    };
-    let bed = BuildVolume {
-        x: 220.0,
-        y: 220.0,
-        z: 250.0,
-    };
-    let cup = place(&load(&source, &[]).unwrap(), &Placement::default(), bed);
-    let cup = cup.unwrap();
+    let cup = "max(sqrt(x^2+y^2) - 6, abs(z) - 2, 4 - sqrt(x^2+y^2+z^2))";
+    let cup = placed(cup, &Placement::default());
     for flavour in Flavour::ALL {
         for relative in [false, true] {
             let mut settings = Settings::default();

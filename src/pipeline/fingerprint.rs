@@ -86,22 +86,10 @@ impl Digest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{BuildVolume, Placement, Source, SourceKind};
-    use crate::model::{load, place};
+    use crate::model::{Placement, placed};
 
     fn of(text: &str, settings: &Settings, top: f64) -> Fingerprint {
-        let source = Source::Text {
-            name: "part".into(),
-            kind: SourceKind::Formula,
-            text: text.into(),
-        };
-        let bed = BuildVolume {
-            x: settings.printer.bed_x,
-            y: settings.printer.bed_y,
-            z: settings.printer.height,
-        };
-        let loaded = load(&source, &[]).unwrap();
-        let model = place(&loaded, &Placement::default(), bed).unwrap();
+        let model = placed(text, &Placement::default());
         let plate = Plate::of(&model, settings);
         let spans = [LayerSpan {
             index: 0,

@@ -333,27 +333,11 @@ pub(crate) fn outline_from_above(
 #[allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 mod tests {
     use super::*;
-    use crate::model::{
-        BuildVolume, Placement, Source, SourceKind, load, place,
-    };
-
-    fn model(formula: &str, placement: &Placement) -> Model {
-        let source = Source::Text {
-            name: "test".into(),
-            kind: SourceKind::Formula,
-            text: formula.into(),
-        };
-        let bed = BuildVolume {
-            x: 200.0,
-            y: 200.0,
-            z: 200.0,
-        };
-        place(&load(&source, &[]).unwrap(), placement, bed).unwrap()
-    }
+    use crate::model::{Placement, placed};
 
     fn seen(formula: &str, view: View, size: [usize; 2]) -> Seen {
         let subject =
-            Subject::new(&model(formula, &Placement::default()), view);
+            Subject::new(&placed(formula, &Placement::default()), view);
         subject.unwrap().fitted(size[0], size[1]).unwrap()
     }
 
@@ -440,7 +424,7 @@ mod tests {
     fn threads_do_not_show() {
         let formula = "sin(x) * cos(y) + sin(y) * cos(z) + sin(z) * cos(x) + \
                        max(0, x^2 + y^2 + z^2 - 80) / 10";
-        let part = model(formula, &Placement::default());
+        let part = placed(formula, &Placement::default());
         let look = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             let subject = Subject::new(&part, View::ISO).unwrap();
@@ -459,7 +443,7 @@ mod tests {
             ..Placement::default()
         };
         let formula = "sqrt((x - 50)^2 + (y - 50)^2 + z^2) - 10";
-        let part = model(formula, &placement);
+        let part = placed(formula, &placement);
         let front = View::of(-90.0, 0.0);
         let seen = Subject::new(&part, front).unwrap().fitted(200, 200);
         let [left, right, top, bottom] = extent(&seen.unwrap());
@@ -469,8 +453,7 @@ mod tests {
     #[test]
     fn an_outline_from_above_holds_the_part_tightly() {
         let ring =
-            outline_from_above(&model(BLOCK, &Placement::default())).unwrap();
-        // The bed's middle is at 100.
+            outline_from_above(&placed(BLOCK, &Placement::default())).unwrap();
         let area: f64 = ring
             .iter()
             .zip(ring.iter().cycle().skip(1))
@@ -478,7 +461,7 @@ mod tests {
             .sum();
         assert!((799.0..=801.0).contains(&area), "{area}");
         for p in ring {
-            let off = (p - DVec2::splat(100.0)).abs();
+            let off = (p - DVec2::splat(110.0)).abs();
             assert!(off.x <= 20.001 && off.y <= 10.001, "{p}");
         }
     }

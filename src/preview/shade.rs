@@ -348,9 +348,7 @@ impl<'a> Light<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{
-        BuildVolume, Placement, Source, SourceKind, load, place,
-    };
+    use crate::model::{Placement, placed};
     use crate::preview::raster::Subject;
     use crate::preview::view::View;
     use glam::DVec3;
@@ -369,19 +367,9 @@ mod tests {
     /// both.
     #[test]
     fn shadows_are_those_of_the_part() {
-        let bed = BuildVolume {
-            x: 200.0,
-            y: 200.0,
-            z: 200.0,
-        };
         for scale in ["1", "1000", "0.001", "exp(z/4)", "(2 + sin(5*x))"] {
-            let source = Source::Text {
-                name: "test".into(),
-                kind: SourceKind::Formula,
-                text: format!("({PARTS}) * {scale}"),
-            };
-            let loaded = load(&source, &[]).unwrap();
-            let model = place(&loaded, &Placement::default(), bed).unwrap();
+            let formula = format!("({PARTS}) * {scale}");
+            let model = placed(&formula, &Placement::default());
             let subject = Subject::new(&model, View::ISO).unwrap();
             let seen = subject.fitted(300, 240).unwrap();
             let light = KEY_FROM.normalize().as_dvec3();

@@ -367,23 +367,10 @@ fn feet_between(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{
-        BuildVolume, Placement, Source, SourceKind, load, place,
-    };
+    use crate::model::{Placement, placed};
 
     fn map(formula: &str) -> (Model, DepthMap) {
-        let source = Source::Text {
-            name: "test".into(),
-            kind: SourceKind::Formula,
-            text: formula.into(),
-        };
-        let bed = BuildVolume {
-            x: 300.0,
-            y: 300.0,
-            z: 300.0,
-        };
-        let loaded = load(&source, &[]).unwrap();
-        let model = place(&loaded, &Placement::default(), bed).unwrap();
+        let model = placed(formula, &Placement::default());
         let map = DepthMap::new(&model).unwrap();
         (model, map)
     }

@@ -6,7 +6,7 @@ mod place;
 mod shapes;
 
 use super::*;
-use crate::model::{self, BuildVolume, Model, Placement, SourceKind, load};
+use crate::model::{Model, Placement, placed};
 use crate::plane::shapes::square;
 use crate::settings::Varying;
 
@@ -28,18 +28,8 @@ fn graded(pattern: InfillPattern, density: &str) -> Settings {
 
 /// A box of 100 mm on the bed.
 fn block() -> Model {
-    let source = Source::Text {
-        name: "block".into(),
-        kind: SourceKind::Formula,
-        text: "max(max(abs(x), abs(y)), abs(z)) - 50".into(),
-    };
-    let volume = BuildVolume {
-        x: 220.0,
-        y: 220.0,
-        z: 250.0,
-    };
-    let loaded = load(&source, &[]).unwrap();
-    model::place(&loaded, &Placement::default(), volume).unwrap()
+    let block = "max(max(abs(x), abs(y)), abs(z)) - 50";
+    placed(block, &Placement::default())
 }
 
 const HERE: Site = Site {
