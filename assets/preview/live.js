@@ -7,6 +7,8 @@ const ROUGH = 0.3;
 const LARGEST = 1600;
 // Time for which a layer is shown before the program is told of it, milliseconds.
 const LOOKED = 100;
+// A height above every part, mm.
+const TOP = 1e6;
 // Time until a program that does not answer is asked again, milliseconds.
 const AGAIN = 1000;
 
@@ -148,7 +150,9 @@ class Live {
   looked() {
     const layers = told && this.view === "layers" && !this.has.glimpse;
     if (layers) {
-      this.looksAt(told.z[layerSlider.high]);
+      // Whoever looks at the top looks at the next part's top, too.
+      const { high } = layerSlider;
+      this.looksAt(high < layerCount - 1 ? told.z[high] : TOP);
     } else if (this.view === "part") {
       this.looksAt(null);
     }

@@ -437,7 +437,7 @@ function layerAt(z) {
 async function show(data, packed, glimpse = false) {
   const unpacked = await unpack(data, packed);
   const before = told && {
-    low: told.z[layerSlider.low],
+    low: layerSlider.low > 0 ? told.z[layerSlider.low] : -Infinity,
     high: layerSlider.high < layerCount - 1
       ? told.z[layerSlider.high] : Infinity,
   };

@@ -24,7 +24,9 @@ if hollow { max(f, r / 2.0 - sqrt(x * x + y * y)) } else { f }
 `;
 write(good(4));
 
-const server = spawn(isoslice, ["watch", model, "--set", "skirt.loops=0"]);
+const server = spawn(isoslice, [
+  "watch", model, "--set", "skirt.loops=0", "--set", "first_layer_height=0.15",
+]);
 let said = "";
 server.stdout.on("data", text => { said += text; });
 server.stderr.pipe(process.stderr);
@@ -153,6 +155,7 @@ await test("the layer that is shown comes before the others", async () => {
   }
   const high = await page.textContent("#layer-high");
   assert.match(high, /^500 /);
+  const low = await page.textContent("#layer-low");
   // The page tells of the layer when the slider rests.
   await page.waitForTimeout(500);
   const shown = await page.evaluate(() => {
@@ -178,6 +181,7 @@ await test("the layer that is shown comes before the others", async () => {
   await state(page, "done");
   await page.waitForSelector('html[data-glimpse="false"]');
   assert.equal(await page.textContent("#layer-high"), high);
+  assert.equal(await page.textContent("#layer-low"), low);
   // The picture of the part was not shown in between.
   const seen = await page.evaluate(() => window.seen);
   assert.ok(!seen.some(seen => seen.startsWith("part")), seen.join(" "));
