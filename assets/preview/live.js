@@ -208,7 +208,8 @@ class Live {
   }
 
   // Shows one layer of a part that is still being sliced. The others have no
-  // moves yet; their heights are as if all layers were equally high.
+  // moves yet; their heights are as if the first one were as high as before and
+  // all others equally high.
   async fetchGlimpse(glimpse) {
     const made = await this.fetchMoves("glimpse", glimpse.revision);
     if (!made) {
@@ -219,7 +220,9 @@ class Live {
     const [start, z, time] = [data.first[0], data.z[0], data.time[0]];
     const each = what => Array.from({ length: layers }, (_, i) => what(i));
     data.first = each(i => i <= layer ? start : data.moves);
-    data.z = each(i => z * (i + 1) / (layer + 1));
+    const foot = Math.min(told.z[0], z);
+    const step = layer > 0 ? (z - foot) / layer : z;
+    data.z = each(i => z + (i - layer) * step);
     data.time = each(i => i === layer ? time : 0);
     // The tables go on telling of the last part that was sliced.
     data.statistics = { ...figures, printed: this.told.model.box };

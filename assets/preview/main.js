@@ -28,6 +28,10 @@ const state = {
   lowBefore: 0,
 };
 
+// The heights that are shown, while there is only a glimpse of a part and the
+// user has not moved the slider.
+let kept = null;
+
 const layerEnd = layer =>
   layer + 1 < layerCount ? told.first[layer + 1] : told.moves;
 
@@ -116,6 +120,7 @@ function layersChanged() {
   if (!told) {
     return;
   }
+  kept = null;
   state.pointed = null;
   const { low, high } = layerSlider;
   moveSlider.set(told.first[high], layerEnd(high), told.first[high],
@@ -436,11 +441,11 @@ function layerAt(z) {
 // well if there is just a glimpse of it.
 async function show(data, packed, glimpse = false) {
   const unpacked = await unpack(data, packed);
-  const before = told && {
+  const before = kept ?? (told && {
     low: layerSlider.low > 0 ? told.z[layerSlider.low] : -Infinity,
     high: layerSlider.high < layerCount - 1
       ? told.z[layerSlider.high] : Infinity,
-  };
+  });
   [told, figures, moves] = [data, data.statistics, unpacked];
   layerCount = told.first.length;
   marks = new Marks();
@@ -475,6 +480,8 @@ async function show(data, packed, glimpse = false) {
     ? [layerAt(before.low), layerAt(before.high)] : [0, layerCount - 1];
   layerSlider.set(0, layerCount - 1, Math.min(low, high), high);
   layersChanged();
+  // The heights in a glimpse are not those of the layers to come.
+  kept = glimpse ? before : null;
   setMode(state.mode);
   if (!ready) {
     await scene.calibrate(camera, shown());

@@ -110,6 +110,7 @@ await test("an edit shows at once and keeps camera and layer", async () => {
   const before = await page.textContent("#layer-high");
   write(good(6));
   await layers(page, 30);
+  await state(page, "done");
   assert.equal(await page.textContent("#layer-high"), before);
   const shown = await page.waitForSelector("#picture", { state: "attached" });
   assert.ok(await shown.evaluate(image => image.naturalWidth > 0),
@@ -186,9 +187,13 @@ await test("the layer that is shown comes before the others", async () => {
   const seen = await page.evaluate(() => window.seen);
   assert.ok(!seen.some(seen => seen.startsWith("part")), seen.join(" "));
   assert.deepEqual(page.faults, []);
-  await slide(10);
   write(good(4));
   await layers(page, 20);
+  await state(page, "done");
+  await slide(10);
+  await page.waitForFunction(() =>
+    document.querySelector("#figures").textContent.includes("20.0 × 20.0"),
+  null, { timeout: 60_000 });
 });
 
 await test("a second tab shows the same, and changes the first", async () => {
