@@ -277,8 +277,7 @@ fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
     assert!(error.to_string().contains("has 50 layers"), "{error}");
 }
 
-/// The walls that a layer's beads of this role follow: the places at which their
-/// moves end, in order of place.
+/// The places at which the moves of a layer's beads of a role end, sorted.
 fn places<'a>(layer: &'a str, role: &str) -> Vec<&'a str> {
     let mut of_role = false;
     let mut all = Vec::new();
@@ -328,7 +327,14 @@ fn a_glimpse() {
         assert_eq!(of_layer.layer_count, count);
         let gcode = String::from_utf8(gcode).unwrap();
         let layer = layers[layer + 1];
-        for role in ["External perimeter", "Perimeter", "Solid infill"] {
+        assert!(!places(layer, "External perimeter").is_empty());
+        for role in [
+            "External perimeter",
+            "Perimeter",
+            "Solid infill",
+            "Top solid infill",
+            "Internal infill",
+        ] {
             let (a, b) = (places(body(&gcode), role), places(layer, role));
             // A loop has two more moves where it begins.
             let other = a.iter().filter(|p| !b.contains(p)).count();

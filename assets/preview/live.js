@@ -146,7 +146,7 @@ class Live {
     this.showView();
   }
 
-  // What the user looks at has changed, or may have.
+  // Tells the program what the user looks at now.
   looked() {
     const layers = told && this.view === "layers" && !this.has.glimpse;
     if (layers) {
@@ -203,7 +203,6 @@ class Live {
       await show(...made);
       this.has.print = print.revision;
       this.has.glimpse = 0;
-      this.looked();
     }
   }
 

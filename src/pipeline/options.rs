@@ -17,7 +17,8 @@ pub struct Options<'a> {
     /// Write only the layer at this height above the bed, to be looked at and not
     /// to be printed: the nearest one, if the part ends below. No other layer
     /// is filled for it, so its seams and ways may begin elsewhere than in a
-    /// whole run. `layers` does not count.
+    /// whole run, and its outline may differ in the last bits. `layers` does not
+    /// count.
     pub glimpse: Option<Mm>,
     /// Folder for a picture of each layer.
     pub svg_dir: Option<&'a Path>,

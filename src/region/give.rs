@@ -147,6 +147,39 @@ mod tests {
         }
     }
 
+    /// A wall outside that is 0.15 mm wider at once, as beside the pocket of a
+    /// crotch, for half a millimetre.
+    #[test]
+    fn a_wall_gives_way_on_a_short_length() {
+        let wide = 0.6;
+        let at = |x: f64, w: f64| (DVec2::new(x, 0.5 * w), w);
+        let (points, widths) = [
+            at(0.0, WIDTH),
+            at(9.75, WIDTH),
+            at(9.75, wide),
+            at(10.25, wide),
+            at(10.25, WIDTH),
+            at(20.0, WIDTH),
+        ]
+        .into_iter()
+        .unzip();
+        let outside = Stroke::varying(points, widths, false);
+        let lines = give_way(vec![inside()], &[outside], WIDTH, HEIGHT, 1e-4);
+        let line = &lines[0];
+        let middle = line.points.iter().zip(&line.widths).min_by(|a, b| {
+            let off = |p: &DVec2| (p.x - 10.0).abs();
+            off(a.0).total_cmp(&off(b.0))
+        });
+        let (p, w) = middle.unwrap();
+        let meant = 0.5 * wide + spacing(*w, wide, HEIGHT);
+        assert!((p.y - meant).abs() < OVERLAP + 1e-3, "{p} {w}");
+        // It has its usual width again within 0.3 mm.
+        for (p, w) in line.points.iter().zip(&line.widths) {
+            let away = (p.x - 10.0).abs() > 0.55;
+            assert!(!away || (w - WIDTH).abs() < 1e-3, "{p} {w}");
+        }
+    }
+
     #[test]
     fn a_wall_becomes_no_narrower_than_a_share_of_its_width() {
         let lines =

@@ -13,7 +13,8 @@
 //! turn first. Between two ends that lie beside each other both strokes are
 //! shortened, so that the way across is no steeper than about 25° where they
 //! are long enough, and there is as much material as before. An end that is
-//! left over is shortened until it does not lie on any other stroke.
+//! left over is shortened until it does not lie on another stroke, or on its own
+//! one.
 
 use crate::bead::Stroke;
 use crate::plane::grid::{EdgeGrid, nearest_on};
@@ -50,13 +51,13 @@ const SHARE: f64 = 0.4;
 /// Distance at which an end stops short of another stroke's middle, as a share
 /// of that one's width: a little less than half, since the end is round.
 const STOP: f64 = 0.4;
-/// Length of a stroke's own way, as a share of its width, from which on its end can
-/// lie on the stroke itself: nearer pieces lie before the end.
+/// How far along a stroke a piece is from its end, as a multiple of the width, if
+/// the end can lie on that piece: of nearer pieces the end is the continuation.
 const OWN: f64 = 3.0;
 /// Strokes whose ends lie on others are left out if what is left of them is
 /// shorter than this share of their width.
 const STUB: f64 = 0.15;
-/// Greatest overlap of an end with another stroke that is left alone, mm.
+/// Greatest overlap of an end with a stroke that is left alone, mm.
 const SLACK: Mm = 0.005;
 
 /// The space around a place for a bead with its middle there.

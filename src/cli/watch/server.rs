@@ -244,18 +244,12 @@ impl Site {
 
     fn print(&self, query: &Query) -> Answer {
         let print = self.session.lock().print.clone();
-        let print = print.ok_or_else(not_yet)?;
-        query.must_be("revision", print.revision)?;
-        let moves = shared(print.moves.clone());
-        Ok(of_type("application/octet-stream", moves))
+        moves(query, print.map(|p| (p.revision, p.moves.clone())))
     }
 
     fn glimpse(&self, query: &Query) -> Answer {
         let glimpse = self.session.lock().glimpse.clone();
-        let glimpse = glimpse.ok_or_else(not_yet)?;
-        query.must_be("revision", glimpse.revision)?;
-        let moves = shared(glimpse.moves.clone());
-        Ok(of_type("application/octet-stream", moves))
+        moves(query, glimpse.map(|g| (g.revision, g.moves.clone())))
     }
 
     /// Remembers which layer a page shows.
@@ -338,6 +332,13 @@ impl Site {
         }
         Ok(of_type("application/json", "{}"))
     }
+}
+
+/// The moves that a page asks for, if there are any of that revision.
+fn moves(query: &Query, made: Option<(u64, Arc<[u8]>)>) -> Answer {
+    let (revision, moves) = made.ok_or_else(not_yet)?;
+    query.must_be("revision", revision)?;
+    Ok(of_type("application/octet-stream", shared(moves)))
 }
 
 /// The height of the layer that a page shows, mm; none if it shows none.

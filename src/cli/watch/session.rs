@@ -47,7 +47,8 @@ pub(super) struct State {
     pub settings: Option<Arc<Listed>>,
     pub model: Option<Arc<Shown>>,
     pub print: Option<Arc<Print>>,
-    /// Height of the layer that a page shows, mm; none if no page shows layers.
+    /// Height of the layer that a page shows, mm; none if no page has told of
+    /// one. Of several pages the last word counts.
     pub layer: Option<f64>,
     /// That layer of the newest model, until all of it is sliced.
     pub glimpse: Option<Arc<Glimpse>>,

@@ -40,8 +40,9 @@ pub(super) struct Job {
 /// Greatest time for a picture.
 pub(super) const PICTURE: Duration = Duration::from_secs(10);
 
-/// Greatest time for one layer ahead of the others.
-const GLIMPSE: Duration = Duration::from_millis(500);
+/// Greatest time for one layer ahead of the others. The part's picture, which
+/// shows if there is no such layer, waits for so long.
+const GLIMPSE: Duration = Duration::from_millis(250);
 
 /// Reads, draws and slices what is to be shown, for ever.
 pub(super) fn work(session: &Session, job: &Job) {

@@ -27,6 +27,9 @@ use std::sync::Arc;
 /// of their outlines.
 const BATCH_POINTS: usize = 50_000;
 
+/// Number of layers of which the field is walked together for a glimpse.
+const GLIMPSE: usize = 5;
+
 /// The layers of a run, in order.
 pub(super) struct Supply<'a> {
     stages: &'a Stages<'a>,
@@ -64,9 +67,8 @@ impl<'a> Supply<'a> {
         // must depend neither on the threads nor on the range.
         let slab = stages.slab_layers();
         let slabs: VecDeque<&[LayerSpan]> = if glimpse {
-            // Nobody compares a glimpse, which is to use all threads.
-            let each = needed.len().div_ceil(pool.current_num_threads());
-            spans[needed.clone()].chunks(each.clamp(1, slab)).collect()
+            // Pieces of one slab keep several threads at work.
+            spans[needed.clone()].chunks(GLIMPSE.min(slab)).collect()
         } else {
             let slabs = needed.start / slab..needed.end.div_ceil(slab);
             let all = spans.chunks(slab).skip(slabs.start);
