@@ -18,6 +18,7 @@
 
 use super::parts::Parts;
 use super::room::{Foot, Room, Size};
+use super::settle::stands;
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, intersection, union, unite};
 use crate::plane::grid::nearest_on;
@@ -78,6 +79,9 @@ pub(super) struct Branch {
     pub top: Mm,
     /// Area of what it holds.
     pub held: Mm2,
+    /// What is printed of it in the layer, once that is known. Until then it is
+    /// what is printed in the layer above.
+    pub printed: Area,
 }
 
 impl Branch {
@@ -103,6 +107,7 @@ impl Branch {
         let mut rings = std::mem::take(&mut self.core.rings);
         rings.extend(other.core.rings);
         self.core = unite(&Area { rings });
+        self.printed = union(&self.printed, &other.printed);
         if self.core.islands().len() > 1 {
             // The beads of the islands overlap, so what is between them is
             // printed.
@@ -122,6 +127,7 @@ impl Branch {
     pub(super) fn meet(&mut self, other: &Branch) {
         let at = self.middle().midpoint(other.middle());
         self.core.rings = vec![disc(at, POINT)];
+        self.printed = union(&self.printed, &other.printed);
         self.top = self.top.max(other.top);
         self.held += other.held;
     }
@@ -151,6 +157,7 @@ impl Branch {
         let piece = |core: Area| Branch {
             held: self.held * core.content() / whole,
             core,
+            printed: self.printed.clone(),
             ..self
         };
         pieces.into_iter().map(piece).collect()
@@ -205,7 +212,7 @@ impl Branch {
         // What the part blocks goes aside, or stands on the part.
         let reach = step.lean + 3.0 * TOLERANCE;
         let lost = difference(&self.core, &offset(&core, reach, TOLERANCE));
-        let lost = if lost.is_empty() {
+        let lost = if lost.is_empty() || !self.can_land(step) {
             lost
         } else {
             difference(&lost, &self.landing(step, near))
@@ -227,11 +234,17 @@ impl Branch {
         self.core = finely(core);
     }
 
+    /// True if the branch can end above a layer. A post has to have enough of
+    /// the part below it: one that touches the part with its edge alone goes
+    /// on down beside it.
+    fn can_land(&self, step: Step<'_>) -> bool {
+        self.foot == Foot::Part
+            && (!self.is_post()
+                || stands(&self.printed, step.layer + 1, step.parts))
+    }
+
     /// What a branch that comes down to a layer can stand on, within a box.
     fn landing(&self, step: Step<'_>, within: Rect) -> Area {
-        if self.foot == Foot::Bed {
-            return Area::EMPTY;
-        }
         let size = step.size();
         let within = within.grown(size.core);
         let Parts {

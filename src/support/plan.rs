@@ -388,4 +388,29 @@ mod tests {
         };
         assert!(post.bounds().min.x > 4.35, "{:?}", post.bounds());
     }
+
+    #[test]
+    fn posts_do_not_end_in_the_air_between_two_walls() {
+        // Two lids over a block with a groove between them that gets too narrow
+        // for a post. Posts lean towards each other, and could end in there.
+        let block = rect(-9.0, -3.0, 9.0, 3.0);
+        let groove = |i: usize| {
+            let half = 0.06 * (i as f64 - 10.0);
+            rect(-half, -4.0, half, 4.0)
+        };
+        let lids =
+            union(&rect(-3.0, -1.0, -2.0, 1.0), &rect(2.0, -1.0, 3.0, 1.0));
+        let of = |i| match i {
+            0..11 => block.clone(),
+            11..40 => difference(&block, &groove(i)),
+            40..62 => rect(-9.0, -3.0, -8.0, 3.0),
+            _ => union(&rect(-9.0, -3.0, -8.0, 3.0), &lids),
+        };
+        let outlines: Vec<Area> = (0..64).map(of).collect();
+        let plan = plan(&outlines, Supports::Auto);
+        assert_eq!(plan.unheld.area, 0.0);
+        for j in 42..60 {
+            assert!(!all(&plan, j).is_empty(), "layer {j}");
+        }
+    }
 }

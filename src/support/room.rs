@@ -12,6 +12,9 @@
 //!
 //! That area shrinks upwards by what a branch may lean in a layer:
 //! closed(j) = taken(j) ∪ (closed(j − 1) shrunk by h·tan(angle)).
+//!
+//! A branch that may stand on the part can end in the air as well, between two
+//! walls: there the area is without what it can stand on in that layer.
 
 use super::TOLERANCE;
 use super::parts::Parts;
@@ -19,7 +22,7 @@ use super::survey::thinned;
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Solid};
-use crate::settings::Settings;
+use crate::settings::{Settings, Supports};
 use crate::units::Mm;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -54,6 +57,9 @@ pub(super) struct Room<'a> {
     /// By layer, from where the middle of a branch cannot get down to the bed.
     /// What is too near to the part belongs to it.
     closed: Vec<Solid<'static>>,
+    /// By layer, from where the middle of a branch gets down neither to the bed
+    /// nor to the part. Empty where no support may stand on the part.
+    dead: Vec<Solid<'static>>,
 }
 
 /// What a support stands on.
@@ -84,17 +90,16 @@ impl<'a> Room<'a> {
             .map(thinned)
             .collect();
         drop(grown);
-        let lean = settings.support.branch_angle.to_radians().tan();
-        let mut closed: Vec<Area> = Vec::with_capacity(count);
-        for (tight, span) in tight.iter().zip(parts.spans()) {
-            crate::limits::check();
-            let reach = -lean * span.height();
-            let left = closed.last().map(|c| offset(c, reach, TOLERANCE));
-            closed.push(match left.filter(|left| !left.is_empty()) {
-                None => tight.clone(),
-                Some(left) => thinned(union(tight, &left)),
-            });
-        }
+        let closed = || no_way_down(parts, &tight, settings, |_| None);
+        let on_part = |j: usize| {
+            let on = parts.heights.gap_below(j).start;
+            (on < j).then(|| offset(&parts.outlines[on], ASTRIDE, TOLERANCE))
+        };
+        let dead = || match settings.supports {
+            Supports::Auto => no_way_down(parts, &tight, settings, on_part),
+            _ => Vec::new(),
+        };
+        let (closed, dead) = rayon::join(closed, dead);
         let solids = |areas: Vec<Area>| {
             areas.into_iter().map(Solid::new).collect::<Vec<_>>()
         };
@@ -103,6 +108,7 @@ impl<'a> Room<'a> {
             settings,
             tight: solids(tight),
             closed: solids(closed),
+            dead: solids(dead),
         }
     }
 
@@ -110,6 +116,7 @@ impl<'a> Room<'a> {
     pub(super) fn release(&mut self, j: usize) {
         self.tight.truncate(j);
         self.closed.truncate(j);
+        self.dead.truncate(j);
     }
 
     /// True if a point of layer `j` is farther than `distance` from all that is
@@ -133,11 +140,12 @@ impl<'a> Room<'a> {
     }
 
     /// Splits an area of layer `j` into that from which the middle of a branch
-    /// gets down to the bed, and the rest where it may be.
+    /// gets down to the bed, and that from which it gets down to the part alone.
     pub(super) fn split(&self, area: &Area, j: usize) -> [Area; 2] {
         let bounds = area.bounds();
         let near = |all: &Solid<'_>| crop(&all.area().rings, bounds);
-        let free = difference(area, &near(&self.tight[j]));
+        let dead = self.dead.get(j).unwrap_or(&self.closed[j]);
+        let free = difference(area, &near(dead));
         let to_bed = difference(&free, &near(&self.closed[j]));
         // Rounding leaves slivers, which vanish in two offsets.
         let to_part = offset(&difference(&free, &to_bed), -BESIDE, TOLERANCE);
@@ -175,9 +183,39 @@ impl<'a> Room<'a> {
     fn of(&self, foot: Foot) -> &[Solid<'static>] {
         match foot {
             Foot::Bed => &self.closed,
-            Foot::Part => &self.tight,
+            Foot::Part => &self.dead,
         }
     }
+}
+
+/// A post stands on the part if its middle is no farther outside of the part
+/// than this, mm: then most of a post's half lies on it.
+const ASTRIDE: Mm = 0.1;
+
+/// By layer, from where the middle of a branch gets down to nothing. `tight` is
+/// what is too near to the part, and `ends` gives where a branch can end right
+/// above something in a layer, besides the bed.
+fn no_way_down(
+    parts: Parts<'_>,
+    tight: &[Area],
+    settings: &Settings,
+    ends: impl Fn(usize) -> Option<Area>,
+) -> Vec<Area> {
+    let lean = settings.support.branch_angle.to_radians().tan();
+    let mut all: Vec<Area> = Vec::with_capacity(tight.len());
+    for (j, (tight, span)) in tight.iter().zip(parts.spans()).enumerate() {
+        crate::limits::check();
+        let reach = -lean * span.height();
+        let left = all.last().map(|below| offset(below, reach, TOLERANCE));
+        let left = left.filter(|left| !left.is_empty()).map(|left| {
+            ends(j).map_or(left.clone(), |ends| difference(&left, &ends))
+        });
+        all.push(match left {
+            None => tight.clone(),
+            Some(left) => thinned(union(tight, &left)),
+        });
+    }
+    all
 }
 
 /// Distance in the plane of a support from the part in the layers above and

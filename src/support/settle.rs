@@ -43,10 +43,13 @@ pub(super) fn settled(
             let on_support = below.as_ref().is_none_or(|below| {
                 let near =
                     below.iter().filter(|b| b.bounds.meets(piece.bounds));
-                rests_on(&piece, near.flat_map(|b| &b.all.rings))
+                rests_on(&piece.all, near.flat_map(|b| &b.all.rings))
             });
             if !on_support {
-                if !stands(&piece, j, parts, settings) {
+                // Supports from the plate do not stand on the part.
+                if settings.supports != Supports::Auto
+                    || !stands(&piece.all, j, parts)
+                {
                     continue;
                 }
                 let deeper = parts.heights.deeper(j);
@@ -68,34 +71,28 @@ pub(super) fn settled(
     slices
 }
 
-/// True if an island of layer `j` may stand on the part, and has it below.
-fn stands(
-    piece: &Piece,
-    j: usize,
-    parts: Parts<'_>,
-    settings: &Settings,
-) -> bool {
+/// True if an island of support in layer `j` has enough of the part below it to
+/// stand on.
+pub(super) fn stands(island: &Area, j: usize, parts: Parts<'_>) -> bool {
     // The layers right below may lie in the gap between support and part.
-    settings.supports == Supports::Auto
-        && parts
-            .heights
-            .gap_below(j)
-            .any(|k| rests_on(piece, &parts.outlines[k].rings))
+    let mut below = parts.heights.gap_below(j);
+    below.any(|k| rests_on(island, &parts.outlines[k].rings))
 }
 
 /// True if enough of an island lies on an area of these rings.
 fn rests_on<'a>(
-    piece: &Piece,
+    island: &Area,
     rings: impl IntoIterator<Item = &'a Ring>,
 ) -> bool {
-    let under = crop(rings, piece.bounds);
+    let bounds = island.bounds();
+    let under = crop(rings, bounds);
     if under.is_empty() {
         return false;
     }
-    let least = (REST.0 * piece.all.content()).min(REST.1);
+    let least = (REST.0 * island.content()).min(REST.1);
     // A few points mostly decide, and take much less time.
-    common(&piece.all, &under, piece.bounds) > 2.0 * least
-        || intersection(&piece.all, &under).content() >= least
+    common(island, &under, bounds) > 2.0 * least
+        || intersection(island, &under).content() >= least
 }
 
 /// About how much two areas have in common within a box.
@@ -116,21 +113,12 @@ mod tests {
     use super::*;
     use crate::plane::rect;
 
-    fn piece(all: &Area) -> Piece {
-        Piece {
-            all: all.clone(),
-            bounds: all.bounds(),
-            body: all.clone(),
-            interface: Area::EMPTY,
-        }
-    }
-
     #[test]
     fn an_island_rests_on_a_tenth_of_itself_or_a_third_of_a_square_millimetre()
     {
         let rests = |island: &Area, on: &Area| {
             let by_points = common(island, on, island.bounds());
-            (rests_on(&piece(island), &on.rings), by_points > 0.0)
+            (rests_on(island, &on.rings), by_points > 0.0)
         };
         let post = rect(0.0, 0.0, 1.0, 1.0);
         assert_eq!(rests(&post, &post), (true, true));

@@ -95,11 +95,11 @@ pub(super) fn grow(
                 attach(&mut branches, new, step);
             }
         }
-        let each: Vec<Area> = branches
-            .par_iter()
-            .map(|branch| branch.area(step))
-            .collect();
-        let rings = each.into_iter().flat_map(|area| area.rings).collect();
+        branches
+            .par_iter_mut()
+            .for_each(|branch| branch.printed = branch.area(step));
+        let rings = branches.iter().flat_map(|b| b.printed.rings.clone());
+        let rings = rings.collect();
         areas[j] = united(&Area { rings });
         // Grids take several times the memory of what they sort, and nothing
         // looks at layers above the branches again.
@@ -145,6 +145,7 @@ fn begun(
                 foot,
                 cell,
                 top,
+                printed: Area::EMPTY,
             });
         }
     };
@@ -423,6 +424,7 @@ mod tests {
             foot,
             cell,
             top: 1.0,
+            printed: Area::EMPTY,
         }
     }
 
