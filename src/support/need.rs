@@ -160,12 +160,13 @@ fn unbridged(
         outline: here,
         grid: OnceCell::new(),
         walls: f64::from(settings.walls) * settings.outer_wall_width(),
+        width: settings.outer_wall_width(),
     };
     let mut rings = Vec::new();
     for near in clusters(&around) {
         let all = intersection(&own.near(&near.area), &near.area);
         for gap in under.open(&all).islands() {
-            rings.extend(unspanned(gap, &rim, &under, settings).rings);
+            rings.extend(unspanned(gap, &rim, &under, held, settings).rings);
         }
     }
     large(intersection(&beyond, &unite(&Area { rings })), height)
@@ -175,23 +176,32 @@ fn unbridged(
 struct Rim<'a> {
     outline: &'a Area,
     grid: OnceCell<EdgeGrid>,
+    /// Width of all walls.
     walls: Mm,
+    /// Width of the outer one.
+    width: Mm,
 }
 
 impl Rim<'_> {
-    /// True if walls are printed in the middle of a line, across it.
-    fn crosses(&self, line: Segment) -> bool {
+    /// True if a wall is printed in the middle of a line, and is no bridge
+    /// there: it runs across the line, or its middle is held by `below`, which
+    /// is no farther away than `held`. Then its outer edge hangs in the air.
+    fn is_wall(&self, line: Segment, below: &EdgeGrid, held: Mm) -> bool {
         let of_outline = || EdgeGrid::new(self.outline, self.walls);
         let grid = self.grid.get_or_init(of_outline);
         let middle = line.from.midpoint(line.to);
-        let Some((edge, _)) = grid.nearest_edge(middle, self.walls) else {
+        let Some((edge, at)) = grid.nearest_edge(middle, self.walls) else {
             return false;
         };
         let (a, b) = grid.edge(edge);
-        let [wall, line] = [b - a, line.to - line.from];
-        let along = wall.normalize_or_zero();
-        let [on, off] = [along.dot(line), along.perp_dot(line)].map(f64::abs);
-        on < ALONG.to_radians().cos() * line.length() || off > DRIFT
+        let along = (b - a).normalize_or_zero();
+        let way = line.to - line.from;
+        let [on, off] = [along.dot(way), along.perp_dot(way)].map(f64::abs);
+        let wall = at + 0.5 * self.width * along.perp();
+        on < ALONG.to_radians().cos() * way.length()
+            || off > DRIFT
+            || below.contains(wall)
+            || below.nearest_edge(wall, held).is_some()
     }
 }
 
@@ -200,6 +210,7 @@ fn unspanned(
     gap: Area,
     rim: &Rim<'_>,
     below: &Neighbour<'_>,
+    reach: Mm,
     settings: &Settings,
 ) -> Area {
     let width = settings.bottom_skin_width();
@@ -222,7 +233,7 @@ fn unspanned(
     for (line, ends) in hung(&gap, grid, lines, width) {
         let length = line.from.distance(line.to);
         let held = ends == [true; 2] && length <= settings.bridge_max;
-        if held && !rim.crosses(line) {
+        if held && !rim.is_wall(line, grid, reach) {
             let aside = 0.51 * spacing * along.perp();
             let (a, b) = (line.from - width * along, line.to + width * along);
             spanned.push(vec![a - aside, b - aside, b + aside, a + aside]);
@@ -311,6 +322,31 @@ mod tests {
         let held = held(0.2, &Settings::default());
         let exact = (1.0 - 2.0 * held) * (14.0 - 2.0 * held);
         let found = over(&slit(8.7)).content();
+        assert!((found - exact).abs() < 0.1, "{found}, {exact}");
+    }
+
+    #[test]
+    fn a_wall_that_bends_in_beside_a_neck_is_no_bridge() {
+        // Two blocks with a neck between them, whose sides bend in, and which is
+        // wider by 0.5 mm on each side in the layer above.
+        let blocks =
+            union(&rect(-6.0, -5.0, -1.5, 5.0), &rect(1.5, -5.0, 6.0, 5.0));
+        let neck = |half: f64| {
+            let side = |sign: f64| {
+                let at = move |k: i32| {
+                    let x = f64::from(k) / 10.0;
+                    let bend = 0.5 * (x / 1.5).powi(2);
+                    sign * DVec2::new(-x, half + bend)
+                };
+                (-16..=16).map(at)
+            };
+            let all = side(1.0).chain(side(-1.0)).collect();
+            union(&blocks, &Area { rings: vec![all] })
+        };
+        let (here, below) = (neck(1.5), neck(1.0));
+        let held = held(0.2, &Settings::default());
+        let exact = difference(&here, &offset(&below, held, 1e-3)).content();
+        let found = of(&here, &below).content();
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
     }
 
