@@ -94,6 +94,14 @@ fn changes_of_the_page_are_sliced() {
             && state["fault"].is_null()
             && state["model"]["parameters"][0]["name"] == "size"
     });
+    // Once it is back, it has the value that the page gave it. An editor that
+    // empties the file before it writes it takes the parameter away for a moment.
+    fs::write(folder.path().join("cup.rhai"), "").unwrap();
+    watch.state(|state| state["fault"].is_object());
+    fs::write(folder.path().join("cup.rhai"), CUP).unwrap();
+    let state = watch
+        .state(|state| state["busy"].is_null() && state["fault"].is_null());
+    assert_eq!(state["model"]["size"][0], 6.0);
 }
 
 /// While a part is sliced, there is a glimpse of the layer that a page shows.

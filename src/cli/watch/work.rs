@@ -118,19 +118,21 @@ fn make(
         }
     });
     let settings = &gathered.settings;
-    let model = match choice.model(&job.model).load(settings) {
-        Ok(model) => model,
-        // What the command line sets and no script ever had is a mistake.
-        Err(error) => match no_longer_there(&error, choice)
-            .filter(|_| session.lock().model.is_some())
-        {
-            // The script has lost a parameter that the page had changed.
-            Some(name) => {
-                session.want(|state| drop(state.choice.define.remove(&name)));
-                return Ok(());
-            }
-            None => return Err(error),
-        },
+    let mut found = choice.clone();
+    let model = loop {
+        match found.model(&job.model).load(settings) {
+            Ok(model) => break model,
+            // What the command line sets and no script ever had is a mistake.
+            Err(error) => match no_longer_there(&error, &found)
+                .filter(|_| session.lock().model.is_some())
+            {
+                // The script has lost a parameter that the page had changed.
+                // The change stays, since the script may have the parameter
+                // again: some editors empty a file before they write it.
+                Some(name) => drop(found.define.remove(&name)),
+                None => return Err(error),
+            },
+        }
     };
     let glimpse = glimpse(session, job, &gathered, &model);
     let shown = show(session, job, model, glimpse, wanted)?;
