@@ -84,9 +84,9 @@ fn changes_of_the_page_are_sliced() {
     let state = watch.state(|state| state["fault"].is_object());
     let text = state["fault"]["text"].as_str().unwrap();
     assert!(text.contains("mine.toml"), "{text}");
-    // A parameter that the script no longer has does not block it.
+    // Parameters that the script no longer has do not block it.
     fs::write(folder.path().join("mine.toml"), "walls = 2\n").unwrap();
-    watch.post("change", r#"{"define": {"radius": "3"}}"#);
+    watch.post("change", r#"{"define": {"radius": "3", "old": "1"}}"#);
     let plain = CUP.replace("\"radius\"", "\"size\"");
     fs::write(folder.path().join("cup.rhai"), plain).unwrap();
     watch.state(|state| {

@@ -13,8 +13,7 @@
 //! turn first. Between two ends that lie beside each other both strokes are
 //! shortened, so that the way across is no steeper than about 25° where they
 //! are long enough, and there is as much material as before. An end that is
-//! left over is shortened until it does not lie on another stroke, or on its own
-//! one.
+//! left over is shortened until it lies on no stroke, its own included.
 
 use crate::bead::Stroke;
 use crate::plane::grid::{EdgeGrid, nearest_on};
@@ -52,7 +51,7 @@ const SHARE: f64 = 0.4;
 /// of that one's width: a little less than half, since the end is round.
 const STOP: f64 = 0.4;
 /// How far along a stroke a piece is from its end, as a multiple of the width, if
-/// the end can lie on that piece: of nearer pieces the end is the continuation.
+/// the end can lie on that piece. Nearer pieces lead to the end.
 const OWN: f64 = 3.0;
 /// Strokes whose ends lie on others are left out if what is left of them is
 /// shorter than this share of their width.

@@ -79,8 +79,8 @@ pub(super) struct Branch {
     pub top: Mm,
     /// Area of what it holds.
     pub held: Mm2,
-    /// What is printed of it in the layer, once that is known. Until then it is
-    /// what is printed in the layer above.
+    /// What is printed of it in the last layer that is done. Empty until one
+    /// is.
     pub printed: Area,
 }
 
@@ -107,7 +107,6 @@ impl Branch {
         let mut rings = std::mem::take(&mut self.core.rings);
         rings.extend(other.core.rings);
         self.core = unite(&Area { rings });
-        self.printed = union(&self.printed, &other.printed);
         if self.core.islands().len() > 1 {
             // The beads of the islands overlap, so what is between them is
             // printed.
@@ -127,7 +126,6 @@ impl Branch {
     pub(super) fn meet(&mut self, other: &Branch) {
         let at = self.middle().midpoint(other.middle());
         self.core.rings = vec![disc(at, POINT)];
-        self.printed = union(&self.printed, &other.printed);
         self.top = self.top.max(other.top);
         self.held += other.held;
     }
@@ -157,7 +155,7 @@ impl Branch {
         let piece = |core: Area| Branch {
             held: self.held * core.content() / whole,
             core,
-            printed: self.printed.clone(),
+            printed: Area::EMPTY,
             ..self
         };
         pieces.into_iter().map(piece).collect()
@@ -234,9 +232,9 @@ impl Branch {
         self.core = finely(core);
     }
 
-    /// True if the branch can end above a layer. A post has to have enough of
-    /// the part below it: one that touches the part with its edge alone goes
-    /// on down beside it.
+    /// True if the branch, of which the layer above is printed, can end there. A
+    /// post needs enough of the part below it to stand on. A post that touches the
+    /// part with its edge alone goes on down beside the part.
     fn can_land(&self, step: Step<'_>) -> bool {
         self.foot == Foot::Part
             && (!self.is_post()

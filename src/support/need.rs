@@ -172,20 +172,20 @@ fn unbridged(
     large(intersection(&beyond, &unite(&Area { rings })), height)
 }
 
-/// The rim of a layer, and how wide the walls are that follow it.
+/// The rim of a layer, and the walls that follow it.
 struct Rim<'a> {
     outline: &'a Area,
     grid: OnceCell<EdgeGrid>,
     /// Width of all walls.
     walls: Mm,
-    /// Width of the outer one.
+    /// Width of one wall.
     width: Mm,
 }
 
 impl Rim<'_> {
-    /// True if a wall is printed in the middle of a line, and is no bridge
-    /// there: it runs across the line, or its middle is held by `below`, which
-    /// is no farther away than `held`. Then its outer edge hangs in the air.
+    /// True if a wall is printed in the middle of a line and is no bridge there.
+    /// Such a wall runs across the line, or its own middle is in `below` or no
+    /// farther from it than `held`: then only its outer edge hangs in the air.
     fn is_wall(&self, line: Segment, below: &EdgeGrid, held: Mm) -> bool {
         let of_outline = || EdgeGrid::new(self.outline, self.walls);
         let grid = self.grid.get_or_init(of_outline);
@@ -197,7 +197,8 @@ impl Rim<'_> {
         let along = (b - a).normalize_or_zero();
         let way = line.to - line.from;
         let [on, off] = [along.dot(way), along.perp_dot(way)].map(f64::abs);
-        let wall = at + 0.5 * self.width * along.perp();
+        let number = (middle.distance(at) / self.width).floor();
+        let wall = at + (number + 0.5) * self.width * along.perp();
         on < ALONG.to_radians().cos() * way.length()
             || off > DRIFT
             || below.contains(wall)
@@ -205,7 +206,8 @@ impl Rim<'_> {
     }
 }
 
-/// What bridges do not span of a gap.
+/// What bridges do not span of a gap. What is `below` holds what is no farther
+/// away than `reach`.
 fn unspanned(
     gap: Area,
     rim: &Rim<'_>,

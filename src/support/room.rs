@@ -13,8 +13,10 @@
 //! That area shrinks upwards by what a branch may lean in a layer:
 //! closed(j) = taken(j) ∪ (closed(j − 1) shrunk by h·tan(angle)).
 //!
-//! A branch that may stand on the part can end in the air as well, between two
-//! walls: there the area is without what it can stand on in that layer.
+//! A branch that may stand on the part can end in the air between two walls of
+//! the part. A second area keeps it out of there:
+//! dead(j) = taken(j) ∪ (dead(j − 1) shrunk by h·tan(angle), without the places
+//! where a branch can stand on the part).
 
 use super::TOLERANCE;
 use super::parts::Parts;
@@ -188,18 +190,18 @@ impl<'a> Room<'a> {
     }
 }
 
-/// A post stands on the part if its middle is no farther outside of the part
-/// than this, mm: then most of a post's half lies on it.
+/// A post can stand on the part if its middle is no farther outside of the part
+/// than this, mm. More than a third of the thinnest post lies on the part then.
 const ASTRIDE: Mm = 0.1;
 
-/// By layer, from where the middle of a branch gets down to nothing. `tight` is
-/// what is too near to the part, and `ends` gives where a branch can end right
-/// above something in a layer, besides the bed.
+/// By layer, from where no way leads the middle of a branch down to something
+/// that it can stand on. That is the bed, and in layer `j` what `lands(j)` gives.
+/// `tight` is what is too near to the part.
 fn no_way_down(
     parts: Parts<'_>,
     tight: &[Area],
     settings: &Settings,
-    ends: impl Fn(usize) -> Option<Area>,
+    lands: impl Fn(usize) -> Option<Area>,
 ) -> Vec<Area> {
     let lean = settings.support.branch_angle.to_radians().tan();
     let mut all: Vec<Area> = Vec::with_capacity(tight.len());
@@ -207,8 +209,10 @@ fn no_way_down(
         crate::limits::check();
         let reach = -lean * span.height();
         let left = all.last().map(|below| offset(below, reach, TOLERANCE));
-        let left = left.filter(|left| !left.is_empty()).map(|left| {
-            ends(j).map_or(left.clone(), |ends| difference(&left, &ends))
+        let left = left.filter(|left| !left.is_empty());
+        let left = left.map(|left| match lands(j) {
+            None => left,
+            Some(lands) => difference(&left, &lands),
         });
         all.push(match left {
             None => tight.clone(),

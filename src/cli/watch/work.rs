@@ -118,21 +118,18 @@ fn make(
         }
     });
     let settings = &gathered.settings;
-    let mut found = choice.clone();
-    let model = loop {
-        match found.model(&job.model).load(settings) {
-            Ok(model) => break model,
-            // What the command line sets and no script ever had is a mistake.
-            Err(error) => match no_longer_there(&error, &found)
-                .filter(|_| session.lock().model.is_some())
-            {
-                // The script has lost a parameter that the page had changed.
-                // The change stays, since the script may have the parameter
-                // again: some editors empty a file before they write it.
-                Some(name) => drop(found.define.remove(&name)),
-                None => return Err(error),
-            },
-        }
+    let model = match choice.model(&job.model).load(settings) {
+        Ok(model) => model,
+        // What the command line sets and no script ever had is a mistake.
+        Err(error) => match still_there(&error, choice)
+            .filter(|_| session.lock().model.is_some())
+        {
+            // The session keeps the changes of lost parameters, since the script
+            // may have them again: some editors empty a file before they write
+            // it.
+            Some(choice) => choice.model(&job.model).load(settings)?,
+            None => return Err(error),
+        },
     };
     let glimpse = glimpse(session, job, &gathered, &model);
     let shown = show(session, job, model, glimpse, wanted)?;
@@ -163,8 +160,9 @@ fn make(
     Ok(())
 }
 
-/// The parameter that the page has changed and the script does not have.
-fn no_longer_there(error: &anyhow::Error, choice: &Choice) -> Option<String> {
+/// The choice without the parameters that the script does not have, if the error
+/// is that it lacks one of them.
+fn still_there(error: &anyhow::Error, choice: &Choice) -> Option<Choice> {
     let of_load = error.chain().find_map(|e| e.downcast_ref::<LoadError>())?;
     let error = match of_load {
         LoadError::Param { error, .. } => &**error,
@@ -174,12 +172,13 @@ fn no_longer_there(error: &anyhow::Error, choice: &Choice) -> Option<String> {
         },
         _ => return None,
     };
-    match error {
-        ParamError::Unknown { name, .. } => {
-            choice.define.contains_key(name).then(|| name.clone())
-        }
-        _ => None,
-    }
+    let ParamError::Unknown { name, known, .. } = error else {
+        return None;
+    };
+    choice.define.get(name)?;
+    let mut choice = choice.clone();
+    choice.define.retain(|name, _| known.contains(name));
+    Some(choice)
 }
 
 /// The moves of some G-code in the form that pages get.
