@@ -75,6 +75,8 @@ class Service:
             self.process.wait(20)
         except subprocess.TimeoutExpired:
             self.process.kill()
+            # Until it is gone, its port still answers.
+            self.process.wait()
         self.log.close()
 
 
