@@ -10,6 +10,8 @@ use common::{
 };
 use glam::{DVec2, DVec3};
 use isoslice::settings::Settings;
+use rstar::primitives::{GeomWithData, Line};
+use rstar::{AABB, RTree};
 use std::f64::consts::{PI, TAU};
 
 const TOP: &str = "Top solid infill";
@@ -181,6 +183,9 @@ fn centre(s: &Settings) -> DVec2 {
     0.5 * DVec2::new(number(s, "printer.bed_x"), number(s, "printer.bed_y"))
 }
 
+/// More than half the width of any line here, mm.
+const REACH: f64 = 0.9;
+
 fn roles_are_exact(case: &Case, assignments: &[&str]) {
     let settings = settings(assignments);
     let s = &settings;
@@ -189,7 +194,20 @@ fn roles_are_exact(case: &Case, assignments: &[&str]) {
     let count = layers.len() as i64;
     let mut seen = [0; 6];
     for (i, layer) in layers.iter().enumerate() {
-        let prints: Vec<&Move> = layer.prints().collect();
+        let line = |m: &'_ Move| {
+            let (a, b) = m.ends();
+            Line::new(a.to_array(), b.to_array())
+        };
+        let prints = layer.prints().map(|m| GeomWithData::new(line(m), m));
+        let prints = RTree::bulk_load(prints.collect());
+        // Everything that a question here can be about.
+        let around = |p: DVec2| {
+            let p = p + centre(s);
+            let (low, high) = ((p - REACH).to_array(), (p + REACH).to_array());
+            prints
+                .locate_in_envelope_intersecting(&AABB::from_corners(low, high))
+                .map(move |print| (print.data, distance(print.data, p)))
+        };
         for k in 0..60 * 60 {
             let at = DVec2::new(f64::from(k % 60), f64::from(k / 60));
             let p = at * 0.83 - 25.0;
@@ -199,18 +217,18 @@ fn roles_are_exact(case: &Case, assignments: &[&str]) {
                 continue;
             };
             let near = |roles: &[&str], reach: f64| {
-                prints.iter().any(|m| {
-                    roles.contains(&m.role)
-                        // Where lines are wider, they are farther apart.
-                        && distance(m, p + centre(s))
-                            < reach.max(0.5 * m.width + 0.02)
+                around(p).any(|(m, distance)| {
+                    // Where lines are wider, they are farther apart.
+                    let reach = reach.max(0.5 * m.width + 0.02);
+                    assert!(reach < REACH);
+                    roles.contains(&m.role) && distance < reach
                 })
             };
             // Half a line's spacing and what lines overlap.
             let half = 0.5 * 0.45 + 0.02;
             let right = match own {
                 Place::Outside => {
-                    !prints.iter().any(|m| distance(m, p + centre(s)) < 0.5)
+                    around(p).all(|(_, distance)| distance >= 0.5)
                 }
                 Place::Hanging => near(&[SOLID, BRIDGE], half),
                 Place::Bottom | Place::Internal => near(&[SOLID], half),
@@ -222,10 +240,8 @@ fn roles_are_exact(case: &Case, assignments: &[&str]) {
                 "{} layer {}: {own:?} at {p}, {:?}",
                 case.name,
                 i + 1,
-                prints
-                    .iter()
-                    .filter(|m| distance(m, p + centre(s)) < 0.5)
-                    .map(|m| (m.role, distance(m, p + centre(s))))
+                around(p)
+                    .map(|(m, distance)| (m.role, distance))
                     .collect::<Vec<_>>(),
             );
             seen[own as usize] += 1;

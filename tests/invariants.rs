@@ -10,8 +10,8 @@ mod common;
 use common::edges::Edges;
 use common::filament_area;
 use common::{
-    Example, INNER_WALL, Kind, Layer, Move, OUTER_WALL, SKIRT, examples,
-    formula, number, parse, settings, slice,
+    Example, INNER_WALL, Kind, Layer, Move, OUTER_WALL, SKIRT, example,
+    examples, formula, number, parse, settings, slice,
 };
 use glam::{DVec2, DVec3};
 use isocontour::Area;
@@ -353,10 +353,7 @@ fn the_skirt_keeps_off_the_part() {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let by_name = |name: &str| {
-        let example = examples().into_iter().find(|e| e.name == name);
-        example.unwrap().place(COARSE)
-    };
+    let by_name = |name: &str| example(name).place(COARSE);
     let fine = settings(&["sample_spacing=0.2", "retract.z_hop=0.2"]);
     let vase = "max(abs(sqrt(x^2+y^2) - 4 - sin(z/2) - 0.1*x) - 0.6, \
                 abs(z) - 10)";

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::slice_layers;
+use common::{Example, slice_layers};
 use isoslice::model::Model;
 use isoslice::pipeline::{self, Options};
 use isoslice::settings::Settings;
@@ -66,8 +66,11 @@ const COARSE: [&str; 3] =
     ["sample_spacing=0.6", "accuracy=0.1", "retract.z_hop=0.3"];
 
 fn check_example(name: &str, layer_height: &str, cuts: &[usize]) {
-    let examples = common::examples();
-    let example = examples.iter().find(|e| e.name == name).unwrap();
+    let example = common::example(name);
+    check_with(&example, layer_height, cuts);
+}
+
+fn check_with(example: &Example, layer_height: &str, cuts: &[usize]) {
     let height = format!("layer_height={layer_height}");
     let mut all = COARSE.to_vec();
     all.push(&height);
@@ -168,7 +171,9 @@ fn several_bodies() {
 
 #[test]
 fn a_lattice() {
-    check_example("lattice-part", "0.3", &[45]);
+    let mut small = common::example("lattice-part");
+    small.define("radius", "13");
+    check_with(&small, "0.3", &[45]);
 }
 
 /// Layers without anything in them, before the part and between its pieces;

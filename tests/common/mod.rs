@@ -175,7 +175,18 @@ pub fn examples() -> Vec<Example> {
     files.iter().map(|file| Example::read(file)).collect()
 }
 
+/// The example of this name.
+pub fn example(name: &str) -> Example {
+    let named = |e: &Example| e.name == name;
+    examples().into_iter().find(named).unwrap()
+}
+
 impl Example {
+    /// Gives a parameter of its script another value.
+    pub fn define(&mut self, name: &str, value: &str) {
+        self.defines.push((name.into(), value.into()));
+    }
+
     fn read(file: &Path) -> Example {
         let text = std::fs::read_to_string(file).unwrap();
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
