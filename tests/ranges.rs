@@ -63,7 +63,7 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
 
 /// Coarse enough to be quick, with several slabs of layers.
 const COARSE: [&str; 3] =
-    ["sample_spacing=0.6", "accuracy=0.1", "retract.z_hop=0.3"];
+    ["sample_spacing=0.6", "accuracy=0.05", "retract.z_hop=0.3"];
 
 fn check_example(name: &str, layer_height: &str, cuts: &[usize]) {
     let example = common::example(name);
