@@ -11,7 +11,6 @@ import http.client
 import json
 import os
 import pathlib
-import signal
 import socket
 import subprocess
 import sys
@@ -70,7 +69,8 @@ class Service:
         return self
 
     def __exit__(self, *_):
-        self.process.send_signal(signal.SIGINT)
+        # A shell in the background lets its children ignore SIGINT.
+        self.process.terminate()
         try:
             self.process.wait(20)
         except subprocess.TimeoutExpired:

@@ -161,7 +161,7 @@ mod tests {
             let rest = Interval::new(-0.5, 0.5);
             let mut ranges = Boxes::default();
             let input = |s: usize| if s == slot { x } else { rest };
-            let (range, trace) = ranges.range(f, input);
+            let (range, trace) = ranges.range(f, &input);
             let simpler = trace.map(|trace| {
                 let (storage, mut ws) = Default::default();
                 f.simplify(trace, storage, &mut ws).unwrap()

@@ -86,7 +86,7 @@ impl Boxes {
     pub(crate) fn range(
         &mut self,
         f: &VmFunction,
-        input: impl Fn(usize) -> Interval,
+        input: &dyn Fn(usize) -> Interval,
     ) -> (Interval, Option<&VmTrace>) {
         let tape = f.data().asm();
         self.ranges.resize(tape.slot_count(), [Interval::ANYTHING]);
@@ -115,7 +115,7 @@ impl Boxes {
     pub(crate) fn slope(
         &mut self,
         f: &VmFunction,
-        input: impl Fn(usize) -> Slope,
+        input: &dyn Fn(usize) -> Slope,
     ) -> Slope {
         let tape = f.data().asm();
         self.slopes.resize(tape.slot_count(), [Slope::splat(0.0)]);
@@ -172,7 +172,7 @@ fn zero(a: Interval) -> Choice {
 
 /// The range of a function of one variable.
 pub(crate) fn range_of(f: &VmFunction, over: Interval) -> Interval {
-    Boxes::default().range(f, |_| over).0
+    Boxes::default().range(f, &|_| over).0
 }
 
 /// The bounds of a coordinate, number `axis`, over a box.
@@ -182,7 +182,7 @@ pub(crate) fn coordinate(over: Interval, axis: usize) -> Slope {
 
 /// The bounds of a function of one variable, coordinate number `axis`.
 pub(crate) fn slope_of(f: &VmFunction, over: Interval, axis: usize) -> Slope {
-    Boxes::default().slope(f, |_| coordinate(over, axis))
+    Boxes::default().slope(f, &|_| coordinate(over, axis))
 }
 
 #[cfg(test)]
@@ -236,7 +236,7 @@ mod tests {
                     let lo = lo[axis];
                     Interval::new(f64::from(lo), f64::from(lo + size))
                 };
-                let (range, trace) = ranges.range(&f, input);
+                let (range, trace) = ranges.range(&f, &input);
                 let simpler = trace.map(|t| {
                     simplified += 1;
                     f.simplify(t, Default::default(), &mut Default::default())
@@ -270,7 +270,7 @@ mod tests {
         let wild = (x.clone() * 1e4).exp() - (y * 1e4).exp();
         let f = function(&wild.max(x));
         let (range, _) =
-            Boxes::default().range(&f, |_| Interval::new(0.5, 2.0));
+            Boxes::default().range(&f, &|_| Interval::new(0.5, 2.0));
         assert!(range.nan && range.lo <= 0.5 && range.hi == f64::INFINITY);
     }
 
@@ -310,7 +310,7 @@ mod tests {
                     let (lo, hi) = (lo[a], lo[a] + size[a]);
                     coordinate(Interval::new(lo.into(), hi.into()), a)
                 };
-                let slope = Boxes::default().slope(&f, input);
+                let slope = Boxes::default().slope(&f, &input);
                 total += 1;
                 if !slope.d.iter().all(|d| d.is_finite() && !d.nan) {
                     continue;

@@ -135,7 +135,7 @@ impl Lanes {
         &mut self,
         f: &VmFunction,
         count: usize,
-        input: impl Fn(usize, usize) -> Interval,
+        input: &dyn Fn(usize, usize) -> Interval,
         out: &mut Vec<Option<Interval>>,
     ) {
         let tape = f.data().asm();
@@ -159,7 +159,7 @@ impl Lanes {
         &mut self,
         f: &VmFunction,
         count: usize,
-        input: impl Fn(usize, usize) -> Slope,
+        input: &dyn Fn(usize, usize) -> Slope,
         out: &mut Vec<Option<Slope>>,
     ) {
         let tape = f.data().asm();
@@ -277,15 +277,15 @@ impl WithSimd for Slopes<'_> {
     }
 }
 
-struct Ranges<'a, I> {
+struct Ranges<'a> {
     tape: &'a RegTape,
     registers: &'a mut [SpanRegister],
-    input: I,
+    input: &'a dyn Fn(usize, usize) -> Interval,
     count: usize,
     out: &'a mut Vec<Option<Interval>>,
 }
 
-impl<I: Fn(usize, usize) -> Interval> WithSimd for Ranges<'_, I> {
+impl WithSimd for Ranges<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -312,15 +312,15 @@ impl<I: Fn(usize, usize) -> Interval> WithSimd for Ranges<'_, I> {
     }
 }
 
-struct Bounds<'a, I> {
+struct Bounds<'a> {
     tape: &'a RegTape,
     registers: &'a mut [BoundRegister],
-    input: I,
+    input: &'a dyn Fn(usize, usize) -> Slope,
     count: usize,
     out: &'a mut Vec<Option<Slope>>,
 }
 
-impl<I: Fn(usize, usize) -> Slope> WithSimd for Bounds<'_, I> {
+impl WithSimd for Bounds<'_> {
     type Output = ();
 
     #[inline(always)]

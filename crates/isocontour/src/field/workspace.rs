@@ -87,7 +87,7 @@ impl<'a> Workspace<'a> {
         self.lanes.ranges(
             &expr.f,
             boxes.len(),
-            |slot, k| axes.over(sources.get(slot), level, boxes[k]),
+            &|slot, k| axes.over(sources.get(slot), level, boxes[k]),
             &mut found,
         );
         let mut kept = 0;
@@ -122,7 +122,7 @@ impl<'a> Workspace<'a> {
     ) -> Result<Proof, FieldError> {
         let sources = &self.sources;
         let input = |slot: usize| axes.over(sources.get(slot), level, at);
-        let (range, trace) = self.alone.range(&expr.f, input);
+        let (range, trace) = self.alone.range(&expr.f, &input);
         // A field that is nowhere below zero has no inside, even where it
         // touches zero.
         if !range.nan && (range.lo >= 0.0 || range.hi < 0.0) {
@@ -164,7 +164,7 @@ impl<'a> Workspace<'a> {
                     let f = &self.parts[a][p];
                     let over = |_: usize, k: usize| coordinate(boxes[k][a], a);
                     found.clear();
-                    lanes.bounds(f, boxes.len(), over, &mut found);
+                    lanes.bounds(f, boxes.len(), &over, &mut found);
                     bounds.extend(boxes.iter().zip(&found).map(
                         |(b, found)| {
                             found.unwrap_or_else(|| slope_of(f, b[a], a))
@@ -176,11 +176,11 @@ impl<'a> Workspace<'a> {
         let bounds = &self.bounds;
         let over = |slot: usize, k: usize| bounds[slot][k];
         found.clear();
-        lanes.bounds(&expr.f, boxes.len(), over, &mut found);
+        lanes.bounds(&expr.f, boxes.len(), &over, &mut found);
         out.clear();
         for (k, found) in found.into_iter().enumerate() {
             let boxes = &mut self.alone;
-            let alone = || boxes.slope(&expr.f, |slot| over(slot, k));
+            let alone = || boxes.slope(&expr.f, &|slot| over(slot, k));
             out.push(Bound::new(found.unwrap_or_else(alone)));
         }
     }

@@ -440,9 +440,9 @@ mod tests {
             let mut bounds = Vec::new();
             let mut lanes = Lanes::default();
             let over = |slot: usize, k: usize| boxes[k][slot];
-            lanes.ranges(&f, boxes.len(), over, &mut found);
+            lanes.ranges(&f, boxes.len(), &over, &mut found);
             let slope = |slot, k| coordinate(over(slot, k), slot);
-            lanes.bounds(&f, boxes.len(), slope, &mut bounds);
+            lanes.bounds(&f, boxes.len(), &slope, &mut bounds);
             assert_eq!([found.len(), bounds.len()], [boxes.len(); 2]);
             // The two agree but for rounding.
             let same = |a: Interval, b: Interval| {
@@ -452,13 +452,13 @@ mod tests {
                 !a.nan && !b.nan && near(a.lo, b.lo) && near(a.hi, b.hi)
             };
             for (k, b) in boxes.iter().enumerate() {
-                let (alone, _) = Boxes::default().range(&f, |slot| b[slot]);
+                let (alone, _) = Boxes::default().range(&f, &|slot| b[slot]);
                 if let Some(found) = found[k] {
                     known += 1;
                     assert!(same(found, alone), "{found:?}, {alone:?}");
                 }
                 let slope = Boxes::default()
-                    .slope(&f, |slot| coordinate(b[slot], slot));
+                    .slope(&f, &|slot| coordinate(b[slot], slot));
                 if let Some(found) = bounds[k] {
                     sloped += 1;
                     assert!(same(found.v, slope.v));

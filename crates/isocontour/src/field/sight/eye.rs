@@ -97,7 +97,7 @@ impl<'a> Eye<'a> {
         }
         let axes = &self.sight.axes;
         let extent = self.extent(at, size);
-        let (_, trace) = self.ranges.range(f, |slot| extent[axes[slot]]);
+        let (_, trace) = self.ranges.range(f, &|slot| extent[axes[slot]]);
         let own = match trace {
             Some(trace) => {
                 let storage = self.storage.pop().unwrap_or_default();
@@ -147,12 +147,12 @@ impl<'a> Eye<'a> {
             cubes.iter().map(|&at| self.extent(at, size)).collect();
         self.found.clear();
         let input = |slot: usize, k: usize| extents[k][axes[slot]];
-        self.lanes.ranges(f, cubes.len(), input, &mut self.found);
+        self.lanes.ranges(f, cubes.len(), &input, &mut self.found);
         let mut out = Vec::with_capacity(cubes.len());
         for (k, found) in self.found.iter().enumerate() {
             let range = match found {
                 Some(range) => *range,
-                None => self.ranges.range(f, |slot| input(slot, k)).0,
+                None => self.ranges.range(f, &|slot| input(slot, k)).0,
             };
             let known = match range {
                 _ if range.lo >= 0.0 => Known::Empty,
