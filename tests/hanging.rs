@@ -138,7 +138,9 @@ fn a_bridge_holds_up_to_its_length() {
         );
         format!("min({deck}, {legs})")
     };
-    assert_eq!(hanging(&bridge(9.0)), Hanging::default());
+    assert_eq!(hanging(&bridge(4.5)), Hanging::default());
+    let far = run(&bridge(9.0), &["bridge_max=20"], "..", 1);
+    assert_eq!(far.hanging, Hanging::default());
     let long = hanging(&bridge(15.0));
     near(long.bridges.reach, 30.0, 0.01);
     near(long.bridges.area, 30.0 * 16.0, 0.02);

@@ -209,9 +209,10 @@ table::settings! {
         bridges: bool = true;
         /// How far a bridge's lines reach onto what holds them.
         bridge_anchor: Mm = 1.5, in 0.0..=20.0;
-        /// Longest bridge that the printer and the material can print; a longer
-        /// one gets a warning.
-        bridge_max: Mm = 20.0, in 0.0..=1000.0;
+        /// Longest bridge that the printer and the material can print. A longer
+        /// one is supported if supports are on, and gets a warning if not. With a
+        /// good fan PLA spans 20 mm or more.
+        bridge_max: Mm = 10.0, in 0.0..=1000.0;
         /// Material of bridges, as a share of what skin would get.
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Whether the lowest solid layer over sparse infill gets lines across
