@@ -9,12 +9,13 @@
 # OUTPUT  the file to write, .gcode or .bgcode
 # OPTION  options of isoslice for the model, its place and its settings
 #
-# isoslice has to be on each machine, of the same version. The model is copied
-# there, and the files of the ranges come back. A range that fails, or whose
-# machine goes away, is tried on another one. What the model reads besides, as
-# settings with --config, is named with FILES="a.toml b.toml" to be copied, too.
+# isoslice has to be on each machine, of the same version, and so has rsync, which
+# parallel copies with. The model is copied there, and the files of the ranges come
+# back. A range that fails, or whose machine goes away, is tried on another one; what
+# it had written stays there, in ~/isoslice-HOST-NUMBER. What the model reads besides,
+# as settings with --config, is named with FILES="a.toml b.toml" to be copied, too.
 set -euo pipefail
-[ $# -ge 4 ] || { sed -n '2,17s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 4 ] || { sed -n '2,18s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 hosts=$1 parts=$2 output=$3 model=$4
 shift 3
 kind=${output##*.}
