@@ -4,9 +4,11 @@
     benches/benchmark.py [--runs N] [--into FOLDER] [--quick]
 
 Needs cargo and, of Debian and Ubuntu, the packages prusa-slicer, python3-numpy
-and python3-matplotlib. It takes under an hour on two cores; nothing else should
-run meanwhile. `--quick` leaves out what takes more than a minute, which shows in
-a few minutes that all of it works.
+and python3-matplotlib. With cura-engine, and the definitions of its settings from
+the package cura (CURA_DEFINITIONS names their folder if it is another),
+CuraEngine slices the meshes of the ten models, too. It takes under an hour on two
+cores; nothing else should run meanwhile. `--quick` leaves out what takes more than
+a minute, which shows in a few minutes that all of it works.
 
 Ten models are formulas, of which this file, isoslice and the mesher read the
 same text. The round ones are given to PrusaSlicer as meshes within 3.5 um of the
@@ -19,6 +21,7 @@ import argparse
 import math
 import os
 import platform
+import shutil
 import struct
 import subprocess
 import sys
@@ -69,6 +72,31 @@ ISOSLICE = [
     "--set", "skirt.loops=1", "--set", "infill_density=15%",
     "--set", "top_thickness=0.8", "--set", "bottom_thickness=0.6",
 ]
+DEFINITIONS = os.environ.get(
+    "CURA_DEFINITIONS", "/usr/share/cura/resources/definitions")
+# On the command line CuraEngine does not work out settings from others, so all
+# that depend on the width, and what they come to, are here.
+CURA = ["CuraEngine", "slice",
+        "-j", os.path.join(DEFINITIONS, "fdmprinter.def.json")]
+for setting in (
+        "machine_width=400", "machine_depth=400", "machine_height=400",
+        "machine_nozzle_size=0.4", "material_diameter=1.75",
+        "layer_height=0.2", "layer_height_0=0.2",
+        *(f"{part}line_width=0.45" for part in (
+            "", "wall_", "skin_", "infill_", "skirt_brim_", "roofing_")),
+        "wall_line_width_0=0.45", "wall_line_width_x=0.45",
+        "wall_line_count=2", "wall_thickness=0.9",
+        "infill_sparse_density=15", "infill_pattern=lines",
+        "infill_line_distance=3", "infill_sparse_thickness=0.2",
+        "top_layers=4", "top_thickness=0.8", "bottom_layers=3",
+        "initial_bottom_layers=3", "bottom_thickness=0.6",
+        "skin_outline_count=0", "skin_overlap_mm=0.0225",
+        "infill_overlap_mm=0.045",
+        *(f"{part}skin_preshrink=0.9" for part in ("", "top_", "bottom_")),
+        *(f"{part}_expand_distance=0.9" for part in (
+            "expand_skins", "top_skin", "bottom_skin")),
+        "adhesion_type=skirt", "skirt_line_count=1"):
+    CURA += ["-s", setting]
 MESHER = os.path.join(BUILT, "through-mesh")
 
 
@@ -160,10 +188,14 @@ class Lines:
     walls: list = field(default_factory=list)
 
 
+# Names of outer walls. CuraEngine's all have the nominal width, and no WIDTH.
+OUTER = ("External perimeter", "WALL-OUTER")
+
+
 def read(path):
     lines = Lines(bytes=os.path.getsize(path))
     x = y = z = e = 0.0
-    role, width, relative = "", 0.0, False
+    role, width, relative = "", WIDTH, False
     with open(path, encoding="utf-8", errors="replace") as file:
         for line in file:
             if line.startswith(";TYPE:"):
@@ -190,7 +222,7 @@ def read(path):
             if fed > 0 and length > 0:
                 lines.moves += 1
                 # Walls of another width fill what is too thin for two.
-                if role == "External perimeter" and abs(width - WIDTH) < 0.002:
+                if role in OUTER and abs(width - WIDTH) < 0.002:
                     for k in range(math.ceil(length / 0.1)):
                         t = (k + 0.5) / math.ceil(length / 0.1)
                         lines.walls.append((x + t * (to[0] - x),
@@ -338,9 +370,16 @@ MODELS = [
 ]
 
 
+def has_cura():
+    """Whether CuraEngine and the definitions of its settings are there."""
+    return shutil.which(CURA[0]) is not None and os.path.exists(CURA[3])
+
+
 class Bench:
     def __init__(self, folder, runs):
         self.runs = runs
+        # How long the mesh took that was made last.
+        self.meshing = Runs()
         self.script, self.stl, self.gcode = (
             os.path.join(folder, name)
             for name in ("model.rhai", "model.stl", "model.gcode"))
@@ -354,12 +393,18 @@ class Bench:
         slicing = PRUSA + ["-o", self.gcode, self.stl]
         if model.round:
             turned(self.stl, *model.round)
-            return measured(slicing, self.runs)
-        self.write(model)
-        depth = math.ceil(math.log2(1.2 * model.size / model.cell))
-        meshing = measured([MESHER, self.script, self.stl, str(depth)],
-                           self.runs)
-        return meshing.plus(measured(slicing, self.runs))
+            self.meshing = Runs([0.0] * self.runs, [0.0] * self.runs)
+        else:
+            self.write(model)
+            depth = math.ceil(math.log2(1.2 * model.size / model.cell))
+            self.meshing = measured(
+                [MESHER, self.script, self.stl, str(depth)], self.runs)
+        return self.meshing.plus(measured(slicing, self.runs))
+
+    def cura(self, model):
+        """Slicing, with CuraEngine, of the mesh that was made last."""
+        return measured(CURA + ["-o", self.gcode, "-l", self.stl, "-s",
+                                f"mesh_position_z={-model.below}"], self.runs)
 
     def write(self, model):
         with open(self.script, "w", encoding="utf-8") as file:
@@ -412,8 +457,12 @@ def machine():
 
 
 def compared(bench):
-    """The table of the ten models, and what its picture needs."""
-    rows, ratios = [], []
+    """The tables of the ten models, and what their picture needs."""
+    rows, cura_rows, ratios = [], [], []
+    with_cura = has_cura()
+
+    def edge(off):
+        return "–" if off is None else f"{off[0]:+.1f} / {off[1]:.1f}"
     for model in MODELS:
         print(model.name, file=sys.stderr, flush=True)
         figures = []
@@ -425,16 +474,21 @@ def compared(bench):
         (ours, a, off), (theirs, b, their_off) = figures
         ratio = theirs.mean() / ours.mean()
         ratios.append((model.name, ratio))
-
-        def edge(off):
-            return "–" if off is None else f"{off[0]:+.1f} / {off[1]:.1f}"
         rows.append(
             f"| {model.name} | {ours.text()} | {theirs.text()} | {ratio:.0f} "
             f"| {ours.memory:.0f} | {theirs.memory:.0f} "
             f"| {a.bytes / 1e6:.2f} | {b.bytes / 1e6:.2f} "
             f"| {a.moves / 1e3:.1f} | {b.moves / 1e3:.1f} "
             f"| {edge(off)} | {edge(their_off)} |")
-    return rows, ratios
+        if with_cura:
+            runs = bench.meshing.plus(bench.cura(model))
+            lines = read(bench.gcode)
+            cura_rows.append(
+                f"| {model.name} | {runs.text()} "
+                f"| {runs.mean() / ours.mean():.0f} | {runs.memory:.0f} "
+                f"| {lines.bytes / 1e6:.2f} | {lines.moves / 1e3:.1f} "
+                f"| {edge(deviation(model, lines.walls))} |")
+    return rows, cura_rows, ratios
 
 
 def grown(bench, models, limit):
@@ -491,7 +545,7 @@ def main():
     began = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(folder, asked.runs)
-        rows, ratios = compared(bench)
+        rows, cura_rows, ratios = compared(bench)
         by_size = grown(bench, [
             (s, gyroid_ball(s, s / 4, s / 25)) for s in sizes], limit)
         by_cell = grown(bench, [
@@ -515,6 +569,19 @@ def main():
     axis.grid(axis="x", alpha=0.3)
     save(figure, os.path.join(pictures, "ratio.svg"))
 
+    cura = ""
+    if cura_rows:
+        cura = f"""
+
+### With CuraEngine
+
+The same meshes in {first_line([CURA[0], "help"])}, which is there if
+Debian's packages `cura-engine` and `cura` are, with the settings above. Meshing is counted as above, and the ratio is
+to isoslice's time.
+
+| model | time | ratio | memory | file | moves | edges |
+|---|---|---|---|---|---|---|
+""" + "\n".join(cura_rows)
     minutes = (time.monotonic() - began) / 60
     page = f"""# Benchmark
 
@@ -534,7 +601,7 @@ seconds, the mean and its 95 % confidence interval (Student's t).
 - Python {platform.python_version()}, NumPy {np.__version__}, Matplotlib {matplotlib.__version__}
 
 Layers of 0.2 mm, lines of 0.45 mm, two walls, 15 % rectilinear infill, four
-layers of skin above and three below, for both. CuraEngine is not compared.
+layers of skin above and three below, for both{", and for CuraEngine" if cura else ""}.{"" if cura else " CuraEngine is not compared."}
 
 ## Ten models
 
@@ -550,7 +617,7 @@ with cells of at most {CELL} mm, which is counted.
 
 | model | time | mesh | ratio | memory | mesh | file | mesh | moves | mesh | edges | mesh |
 |---|---|---|---|---|---|---|---|---|---|---|---|
-""" + "\n".join(rows) + f"""
+""" + "\n".join(rows) + cura + f"""
 
 ![Processor time by model](benchmark/ratio.svg)
 
