@@ -575,9 +575,8 @@ def main():
 
 ### With CuraEngine
 
-The same meshes in {first_line([CURA[0], "help"])}, which is there if
-Debian's packages `cura-engine` and `cura` are, with the settings above. Meshing is counted as above, and the ratio is
-to isoslice's time.
+The same meshes, sliced by {first_line([CURA[0], "help"])} with the settings above.
+Meshing is counted as above, and the ratio is to isoslice's time.
 
 | model | time | ratio | memory | file | moves | edges |
 |---|---|---|---|---|---|---|

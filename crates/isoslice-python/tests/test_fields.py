@@ -277,19 +277,11 @@ def test_stubs_tell_of_everything():
         assert name in "xyz" or value.__doc__, name
 
 
-def test_it_is_there_at_once():
-    """Importing takes at most 0.1 s."""
-    program = (
-        "import time; t = time.perf_counter(); import isoslice; "
-        "print(time.perf_counter() - t)"
-    )
+def test_importing_it_imports_nothing_slow():
+    """numpy alone would take longer than isoslice, and not all models need it."""
+    program = "import sys, isoslice; print(*sys.modules)"
     command = [sys.executable, "-c", program]
-    best = math.inf
-    # A busy machine may need some tries.
-    for _ in range(40):
-        run = subprocess.run(command, capture_output=True, check=True)
-        best = min(best, float(run.stdout))
-        if best <= 0.1:
-            break
-    print(f"importing isoslice takes {best:.3f} s")
-    assert best <= 0.1
+    run = subprocess.run(command, capture_output=True, check=True, text=True)
+    loaded = set(run.stdout.split())
+    assert "isoslice" in loaded
+    assert not loaded & {"numpy", "asyncio", "unittest", "IPython"}
