@@ -368,7 +368,8 @@ fn rafts_ears_shields_and_steps_are_settings_that_isoslice_takes() {
             "ears.json",
             r#"{"name": "ears", "type": "process", "inherits": "base",
                 "brim_type": "brim_ears", "overhang_reverse": "1",
-                "support_interface_pattern": "concentric"}"#,
+                "support_interface_pattern": "concentric",
+                "max_bridge_length": "12"}"#,
         ),
         (
             "deep/base.json",
@@ -396,6 +397,7 @@ fn rafts_ears_shields_and_steps_are_settings_that_isoslice_takes() {
                 "place = \"ears\"",
                 "ear_radius = 6",
                 "ear_angle = 120",
+                "bridge_max = 12",
                 "overhang_reverse = true",
                 "interface_pattern = \"concentric\"",
                 "seam_scarf = 10",

@@ -623,6 +623,13 @@ pub(super) static ROWS: &[Row] = &[
             make: Make(make::support_angle),
         },
     ),
+    // What needs no support, there as here.
+    row(
+        ORCA,
+        Print,
+        &["max_bridge_length"],
+        To("bridge_max", As::Number),
+    ),
     row(
         BOTH,
         Print,
@@ -1207,7 +1214,6 @@ pub(super) static ROWS: &[Row] = &[
             "dont_filter_internal_bridges",
             "dont_support_bridges",
             "bridge_no_support",
-            "max_bridge_length",
             "internal_bridge_support_thickness",
             "bridge_density",
             "internal_bridge_density",
