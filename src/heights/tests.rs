@@ -107,7 +107,7 @@ fn a_thread_on_a_shank_takes_a_quarter_fewer_layers() {
         // The shank's top is a face at which a layer ends.
         if z < 20.0 { 0.0 } else { level }
     });
-    // How level the thread is, is not proved but feared.
+    // What is proved of the thread is only that it is no more level than this.
     let steps = found.steps.unwrap();
     let share = found.spans.len() as f64 / steps.uniform_layers as f64;
     assert!(share <= 0.75, "{steps:?}: {}", found.spans.len());
