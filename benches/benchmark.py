@@ -188,7 +188,8 @@ class Lines:
     walls: list = field(default_factory=list)
 
 
-# Names of outer walls. CuraEngine's all have the nominal width, and no WIDTH.
+# Names of outer walls. CuraEngine gives all of them the nominal width, and its
+# files do not name it.
 OUTER = ("External perimeter", "WALL-OUTER")
 
 
@@ -463,6 +464,7 @@ def compared(bench):
 
     def edge(off):
         return "–" if off is None else f"{off[0]:+.1f} / {off[1]:.1f}"
+
     for model in MODELS:
         print(model.name, file=sys.stderr, flush=True)
         figures = []

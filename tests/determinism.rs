@@ -60,10 +60,9 @@ fn check(name: &str, extra: &[&str]) {
     let first = slice(&model, &settings, 1);
     assert!(first.matches(";LAYER_CHANGE").count() > 10, "{name}");
     for threads in [2, 7] {
-        // Each time from the script on.
         let (model, settings) = example.place(&all);
         let again = slice(&model, &settings, threads);
-        let what = format!("{name}, {threads} threads");
+        let what = format!("{name}, read again, {threads} threads");
         assert_same(&first, &again, &what);
     }
 }

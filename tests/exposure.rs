@@ -183,7 +183,8 @@ fn centre(s: &Settings) -> DVec2 {
     0.5 * DVec2::new(number(s, "printer.bed_x"), number(s, "printer.bed_y"))
 }
 
-/// More than half the width of any line here, mm.
+/// Lines farther from a place than this do not count there, mm: it is more than
+/// half the width of any line.
 const REACH: f64 = 0.9;
 
 fn roles_are_exact(case: &Case, assignments: &[&str]) {
@@ -194,13 +195,13 @@ fn roles_are_exact(case: &Case, assignments: &[&str]) {
     let count = layers.len() as i64;
     let mut seen = [0; 6];
     for (i, layer) in layers.iter().enumerate() {
-        let line = |m: &'_ Move| {
+        let line = |m: &Move| {
             let (a, b) = m.ends();
             Line::new(a.to_array(), b.to_array())
         };
         let prints = layer.prints().map(|m| GeomWithData::new(line(m), m));
         let prints = RTree::bulk_load(prints.collect());
-        // Everything that a question here can be about.
+        // The lines near a place, each with its distance from the place.
         let around = |p: DVec2| {
             let p = p + centre(s);
             let (low, high) = ((p - REACH).to_array(), (p + REACH).to_array());

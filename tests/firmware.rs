@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 /// Coarse enough to be quick, with all that a firmware can be told.
 const ALL: [&str; 11] = [
     "sample_spacing=0.6",
-    "accuracy=0.1",
+    "accuracy=0.05",
     "layer_height=0.3",
     "retract.firmware=true",
     "retract.z_hop=0.2",
@@ -124,7 +124,7 @@ fn each_example(
     all.push(&flavour);
     for example in examples() {
         let (model, settings) = example.place(&all);
-        let (gcode, _) = slice_layers(&model, &settings, "1..12", 2);
+        let (gcode, _) = slice_layers(&model, &settings, "1..24", 2);
         assert_known(&gcode, known);
         let count =
             |command| commands(&gcode).filter(|c| word(c) == command).count();

@@ -374,6 +374,7 @@ fn rafts_ears_shields_and_steps_are_settings_that_isoslice_takes() {
         (
             "deep/base.json",
             r#"{"name": "base", "type": "process", "brim_width": "6",
+                "max_bridge_length": "100000",
                 "brim_ears_max_angle": "120", "seam_slope_type": "all",
                 "seam_slope_min_length": "10",
                 "seam_slope_start_height": "20%"}"#,
@@ -405,6 +406,7 @@ fn rafts_ears_shields_and_steps_are_settings_that_isoslice_takes() {
                 "seam_scarf_start = 20",
             ],
         ),
+        ("deep/base.json", &["bridge_max = 1000"]),
     ] {
         let import = ["profiles", "import", file, "-o", "-"];
         assert_has(&output(dir.path(), &import), lines);

@@ -171,9 +171,10 @@ fn several_bodies() {
 
 #[test]
 fn a_lattice() {
+    // Smaller, but still of more than 128 layers, the length of a block.
     let mut small = common::example("lattice-part");
     small.define("radius", "13");
-    check_with(&small, "0.3", &[45]);
+    check_with(&small, "0.17", &[45]);
 }
 
 /// Layers without anything in them, before the part and between its pieces;

@@ -17,6 +17,9 @@ pub(crate) enum Pick {
 /// operation that passes one of them on, in the order of the operations. `v`
 /// are the registers: the tape's `slot_count` of them. `field::boxes` has the
 /// shortest calls.
+///
+/// The function is long, and is compiled once more for each type of its closures.
+/// So its callers take closures of their own by reference.
 #[inline(always)]
 pub(crate) fn run<T: Number, const N: usize>(
     tape: &RegTape,

@@ -978,6 +978,17 @@ pub(super) fn support_angle(given: &Given<'_>) -> Outcome {
     }
 }
 
+/// OrcaSlicer advises a very large length to those who want no bridge supported.
+pub(super) fn bridge_max(given: &Given<'_>) -> Outcome {
+    const MOST: f64 = 1000.0;
+    match number(given, &["max_bridge_length"]) {
+        Some(length) if length >= 0.0 => {
+            Outcome::of(vec![("bridge_max", length.min(MOST).into())])
+        }
+        _ => nothing("no length is given"),
+    }
+}
+
 pub(super) fn support_density(given: &Given<'_>) -> Outcome {
     let keys = [
         "support_material_extrusion_width",

@@ -623,12 +623,16 @@ pub(super) static ROWS: &[Row] = &[
             make: Make(make::support_angle),
         },
     ),
-    // What needs no support, there as here.
+    // In both slicers a bridge up to this length gets no supports.
     row(
         ORCA,
         Print,
         &["max_bridge_length"],
-        To("bridge_max", As::Number),
+        Made {
+            settings: &["bridge_max"],
+            how: "1000 mm at most",
+            make: Make(make::bridge_max),
+        },
     ),
     row(
         BOTH,
