@@ -120,17 +120,21 @@ impl Filler<'_> {
             None => return None,
         };
         let space = spacing(look.width, look.width, self.height);
-        let half = 0.5 * NESTED * space;
-        // An area that is all within `half` of its border has no more content
-        // than this, so the cheap comparison settles most wide areas.
-        let wide = island.content() > half * island.perimeter()
-            || !offset(island, -half, TOLERANCE).is_empty();
-        if wide || !self.bridged(island, sides).0.is_empty() {
+        if is_wider(island, NESTED * space)
+            || !self.bridged(island, sides).0.is_empty()
+        {
             return None;
         }
         let plan = Lay::inside(look.width, self.height, self.settings);
+        // A strip that nobody sees, as thin as one bead, is a gap that the
+        // walls have left.
+        let gap = !is_wider(island, plan.limit);
+        let role = |stroke: &Stroke| match sides.most(stroke) {
+            Role::InternalSkin if gap => Role::GapFill,
+            role => role,
+        };
         let strokes = concentric(island, plan, TOLERANCE).into_iter();
-        let rings = strokes.map(|l| self.bead(sides.most(&l), l));
+        let rings = strokes.map(|l| self.bead(role(&l), l));
         let ironing = || {
             let whole = offset(island, -plan.inner, TOLERANCE);
             self.ironing(&whole, sides)
@@ -372,6 +376,15 @@ impl Filler<'_> {
     fn bead(&self, role: Role, stroke: Stroke) -> Bead {
         Bead::new(role, stroke, self.height)
     }
+}
+
+/// True if some place of an area is wider than `width`.
+fn is_wider(area: &Area, width: Mm) -> bool {
+    let half = 0.5 * width;
+    // An area that is all within `half` of its border has no more content than
+    // this, so the cheap comparison settles most wide areas.
+    area.content() > half * area.perimeter()
+        || !offset(area, -half, TOLERANCE).is_empty()
 }
 
 /// The border of an area, if some of the lines are beside each other.
