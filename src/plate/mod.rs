@@ -277,10 +277,10 @@ impl Part {
     /// Where there may be supports, where the model was placed.
     pub(crate) fn room(&self) -> Rect {
         let printer = &self.settings.printer;
-        self.room.unwrap_or(Rect {
-            min: DVec2::ZERO,
-            max: DVec2::new(printer.bed_x, printer.bed_y),
-        })
+        self.room.unwrap_or(Rect::new(
+            DVec2::ZERO,
+            DVec2::new(printer.bed_x, printer.bed_y),
+        ))
     }
 
     /// The box of what stands on the bed, where the model was placed: the part
@@ -292,10 +292,7 @@ impl Part {
             _ => self.settings.raft.expansion,
         };
         let brim = brim_reach(&self.settings).max(raft);
-        Rect {
-            min: low.truncate() - brim,
-            max: high.truncate() + brim,
-        }
+        Rect::new(low.truncate() - brim, high.truncate() + brim)
     }
 }
 
@@ -303,10 +300,7 @@ impl Part {
     /// The box of what stands on the bed, for each place.
     fn feet(&self) -> impl Iterator<Item = Rect> {
         let foot = self.foot();
-        self.places.iter().map(move |place| Rect {
-            min: foot.min + place.shift,
-            max: foot.max + place.shift,
-        })
+        self.places.iter().map(move |place| foot.moved(place.shift))
     }
 
     /// How far the nearest of other boxes are, of which `all` are those on the
@@ -442,10 +436,10 @@ fn place_all(
         let bounds = parts[k].0.model.printed_bounds();
         Piece {
             name: name.clone(),
-            size: foot.max - foot.min,
+            size: foot.size(),
             // The middle of the part's box is that of its foot.
             at: wanted[i].at.map(|(x, y)| DVec2::new(x, y)),
-            body: (bounds.max - bounds.min).truncate(),
+            body: bounds.size().truncate(),
         }
     });
     let pieces: Vec<Piece> = pieces.collect();
@@ -455,7 +449,7 @@ fn place_all(
     for ((&(_, k), name), middle) in asked.iter().zip(names).zip(middles) {
         let part = &mut placed[k];
         let bounds = part.model.printed_bounds();
-        let alone = 0.5 * (bounds.min + bounds.max).truncate();
+        let alone = bounds.centre().truncate();
         let shift = ((middle - alone) / DIGIT).round() * DIGIT;
         part.places.push(PartPlace { name, shift });
     }
@@ -498,10 +492,7 @@ fn room(part: &Part, shifts: &[DVec2], free: Mm, bed: DVec2) -> Rect {
     const FREE: Mm = 0.5;
     let foot = part.foot();
     let around = (0.5 * (free - FREE)).max(0.0);
-    let mut room = Rect {
-        min: foot.min - around,
-        max: foot.max + around,
-    };
+    let mut room = Rect::new(foot.min - around, foot.max + around);
     for shift in shifts {
         room.min = room.min.max(-*shift);
         room.max = room.max.min(bed - *shift);

@@ -200,10 +200,7 @@ impl Part {
             area.min = area.min.min(room.min);
             area.max = area.max.max(room.max);
         }
-        Rect {
-            min: area.min + shift,
-            max: area.max + shift,
-        }
+        area.moved(shift)
     }
 }
 
@@ -219,9 +216,8 @@ mod tests {
 
     #[test]
     fn boxes_are_apart_by_their_corners_too() {
-        let rect = |x: f64, y: f64| Rect {
-            min: DVec2::new(x, y),
-            max: DVec2::new(x + 10.0, y + 10.0),
+        let rect = |x: f64, y: f64| {
+            Rect::new(DVec2::new(x, y), DVec2::new(x + 10.0, y + 10.0))
         };
         assert_eq!(distance(rect(0.0, 0.0), rect(13.0, 14.0)), 5.0);
         assert_eq!(distance(rect(13.0, 14.0), rect(0.0, 0.0)), 5.0);

@@ -139,10 +139,7 @@ mod tests {
             },
             moves: vec![Move::Print(bead), travel],
         };
-        let frame = Rect {
-            min: DVec2::ZERO,
-            max: DVec2::splat(10.0),
-        };
+        let frame = Rect::new(DVec2::ZERO, DVec2::splat(10.0));
         let svg = layer_svg(&path, frame);
         assert!(svg.contains("viewBox=\"0 0 14.000 14.000\""));
         assert!(svg.contains(

@@ -196,9 +196,7 @@ impl<'a> Exposure<'a> {
         let rings = sparse.into_iter().flat_map(|s| s.rings);
         FillAreas {
             skin,
-            sparse: Area {
-                rings: rings.collect(),
-            },
+            sparse: rings.collect(),
         }
     }
 
@@ -324,9 +322,7 @@ impl Slope<'_> {
         }
         // All islands at once: one at a time would be quadratic.
         let rings = candidates.iter().flat_map(|&i| &islands[i].rings);
-        let all = Area {
-            rings: rings.cloned().collect(),
-        };
+        let all: Area = rings.cloned().collect();
         // The open area is smaller than the area under slopes, so it is looked
         // at first.
         let covers: Option<Vec<Area>> = self
@@ -346,9 +342,7 @@ impl Slope<'_> {
         if open_beyond.is_empty() {
             return;
         }
-        let mut bounds = open_beyond.bounds();
-        bounds.min -= self.reach + 1.0;
-        bounds.max += self.reach + 1.0;
+        let bounds = open_beyond.bounds().grown(self.reach + 1.0);
         let here = crop(&outline.rings, bounds);
         let receded = open(&here, self.last.area());
         if receded.is_empty() {
@@ -459,9 +453,7 @@ fn less(area: &Area, islands: &[Area]) -> Area {
             difference(&part, &inside).rings
         }
     });
-    Area {
-        rings: rings.collect(),
-    }
+    rings.collect()
 }
 
 /// Least width of sparse infill between walls, in its lines.

@@ -397,7 +397,7 @@ mod tests {
         let ring = [(0.0, -y), (x, -y), (x, y), (0.0, y)]
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
-        Area { rings: vec![ring] }
+        Area::from(ring)
     }
 
     #[test]

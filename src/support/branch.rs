@@ -173,16 +173,12 @@ impl Branch {
                 let half = |other| 0.5 * (other - middle);
                 let way = other.map_or(DVec2::ZERO, half);
                 let at = middle + way.clamp_length_max(step.lean);
-                Area {
-                    rings: vec![disc(at, POINT)],
-                }
+                Area::from(disc(at, POINT))
             }
             false => {
                 let rings = self.core.rings.iter();
                 let pulled = rings.map(|r| pulled_in(r, middle, step.lean));
-                unite(&Area {
-                    rings: pulled.collect(),
-                })
+                unite(&pulled.collect())
             }
         };
         let bounds = pulled.bounds().union(self.core.bounds());
@@ -271,9 +267,7 @@ impl Branch {
         if far + size.core > post {
             return all();
         }
-        let disc = Area {
-            rings: vec![disc(middle, post)],
-        };
+        let disc = Area::from(disc(middle, post));
         // The part keeps this far away from the core, so that only what is
         // farther out has to be looked at.
         let beyond = post - size.core + 3.0 * TOLERANCE;
@@ -304,9 +298,7 @@ fn beside(area: &Area, to: DVec2) -> Area {
     let Some(at) = nearest else {
         return Area::EMPTY;
     };
-    let near = Area {
-        rings: vec![disc(at, 2.0 * POINT)],
-    };
+    let near = Area::from(disc(at, 2.0 * POINT));
     largest(intersection(area, &near))
 }
 
@@ -366,7 +358,5 @@ fn finely(core: Area) -> Area {
         let ring = if few_in > 0.5 * all_in { few } else { ring };
         (all_in > 1e-6).then_some(ring)
     };
-    Area {
-        rings: core.rings.into_iter().filter_map(fine).collect(),
-    }
+    core.rings.into_iter().filter_map(fine).collect()
 }

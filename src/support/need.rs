@@ -223,7 +223,7 @@ fn unspanned(
     let Some(angle) = direction(&gap, grid, width) else {
         return gap;
     };
-    let size = (bounds.max - bounds.min).length();
+    let size = bounds.size().length();
     let spacing = width.max(size / LINES);
     let lines = Lines {
         angle,
@@ -255,15 +255,13 @@ fn unspanned(
 fn large(area: Area, height: Mm) -> Area {
     let islands = area.islands().into_iter();
     let rings = islands.filter(|i| i.content() > SPECK * height);
-    Area {
-        rings: rings.flat_map(|i| i.rings).collect(),
-    }
+    rings.collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::{Ring, rect};
 
     fn both(here: &Area, below: &Area) -> [Area; 2] {
         let settings = Settings::default();
@@ -342,8 +340,8 @@ mod tests {
                 };
                 (-16..=16).map(at)
             };
-            let all = side(1.0).chain(side(-1.0)).collect();
-            union(&blocks, &Area { rings: vec![all] })
+            let all: Ring = side(1.0).chain(side(-1.0)).collect();
+            union(&blocks, &Area::from(all))
         };
         let (here, below) = (neck(1.5), neck(1.0));
         let held = held(0.2, &Settings::default());
@@ -386,12 +384,11 @@ mod tests {
 
     #[test]
     fn bridges_need_none_unless_they_are_too_long() {
-        let two = |gap: f64| Area {
-            rings: [
-                rect(0.0, 0.0, 5.0, 10.0).rings,
-                rect(5.0 + gap, 0.0, 10.0 + gap, 10.0).rings,
-            ]
-            .concat(),
+        let two = |gap: f64| {
+            Area::from_iter([
+                rect(0.0, 0.0, 5.0, 10.0),
+                rect(5.0 + gap, 0.0, 10.0 + gap, 10.0),
+            ])
         };
         let lid = |gap: f64| rect(0.0, 0.0, 10.0 + gap, 10.0);
         assert!(of(&lid(9.0), &two(9.0)).is_empty());

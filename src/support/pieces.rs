@@ -120,9 +120,7 @@ fn split(
     settings: &Settings,
 ) -> [Area; 2] {
     let near = tops.iter().map(|top| crop(&top.rings, bounds));
-    let above = Area {
-        rings: near.flat_map(|area| area.rings).collect(),
-    };
+    let above: Area = near.collect();
     let rest = difference(island, &above);
     if island.content() - rest.content() <= SPECK {
         return [island.clone(), Area::EMPTY];
@@ -154,9 +152,7 @@ fn printable(area: Area) -> impl Iterator<Item = Area> {
 
 /// Some islands as one area.
 fn joined(islands: impl Iterator<Item = Area>) -> Area {
-    Area {
-        rings: islands.flat_map(|island| island.rings).collect(),
-    }
+    islands.collect()
 }
 
 #[cfg(test)]

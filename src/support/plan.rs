@@ -138,9 +138,7 @@ impl Plan {
                 return need.clone();
             };
             let here = slice.body.rings.iter().chain(&slice.interface.rings);
-            let here = Area {
-                rings: here.cloned().collect(),
-            };
+            let here: Area = here.cloned().collect();
             let here = Neighbour::new(&here);
             let lost = clusters(need).into_iter().map(|need| {
                 let around = need.bounds.grown(near + TOLERANCE);
@@ -152,9 +150,7 @@ impl Plan {
                 }
                 difference(&beside, &offset(&held, near, TOLERANCE))
             });
-            Area {
-                rings: lost.flat_map(|area| area.rings).collect(),
-            }
+            lost.collect()
         });
         let mut unheld = Unheld::default();
         for (i, area) in lost.collect::<Vec<_>>().into_iter().enumerate() {
@@ -217,10 +213,7 @@ mod tests {
         };
         let layers = spans.iter().copied().zip(outlines);
         let survey = Survey::new(layers, asked).unwrap();
-        let bed = Rect {
-            min: DVec2::splat(-100.0),
-            max: DVec2::splat(100.0),
-        };
+        let bed = Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0));
         let heights = Heights::new(spans, &settings);
         Plan::new(survey, None, heights, bed, asked)
     }

@@ -97,7 +97,7 @@ fn rests_on<'a>(
 
 /// About how much two areas have in common within a box.
 fn common(a: &Area, b: &Area, within: Rect) -> Mm2 {
-    let size = within.max - within.min;
+    let size = within.size();
     let at = |k: u32| within.min + (f64::from(k) * SPREAD).fract() * size;
     let points = (1..=POINTS).map(at);
     let both = points.filter(|&p| a.contains(p) && b.contains(p)).count();

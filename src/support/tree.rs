@@ -117,9 +117,7 @@ fn united(area: &Area) -> Area {
         _ => unite(&cluster.area),
     };
     let all = clusters(area).into_iter().map(of_cluster);
-    Area {
-        rings: all.flat_map(|area| area.rings).collect(),
-    }
+    all.collect()
 }
 
 /// The branches that begin in a layer under faces at the height `top`, whose
@@ -186,9 +184,7 @@ fn pieces(
                 .islands()
                 .into_iter()
                 .partition(|island| low && island.content() > WIDE);
-            let narrow = Area {
-                rings: narrow.into_iter().flat_map(|i| i.rings).collect(),
-            };
+            let narrow: Area = narrow.into_iter().collect();
             let wide = wide.into_iter().map(|island| (None, island));
             wide.chain(in_cells(&narrow)).collect()
         }
@@ -202,10 +198,10 @@ fn squares(area: &Area) -> Area {
     let mut rings = Vec::new();
     let mut y = first.y;
     while y <= last.y {
-        let row = Rect {
-            min: DVec2::new(min.x, y * SQUARE),
-            max: DVec2::new(max.x, (y + 1.0) * SQUARE),
-        };
+        let row = Rect::new(
+            DVec2::new(min.x, y * SQUARE),
+            DVec2::new(max.x, (y + 1.0) * SQUARE),
+        );
         let row_of_area = crop(&area.rings, row);
         let mut x = first.x;
         while x <= last.x {

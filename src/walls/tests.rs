@@ -38,7 +38,7 @@ fn print(part: &Area) -> Print {
         .collect();
     let bounds = part.bounds();
     let origin = bounds.min - 0.5;
-    let size = (bounds.max - bounds.min + 1.0) / CELL;
+    let size = (bounds.size() + 1.0) / CELL;
     let (columns, rows) = (size.x as usize + 1, size.y as usize + 1);
     let centre = |i: usize, j: usize| {
         origin + CELL * (DVec2::new(i as f64, j as f64) + 0.5)
@@ -147,9 +147,7 @@ fn ring(points: &[(f64, f64)], turn: f64) -> Vec<DVec2> {
 }
 
 fn area(points: &[(f64, f64)], turn: f64) -> Area {
-    Area {
-        rings: vec![ring(points, turn)],
-    }
+    Area::from(ring(points, turn))
 }
 
 /// Thicknesses from the narrowest bead to five walls, and an angle each.
@@ -218,9 +216,7 @@ fn rings_are_covered() {
     for (t, _) in thicknesses() {
         let mut hole = circle(4.0 - t, 400);
         hole.reverse();
-        let p = print(&Area {
-            rings: vec![circle(4.0, 400), hole],
-        });
+        let p = print(&Area::from_iter([circle(4.0, 400), hole]));
         faults.check(
             p.open < 0.002 + 0.003 / t,
             "open",
@@ -317,9 +313,7 @@ fn no_post_vanishes() {
     let mut faults = Faults::default();
     for i in 0..40 {
         let d = 0.3 + 0.05 * f64::from(i);
-        let p = print(&Area {
-            rings: vec![circle(0.5 * d, 120)],
-        });
+        let p = print(&Area::from(circle(0.5 * d, 120)));
         faults.check(p.open < 0.12, "open", &format!("{d:.2} mm"), &p);
         faults.check(p.out < 0.015, "out", &format!("{d:.2} mm"), &p);
         faults.check(
@@ -384,9 +378,7 @@ fn junction(half: f64, r: f64, gap: f64) -> Area {
         }
         points.push(by.rotate(DVec2::splat(half)));
     }
-    Area {
-        rings: vec![points],
-    }
+    Area::from(points)
 }
 
 #[test]
@@ -418,9 +410,7 @@ fn walls_fill_the_pockets_between_them() {
             // Where the sides of the two meet.
             points.push((end + ends[(k + 1) % 4]) * h / angle.sin());
         }
-        let part = Area {
-            rings: vec![points],
-        };
+        let part = Area::from(points);
         let p = print(&part);
         let name = format!("{angle:.2}");
         faults.check(p.hole < 0.05, "hole", &name, &p);
