@@ -12,7 +12,7 @@ use crate::model::{Model, Place};
 use crate::plane::bend::{Bend, bends};
 use crate::plane::clip::{difference, intersection, union, unite};
 use crate::plane::offset::offset;
-use crate::plane::simplify::simplify;
+use crate::plane::simplify::simplify_area;
 use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::Mm;
@@ -106,10 +106,7 @@ impl Growth {
         if !taken.is_empty() {
             grown = difference(&grown, &unite(&taken));
         }
-        let rings = grown.rings.iter().map(|r| simplify(r, tolerance));
-        Ok(Area {
-            rings: rings.filter(|r| !r.is_empty()).collect(),
-        })
+        Ok(simplify_area(&grown, tolerance))
     }
 }
 
@@ -290,7 +287,7 @@ const CELL: Mm = 1.0;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::{rect, shapes};
     use crate::settings::Varying;
 
     fn span(index: usize) -> LayerSpan {
@@ -302,13 +299,7 @@ mod tests {
     }
 
     fn disc(radius: f64) -> Area {
-        let points = (0..720).map(|i| {
-            DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / 720.0)
-                * radius
-        });
-        Area {
-            rings: vec![points.collect()],
-        }
+        shapes::disc(radius, 720)
     }
 
     impl Compensation<'_> {
@@ -476,12 +467,10 @@ mod tests {
                 slit_closing: closing.into(),
                 ..Settings::default()
             };
-            let both = Area {
-                rings: [rect(-5.0, 0.0, -gap, 4.0), rect(0.0, 0.0, 5.0, 4.0)]
-                    .into_iter()
-                    .flat_map(|a| a.rings)
-                    .collect(),
-            };
+            let both = Area::from_iter([
+                rect(-5.0, 0.0, -gap, 4.0),
+                rect(0.0, 0.0, 5.0, 4.0),
+            ]);
             let c = Compensation::new(&span(0), &settings, None);
             c.printed(&both).rings.len()
         };
@@ -496,13 +485,13 @@ mod tests {
     /// Walls that are offsets of the expression close where the outline does.
     #[test]
     fn walls_of_the_field_close_with_the_outline() {
-        let both = |inset: f64| Area {
-            rings: [(-5.0, -0.05), (0.0, 5.0)]
+        let both = |inset: f64| {
+            [(-5.0, -0.05), (0.0, 5.0)]
                 .iter()
                 .flat_map(|&(a, b)| {
                     rect(a + inset, inset, b - inset, 4.0 - inset).rings
                 })
-                .collect(),
+                .collect()
         };
         let mut walls = [(0.2, both(0.2)), (0.6, both(0.6))];
         let outline = Solid::new(both(0.0));

@@ -12,7 +12,7 @@ use super::wish::{Wish, Wishes};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
 use crate::plane::clip::{crop, difference, intersection};
-use crate::plane::simplify::simplify;
+use crate::plane::simplify::simplify_area;
 use crate::settings::Settings;
 use crate::units::Mm;
 use crate::vary::VaryError;
@@ -177,10 +177,7 @@ pub(crate) fn coarse(outline: &Area, height: Mm, settings: &Settings) -> Area {
 /// An area with fewer points. Unions and offsets of thousands of layers would
 /// add ever more points.
 pub(super) fn thinned(area: Area) -> Area {
-    let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
-    Area {
-        rings: rings.filter(|ring| ring.len() > 2).collect(),
-    }
+    simplify_area(&area, TOLERANCE)
 }
 
 #[cfg(test)]
@@ -193,9 +190,7 @@ mod tests {
         let block = rect(0.0, 0.0, 5.0, 5.0);
         let spike = rect(4.0, 2.0, 8.0, 2.2);
         let point = rect(20.0, 0.0, 20.1, 0.1);
-        let both = Area {
-            rings: [spike.rings.clone(), point.rings].concat(),
-        };
+        let both = Area::from_iter([spike.clone(), point]);
         let mut survey = Survey {
             outlines: vec![block.clone(), block, Area::EMPTY, Area::EMPTY],
             unprinted: vec![Area::EMPTY, both.clone(), both, Area::EMPTY],
