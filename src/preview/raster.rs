@@ -9,9 +9,9 @@
 use super::view::View;
 use crate::limits::{self, Watched};
 use crate::model::{Bounds, Model};
+use crate::plane::hull;
 use crate::units::Mm;
 use fidget::context::Tree;
-use geo::{ConvexHull, MultiPoint};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use isocontour::{FieldError, Grid, Hit, Sight};
 use std::sync::Arc;
@@ -311,22 +311,11 @@ pub(crate) fn outline_from_above(
         middle + frame.pixel * DVec2::new(p.x, -p.y)
     };
     let corners = seen.depths.iter().enumerate().filter(|(_, d)| is_part(d));
-    let corners: MultiPoint = corners
-        .flat_map(|(k, _)| {
-            let (i, j) = (k % seen.width, k / seen.width);
-            [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
-        })
-        .map(|(i, j)| {
-            let p = place(i, j).clamp(low, high);
-            geo::Point::new(p.x, p.y)
-        })
-        .collect();
-    let hull = corners.convex_hull();
-    let ring = hull.exterior().0.iter().map(|c| DVec2::new(c.x, c.y));
-    let mut ring: Vec<DVec2> = ring.collect();
-    // The last point repeats the first.
-    ring.pop();
-    Ok(ring)
+    let corners = corners.flat_map(|(k, _)| {
+        let (i, j) = (k % seen.width, k / seen.width);
+        [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
+    });
+    Ok(hull(corners.map(|(i, j)| place(i, j).clamp(low, high))))
 }
 
 #[cfg(test)]
