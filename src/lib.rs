@@ -64,7 +64,8 @@
 //! layers that moves up the part, on any number of
 //! threads, which does not change the result. [`timings`] measures the stages,
 //! [`limits`] stops them when they take too much time or memory, [`files`]
-//! reads files, [`encoding`] reads text from bytes, and [`units`] names units.
+//! reads files, [`encoding`] reads text from bytes, [`units`] names units, and
+//! [`sets`] joins what belongs together.
 //!
 //! The program around this library is the command line, `src/cli`. The crate
 //! `slicerprofile` reads profiles of other slicers for it. `CONTRIBUTING.md`
@@ -151,6 +152,7 @@ mod relief;
 mod report;
 mod resolution;
 mod seam;
+mod sets;
 pub mod settings;
 mod skin;
 mod spiral;

@@ -20,6 +20,7 @@ use super::parts::Parts;
 use super::slice::Slice;
 use crate::plane::nest::Nest;
 use crate::plane::{Area, edges, point_beside, signed_area};
+use crate::sets::Sets;
 use crate::units::{Mm, Mm3};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -76,7 +77,9 @@ pub(super) fn enclosed(parts: Parts<'_>, slices: &[Slice]) -> Enclosed {
     let mut sets = Sets::new(first);
     for end in [0, outlines.len() - 1] {
         let holes = level(end);
-        holes.holes().for_each(|hole| sets.join(hole, OUTSIDE));
+        for hole in holes.holes() {
+            sets.join(hole, OUTSIDE);
+        }
     }
     // What is known of a layer takes more memory than its outline, so only some
     // layers are looked at together.
@@ -187,28 +190,4 @@ fn joins(a: &Level<'_>, b: &Level<'_>) -> Vec<[usize; 2]> {
     pairs.sort_unstable();
     pairs.dedup();
     pairs
-}
-
-/// Sets of numbers. Each number has another one of its set, or itself
-/// (union-find).
-struct Sets(Vec<usize>);
-
-impl Sets {
-    fn new(count: usize) -> Sets {
-        Sets((0..count).collect())
-    }
-
-    /// The least number of the set that a number belongs to.
-    fn of(&mut self, mut k: usize) -> usize {
-        while self.0[k] != k {
-            self.0[k] = self.0[self.0[k]];
-            k = self.0[k];
-        }
-        k
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.of(a), self.of(b));
-        self.0[a.max(b)] = a.min(b);
-    }
 }
