@@ -75,18 +75,12 @@
 //! # A ball
 //!
 //! ```
-//! use isoslice::model::{
-//!     BuildVolume, Placement, Source, SourceKind, load, place,
-//! };
+//! use isoslice::model::{BuildVolume, Placement, Source, load, place};
 //! use isoslice::pipeline::{Options, slice};
 //! use isoslice::settings::Settings;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let source = Source::Text {
-//!     name: "ball".into(),
-//!     kind: SourceKind::Formula,
-//!     text: "sqrt(x^2 + y^2 + z^2) - 3".into(),
-//! };
+//! let source = Source::formula("ball", "sqrt(x^2 + y^2 + z^2) - 3");
 //! let settings = Settings::default();
 //! let bed = BuildVolume::of(&settings);
 //! let ball = place(&load(&source, &[])?, &Placement::default(), bed)?;

@@ -34,14 +34,10 @@ pub(super) fn excerpt(error: &anyhow::Error, text: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use isoslice::model::{Source, SourceKind, load};
+    use isoslice::model::{Source, load};
 
     fn failing(text: &str) -> Option<String> {
-        let source = Source::Text {
-            name: "part".into(),
-            kind: SourceKind::Script,
-            text: text.into(),
-        };
+        let source = Source::script("part", text);
         excerpt(&load(&source, &[]).err().unwrap().into(), text)
     }
 
