@@ -1,7 +1,8 @@
 //! The line of a script that an error is about, with a mark under its place.
 //!
-//! In: an error and the script's text. Out: the line of the error with the line
-//! before it and a caret below, if the error says where the script failed.
+//! In: an error and the script's text. Out: the line that the error names, with
+//! the line before it and a caret below; nothing if the error names no place in
+//! the script.
 
 use isoslice::model::LoadError;
 

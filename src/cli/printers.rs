@@ -94,7 +94,7 @@ struct AddArgs {
     #[arg(long, value_name = "NAME")]
     storage: Option<String>,
 
-    /// Take the place of a printer of this name
+    /// Replace a printer of this name
     #[arg(long)]
     replace: bool,
 
@@ -105,7 +105,7 @@ struct AddArgs {
 /// Programs that run printers.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum HostName {
-    // The word is `octoprint`, and not `octo-print`.
+    // Without this name the word would be `octo-print`.
     #[value(name = "octoprint")]
     OctoPrint,
     Moonraker,
@@ -126,7 +126,7 @@ impl HostName {
 /// Opens the file of printers, and warns if others may read it.
 pub(super) fn book(folder: &ProfilesSource) -> anyhow::Result<PrinterBook> {
     let folder = folder.folder().context(
-        "the system tells no folder for settings; name one with --profiles",
+        "the system has no folder for settings; name one with --profiles",
     )?;
     let book = PrinterBook::open(&folder)?;
     if book.is_open_to_others() {
@@ -203,8 +203,8 @@ fn add(args: &AddArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads a key from standard input. An argument would be seen by others, and
-/// remembered by shells.
+/// Reads a key from standard input. Other users can see a program's arguments,
+/// and shells remember them.
 fn read_key(kind: HostKind) -> anyhow::Result<Key> {
     let text = if stdin().is_terminal() {
         plain::print(&format!("Key of {} (it is shown): ", kind.name()))?;

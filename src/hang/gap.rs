@@ -19,8 +19,8 @@ use glam::DVec2;
 pub(super) struct Gap {
     /// Where the gap is, without what the layer below holds.
     pub area: Area,
-    /// Content of what is not held at two ends, and its greatest distance from
-    /// what holds it.
+    /// Content of what no two ends hold, and its greatest distance from what
+    /// holds it at one end.
     pub leans: Mm2,
     pub reach: Mm,
     /// The place at that distance.

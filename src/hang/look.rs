@@ -69,10 +69,11 @@ pub(super) enum Ledge {
     Held,
 }
 
-/// How far apart places are on a curved rim, and on a straight one, mm.
+/// Distance between places on a curved rim, and on a straight one, mm.
 const STEP: Mm = 0.5;
 const STRAIGHT: Mm = 1.0;
-/// How far apart places are on the rim of the layer below, mm: lids are wide.
+/// Distance between places on the rim of the layer below, mm. It may be large,
+/// since lids are wide.
 const WIDE_STEP: Mm = 2.0;
 
 impl Look {
@@ -177,8 +178,8 @@ impl Look {
             if place.ledge == Ledge::No {
                 continue;
             }
-            // The point lies a little inside, since the gap has the rim in
-            // common.
+            // The gap's border runs along the rim here, so a point a little
+            // inside the rim tells which gap it is.
             let next = match self.rim.get(i + 1) {
                 Some(next) if next.ring == place.ring => next.at,
                 // The last place of a ring is followed by the ring's first.

@@ -116,8 +116,8 @@ pub(super) fn arrange(
             Err(_) => share = (share * LARGER).min(1.0),
         }
     };
-    // All boxes together have their middle in the bed's, unless some have a
-    // place.
+    // The middle of all boxes together moves to the middle of the bed, unless
+    // some parts have a place.
     let mut by = DVec2::ZERO;
     if fixed.is_empty() {
         let all = placed.iter().copied().reduce(Rect::union);
@@ -221,8 +221,7 @@ fn cut(free: &mut Vec<Rect>, occupied: Rect) {
         let some = |r: &Rect| r.size().cmpgt(DVec2::ZERO).all();
         pieces.extend(sides.into_iter().filter(some));
     }
-    // Only the largest pieces are kept: a piece within another one is not
-    // needed.
+    // A piece within another one is left out: the other one is free as well.
     for (i, piece) in pieces.iter().enumerate() {
         let within = |(j, other): (usize, &Rect)| {
             j != i && holds(*other, *piece) && (other != piece || j < i)

@@ -50,7 +50,7 @@ use std::collections::BTreeMap;
 /// parts are written alike.
 const DIGIT: Mm = 1e-3;
 
-/// What is asked for: copies of a model.
+/// Copies of a model that are asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
     /// The model.
@@ -91,8 +91,8 @@ pub struct Part {
     pub settings: Settings,
     /// The places where the part stands.
     pub places: Vec<PartPlace>,
-    /// Where there may be supports, where the model was placed; nothing for
-    /// anywhere on the bed.
+    /// Where there may be supports when the part stands where the model was
+    /// placed; nothing if they may be anywhere on the bed.
     room: Option<Rect>,
 }
 
@@ -283,8 +283,8 @@ impl Part {
         ))
     }
 
-    /// The box of what stands on the bed, where the model was placed: the part
-    /// with its brim or its raft.
+    /// The box of what stands on the bed, the part with its brim or its raft,
+    /// where the model was placed.
     fn foot(&self) -> Rect {
         let (low, high) = self.reach();
         let raft = match self.settings.raft_layers() {
@@ -303,13 +303,14 @@ impl Part {
         self.places.iter().map(move |place| foot.moved(place.shift))
     }
 
-    /// How far the nearest of other boxes are, of which `all` are those on the
-    /// bed. They do not overlap.
+    /// Distance of the nearest other part. `all` are the boxes on the bed,
+    /// which do not overlap.
     fn free(&self, all: &[Rect]) -> Mm {
         let apart =
             |a: Rect, b: Rect| (a.min - b.max).max(b.min - a.max).max_element();
         let gaps = self.feet().flat_map(|own| {
-            // The box that a part overlaps wholly is its own.
+            // A part's own box is among them. It is the one that equals the box
+            // asked for.
             let others = all.iter().filter(move |other| **other != own);
             others.map(move |other| apart(own, *other))
         });
@@ -318,7 +319,7 @@ impl Part {
 }
 
 impl Wanted {
-    /// Refuses what a plate of `count` parts does not have.
+    /// Refuses what a plate of `count` parts cannot have.
     fn check(&self, plate: &Settings, count: u64) -> Result<(), PlateError> {
         let asked = || self.asked.clone();
         if let Some(differs) = shared::difference(plate, &self.settings) {

@@ -16,8 +16,8 @@
 //! The head is a circle of `printer.head_clearance_radius` around the nozzle,
 //! empty below `printer.head_clearance_height`. The nozzle may be anywhere over
 //! what stands on the bed of the part that is printed: its box with its brim or
-//! raft, and with the room that its supports have. Nothing finished may be in
-//! the circle then. Whatever moves across the whole bed with the head is at
+//! raft, and with the room that its supports have. No finished part may be in
+//! that circle. Whatever moves across the whole bed with the head is at
 //! `printer.gantry_height`: only the last part may be higher, so the lower ones
 //! come first. Between parts the head travels above all that is finished.
 //!

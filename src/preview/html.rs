@@ -5,9 +5,9 @@
 //! Everything that comes from the file is escaped, so that no comment or name
 //! in it can become markup or script.
 //!
-//! [`live_html`] is the page of a program that serves it, with parts that ask
-//! that program for the moves ([`Toolpath::live_moves`]) and for what else it
-//! can tell.
+//! [`live_html`] is a page for a program that serves it. The page asks this
+//! program for the moves ([`Toolpath::live_moves`]) and for the state of its
+//! work.
 //!
 //! The page's parts are in `assets/preview`, with two libraries in `vendor`.
 

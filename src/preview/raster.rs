@@ -23,13 +23,13 @@ pub enum PictureError {
     /// The field cannot be evaluated.
     #[error("the part cannot be drawn")]
     Field(#[from] FieldError),
-    /// The PNG cannot be made.
+    /// The picture cannot be encoded as PNG.
     #[error("the picture cannot be written as PNG")]
     Png(#[from] png::EncodingError),
-    /// The QOI cannot be made.
+    /// The picture cannot be encoded as QOI.
     #[error("the picture cannot be written as QOI")]
     Qoi(#[from] qoi::Error),
-    /// The JPG cannot be made.
+    /// The picture cannot be encoded as JPG.
     #[error("the picture cannot be written as JPG")]
     Jpg(#[from] jpeg_encoder::EncodingError),
 }
@@ -166,7 +166,8 @@ impl Subject {
         let widest = 2.0 * lit.half.x.max(lit.half.y).max(MIN_EXTENT);
         let longest = (widest / pixel).ceil().clamp(1.0, LONGEST_MAP);
         let seen = lit.look(lit.whole(longest as usize))?;
-        // The light's view of the part casts shadows, and is not shaded itself.
+        // The light's view of the part needs no normals: it only tells what is
+        // in shadow.
         let normals = Vec::new();
         Ok(Seen { normals, ..seen })
     }

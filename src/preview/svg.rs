@@ -1,5 +1,6 @@
-//! Draws a layer as an SVG picture: beads with their widths, in the colours of
-//! their roles; travels as thin lines, dashed if retracted; y up.
+//! Draws a layer as an SVG picture, with y up: beads have their widths and the
+//! colours of their roles, travels are thin lines, which are dashed if the
+//! filament is retracted.
 
 use crate::bead::Role;
 use crate::plane::Rect;

@@ -9,8 +9,9 @@
 //! ```
 //!
 //! In: a part of a ridge, the border, and where ridges end. Out: whether balls
-//! along the part reach the border everywhere. In a corner they do not, and where
-//! strips meet they leave to other ridges what lies between.
+//! along the part reach the border everywhere. In a corner balls do not reach
+//! the border everywhere, and where strips meet they leave what lies between to
+//! other ridges.
 
 use super::ridge::Ridge;
 use crate::plane::grid::{EdgeGrid, nearest_on};

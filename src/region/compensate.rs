@@ -141,7 +141,8 @@ impl<'a> Compensation<'a> {
         growth: Option<&'a Growth>,
     ) -> Self {
         let layers = settings.elephant_foot_layers as usize;
-        // Nothing squeezes a part on a raft.
+        // A part on a raft does not lie on the bed, which would squeeze its
+        // first layers.
         let left = match settings.raft_layers() {
             0 => layers.saturating_sub(span.index) as f64,
             _ => 0.0,
@@ -172,8 +173,8 @@ impl<'a> Compensation<'a> {
         }
     }
 
-    /// The outline as the print will have it, if the plastic does what it is
-    /// drawn in for; `None` if it is not drawn in.
+    /// The outline that the print will have if the plastic is squeezed out as
+    /// much as the outline is drawn in; `None` if it is not drawn in.
     ///
     /// # Errors
     /// If an expression has no value somewhere.
@@ -188,8 +189,9 @@ impl<'a> Compensation<'a> {
         Ok(Some(grown.unwrap_or_else(|| outline.clone())))
     }
 
-    /// The outline to print, unless it is the one there is. `walls` are areas
-    /// that lie so deep in it, and are changed as it is.
+    /// The outline to print; `None` if nothing is to be changed. `walls` are
+    /// areas inside the outline, each with its depth, and are changed as the
+    /// outline is.
     ///
     /// # Errors
     /// If an expression has no value somewhere.
@@ -228,7 +230,8 @@ impl<'a> Compensation<'a> {
             *wall = grow(wall)?;
         }
         let grown = grow(closed.as_ref().unwrap_or(outline.area()))?;
-        // A gap that was wider than a slit may be one now.
+        // A gap that was wider than a slit may be a slit now that the outline
+        // has grown.
         let closed = match self.grow {
             Grow::By(..=0.0) => None,
             _ => self.closed(&Solid::of(&grown, CELL), walls),
@@ -264,14 +267,15 @@ impl<'a> Compensation<'a> {
         let inner = offset(area, -self.draw_in, self.tolerance);
         let half = self.draw_in + 0.5 * self.keep;
         let core = offset(area, -half, self.tolerance);
-        // What a disc of this size can reach inside the area; a little more,
-        // lest corners and roundings count as thin.
+        // The area that a disc of this size can reach, and a little more, so
+        // that corners and roundings do not count as thin.
         let reached = offset(&core, half + ROUNDING * half, self.tolerance);
         let thin = difference(area, &reached);
         if thin.is_empty() {
             return inner;
         }
-        // Grown into the thicker part, so that what is left of it overlaps.
+        // Thin places grow into the thicker part beside them, so that they
+        // overlap with what is left of that part.
         let thin = intersection(&offset(&thin, half, self.tolerance), area);
         union(&inner, &thin)
     }

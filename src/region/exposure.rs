@@ -45,8 +45,8 @@ pub(crate) struct FillAreas {
     pub sparse: Area,
 }
 
-/// A layer and those around it, each as its outline, as exact as skin needs
-/// it. Layers that are the same share one.
+/// A layer and the layers around it, each as its outline, which is as exact as
+/// skin needs it. Equal layers share one outline.
 #[derive(Clone, Debug)]
 pub(crate) struct Window<'a> {
     /// Number of the layer.
@@ -205,8 +205,8 @@ impl<'a> Exposure<'a> {
         if self.is_end(window.number) {
             return None;
         }
-        // A neighbour that equals the layer, or another one of the neighbours,
-        // leaves nothing open that they do not.
+        // A neighbour is left out if it equals this layer or another neighbour:
+        // it leaves nothing open that they do not.
         let mut seen = vec![window.here];
         let mut new = |near: &&'w Solid<'w>| {
             let new = !seen.iter().any(|s| s.is(near));
@@ -219,7 +219,8 @@ impl<'a> Exposure<'a> {
         let layers = self.covering(self.below.at(window.number));
         let below = window.below.get(..layers)?.iter().copied();
         let below: Vec<_> = below.filter(&mut new).collect();
-        // The farthest first: they leave the least to be looked at.
+        // The farthest layers come first: they differ most from this one, and
+        // so leave the least to be looked at.
         let n = above.len().max(below.len());
         let all = (0..n)
             .rev()
@@ -427,7 +428,7 @@ fn beside(left: &Area, skin: &Area, settings: &Settings) -> Vec<Area> {
     if wide.content() >= all.content() - TOLERANCE {
         return all.islands();
     }
-    // Narrow parts away from the skin stay as they are in layers without it.
+    // Narrow parts away from the skin stay sparse, as in layers without skin.
     let near = offset(skin, settings.infill_width(), TOLERANCE);
     let narrow = difference(&all, &wide).islands();
     let away = narrow
@@ -466,7 +467,8 @@ const BESIDE_SKIN: f64 = 2.0;
 /// The parts of an area large enough for sparse infill, and as wide as so many
 /// of its lines.
 fn printable(area: &Area, lines: f64, settings: &Settings) -> Area {
-    /// Rounding may take what is narrower than this along all of its border.
+    /// Width, mm, of the strip along the whole border that rounding may take
+    /// away.
     const ROUNDING: Mm = 1e-5;
     let half = 0.5 * lines * settings.infill_width();
     let mut wide = Area::EMPTY;
@@ -478,8 +480,9 @@ fn printable(area: &Area, lines: f64, settings: &Settings) -> Area {
         if core.is_empty() {
             continue;
         }
-        // Grown back by more than it was shrunk, and cut to what there was:
-        // corners return, and necks too narrow for a bead do not.
+        // The core grows by more than the island was shrunk, and is cut to the
+        // island: so corners come back, and necks that are too narrow for a
+        // bead do not.
         let back = offset(&core, 2.0 * half, TOLERANCE);
         let whole = intersection(&island, &back);
         let lost = island.content() - whole.content();

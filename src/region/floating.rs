@@ -27,7 +27,8 @@ pub(crate) struct Floating {
 pub(crate) fn floating(outline: &Area, below: &Solid<'_>) -> Vec<Floating> {
     let mut free = outline.islands();
     free.retain(|island| {
-        // Nearly always the first point tells.
+        // Nearly always the first point of an island tells whether solid is
+        // below it.
         let mut points = island.rings.first().into_iter().flatten();
         !points.any(|&p| below.grid().contains(p))
     });

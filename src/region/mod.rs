@@ -425,7 +425,7 @@ fn laid(
         let places = skeleton.thin_places(&counts, &nodes);
         let mut depth = 0.0;
         for (k, plan) in pair.iter().enumerate() {
-            // The outer wall is seen.
+            // Only the outer wall is seen.
             let outer = lines.is_empty();
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
@@ -480,7 +480,7 @@ fn laid(
             });
             thin.push(beads);
         }
-        // Nobody sees the border of what is filled.
+        // The border of the filled area is not seen, so it may be coarser.
         let left = if next == count {
             settings.accuracy
         } else {

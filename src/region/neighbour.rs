@@ -107,8 +107,9 @@ impl Runs {
         self.levels.last()?.first().copied()
     }
 
-    /// The ring's points, of runs away from `bounds` the first only: such a
-    /// run is beyond one of its sides, and so is the straight way to the next.
+    /// Adds the ring's points to `kept`, but only the first point of each run
+    /// away from `bounds`. Such a run lies beyond one side of the box, and so
+    /// does the straight way to the next run.
     fn near(&self, ring: &Ring, bounds: Rect, kept: &mut Ring) {
         let mut pending = vec![(self.levels.len() - 1, 0)];
         while let Some((level, k)) = pending.pop() {

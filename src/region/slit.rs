@@ -9,9 +9,9 @@
 //!
 //! In: an outline. Out: the outline with its slits filled, or nothing if there
 //! are none, as on most layers. Edges face each other if they are parallel to
-//! within 30°: a notch that opens wider is a notch, however narrow its end
-//! is. On an island with slits, holes that are no wider than a slit are filled
-//! as well: where two slits cross, or where the edges of one touch.
+//! within 30°. A notch that opens wider than that is no slit, however narrow
+//! its end is. On an island with slits, holes that are no wider than a slit are
+//! filled as well: where two slits cross, or where the edges of one touch.
 //!
 //! Guarantee: whatever is filled lies between edges that are nearer to each
 //! other than the limit, or is a hole that is hardly wider, lest a slit as wide
@@ -70,7 +70,8 @@ pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
             grid.visit_edges_near(a + out, b + out, reach, |edge| {
                 let (c, d) = grid.edge(edge);
                 let v = d - c;
-                // Each pair once; in a notch's corner neighbours may face.
+                // Each pair of edges is found once. The two may be neighbours,
+                // in the corner of a notch.
                 if edge > number
                     && v.dot(along) < FACING * v.length()
                     && !facing.contains(&edge)
@@ -143,7 +144,8 @@ fn between(
     width: Mm,
     margin: Mm,
 ) -> Option<(Ring, bool)> {
-    // Along the slit, as the first edge runs, and across it, to the second.
+    // `u` leads along the slit in the direction of the first edge, `v` across
+    // it to the second edge.
     let u = ((b - a).normalize_or_zero() - (d - c).normalize_or_zero())
         .try_normalize()?;
     let v = -u.perp();
@@ -214,8 +216,8 @@ pub(crate) fn filled(
 /// True if a hole is nowhere wider than a slit, or hardly.
 fn narrow(hole: &[DVec2], width: Mm, tolerance: Mm) -> bool {
     let width = width + HARDLY * tolerance;
-    // What is that narrow has no more content than a strip half as long as its
-    // border; most holes have more.
+    // A hole as narrow as a slit has no more content than a strip of the slit's
+    // width, half as long as the hole's border. Most holes have more.
     if signed_area(hole).abs() > 0.5 * width * path_length(hole, true) {
         return false;
     }

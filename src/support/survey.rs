@@ -1,9 +1,9 @@
 //! Finds what needs supports, slab by slab.
 //!
 //! In: the outlines of a slab of layers. Out: what needs a support in each
-//! layer, and the outlines as coarse as supports ask for. The exact outlines
-//! can be forgotten then. Those of all layers at once would take much more
-//! memory.
+//! layer, and the outlines as coarse as supports ask for. The exact outlines of
+//! the slab can be forgotten then: kept for all layers, they would take much
+//! more memory.
 
 use super::TOLERANCE;
 use super::need::{Need, need};
@@ -26,8 +26,8 @@ pub(crate) struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// What needs a support in a layer over the layer below. Then what would
-    /// need one but is too thin to be printed.
+    /// Returns what needs a support in a layer over the layer below, and the
+    /// area that would need one but is too thin to be printed.
     fn of(
         self,
         here: &Printed,
@@ -65,13 +65,13 @@ pub(super) struct Found {
 /// Some layers that follow each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Survey {
-    /// Their outlines, as coarse as supports ask for, without what is not
-    /// printed.
+    /// The layers' outlines, as coarse as supports ask for, without what is too
+    /// thin to be printed.
     pub(super) outlines: Vec<Area>,
     /// What of each outline is not printed, since no line fits into it.
     unprinted: Vec<Area>,
-    /// What is found of each layer. Of the slab's first layer nothing is found
-    /// before [`Survey::append`] knows the layer below it.
+    /// What is found of each layer. Nothing is found of the slab's first layer
+    /// until [`Survey::append`] brings it together with the layer below.
     pub(super) found: Vec<Found>,
     /// The first layer with its outline, and the outline of the last one.
     ends: Option<(LayerSpan, [Printed; 2])>,

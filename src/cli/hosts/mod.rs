@@ -5,10 +5,11 @@
 //! the printer's host, and a print begun if that was asked for; or a
 //! [`HostError`] that says what to do.
 //!
-//! A file is sent in four steps: is the host the expected one, does it take the
-//! key and have room; the upload; has all of it arrived; and only then the
-//! start, as a request of its own. So nothing half-sent is started, whatever
-//! happens on the way.
+//! A file is sent in four steps. First the host is asked whether it is the
+//! expected program, takes the key and has room. Then the file is uploaded, and
+//! the host is asked whether all of it has arrived. Only then is the print
+//! started, by a request of its own. So a file that has arrived in part is
+//! never printed, whatever happens on the way.
 //!
 //! Guaranteed: every request ends, with an answer or an error, within bounded
 //! time without progress; answers are read up to a bounded size and believed
@@ -91,7 +92,7 @@ pub(crate) struct Sending<'a> {
     pub name: &'a str,
     /// True if the host is to print the file.
     pub start: bool,
-    /// Told about progress: bytes sent, bytes in all.
+    /// Is called with the progress: bytes sent, and bytes in all.
     pub on_progress: &'a dyn Fn(u64, u64),
 }
 
@@ -169,7 +170,7 @@ pub(crate) fn send(
     send_from(printer, &mut file, length, sending)
 }
 
-/// Does what [`send`] does, from anything that holds `length` bytes.
+/// Sends what a reader of `length` bytes holds, as [`send`] does with a file.
 ///
 /// # Errors
 /// Those of [`send`].
