@@ -64,8 +64,9 @@
 //! layers that moves up the part, on any number of
 //! threads, which does not change the result. [`timings`] measures the stages,
 //! [`limits`] stops them when they take too much time or memory, [`files`]
-//! reads files, [`encoding`] reads text from bytes, [`units`] names units, and
-//! [`sets`] joins what belongs together.
+//! reads files, [`encoding`] reads text from bytes, [`units`] names units,
+//! [`sets`] joins what belongs together, and [`random`] makes numbers that look
+//! random.
 //!
 //! The program around this library is the command line, `src/cli`. The crate
 //! `slicerprofile` reads profiles of other slicers for it. `CONTRIBUTING.md`
@@ -140,6 +141,7 @@ pub mod pipeline;
 mod plane;
 pub mod plate;
 pub mod preview;
+mod random;
 pub mod reader;
 mod region;
 mod relief;

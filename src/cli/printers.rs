@@ -4,7 +4,7 @@ use super::folder::ProfilesSource;
 use super::hosts::{self, HostKind, Key, Printer, PrinterBook, Status};
 use super::{complete, plain, terminal};
 use anyhow::{Context, bail};
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use clap_complete::engine::ArgValueCompleter;
 use isoslice::files;
 use std::fmt::Write as _;
@@ -68,7 +68,7 @@ struct AddArgs {
 
     /// The program that runs it
     #[arg(long, value_name = "PROGRAM", value_enum)]
-    host: HostName,
+    host: HostKind,
 
     /// The program's address, as in http://octopi.local
     #[arg(long, value_name = "URL")]
@@ -100,27 +100,6 @@ struct AddArgs {
 
     #[command(flatten)]
     folder: ProfilesSource,
-}
-
-/// Programs that run printers.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum HostName {
-    // Without this name the word would be `octo-print`.
-    #[value(name = "octoprint")]
-    OctoPrint,
-    Moonraker,
-    #[value(name = "prusalink")]
-    PrusaLink,
-}
-
-impl HostName {
-    fn kind(self) -> HostKind {
-        match self {
-            HostName::OctoPrint => HostKind::OctoPrint,
-            HostName::Moonraker => HostKind::Moonraker,
-            HostName::PrusaLink => HostKind::PrusaLink,
-        }
-    }
 }
 
 /// Opens the file of printers, and warns if others may read it.
@@ -180,12 +159,12 @@ fn add(args: &AddArgs) -> anyhow::Result<()> {
     let key = if args.no_key || args.key_env.is_some() {
         None
     } else {
-        Some(read_key(args.host.kind())?)
+        Some(read_key(args.host)?)
     };
     let ca = args.ca.as_ref().map(std::fs::canonicalize).transpose();
     let printer = Printer {
         name: args.name.clone(),
-        kind: args.host.kind(),
+        kind: args.host,
         url: args.url.clone(),
         key,
         key_env: args.key_env.clone(),

@@ -263,12 +263,9 @@ mod tests {
 
     #[test]
     fn boxes_keep_their_distance_and_stay_on_the_bed() {
-        // Of many sizes, by a small generator of numbers.
-        let mut seed = 7u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (seed >> 40) as f64 / (1u64 << 24) as f64
-        };
+        // Of many sizes.
+        let mut rng = fastrand::Rng::with_seed(7);
+        let mut random = || rng.f64();
         for round in 0..20 {
             let count = 1 + round;
             let mut boxes: Vec<Box> = (0..count)

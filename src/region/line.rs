@@ -68,10 +68,8 @@ impl<'a> RidgeIndex<'a> {
     fn group_clear(&self, points: &[DVec2], k: usize, reach: Mm) -> bool {
         let all = points.iter().skip(k).take(GROUP + 1);
         let closing = (k + GROUP >= points.len()).then(|| points.first());
-        let mut bounds = Rect::around(all.chain(closing.flatten()));
-        bounds.min -= reach;
-        bounds.max += reach;
-        !self.grid.meets(bounds)
+        let bounds = Rect::around(all.chain(closing.flatten()));
+        !self.grid.meets(bounds.grown(reach))
     }
 
     /// True if no ridge comes closer than `reach` to the segment from `a` to

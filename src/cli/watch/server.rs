@@ -447,12 +447,7 @@ fn as_file(
     extension: &str,
 ) -> Response<Body> {
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
-    let letter = |c: char| match c {
-        '-' | '_' | '.' => c,
-        c if c.is_ascii_alphanumeric() => c,
-        _ => '_',
-    };
-    let stem: String = stem.chars().take(100).map(letter).collect();
+    let stem = hosts::plain_letters(stem, 100);
     let value = format!("attachment; filename=\"{stem}.{extension}\"");
     if let Ok(value) = HeaderValue::try_from(value) {
         response.headers_mut().insert(CONTENT_DISPOSITION, value);

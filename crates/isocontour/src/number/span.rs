@@ -389,11 +389,8 @@ mod tests {
     /// A box among others gets the range that it gets alone.
     #[test]
     fn ranges_are_those_of_the_boxes_on_their_own() {
-        let mut seed = 3u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (seed >> 40) as f64 / (1u64 << 24) as f64
-        };
+        let mut rng = fastrand::Rng::with_seed(3);
+        let mut random = || rng.f64();
         let (mut known, mut sloped) = (0, 0);
         for tree in everything() {
             let mut ctx = Context::new();

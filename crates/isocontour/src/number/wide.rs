@@ -359,13 +359,12 @@ mod tests {
                 count += 1;
             };
             awkward.into_iter().for_each(&mut check);
-            let mut seed = 1u64;
+            let mut rng = fastrand::Rng::with_seed(1);
             for _ in 0..300_000 {
-                seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
                 // Half of the numbers have any bits; the other half are numbers
                 // that occur.
-                check(f32::from_bits((seed >> 32) as u32));
-                check((seed >> 40) as f32 / (1 << 18) as f32 - 32.0);
+                check(f32::from_bits(rng.u32(..)));
+                check(64.0 * rng.f32() - 32.0);
             }
             assert!(rare * off < count, "{name}: {off} of {count}");
         }
