@@ -22,10 +22,10 @@ use glam::DVec2;
 /// these borders, and a bead is much wider.
 pub(super) const TOLERANCE: Mm = 0.02;
 
-/// An outline as exact as skin needs it: a dozen layers ask what it covers of
-/// them, and points are what each of them pays for. It is exact if there are
-/// no walls, as then the fill itself ends at the outline, and would not be
-/// covered by a rough one.
+/// An outline as exact as skin needs it. A dozen layers ask what it covers of
+/// them, and each question takes a time that grows with its points. It is exact
+/// if there are no walls: the fill then ends at the outline itself, and a rough
+/// outline would leave a rim of it open.
 pub(crate) fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
     Solid::new(match settings.walls {
         0 => outline.clone(),
@@ -36,22 +36,22 @@ pub(crate) fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
 /// The part of an island that is not covered by all covers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Exposed {
-    /// Nowhere: each cover covers all of the island.
+    /// No part: each cover covers all of the island.
     Nowhere,
-    /// This part is not covered.
+    /// This part of the island is not covered.
     Part(Area),
-    /// Everywhere, or in all but parts that do not matter.
+    /// The whole island, or all but parts that do not matter.
     Everywhere,
 }
 
 /// How much of an island one cover covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Covered {
-    /// All of it.
+    /// All of the island.
     Wholly,
-    /// Some of it, or all but a touch.
+    /// A part of the island, or all of it except along its border.
     Partly,
-    /// None of it.
+    /// Nothing of the island.
     Not,
 }
 
@@ -164,13 +164,12 @@ pub(super) fn near(area: &Area, cover: &Area) -> Area {
     crop(&cover.rings, area.bounds().grown(1.0))
 }
 
-/// Nearer than this an edge counts as touching, mm.
+/// An edge nearer than this counts as touching, mm.
 const TOUCH: Mm = 1e-4;
 
-/// Where the covers, together, leave each island open. `matters` tells
-/// whether it matters that a connected area is covered; if it does not matter
-/// for an area, it must not for its parts. It does for a disc of radius
-/// `disc`.
+/// Where the covers, together, leave each island open. `matters` tells whether
+/// it matters that a connected area is covered. If an area does not matter, its
+/// parts must not matter either. A disc of radius `disc` matters.
 pub(super) fn exposed(
     asked: &Islands<'_>,
     covers: &[&Solid<'_>],
@@ -223,9 +222,9 @@ pub(super) fn exposed(
     result
 }
 
-/// Whether what all covers cover of an island may matter. A few intersections
-/// with the first covers often leave little, which then costs little to go
-/// on with; where they leave much, the sweep of all covers is the better way.
+/// Whether what all covers cover of an island may matter. Intersections with
+/// the first covers often leave little, and then going on costs little. If they
+/// leave much, the sweep of all covers is faster.
 fn anything_matters(
     island: &Area,
     covers: &[Area],
