@@ -315,8 +315,10 @@ impl Answer {
         let said = places.iter().find_map(|p| self.json.pointer(p)?.as_str());
         match (said, self.code) {
             (Some(said), code) => format!("{} ({code})", shortened(said)),
-            (None, 404) => "it does not know that (404)".to_owned(),
-            (None, 409) => "it is busy with another one (409)".to_owned(),
+            (None, 404) => "it has no such file or address (404)".to_owned(),
+            (None, 409) => {
+                "it is busy with another file or print (409)".to_owned()
+            }
             (None, 413) => "the file is too large (413)".to_owned(),
             (None, 415) => "it takes no such files (415)".to_owned(),
             (None, 507) => "it has no room left (507)".to_owned(),
