@@ -12,9 +12,7 @@
 //! there are; next to no time for emptiness; no memory for height.
 
 use cpu_time::ProcessTime;
-use isoslice::model::{
-    self, BuildVolume, Model, Placement, Source, SourceKind,
-};
+use isoslice::model::{self, BuildVolume, Model, Placement, Source};
 use isoslice::pipeline::{Options, slice};
 use isoslice::settings::Builder;
 use std::error::Error;
@@ -26,11 +24,7 @@ const LONG: f64 = 2.0;
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn model(formula: &str) -> Outcome<Model> {
-    let source = Source::Text {
-        name: "growth".into(),
-        kind: SourceKind::Formula,
-        text: formula.into(),
-    };
+    let source = Source::formula("growth", formula);
     // Cost is what matters here, not whether a printer is large enough.
     let volume = BuildVolume {
         x: 2000.0,

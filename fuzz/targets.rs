@@ -119,11 +119,7 @@ pub fn template(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;
     };
-    let source = Source::Text {
-        name: "fuzz".into(),
-        kind: SourceKind::Formula,
-        text: "max(abs(x), abs(y), abs(z)) - 0.6".into(),
-    };
+    let source = Source::formula("fuzz", "max(abs(x), abs(y), abs(z)) - 0.6");
     let bed = BuildVolume {
         x: 9.0,
         y: 9.0,
@@ -151,11 +147,7 @@ pub fn slice(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;
     };
-    let source = Source::Text {
-        name: "fuzz".into(),
-        kind: SourceKind::Formula,
-        text: text.into(),
-    };
+    let source = Source::formula("fuzz", text);
     let Ok(loaded) = load_within(&source, &[], &ScriptLimits::default()) else {
         return;
     };

@@ -11,10 +11,9 @@ mod ears;
 use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect, Ring, signed_area};
+use crate::plane::{Area, Rect, Ring, hull, signed_area};
 use crate::settings::{self, BrimPlace, DraftShield, Settings};
 use crate::units::Mm;
-use geo::{ConvexHull, Coord, MultiPoint, Point};
 use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -41,11 +40,11 @@ impl Skirt {
         settings: &Settings,
     ) -> Self {
         let rings = outlines.into_iter().flat_map(|outline| &outline.rings);
-        let hull = around_points(rings.flatten());
+        let hull = hull(rings.flatten().copied());
         let width = settings.outer_wall_width();
         let mut loops = Vec::new();
         if hull.len() >= 3 {
-            let hull = Area { rings: vec![hull] };
+            let hull = Area::from(hull);
             let brim = brim_reach(settings);
             let step = spacing(width, width, settings.thickest_layer());
             let nearest = brim + settings.skirt.distance + 0.5 * width;
@@ -91,23 +90,6 @@ impl Skirt {
             .map(|points| around(Role::Skirt, points, self.width, height))
             .collect()
     }
-}
-
-/// The convex ring round an area; empty if there is no such ring.
-pub(crate) fn hull(area: &Area) -> Ring {
-    around_points(area.rings.iter().flatten())
-}
-
-fn around_points<'a>(points: impl Iterator<Item = &'a DVec2>) -> Ring {
-    let points: MultiPoint<f64> =
-        points.map(|p| Point::new(p.x, p.y)).collect();
-    points
-        .convex_hull()
-        .exterior()
-        .coords()
-        .skip(1)
-        .map(|&Coord { x, y }| DVec2::new(x, y))
-        .collect()
 }
 
 /// How far the brim reaches beyond the outside of a part.
@@ -169,10 +151,7 @@ pub(crate) fn keep_on_bed(
     settings: &Settings,
 ) -> Vec<String> {
     let printer = &settings.printer;
-    let bed = Rect {
-        min: DVec2::ZERO,
-        max: DVec2::new(printer.bed_x, printer.bed_y),
-    };
+    let bed = Rect::new(DVec2::ZERO, DVec2::new(printer.bed_x, printer.bed_y));
     let leaves = |b: &mut Bead| {
         let half = DVec2::splat(0.5 * b.width);
         !b.points.iter().all(|&p| {
@@ -234,13 +213,11 @@ pub(crate) fn brim(
         |ring: &Ring| ring.first().is_some_and(|&p| holes.around(p).is_some());
     let grown = match place {
         // A part without its holes grows faster.
-        BrimPlace::Outer => Area {
-            rings: outer
-                .into_iter()
-                .filter(|r| !in_a_hole(r))
-                .cloned()
-                .collect(),
-        },
+        BrimPlace::Outer => outer
+            .into_iter()
+            .filter(|r| !in_a_hole(r))
+            .cloned()
+            .collect(),
         _ => outline.clone(),
     };
     let mut inside = Vec::new();
@@ -369,7 +346,7 @@ mod tests {
         let ring = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
             .map(DVec2::from)
             .to_vec();
-        let outline = Area { rings: vec![ring] };
+        let outline = Area::from(ring);
         let mut settings = Settings::default();
         settings.skirt.loops = 2;
         let lengths = |outlines: &[Area], settings: &Settings| {
@@ -458,9 +435,7 @@ mod tests {
             let loops = brim(&pins, 0.2, &settings);
             let pin = |bead: &Bead| {
                 let inside = |ring: &Ring| {
-                    let area = Area {
-                        rings: vec![bead.points.clone()],
-                    };
+                    let area = Area::from(bead.points.clone());
                     area.contains(ring[0])
                 };
                 pins.rings.iter().map(inside).collect::<Vec<bool>>()

@@ -39,7 +39,7 @@ pub(crate) fn field_in(
     spacing: Mm,
 ) -> Result<Field, FieldError> {
     let middle = 0.5 * (window.max + window.min);
-    let half = 0.5 * (window.max - window.min);
+    let half = 0.5 * window.size();
     let (x, y, _) = Tree::axes();
     let beyond_x = (x - middle.x as f32).abs() - half.x as f32;
     let beyond_y = (y - middle.y as f32).abs() - half.y as f32;

@@ -9,6 +9,7 @@ use crate::bead::{Bead, Role};
 use crate::model::Place;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::signed_area;
+use crate::random::{mix, share};
 use crate::settings::Settings;
 use crate::units::Mm;
 use crate::vary::{Quantity, Surroundings, VaryError};
@@ -153,22 +154,12 @@ fn noise(p: DVec3) -> f64 {
         for value in at.to_array() {
             bits = mix(bits ^ (value as i64 as u64));
         }
-        // A double's mantissa holds 53 bits.
-        (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        2.0 * share(bits) - 1.0
     };
     let blend = |a: f64, b: f64, t: f64| a + (b - a) * t;
     let row = |dy, dz| blend(corner(0.0, dy, dz), corner(1.0, dy, dz), fade.x);
     let plane = |dz| blend(row(0.0, dz), row(1.0, dz), fade.y);
     blend(plane(0.0), plane(1.0), fade.z)
-}
-
-/// One step of splitmix64 (Steele, Lea, Flood, *Fast splittable pseudorandom
-/// number generators*, 2014).
-fn mix(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

@@ -64,7 +64,9 @@
 //! layers that moves up the part, on any number of
 //! threads, which does not change the result. [`timings`] measures the stages,
 //! [`limits`] stops them when they take too much time or memory, [`files`]
-//! reads files, [`encoding`] reads text from bytes, and [`units`] names units.
+//! reads files, [`encoding`] reads text from bytes, [`units`] names units,
+//! [`sets`] joins what belongs together, and [`random`] makes numbers that look
+//! random.
 //!
 //! The program around this library is the command line, `src/cli`. The crate
 //! `slicerprofile` reads profiles of other slicers for it. `CONTRIBUTING.md`
@@ -74,18 +76,12 @@
 //! # A ball
 //!
 //! ```
-//! use isoslice::model::{
-//!     BuildVolume, Placement, Source, SourceKind, load, place,
-//! };
+//! use isoslice::model::{BuildVolume, Placement, Source, load, place};
 //! use isoslice::pipeline::{Options, slice};
 //! use isoslice::settings::Settings;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let source = Source::Text {
-//!     name: "ball".into(),
-//!     kind: SourceKind::Formula,
-//!     text: "sqrt(x^2 + y^2 + z^2) - 3".into(),
-//! };
+//! let source = Source::formula("ball", "sqrt(x^2 + y^2 + z^2) - 3");
 //! let settings = Settings::default();
 //! let bed = BuildVolume::of(&settings);
 //! let ball = place(&load(&source, &[])?, &Placement::default(), bed)?;
@@ -145,12 +141,14 @@ pub mod pipeline;
 mod plane;
 pub mod plate;
 pub mod preview;
+mod random;
 pub mod reader;
 mod region;
 mod relief;
 mod report;
 mod resolution;
 mod seam;
+mod sets;
 pub mod settings;
 mod skin;
 mod spiral;

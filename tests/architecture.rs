@@ -30,6 +30,7 @@ use std::path::Path;
 /// not import one another.
 const ORDER: &[&[&str]] = &[
     &["units"],
+    &["sets", "random"],
     // Every reader of text files needs it.
     &["encoding"],
     // Any loop may ask whether it is to go on.

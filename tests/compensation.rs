@@ -7,7 +7,7 @@ mod common;
 use common::{Kind, Layer, formula, parse, settings, slice, slice_layers};
 use glam::DVec2;
 use isoslice::model::{
-    BuildVolume, PlaceError, Placement, Source, SourceKind, load, place,
+    BuildVolume, PlaceError, Placement, Source, load, place,
 };
 use isoslice::pipeline::{self, Options};
 
@@ -223,11 +223,7 @@ fn what_is_added_to_the_part_has_to_fit_the_bed() {
             "gcode.flavour=klipper",
             "gcode.start=; {{ part_min_x }} {{ part_max_x }}",
         ]);
-        let source = Source::Text {
-            name: "plate".into(),
-            kind: SourceKind::Formula,
-            text: PLATE.into(),
-        };
+        let source = Source::formula("plate", PLATE);
         let placement = Placement {
             margin: s.reach(),
             ..Placement::default()

@@ -8,9 +8,7 @@ mod common;
 use common::{Kind, number};
 use glam::DVec3;
 use isoslice::limits::{Limits, Watch};
-use isoslice::model::{
-    Bounds, BuildVolume, Placement, Source, SourceKind, load, place,
-};
+use isoslice::model::{Bounds, BuildVolume, Placement, Source, load, place};
 use isoslice::pipeline::{self, Options};
 use isoslice::settings::{Builder, Settings, keys};
 use std::time::Duration;
@@ -33,11 +31,7 @@ fn slice(
     settings: &Settings,
 ) -> Result<String, String> {
     let watched = watch().run(|| {
-        let source = Source::Text {
-            name: "hostile".into(),
-            kind: SourceKind::Formula,
-            text: text.into(),
-        };
+        let source = Source::formula("hostile", text);
         let loaded = load(&source, &[]).map_err(|e| e.to_string())?;
         let placement = Placement {
             bounds,

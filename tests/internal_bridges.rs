@@ -4,7 +4,8 @@
 
 mod common;
 
-use glam::DVec2;
+use common::head::Head;
+use glam::{DVec2, DVec3};
 use isoslice::settings::Settings;
 
 /// A move that extrudes, with its role.
@@ -39,8 +40,9 @@ fn layers(formula: &str, settings: &Settings) -> Vec<Vec<Step>> {
     let model = common::formula(formula, settings);
     let (gcode, _) = common::slice(&model, settings, 2);
     let end = gcode.find("; end of layers").unwrap();
-    let (mut at, mut role, mut layers) = (DVec2::NAN, "", Vec::new());
-    let (mut goes_on, mut speed, mut fan) = (false, 0.0, 0.0);
+    let mut head = Head::new(DVec3::new(110.0, 110.0, 0.0));
+    let (mut role, mut layers) = ("", Vec::new());
+    let (mut goes_on, mut fan) = (false, 0.0);
     for line in gcode[..end].lines() {
         if line.starts_with(";LAYER_CHANGE") {
             layers.push(Vec::new());
@@ -51,28 +53,17 @@ fn layers(formula: &str, settings: &Settings) -> Vec<Vec<Step>> {
         if let Some(value) = line.strip_prefix("M106 S") {
             fan = value.parse().unwrap();
         }
-        if !line.starts_with("G1 ") {
+        let Some(step) = head.step(line) else {
             continue;
-        }
-        let (from, mut fed) = (at, 0.0);
-        for word in line.split_whitespace().skip(1) {
-            let value: f64 = word[1..].parse().unwrap();
-            match &word[..1] {
-                "X" => at.x = value - 110.0,
-                "Y" => at.y = value - 110.0,
-                "E" => fed = value,
-                "F" => speed = value,
-                _ => {}
-            }
-        }
-        let prints = fed > 0.0 && at != from;
+        };
+        let prints = step.prints();
         if let Some(layer) = layers.last_mut().filter(|_| prints) {
             layer.push(Step {
                 role: role.to_owned(),
-                from,
-                to: at,
-                fed,
-                speed,
+                from: step.from.truncate(),
+                to: step.to.truncate(),
+                fed: step.fed,
+                speed: step.speed,
                 fan,
                 goes_on,
             });

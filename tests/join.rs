@@ -6,10 +6,10 @@
 mod common;
 
 use assert_cmd::Command;
-use common::{join, settings};
-use isoslice::model::{Model, Placement, Source, SourceKind};
+use common::{join, settings, wanted};
+use isoslice::model::Model;
 use isoslice::pipeline::{Options, slice_plate};
-use isoslice::plate::{Plate, Wanted};
+use isoslice::plate::Plate;
 use isoslice::settings::Settings;
 use isoslice::{Format, JoinError, split};
 use std::fs;
@@ -107,22 +107,9 @@ fn plates_of_several_parts() {
         "sample_spacing=0.6",
         "infill_density=30",
     ]);
-    let wanted = |name: &str, text: &str, copies| Wanted {
-        source: Source::Text {
-            name: name.into(),
-            kind: SourceKind::Formula,
-            text: text.into(),
-        },
-        defines: Vec::new(),
-        placement: Placement::default(),
-        settings: settings.clone(),
-        at: None,
-        copies,
-        asked: name.into(),
-    };
     let all = [
-        wanted("bar", PART, 2),
-        wanted("low", "max(sqrt(x^2 + y^2) - 6, abs(z) - 4)", 1),
+        wanted("bar", PART, 2, &settings),
+        wanted("low", "max(sqrt(x^2 + y^2) - 6, abs(z) - 4)", 1, &settings),
     ];
     let plate = Plate::new("both", &all, &settings).unwrap();
     assert_joins(&plate, Format::Text);

@@ -5,12 +5,12 @@
 
 mod common;
 
-use common::settings;
+use common::head::Head;
+use common::{settings, wanted};
 use glam::{DVec2, DVec3};
 use isoslice::Settings;
 use isoslice::check::{Kind, Rules, check};
 use isoslice::layers::LayerRange;
-use isoslice::model::{Placement, Source, SourceKind};
 use isoslice::pipeline::{Options, SliceError, slice_plate};
 use isoslice::plate::{Plate, Wanted};
 
@@ -31,22 +31,6 @@ const PLAIN: [&str; 8] = [
     "sample_spacing=0.5",
     "accuracy=0.02",
 ];
-
-fn wanted(name: &str, text: &str, copies: u64, settings: &Settings) -> Wanted {
-    Wanted {
-        source: Source::Text {
-            name: name.into(),
-            kind: SourceKind::Formula,
-            text: text.into(),
-        },
-        defines: Vec::new(),
-        placement: Placement::default(),
-        settings: settings.clone(),
-        at: None,
-        copies,
-        asked: name.into(),
-    }
-}
 
 fn plate(more: &[&str]) -> (Plate, Settings) {
     let settings = settings(&[&PLAIN[..], more].concat());
@@ -80,7 +64,7 @@ struct Way {
 /// All ways from the first layer to the last.
 fn ways(gcode: &str) -> Vec<Way> {
     let (mut label, mut layer) = (String::new(), 0);
-    let mut at = DVec3::ZERO;
+    let mut head = Head::new(DVec3::ZERO);
     let mut all = Vec::new();
     for line in gcode.lines() {
         if line == "; end of layers" {
@@ -93,29 +77,18 @@ fn ways(gcode: &str) -> Vec<Way> {
         if line.starts_with("EXCLUDE_OBJECT_END") {
             label.clear();
         }
-        if !line.starts_with("G1 ") {
+        let Some(step) = head.step(line) else {
             continue;
-        }
-        let word = |letter: char| {
-            let mut words = line.split(' ');
-            let word = words.find_map(|w| w.strip_prefix(letter));
-            word.map(|w| w.parse::<f64>().unwrap())
         };
-        let to = DVec3::new(
-            word('X').unwrap_or(at.x),
-            word('Y').unwrap_or(at.y),
-            word('Z').unwrap_or(at.z),
-        );
         if layer > 0 {
             all.push(Way {
                 label: label.clone(),
                 layer,
-                from: at,
-                to,
-                fed: word('E').unwrap_or(0.0),
+                from: step.from,
+                to: step.to,
+                fed: step.fed,
             });
         }
-        at = to;
     }
     all
 }

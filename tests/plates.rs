@@ -4,12 +4,12 @@
 
 mod common;
 
-use common::{number, settings};
-use glam::DVec2;
+use common::head::{Head, Step};
+use common::{number, settings, wanted};
+use glam::{DVec2, DVec3};
 use isoslice::layers::LayerRange;
-use isoslice::model::{Placement, Source, SourceKind};
 use isoslice::pipeline::{Options, SliceError, Summary, slice_plate};
-use isoslice::plate::{Plate, PlateFile, Wanted};
+use isoslice::plate::{Plate, PlateFile};
 use isoslice::settings::{Builder, Settings};
 use std::collections::BTreeMap;
 use std::fs;
@@ -26,22 +26,6 @@ const PLAIN: [&str; 6] = [
     "accuracy=0.02",
     "skirt.loops=0",
 ];
-
-fn wanted(name: &str, text: &str, copies: u64, settings: &Settings) -> Wanted {
-    Wanted {
-        source: Source::Text {
-            name: name.into(),
-            kind: SourceKind::Formula,
-            text: text.into(),
-        },
-        defines: Vec::new(),
-        placement: Placement::default(),
-        settings: settings.clone(),
-        at: None,
-        copies,
-        asked: name.into(),
-    }
-}
 
 fn run(plate: &Plate, layers: &str, threads: usize) -> (String, Summary) {
     let options = Options {
@@ -60,7 +44,7 @@ type Printed = BTreeMap<(String, usize), Vec<(DVec2, DVec2)>>;
 fn printed(gcode: &str) -> Printed {
     let mut found = Printed::new();
     let (mut label, mut layer) = (String::new(), 0);
-    let mut at = DVec2::ZERO;
+    let mut head = Head::new(DVec3::ZERO);
     for line in gcode.lines() {
         if line == ";LAYER_CHANGE" {
             layer += 1;
@@ -73,21 +57,10 @@ fn printed(gcode: &str) -> Printed {
             assert_eq!(label, name);
             label.clear();
         }
-        if !line.starts_with("G1 ") && !line.starts_with("G0 ") {
-            continue;
-        }
-        let word = |letter: char| {
-            let mut words = line.split(' ');
-            let word = words.find_map(|w| w.strip_prefix(letter));
-            word.map(|w| w.parse::<f64>().unwrap())
-        };
-        let to =
-            DVec2::new(word('X').unwrap_or(at.x), word('Y').unwrap_or(at.y));
-        if word('E').is_some_and(|e| e > 0.0) && to != at {
+        if let Some(step) = head.step(line).filter(Step::prints) {
             let of_part = found.entry((label.clone(), layer)).or_default();
-            of_part.push((at, to));
+            of_part.push((step.from.truncate(), step.to.truncate()));
         }
-        at = to;
     }
     found
 }

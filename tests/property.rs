@@ -17,7 +17,7 @@ use csg::{Solid, solid};
 use glam::DVec2;
 use isocontour::Rect;
 use isocontour::{Detail, Field, Outline, outlines};
-use isoslice::model::{Source, SourceKind, load};
+use isoslice::model::{Source, load};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
@@ -74,10 +74,7 @@ fn fresh() -> u64 {
 }
 
 fn sliced(solid: &Solid, spacing: f64, z: f64) -> Outline {
-    let bounds = Rect {
-        min: DVec2::splat(-HALF),
-        max: DVec2::splat(HALF),
-    };
+    let bounds = Rect::new(DVec2::splat(-HALF), DVec2::splat(HALF));
     let field = Field::new(&solid.tree(), 0.0, bounds, spacing).unwrap();
     outlines(&field, &[z], DETAIL).unwrap().remove(0)
 }
@@ -232,16 +229,9 @@ proptest! {
     /// Whatever the field: the program ends, and the rings are rings.
     #[test]
     fn formulas_are_survived(formula in formula()) {
-        let source = Source::Text {
-            name: "formula".into(),
-            kind: SourceKind::Formula,
-            text: format!("max({formula}, sqrt(x^2 + y^2 + z^2) - 2)"),
-        };
+        let source = Source::formula("formula", format!("max({formula}, sqrt(x^2 + y^2 + z^2) - 2)"));
         let Ok(model) = load(&source, &[]) else { return Ok(()) };
-        let bounds = Rect {
-            min: DVec2::splat(-2.0),
-            max: DVec2::splat(2.0),
-        };
+        let bounds = Rect::new(DVec2::splat(-2.0), DVec2::splat(2.0));
         let field =
             Field::new(&model.tree, 0.0, bounds, 0.25).unwrap();
         let layers = [-0.8, 0.01, 0.7];

@@ -5,6 +5,7 @@
 
 mod common;
 
+use common::head::Head;
 use glam::DVec3;
 use isoslice::settings::Settings;
 
@@ -123,7 +124,8 @@ struct Step {
 
 fn steps(gcode: &str) -> Vec<Step> {
     let end = gcode.find("; end of layers").unwrap();
-    let (mut at, mut top, mut steps) = (DVec3::NAN, 0.0, Vec::new());
+    let mut head = Head::new(DVec3::new(110.0, 110.0, 0.0));
+    let (mut top, mut steps) = (0.0, Vec::new());
     let (mut goes_on, mut width, mut support) = (false, 0.0, false);
     for line in gcode[..end].lines() {
         if let Some(z) = line.strip_prefix(";Z:") {
@@ -135,26 +137,15 @@ fn steps(gcode: &str) -> Vec<Step> {
         if let Some(w) = line.strip_prefix(";WIDTH:") {
             width = w.parse().unwrap();
         }
-        if !line.starts_with("G1 ") {
+        let Some(step) = head.step(line) else {
             continue;
-        }
-        let (from, mut fed) = (at, 0.0);
-        for word in line.split_whitespace().skip(1) {
-            let value: f64 = word[1..].parse().unwrap();
-            match &word[..1] {
-                "X" => at.x = value - 110.0,
-                "Y" => at.y = value - 110.0,
-                "Z" => at.z = value,
-                "E" => fed = value,
-                _ => {}
-            }
-        }
-        let prints = fed > 0.0 && at.truncate() != from.truncate();
+        };
+        let prints = step.prints();
         if prints && top > 0.0 {
             steps.push(Step {
-                from,
-                to: at,
-                fed,
+                from: step.from,
+                to: step.to,
+                fed: step.fed,
                 top,
                 width,
                 last: false,

@@ -4,6 +4,7 @@
 
 mod common;
 
+use common::head::Head;
 use common::number;
 use glam::DVec3;
 use isoslice::pipeline::{self, Options};
@@ -47,24 +48,10 @@ fn turns(
             number(settings, "printer.bed_y"),
             0.0,
         );
-    let (mut at, mut steps) = (DVec3::NAN, Vec::new());
-    for line in text.lines().filter(|l| l.starts_with("G1")) {
-        let from = at;
-        let mut fed = 0.0;
-        for word in line.split_whitespace().skip(1) {
-            let value: f64 = word[1..].parse().unwrap();
-            match &word[..1] {
-                "X" => at.x = value - middle.x,
-                "Y" => at.y = value - middle.y,
-                "Z" => at.z = value,
-                "E" => fed = value,
-                _ => {}
-            }
-        }
-        if fed > 0.0 && at.distance(from) > 0.0 {
-            steps.push((from, at, fed));
-        }
-    }
+    let mut head = Head::new(middle);
+    let steps = text.lines().filter_map(|line| head.step(line));
+    let printing = steps.filter(|s| s.fed > 0.0 && s.to.distance(s.from) > 0.0);
+    let steps = printing.map(|s| (s.from, s.to, s.fed)).collect();
     (steps, text)
 }
 

@@ -4,9 +4,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
-use isoslice::model::{
-    ScriptLimits, Source, SourceKind, load, load_within, parse_vm,
-};
+use isoslice::model::{ScriptLimits, Source, load, load_within, parse_vm};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -18,11 +16,7 @@ fn refusal_within(seconds: u64, text: &str) -> String {
         memory_bytes: u64::MAX,
         ..ScriptLimits::default()
     };
-    let source = Source::Text {
-        name: "stranger".into(),
-        kind: SourceKind::Script,
-        text: text.into(),
-    };
+    let source = Source::script("stranger", text);
     match load_within(&source, &[], &limits) {
         Ok(_) => panic!("{} is a model", &text[..text.len().min(200)]),
         Err(error) => error.to_string(),
@@ -102,11 +96,7 @@ fn replacing_in_texts_works_as_ever() {
         s.replace('z', '+');
         if s != \"-xy+-xy+\" { throw s; }
         x - 1";
-    let source = Source::Text {
-        name: "texts".into(),
-        kind: SourceKind::Script,
-        text: text.into(),
-    };
+    let source = Source::script("texts", text);
     load(&source, &[]).unwrap();
 }
 
@@ -187,11 +177,10 @@ fn memory_is_bounded_where_no_size_is() {
 
 #[test]
 fn deep_expressions_are_models() {
-    let source = Source::Text {
-        name: "deep".into(),
-        kind: SourceKind::Script,
-        text: format!("let s = x; for i in 0..{DEEP} {{ s = s + y; }} s"),
-    };
+    let source = Source::script(
+        "deep",
+        format!("let s = x; for i in 0..{DEEP} {{ s = s + y; }} s"),
+    );
     assert!(load(&source, &[]).unwrap().expression_size >= DEEP);
 }
 
@@ -211,11 +200,7 @@ fn vm_files_of_a_million_lines_are_read_and_their_faults_placed() {
 }
 
 fn formula(text: String) -> Source {
-    Source::Text {
-        name: "test".into(),
-        kind: SourceKind::Formula,
-        text,
-    }
+    Source::formula("test", text)
 }
 
 #[test]

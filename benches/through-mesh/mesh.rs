@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let loaded = model::load(&Source::File(path.into()), &[])?;
     let model = model::place(&loaded, &Placement::default(), volume)?;
     let half = 0.6 * model.bounds.size().max_element();
-    let middle = 0.5 * (model.bounds.min + model.bounds.max);
+    let middle = model.bounds.centre();
     let middle = Vector3::from(middle.as_vec3().to_array());
     let shape = JitShape::from(model.tree).try_into()?;
     let settings = Settings {

@@ -45,9 +45,7 @@ pub(super) fn ears(
     }
     // Ears are outside the part: holes stay free.
     let outer = outline.rings.iter().filter(|r| signed_area(r) > 0.0);
-    let without_holes = unite(&Area {
-        rings: outer.cloned().collect(),
-    });
+    let without_holes = unite(&outer.cloned().collect());
     let kept_free = offset(&without_holes, settings.brim.gap, TOLERANCE);
     let area = difference(&unite(&Area { rings: discs }), &kept_free);
     let width = settings.outer_wall_width();
@@ -88,7 +86,7 @@ pub(super) fn corners(outline: &Area, angle: f64) -> Vec<DVec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::shapes::{disc, rect};
 
     #[test]
     fn sharp_convex_corners_get_ears_and_others_none() {
@@ -103,18 +101,13 @@ mod tests {
             at(10.0, 20.0),
             at(0.0, 20.0),
         ];
-        let area = Area { rings: vec![ring] };
+        let area = Area::from(ring);
         assert_eq!(corners(&area, 125.0).len(), 4);
         assert_eq!(corners(&area, 140.0).len(), 6);
         assert_eq!(corners(&area, 80.0).len(), 0);
         // A round part has no corners.
-        let round: Ring = (0..200)
-            .map(|k| {
-                DVec2::from_angle(f64::from(k) * 0.01 * std::f64::consts::PI)
-                    * 6.0
-            })
-            .collect();
-        assert!(corners(&Area { rings: vec![round] }, 125.0).is_empty());
+        let round = disc(6.0, 200);
+        assert!(corners(&round, 125.0).is_empty());
     }
 
     #[test]

@@ -70,10 +70,7 @@ impl Finished {
         }
         let (from, to) = (step.from.truncate(), step.to.truncate());
         let own = Block {
-            area: Rect {
-                min: from.min(to),
-                max: from.max(to),
-            },
+            area: Rect::new(from.min(to), from.max(to)),
             top: step.from.z.max(step.to.z),
         };
         self.here.get_or_insert(own).add(own);

@@ -99,293 +99,191 @@ const RECALL: &str = "sets places and modes back to what was saved before, \
                       which the check does not follow";
 const LOGIC: &str = "makes what follows depend on what only the printer knows";
 
+// Rows: a command, perhaps when the row applies, and the effect.
+macro_rules! rows {
+    ($($($part:expr),+ => $effect:expr;)*) => {
+        &[$(($($part,)+ $effect)),*]
+    };
+}
+
 /// The effects of the other commands.
-const ROWS: &[(&str, When, Effect)] = &[
-    ("G6", Always, Harms(UNSEEN)),
-    ("G10", Has(b"L"), Harms(ZERO)),
-    (
-        "G26",
-        Always,
-        Warns("prints a pattern of the firmware's own"),
-    ),
-    ("G29.1", Beyond(b"Z", -1.0, 1.0), Harms(ZERO)),
-    ("G38", Always, Warns(UNSEEN)),
-    ("G38.2", Always, Warns(UNSEEN)),
-    ("G38.3", Always, Warns(UNSEEN)),
-    ("G38.4", Always, Warns(UNSEEN)),
-    ("G38.5", Always, Warns(UNSEEN)),
-    ("G40", Always, Effect::None),
-    ("G42", Always, Warns(UNSEEN)),
-    ("G55", Always, Harms(ZERO)),
-    ("G56", Always, Harms(ZERO)),
-    ("G57", Always, Harms(ZERO)),
-    ("G58", Always, Harms(ZERO)),
-    ("G59", Always, Harms(ZERO)),
-    ("G59.1", Always, Harms(ZERO)),
-    ("G59.2", Always, Harms(ZERO)),
-    ("G59.3", Always, Harms(ZERO)),
-    ("G61", Always, Warns(UNSEEN)),
-    (
-        "G68",
-        Always,
-        Harms("turns every move after it about a point"),
-    ),
-    ("G92.1", Always, Warns(ZERO)),
-    ("G93", Always, Harms("makes every F a time and not a speed")),
-    ("G94", Always, Effect::None),
-    ("G95", Always, Harms("makes every F a share of a turn")),
-    ("G380", Always, Warns(UNSEEN)),
-    ("G383", Always, Warns(UNSEEN)),
-    ("M0", Always, Warns(WAITS)),
-    ("M1", Always, Warns(WAITS)),
-    ("M3", Always, Warns("turns a spindle or a laser on")),
-    ("M4", Always, Warns("turns a spindle or a laser on")),
-    ("M23", Always, Harms(FILES)),
-    (
-        "M24",
-        Always,
-        Warns("starts a file on the printer, or this one again"),
-    ),
-    ("M25", Always, Warns(WAITS)),
-    ("M26", Always, Harms(FILES)),
-    ("M28", Always, Harms(FILES)),
-    ("M29", Always, Harms(FILES)),
-    ("M30", Always, Harms(FILES)),
-    ("M32", Always, Harms(FILES)),
-    ("M33", Always, Warns(FILES)),
-    (
-        "M37",
-        Always,
-        Harms("makes the printer simulate and not print"),
-    ),
-    (
-        "M42",
-        Always,
-        Warns("switches a pin, and the check cannot know of what"),
-    ),
-    (
-        "M43",
-        Always,
-        Warns("switches pins, and the check cannot know of what"),
-    ),
-    ("M92", Has(b"XYZ"), Harms(STEPS)),
-    ("M92", Always, Warns(STEPS)),
-    (
-        "M106",
-        Beyond(b"S", 0.0, 255.0),
-        Warns("has a fan speed beyond 255, which is full"),
-    ),
-    ("M112", Always, Harms("is the emergency stop")),
-    (
-        "M120",
-        Always,
-        Warns("turns end stops on, or saves the state of the machine"),
-    ),
-    (
-        "M121",
-        Always,
-        Warns("turns end stops off, or sets the machine's state back"),
-    ),
-    ("M125", Always, Warns(WAITS)),
-    (
-        "M143",
-        Always,
-        Warns("changes the greatest temperature that the printer allows"),
-    ),
-    (
-        "M149",
-        Has(b"FK"),
-        Harms("makes temperatures Fahrenheit or Kelvin"),
-    ),
-    ("M163", Always, Warns("changes what is mixed")),
-    ("M164", Always, Warns("changes what is mixed")),
-    ("M165", Always, Warns("changes what is mixed")),
-    ("M166", Always, Warns("changes what is mixed")),
-    ("M201", Beyond(b"XYZE", 1.0, 200_000.0), Warns(ABSURD)),
-    ("M202", Beyond(b"XYZE", 1.0, 200_000.0), Warns(ABSURD)),
-    ("M203", Beyond(b"XYZE", 0.1, 200_000.0), Warns(ABSURD)),
-    ("M204", Beyond(b"SPRT", 1.0, 200_000.0), Warns(ABSURD)),
-    ("M205", Beyond(b"XYZE", 0.0, 200.0), Warns(ABSURD)),
-    ("M205", Beyond(b"J", 0.0, 1.0), Warns(ABSURD)),
-    ("M206", Beyond(b"XYZ", -1.0, 1.0), Harms(ZERO)),
-    ("M206", Beyond(b"XYZ", 0.0, 0.0), Warns(ZERO)),
-    (
-        "M207",
-        Beyond(b"S", 0.0, 20.0),
-        Warns("retracts farther than a nozzle can bear"),
-    ),
-    ("M207", Beyond(b"Z", 0.0, 20.0), Warns(ABSURD)),
-    ("M208", Has(b"XYZ"), Warns("changes how far the axes reach")),
-    ("M210", Always, Warns("changes the speed of homing")),
-    ("M211", Is(b'S', 0.0), Warns(FREE)),
-    ("M211", Has(b"XYZ"), Warns(FREE)),
-    ("M212", Always, Warns(ZERO)),
-    (
-        "M218",
-        Beyond(b"XY", -100.0, 100.0),
-        Harms("moves a tool farther than tools are apart"),
-    ),
-    (
-        "M218",
-        Beyond(b"Z", -5.0, 5.0),
-        Harms("moves a tool farther than tools are apart"),
-    ),
-    (
-        "M218",
-        Beyond(b"XYZ", 0.0, 0.0),
-        Warns("moves a tool's place"),
-    ),
-    (
-        "M220",
-        Beyond(b"S", 10.0, 300.0),
-        Warns("has a share of the speed beyond 10 to 300 %"),
-    ),
-    (
-        "M221",
-        Beyond(b"S", 50.0, 200.0),
-        Warns("has a share of the flow beyond 50 to 200 %"),
-    ),
-    ("M226", Always, Warns(WAITS)),
-    ("M260", Always, Warns("talks to other devices")),
-    ("M290", Beyond(b"ZS", -1.0, 1.0), Harms(ZERO)),
-    ("M301", Always, Warns(CONTROL)),
-    ("M302", Always, Warns("lets cold filament be pushed")),
-    (
-        "M303",
-        Always,
-        Harms("tunes a heater, in the middle of a file"),
-    ),
-    ("M304", Always, Warns(CONTROL)),
-    ("M305", Always, Warns(CONTROL)),
-    ("M306", Always, Warns(CONTROL)),
-    ("M307", Always, Warns(CONTROL)),
-    ("M308", Always, Warns(CONTROL)),
-    ("M309", Always, Warns(CONTROL)),
-    (
-        "M350",
-        Always,
-        Warns(
-            "changes the motors' microsteps, and with it lengths in some firmware",
-        ),
-    ),
-    ("M410", Always, Harms("stops all motors at once")),
-    ("M421", Always, Warns("changes the measured bed")),
-    (
-        "M425",
-        Always,
-        Warns("changes the backlash that is made up for"),
-    ),
-    ("M428", Always, Harms(ZERO)),
-    ("M452", Always, Warns("makes the printer a laser")),
-    ("M453", Always, Warns("makes the printer a mill")),
-    ("M470", Always, Warns(FILES)),
-    ("M471", Always, Warns(FILES)),
-    ("M472", Always, Harms(FILES)),
-    ("M500", Always, Warns(MEMORY)),
-    (
-        "M501",
-        Always,
-        Warns("reads the settings back from the printer's memory"),
-    ),
-    (
-        "M502",
-        Always,
-        Harms("resets the printer's settings: steps, offsets, limits"),
-    ),
-    ("M524", Always, Harms("ends the print")),
-    ("M553", Always, Warns(NO_PRINT)),
-    ("M554", Always, Warns(NO_PRINT)),
-    (
-        "M555",
-        Always,
-        Warns("changes what the printer takes commands for"),
-    ),
-    ("M556", Always, Warns(SHAPE)),
-    ("M558", Always, Warns("changes the probe")),
-    ("M559", Always, Harms(FILES)),
-    ("M560", Always, Harms(FILES)),
-    ("M562", Always, Warns("resets a heater's fault")),
-    ("M563", Always, Warns("defines a tool anew")),
-    ("M564", Is(b'S', 0.0), Warns(FREE)),
-    (
-        "M564",
-        Is(b'H', 0.0),
-        Warns("lets axes move that were not homed"),
-    ),
-    ("M566", Beyond(b"XYZE", 0.0, 12_000.0), Warns(ABSURD)),
-    ("M569", Has(b"P"), Harms(MOTORS)),
-    ("M569", Always, Effect::None),
-    (
-        "M570",
-        Always,
-        Warns("changes when a heater's fault is noticed"),
-    ),
-    ("M574", Always, Warns("changes the end stops")),
-    ("M579", Always, Harms(STEPS)),
-    ("M581", Always, Warns(LOGIC)),
-    ("M582", Always, Warns(LOGIC)),
-    ("M584", Always, Harms(MOTORS)),
-    ("M585", Always, Warns(UNSEEN)),
-    ("M587", Always, Warns(NO_PRINT)),
-    ("M588", Always, Warns(NO_PRINT)),
-    ("M589", Always, Warns(NO_PRINT)),
-    ("M592", Always, Warns("makes the feed another at speed")),
-    ("M600", Always, Warns(WAITS)),
-    ("M601", Always, Warns(WAITS)),
-    ("M602", Always, Effect::None),
-    (
-        "M605",
-        Beyond(b"S", 0.0, 1.0),
-        Warns("makes two heads print the same"),
-    ),
-    ("M605", Always, Effect::None),
-    ("M665", Always, Warns(SHAPE)),
-    ("M666", Always, Warns(SHAPE)),
-    ("M667", Always, Harms(SHAPE)),
-    ("M669", Always, Harms(SHAPE)),
-    (
-        "M701",
-        Always,
-        Warns("loads filament in the firmware's own way"),
-    ),
-    (
-        "M702",
-        Always,
-        Warns("unloads filament in the firmware's own way"),
-    ),
-    ("M703", Always, Warns(LOGIC)),
-    (
-        "M851",
-        Beyond(b"Z", -10.0, 10.0),
-        Harms("changes how high the nozzle is over the bed"),
-    ),
-    (
-        "M851",
-        Has(b"XYZ"),
-        Warns("changes how high the nozzle is over the bed"),
-    ),
-    ("M852", Always, Warns(SHAPE)),
-    ("M900", Beyond(b"KL", 0.0, 200.0), Warns(ABSURD)),
-    ("M906", Beyond(b"XYZE", 0.0, 3000.0), Harms(MOTORS)),
-    ("M906", Always, Warns(MOTORS)),
-    ("M907", Always, Warns(MOTORS)),
-    ("M908", Always, Warns(MOTORS)),
-    ("M909", Always, Warns(MOTORS)),
-    ("M912", Always, Effect::None),
-    ("M913", Always, Warns(MOTORS)),
-    ("M914", Always, Warns(MOTORS)),
-    ("M915", Always, Warns(MOTORS)),
-    ("M928", Always, Warns(FILES)),
-    ("M929", Always, Effect::None),
-    ("M950", Always, Warns("defines pins, heaters or fans anew")),
-    ("M997", Always, Harms("replaces the printer's firmware")),
-    ("M998", Always, Effect::None),
-    (
-        "M999",
-        Always,
-        Harms("restarts the printer, or goes on after its emergency stop"),
-    ),
-];
+const ROWS: &[(&str, When, Effect)] = rows! {
+    "G6", Always => Harms(UNSEEN);
+    "G10", Has(b"L") => Harms(ZERO);
+    "G26", Always => Warns("prints a pattern of the firmware's own");
+    "G29.1", Beyond(b"Z", -1.0, 1.0) => Harms(ZERO);
+    "G38", Always => Warns(UNSEEN);
+    "G38.2", Always => Warns(UNSEEN);
+    "G38.3", Always => Warns(UNSEEN);
+    "G38.4", Always => Warns(UNSEEN);
+    "G38.5", Always => Warns(UNSEEN);
+    "G40", Always => Effect::None;
+    "G42", Always => Warns(UNSEEN);
+    "G55", Always => Harms(ZERO);
+    "G56", Always => Harms(ZERO);
+    "G57", Always => Harms(ZERO);
+    "G58", Always => Harms(ZERO);
+    "G59", Always => Harms(ZERO);
+    "G59.1", Always => Harms(ZERO);
+    "G59.2", Always => Harms(ZERO);
+    "G59.3", Always => Harms(ZERO);
+    "G61", Always => Warns(UNSEEN);
+    "G68", Always => Harms("turns every move after it about a point");
+    "G92.1", Always => Warns(ZERO);
+    "G93", Always => Harms("makes every F a time and not a speed");
+    "G94", Always => Effect::None;
+    "G95", Always => Harms("makes every F a share of a turn");
+    "G380", Always => Warns(UNSEEN);
+    "G383", Always => Warns(UNSEEN);
+    "M0", Always => Warns(WAITS);
+    "M1", Always => Warns(WAITS);
+    "M3", Always => Warns("turns a spindle or a laser on");
+    "M4", Always => Warns("turns a spindle or a laser on");
+    "M23", Always => Harms(FILES);
+    "M24", Always => Warns("starts a file on the printer, or this one again");
+    "M25", Always => Warns(WAITS);
+    "M26", Always => Harms(FILES);
+    "M28", Always => Harms(FILES);
+    "M29", Always => Harms(FILES);
+    "M30", Always => Harms(FILES);
+    "M32", Always => Harms(FILES);
+    "M33", Always => Warns(FILES);
+    "M37", Always => Harms("makes the printer simulate and not print");
+    "M42", Always => Warns("switches a pin, and the check cannot know of what");
+    "M43", Always => Warns("switches pins, and the check cannot know of what");
+    "M92", Has(b"XYZ") => Harms(STEPS);
+    "M92", Always => Warns(STEPS);
+    "M106", Beyond(b"S", 0.0, 255.0)
+        => Warns("has a fan speed beyond 255, which is full");
+    "M112", Always => Harms("is the emergency stop");
+    "M120", Always
+        => Warns("turns end stops on, or saves the state of the machine");
+    "M121", Always
+        => Warns("turns end stops off, or sets the machine's state back");
+    "M125", Always => Warns(WAITS);
+    "M143", Always
+        => Warns("changes the greatest temperature that the printer allows");
+    "M149", Has(b"FK") => Harms("makes temperatures Fahrenheit or Kelvin");
+    "M163", Always => Warns("changes what is mixed");
+    "M164", Always => Warns("changes what is mixed");
+    "M165", Always => Warns("changes what is mixed");
+    "M166", Always => Warns("changes what is mixed");
+    "M201", Beyond(b"XYZE", 1.0, 200_000.0) => Warns(ABSURD);
+    "M202", Beyond(b"XYZE", 1.0, 200_000.0) => Warns(ABSURD);
+    "M203", Beyond(b"XYZE", 0.1, 200_000.0) => Warns(ABSURD);
+    "M204", Beyond(b"SPRT", 1.0, 200_000.0) => Warns(ABSURD);
+    "M205", Beyond(b"XYZE", 0.0, 200.0) => Warns(ABSURD);
+    "M205", Beyond(b"J", 0.0, 1.0) => Warns(ABSURD);
+    "M206", Beyond(b"XYZ", -1.0, 1.0) => Harms(ZERO);
+    "M206", Beyond(b"XYZ", 0.0, 0.0) => Warns(ZERO);
+    "M207", Beyond(b"S", 0.0, 20.0)
+        => Warns("retracts farther than a nozzle can bear");
+    "M207", Beyond(b"Z", 0.0, 20.0) => Warns(ABSURD);
+    "M208", Has(b"XYZ") => Warns("changes how far the axes reach");
+    "M210", Always => Warns("changes the speed of homing");
+    "M211", Is(b'S', 0.0) => Warns(FREE);
+    "M211", Has(b"XYZ") => Warns(FREE);
+    "M212", Always => Warns(ZERO);
+    "M218", Beyond(b"XY", -100.0, 100.0)
+        => Harms("moves a tool farther than tools are apart");
+    "M218", Beyond(b"Z", -5.0, 5.0)
+        => Harms("moves a tool farther than tools are apart");
+    "M218", Beyond(b"XYZ", 0.0, 0.0) => Warns("moves a tool's place");
+    "M220", Beyond(b"S", 10.0, 300.0)
+        => Warns("has a share of the speed beyond 10 to 300 %");
+    "M221", Beyond(b"S", 50.0, 200.0)
+        => Warns("has a share of the flow beyond 50 to 200 %");
+    "M226", Always => Warns(WAITS);
+    "M260", Always => Warns("talks to other devices");
+    "M290", Beyond(b"ZS", -1.0, 1.0) => Harms(ZERO);
+    "M301", Always => Warns(CONTROL);
+    "M302", Always => Warns("lets cold filament be pushed");
+    "M303", Always => Harms("tunes a heater, in the middle of a file");
+    "M304", Always => Warns(CONTROL);
+    "M305", Always => Warns(CONTROL);
+    "M306", Always => Warns(CONTROL);
+    "M307", Always => Warns(CONTROL);
+    "M308", Always => Warns(CONTROL);
+    "M309", Always => Warns(CONTROL);
+    "M350", Always
+        => Warns(
+            "changes the motors' microsteps, and with it lengths in some \
+             firmware"
+        );
+    "M410", Always => Harms("stops all motors at once");
+    "M421", Always => Warns("changes the measured bed");
+    "M425", Always => Warns("changes the backlash that is made up for");
+    "M428", Always => Harms(ZERO);
+    "M452", Always => Warns("makes the printer a laser");
+    "M453", Always => Warns("makes the printer a mill");
+    "M470", Always => Warns(FILES);
+    "M471", Always => Warns(FILES);
+    "M472", Always => Harms(FILES);
+    "M500", Always => Warns(MEMORY);
+    "M501", Always
+        => Warns("reads the settings back from the printer's memory");
+    "M502", Always
+        => Harms("resets the printer's settings: steps, offsets, limits");
+    "M524", Always => Harms("ends the print");
+    "M553", Always => Warns(NO_PRINT);
+    "M554", Always => Warns(NO_PRINT);
+    "M555", Always => Warns("changes what the printer takes commands for");
+    "M556", Always => Warns(SHAPE);
+    "M558", Always => Warns("changes the probe");
+    "M559", Always => Harms(FILES);
+    "M560", Always => Harms(FILES);
+    "M562", Always => Warns("resets a heater's fault");
+    "M563", Always => Warns("defines a tool anew");
+    "M564", Is(b'S', 0.0) => Warns(FREE);
+    "M564", Is(b'H', 0.0) => Warns("lets axes move that were not homed");
+    "M566", Beyond(b"XYZE", 0.0, 12_000.0) => Warns(ABSURD);
+    "M569", Has(b"P") => Harms(MOTORS);
+    "M569", Always => Effect::None;
+    "M570", Always => Warns("changes when a heater's fault is noticed");
+    "M574", Always => Warns("changes the end stops");
+    "M579", Always => Harms(STEPS);
+    "M581", Always => Warns(LOGIC);
+    "M582", Always => Warns(LOGIC);
+    "M584", Always => Harms(MOTORS);
+    "M585", Always => Warns(UNSEEN);
+    "M587", Always => Warns(NO_PRINT);
+    "M588", Always => Warns(NO_PRINT);
+    "M589", Always => Warns(NO_PRINT);
+    "M592", Always => Warns("makes the feed another at speed");
+    "M600", Always => Warns(WAITS);
+    "M601", Always => Warns(WAITS);
+    "M602", Always => Effect::None;
+    "M605", Beyond(b"S", 0.0, 1.0) => Warns("makes two heads print the same");
+    "M605", Always => Effect::None;
+    "M665", Always => Warns(SHAPE);
+    "M666", Always => Warns(SHAPE);
+    "M667", Always => Harms(SHAPE);
+    "M669", Always => Harms(SHAPE);
+    "M701", Always => Warns("loads filament in the firmware's own way");
+    "M702", Always => Warns("unloads filament in the firmware's own way");
+    "M703", Always => Warns(LOGIC);
+    "M851", Beyond(b"Z", -10.0, 10.0)
+        => Harms("changes how high the nozzle is over the bed");
+    "M851", Has(b"XYZ") => Warns("changes how high the nozzle is over the bed");
+    "M852", Always => Warns(SHAPE);
+    "M900", Beyond(b"KL", 0.0, 200.0) => Warns(ABSURD);
+    "M906", Beyond(b"XYZE", 0.0, 3000.0) => Harms(MOTORS);
+    "M906", Always => Warns(MOTORS);
+    "M907", Always => Warns(MOTORS);
+    "M908", Always => Warns(MOTORS);
+    "M909", Always => Warns(MOTORS);
+    "M912", Always => Effect::None;
+    "M913", Always => Warns(MOTORS);
+    "M914", Always => Warns(MOTORS);
+    "M915", Always => Warns(MOTORS);
+    "M928", Always => Warns(FILES);
+    "M929", Always => Effect::None;
+    "M950", Always => Warns("defines pins, heaters or fans anew");
+    "M997", Always => Harms("replaces the printer's firmware");
+    "M998", Always => Effect::None;
+    "M999", Always
+        => Harms("restarts the printer, or goes on after its emergency stop");
+};
 
 /// Commands that are names and neither move nor heat nor feed, or that the
 /// reader follows.
@@ -408,74 +306,54 @@ const HARMLESS_NAMES: &str = "
 ";
 
 /// The effects of the other commands that are names.
-const NAMES: &[(&str, Effect)] = &[
-    ("@PAUSE", Warns(WAITS)),
-    ("ABORT", Harms("ends the print")),
-    ("AXIS_TWIST_COMPENSATION_CALIBRATE", Warns(UNSEEN)),
-    ("BED_SCREWS_ADJUST", Warns(WAITS)),
-    ("CANCEL_PRINT", Harms("ends the print")),
-    ("DUMP_TMC", Effect::None),
-    ("ELIF", Warns(LOGIC)),
-    ("ELSE", Warns(LOGIC)),
-    ("FIRMWARE_RESTART", Harms("restarts the printer")),
-    (
-        "FORCE_MOVE",
-        Harms("moves a motor without the printer's knowing where"),
-    ),
-    ("GLOBAL", Effect::None),
-    ("IF", Warns(LOGIC)),
-    ("INIT_TMC", Warns(MOTORS)),
-    ("MANUAL_PROBE", Warns(WAITS)),
-    ("MANUAL_STEPPER", Warns(UNSEEN)),
-    ("PAUSE", Warns(WAITS)),
-    (
-        "PID_CALIBRATE",
-        Harms("tunes a heater, in the middle of a file"),
-    ),
-    ("PROBE_CALIBRATE", Warns(WAITS)),
-    ("RESTART", Harms("restarts the printer")),
-    ("RESTORE_GCODE_STATE", Warns(RECALL)),
-    ("RESUME", Effect::None),
-    (
-        "SAVE_CONFIG",
-        Harms("writes the printer's settings and restarts it"),
-    ),
-    ("SDCARD_PRINT_FILE", Harms(FILES)),
-    ("SDCARD_RESET_FILE", Harms(FILES)),
-    ("SET", Warns(LOGIC)),
-    ("SET_DUAL_CARRIAGE", Warns("takes another carriage")),
-    ("SET_EXTRUDER_ROTATION_DISTANCE", Harms(STEPS)),
-    ("SET_EXTRUDER_STEP_DISTANCE", Harms(STEPS)),
-    (
-        "SET_KINEMATIC_POSITION",
-        Harms("tells the printer that the head is elsewhere"),
-    ),
-    (
-        "SET_PIN",
-        Warns("switches a pin, and the check cannot know of what"),
-    ),
-    ("SET_SKEW", Warns(SHAPE)),
-    ("SET_STEPPER_ENABLE", Warns("turns motors on or off")),
-    ("SET_TMC_CURRENT", Warns(MOTORS)),
-    ("SET_TMC_FIELD", Warns(MOTORS)),
-    ("SKEW_PROFILE", Warns(SHAPE)),
-    ("SKIP", Effect::None),
-    ("STEPPER_BUZZ", Harms(NO_PRINT)),
-    (
-        "SYNC_EXTRUDER_MOTION",
-        Warns("joins extruders to one another"),
-    ),
-    (
-        "TUNING_TOWER",
-        Warns("changes a setting of the printer's by height"),
-    ),
-    ("UPDATE_DELAYED_GCODE", Warns(LOGIC)),
-    ("VAR", Effect::None),
-    ("WHILE", Warns(LOGIC)),
-    ("Z_ENDSTOP_CALIBRATE", Warns(WAITS)),
-    ("Z_OFFSET_APPLY_ENDSTOP", Warns(MEMORY)),
-    ("Z_OFFSET_APPLY_PROBE", Warns(MEMORY)),
-];
+const NAMES: &[(&str, Effect)] = rows! {
+    "@PAUSE" => Warns(WAITS);
+    "ABORT" => Harms("ends the print");
+    "AXIS_TWIST_COMPENSATION_CALIBRATE" => Warns(UNSEEN);
+    "BED_SCREWS_ADJUST" => Warns(WAITS);
+    "CANCEL_PRINT" => Harms("ends the print");
+    "DUMP_TMC" => Effect::None;
+    "ELIF" => Warns(LOGIC);
+    "ELSE" => Warns(LOGIC);
+    "FIRMWARE_RESTART" => Harms("restarts the printer");
+    "FORCE_MOVE" => Harms("moves a motor without the printer's knowing where");
+    "GLOBAL" => Effect::None;
+    "IF" => Warns(LOGIC);
+    "INIT_TMC" => Warns(MOTORS);
+    "MANUAL_PROBE" => Warns(WAITS);
+    "MANUAL_STEPPER" => Warns(UNSEEN);
+    "PAUSE" => Warns(WAITS);
+    "PID_CALIBRATE" => Harms("tunes a heater, in the middle of a file");
+    "PROBE_CALIBRATE" => Warns(WAITS);
+    "RESTART" => Harms("restarts the printer");
+    "RESTORE_GCODE_STATE" => Warns(RECALL);
+    "RESUME" => Effect::None;
+    "SAVE_CONFIG" => Harms("writes the printer's settings and restarts it");
+    "SDCARD_PRINT_FILE" => Harms(FILES);
+    "SDCARD_RESET_FILE" => Harms(FILES);
+    "SET" => Warns(LOGIC);
+    "SET_DUAL_CARRIAGE" => Warns("takes another carriage");
+    "SET_EXTRUDER_ROTATION_DISTANCE" => Harms(STEPS);
+    "SET_EXTRUDER_STEP_DISTANCE" => Harms(STEPS);
+    "SET_KINEMATIC_POSITION"
+        => Harms("tells the printer that the head is elsewhere");
+    "SET_PIN" => Warns("switches a pin, and the check cannot know of what");
+    "SET_SKEW" => Warns(SHAPE);
+    "SET_STEPPER_ENABLE" => Warns("turns motors on or off");
+    "SET_TMC_CURRENT" => Warns(MOTORS);
+    "SET_TMC_FIELD" => Warns(MOTORS);
+    "SKEW_PROFILE" => Warns(SHAPE);
+    "SKIP" => Effect::None;
+    "STEPPER_BUZZ" => Harms(NO_PRINT);
+    "SYNC_EXTRUDER_MOTION" => Warns("joins extruders to one another");
+    "TUNING_TOWER" => Warns("changes a setting of the printer's by height");
+    "UPDATE_DELAYED_GCODE" => Warns(LOGIC);
+    "VAR" => Effect::None;
+    "WHILE" => Warns(LOGIC);
+    "Z_ENDSTOP_CALIBRATE" => Warns(WAITS);
+    "Z_OFFSET_APPLY_ENDSTOP" => Warns(MEMORY);
+    "Z_OFFSET_APPLY_PROBE" => Warns(MEMORY);
+};
 
 type Rows = Vec<(When, Effect)>;
 

@@ -260,11 +260,9 @@ impl ModelArgs {
                 text: standard_input()?,
             },
             (Some(path), _) => Source::File(path.clone()),
-            (None, text) => Source::Text {
-                name: FORMULA.to_owned(),
-                kind: SourceKind::Formula,
-                text: text.clone().unwrap_or_default(),
-            },
+            (None, text) => {
+                Source::formula(FORMULA, text.clone().unwrap_or_default())
+            }
         })
     }
 }

@@ -4,7 +4,7 @@
 //! closed standard stream. Whatever is written there vanishes without an error,
 //! and `main` cannot tell it from a `/dev/null` that the user asked for. On
 //! Linux a function that is called while the program is loaded can still tell.
-//! Elsewhere no stream counts as closed.
+//! On other systems no stream counts as closed.
 
 use anyhow::bail;
 use std::fs;

@@ -2,8 +2,8 @@
 //! printers, filaments, presets, hosts, and a script's parameters.
 //!
 //! A script of `isoslice completions` runs this program with the line so far,
-//! and [`VARIABLE`] set. In: that line. Out: candidates. Nothing here may fail
-//! or take long: what cannot be read offers nothing.
+//! and [`VARIABLE`] set. In: that line. Out: candidates. Completion may neither
+//! fail nor take long: if something cannot be read, there are no candidates.
 
 use super::Cli;
 use super::folder::ProfilesSource;
@@ -166,7 +166,7 @@ fn is_script(path: &Path) -> bool {
 /// The words of the line so far.
 fn line() -> Vec<OsString> {
     let mut words = std::env::args_os();
-    // What stands before the line is this program, called by the shell.
+    // Before the line stands this program, as the shell has called it.
     words.by_ref().find(|word| word == "--");
     words.collect()
 }

@@ -1,7 +1,8 @@
 //! The line of a script that an error is about, with a mark under its place.
 //!
-//! In: an error and the script's text. Out: the line of the error with the line
-//! before it and a caret below, if the error says where the script failed.
+//! In: an error and the script's text. Out: the line that the error names, with
+//! the line before it and a caret below; nothing if the error names no place in
+//! the script.
 
 use isoslice::model::LoadError;
 
@@ -34,14 +35,10 @@ pub(super) fn excerpt(error: &anyhow::Error, text: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use isoslice::model::{Source, SourceKind, load};
+    use isoslice::model::{Source, load};
 
     fn failing(text: &str) -> Option<String> {
-        let source = Source::Text {
-            name: "part".into(),
-            kind: SourceKind::Script,
-            text: text.into(),
-        };
+        let source = Source::script("part", text);
         excerpt(&load(&source, &[]).err().unwrap().into(), text)
     }
 

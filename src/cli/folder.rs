@@ -16,19 +16,20 @@ pub(super) struct ProfilesSource {
 }
 
 impl ProfilesSource {
-    /// A folder, or the usual one.
+    /// Profiles in a folder, or in the usual one if none is named.
     pub(super) fn new(folder: Option<PathBuf>) -> Self {
         ProfilesSource { folder }
     }
 
-    /// The folder, which need not exist.
+    /// The folder of the user's profiles, which need not exist.
     pub(super) fn folder(&self) -> Option<PathBuf> {
         self.folder.clone().or_else(Profiles::usual_folder)
     }
 
     /// All profiles of the program and of the folder.
     pub(super) fn find(&self) -> anyhow::Result<Profiles> {
-        // The usual folder may be missing, but not one that was named.
+        // The usual folder may be missing. A folder that was named must be
+        // there.
         if let Some(folder) = &self.folder
             && !folder.is_dir()
         {

@@ -13,8 +13,8 @@ use rayon::ThreadPool;
 use std::process::exit;
 use std::time::Duration;
 
-/// Time in which a stage has to notice that it was stopped. Then the process
-/// ends without waiting for it.
+/// Time that a stage has to notice that it was stopped. After that the process
+/// ends without waiting for the stage.
 pub(super) const GRACE: Duration = Duration::from_secs(2);
 
 /// Limits on a command.

@@ -11,8 +11,8 @@ pub(super) fn is_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Starts writing to `path`, which must be none of the `inputs`; `-` is standard
-/// output.
+/// Starts writing to `path`, which must not be one of the `inputs`; `-` is
+/// standard output.
 pub(super) fn create(path: &Path, inputs: &[&Path]) -> anyhow::Result<Output> {
     if is_stream(path) || closed::is_output(path) {
         closed::need_output()?;

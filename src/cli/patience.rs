@@ -1,9 +1,9 @@
 //! Tells the user who waits for a long run what the run is doing, how long it
 //! will take, and how to make it shorter.
 //!
-//! The message comes on the error stream after 10 seconds, and then at ever
-//! longer intervals, unless a bar shows the progress. The time left is
-//! estimated from the layers so far.
+//! A message comes on the error stream after 10 seconds, and then at ever
+//! longer intervals. There is no message if a bar shows the progress. The time
+//! that is left is estimated from the layers that are done.
 
 use super::terminal;
 use isoslice::limits::{Activity, Watch};
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 const FIRST: Duration = Duration::from_secs(10);
 /// Ratio of the times of two messages in a row.
 const NEXT: u32 = 3;
-/// Time between looks.
+/// Time between two looks at the run.
 const EVERY: Duration = Duration::from_millis(250);
 
 /// Writes messages until it is dropped.

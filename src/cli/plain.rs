@@ -92,8 +92,8 @@ fn escaped(text: Cow<'_, str>, keep: impl Fn(char) -> bool) -> Cow<'_, str> {
 }
 
 fn shortened(text: &str) -> Cow<'_, str> {
-    // Most messages are short, which their bytes tell faster than their
-    // characters.
+    // Most messages are short, and counting their bytes takes less time than
+    // counting their characters.
     let count = if text.len() <= LONGEST {
         return Cow::Borrowed(text);
     } else {

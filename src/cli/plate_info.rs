@@ -143,7 +143,7 @@ impl<'a> PartJson<'a> {
         let layers = heights(&raised, &part.settings)
             .with_context(|| model.name.clone())?;
         let bounds = model.printed_bounds();
-        let middle = 0.5 * (bounds.min + bounds.max).truncate();
+        let middle = bounds.centre().truncate();
         let rounded = |x: f64| (x * 1e3).round() / 1e3;
         let places = part.places.iter().map(|place| PlaceJson {
             name: &place.name,

@@ -47,9 +47,9 @@ pub(super) fn file(
     };
     if !args.more.is_empty() || args.copies.is_some() || model.places() {
         bail!(
-            "{} is a plate file, which tells itself of copies, parameters and \
-             places; write them there, and leave out other models, --copies, \
-             -D and the options of placement",
+            "{} is a plate file; write copies, parameters and places into it, \
+             and leave out other models, --copies, -D and the options of \
+             placement",
             path.display()
         );
     }

@@ -114,7 +114,7 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     // time.
     let mut output = output::create(&path, &inputs)?;
     if args.open && output.is_stream() {
-        bail!("--open shows a file, and {} is none", path.display());
+        bail!("--open needs a file to show; name one with -o FILE");
     }
     let file_name = args.source.file_name();
     let toolpath = match kind {

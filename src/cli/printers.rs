@@ -4,7 +4,7 @@ use super::folder::ProfilesSource;
 use super::hosts::{self, HostKind, Key, Printer, PrinterBook, Status};
 use super::{complete, plain, terminal};
 use anyhow::{Context, bail};
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use clap_complete::engine::ArgValueCompleter;
 use isoslice::files;
 use std::fmt::Write as _;
@@ -68,7 +68,7 @@ struct AddArgs {
 
     /// The program that runs it
     #[arg(long, value_name = "PROGRAM", value_enum)]
-    host: HostName,
+    host: HostKind,
 
     /// The program's address, as in http://octopi.local
     #[arg(long, value_name = "URL")]
@@ -94,7 +94,7 @@ struct AddArgs {
     #[arg(long, value_name = "NAME")]
     storage: Option<String>,
 
-    /// Take the place of a printer of this name
+    /// Replace a printer of this name
     #[arg(long)]
     replace: bool,
 
@@ -102,31 +102,10 @@ struct AddArgs {
     folder: ProfilesSource,
 }
 
-/// Programs that run printers.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum HostName {
-    // The word is `octoprint`, and not `octo-print`.
-    #[value(name = "octoprint")]
-    OctoPrint,
-    Moonraker,
-    #[value(name = "prusalink")]
-    PrusaLink,
-}
-
-impl HostName {
-    fn kind(self) -> HostKind {
-        match self {
-            HostName::OctoPrint => HostKind::OctoPrint,
-            HostName::Moonraker => HostKind::Moonraker,
-            HostName::PrusaLink => HostKind::PrusaLink,
-        }
-    }
-}
-
 /// Opens the file of printers, and warns if others may read it.
 pub(super) fn book(folder: &ProfilesSource) -> anyhow::Result<PrinterBook> {
     let folder = folder.folder().context(
-        "the system tells no folder for settings; name one with --profiles",
+        "the system has no folder for settings; name one with --profiles",
     )?;
     let book = PrinterBook::open(&folder)?;
     if book.is_open_to_others() {
@@ -180,12 +159,12 @@ fn add(args: &AddArgs) -> anyhow::Result<()> {
     let key = if args.no_key || args.key_env.is_some() {
         None
     } else {
-        Some(read_key(args.host.kind())?)
+        Some(read_key(args.host)?)
     };
     let ca = args.ca.as_ref().map(std::fs::canonicalize).transpose();
     let printer = Printer {
         name: args.name.clone(),
-        kind: args.host.kind(),
+        kind: args.host,
         url: args.url.clone(),
         key,
         key_env: args.key_env.clone(),
@@ -203,8 +182,8 @@ fn add(args: &AddArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads a key from standard input. An argument would be seen by others, and
-/// remembered by shells.
+/// Reads a key from standard input. Other users can see a program's arguments,
+/// and shells remember them.
 fn read_key(kind: HostKind) -> anyhow::Result<Key> {
     let text = if stdin().is_terminal() {
         plain::print(&format!("Key of {} (it is shown): ", kind.name()))?;

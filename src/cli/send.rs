@@ -37,7 +37,7 @@ pub(super) struct SendArgs {
     #[arg(long)]
     start: bool,
 
-    /// Name that it is to have there [default: the file's]
+    /// Name of the file on the printer [default: the file's own]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
 
@@ -67,8 +67,8 @@ pub(super) fn run(args: &SendArgs) -> anyhow::Result<()> {
     }
     if !["gcode", "gco", "g", "bgcode"].contains(&&*ending) {
         bail!(
-            "{shown} is no G-code by its name (.gcode or .bgcode); isoslice \
-             slice makes G-code of models"
+            "{shown} does not end in .gcode or .bgcode; isoslice slice makes \
+             G-code of models"
         );
     }
     if !args.force {
@@ -145,7 +145,7 @@ pub(super) fn check_model(
         && said != *wanted
     {
         bail!(
-            "{} was made for another printer, {}, and {} is {wanted}; slice \
+            "{} was made for another printer ({}) than {} ({wanted}); slice \
              it with the right --printer, or send it with --force",
             file.display(),
             plain::line(&said),

@@ -49,8 +49,8 @@ pub(super) struct SettingsArgs {
 /// The files that a schema describes.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum SchemaOf {
-    // The option describes these; descriptions here would make clap print a
-    // list.
+    // The option describes these values; descriptions here would make clap
+    // print a list.
     Settings,
     Plate,
 }

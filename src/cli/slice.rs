@@ -153,7 +153,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let printer = args.printer()?;
     let mut output = output::create(&path, &inputs)?;
     if printer.is_some() && output.is_stream() {
-        bail!("--send sends a file, and {} is none", path.display());
+        bail!("--send needs a file to send; name one with -o FILE");
     }
     let format = format_of(&path)?;
     let report = args.report_output(&output, &path, &inputs)?;

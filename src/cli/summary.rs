@@ -357,8 +357,8 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     if let Some(verdict) = &summary.verdict {
         let moves = verdict.moves;
         writeln!(text, "  checked     {moves} moves, safe for this printer")?;
-        // The line counts islands beyond those of the part, which the lines
-        // above tell of, such as tips and bits of infill.
+        // The lines above tell of islands of the part. This line counts all
+        // others as well, such as tips and bits of infill.
         if let Some((count, first)) = in_the_air(verdict)
             && count > summary.hanging.begins.count as u64
         {

@@ -120,7 +120,7 @@ impl Board {
 /// Lines that ask the firmware whether the file is for this printer.
 pub(super) fn checks(settings: &Settings) -> Vec<String> {
     let printer = &settings.printer;
-    if settings.gcode.flavour != Flavour::Prusa {
+    if !settings.gcode.flavour.firmware().asks_printer {
         return Vec::new();
     }
     let mut lines = Vec::new();

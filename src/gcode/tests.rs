@@ -79,13 +79,8 @@ fn tiny() -> Vec<LayerPath> {
 /// Beads with coordinates off the grid of micrometres, many of them shorter
 /// than it, and widths of their own.
 fn rough(layers: usize) -> Vec<LayerPath> {
-    let mut seed = 1u64;
-    let mut random = move || {
-        seed = seed
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut rng = fastrand::Rng::with_seed(1);
+    let mut random = move || rng.f64();
     (0..layers)
         .map(|index| {
             let mut moves = Vec::new();

@@ -139,7 +139,7 @@ impl Foot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::shapes::rect;
+    use crate::plane::shapes::{circle, rect};
     use crate::settings::{Brim, BrimPlace};
 
     fn holds(outline: &Area) -> Mm {
@@ -167,17 +167,9 @@ mod tests {
 
     #[test]
     fn a_ring_of_a_vase_holds_much_and_a_brim_helps() {
-        let ring = |r: f64, turn: f64| -> Vec<DVec2> {
-            let angle = |i: i32| turn * f64::from(i) / 200.0;
-            (0..200)
-                .map(|i| {
-                    DVec2::from_angle(std::f64::consts::TAU * angle(i)) * r
-                })
-                .collect()
-        };
-        let vase = Area {
-            rings: vec![ring(30.0, 1.0), ring(29.0, -1.0)],
-        };
+        let mut hole = circle(29.0, 200);
+        hole.reverse();
+        let vase = Area::from_iter([circle(30.0, 200), hole]);
         assert!(holds(&vase) > 5000.0);
         let pin = rect(0.0, 0.0, 3.0, 3.0);
         let wide = Settings {

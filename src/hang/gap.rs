@@ -19,8 +19,8 @@ use glam::DVec2;
 pub(super) struct Gap {
     /// Where the gap is, without what the layer below holds.
     pub area: Area,
-    /// Content of what is not held at two ends, and its greatest distance from
-    /// what holds it.
+    /// Content of what no two ends hold, and its greatest distance from what
+    /// holds it at one end.
     pub leans: Mm2,
     pub reach: Mm,
     /// The place at that distance.
@@ -53,21 +53,18 @@ pub(super) fn gaps(
     let boxes = merged(boxes);
     let found = boxes.into_iter().flat_map(|rect| {
         crate::limits::check();
-        let wide = Rect {
-            min: rect.min - 3.0 - limits.held,
-            max: rect.max + 3.0 + limits.held,
-        };
+        let wide = Rect::new(
+            rect.min - 3.0 - limits.held,
+            rect.max + 3.0 + limits.held,
+        );
         let under = crop(&below.area().rings, wide);
         let open = difference(&crop(&here.rings, rect), &under);
         let beyond = difference(&open, &offset(&under, limits.held, TOLERANCE));
-        let beyond = Area {
-            rings: beyond
-                .islands()
-                .into_iter()
-                .filter(|island| island.content() > SPECK)
-                .flat_map(|island| island.rings)
-                .collect(),
-        };
+        let beyond: Area = beyond
+            .islands()
+            .into_iter()
+            .filter(|island| island.content() > SPECK)
+            .collect();
         let around = offset(&beyond, limits.held + TOLERANCE, TOLERANCE);
         intersection(&open, &around).islands()
     });

@@ -69,10 +69,11 @@ pub(super) enum Ledge {
     Held,
 }
 
-/// How far apart places are on a curved rim, and on a straight one, mm.
+/// Distance between places on a curved rim, and on a straight one, mm.
 const STEP: Mm = 0.5;
 const STRAIGHT: Mm = 1.0;
-/// How far apart places are on the rim of the layer below, mm: lids are wide.
+/// Distance between places on the rim of the layer below, mm. It may be large,
+/// since lids are wide.
 const WIDE_STEP: Mm = 2.0;
 
 impl Look {
@@ -117,9 +118,7 @@ impl Look {
         under_lids(here, below.area(), limits, &mut boxes);
         if !boxes.is_empty() {
             let old = here.area().rings.iter().filter(|ring| !is_new(ring));
-            let old = Area {
-                rings: old.cloned().collect(),
-            };
+            let old: Area = old.cloned().collect();
             look.gaps = gaps(boxes, &old, below, number, limits, settings);
             look.settle_ledges();
         }
@@ -179,8 +178,8 @@ impl Look {
             if place.ledge == Ledge::No {
                 continue;
             }
-            // The point lies a little inside, since the gap has the rim in
-            // common.
+            // The gap's border runs along the rim here, so a point a little
+            // inside the rim tells which gap it is.
             let next = match self.rim.get(i + 1) {
                 Some(next) if next.ring == place.ring => next.at,
                 // The last place of a ring is followed by the ring's first.
@@ -236,10 +235,7 @@ fn over(
         if place.beyond > limits.held + limits.lip {
             place.ledge = Ledge::Free(0.0);
             let margin = place.beyond + limits.held + limits.lip;
-            let around = Rect {
-                min: place.at - margin,
-                max: place.at + margin,
-            };
+            let around = Rect::new(place.at - margin, place.at + margin);
             run = Some(run.map_or(around, |r| r.union(around)));
         } else {
             boxes.extend(run.take());
@@ -322,20 +318,13 @@ fn under_lids(
     let depth = limits.held + limits.lip;
     // The box reaches to the next place, and around what hangs there.
     let margin = WIDE_STEP + 2.0 * depth;
-    let all = Rect {
-        min: DVec2::splat(-margin),
-        max: DVec2::splat(margin),
-    };
     for ring in &below.rings {
         let mut run: Option<Rect> = None;
         let mut since = f64::INFINITY;
         let mut ask = |p: DVec2| {
             let free = here.grid().nearest_edge(p, depth).is_none();
             if free && here.grid().contains(p) {
-                let around = Rect {
-                    min: p + all.min,
-                    max: p + all.max,
-                };
+                let around = Rect::new(p - margin, p + margin);
                 run = Some(run.map_or(around, |r| r.union(around)));
             } else {
                 boxes.extend(run.take());
@@ -374,7 +363,7 @@ mod tests {
         let ring =
             vec![at(15.0, 0.0), at(30.0, 0.0), at(30.0, 10.0), at(0.0, 10.0)];
         let ring = [ring, vec![at(0.0, 0.0)]].concat();
-        let here = Area { rings: vec![ring] };
+        let here = Area::from(ring);
         let [here, below] = [here, below].map(Solid::new);
         let look = Look::new(&here, &below, 5, 0.2, &Settings::default());
         let ledges: Vec<Ledge> = look

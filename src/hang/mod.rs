@@ -78,7 +78,7 @@ pub struct Sum {
     /// Greatest reach: of slopes the distance from what holds them, of bridges
     /// their length; 0 for islands.
     pub reach: Mm,
-    /// Place of the first, which is the lowest, on the bed.
+    /// Place on the bed of the first finding, which is the lowest one.
     pub first: Option<DVec3>,
 }
 
@@ -112,7 +112,7 @@ impl Sum {
 
 impl Hanging {
     /// Adds what hangs in each of several equal parts. Of two feet that are too
-    /// small the one that holds less stays.
+    /// small, the one that holds less is kept.
     pub(crate) fn add(&mut self, other: &Hanging, copies: usize) {
         self.begins.add_parts(&other.begins, copies);
         self.in_cavity.add_parts(&other.in_cavity, copies);

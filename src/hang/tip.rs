@@ -74,9 +74,9 @@ impl Tips {
                     self.keep(island, rings[k], look, &mut counts);
                 }
                 Above::Nothing => {
-                    // No ring lies on the island. If there is solid above or
-                    // beside it, this has caught the island. If there is none,
-                    // the island ends here, and nothing ever held it.
+                    // No ring lies on the island. Solid above it or beside it
+                    // has caught the island. Without such solid the island ends
+                    // here, and nothing ever held it.
                     let (p, lip) = (island.now, look.limits.lip);
                     let caught =
                         here.contains(p) || here.nearest_edge(p, lip).is_some();
@@ -190,7 +190,8 @@ fn ringed(islands: &[Island], rings: &[&[RimPlace]]) -> Vec<Above> {
             }
         }
     }
-    // Islands that have met share a ring, and so what lies on it.
+    // Islands that have met share a ring, so the same thing lies on all of
+    // them.
     for k in (1..islands.len()).rev() {
         if islands[k - 1].ring == islands[k].ring {
             above[k - 1] = above[k];

@@ -54,8 +54,8 @@ pub(crate) fn fill_bare(
     if bare.is_empty() {
         return;
     }
-    let [bare, rest] = [bare, rest].map(|islands| Area {
-        rings: islands.into_iter().flat_map(|(i, _)| i.rings).collect(),
+    let [bare, rest] = [bare, rest].map(|islands| {
+        islands.into_iter().flat_map(|(i, _)| i.rings).collect()
     });
     areas.skin = union(&areas.skin, &bare);
     areas.sparse = rest;
@@ -70,8 +70,8 @@ mod tests {
 
     #[test]
     fn small_islands_without_a_line_of_infill_become_skin() {
-        let joined = |areas: &[Area]| Area {
-            rings: areas.iter().flat_map(|a| a.rings.clone()).collect(),
+        let joined = |areas: &[Area]| {
+            areas.iter().flat_map(|a| a.rings.clone()).collect()
         };
         // Lines 3 mm apart: an island of 36 mm² is small.
         let [crossed, bare] = [0.0, 10.0].map(|x| rect(x, 0.0, x + 3.0, 3.0));

@@ -42,12 +42,9 @@ impl Pattern for Concentric {
             }
             for ring in &area.rings {
                 match layer.density {
-                    Density::Even(_) => pieces.push(Piece {
-                        points: ring.clone(),
-                        closed: true,
-                        from: None,
-                        to: None,
-                    }),
+                    Density::Even(_) => {
+                        pieces.push(Piece::inner(ring.clone(), true))
+                    }
                     Density::Graded(grading) => {
                         grading.above(ring, threshold(number), &mut pieces);
                     }

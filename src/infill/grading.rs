@@ -35,7 +35,7 @@ impl Grading {
         bounds: Rect,
         eval: impl FnOnce(&[DVec2], &mut Vec<f64>) -> Result<(), E>,
     ) -> Result<Grading, E> {
-        let extent = bounds.max - bounds.min;
+        let extent = bounds.size();
         let side = extent.max_element();
         let step = STEP.min(side / SIDE.0).max(FINEST).max(side / SIDE.1);
         let size =
@@ -114,12 +114,7 @@ impl Grading {
             points.iter().map(|&p| self.share(p) - limit).collect();
         let n = points.len();
         let Some(start) = over.iter().position(|&f| f <= 0.0) else {
-            return pieces.push(Piece {
-                points,
-                closed: true,
-                from: None,
-                to: None,
-            });
+            return pieces.push(Piece::inner(points, true));
         };
         let mut run: Vec<DVec2> = Vec::new();
         for k in start..start + n {
@@ -133,12 +128,7 @@ impl Grading {
             }
             run.push(points[i].lerp(points[j], f / (f - g)));
             if f > 0.0 {
-                pieces.push(Piece {
-                    points: std::mem::take(&mut run),
-                    closed: false,
-                    from: None,
-                    to: None,
-                });
+                pieces.push(Piece::inner(std::mem::take(&mut run), false));
             }
         }
     }
@@ -149,10 +139,7 @@ mod tests {
     use super::*;
 
     fn ramp() -> Grading {
-        let bounds = Rect {
-            min: DVec2::ZERO,
-            max: DVec2::new(10.0, 5.0),
-        };
+        let bounds = Rect::new(DVec2::ZERO, DVec2::new(10.0, 5.0));
         let made = Grading::new(bounds, |points, out| {
             out.extend(points.iter().map(|p| 10.0 * p.x));
             Ok::<(), ()>(())

@@ -13,6 +13,7 @@
 //! the density, which is the pattern's.
 
 use crate::plane::border::{Border, Foot, Piece};
+use crate::sets::Sets;
 use crate::units::Mm;
 
 /// An end of a piece on the border.
@@ -51,7 +52,8 @@ pub(super) fn join(
         by_place.then(a.number.cmp(&b.number))
     });
     let mut links: Vec<Option<Link>> = vec![None; 2 * pieces.len()];
-    let mut paths = Paths::new(pieces.len());
+    // Which pieces are on one path.
+    let mut paths = Sets::new(pieces.len());
     for ring in ends.chunk_by(|a, b| a.foot.ring == b.foot.ring) {
         // Short joins come first, so that a long join does not take an end away
         // from them.
@@ -63,7 +65,7 @@ pub(super) fn join(
                     && a.number != b.number;
                 if free
                     && border.way(a.foot, b.foot) <= limit
-                    && paths.unite(a.number / 2, b.number / 2)
+                    && paths.join(a.number / 2, b.number / 2)
                 {
                     let link = |to, forward| Some(Link { to, forward });
                     links[a.number] = link(b.number, true);
@@ -126,34 +128,6 @@ fn take(pieces: &mut [Option<Piece>], end: usize) -> Option<Piece> {
     Some(piece)
 }
 
-/// Tells which pieces are on one path.
-struct Paths {
-    parent: Vec<usize>,
-}
-
-impl Paths {
-    fn new(count: usize) -> Paths {
-        Paths {
-            parent: (0..count).collect(),
-        }
-    }
-
-    fn find(&mut self, mut i: usize) -> usize {
-        while self.parent[i] != i {
-            self.parent[i] = self.parent[self.parent[i]];
-            i = self.parent[i];
-        }
-        i
-    }
-
-    /// Makes two paths one; false if they are one path already.
-    fn unite(&mut self, a: usize, b: usize) -> bool {
-        let (a, b) = (self.find(a), self.find(b));
-        self.parent[a] = b;
-        a != b
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -179,9 +153,7 @@ mod tests {
 
     #[test]
     fn lines_across_a_square_become_one_zigzag() {
-        let area = Area {
-            rings: vec![square_ring(10.0)],
-        };
+        let area = Area::from(square_ring(10.0));
         for angle in [0.0, 30.0, 45.0, 90.0] {
             let (count, paths) = joined(&area, angle, 8.0);
             assert!(count > 8);
@@ -204,9 +176,7 @@ mod tests {
                 .map(|p| *p + DVec2::new(x, 0.0))
                 .collect()
         };
-        let area = Area {
-            rings: vec![at(-20.0), at(0.0), at(20.0), at(40.0)],
-        };
+        let area = Area::from_iter([at(-20.0), at(0.0), at(20.0), at(40.0)]);
         for angle in [0.0, 45.0, 90.0] {
             let (count, paths) = joined(&area, angle, 8.0);
             assert!(paths.len() >= 4 && paths.len() < count);
@@ -226,9 +196,7 @@ mod tests {
     fn joins_follow_the_border_and_never_cross_a_hole() {
         let mut hole = square_ring(4.0);
         hole.reverse();
-        let area = Area {
-            rings: vec![square_ring(10.0), hole],
-        };
+        let area = Area::from_iter([square_ring(10.0), hole]);
         let (count, paths) = joined(&area, 45.0, 8.0);
         assert!(paths.len() <= 3 && count > 14, "{} of {count}", paths.len());
         let border = Border::new(&area);

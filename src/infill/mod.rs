@@ -298,7 +298,7 @@ impl<'a> Infill<'a> {
             kind,
             density,
             origin: match settings.infill_centre {
-                InfillCentre::Object => site.part.min.midpoint(site.part.max),
+                InfillCentre::Object => site.part.centre(),
                 InfillCentre::Bed => site.bed,
             },
         })

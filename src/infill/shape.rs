@@ -16,7 +16,7 @@
 use super::{InfillError, Layer, Site};
 use crate::bead::Stroke;
 use crate::contour::{Detail, Field, field, outlines};
-use crate::model::{Expression, Place, Source, SourceKind, load};
+use crate::model::{Expression, Place, Source, load};
 use crate::plane::border::{Cutter, Piece};
 use crate::plane::clip::intersection;
 use crate::plane::clusters::clusters;
@@ -93,13 +93,9 @@ impl Shape {
                 error: Box::new(e),
             })
         };
-        let rect = Rect {
-            min: site.part.min - MARGIN,
-            max: site.part.max + MARGIN,
-        };
+        let rect = Rect::new(site.part.min - MARGIN, site.part.max + MARGIN);
         // The field is cut by a box, so that its outlines close.
-        let (middle, half) =
-            (rect.min.midpoint(rect.max), 0.5 * (rect.max - rect.min));
+        let (middle, half) = (rect.centre(), 0.5 * rect.size());
         let walls = format!(
             "max(abs(x - ({})) - {}, abs(y - ({})) - {})",
             middle.x, half.x, middle.y, half.y
@@ -225,11 +221,7 @@ impl Shape {
 
 /// A formula as a source.
 fn formula(text: String) -> Source {
-    Source::Text {
-        name: "infill".into(),
-        kind: SourceKind::Formula,
-        text,
-    }
+    Source::formula("infill", text)
 }
 
 /// Where a field is negative in the layer at height `z`.

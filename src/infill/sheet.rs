@@ -250,10 +250,7 @@ impl<S: Surface> Sheet<S> {
                 for i in low.x as i64..=high.x as i64 {
                     let by = DVec2::new(i as f64, j as f64) * cell;
                     let by = frame.along(by);
-                    let there = Rect {
-                        min: extent.min + by,
-                        max: extent.max + by,
-                    };
+                    let there = extent.moved(by);
                     if there.meets(layer.border.bounds()) {
                         let (strand, number) = strand.place(i, j);
                         copies.push((strand, number, by));
@@ -274,10 +271,7 @@ impl<S: Surface> Sheet<S> {
                 last = Some((strand, number));
                 points.clear();
                 points.extend(line[skip..].iter().map(|p| *p + by));
-                let there = Rect {
-                    min: extent.min + by,
-                    max: extent.max + by,
-                };
+                let there = extent.moved(by);
                 match curve.winding {
                     [0, 0] => {
                         points.pop();
@@ -308,7 +302,7 @@ impl<S: Surface> Sheet<S> {
         for cluster in clusters(layer.border.area()) {
             crate::limits::check();
             let bounds = frame.bounds(cluster.bounds);
-            let extent = bounds.max - bounds.min;
+            let extent = bounds.size();
             let step = (FINE * layer.solid / most)
                 .max((extent.x * extent.y / MOST).sqrt());
             let origin = (bounds.min / step).floor() * step;
@@ -358,10 +352,7 @@ impl<S: Surface> Sheet<S> {
             let fine = |i: usize, j: usize| {
                 let p = frame.out(lattice.node(i, j));
                 let reach = DVec2::splat(1.5 * BLOCK as f64 * step);
-                let near = Rect {
-                    min: p - reach,
-                    max: p + reach,
-                };
+                let near = Rect::new(p - reach, p + reach);
                 near.meets(around)
                     && grading.share(p) > MANY * most
                     && layer.border.touches(near)

@@ -126,22 +126,19 @@ impl Standing {
 mod tests {
     use super::*;
     use crate::bead::{Role, Stroke};
-    use glam::DVec2;
-    use std::f64::consts::TAU;
+    use crate::plane::Ring;
+    use crate::plane::shapes::{self, circle, moved};
+
+    fn along(points: Ring, closed: bool) -> Bead {
+        Bead::new(Role::SparseInfill, Stroke::new(points, closed, 0.45), 0.2)
+    }
 
     fn bead(points: &[(f64, f64)]) -> Bead {
-        let points = points.iter().map(|&p| DVec2::from(p));
-        Bead::new(
-            Role::SparseInfill,
-            Stroke::new(points.collect(), false, 0.45),
-            0.2,
-        )
+        along(shapes::ring(points), false)
     }
 
     fn ring(x: f64, radius: f64) -> Bead {
-        let at = |i: u32| DVec2::from_angle(TAU * f64::from(i) / 40.0) * radius;
-        let points = (0..40).map(|i| at(i) + DVec2::X * x).collect();
-        Bead::new(Role::SparseInfill, Stroke::new(points, true, 0.45), 0.2)
+        along(moved(circle(radius, 40), x, 0.0), true)
     }
 
     #[test]

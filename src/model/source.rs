@@ -59,6 +59,24 @@ pub enum Source {
 }
 
 impl Source {
+    /// A formula at hand. `name` is for messages and for the model.
+    pub fn formula(name: impl Into<String>, text: impl Into<String>) -> Source {
+        Source::Text {
+            name: name.into(),
+            kind: SourceKind::Formula,
+            text: text.into(),
+        }
+    }
+
+    /// A script at hand. `name` is for messages and for the model.
+    pub fn script(name: impl Into<String>, text: impl Into<String>) -> Source {
+        Source::Text {
+            name: name.into(),
+            kind: SourceKind::Script,
+            text: text.into(),
+        }
+    }
+
     /// Name of the model: the file's, without folder and extension.
     pub fn name(&self) -> String {
         match self {

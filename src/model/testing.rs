@@ -1,16 +1,12 @@
 //! Models for the tests of other modules.
 
-use super::{BuildVolume, Model, Placement, Source, SourceKind, load, place};
+use super::{BuildVolume, Model, Placement, Source, load, place};
 use crate::settings::Settings;
 
 /// A formula's model on the bed of the default settings, whose middle is at
 /// 110 mm.
 pub(crate) fn placed(formula: &str, placement: &Placement) -> Model {
-    let source = Source::Text {
-        name: "part".into(),
-        kind: SourceKind::Formula,
-        text: formula.into(),
-    };
+    let source = Source::formula("part", formula);
     let bed = BuildVolume::of(&Settings::default());
     place(&load(&source, &[]).unwrap(), placement, bed).unwrap()
 }

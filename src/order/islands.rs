@@ -127,9 +127,7 @@ mod tests {
                 .map(|(x, y)| DVec2::new(x, y))
                 .to_vec()
         };
-        let outline = Area {
-            rings: vec![square(0.0, 5.0), square(20.0, 5.0)],
-        };
+        let outline = Area::from_iter([square(0.0, 5.0), square(20.0, 5.0)]);
         // Fuzz has moved the first point of the right island's wall out.
         let mut right = square(20.0, 4.8);
         right[0] = DVec2::new(14.9, -5.1);

@@ -357,7 +357,7 @@ mod tests {
                 (0.0, 3.0),
             ];
             let ring = ring.map(|(x, y)| DVec2::new(x, y)).to_vec();
-            EdgeGrid::new(&Area { rings: vec![ring] }, 1.0)
+            EdgeGrid::new(&Area::from(ring), 1.0)
         };
         let role = Role::InnerWall;
         let walls = [

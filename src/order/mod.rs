@@ -272,9 +272,7 @@ mod tests {
             ],
             ..LayerBeads::default()
         };
-        let outline = Area {
-            rings: vec![square(0.0, 4.2), square(20.0, 4.2)],
-        };
+        let outline = Area::from_iter([square(0.0, 4.2), square(20.0, 4.2)]);
         (beads, outline)
     }
 

@@ -30,7 +30,7 @@ impl NearEnds {
     pub(super) fn new(points: impl Iterator<Item = DVec2>) -> NearEnds {
         let points: Vec<DVec2> = points.collect();
         let bounds = Rect::around(&points);
-        let size = (bounds.max - bounds.min).max(DVec2::ZERO);
+        let size = bounds.size().max(DVec2::ZERO);
         let cells = points.len() as f64 / TO_A_CELL + 1.0;
         let even = (size.x * size.y / cells).sqrt();
         let long = (size.x + size.y) / cells;

@@ -231,6 +231,6 @@ pub(super) fn outline_of(part: &Part) -> Result<Vec<DVec2>, PictureError> {
     if reach <= 0.0 {
         return Ok(ring);
     }
-    let grown = offset(&Area { rings: vec![ring] }, reach, TOLERANCE);
+    let grown = offset(&Area::from(ring), reach, TOLERANCE);
     Ok(grown.rings.into_iter().next().unwrap_or_default())
 }

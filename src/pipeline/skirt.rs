@@ -5,8 +5,8 @@
 use super::SliceError;
 use super::job::{Job, Planned, outline_of};
 use super::stages::shielded;
-use crate::adhesion::{Skirt, brim_reach, hull};
-use crate::plane::{Area, Ring};
+use crate::adhesion::{Skirt, brim_reach};
+use crate::plane::{Area, Ring, hull};
 use crate::settings::DraftShield;
 
 /// The skirt or the draft shield round several parts, if there is one.
@@ -37,7 +37,8 @@ pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
             stages.beside(spans, layers as usize)?
         };
         // The hull of the parts' hulls is the hull of them all.
-        let hulls: Vec<Ring> = beside.iter().map(hull).collect();
+        let hulls = beside.iter().map(|area| area.rings.iter().flatten());
+        let hulls: Vec<Ring> = hulls.map(|all| hull(all.copied())).collect();
         for place in &part.places {
             let by = part.model.offset.truncate() + place.shift;
             let moved = |ring: &Ring| ring.iter().map(|p| *p + by).collect();

@@ -91,11 +91,11 @@ impl AddAssign for Found {
 /// The `k`th window: a share of the height, and a box.
 fn window(k: usize, part: Rect) -> (f64, Rect) {
     let share = |axis: usize| (0.5 + k as f64 * STEPS[axis]).fract();
-    let size = (part.max - part.min).min(DVec2::splat(SIDE));
-    let room = part.max - part.min - size;
+    let size = part.size().min(DVec2::splat(SIDE));
+    let room = part.size() - size;
     let min = part.min + room * DVec2::new(share(0), share(1));
     let max = min + size;
-    (share(2), Rect { min, max })
+    (share(2), Rect::new(min, max))
 }
 
 /// Looks at a sample of a part with the layers `spans` in the box `part`.
@@ -152,10 +152,7 @@ mod tests {
 
     #[test]
     fn windows_are_all_over_the_part_and_inside() {
-        let part = Rect {
-            min: DVec2::new(-10.0, 5.0),
-            max: DVec2::new(190.0, 15.0),
-        };
+        let part = Rect::new(DVec2::new(-10.0, 5.0), DVec2::new(190.0, 15.0));
         let (height, middle) = window(0, part);
         assert_eq!(height, 0.5);
         assert!(

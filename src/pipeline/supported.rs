@@ -7,8 +7,7 @@ use crate::plane::Area;
 use crate::plane::clip::union;
 use crate::region::support_walls;
 use crate::settings::{
-    self, InfillPattern, InterfacePattern, Settings, Supports, Varying,
-    WallOffset,
+    self, InfillPattern, Settings, SkinPattern, Supports, Varying, WallOffset,
 };
 use crate::support::{Plan, Slice};
 use crate::units::{Mm, Mm2, Percent};
@@ -271,8 +270,8 @@ impl Fills {
             None => support.interface_density,
         };
         let pattern = match support.interface_pattern {
-            InterfacePattern::Lines => InfillPattern::Rectilinear,
-            InterfacePattern::Concentric => InfillPattern::Concentric,
+            SkinPattern::Lines => InfillPattern::Rectilinear,
+            SkinPattern::Concentric => InfillPattern::Concentric,
         };
         let angle = support.interface_angle;
         Fills {

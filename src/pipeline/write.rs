@@ -76,10 +76,7 @@ fn pictures(
         return Ok(None);
     };
     let (low, high) = job.plate.reach();
-    let frame = Rect {
-        min: low.truncate(),
-        max: high.truncate(),
-    };
+    let frame = Rect::new(low.truncate(), high.truncate());
     let made = Pictures::new(dir, frame, &job.extent.layers, job.count);
     Ok(Some(
         made.map_err(|e| SliceError::Picture(dir.to_owned(), e))?,

@@ -37,6 +37,18 @@ pub(crate) struct Piece {
     pub to: Option<Foot>,
 }
 
+impl Piece {
+    /// A piece whose ends, if it has any, are not on the border.
+    pub(crate) fn inner(points: Vec<DVec2>, closed: bool) -> Piece {
+        Piece {
+            points,
+            closed,
+            from: None,
+            to: None,
+        }
+    }
+}
+
 /// An area's border.
 #[derive(Clone, Debug)]
 pub(crate) struct Border<'a> {
@@ -82,7 +94,7 @@ impl<'a> Border<'a> {
 
     /// True if some of the box is inside, or nearly so.
     pub(crate) fn touches(&self, rect: Rect) -> bool {
-        self.grid.meets(rect) || self.contains(rect.min.midpoint(rect.max))
+        self.grid.meets(rect) || self.contains(rect.centre())
     }
 
     /// The place of a point on an edge, which is counted through all rings.
@@ -201,12 +213,7 @@ impl<'b, 'a> Cutter<'b, 'a> {
         }
         self.end();
         if points.first().is_some_and(|&p| self.border.contains(p)) {
-            self.pieces.push(Piece {
-                points: points.to_vec(),
-                closed: true,
-                from: None,
-                to: None,
-            });
+            self.pieces.push(Piece::inner(points.to_vec(), true));
         }
     }
 

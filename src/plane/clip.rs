@@ -60,7 +60,7 @@ pub(crate) fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
     let count =
         edge_count(a) + covers.iter().map(|c| edge_count(c)).sum::<usize>();
     let bounds = a.bounds();
-    if count <= SWEEP_EDGES || (bounds.max - bounds.min).max_element() < 1.0 {
+    if count <= SWEEP_EDGES || bounds.size().max_element() < 1.0 {
         return open(a, covers);
     }
     let mut rings = Vec::new();
@@ -83,7 +83,7 @@ const SWEEP_EDGES: usize = 80_000;
 /// The lower and the upper half of a box, cut across its longer side.
 fn halves(all: Rect) -> [Rect; 2] {
     let (mut low, mut high) = (all, all);
-    let (size, middle) = (all.max - all.min, all.min.midpoint(all.max));
+    let (size, middle) = (all.size(), all.centre());
     // The middle is put on the grid, so that both sides round the cut alike.
     let middle = (middle * GRID).round() / GRID;
     if size.x > size.y {
@@ -223,9 +223,7 @@ fn from_shapes(shapes: Vec<Vec<Contour>>) -> Area {
             .map(|q| DVec2::new(f64::from(q.x), f64::from(q.y)) / GRID)
             .collect()
     };
-    Area {
-        rings: shapes.into_iter().flatten().map(ring).collect(),
-    }
+    shapes.into_iter().flatten().map(ring).collect()
 }
 
 #[cfg(test)]
@@ -248,27 +246,21 @@ mod tests {
     fn cropping_keeps_the_inside() {
         let frame =
             difference(&rect(0.0, 0.0, 9.0, 9.0), &rect(2.0, 2.0, 7.0, 7.0));
-        let to = Rect {
-            min: DVec2::new(-1.0, 1.0),
-            max: DVec2::new(3.0, 20.0),
-        };
+        let to = Rect::new(DVec2::new(-1.0, 1.0), DVec2::new(3.0, 20.0));
         let cropped = unite(&crop(&frame.rings, to));
         assert!((cropped.content() - (3.0 * 8.0 - 5.0)).abs() < 1e-6);
-        let away = Rect {
-            min: DVec2::splat(20.0),
-            max: DVec2::splat(21.0),
-        };
+        let away = Rect::new(DVec2::splat(20.0), DVec2::splat(21.0));
         assert!(crop(&frame.rings, away).is_empty());
     }
 
     #[test]
     fn sweeps_too_large_for_one_are_cut() {
         const N: u32 = 161;
-        let squares = |x0: f64| Area {
-            rings: (0..N * N)
+        let squares = |x0: f64| {
+            (0..N * N)
                 .map(|i| (x0 + f64::from(i % N), f64::from(i / N)))
                 .flat_map(|(x, y)| rect(x, y, x + 0.6, y + 0.6).rings)
-                .collect(),
+                .collect()
         };
         let (a, cover) = (squares(0.0), squares(0.2));
         assert!(edge_count(&a) + edge_count(&cover) > 2 * SWEEP_EDGES);

@@ -74,9 +74,7 @@ pub(crate) fn clusters(area: &Area) -> Vec<Cluster> {
     sets.sort_unstable();
     let cluster = |rings: Vec<usize>| {
         let rings = rings.into_iter().map(|i| area.rings[i].clone());
-        let area = Area {
-            rings: rings.collect(),
-        };
+        let area: Area = rings.collect();
         let bounds = area.bounds();
         Cluster { area, bounds }
     };
@@ -107,9 +105,7 @@ mod tests {
             rect(22.0, 19.0, 23.0, 30.0),
         ];
         let rings = parts.iter().flat_map(|p| p.rings.clone());
-        let area = Area {
-            rings: rings.collect(),
-        };
+        let area: Area = rings.collect();
         let found = clusters(&area);
         let counts: Vec<usize> =
             found.iter().map(|c| c.area.rings.len()).collect();

@@ -104,15 +104,13 @@ pub(crate) fn curve(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::shapes::circle;
     use crate::plane::simplify::simplify;
-    use std::f64::consts::TAU;
 
     #[test]
     fn points_are_nearer_to_the_curve_than_corners() {
         for r in [0.5, 4.0, 30.0] {
-            let at = |i: i32| TAU * f64::from(i) / 2000.0;
-            let circle: Vec<DVec2> =
-                (0..2000).map(|i| r * DVec2::from_angle(at(i))).collect();
+            let circle = circle(r, 2000);
             let ring = simplify(&circle, 0.005);
             let off = |p: DVec2| (p.length() - r).abs();
             let corners = ring.iter().map(|p| off(*p)).fold(0.0, f64::max);

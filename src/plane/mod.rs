@@ -17,16 +17,19 @@
 //! | [`grid`] | answers which edges are near a place; [`places`] counts along rings |
 //! | [`nest`] | tells which ring is around a point |
 //!
-//! A [`Solid`] is an area with its grid.
+//! A [`Solid`] is an area with its grid, and [`BoxTree`] tells which boxes meet
+//! another one. [`hull`] is the convex ring around points.
 
 pub(crate) mod arc;
 pub(crate) mod bend;
 pub(crate) mod border;
+mod box_tree;
 pub(crate) mod clip;
 pub(crate) mod clusters;
 pub(crate) mod curve;
 pub(crate) mod grid;
 pub(crate) mod hatch;
+mod hull;
 pub(crate) mod offset;
 #[cfg(test)]
 mod oracle;
@@ -37,6 +40,8 @@ mod solid;
 mod trim;
 pub(crate) mod zero;
 
+pub(crate) use box_tree::BoxTree;
+pub(crate) use hull::hull;
 pub(crate) use isocontour::plane::{
     Area, Rect, Ring, edges, nest, path_length, point_beside, ring_length,
     signed_area, simplify,

@@ -77,7 +77,7 @@ pub(crate) fn offset_within(
     let vanishes = |ring: &Ring| {
         let bounds = Rect::around(ring);
         let inside_shrinks = (signed_area(ring) > 0.0) == (distance < 0.0);
-        let width = (bounds.max - bounds.min).min_element();
+        let width = bounds.size().min_element();
         inside_shrinks && width <= 2.0 * distance.abs() + tolerance
     };
     let room = room.filter(|_| distance < 0.0);
@@ -370,7 +370,7 @@ impl Sides {
 #[cfg(test)]
 mod tests {
     use super::super::clip::{difference, unite};
-    use super::super::shapes::rect;
+    use super::super::shapes::{circle, rect};
     use super::*;
     use std::f64::consts::PI;
 
@@ -412,17 +412,11 @@ mod tests {
 
     #[test]
     fn a_hole_stays_where_its_ring_is_nearly_too_thin() {
-        let circle = |r: f64| -> Ring {
-            (0..200)
-                .map(|i| DVec2::from_angle(PI * f64::from(i) / 100.0) * r)
-                .collect()
-        };
+        let circle = |r: f64| circle(r, 200);
         for thickness in [0.39, 0.399, 0.401, 0.41, 0.7] {
             let mut hole = circle(5.0 - thickness);
             hole.reverse();
-            let ring = Area {
-                rings: vec![circle(5.0), hole],
-            };
+            let ring = Area::from_iter([circle(5.0), hole]);
             let inner = offset(&ring, -0.2, 0.01);
             let left = (thickness - 0.4_f64).max(0.0);
             let exact = 2.0 * PI * (5.0 - 0.5 * thickness) * left;
@@ -439,12 +433,7 @@ mod tests {
         let left = rect(0.0, 0.0, 4.0, 4.0);
         let right = rect(6.0, 0.0, 10.0, 4.0);
         let neck = rect(4.0, 1.8, 6.0, 2.2);
-        let bell = unite(&Area {
-            rings: [left, neck, right]
-                .into_iter()
-                .flat_map(|a| a.rings)
-                .collect(),
-        });
+        let bell = unite(&Area::from_iter([left, neck, right]));
         assert_eq!(bell.rings.len(), 1);
         let parts = offset(&bell, -0.5, 1e-3);
         assert_eq!(parts.rings.len(), 2);
@@ -461,7 +450,7 @@ mod tests {
                 DVec2::from_angle(turn) * (10.0 + (9.0 * turn).sin())
             })
             .collect();
-        let area = Area { rings: vec![ring] };
+        let area = Area::from(ring);
         for distance in [-0.3, -2.5, 0.7, 3.0] {
             let moved = offset(&area, distance, 1e-3);
             assert_eq!(moved.rings.len(), 1, "{distance}");
@@ -479,7 +468,7 @@ mod tests {
         for width in [1e-7, 1e-4, 1e-3, 0.01, 0.1, 0.39] {
             let (along, up) = (DVec2::new(4.0, 3.0), DVec2::new(-0.6, 0.8));
             let ring = vec![DVec2::ZERO, along, along + up * width, up * width];
-            let inner = offset(&Area { rings: vec![ring] }, -0.2, 1e-3);
+            let inner = offset(&Area::from(ring), -0.2, 1e-3);
             assert!(inner.is_empty(), "{width}: {inner:?}");
         }
     }
@@ -497,7 +486,7 @@ mod tests {
         ]
         .map(DVec2::from)
         .to_vec();
-        let area = Area { rings: vec![ring] };
+        let area = Area::from(ring);
         let inner = offset(&area, -1.0, 1e-3);
         assert!((inner.content() - 9.0).abs() < 0.01, "{}", inner.content());
         let outer = offset(&area, 1.0, 1e-3);

@@ -59,9 +59,7 @@ fn stars(rng: &mut Rng) -> Vec<Area> {
 
 /// All rings of the stars, overlaps included.
 fn together(stars: Vec<Area>) -> Area {
-    Area {
-        rings: stars.into_iter().flat_map(|s| s.rings).collect(),
-    }
+    stars.into_iter().collect()
 }
 
 fn line(ring: &Ring, scale: f64) -> LineString {
@@ -174,10 +172,9 @@ fn outline(area: &Area, distance: f64) -> Area {
     let style =
         OutlineStyle::new(distance).line_join(LineJoin::Round(FINEST_ARC));
     let shapes = rings.outline(&style);
-    let ring = |r: Vec<[f64; 2]>| r.into_iter().map(DVec2::from).collect();
-    Area {
-        rings: shapes.into_iter().flatten().map(ring).collect(),
-    }
+    let ring =
+        |r: Vec<[f64; 2]>| -> Ring { r.into_iter().map(DVec2::from).collect() };
+    shapes.into_iter().flatten().map(ring).collect()
 }
 
 #[test]

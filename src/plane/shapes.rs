@@ -16,9 +16,7 @@ pub(crate) fn rect_ring(x0: f64, y0: f64, x1: f64, y1: f64) -> Ring {
 
 /// A rectangle.
 pub(crate) fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
-    Area {
-        rings: vec![rect_ring(x0, y0, x1, y1)],
-    }
+    Area::from(rect_ring(x0, y0, x1, y1))
 }
 
 /// The ring of a square around the origin, of half a side's length.
@@ -35,9 +33,7 @@ pub(crate) fn square(half: f64) -> Area {
 pub(crate) fn frame() -> Area {
     let mut hole = square_ring(2.0);
     hole.reverse();
-    Area {
-        rings: vec![square_ring(5.0), hole],
-    }
+    Area::from_iter([square_ring(5.0), hole])
 }
 
 /// A circle around the origin, as a polygon of `n` corners.
@@ -45,4 +41,21 @@ pub(crate) fn circle(radius: f64, n: usize) -> Ring {
     (0..n)
         .map(|i| DVec2::from_angle(TAU * i as f64 / n as f64) * radius)
         .collect()
+}
+
+/// The area of such a circle.
+pub(crate) fn disc(radius: f64, n: usize) -> Area {
+    Area::from(circle(radius, n))
+}
+
+/// An area, turned about the origin by an angle in radians.
+pub(crate) fn turned(area: &Area, angle: f64) -> Area {
+    let turn = DVec2::from_angle(angle);
+    let ring = |r: &Ring| r.iter().map(|p| p.rotate(turn)).collect::<Ring>();
+    area.rings.iter().map(ring).collect()
+}
+
+/// A ring at another place.
+pub(crate) fn moved(ring: Ring, x: f64, y: f64) -> Ring {
+    ring.into_iter().map(|p| p + DVec2::new(x, y)).collect()
 }

@@ -157,7 +157,7 @@ impl Moved<'_> {
         for ring in self.rings {
             for (a, b) in super::edges(ring) {
                 let (lo, hi) = (a.min(b) - AROUND, a.max(b) + AROUND);
-                if ends.meets(Rect { min: lo, max: hi }) {
+                if ends.meets(Rect::new(lo, hi)) {
                     self.states[edge] = state(a, b, self.grid, self.clearance);
                     marked[edge] = true;
                 }
@@ -624,7 +624,7 @@ mod tests {
             (0.0, 4.0),
         ];
         let ring = bell.map(DVec2::from).to_vec();
-        let area = Area { rings: vec![ring] };
+        let area = Area::from(ring);
         let by = 0.5;
         let left = shrunk(&area, by).trim().unwrap();
         assert_eq!(left.rings.len(), 2);
@@ -695,9 +695,7 @@ mod tests {
     fn what_is_too_near_all_along_vanishes() {
         let mut ring = hole(0.0, 0.0, 5.0);
         ring.reverse();
-        let thin = Area {
-            rings: vec![ring, hole(0.0, 0.0, 4.3)],
-        };
+        let thin = Area::from_iter([ring, hole(0.0, 0.0, 4.3)]);
         assert!(shrunk(&thin, 0.4).trim().unwrap().is_empty());
         let left = shrunk(&thin, 0.3).trim().unwrap();
         let exact = PI * (4.7_f64.powi(2) - 4.6_f64.powi(2));

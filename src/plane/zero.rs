@@ -48,7 +48,7 @@ pub(crate) fn zero_lines<E>(
         &mut Vec<f64>,
     ) -> Result<(), E>,
 ) -> Result<Vec<(Ring, bool)>, E> {
-    let extent = bounds.max - bounds.min;
+    let extent = bounds.size();
     let step = sampling.step.max((extent.x * extent.y / MOST).sqrt());
     // Nodes lie whole steps from the origin, so that every layer has them at
     // equal places.
@@ -127,9 +127,7 @@ pub(crate) fn negative<E>(
         let own = lines
             .into_iter()
             .filter(|(points, closed)| *closed && points.len() > 2);
-        let own = Area {
-            rings: own.map(|(points, _)| points).collect(),
-        };
+        let own: Area = own.map(|(points, _)| points).collect();
         rings.extend(intersection(&own, &cluster.area).rings);
     }
     Ok(Area { rings })
@@ -147,10 +145,10 @@ fn nodes_near(lattice: &Lattice, border: &Border<'_>) -> Vec<u32> {
                 ((i + BLOCK).min(nx - 1), (j + BLOCK).min(ny - 1));
             // One step is added, since lines end where no value is known. Such
             // an end must not come into the area when the lines are thinned.
-            let block = Rect {
-                min: lattice.node(i, j) - lattice.step,
-                max: lattice.node(right, top) + lattice.step,
-            };
+            let block = Rect::new(
+                lattice.node(i, j) - lattice.step,
+                lattice.node(right, top) + lattice.step,
+            );
             if border.touches(block) {
                 for row in j..=top {
                     near[row * nx + i..=row * nx + right].fill(true);

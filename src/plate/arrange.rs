@@ -18,6 +18,7 @@
 //! not overlap.
 
 use super::PlateError;
+use crate::plane::Rect;
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -49,33 +50,19 @@ const TOLERANCE: Mm = 1e-3;
 /// Each region is larger than the one before by this factor.
 const LARGER: f64 = 1.12;
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Rect {
-    min: DVec2,
-    max: DVec2,
+/// The box of some size around a point.
+fn around(middle: DVec2, size: DVec2) -> Rect {
+    Rect::new(middle - 0.5 * size, middle + 0.5 * size)
 }
 
-impl Rect {
-    fn around(middle: DVec2, size: DVec2) -> Rect {
-        Rect {
-            min: middle - 0.5 * size,
-            max: middle + 0.5 * size,
-        }
-    }
+/// How far two boxes overlap along each axis; less than 0 where they do not.
+fn overlap(a: Rect, b: Rect) -> DVec2 {
+    a.max.min(b.max) - a.min.max(b.min)
+}
 
-    fn size(self) -> DVec2 {
-        self.max - self.min
-    }
-
-    /// How far two rectangles overlap along each axis; less than 0 where they
-    /// do not.
-    fn overlap(self, other: Rect) -> DVec2 {
-        self.max.min(other.max) - self.min.max(other.min)
-    }
-
-    fn holds(self, other: Rect) -> bool {
-        self.min.cmple(other.min).all() && self.max.cmpge(other.max).all()
-    }
+/// True if all of a box is in another one.
+fn holds(outer: Rect, inner: Rect) -> bool {
+    outer.contains(inner.min) && outer.contains(inner.max)
 }
 
 /// The middles of the boxes, in their order.
@@ -129,19 +116,16 @@ pub(super) fn arrange(
             Err(_) => share = (share * LARGER).min(1.0),
         }
     };
-    // All boxes together have their middle in the bed's, unless some have a
-    // place.
+    // The middle of all boxes together moves to the middle of the bed, unless
+    // some parts have a place.
     let mut by = DVec2::ZERO;
     if fixed.is_empty() {
-        let all = placed.iter().copied().reduce(|a, b| Rect {
-            min: a.min.min(b.min),
-            max: a.max.max(b.max),
-        });
-        let middle = all.map(|all| 0.5 * (all.min + all.max));
+        let all = placed.iter().copied().reduce(Rect::union);
+        let middle = all.map(|all| all.centre());
         by = middle.map_or(by, |middle| 0.5 * bed.size - middle);
     }
     for (&i, place) in order.iter().zip(&placed) {
-        middles[i] = 0.5 * (place.min + place.max) + by;
+        middles[i] = place.centre() + by;
     }
     Ok(middles)
 }
@@ -151,7 +135,7 @@ fn standing(boxes: &[Box], bed: Bed) -> Result<Vec<Rect>, PlateError> {
     let mut fixed: Vec<(&Box, Rect)> = Vec::new();
     for piece in boxes {
         let Some(at) = piece.at else { continue };
-        let here = Rect::around(at, piece.body);
+        let here = around(at, piece.body);
         let over = [-here.min, here.max - bed.size];
         let excess = over.iter().zip(["-", "+"]).flat_map(|(over, side)| {
             let axes = [(over.x, "x"), (over.y, "y")];
@@ -166,9 +150,9 @@ fn standing(boxes: &[Box], bed: Bed) -> Result<Vec<Rect>, PlateError> {
                 excess: excess.join(", "),
             });
         }
-        let foot = Rect::around(at, piece.size);
+        let foot = around(at, piece.size);
         for (other, there) in &fixed {
-            let overlap = foot.overlap(*there);
+            let overlap = overlap(foot, *there);
             if overlap.cmpgt(DVec2::splat(TOLERANCE)).all() {
                 return Err(PlateError::Overlap {
                     first: other.name.clone(),
@@ -195,19 +179,11 @@ fn packed(
     // Every box has its spacing behind it and to its right, and so has the
     // region.
     let spacing = DVec2::splat(bed.spacing);
-    let region = Rect::around(0.5 * bed.size, share * bed.size);
-    let mut free = vec![Rect {
-        min: region.min,
-        max: region.max + spacing + TOLERANCE,
-    }];
+    let region = around(0.5 * bed.size, share * bed.size);
+    let mut free =
+        vec![Rect::new(region.min, region.max + spacing + TOLERANCE)];
     for &Rect { min, max } in fixed {
-        cut(
-            &mut free,
-            Rect {
-                min,
-                max: max + spacing,
-            },
-        );
+        cut(&mut free, Rect::new(min, max + spacing));
     }
     let mut placed = Vec::with_capacity(order.len());
     for (k, &i) in order.iter().enumerate() {
@@ -223,50 +199,34 @@ fn packed(
             return Err(k);
         };
         let max = min + size;
-        cut(&mut free, Rect { min, max });
-        placed.push(Rect {
-            min,
-            max: max - spacing,
-        });
+        cut(&mut free, Rect::new(min, max));
+        placed.push(Rect::new(min, max - spacing));
     }
     Ok(placed)
 }
 
 /// Takes what is occupied out of the free rectangles.
 fn cut(free: &mut Vec<Rect>, occupied: Rect) {
-    let touches = |r: &mut Rect| r.overlap(occupied).cmpgt(DVec2::ZERO).all();
+    let touches = |r: &mut Rect| overlap(*r, occupied).cmpgt(DVec2::ZERO).all();
     let touched: Vec<Rect> = free.extract_if(.., touches).collect();
     let mut pieces = Vec::new();
     for r in touched {
         let Rect { min, max } = occupied;
         let sides = [
-            Rect {
-                max: DVec2::new(min.x, r.max.y),
-                ..r
-            },
-            Rect {
-                min: DVec2::new(max.x, r.min.y),
-                ..r
-            },
-            Rect {
-                max: DVec2::new(r.max.x, min.y),
-                ..r
-            },
-            Rect {
-                min: DVec2::new(r.min.x, max.y),
-                ..r
-            },
+            Rect::new(r.min, DVec2::new(min.x, r.max.y)),
+            Rect::new(DVec2::new(max.x, r.min.y), r.max),
+            Rect::new(r.min, DVec2::new(r.max.x, min.y)),
+            Rect::new(DVec2::new(r.min.x, max.y), r.max),
         ];
         let some = |r: &Rect| r.size().cmpgt(DVec2::ZERO).all();
         pieces.extend(sides.into_iter().filter(some));
     }
-    // Only the largest pieces are kept: a piece within another one is not
-    // needed.
+    // A piece within another one is left out: the other one is free as well.
     for (i, piece) in pieces.iter().enumerate() {
         let within = |(j, other): (usize, &Rect)| {
-            j != i && other.holds(*piece) && (other != piece || j < i)
+            j != i && holds(*other, *piece) && (other != piece || j < i)
         };
-        let known = free.iter().any(|r| r.holds(*piece));
+        let known = free.iter().any(|r| holds(*r, *piece));
         if !known && !pieces.iter().enumerate().any(within) {
             free.push(*piece);
         }
@@ -297,19 +257,15 @@ mod tests {
 
     /// The distance between two boxes along the axis where it is greater.
     fn gap(a: &Box, at: DVec2, b: &Box, bt: DVec2) -> f64 {
-        let overlap =
-            Rect::around(at, a.size).overlap(Rect::around(bt, b.size));
+        let overlap = overlap(around(at, a.size), around(bt, b.size));
         -overlap.min_element()
     }
 
     #[test]
     fn boxes_keep_their_distance_and_stay_on_the_bed() {
-        // Of many sizes, by a small generator of numbers.
-        let mut seed = 7u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (seed >> 40) as f64 / (1u64 << 24) as f64
-        };
+        // Of many sizes.
+        let mut rng = fastrand::Rng::with_seed(7);
+        let mut random = || rng.f64();
         for round in 0..20 {
             let count = 1 + round;
             let mut boxes: Vec<Box> = (0..count)
@@ -323,7 +279,7 @@ mod tests {
             }
             let middles = arrange(&boxes, BED).unwrap();
             for (i, a) in boxes.iter().enumerate() {
-                let here = Rect::around(middles[i], a.size);
+                let here = around(middles[i], a.size);
                 assert!(here.min.cmpge(DVec2::splat(-1e-3)).all());
                 assert!(here.max.cmple(BED.size + 1e-3).all());
                 for (j, b) in boxes.iter().enumerate().take(i) {

@@ -23,11 +23,11 @@ pub enum PlateError {
         /// How many parts were asked for.
         count: u64,
     },
-    /// A setting differs that holds for the whole plate.
+    /// A part has another value of a setting that holds for the whole plate.
     #[error(
         "{asked}: {key} = {value} differs from the plate's {of_plate}, and all \
-         parts on a plate share it; leave it out there, and set it for the \
-         whole plate"
+         parts on a plate share this setting; set it for the whole plate \
+         instead"
     )]
     Differs {
         /// Where the part is asked for.
@@ -39,10 +39,10 @@ pub enum PlateError {
         /// The plate's value.
         of_plate: String,
     },
-    /// Copies that stand in one place.
+    /// Several copies are asked for in one place.
     #[error(
         "{asked}: {copies} copies cannot all stand in one place; leave `at` \
-         out, or name each of them with its own"
+         out, or write a [[part]] for each of them"
     )]
     CopiesInOnePlace {
         /// Where the copies are asked for.
@@ -50,7 +50,7 @@ pub enum PlateError {
         /// How many copies are asked for.
         copies: u64,
     },
-    /// A climbing wall with something beside it.
+    /// A part with a climbing wall is asked for beside other parts.
     #[error(
         "{asked}: spiral = true prints one part, as its wall climbs without a \
          break; slice the parts one by one, or set spiral = false"
@@ -59,7 +59,7 @@ pub enum PlateError {
         /// Where the part is asked for.
         asked: String,
     },
-    /// The model's own coordinates on a plate.
+    /// The model's own coordinates are asked for on a plate of several parts.
     #[error(
         "{asked}: --keep-position is for a single part; tell where the parts \
          stand with `at` in a plate file"
@@ -91,7 +91,7 @@ pub enum PlateError {
     /// A part with a place is not all on the bed.
     #[error(
         "{name} would reach beyond the bed ({excess}); choose another `at` for \
-         it, or leave that out to have a place found"
+         it, or leave `at` out to have a place found"
     )]
     OffBed {
         /// Name of the part.
@@ -101,9 +101,9 @@ pub enum PlateError {
     },
     /// Two parts with places overlap.
     #[error(
-        "{first} and {second} overlap by {x:.2} × {y:.2} mm, as seen by their \
-         boxes from above, with their brims and rafts; move one of them with `at`, or leave that out to \
-         have a place found"
+        "{first} and {second} overlap by {x:.2} × {y:.2} mm: their boxes do, \
+         seen from above, with their brims and rafts; move one of them with \
+         `at`, or leave `at` out to have a place found"
     )]
     Overlap {
         /// Name of one part.
@@ -147,7 +147,7 @@ pub enum PlateError {
          beam that carries the head"
     )]
     UnknownHead,
-    /// A wall round parts that are printed one by one.
+    /// A draft shield is asked for round parts that are printed one by one.
     #[error(
         "a draft shield goes round all parts, and the head could not pass it \
          with plate.sequence = \"one-by-one\"; set draft_shield = \"off\", or \
@@ -158,7 +158,7 @@ pub enum PlateError {
     #[error(
         "{later} is {apart:.1} mm beside {first}, which is finished before it: \
          the head needs {radius:.1} mm (printer.head_clearance_radius) between \
-         their boxes; move them apart with `at`, leave that out to have places \
+         their boxes; move them apart with `at`, leave `at` out to have places \
          found, or set plate.sequence = \"all-at-once\""
     )]
     TooNear {

@@ -230,7 +230,7 @@ impl File<'_> {
         <[f64; N]>::try_from(numbers).map_err(|_| wrong())
     }
 
-    /// A part, and what is to be told of its settings.
+    /// Reads a part, and warnings about its settings.
     fn part(
         &self,
         table: &DeTable<'_>,

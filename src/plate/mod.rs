@@ -50,7 +50,7 @@ use std::collections::BTreeMap;
 /// parts are written alike.
 const DIGIT: Mm = 1e-3;
 
-/// What is asked for: copies of a model.
+/// Copies of a model that are asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
     /// The model.
@@ -91,8 +91,8 @@ pub struct Part {
     pub settings: Settings,
     /// The places where the part stands.
     pub places: Vec<PartPlace>,
-    /// Where there may be supports, where the model was placed; nothing for
-    /// anywhere on the bed.
+    /// Where there may be supports when the part stands where the model was
+    /// placed; nothing if they may be anywhere on the bed.
     room: Option<Rect>,
 }
 
@@ -277,14 +277,14 @@ impl Part {
     /// Where there may be supports, where the model was placed.
     pub(crate) fn room(&self) -> Rect {
         let printer = &self.settings.printer;
-        self.room.unwrap_or(Rect {
-            min: DVec2::ZERO,
-            max: DVec2::new(printer.bed_x, printer.bed_y),
-        })
+        self.room.unwrap_or(Rect::new(
+            DVec2::ZERO,
+            DVec2::new(printer.bed_x, printer.bed_y),
+        ))
     }
 
-    /// The box of what stands on the bed, where the model was placed: the part
-    /// with its brim or its raft.
+    /// The box of what stands on the bed, the part with its brim or its raft,
+    /// where the model was placed.
     fn foot(&self) -> Rect {
         let (low, high) = self.reach();
         let raft = match self.settings.raft_layers() {
@@ -292,10 +292,7 @@ impl Part {
             _ => self.settings.raft.expansion,
         };
         let brim = brim_reach(&self.settings).max(raft);
-        Rect {
-            min: low.truncate() - brim,
-            max: high.truncate() + brim,
-        }
+        Rect::new(low.truncate() - brim, high.truncate() + brim)
     }
 }
 
@@ -303,19 +300,17 @@ impl Part {
     /// The box of what stands on the bed, for each place.
     fn feet(&self) -> impl Iterator<Item = Rect> {
         let foot = self.foot();
-        self.places.iter().map(move |place| Rect {
-            min: foot.min + place.shift,
-            max: foot.max + place.shift,
-        })
+        self.places.iter().map(move |place| foot.moved(place.shift))
     }
 
-    /// How far the nearest of other boxes are, of which `all` are those on the
-    /// bed. They do not overlap.
+    /// Distance of the nearest other part. `all` are the boxes on the bed,
+    /// which do not overlap.
     fn free(&self, all: &[Rect]) -> Mm {
         let apart =
             |a: Rect, b: Rect| (a.min - b.max).max(b.min - a.max).max_element();
         let gaps = self.feet().flat_map(|own| {
-            // The box that a part overlaps wholly is its own.
+            // A part's own box is among them. It is the one that equals the box
+            // asked for.
             let others = all.iter().filter(move |other| **other != own);
             others.map(move |other| apart(own, *other))
         });
@@ -324,7 +319,7 @@ impl Part {
 }
 
 impl Wanted {
-    /// Refuses what a plate of `count` parts does not have.
+    /// Refuses what a plate of `count` parts cannot have.
     fn check(&self, plate: &Settings, count: u64) -> Result<(), PlateError> {
         let asked = || self.asked.clone();
         if let Some(differs) = shared::difference(plate, &self.settings) {
@@ -442,10 +437,10 @@ fn place_all(
         let bounds = parts[k].0.model.printed_bounds();
         Piece {
             name: name.clone(),
-            size: foot.max - foot.min,
+            size: foot.size(),
             // The middle of the part's box is that of its foot.
             at: wanted[i].at.map(|(x, y)| DVec2::new(x, y)),
-            body: (bounds.max - bounds.min).truncate(),
+            body: bounds.size().truncate(),
         }
     });
     let pieces: Vec<Piece> = pieces.collect();
@@ -455,7 +450,7 @@ fn place_all(
     for ((&(_, k), name), middle) in asked.iter().zip(names).zip(middles) {
         let part = &mut placed[k];
         let bounds = part.model.printed_bounds();
-        let alone = 0.5 * (bounds.min + bounds.max).truncate();
+        let alone = bounds.centre().truncate();
         let shift = ((middle - alone) / DIGIT).round() * DIGIT;
         part.places.push(PartPlace { name, shift });
     }
@@ -498,10 +493,7 @@ fn room(part: &Part, shifts: &[DVec2], free: Mm, bed: DVec2) -> Rect {
     const FREE: Mm = 0.5;
     let foot = part.foot();
     let around = (0.5 * (free - FREE)).max(0.0);
-    let mut room = Rect {
-        min: foot.min - around,
-        max: foot.max + around,
-    };
+    let mut room = Rect::new(foot.min - around, foot.max + around);
     for shift in shifts {
         room.min = room.min.max(-*shift);
         room.max = room.max.min(bed - *shift);

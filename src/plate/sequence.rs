@@ -16,8 +16,8 @@
 //! The head is a circle of `printer.head_clearance_radius` around the nozzle,
 //! empty below `printer.head_clearance_height`. The nozzle may be anywhere over
 //! what stands on the bed of the part that is printed: its box with its brim or
-//! raft, and with the room that its supports have. Nothing finished may be in
-//! the circle then. Whatever moves across the whole bed with the head is at
+//! raft, and with the room that its supports have. No finished part may be in
+//! that circle. Whatever moves across the whole bed with the head is at
 //! `printer.gantry_height`: only the last part may be higher, so the lower ones
 //! come first. Between parts the head travels above all that is finished.
 //!
@@ -200,10 +200,7 @@ impl Part {
             area.min = area.min.min(room.min);
             area.max = area.max.max(room.max);
         }
-        Rect {
-            min: area.min + shift,
-            max: area.max + shift,
-        }
+        area.moved(shift)
     }
 }
 
@@ -219,9 +216,8 @@ mod tests {
 
     #[test]
     fn boxes_are_apart_by_their_corners_too() {
-        let rect = |x: f64, y: f64| Rect {
-            min: DVec2::new(x, y),
-            max: DVec2::new(x + 10.0, y + 10.0),
+        let rect = |x: f64, y: f64| {
+            Rect::new(DVec2::new(x, y), DVec2::new(x + 10.0, y + 10.0))
         };
         assert_eq!(distance(rect(0.0, 0.0), rect(13.0, 14.0)), 5.0);
         assert_eq!(distance(rect(13.0, 14.0), rect(0.0, 0.0)), 5.0);

@@ -31,7 +31,8 @@ const SINGLE: [&str; 9] = [
     "draft_shield_gap",
 ];
 
-/// A setting of a part that differs from the plate's and may not.
+/// A setting of a part that differs from the plate's, although all parts share
+/// it.
 pub(super) struct Difference {
     pub key: &'static str,
     pub value: String,
@@ -44,7 +45,7 @@ pub(super) fn is_shared(key: &str) -> bool {
     group.is_some_and(|group| GROUPS.contains(&group)) || SINGLE.contains(&key)
 }
 
-/// The first setting that differs and may not.
+/// The first setting that differs although all parts share it.
 pub(super) fn difference(
     plate: &Settings,
     part: &Settings,

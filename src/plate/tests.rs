@@ -1,13 +1,8 @@
 use super::*;
-use crate::model::SourceKind;
 
 fn wanted(text: &str, copies: u64) -> Wanted {
     Wanted {
-        source: Source::Text {
-            name: "part".into(),
-            kind: SourceKind::Formula,
-            text: text.into(),
-        },
+        source: Source::formula("part", text),
         defines: Vec::new(),
         placement: Placement::default(),
         settings: Settings::default(),
@@ -39,7 +34,7 @@ fn equal_parts_are_places_of_one() {
     assert_eq!(names, ["part_1", "part_2", "part_3", "part_6"]);
     // The one with a place is there.
     let bounds = plate.parts[0].model.printed_bounds();
-    let middle = 0.5 * (bounds.min + bounds.max).truncate();
+    let middle = bounds.centre().truncate();
     let there = middle + plate.parts[0].places[3].shift;
     assert!(there.distance(DVec2::new(30.0, 40.0)) < 1e-3, "{there}");
     assert!(plate.whole().is_some());

@@ -5,9 +5,9 @@
 //! Everything that comes from the file is escaped, so that no comment or name
 //! in it can become markup or script.
 //!
-//! [`live_html`] is the page of a program that serves it, with parts that ask
-//! that program for the moves ([`Toolpath::live_moves`]) and for what else it
-//! can tell.
+//! [`live_html`] is a page for a program that serves it. The page asks this
+//! program for the moves ([`Toolpath::live_moves`]) and for the state of its
+//! work.
 //!
 //! The page's parts are in `assets/preview`, with two libraries in `vendor`.
 
@@ -24,52 +24,47 @@ use std::io::{self, Write};
 /// The page, with `{{name}}` where a part is put in.
 const PAGE: &str = include_str!("../../assets/preview/page.html");
 
+/// A part of the page: its name, and the text of its file.
+macro_rules! part {
+    ($name:literal) => {
+        part!($name, $name)
+    };
+    ($name:literal, $file:literal) => {
+        ($name, include_str!(concat!("../../assets/preview/", $file)))
+    };
+}
+
 /// The parts that do not come from the file.
 const PARTS: &[(&str, &str)] = &[
     ("version", env!("CARGO_PKG_VERSION")),
-    ("style", include_str!("../../assets/preview/style.css")),
-    (
-        "licences",
-        include_str!("../../assets/preview/vendor/LICENSES.txt"),
-    ),
-    (
-        "twgl",
-        include_str!("../../assets/preview/vendor/twgl.min.js"),
-    ),
-    (
-        "fflate",
-        include_str!("../../assets/preview/vendor/fflate.min.js"),
-    ),
-    ("format.js", include_str!("../../assets/preview/format.js")),
-    ("data.js", include_str!("../../assets/preview/data.js")),
-    ("camera.js", include_str!("../../assets/preview/camera.js")),
-    ("coarse.js", include_str!("../../assets/preview/coarse.js")),
-    ("bed.js", include_str!("../../assets/preview/bed.js")),
-    ("marks.js", include_str!("../../assets/preview/marks.js")),
-    ("scene.js", include_str!("../../assets/preview/scene.js")),
-    ("slider.js", include_str!("../../assets/preview/slider.js")),
-    ("colour.js", include_str!("../../assets/preview/colour.js")),
-    ("roles.js", include_str!("../../assets/preview/roles.js")),
-    ("pick.js", include_str!("../../assets/preview/pick.js")),
-    ("cut.js", include_str!("../../assets/preview/cut.js")),
-    (
-        "warnings.js",
-        include_str!("../../assets/preview/warnings.js"),
-    ),
-    ("main.js", include_str!("../../assets/preview/main.js")),
+    part!("style", "style.css"),
+    part!("licences", "vendor/LICENSES.txt"),
+    part!("twgl", "vendor/twgl.min.js"),
+    part!("fflate", "vendor/fflate.min.js"),
+    part!("format.js"),
+    part!("data.js"),
+    part!("camera.js"),
+    part!("coarse.js"),
+    part!("bed.js"),
+    part!("marks.js"),
+    part!("scene.js"),
+    part!("slider.js"),
+    part!("colour.js"),
+    part!("roles.js"),
+    part!("pick.js"),
+    part!("cut.js"),
+    part!("warnings.js"),
+    part!("main.js"),
 ];
 
 /// The parts of a page that a program serves. In other pages these parts are
 /// empty, except for what the page may load.
 const LIVE_PARTS: &[(&str, &str)] = &[
     ("connect", "; img-src data: blob:; connect-src 'self'"),
-    ("live.css", include_str!("../../assets/preview/live.css")),
-    ("live.html", include_str!("../../assets/preview/live.html")),
-    (
-        "live-stage.html",
-        include_str!("../../assets/preview/live-stage.html"),
-    ),
-    ("live.js", include_str!("../../assets/preview/live.js")),
+    part!("live.css"),
+    part!("live.html"),
+    part!("live-stage.html"),
+    part!("live.js"),
 ];
 
 /// What a page that is only a file may load besides its own text.

@@ -5,7 +5,7 @@ use crate::settings::ImageFormat;
 use std::io::Write;
 
 /// Colour behind the part in a format without transparency, sRGB. It is dark,
-/// as are the hosts that show such pictures.
+/// since the printers' hosts that show such pictures have dark pages.
 const BEHIND: [u8; 3] = [32, 34, 38];
 /// Quality of JPG files, of 100. With this one the edges of a small part stay
 /// clean.
@@ -129,8 +129,8 @@ fn png_of(
     Ok(encoder.write_header()?)
 }
 
-/// Takes the pixels of a picture, some rows at a time: linear colours,
-/// multiplied by their opacity, and that.
+/// Takes the pixels of a picture, some rows at a time: linear colours
+/// multiplied by their opacity, and the opacity.
 pub(super) type Rows<'a> =
     dyn FnMut(&[[f32; 4]]) -> Result<(), PictureError> + 'a;
 
@@ -172,8 +172,8 @@ fn over(mut pixel: [f32; 4], background: [u8; 3]) -> [f32; 4] {
     pixel
 }
 
-/// The pixels that a length from `from` on covers, of `count` pixels, and for
-/// each its share of the length.
+/// Which of `count` pixels in a row a length covers that begins at `from`, and
+/// the share of the length that each pixel has.
 fn shares(from: f64, length: f64, count: usize) -> Vec<(usize, f32)> {
     let to = from + length;
     let first = from.floor().max(0.0) as usize;

@@ -1,10 +1,10 @@
 //! Packs a toolpath into few bytes.
 //!
 //! In: a [`Toolpath`]. Out: zlib-compressed bytes, and what is needed to read
-//! them. Neighbours differ little, so their differences are kept. They are
-//! folded, so that small ones of either sign are small numbers (0, −1, 1, −2 as
-//! 0, 1, 2, 3). All low bytes come first, then all high bytes, most of which
-//! are 0.
+//! them. Neighbouring values differ little, so the differences are kept. They
+//! are folded, so that small differences of either sign are small numbers (0,
+//! −1, 1, −2 become 0, 1, 2, 3). All low bytes of these come first, then all
+//! high bytes, most of which are 0.
 //!
 //! The order: x, y and z of all points, in 2 bytes each; width, height,
 //! cross-section, speed and heat of all moves, in 2 bytes each; the roles and

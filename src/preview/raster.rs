@@ -9,9 +9,9 @@
 use super::view::View;
 use crate::limits::{self, Watched};
 use crate::model::{Bounds, Model};
+use crate::plane::hull;
 use crate::units::Mm;
 use fidget::context::Tree;
-use geo::{ConvexHull, MultiPoint};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use isocontour::{FieldError, Grid, Hit, Sight};
 use std::sync::Arc;
@@ -23,13 +23,13 @@ pub enum PictureError {
     /// The field cannot be evaluated.
     #[error("the part cannot be drawn")]
     Field(#[from] FieldError),
-    /// The PNG cannot be made.
+    /// The picture cannot be encoded as PNG.
     #[error("the picture cannot be written as PNG")]
     Png(#[from] png::EncodingError),
-    /// The QOI cannot be made.
+    /// The picture cannot be encoded as QOI.
     #[error("the picture cannot be written as QOI")]
     Qoi(#[from] qoi::Error),
-    /// The JPG cannot be made.
+    /// The picture cannot be encoded as JPG.
     #[error("the picture cannot be written as JPG")]
     Jpg(#[from] jpeg_encoder::EncodingError),
 }
@@ -166,7 +166,8 @@ impl Subject {
         let widest = 2.0 * lit.half.x.max(lit.half.y).max(MIN_EXTENT);
         let longest = (widest / pixel).ceil().clamp(1.0, LONGEST_MAP);
         let seen = lit.look(lit.whole(longest as usize))?;
-        // The light's view of the part casts shadows, and is not shaded itself.
+        // The light's view of the part needs no normals: it only tells what is
+        // in shadow.
         let normals = Vec::new();
         Ok(Seen { normals, ..seen })
     }
@@ -311,22 +312,11 @@ pub(crate) fn outline_from_above(
         middle + frame.pixel * DVec2::new(p.x, -p.y)
     };
     let corners = seen.depths.iter().enumerate().filter(|(_, d)| is_part(d));
-    let corners: MultiPoint = corners
-        .flat_map(|(k, _)| {
-            let (i, j) = (k % seen.width, k / seen.width);
-            [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
-        })
-        .map(|(i, j)| {
-            let p = place(i, j).clamp(low, high);
-            geo::Point::new(p.x, p.y)
-        })
-        .collect();
-    let hull = corners.convex_hull();
-    let ring = hull.exterior().0.iter().map(|c| DVec2::new(c.x, c.y));
-    let mut ring: Vec<DVec2> = ring.collect();
-    // The last point repeats the first.
-    ring.pop();
-    Ok(ring)
+    let corners = corners.flat_map(|(k, _)| {
+        let (i, j) = (k % seen.width, k / seen.width);
+        [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
+    });
+    Ok(hull(corners.map(|(i, j)| place(i, j).clamp(low, high))))
 }
 
 #[cfg(test)]

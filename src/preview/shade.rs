@@ -226,7 +226,7 @@ impl<'a> Light<'a> {
             let share = (d as f32 + 0.25) / DIRECTIONS as f32;
             let direction = Vec2::from_angle(std::f32::consts::TAU * share);
             std::array::from_fn(|look| {
-                // Looks are denser near the pixel.
+                // The looks are denser near the pixel.
                 let share = (look + 1) as f32 / LOOKS as f32;
                 let step = direction * (reach * share * share).max(1.0);
                 Look::new(Vec3::new(step.x, -step.y, 0.0))
@@ -333,7 +333,8 @@ impl<'a> Light<'a> {
                     let rise = nx[k] * x + ny[k] * y + nz[k] * dz - FLAT;
                     let near = 1.0 - square / far;
                     let near = if near > 0.0 { near } else { 0.0 };
-                    // Beside the part this is NaN, which is never more.
+                    // Beside the part this is NaN, and a comparison with NaN is
+                    // false.
                     let hides = rise / square.sqrt() * near;
                     most[k] = if hides > most[k] { hides } else { most[k] };
                 }

@@ -1,5 +1,6 @@
-//! Draws a layer as an SVG picture: beads with their widths, in the colours of
-//! their roles; travels as thin lines, dashed if retracted; y up.
+//! Draws a layer as an SVG picture, with y up: beads have their widths and the
+//! colours of their roles, travels are thin lines, which are dashed if the
+//! filament is retracted.
 
 use crate::bead::Role;
 use crate::plane::Rect;
@@ -139,10 +140,7 @@ mod tests {
             },
             moves: vec![Move::Print(bead), travel],
         };
-        let frame = Rect {
-            min: DVec2::ZERO,
-            max: DVec2::splat(10.0),
-        };
+        let frame = Rect::new(DVec2::ZERO, DVec2::splat(10.0));
         let svg = layer_svg(&path, frame);
         assert!(svg.contains("viewBox=\"0 0 14.000 14.000\""));
         assert!(svg.contains(

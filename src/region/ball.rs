@@ -37,8 +37,8 @@ const DEEP: Mm = 5e-4;
 /// Distance of ball and border below which they touch, mm.
 const TOUCHING: Mm = 1e-5;
 
-/// The stretches of edges that balls from the other side touch: asked again
-/// from this side, they would give the same ridge.
+/// The stretches of edges that balls from the other side touch. Balls that
+/// begin on such a stretch would only give the same ridge again.
 struct Seen {
     /// Each edge's last entry in `stretches`; `NONE` for edges that have no
     /// entry.
@@ -63,8 +63,8 @@ impl Seen {
 
     fn add(&mut self, edge: usize, from: Mm, to: Mm) {
         let (low, high) = (from.min(to), from.max(to));
-        // Along a long edge each stretch goes on where the one before ends. Kept
-        // apart, all stretches would be looked through for every ball.
+        // Along a long edge each stretch goes on where the one before ends. If
+        // the two were kept apart, every ball would look through all stretches.
         if let Some(s) = self.stretches.get_mut(self.last[edge] as usize)
             && low <= s.1
             && s.0 <= high
@@ -102,7 +102,7 @@ pub(super) struct Border<'a> {
     radius: Mm,
     /// The edge that follows each edge on its ring.
     next: Vec<u32>,
-    /// The edge before it.
+    /// The edge that comes before each edge on its ring.
     last: Vec<u32>,
     seen: Seen,
     /// The least and the largest radius of the balls that touch each edge.
@@ -158,7 +158,7 @@ impl<'a> Border<'a> {
         // The last ball, its edge, and how far along the edge it is.
         let mut before: Option<(usize, Mm, Option<Grown>)> = None;
         let mut last_radius = 0.0;
-        // The first ball, if the ring's first point has one.
+        // The first ball, if there is one at the ring's first point.
         let mut very_first = None;
         let mut last_along = (0..ring.len()).rev().find_map(|i| {
             let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
@@ -309,8 +309,8 @@ impl<'a> Border<'a> {
         last
     }
 
-    /// Notes what lies between the touches of two balls that follow each
-    /// other: the border runs the other way there.
+    /// Notes the stretch of border that two balls, one after the other, touch
+    /// on the opposite side. The border runs the other way there.
     fn mark(&mut self, first: Grown, second: Grown) {
         /// Edges and length beyond which the two touch different parts of
         /// the border.
@@ -367,7 +367,7 @@ impl<'a> Border<'a> {
             let (last, next) = (self.last[edge], self.next[edge]);
             let near = [last as usize, edge, next as usize];
             let radii = near.map(|e| match self.radii[e] {
-                // Nothing is known of the edge.
+                // No ball has touched this edge.
                 (least, _) if least == f64::INFINITY => (0.0, f64::INFINITY),
                 radii => radii,
             });
@@ -429,7 +429,8 @@ impl<'a> Border<'a> {
         normal: DVec2,
         hint: Grown,
     ) -> Option<(Mm, (usize, DVec2))> {
-        /// Rounds after which it is near enough to be looked after.
+        /// Rounds after which the ball is small enough for its exact size to be
+        /// looked for among all edges.
         const ROUNDS: usize = 6;
         let (before, after) = (self.last[hint.edge], self.next[hint.edge]);
         let beside = [hint.edge, before as usize, after as usize];
@@ -485,8 +486,8 @@ impl<'a> Border<'a> {
                 return None;
             }
             touch = Some((edge, q));
-            // Nothing is much deeper in the ball that touches here than this
-            // edge is in the ball before.
+            // No edge reaches much deeper into the new ball than this edge
+            // reached into the ball before.
             let deep = r - q.distance(centre);
             r = v.length_squared() / (2.0 * up);
             if deep < DEEP {
@@ -498,7 +499,7 @@ impl<'a> Border<'a> {
 }
 
 impl Ball {
-    /// True if the two can follow each other on a ridge.
+    /// True if the two balls can be neighbours on a ridge.
     pub(super) fn near(&self, other: &Ball) -> bool {
         let apart = self.centre.distance_squared(other.centre);
         apart

@@ -9,8 +9,9 @@
 //! ```
 //!
 //! In: a part of a ridge, the border, and where ridges end. Out: whether balls
-//! along the part reach the border everywhere. In a corner they do not, and where
-//! strips meet they leave to other ridges what lies between.
+//! along the part reach the border everywhere. In a corner balls do not reach
+//! the border everywhere, and where strips meet they leave what lies between to
+//! other ridges.
 
 use super::ridge::Ridge;
 use crate::plane::grid::{EdgeGrid, nearest_on};
@@ -86,7 +87,7 @@ mod tests {
         let corner = DVec2::new(thick - outer, -outer);
         ring.extend(arc(corner, outer, 0.0, FRAC_PI_2));
         ring.push(DVec2::new(-limb, 0.0));
-        Area { rings: vec![ring] }
+        Area::from(ring)
     }
 
     fn strokes(area: &Area) -> (usize, usize) {
@@ -136,14 +137,12 @@ mod tests {
             [(0, (at(0.3, -0.4), at(0.3, -0.4)))].into_iter(),
             1.0,
         );
-        let wide = Area {
-            rings: vec![vec![
-                at(-9.0, -9.0),
-                at(9.0, -9.0),
-                at(9.0, 9.0),
-                at(-9.0, 9.0),
-            ]],
-        };
+        let wide = Area::from(vec![
+            at(-9.0, -9.0),
+            at(9.0, -9.0),
+            at(9.0, 9.0),
+            at(-9.0, 9.0),
+        ]);
         let border = EdgeGrid::new(&wide, 1.0);
         assert!(is_bend(&part(corner.clone()), &border, &none));
         assert!(!is_bend(&part(corner), &border, &node));

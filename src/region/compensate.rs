@@ -12,7 +12,7 @@ use crate::model::{Model, Place};
 use crate::plane::bend::{Bend, bends};
 use crate::plane::clip::{difference, intersection, union, unite};
 use crate::plane::offset::offset;
-use crate::plane::simplify::simplify;
+use crate::plane::simplify::simplify_area;
 use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::Mm;
@@ -106,10 +106,7 @@ impl Growth {
         if !taken.is_empty() {
             grown = difference(&grown, &unite(&taken));
         }
-        let rings = grown.rings.iter().map(|r| simplify(r, tolerance));
-        Ok(Area {
-            rings: rings.filter(|r| !r.is_empty()).collect(),
-        })
+        Ok(simplify_area(&grown, tolerance))
     }
 }
 
@@ -144,7 +141,8 @@ impl<'a> Compensation<'a> {
         growth: Option<&'a Growth>,
     ) -> Self {
         let layers = settings.elephant_foot_layers as usize;
-        // Nothing squeezes a part on a raft.
+        // A part on a raft does not lie on the bed, which would squeeze its
+        // first layers.
         let left = match settings.raft_layers() {
             0 => layers.saturating_sub(span.index) as f64,
             _ => 0.0,
@@ -175,8 +173,8 @@ impl<'a> Compensation<'a> {
         }
     }
 
-    /// The outline as the print will have it, if the plastic does what it is
-    /// drawn in for; `None` if it is not drawn in.
+    /// The outline that the print will have if the plastic is squeezed out as
+    /// much as the outline is drawn in; `None` if it is not drawn in.
     ///
     /// # Errors
     /// If an expression has no value somewhere.
@@ -191,8 +189,9 @@ impl<'a> Compensation<'a> {
         Ok(Some(grown.unwrap_or_else(|| outline.clone())))
     }
 
-    /// The outline to print, unless it is the one there is. `walls` are areas
-    /// that lie so deep in it, and are changed as it is.
+    /// The outline to print; `None` if nothing is to be changed. `walls` are
+    /// areas inside the outline, each with its depth, and are changed as the
+    /// outline is.
     ///
     /// # Errors
     /// If an expression has no value somewhere.
@@ -231,7 +230,8 @@ impl<'a> Compensation<'a> {
             *wall = grow(wall)?;
         }
         let grown = grow(closed.as_ref().unwrap_or(outline.area()))?;
-        // A gap that was wider than a slit may be one now.
+        // A gap that was wider than a slit may be a slit now that the outline
+        // has grown.
         let closed = match self.grow {
             Grow::By(..=0.0) => None,
             _ => self.closed(&Solid::of(&grown, CELL), walls),
@@ -267,14 +267,15 @@ impl<'a> Compensation<'a> {
         let inner = offset(area, -self.draw_in, self.tolerance);
         let half = self.draw_in + 0.5 * self.keep;
         let core = offset(area, -half, self.tolerance);
-        // What a disc of this size can reach inside the area; a little more,
-        // lest corners and roundings count as thin.
+        // The area that a disc of this size can reach, and a little more, so
+        // that corners and roundings do not count as thin.
         let reached = offset(&core, half + ROUNDING * half, self.tolerance);
         let thin = difference(area, &reached);
         if thin.is_empty() {
             return inner;
         }
-        // Grown into the thicker part, so that what is left of it overlaps.
+        // Thin places grow into the thicker part beside them, so that they
+        // overlap with what is left of that part.
         let thin = intersection(&offset(&thin, half, self.tolerance), area);
         union(&inner, &thin)
     }
@@ -290,7 +291,7 @@ const CELL: Mm = 1.0;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::{rect, shapes};
     use crate::settings::Varying;
 
     fn span(index: usize) -> LayerSpan {
@@ -302,13 +303,7 @@ mod tests {
     }
 
     fn disc(radius: f64) -> Area {
-        let points = (0..720).map(|i| {
-            DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / 720.0)
-                * radius
-        });
-        Area {
-            rings: vec![points.collect()],
-        }
+        shapes::disc(radius, 720)
     }
 
     impl Compensation<'_> {
@@ -476,12 +471,10 @@ mod tests {
                 slit_closing: closing.into(),
                 ..Settings::default()
             };
-            let both = Area {
-                rings: [rect(-5.0, 0.0, -gap, 4.0), rect(0.0, 0.0, 5.0, 4.0)]
-                    .into_iter()
-                    .flat_map(|a| a.rings)
-                    .collect(),
-            };
+            let both = Area::from_iter([
+                rect(-5.0, 0.0, -gap, 4.0),
+                rect(0.0, 0.0, 5.0, 4.0),
+            ]);
             let c = Compensation::new(&span(0), &settings, None);
             c.printed(&both).rings.len()
         };
@@ -496,13 +489,13 @@ mod tests {
     /// Walls that are offsets of the expression close where the outline does.
     #[test]
     fn walls_of_the_field_close_with_the_outline() {
-        let both = |inset: f64| Area {
-            rings: [(-5.0, -0.05), (0.0, 5.0)]
+        let both = |inset: f64| {
+            [(-5.0, -0.05), (0.0, 5.0)]
                 .iter()
                 .flat_map(|&(a, b)| {
                     rect(a + inset, inset, b - inset, 4.0 - inset).rings
                 })
-                .collect(),
+                .collect()
         };
         let mut walls = [(0.2, both(0.2)), (0.6, both(0.6))];
         let outline = Solid::new(both(0.0));

@@ -8,54 +8,50 @@
 //! nothing that matters is covered. Only if they do not, all neighbours that
 //! touch the island go into one sweep.
 
+use super::neighbour::Neighbour;
 use crate::plane::clip::{crop, intersection, not_covered_by_all};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::nest::Nest;
-use crate::plane::simplify::simplify;
-use crate::plane::{Area, Rect, Ring, Solid, edges, point_beside};
+use crate::plane::simplify::simplify_area;
+use crate::plane::{Area, Rect, Solid, edges, point_beside};
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
 
 /// How far borders between skin and sparse infill may be off, mm: nobody sees
 /// these borders, and a bead is much wider.
 pub(super) const TOLERANCE: Mm = 0.02;
 
-/// An outline as exact as skin needs it: a dozen layers ask what it covers of
-/// them, and points are what each of them pays for. It is exact if there are
-/// no walls, as then the fill itself ends at the outline, and would not be
-/// covered by a rough one.
+/// An outline as exact as skin needs it. A dozen layers ask what it covers of
+/// them, and each question takes a time that grows with its points. It is exact
+/// if there are no walls: the fill then ends at the outline itself, and a rough
+/// outline would leave a rim of it open.
 pub(crate) fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
-    let rings = outline.rings.iter().map(|r| match settings.walls {
-        0 => r.clone(),
-        _ => simplify(r, TOLERANCE),
-    });
-    Solid::new(Area {
-        rings: rings.filter(|r| !r.is_empty()).collect(),
+    Solid::new(match settings.walls {
+        0 => outline.clone(),
+        _ => simplify_area(outline, TOLERANCE),
     })
 }
 
 /// The part of an island that is not covered by all covers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Exposed {
-    /// Nowhere: each cover covers all of the island.
+    /// No part: each cover covers all of the island.
     Nowhere,
-    /// This part is not covered.
+    /// This part of the island is not covered.
     Part(Area),
-    /// Everywhere, or in all but parts that do not matter.
+    /// The whole island, or all but parts that do not matter.
     Everywhere,
 }
 
 /// How much of an island one cover covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Covered {
-    /// All of it.
+    /// All of the island.
     Wholly,
-    /// Some of it, or all but a touch.
+    /// A part of the island, or all of it except along its border.
     Partly,
-    /// None of it.
+    /// Nothing of the island.
     Not,
 }
 
@@ -112,7 +108,7 @@ impl<'a> Islands<'a> {
             }
             for (a, b) in edges(ring) {
                 let (lo, hi) = (a.min(b), a.max(b));
-                if !self.bounds.meets(Rect { min: lo, max: hi }) {
+                if !self.bounds.meets(Rect::new(lo, hi)) {
                     continue;
                 }
                 self.grid.visit_near(a, b, TOUCH, |i| {
@@ -141,7 +137,7 @@ impl Islands<'_> {
         /// Places along each side of the island's box.
         const PLACES: u32 = 8;
         let bounds = self.all[i].bounds();
-        let step = (bounds.max - bounds.min) / f64::from(PLACES);
+        let step = bounds.size() / f64::from(PLACES);
         if step.min_element() * f64::from(PLACES) < 2.0 * radius {
             return false;
         }
@@ -165,22 +161,15 @@ pub(crate) fn open(area: &Area, cover: &Area) -> Area {
 
 /// What a cover has around an area, enough to tell what it covers of it.
 pub(super) fn near(area: &Area, cover: &Area) -> Area {
-    let mut bounds = area.bounds();
-    bounds.min -= 1.0;
-    bounds.max += 1.0;
-    crop(&cover.rings, bounds)
+    crop(&cover.rings, area.bounds().grown(1.0))
 }
 
-/// Nearer than this an edge counts as touching, mm.
+/// An edge nearer than this counts as touching, mm.
 const TOUCH: Mm = 1e-4;
 
-/// How many times faster a ring is cropped than swept.
-const CROP_SHARE: usize = 30;
-
-/// Where the covers, together, leave each island open. `matters` tells
-/// whether it matters that a connected area is covered; if it does not matter
-/// for an area, it must not for its parts. It does for a disc of radius
-/// `disc`.
+/// Where the covers, together, leave each island open. `matters` tells whether
+/// it matters that a connected area is covered. If an area does not matter, its
+/// parts must not matter either. A disc of radius `disc` matters.
 pub(super) fn exposed(
     asked: &Islands<'_>,
     covers: &[&Solid<'_>],
@@ -215,35 +204,13 @@ pub(super) fn exposed(
     if left.is_empty() {
         return result;
     }
-    let near = Near::new(islands, &left);
-    let size = |area: &Area| area.rings.iter().map(Vec::len).sum::<usize>();
-    let sweep: usize = covers.iter().map(|c| size(c.area())).sum();
-    let single: usize = covers.iter().map(|c| near.work(c.area())).sum();
-    if single > CROP_SHARE * sweep {
-        // Rings that many islands are near to would be cropped again and
-        // again.
-        for (i, part) in all_at_once(islands, &left, covers) {
-            result[i] = part;
-        }
-        return result;
-    }
-    let rings: Vec<Vec<Vec<u32>>> = covers
-        .iter()
-        .map(|c| near.rings(c.area(), islands))
-        .collect();
+    let sorted: Vec<Neighbour<'_>> =
+        covers.iter().map(|c| Neighbour::new(c.area())).collect();
     for i in left {
         crate::limits::check();
-        let mut bounds = islands[i].bounds();
-        bounds.min -= 1.0;
-        bounds.max += 1.0;
-        let cropped = |k: usize| {
-            let all = &covers[k].area().rings;
-            crop(rings[k][i].iter().map(|&r| &all[r as usize]), bounds)
-        };
-        let near: Vec<Area> = (0..covers.len())
-            .filter(|&k| touching[k][i])
-            .map(cropped)
-            .collect();
+        let touching = sorted.iter().zip(&touching).filter(|(_, t)| t[i]);
+        let near: Vec<Area> =
+            touching.map(|(cover, _)| cover.near(&islands[i])).collect();
         let any = || anything_matters(&islands[i], &near, &matters);
         result[i] = if asked.hold_disc(i, disc, covers) || any() {
             let near: Vec<&Area> = near.iter().collect();
@@ -255,9 +222,9 @@ pub(super) fn exposed(
     result
 }
 
-/// Whether what all covers cover of an island may matter. A few intersections
-/// with the first covers often leave little, which then costs little to go
-/// on with; where they leave much, the sweep of all covers is the better way.
+/// Whether what all covers cover of an island may matter. Intersections with
+/// the first covers often leave little, and then going on costs little. If they
+/// leave much, the sweep of all covers is faster.
 fn anything_matters(
     island: &Area,
     covers: &[Area],
@@ -278,23 +245,6 @@ fn anything_matters(
         }
     }
     true
-}
-
-/// What [`exposed`] tells, of some islands, by one sweep of everything.
-fn all_at_once(
-    islands: &[Area],
-    which: &[usize],
-    covers: &[&Solid<'_>],
-) -> Vec<(usize, Exposed)> {
-    let rings = which.iter().flat_map(|&i| islands[i].rings.clone());
-    let joined = Area {
-        rings: rings.collect(),
-    };
-    let covers: Vec<&Area> = covers.iter().map(|c| c.area()).collect();
-    let open = not_covered_by_all(&joined, &covers);
-    let mut parts = by_island(islands, open.islands());
-    let own = |&i: &usize| (i, part(std::mem::take(&mut parts[i])));
-    which.iter().map(own).collect()
 }
 
 /// Areas by the island that each of them lies in.
@@ -318,69 +268,17 @@ fn part(open: Area) -> Exposed {
     }
 }
 
-/// Islands by their boxes.
-struct Near {
-    boxes: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
-}
-
-impl Near {
-    fn new(islands: &[Area], which: &[usize]) -> Near {
-        let rectangle = |&i: &usize| {
-            let b = islands[i].bounds();
-            let corners = (b.min.to_array(), b.max.to_array());
-            let r = Rectangle::from_corners(corners.0, corners.1);
-            GeomWithData::new(r, i)
-        };
-        Near {
-            boxes: RTree::bulk_load(which.iter().map(rectangle).collect()),
-        }
-    }
-
-    /// The islands whose boxes meet that of a ring.
-    fn islands(&self, ring: &Ring) -> impl Iterator<Item = usize> + '_ {
-        let b = Rect::around(ring);
-        let frame = AABB::from_corners(b.min.to_array(), b.max.to_array());
-        self.boxes
-            .locate_in_envelope_intersecting(&frame)
-            .map(|g| g.data)
-    }
-
-    /// Points that would have to be cropped if each island took the rings
-    /// near to it.
-    fn work(&self, area: &Area) -> usize {
-        let ring = |r: &Ring| r.len() * self.islands(r).count();
-        area.rings.iter().map(ring).sum()
-    }
-
-    /// For each island, the rings near it.
-    fn rings(&self, area: &Area, islands: &[Area]) -> Vec<Vec<u32>> {
-        let mut near = vec![Vec::new(); islands.len()];
-        for (r, ring) in area.rings.iter().enumerate() {
-            for i in self.islands(ring) {
-                near[i].push(r as u32);
-            }
-        }
-        near
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::plane::clip::{difference, union};
-    use crate::plane::rect;
+    use crate::plane::shapes::{disc, rect};
 
     /// Places between the rough and the exact outline are where the rough one
     /// says, whoever is asked; without walls there are none.
     #[test]
     fn rough_outlines_agree_with_themselves() {
-        let circle: Ring = (0..2000)
-            .map(|k| std::f64::consts::TAU * f64::from(k) / 2000.0)
-            .map(|t| DVec2::from_angle(t) * 10.0)
-            .collect();
-        let exact = Area {
-            rings: vec![circle],
-        };
+        let exact = disc(10.0, 2000);
         let with = |walls: u32| {
             let settings = Settings {
                 walls,
@@ -468,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn many_islands_under_one_ring_are_swept_together() {
+    fn many_islands_may_lie_under_one_ring() {
         // A comb-like cover with an edge in each of many islands.
         let islands: Vec<Area> = (0..60)
             .map(|i| {

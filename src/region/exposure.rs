@@ -45,8 +45,8 @@ pub(crate) struct FillAreas {
     pub sparse: Area,
 }
 
-/// A layer and those around it, each as its outline, as exact as skin needs
-/// it. Layers that are the same share one.
+/// A layer and the layers around it, each as its outline, which is as exact as
+/// skin needs it. Equal layers share one outline.
 #[derive(Clone, Debug)]
 pub(crate) struct Window<'a> {
     /// Number of the layer.
@@ -196,9 +196,7 @@ impl<'a> Exposure<'a> {
         let rings = sparse.into_iter().flat_map(|s| s.rings);
         FillAreas {
             skin,
-            sparse: Area {
-                rings: rings.collect(),
-            },
+            sparse: rings.collect(),
         }
     }
 
@@ -207,8 +205,8 @@ impl<'a> Exposure<'a> {
         if self.is_end(window.number) {
             return None;
         }
-        // A neighbour that equals the layer, or another one of the neighbours,
-        // leaves nothing open that they do not.
+        // A neighbour is left out if it equals this layer or another neighbour:
+        // it leaves nothing open that they do not.
         let mut seen = vec![window.here];
         let mut new = |near: &&'w Solid<'w>| {
             let new = !seen.iter().any(|s| s.is(near));
@@ -221,7 +219,8 @@ impl<'a> Exposure<'a> {
         let layers = self.covering(self.below.at(window.number));
         let below = window.below.get(..layers)?.iter().copied();
         let below: Vec<_> = below.filter(&mut new).collect();
-        // The farthest first: they leave the least to be looked at.
+        // The farthest layers come first: they differ most from this one, and
+        // so leave the least to be looked at.
         let n = above.len().max(below.len());
         let all = (0..n)
             .rev()
@@ -324,9 +323,7 @@ impl Slope<'_> {
         }
         // All islands at once: one at a time would be quadratic.
         let rings = candidates.iter().flat_map(|&i| &islands[i].rings);
-        let all = Area {
-            rings: rings.cloned().collect(),
-        };
+        let all: Area = rings.cloned().collect();
         // The open area is smaller than the area under slopes, so it is looked
         // at first.
         let covers: Option<Vec<Area>> = self
@@ -346,9 +343,7 @@ impl Slope<'_> {
         if open_beyond.is_empty() {
             return;
         }
-        let mut bounds = open_beyond.bounds();
-        bounds.min -= self.reach + 1.0;
-        bounds.max += self.reach + 1.0;
+        let bounds = open_beyond.bounds().grown(self.reach + 1.0);
         let here = crop(&outline.rings, bounds);
         let receded = open(&here, self.last.area());
         if receded.is_empty() {
@@ -433,7 +428,7 @@ fn beside(left: &Area, skin: &Area, settings: &Settings) -> Vec<Area> {
     if wide.content() >= all.content() - TOLERANCE {
         return all.islands();
     }
-    // Narrow parts away from the skin stay as they are in layers without it.
+    // Narrow parts away from the skin stay sparse, as in layers without skin.
     let near = offset(skin, settings.infill_width(), TOLERANCE);
     let narrow = difference(&all, &wide).islands();
     let away = narrow
@@ -459,9 +454,7 @@ fn less(area: &Area, islands: &[Area]) -> Area {
             difference(&part, &inside).rings
         }
     });
-    Area {
-        rings: rings.collect(),
-    }
+    rings.collect()
 }
 
 /// Least width of sparse infill between walls, in its lines.
@@ -474,7 +467,8 @@ const BESIDE_SKIN: f64 = 2.0;
 /// The parts of an area large enough for sparse infill, and as wide as so many
 /// of its lines.
 fn printable(area: &Area, lines: f64, settings: &Settings) -> Area {
-    /// Rounding may take what is narrower than this along all of its border.
+    /// Width, mm, of the strip along the whole border that rounding may take
+    /// away.
     const ROUNDING: Mm = 1e-5;
     let half = 0.5 * lines * settings.infill_width();
     let mut wide = Area::EMPTY;
@@ -486,8 +480,9 @@ fn printable(area: &Area, lines: f64, settings: &Settings) -> Area {
         if core.is_empty() {
             continue;
         }
-        // Grown back by more than it was shrunk, and cut to what there was:
-        // corners return, and necks too narrow for a bead do not.
+        // The core grows by more than the island was shrunk, and is cut to the
+        // island: so corners come back, and necks that are too narrow for a
+        // bead do not.
         let back = offset(&core, 2.0 * half, TOLERANCE);
         let whole = intersection(&island, &back);
         let lost = island.content() - whole.content();

@@ -27,7 +27,8 @@ pub(crate) struct Floating {
 pub(crate) fn floating(outline: &Area, below: &Solid<'_>) -> Vec<Floating> {
     let mut free = outline.islands();
     free.retain(|island| {
-        // Nearly always the first point tells.
+        // Nearly always the first point of an island tells whether solid is
+        // below it.
         let mut points = island.rings.first().into_iter().flatten();
         !points.any(|&p| below.grid().contains(p))
     });
@@ -77,14 +78,11 @@ mod tests {
         assert_eq!(on(&beside), [(place(40.0, 8.0), false)]);
         assert!(on(&rect(3.0, 12.0, 8.0, 12.0)).is_empty());
         assert!(on(&rect(-5.0, 50.0, -5.0, 50.0)).is_empty());
-        let several = Area {
-            rings: [
-                rect(7.0, 9.0, 8.0, 9.0).rings,
-                beside.rings,
-                rect(15.0, 19.0, 8.0, 12.0).rings,
-            ]
-            .concat(),
-        };
+        let several = Area::from_iter([
+            rect(7.0, 9.0, 8.0, 9.0),
+            beside,
+            rect(15.0, 19.0, 8.0, 12.0),
+        ]);
         let expected = [
             (place(7.0, 8.0), true),
             (place(40.0, 8.0), false),

@@ -88,7 +88,8 @@ impl End {
         let index = |k: usize| if last { end - k } else { k };
         let at = s.points[index(0)];
         let width = s.width_at(index(0));
-        // From a point farther back, lest a kink at the end give the direction.
+        // The direction is taken from a point farther back, so that a kink at
+        // the end does not decide it.
         let far = (0..n)
             .map(|k| s.points[index(k)])
             .find(|p| p.distance(at) > 0.5 * width);
@@ -102,8 +103,9 @@ impl End {
         })
     }
 
-    /// How much two ends turn from one to the other, and how far they are
-    /// from each other, if they belong together: the less, the better.
+    /// The cost of joining two ends, if they belong together: their turn, and
+    /// their distance in widths. The pairs that cost the least are joined
+    /// first.
     fn cost(&self, other: &End) -> Option<f64> {
         let mean = 0.5 * (self.width + other.width);
         let way = other.at - self.at;
@@ -115,8 +117,7 @@ impl End {
         (near && turn <= TURN).then(|| turn + way.length() / mean)
     }
 
-    /// How much has to be taken from both ends for the way across not to be
-    /// steep.
+    /// Length to take from both ends, so that the way across is not steep.
     fn ramp(&self, other: &End) -> Mm {
         let along = (self.ahead - other.ahead).normalize_or_zero();
         let way = other.at - self.at;
@@ -176,7 +177,7 @@ fn pairs(
     let points = ends.iter().enumerate().map(|(i, e)| (i, (e.at, e.at)));
     let grid = EdgeGrid::of(points, reach);
     let lines = EdgeGrid::of_lines(strokes.iter().map(Stroke::path), widest);
-    // A way across that crosses a stroke would lay twice what they share.
+    // A way across that crosses a stroke would be laid over it.
     let crossed = |from: DVec2, to: DVec2| {
         let mut crossed = false;
         let (from, to) = (from.lerp(to, 0.01), to.lerp(from, 0.01));
@@ -192,7 +193,7 @@ fn pairs(
         near.dedup();
         for &j in near.iter().filter(|&&j| j > i) {
             let other = &ends[j];
-            // A short stroke does not bite its own tail.
+            // A short stroke is not closed to a ring.
             let tail = end.stroke == other.stroke
                 && strokes[end.stroke].length() < 4.0 * end.width;
             if tail {
@@ -210,7 +211,7 @@ fn pairs(
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
     let mut free = vec![true; ends.len()];
     let mut pairs: Vec<(usize, usize)> = Vec::new();
-    // Joints so far, by the ends near to them.
+    // The joint that each end has become part of, if any.
     let mut joints: Vec<Option<DVec2>> = vec![None; ends.len()];
     for (_, i, j) in all {
         let joint = ends[i].at.midpoint(ends[j].at);
@@ -316,7 +317,7 @@ impl Links {
                 stroke,
                 ring: first < rings,
             };
-            // The end at which it goes on.
+            // The end at which the chain goes on.
             let mut last = self.0[first][0].is_none();
             if !last {
                 chain.stroke.reverse();
@@ -380,7 +381,8 @@ fn cross(
         return;
     };
     let w = to.width_at(0);
-    // Beads in the middle of strips have borders on both sides.
+    // Only a way from a bead in the middle of a strip to a wall has a border on
+    // one side.
     let turns_wall = (v - w).abs() > UNLIKE * v.min(w);
     for (at, meant) in across([p, q], [v, w]) {
         let Space { width, out } = room(at);

@@ -63,20 +63,18 @@ impl<'a> RidgeIndex<'a> {
         }
     }
 
-    /// True if no ridge comes near to any edge of a group: those from the
-    /// `k`th point on. A line that is closed returns to its first point.
+    /// True if no ridge comes within `reach` of a group of edges, which begins
+    /// at the `k`th point. A line that is closed returns to its first point.
     fn group_clear(&self, points: &[DVec2], k: usize, reach: Mm) -> bool {
         let all = points.iter().skip(k).take(GROUP + 1);
         let closing = (k + GROUP >= points.len()).then(|| points.first());
-        let mut bounds = Rect::around(all.chain(closing.flatten()));
-        bounds.min -= reach;
-        bounds.max += reach;
-        !self.grid.meets(bounds)
+        let bounds = Rect::around(all.chain(closing.flatten()));
+        !self.grid.meets(bounds.grown(reach))
     }
 
     /// True if no ridge comes closer than `reach` to the segment from `a` to
-    /// `b`. If `count` places are to be looked at on it that are no more than
-    /// a stretch, `found` gets the ridges' segments that do.
+    /// `b`. `found` gets the ridges' segments that do, unless the `count`
+    /// places to be looked at on the segment are more than a stretch.
     fn clear_of(
         &self,
         a: DVec2,
@@ -92,22 +90,23 @@ impl<'a> RidgeIndex<'a> {
         found.is_empty()
     }
 
-    /// Segments with all those that come closer than `reach` to that from `a`
-    /// to `b`, and a few more.
+    /// Finds the ridges' segments that come closer than `reach` to the segment
+    /// from `a` to `b`, and a few that do not.
     fn beside(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
         found.clear();
         let (lo, hi) = (a.min(b) - reach, a.max(b) + reach);
         self.grid.visit_box(lo, hi, |edge| note(edge, found));
     }
 
-    /// The segments that come closer than `reach` to that from `a` to `b`.
+    /// Finds the ridges' segments that come closer than `reach` to the segment
+    /// from `a` to `b`.
     fn around(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
         found.clear();
         self.grid
             .visit_edges_near(a, b, reach, |edge| note(edge, found));
     }
 
-    /// Like [`RidgeIndex::nearest`], among some segments.
+    /// Does what [`RidgeIndex::nearest`] does, but among some segments only.
     pub(super) fn nearest_of(
         &self,
         segments: &[u32],
@@ -208,7 +207,7 @@ pub(super) fn cut(
                 index.clear(a, b, reach)
             } else {
                 // On a short edge the segments that may be near are collected
-                // anyway: each place looks at them.
+                // first, because each place on it looks at all of them.
                 index.beside(a, b, reach, &mut near);
                 near.is_empty()
             };
@@ -257,7 +256,7 @@ pub(super) fn cut(
             }
             continue;
         }
-        // Begin with a point at which a line ends.
+        // The pieces are collected from a point on at which a line ends.
         let n = all.len();
         let end = (0..n).find(|&i| all[(i + n - 1) % n].1 && !all[i].1);
         all.rotate_left(end.unwrap_or(0));
@@ -280,8 +279,8 @@ pub(super) fn cut(
     lines
 }
 
-/// Widens the lines beside slivers: `away` is how far a line is from the
-/// border of the area whose ridges the slivers are.
+/// Widens the lines beside slivers. `away` is the distance of the lines from
+/// the border of the area that has the slivers as its ridges.
 pub(super) fn absorb(
     lines: Vec<Stroke>,
     slivers: &[Ridge],
@@ -317,7 +316,8 @@ fn widen(
             at: p,
             across,
             width,
-            // Only straight inwards, lest the outer side moves.
+            // The line moves straight inwards only: otherwise its outer side
+            // would move as well.
             moves: sliver
                 .map(|(q, t)| 0.25 * t * left.dot((q - p).normalize_or_zero())),
             narrows: sliver.is_some_and(|(_, t)| t < 0.0),
@@ -397,7 +397,7 @@ mod tests {
         let ring = [(0.0, -y), (x, -y), (x, y), (0.0, y)]
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
-        Area { rings: vec![ring] }
+        Area::from(ring)
     }
 
     #[test]

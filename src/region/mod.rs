@@ -40,7 +40,7 @@ mod widen;
 use crate::bead::{Stroke, spacing};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::{Room, offset, offset_within};
-use crate::plane::simplify::simplify;
+use crate::plane::simplify::simplify_area;
 use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
@@ -243,10 +243,8 @@ impl<'a> Skeleton<'a> {
     /// The area shrunk by `distance` and thinned.
     fn shrunk(&self, distance: Mm, tolerance: Mm) -> Area {
         let room = Some(&self.room);
-        thinned(
-            offset_within(&self.solid, room, -distance, tolerance),
-            tolerance,
-        )
+        let shrunk = offset_within(&self.solid, room, -distance, tolerance);
+        simplify_area(&shrunk, tolerance)
     }
 
     /// The ridges where there are fewer beads than the walls have. `nodes` is
@@ -427,7 +425,7 @@ fn laid(
         let places = skeleton.thin_places(&counts, &nodes);
         let mut depth = 0.0;
         for (k, plan) in pair.iter().enumerate() {
-            // The outer wall is seen.
+            // Only the outer wall is seen.
             let outer = lines.is_empty();
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
@@ -482,7 +480,7 @@ fn laid(
             });
             thin.push(beads);
         }
-        // Nobody sees the border of what is filled.
+        // The border of the filled area is not seen, so it may be coarser.
         let left = if next == count {
             settings.accuracy
         } else {
@@ -592,15 +590,7 @@ pub(crate) fn shrink(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     if distance == 0.0 || area.is_empty() {
         return area.clone();
     }
-    thinned(offset(area, -distance, tolerance), tolerance)
-}
-
-/// The area with as few points as the tolerance permits.
-fn thinned(area: Area, tolerance: Mm) -> Area {
-    let rings = area.rings.iter().map(|r| simplify(r, tolerance));
-    Area {
-        rings: rings.filter(|r| !r.is_empty()).collect(),
-    }
+    simplify_area(&offset(area, -distance, tolerance), tolerance)
 }
 
 /// Content of the outline less that of the beads' bands and the fill.
@@ -649,13 +639,11 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, settings: &Settings) -> Mm2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{PI, TAU};
+    use crate::plane::shapes;
+    use std::f64::consts::PI;
 
     fn disc(r: f64) -> Area {
-        let ring = (0..2000)
-            .map(|i| DVec2::from_angle(TAU * f64::from(i) / 2000.0) * r)
-            .collect();
-        Area { rings: vec![ring] }
+        shapes::disc(r, 2000)
     }
 
     #[test]
@@ -699,7 +687,7 @@ mod tests {
             let ring = [(0.0, 0.0), (50.0, 0.0), (50.0, width), (0.0, width)]
                 .map(|(x, y)| DVec2::new(x, y))
                 .to_vec();
-            walls(&Area { rings: vec![ring] }, None, 0.2, &Settings::default())
+            walls(&Area::from(ring), None, 0.2, &Settings::default())
         };
         for i in 0..40 {
             let width = 0.3 + 0.04 * f64::from(i);

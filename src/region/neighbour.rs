@@ -13,16 +13,14 @@
 //! they in many rings or in one.
 
 use crate::plane::clip::{crop, difference};
-use crate::plane::{Area, Rect, Ring};
+use crate::plane::{Area, BoxTree, Rect, Ring};
 use crate::units::Mm;
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
 
 /// A neighbouring layer's solid, its rings sorted by place.
 #[derive(Debug)]
 pub(crate) struct Neighbour<'a> {
     area: &'a Area,
-    boxes: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
+    boxes: BoxTree,
     /// The runs of each ring.
     runs: Vec<Runs>,
 }
@@ -45,15 +43,13 @@ impl<'a> Neighbour<'a> {
     /// Sorts a layer's rings.
     pub(crate) fn new(area: &'a Area) -> Neighbour<'a> {
         let runs: Vec<Runs> = area.rings.iter().map(Runs::new).collect();
-        let boxes = runs.iter().enumerate().filter_map(|(i, runs)| {
-            let b = runs.all()?;
-            let corners = (b.min.to_array(), b.max.to_array());
-            let r = Rectangle::from_corners(corners.0, corners.1);
-            Some(GeomWithData::new(r, i))
-        });
+        let boxes = runs
+            .iter()
+            .enumerate()
+            .filter_map(|(i, runs)| Some((i, runs.all()?)));
         Neighbour {
             area,
-            boxes: RTree::bulk_load(boxes.collect()),
+            boxes: BoxTree::new(boxes),
             runs,
         }
     }
@@ -69,10 +65,7 @@ impl<'a> Neighbour<'a> {
 
     /// What the layer has in a box.
     pub(crate) fn within(&self, bounds: Rect) -> Area {
-        let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
-        let frame = AABB::from_corners(min, max);
-        let found = self.boxes.locate_in_envelope_intersecting(&frame);
-        let mut numbers: Vec<usize> = found.map(|g| g.data).collect();
+        let mut numbers: Vec<usize> = self.boxes.meeting(bounds).collect();
         numbers.sort_unstable();
         let rings = numbers.into_iter().map(|i| {
             let mut kept = Ring::new();
@@ -114,8 +107,9 @@ impl Runs {
         self.levels.last()?.first().copied()
     }
 
-    /// The ring's points, of runs away from `bounds` the first only: such a
-    /// run is beyond one of its sides, and so is the straight way to the next.
+    /// Adds the ring's points to `kept`, but only the first point of each run
+    /// away from `bounds`. Such a run lies beyond one side of the box, and so
+    /// does the straight way to the next run.
     fn near(&self, ring: &Ring, bounds: Rect, kept: &mut Ring) {
         let mut pending = vec![(self.levels.len() - 1, 0)];
         while let Some((level, k)) = pending.pop() {
@@ -159,14 +153,12 @@ mod tests {
     fn what_is_near_tells_what_is_covered() {
         let mut hole = flower(DVec2::ZERO, 8.0, 777);
         hole.reverse();
-        let layer = Area {
-            rings: vec![
-                flower(DVec2::ZERO, 20.0, 5000),
-                hole,
-                flower(DVec2::new(40.0, 3.0), 3.0, 30),
-                flower(DVec2::new(60.0, 3.0), 3.0, 3),
-            ],
-        };
+        let layer = Area::from_iter([
+            flower(DVec2::ZERO, 20.0, 5000),
+            hole,
+            flower(DVec2::new(40.0, 3.0), 3.0, 30),
+            flower(DVec2::new(60.0, 3.0), 3.0, 3),
+        ]);
         let neighbour = Neighbour::new(&layer);
         let mut partly = 0;
         for i in 0..400 {
@@ -197,7 +189,7 @@ mod tests {
             ring.extend(tooth.map(|(x, y)| DVec2::new(x, y)));
         }
         ring.push(DVec2::new(0.0, -2.0));
-        let layer = Area { rings: vec![ring] };
+        let layer = Area::from(ring);
         let runs = Runs::new(&layer.rings[0]);
         let neighbour = Neighbour::new(&layer);
         for i in [0, 1, 500, 777, 999] {

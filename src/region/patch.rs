@@ -192,6 +192,7 @@ fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::shapes::disc;
     use crate::settings::Settings;
 
     fn strip(thickness: f64) -> Patch {
@@ -199,19 +200,13 @@ mod tests {
             .map(|(x, y)| DVec2::new(x, y * thickness))
             .to_vec();
         let plan = Lay::inside(0.45, 0.2, &Settings::default());
-        patch(&Area { rings: vec![ring] }, plan, 0.01)
+        patch(&Area::from(ring), plan, 0.01)
     }
 
     #[test]
     fn rings_fill_a_disc() {
-        let ring = (0..400)
-            .map(|i| {
-                let turn = std::f64::consts::TAU * f64::from(i) / 400.0;
-                DVec2::from_angle(turn) * 5.0
-            })
-            .collect();
         let plan = Lay::inside(0.45, 0.2, &Settings::default());
-        let area = Area { rings: vec![ring] };
+        let area = disc(5.0, 400);
         let rings = concentric(&area, plan, 0.01);
         let space = 2.0 * plan.centre;
         let filled: f64 = rings
@@ -228,7 +223,7 @@ mod tests {
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
         let plan = Lay::inside(0.45, 0.2, &Settings::default());
-        let alone = Area { rings: vec![hole] };
+        let alone = Area::from(hole);
         assert!(concentric(&alone, plan, 0.01).len() < 9);
     }
 

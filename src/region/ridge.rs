@@ -227,11 +227,10 @@ impl Ridge {
 mod tests {
     use super::*;
     use crate::plane::Area;
-    use std::f64::consts::TAU;
+    use crate::plane::shapes::{self, circle};
 
     fn area(points: &[(f64, f64)]) -> Area {
-        let ring = points.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
-        Area { rings: vec![ring] }
+        Area::from(shapes::ring(points))
     }
 
     fn ridges_of(area: &Area, limit: f64) -> Vec<Ridge> {
@@ -272,16 +271,10 @@ mod tests {
 
     #[test]
     fn a_thin_ring_has_a_closed_ridge() {
-        let circle = |r: f64| -> Vec<DVec2> {
-            (0..400)
-                .map(|i| DVec2::from_angle(TAU * f64::from(i) / 400.0) * r)
-                .collect()
-        };
+        let circle = |r: f64| circle(r, 400);
         let mut hole = circle(4.4);
         hole.reverse();
-        let ring = Area {
-            rings: vec![circle(5.0), hole],
-        };
+        let ring = Area::from_iter([circle(5.0), hole]);
         let found = ridges_of(&ring, 0.8);
         assert_eq!(found.len(), 1);
         assert!(found[0].closed);
@@ -306,14 +299,12 @@ mod tests {
             hole.reverse();
             [ring(1.5), hole]
         };
-        let area = Area {
-            rings: (0..2500)
-                .flat_map(|i| {
-                    let (x, y) = (f64::from(i % 50), f64::from(i / 50));
-                    frame(4.0 * x, 4.0 * y)
-                })
-                .collect(),
-        };
+        let area: Area = (0..2500)
+            .flat_map(|i| {
+                let (x, y) = (f64::from(i % 50), f64::from(i / 50));
+                frame(4.0 * x, 4.0 * y)
+            })
+            .collect();
         let alone = Area {
             rings: frame(0.0, 0.0).to_vec(),
         };

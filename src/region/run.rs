@@ -24,14 +24,15 @@ pub(super) fn split_runs(
     let follows = |i: usize| {
         let (a, b) = (&balls[i % n], &balls[(i + 1) % n]);
         match (a, b) {
-            // Close together, they have turned with the border.
+            // Balls that are close together have only turned with the border.
             (Some(a), Some(b)) => {
                 a.near(b) && (a.close(b) || a.leads_to(b, grid))
             }
             _ => false,
         }
     };
-    // Begin behind a break; without one the run is closed.
+    // The runs are cut from a break on. If there is no break, the run is
+    // closed.
     let Some(start) = (0..n).find(|&i| !follows(i)) else {
         let all: Vec<Ball> = balls.iter().copied().flatten().collect();
         if !all.is_empty() {

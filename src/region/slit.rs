@@ -9,9 +9,9 @@
 //!
 //! In: an outline. Out: the outline with its slits filled, or nothing if there
 //! are none, as on most layers. Edges face each other if they are parallel to
-//! within 30°: a notch that opens wider is a notch, however narrow its end
-//! is. On an island with slits, holes that are no wider than a slit are filled
-//! as well: where two slits cross, or where the edges of one touch.
+//! within 30°. A notch that opens wider than that is no slit, however narrow
+//! its end is. On an island with slits, holes that are no wider than a slit are
+//! filled as well: where two slits cross, or where the edges of one touch.
 //!
 //! Guarantee: whatever is filled lies between edges that are nearer to each
 //! other than the limit, or is a hole that is hardly wider, lest a slit as wide
@@ -22,7 +22,7 @@ use super::cover::{Covered, Islands};
 use crate::plane::clip::{union, unite};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
-use crate::plane::simplify::simplify;
+use crate::plane::simplify::simplify_area;
 use crate::plane::{Area, Ring, Solid, edges, path_length, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
@@ -70,7 +70,8 @@ pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
             grid.visit_edges_near(a + out, b + out, reach, |edge| {
                 let (c, d) = grid.edge(edge);
                 let v = d - c;
-                // Each pair once; in a notch's corner neighbours may face.
+                // Each pair of edges is found once. The two may be neighbours,
+                // in the corner of a notch.
                 if edge > number
                     && v.dot(along) < FACING * v.length()
                     && !facing.contains(&edge)
@@ -126,9 +127,7 @@ fn without_notches(
         let is_notch = opens && bounds.min.distance(bounds.max) < longest;
         (!is_notch).then_some(slit.rings)
     });
-    let joined = Area {
-        rings: rings.flatten().collect(),
-    };
+    let joined: Area = rings.flatten().collect();
     let joined = Solid::of(&joined, width);
     slits.rings.retain(|ring| {
         ring.first().is_some_and(|&p| joined.grid().contains(p))
@@ -145,7 +144,8 @@ fn between(
     width: Mm,
     margin: Mm,
 ) -> Option<(Ring, bool)> {
-    // Along the slit, as the first edge runs, and across it, to the second.
+    // `u` leads along the slit in the direction of the first edge, `v` across
+    // it to the second edge.
     let u = ((b - a).normalize_or_zero() - (d - c).normalize_or_zero())
         .try_normalize()?;
     let v = -u.perp();
@@ -208,10 +208,7 @@ pub(crate) fn filled(
     all.rings.retain(|ring| {
         signed_area(ring) > 0.0 || !narrow(ring, width, tolerance)
     });
-    for ring in &mut all.rings {
-        *ring = simplify(ring, TIDY * tolerance);
-    }
-    all.rings.retain(|r| !r.is_empty());
+    all = simplify_area(&all, TIDY * tolerance);
     all.rings.extend(left.rings);
     all
 }
@@ -219,14 +216,13 @@ pub(crate) fn filled(
 /// True if a hole is nowhere wider than a slit, or hardly.
 fn narrow(hole: &[DVec2], width: Mm, tolerance: Mm) -> bool {
     let width = width + HARDLY * tolerance;
-    // What is that narrow has no more content than a strip half as long as its
-    // border; most holes have more.
+    // A hole as narrow as a slit has no more content than a strip of the slit's
+    // width, half as long as the hole's border. Most holes have more.
     if signed_area(hole).abs() > 0.5 * width * path_length(hole, true) {
         return false;
     }
-    let inside = Area {
-        rings: vec![hole.iter().rev().copied().collect()],
-    };
+    let inside: Ring = hole.iter().rev().copied().collect();
+    let inside = Area::from(inside);
     offset(&inside, -0.5 * width, tolerance).is_empty()
 }
 
@@ -234,6 +230,7 @@ fn narrow(hole: &[DVec2], width: Mm, tolerance: Mm) -> bool {
 mod tests {
     use super::*;
     use crate::plane::rect;
+    use crate::plane::shapes::{self, moved, turned};
     use std::f64::consts::TAU;
 
     const WIDTH: Mm = 0.1;
@@ -250,25 +247,12 @@ mod tests {
     }
 
     fn all(areas: impl IntoIterator<Item = Area>) -> Area {
-        Area {
-            rings: areas.into_iter().flat_map(|a| a.rings).collect(),
-        }
-    }
-
-    fn turned(area: &Area, angle: f64) -> Area {
-        let turn = DVec2::from_angle(angle);
-        let ring = |r: &Ring| r.iter().map(|p| p.rotate(turn)).collect();
-        Area {
-            rings: area.rings.iter().map(ring).collect(),
-        }
+        areas.into_iter().collect()
     }
 
     fn circle(x: f64, radius: f64) -> Ring {
         let count = (TAU * radius / 0.02).ceil();
-        (0..count as u32)
-            .map(|i| DVec2::from_angle(TAU * f64::from(i) / count) * radius)
-            .map(|p| p + DVec2::new(x, 0.0))
-            .collect()
+        moved(shapes::circle(radius, count as usize), x, 0.0)
     }
 
     fn hole(mut area: Area) -> Area {
@@ -324,23 +308,21 @@ mod tests {
         let notch = {
             let at = |x: f64, y: f64| DVec2::new(x, y);
             let open = (0.5 * 20.0_f64.to_radians()).tan() * 3.0;
-            Area {
-                rings: vec![vec![
-                    at(-3.0, -3.0),
-                    at(3.0, -3.0),
-                    at(3.0, -open),
-                    at(0.0, 0.0),
-                    at(3.0, open),
-                    at(3.0, 3.0),
-                    at(-3.0, 3.0),
-                ]],
-            }
+            Area::from(vec![
+                at(-3.0, -3.0),
+                at(3.0, -3.0),
+                at(3.0, -open),
+                at(0.0, 0.0),
+                at(3.0, open),
+                at(3.0, 3.0),
+                at(-3.0, 3.0),
+            ])
         };
         let areas = [
             wide(0.1001),
             wide(0.3),
             notch,
-            Area { rings: vec![star] },
+            Area::from(star),
             all([rect(0.0, 0.0, 9.0, 9.0), hole(rect(2.0, 2.0, 7.0, 7.0))]),
             all([rect(0.0, 0.0, 9.0, 9.0), hole(rect(0.02, 0.02, 8.9, 8.9))]),
             rect(0.0, 0.0, 0.05, 9.0),
@@ -360,9 +342,7 @@ mod tests {
             vec![at(0.0, -2.0), at(6.0, -2.0), at(6.0, -0.15), at(0.0, 0.0)];
         let upper =
             vec![at(0.0, 0.0), at(6.0, 0.15), at(6.0, 2.0), at(0.0, 2.0)];
-        let got = closed(&Area {
-            rings: vec![lower, upper],
-        });
+        let got = closed(&Area::from_iter([lower, upper]));
         assert_eq!(got.rings.len(), 1);
         let exact = 24.0 - 0.5 * 0.3 * 6.0 + 0.5 * 0.1 * 2.0;
         assert!((got.content() - exact).abs() < 1e-3, "{}", got.content());
@@ -373,12 +353,10 @@ mod tests {
     fn discs_join_by_a_neck_as_long_as_the_gap_is_narrow() {
         for radius in [1.0, 4.0] {
             let gap = 0.02;
-            let both = Area {
-                rings: vec![
-                    circle(-radius - 0.5 * gap, radius),
-                    circle(radius + 0.5 * gap, radius),
-                ],
-            };
+            let both = Area::from_iter([
+                circle(-radius - 0.5 * gap, radius),
+                circle(radius + 0.5 * gap, radius),
+            ]);
             let got = closed(&both);
             assert_eq!(got.rings.len(), 1);
             // Half the neck: up to where the gap is 0.1 mm, or opens by 30°.
@@ -393,13 +371,11 @@ mod tests {
     #[test]
     fn a_pin_fuses_with_its_sleeve() {
         for gap in [0.005, 0.05, 0.099] {
-            let area = Area {
-                rings: vec![
-                    circle(0.0, 3.0),
-                    circle(0.0, 3.0 + gap).into_iter().rev().collect(),
-                    circle(0.0, 6.0),
-                ],
-            };
+            let area = Area::from_iter([
+                circle(0.0, 3.0),
+                circle(0.0, 3.0 + gap).into_iter().rev().collect(),
+                circle(0.0, 6.0),
+            ]);
             let got = closed(&area);
             assert_eq!(got.rings.len(), 1, "{gap}");
             let exact = signed_area(&circle(0.0, 6.0));
@@ -420,9 +396,7 @@ mod tests {
             assert!((got.content() - 100.0).abs() < 1e-3);
         }
         // A keyhole keeps its round end.
-        let hole = Area {
-            rings: vec![circle(0.0, 0.5)],
-        };
+        let hole = Area::from(circle(0.0, 0.5));
         let key = union(&hole, &slot(0.0, -0.04, 9.0, 0.04));
         let got = closed(&crate::plane::clip::difference(&block, &key));
         assert_eq!(got.rings.len(), 2);

@@ -1,8 +1,8 @@
 //! How many beads lie side by side along a ridge.
 //!
-//! The thickness along a ridge decides: nothing fits up to the first bound,
-//! one bead up to the second, then two walls, two walls with a bead between
-//! them, and so on. In: a ridge. Out: its parts, each with its number of
+//! The thickness along a ridge decides: nothing fits up to the first bound, one
+//! bead up to the second, then two walls, two walls with a bead between them,
+//! and so on. In: a ridge. Out: the parts of the ridge, each with its number of
 //! beads.
 //!
 //! A thickness that wavers around a bound would chop beads and walls into
@@ -317,7 +317,7 @@ mod tests {
             let parts = wavers(middle, by);
             assert_eq!(parts.len(), 1, "{middle}: {:?}", numbers(&parts));
         }
-        // No number of beads fits all of this.
+        // No number of beads fits all of this ridge.
         assert!(wavers(1.0, 0.6).len() > 8);
     }
 

@@ -237,7 +237,7 @@ fn thickness(ring: &[DVec2]) -> Mm {
 /// that may be as narrow as `least`.
 fn is_post(ring: &[DVec2], lay: Lay, least: Mm) -> bool {
     let bounds = Rect::around(ring);
-    let size = (bounds.max - bounds.min).max_element();
+    let size = bounds.size().max_element();
     size < 2.0 * lay.limit && (least..=lay.limit).contains(&thickness(ring))
 }
 
@@ -271,9 +271,7 @@ pub(super) fn fill_posts(
     lines.retain(|line| ring_of(line).is_none_or(|ring| !post[ring]));
     for (ring, _) in rings.iter().zip(&post).filter(|(_, p)| **p) {
         let width = (0.5 * thickness(ring)).max(least);
-        let one = Area {
-            rings: vec![ring.clone()],
-        };
+        let one = Area::from(ring.clone());
         let rings = shrink(&one, 0.5 * width, tolerance).rings;
         lines.extend(
             rings

@@ -86,8 +86,8 @@ pub(super) fn across(line: &Stroke, k: usize) -> DVec2 {
     along.perp().normalize_or_zero() / cos.max(1.0 / MITRE)
 }
 
-/// The line with each place where it has to be, thinned to `tolerance`; nothing
-/// if none moves. `slope` is the greatest change of its width along the way.
+/// The line with all places moved, thinned to `tolerance`; nothing if no place
+/// moves. `slope` is the greatest change of its width along the way.
 pub(super) fn widened(
     mut places: Vec<Station>,
     closed: bool,
@@ -100,7 +100,7 @@ pub(super) fn widened(
     bridge_gaps(&mut places);
     unfold(&mut places, closed);
     taper(&mut places, closed, slope);
-    // Thinned as ridges are: the width is a third coordinate.
+    // The line is thinned as a ridge is, with its width as a third coordinate.
     let mut ridge = Ridge {
         points: places.iter().map(Station::moved).collect(),
         thickness: places.iter().map(Station::widened).collect(),
@@ -120,8 +120,8 @@ pub(super) fn widened(
     Some(thin.stroke(0.0))
 }
 
-/// Moves what lies in a short gap between two places that move to the same
-/// side: the line has no room to come back there.
+/// Moves the places in a short gap between two places that move to the same
+/// side: in such a gap the line has no room to come back.
 fn bridge_gaps(places: &mut [Station]) {
     let mut last: Option<usize> = None;
     for k in 0..places.len() {
@@ -144,8 +144,8 @@ fn bridge_gaps(places: &mut [Station]) {
     }
 }
 
-/// Lets places move less that would pass each other: around a corner they move
-/// towards each other.
+/// Reduces the moves of neighbouring places that would pass each other, as
+/// around a corner, where places move towards each other.
 fn unfold(places: &mut [Station], closed: bool) {
     let n = places.len();
     let ways = if closed { n } else { n.saturating_sub(1) };

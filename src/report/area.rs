@@ -138,10 +138,7 @@ mod tests {
         let (x, y, z) = (Tree::x(), Tree::y(), Tree::z());
         let f = (x.clone() * x + y.clone() * y + z.clone() * z).sqrt() - 5.0;
         let probe = Probe::new(&f).unwrap();
-        let frame = Rect {
-            min: DVec2::splat(-5.0),
-            max: DVec2::splat(5.0),
-        };
+        let frame = Rect::new(DVec2::splat(-5.0), DVec2::splat(5.0));
         let (area, error) = content(&probe, frame, 3.0, 400, 0.1).unwrap();
         assert!((area - PI * 16.0).abs() < error, "{area} ± {error}");
         assert!(error < 0.003 * area, "{error}");

@@ -300,6 +300,7 @@ fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::shapes::{circle, moved};
     use crate::region;
     use fidget::context::Tree;
 
@@ -311,9 +312,7 @@ mod tests {
 
     /// A ring of 720 points, whose chords are within 0.05 µm of the circle.
     fn ring(centre: DVec2, radius: Mm) -> Area {
-        let at = |k: i32| DVec2::from_angle(f64::from(k).to_radians() * 0.5);
-        let ring = (0..720).map(|k| centre + radius * at(k)).collect();
-        Area { rings: vec![ring] }
+        Area::from(moved(circle(radius, 720), centre.x, centre.y))
     }
 
     fn figures(outline: &Area, walls: &Walls, effort: Effort) -> LayerFigures {
@@ -334,10 +333,7 @@ mod tests {
             printed: &Solid::of(&outline.area, 1.0),
             walls,
         };
-        let frame = Rect {
-            min: DVec2::splat(-6.0),
-            max: DVec2::splat(6.0),
-        };
+        let frame = Rect::new(DVec2::splat(-6.0), DVec2::splat(6.0));
         measure(parts, &disc(), frame, effort, &settings).unwrap()
     }
 

@@ -23,7 +23,6 @@ pub(crate) use spread::Spread;
 
 use crate::heights::Steps;
 use crate::model::{Model, Probe, ProbeError};
-use crate::plane::Rect;
 use crate::settings::{Settings, WallOffset};
 use crate::timings::Timings;
 use crate::units::{Mm, Mm2, Mm3, Seconds};
@@ -95,10 +94,7 @@ impl<'a> Gauge<'a> {
         k: usize,
     ) -> Result<Option<LayerFigures>, ReportError> {
         let bounds = &self.model.bounds;
-        let frame = Rect {
-            min: bounds.min.truncate(),
-            max: bounds.max.truncate(),
-        };
+        let frame = bounds.from_above();
         let among = |chosen: usize| {
             let every = self.count.div_ceil(chosen).max(1);
             k % every == every / 2

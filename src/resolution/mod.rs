@@ -170,6 +170,7 @@ fn linear(
 mod tests {
     use super::*;
     use crate::plane::grid::nearest_on;
+    use crate::plane::shapes::circle;
 
     fn off(from: &[DVec2], to: &Stroke) -> Mm {
         let distance = |p: &DVec2| {
@@ -228,13 +229,7 @@ mod tests {
     #[test]
     fn closed_strokes_stay_closed_and_nothing_vanishes() {
         let settings = Settings::default();
-        let ring: Vec<DVec2> = (0..400)
-            .map(|i| {
-                3.0 * DVec2::from_angle(
-                    0.5 * std::f64::consts::PI / 100.0 * i as f64,
-                )
-            })
-            .collect();
+        let ring = circle(3.0, 400);
         let mut stroke = Stroke::new(ring.clone(), true, 0.45);
         thin(&mut stroke, Role::InnerWall, &settings);
         assert!(stroke.closed && stroke.points.len() < 30);

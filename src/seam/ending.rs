@@ -264,9 +264,7 @@ mod tests {
     }
 
     fn ended(bead: Bead, settings: &Settings) -> Ended {
-        let area = Area {
-            rings: vec![square_ring(10.0)],
-        };
+        let area = Area::from(square_ring(10.0));
         let grid = EdgeGrid::new(&area, 1.0);
         endings(vec![bead], &grid, false, settings).remove(0)
     }
@@ -384,25 +382,21 @@ mod tests {
         // Around a hole the part is outside.
         let mut hole = wall(2.0);
         hole.points.reverse();
-        let area = Area {
-            rings: vec![square_ring(10.0), {
-                let mut ring = square_ring(1.775);
-                ring.reverse();
-                ring
-            }],
-        };
+        let area = Area::from_iter([square_ring(10.0), {
+            let mut ring = square_ring(1.775);
+            ring.reverse();
+            ring
+        }]);
         let grid = EdgeGrid::new(&area, 1.0);
         let own = endings(vec![hole], &grid, false, &settings(0.0, 0.0, 0.3));
         let wipe = own[0].wipe.unwrap();
         assert!(wipe.abs().min_element() > 2.2, "{wipe}");
         // A place that is too thin for a wipe gets no wipe.
-        let thin = Area {
-            rings: vec![square_ring(9.775 + 0.2), {
-                let mut ring = square_ring(9.775 - 0.2);
-                ring.reverse();
-                ring
-            }],
-        };
+        let thin = Area::from_iter([square_ring(9.775 + 0.2), {
+            let mut ring = square_ring(9.775 - 0.2);
+            ring.reverse();
+            ring
+        }]);
         let grid = EdgeGrid::new(&thin, 1.0);
         let settings = settings(0.0, 0.0, 0.8);
         let mut begun = wall(9.775);

@@ -29,6 +29,7 @@ use crate::bead::{Bead, Role};
 use crate::model::Place;
 use crate::plane::grid::{EdgeGrid, nearest_on};
 use crate::plane::path_length;
+use crate::random::{mix, share};
 use crate::settings::{SeamRule, Settings, Varying};
 use crate::units::Mm;
 use crate::vary::{Quantity, Surroundings, VaryError};
@@ -202,15 +203,7 @@ fn behind(ring: &[DVec2]) -> Option<DVec2> {
 
 /// A point that depends on the numbers of layer and wall only.
 fn random(ring: &[DVec2], [layer, number]: [usize; 2]) -> Option<DVec2> {
-    // SplitMix64 (Steele, Lea and Flood 2014), twice.
-    let mix = |seed: u64| {
-        let z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    let hash = mix(mix(layer as u64) ^ number as u64);
-    let share = (hash >> 11) as f64 / (1_u64 << 53) as f64;
+    let share = share(mix(mix(layer as u64) ^ number as u64));
     along(ring, share * path_length(ring, true))
 }
 

@@ -34,6 +34,9 @@ pub(crate) struct Firmware {
     pub forgets_place: bool,
     /// True if the label of a part names the part's outline.
     pub outlines_parts: bool,
+    /// True if it compares the printer's model and nozzle with those that a
+    /// file names (M862).
+    pub asks_printer: bool,
     /// The line that selects the extruder, for firmware that starts with none
     /// selected: temperatures are for the selected one.
     pub select_tool: Option<&'static str>,
@@ -77,6 +80,7 @@ const MARLIN: Firmware = Firmware {
     shows_progress: true,
     forgets_place: true,
     outlines_parts: false,
+    asks_printer: false,
     select_tool: None,
     cura_name: "Marlin",
 };
@@ -98,6 +102,7 @@ const KLIPPER: Firmware = Firmware {
     shows_progress: false,
     forgets_place: false,
     outlines_parts: true,
+    asks_printer: false,
     select_tool: None,
     cura_name: "Marlin",
 };
@@ -114,6 +119,7 @@ const RRF: Firmware = Firmware {
     shows_progress: false,
     forgets_place: false,
     outlines_parts: false,
+    asks_printer: false,
     select_tool: Some("T0"),
     cura_name: "RepRap",
 };
@@ -131,6 +137,7 @@ const PRUSA: Firmware = Firmware {
     shows_progress: true,
     forgets_place: true,
     outlines_parts: false,
+    asks_printer: true,
     select_tool: None,
     cura_name: "Marlin",
 };
@@ -147,6 +154,7 @@ const BAMBU: Firmware = Firmware {
     shows_progress: true,
     forgets_place: true,
     outlines_parts: false,
+    asks_printer: false,
     select_tool: None,
     cura_name: "Marlin",
 };

@@ -333,7 +333,7 @@ table::settings! {
         /// support, from middle to middle; auto is by interface_density.
         interface_spacing: Option<Mm> = None, in 0.1..=20.0;
         /// Pattern of the dense layers at the top of a support.
-        interface_pattern: InterfacePattern = InterfacePattern::Lines;
+        interface_pattern: SkinPattern = SkinPattern::Lines;
         /// Direction of the lines of the dense layers at the top of a support,
         /// on even layers, counter-clockwise from the x axis; odd layers are
         /// turned by a right angle. auto is infill_angle.

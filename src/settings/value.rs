@@ -376,12 +376,12 @@ impl Value for String {
 
 /// Declares a setting's type that is one of a few words.
 macro_rules! words {
-    (
+    ($(
         $(#[doc = $doc:literal])+
         $name:ident {
             $($(#[doc = $variant_doc:literal])+ $variant:ident = $word:literal,)+
         }
-    ) => {
+    )+) => {$(
         $(#[doc = $doc])+
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum $name {
@@ -428,7 +428,7 @@ macro_rules! words {
                 $crate::settings::value::Kind::Word(&[$($word),+])
             }
         }
-    };
+    )+};
 }
 pub(super) use words;
 

@@ -16,9 +16,7 @@ value::words! {
         /// Bambu Lab's firmware.
         Bambu = "bambu",
     }
-}
 
-value::words! {
     /// The order in which the parts of a plate are printed.
     PlateSequence {
         /// All grow together, layer by layer.
@@ -26,9 +24,7 @@ value::words! {
         /// Each is finished before the next one begins.
         OneByOne = "one-by-one",
     }
-}
 
-value::words! {
     /// How high layers are.
     LayerHeights {
         /// All layers above the first are alike.
@@ -36,9 +32,7 @@ value::words! {
         /// As high as the steps on the surface allow.
         Adaptive = "adaptive",
     }
-}
 
-value::words! {
     /// The slicer whose words comments use.
     Comments {
         /// PrusaSlicer's, which most viewers and hosts know.
@@ -52,9 +46,7 @@ value::words! {
         /// No comments but the file's first line and its pictures.
         None = "none",
     }
-}
 
-value::words! {
     /// Whether some lines are written.
     Emit {
         /// If it suits the firmware.
@@ -64,9 +56,7 @@ value::words! {
         /// Never.
         Off = "off",
     }
-}
 
-value::words! {
     /// Order in which the walls of an island are printed.
     WallOrder {
         /// Inner walls first: the outer one has something to lean on.
@@ -74,9 +64,7 @@ value::words! {
         /// Outer wall first: its place does not depend on the others.
         OuterFirst = "outer-first",
     }
-}
 
-value::words! {
     /// Where a brim is.
     BrimPlace {
         /// Nowhere.
@@ -90,9 +78,7 @@ value::words! {
         /// At the part's sharp corners only.
         Ears = "ears",
     }
-}
 
-value::words! {
     /// How walls are offset.
     WallOffset {
         /// By distance in the layer's plane.
@@ -100,9 +86,7 @@ value::words! {
         /// By the field's own value.
         Field = "field",
     }
-}
 
-value::words! {
     /// Where closed walls begin and end.
     SeamRule {
         /// In one line up the part, in a corner where there is one.
@@ -114,9 +98,7 @@ value::words! {
         /// At a random place, which differs from layer to layer.
         Random = "random",
     }
-}
 
-value::words! {
     /// Where travels go round what is in their way.
     Combing {
         /// Nowhere: travels are straight.
@@ -128,9 +110,7 @@ value::words! {
         /// Only where all of the way is over sparse infill.
         WithinInfill = "within-infill",
     }
-}
 
-value::words! {
     /// What hides the ooze of travels.
     Hidden {
         /// Sparse infill in layers that have much of it, the part and its
@@ -141,9 +121,7 @@ value::words! {
         /// Whatever is inside the part and not a top skin.
         Covered = "covered",
     }
-}
 
-value::words! {
     /// Which retracted travels are lifted.
     HopWhen {
         /// All retracted travels.
@@ -151,19 +129,15 @@ value::words! {
         /// Travels out of the part, over walls or over top skins.
         Crossing = "crossing",
     }
-}
 
-value::words! {
-    /// Pattern of skin.
+    /// Pattern of skin, and of the dense layers of supports.
     SkinPattern {
         /// Parallel lines, turned by a right angle every layer.
         Lines = "lines",
         /// Rings inside one another, from the border inwards.
         Concentric = "concentric",
     }
-}
 
-value::words! {
     /// Where a part is solid.
     SkinWhere {
         /// At every face that a layer above or below does not cover.
@@ -171,9 +145,7 @@ value::words! {
         /// In its lowest and highest layers.
         Ends = "ends",
     }
-}
 
-value::words! {
     /// Whether supports are printed.
     Supports {
         /// None.
@@ -183,9 +155,7 @@ value::words! {
         /// Only those that stand on the bed.
         Plate = "plate",
     }
-}
 
-value::words! {
     /// What supports look like below their tops.
     SupportStyle {
         /// Columns under flat faces that are wide and too low for branches to
@@ -198,19 +168,7 @@ value::words! {
         /// Straight columns, no wider than what they hold.
         Snug = "snug",
     }
-}
 
-value::words! {
-    /// Pattern of the dense layers of supports.
-    InterfacePattern {
-        /// Parallel lines, turned by a right angle every layer.
-        Lines = "lines",
-        /// Rings inside one another, from the border inwards.
-        Concentric = "concentric",
-    }
-}
-
-value::words! {
     /// Order of a skin's lines.
     SkinOrder {
         /// Lines are swept one way. No line is printed between two older ones,
@@ -219,9 +177,7 @@ value::words! {
         /// Nearest first.
         Nearest = "nearest",
     }
-}
 
-value::words! {
     /// Pattern of the sparse infill.
     InfillPattern {
         /// Parallel lines, turned by a right angle every layer.
@@ -247,9 +203,7 @@ value::words! {
         /// The lidinoid.
         Lidinoid = "lidinoid",
     }
-}
 
-value::words! {
     /// What an expression of infill is.
     InfillMode {
         /// A surface to lay beads on, where the expression is zero.
@@ -257,9 +211,7 @@ value::words! {
         /// A solid, with walls of its own, where the expression is negative.
         Solid = "solid",
     }
-}
 
-value::words! {
     /// What infill is laid out from.
     InfillCentre {
         /// The middle of the part.

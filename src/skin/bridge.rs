@@ -25,13 +25,11 @@ use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, Segment, hatch};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
-use crate::plane::{Area, Ring, edges, point_beside, signed_area};
+use crate::plane::{Area, BoxTree, Ring, edges, point_beside, signed_area};
 use crate::region::neighbour::Neighbour;
 use crate::settings::Settings;
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{RTree, RTreeObject};
 use std::collections::BTreeSet;
 
 /// A part of a fill whose lines hang between supports.
@@ -101,9 +99,7 @@ pub(super) fn shared(area: &Area, takers: &[Area]) -> (Vec<Area>, Area) {
     let mut left = area.clone();
     for set in apart(takers) {
         let rings = set.iter().flat_map(|&i| takers[i].rings.iter().cloned());
-        let reached = Area {
-            rings: rings.collect(),
-        };
+        let reached: Area = rings.collect();
         let nest = Nest::new(set.iter().filter_map(|&i| outer(&takers[i])));
         for part in intersection(&left, &reached).islands() {
             let p = part.rings.first().and_then(|r| point_beside(r));
@@ -121,26 +117,19 @@ pub(super) fn shared(area: &Area, takers: &[Area]) -> (Vec<Area>, Area) {
 /// set.
 fn apart(areas: &[Area]) -> Vec<Vec<usize>> {
     let filled = (0..areas.len()).filter(|&i| !areas[i].is_empty());
-    let boxes = filled.map(|i| {
-        let b = areas[i].bounds();
-        let corners = (b.min.to_array(), b.max.to_array());
-        let r = Rectangle::from_corners(corners.0, corners.1);
-        GeomWithData::new(r, i)
-    });
-    let boxes: Vec<_> = boxes.collect();
-    let tree = RTree::bulk_load(boxes.clone());
+    let boxes: Vec<_> = filled.map(|i| (i, areas[i].bounds())).collect();
+    let tree = BoxTree::new(boxes.iter().copied());
     let mut set_of: Vec<Option<usize>> = vec![None; areas.len()];
     let mut sets: Vec<Vec<usize>> = Vec::new();
-    for own in &boxes {
-        let beside = tree.locate_in_envelope_intersecting(&own.envelope());
-        let taken: BTreeSet<usize> =
-            beside.filter_map(|b| set_of[b.data]).collect();
+    for (own, bounds) in boxes {
+        let beside = tree.meeting(bounds);
+        let taken: BTreeSet<usize> = beside.filter_map(|b| set_of[b]).collect();
         let set = (0..).find(|k| !taken.contains(k)).unwrap_or(sets.len());
         if set == sets.len() {
             sets.push(Vec::new());
         }
-        set_of[own.data] = Some(set);
-        sets[set].push(own.data);
+        set_of[own] = Some(set);
+        sets[set].push(own);
     }
     sets
 }
@@ -230,7 +219,7 @@ pub(crate) fn hung(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::shapes::rect;
+    use crate::plane::shapes::{disc, rect, turned};
 
     fn bridges(area: &Area, below: &Area) -> (Vec<Bridge>, Area) {
         let settings = Settings::default();
@@ -239,9 +228,7 @@ mod tests {
 
     fn joined(parts: &[Area]) -> Area {
         let rings = parts.iter().flat_map(|a| a.rings.clone());
-        Area {
-            rings: rings.collect(),
-        }
+        rings.collect()
     }
 
     #[test]
@@ -262,14 +249,7 @@ mod tests {
         let content = found[0].area.content();
         assert!((content - 40.0 * reach).abs() < 1.0, "{content}");
         // The direction turns by 20° when everything else does.
-        let turn = DVec2::from_angle(20.0_f64.to_radians());
-        let turned = |a: &Area| Area {
-            rings: a
-                .rings
-                .iter()
-                .map(|r| r.iter().map(|p| turn.rotate(*p)).collect())
-                .collect(),
-        };
+        let turned = |a: &Area| turned(a, 20.0_f64.to_radians());
         let (found, _) = bridges(&turned(&deck), &turned(&pillars));
         assert!((found[0].angle - 20.0).abs() < 0.1, "{}", found[0].angle);
     }
@@ -289,16 +269,7 @@ mod tests {
         let deck = rect(0.0, 0.0, 30.0, 10.0);
         let house = rect(-1.0, -1.0, 20.0, 11.0);
         assert!(bridges(&deck, &house).0.is_empty());
-        let disc = |r: f64| Area {
-            rings: vec![
-                (0..200)
-                    .map(|i| {
-                        let t = std::f64::consts::TAU * f64::from(i) / 200.0;
-                        DVec2::from_angle(t) * r
-                    })
-                    .collect(),
-            ],
-        };
+        let disc = |r: f64| disc(r, 200);
         assert!(bridges(&disc(9.0), &disc(6.0)).0.is_empty());
         assert!(bridges(&deck, &deck).0.is_empty());
     }

@@ -445,9 +445,7 @@ mod tests {
     #[test]
     fn rings_of_two_roles_keep_all_of_their_sides() {
         // The right half of the ring has something above.
-        let above = Area {
-            rings: vec![rect(5.0, 30.0, -20.0, 20.0)],
-        };
+        let above = Area::from(rect(5.0, 30.0, -20.0, 20.0));
         let grid = EdgeGrid::new(&above, 1.0);
         let sides = Sides {
             above: (Covered::Partly, Some(&grid)),

@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use crate::bead::{Role, Stroke, spacing};
     use crate::plane::clip::difference;
-    use crate::plane::shapes::square;
+    use crate::plane::shapes::{disc, square};
     use crate::settings::SkinPattern;
     use glam::DVec2;
 
@@ -167,14 +167,8 @@ mod tests {
     #[test]
     fn a_narrow_ring_gets_strokes_along_it_and_not_across() {
         let space = spacing(0.45, 0.45, 0.2);
-        let circle = |r: f64| -> Area {
-            let turn = |i: u32| std::f64::consts::TAU * f64::from(i) / 720.0;
-            let points = (0..720).map(|i| DVec2::from_angle(turn(i)) * r);
-            Area {
-                rings: vec![points.collect()],
-            }
-        };
-        let area = difference(&circle(10.0), &circle(10.0 - 4.0 * space));
+        let hole = disc(10.0 - 4.0 * space, 720);
+        let area = difference(&disc(10.0, 720), &hole);
         let nothing = Faces {
             above: None,
             below: None,
@@ -226,12 +220,12 @@ mod tests {
             bottom_skin_pattern: SkinPattern::Concentric,
             ..base.clone()
         };
-        let rect = |x0: f64, x1: f64| Area {
-            rings: vec![
+        let rect = |x0: f64, x1: f64| {
+            Area::from(
                 [(x0, -12.0), (x1, -12.0), (x1, 12.0), (x0, 12.0)]
                     .map(DVec2::from)
                     .to_vec(),
-            ],
+            )
         };
         let [above, below] =
             [rect(-12.0, 5.0), rect(-4.0, 12.0)].map(Solid::new);

@@ -299,9 +299,7 @@ fn on(
     let area = covered(&lines, 0.5 * space + TOLERANCE);
     // What the lines have taken of the sparse area has no infill, either.
     let meant = parts.into_iter().flat_map(|part| part.rings);
-    let meant = unite(&Area {
-        rings: meant.chain(taken.rings).collect(),
-    });
+    let meant = unite(&meant.chain(taken.rings).collect());
     if other.is_some() {
         let rest = difference(&meant, &area);
         let rest = offset(&rest, -LEFT * width, TOLERANCE);
@@ -330,9 +328,7 @@ fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
 fn covered(lines: &[Vec<DVec2>], half: Mm) -> Area {
     let ways = lines.iter().flat_map(|line| line.windows(2));
     let strips = ways.filter_map(|way| strip(way[0], way[1], half));
-    unite(&Area {
-        rings: strips.collect(),
-    })
+    unite(&strips.collect())
 }
 
 /// The rectangle on both sides of a way; nothing if it has no length.

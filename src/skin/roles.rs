@@ -134,7 +134,7 @@ mod tests {
         let ring = [(x0, -9.0), (x1, -9.0), (x1, 9.0), (x0, 9.0)]
             .map(DVec2::from)
             .to_vec();
-        EdgeGrid::new(&Area { rings: vec![ring] }, 1.0)
+        EdgeGrid::new(&Area::from(ring), 1.0)
     }
 
     #[test]

@@ -241,20 +241,15 @@ mod tests {
 
     #[test]
     fn many_pieces_are_joined_as_if_one_by_one() {
-        let mut state = 1_u64;
-        let mut random = |n: u64| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005);
-            state = state.wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) % n
-        };
+        let mut rng = fastrand::Rng::with_seed(1);
         for count in 1..300_u64 {
             let mut all: Vec<(usize, f64)> = Vec::new();
             for _ in 0..count {
                 let before = all.last().map_or(0, |p| p.0);
-                let role = (before + 1 + random(2) as usize) % 3;
+                let role = (before + 1 + rng.usize(..2)) % 3;
                 // Lengths are binary fractions, so that sums are exact; equal
                 // lengths occur.
-                all.push((role, (1 + random(120)) as f64 / 64.0));
+                all.push((role, f64::from(rng.u8(1..=120)) / 64.0));
             }
             let found = join_short(row(&all));
             let found: Vec<(Role, f64)> =

@@ -201,7 +201,8 @@ fn grown(profiles: &[&Profile], u: f64) -> Mm {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{PI, TAU};
+    use crate::plane::shapes::disc;
+    use std::f64::consts::PI;
 
     fn level(spacing: f64, phase: f64) -> Lines {
         Lines {
@@ -231,7 +232,7 @@ mod tests {
         let ring = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
             .map(DVec2::from)
             .to_vec();
-        let area = Area { rings: vec![ring] };
+        let area = Area::from(ring);
         let slanted = Lines {
             angle: 45.0,
             ..level(0.4, 0.0)
@@ -247,10 +248,7 @@ mod tests {
 
     #[test]
     fn a_disc_is_filled_to_its_border() {
-        let ring = (0..3000)
-            .map(|i| DVec2::from_angle(TAU * f64::from(i) / 3000.0) * 6.0)
-            .collect();
-        let area = Area { rings: vec![ring] };
+        let area = disc(6.0, 3000);
         for phase in [0.0, 0.1, 0.2, 0.3] {
             let all = strokes(&area, level(0.4, phase), 0.44, 0.0);
             let filled = content(&all, 0.4, 0.44);

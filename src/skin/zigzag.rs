@@ -356,7 +356,7 @@ mod tests {
     fn covers(strokes: &[Stroke], area: &Area, slack: f64) {
         let bounds = area.bounds();
         let step = 0.03;
-        let size = (bounds.max - bounds.min) / step;
+        let size = bounds.size() / step;
         for i in 0..size.x as usize {
             for k in 0..size.y as usize {
                 let p = bounds.min
@@ -392,13 +392,11 @@ mod tests {
 
     #[test]
     fn a_triangle_and_a_ring_get_few_strokes() {
-        let triangle = Area {
-            rings: vec![
-                [(0.0, 0.0), (20.0, 0.0), (10.0, 17.0)]
-                    .map(DVec2::from)
-                    .to_vec(),
-            ],
-        };
+        let triangle = Area::from(
+            [(0.0, 0.0), (20.0, 0.0), (10.0, 17.0)]
+                .map(DVec2::from)
+                .to_vec(),
+        );
         let ring = difference(
             &rect(-10.0, -10.0, 10.0, 10.0),
             &rect(-4.0, -4.0, 4.0, 4.0),

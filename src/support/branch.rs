@@ -39,9 +39,10 @@ const FOOT: Mm = 1.0;
 pub(super) const POINT: Mm = 0.1;
 /// Tolerance of a core's outline, mm.
 const FINE: Mm = 0.01;
-/// How far the sides of a disc may be inside its circle, mm.
+/// Greatest distance of a side of a disc's polygon from the circle around it,
+/// mm.
 const SAGITTA: Mm = 0.02;
-/// Longest edge of a core that is moved as one, mm.
+/// Longer edges of a core are divided before their ends move, mm.
 const EDGE: Mm = 1.0;
 /// Areas that differ by less than this differ by rounding, mm².
 const ROUNDED: Mm2 = 1e-6;
@@ -49,7 +50,7 @@ const ROUNDED: Mm2 = 1e-6;
 /// A layer that branches come down to.
 #[derive(Clone, Copy)]
 pub(super) struct Step<'a> {
-    /// Its number.
+    /// The layer's number.
     pub layer: usize,
     /// How far a branch may lean from the layer above.
     pub lean: Mm,
@@ -68,19 +69,20 @@ impl Step<'_> {
 /// A branch in one layer.
 #[derive(Clone, Debug)]
 pub(super) struct Branch {
-    /// Where its middle is.
+    /// The area over which the middle of a disc moves that covers what is
+    /// printed.
     pub core: Area,
-    /// What it stands on.
+    /// What the branch stands on.
     pub foot: Foot,
     /// The cell of the plane in which its first face was; nothing for a
     /// column.
     pub cell: Option<[u32; 2]>,
-    /// Height of the highest thing that it holds, above the bed.
+    /// Height above the bed of the highest thing that the branch holds.
     pub top: Mm,
-    /// Area of what it holds.
+    /// Area of what the branch holds.
     pub held: Mm2,
-    /// What is printed of it in the last layer that is done. Empty until one
-    /// is.
+    /// What is printed of the branch in the layer above; empty before its first
+    /// layer is done.
     pub printed: Area,
 }
 
@@ -90,7 +92,7 @@ impl Branch {
         self.cell.is_none()
     }
 
-    /// The middle of its core.
+    /// The middle of the branch's core.
     pub(super) fn middle(&self) -> DVec2 {
         middle(&self.core)
     }
@@ -173,16 +175,12 @@ impl Branch {
                 let half = |other| 0.5 * (other - middle);
                 let way = other.map_or(DVec2::ZERO, half);
                 let at = middle + way.clamp_length_max(step.lean);
-                Area {
-                    rings: vec![disc(at, POINT)],
-                }
+                Area::from(disc(at, POINT))
             }
             false => {
                 let rings = self.core.rings.iter();
                 let pulled = rings.map(|r| pulled_in(r, middle, step.lean));
-                unite(&Area {
-                    rings: pulled.collect(),
-                })
+                unite(&pulled.collect())
             }
         };
         let bounds = pulled.bounds().union(self.core.bounds());
@@ -197,17 +195,18 @@ impl Branch {
         }
         let mut core = difference(&pulled, &blocked);
         if !self.is_column() && pulled.content() - core.content() < ROUNDED {
-            // Nothing is in the way.
+            // The part is not in the way of this core.
             self.core = finely(pulled);
             return;
         }
         if self.is_post() && !self.is_column() && !core.is_empty() {
-            // A post is so small that all of it can lean to where its largest
-            // part goes down.
+            // A post is so small that it can lean as a whole to the place where
+            // the largest piece of its core goes down.
             self.core = largest(core);
             return;
         }
-        // What the part blocks goes aside, or stands on the part.
+        // The piece of the core that the part blocks goes aside, or stands on
+        // the part.
         let reach = step.lean + 3.0 * TOLERANCE;
         let lost = difference(&self.core, &offset(&core, reach, TOLERANCE));
         let lost = if lost.is_empty() || !self.can_land(step) {
@@ -220,9 +219,11 @@ impl Branch {
             let aside = difference(&aside, &blocked);
             core = match self.foot {
                 _ if !self.is_post() => union(&core, &aside),
-                // From every place there a way leads down to the bed.
+                // A way leads down to the bed from every place beside what
+                // blocks it.
                 Foot::Bed => beside(&aside, middle),
-                // Some places there may end in the air between two walls.
+                // Beside what blocks it a branch may end in the air between two
+                // walls of the part, so the largest place is taken.
                 Foot::Part => largest(aside),
             };
         } else if self.is_column() {
@@ -271,9 +272,7 @@ impl Branch {
         if far + size.core > post {
             return all();
         }
-        let disc = Area {
-            rings: vec![disc(middle, post)],
-        };
+        let disc = Area::from(disc(middle, post));
         // The part keeps this far away from the core, so that only what is
         // farther out has to be looked at.
         let beyond = post - size.core + 3.0 * TOLERANCE;
@@ -293,8 +292,8 @@ fn largest(area: Area) -> Area {
     largest.unwrap_or_default()
 }
 
-/// The part of an area beside the point of its rim that is nearest to `to`, as
-/// large as a post may be.
+/// The piece of an area around the point of its rim nearest to `to`; the piece
+/// is as large as a post may be.
 fn beside(area: &Area, to: DVec2) -> Area {
     let sides = area.rings.iter().flat_map(|ring| edges(ring));
     let nearest = sides.map(|(a, b)| nearest_on(to, a, b));
@@ -304,9 +303,7 @@ fn beside(area: &Area, to: DVec2) -> Area {
     let Some(at) = nearest else {
         return Area::EMPTY;
     };
-    let near = Area {
-        rings: vec![disc(at, 2.0 * POINT)],
-    };
+    let near = Area::from(disc(at, 2.0 * POINT));
     largest(intersection(area, &near))
 }
 
@@ -366,7 +363,5 @@ fn finely(core: Area) -> Area {
         let ring = if few_in > 0.5 * all_in { few } else { ring };
         (all_in > 1e-6).then_some(ring)
     };
-    Area {
-        rings: core.rings.into_iter().filter_map(fine).collect(),
-    }
+    core.rings.into_iter().filter_map(fine).collect()
 }

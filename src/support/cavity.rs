@@ -20,6 +20,7 @@ use super::parts::Parts;
 use super::slice::Slice;
 use crate::plane::nest::Nest;
 use crate::plane::{Area, edges, point_beside, signed_area};
+use crate::sets::Sets;
 use crate::units::{Mm, Mm3};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -36,10 +37,10 @@ const OUTSIDE: usize = 0;
 /// Supports that cannot be taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Enclosed {
-    /// The space that they take.
+    /// Volume of these supports.
     pub volume: Mm3,
-    /// A point of the largest of them, in the model's plane, and its height
-    /// above the bed.
+    /// A point of the largest of these supports, in the model's plane, and its
+    /// height above the bed.
     pub worst: DVec3,
 }
 
@@ -76,7 +77,9 @@ pub(super) fn enclosed(parts: Parts<'_>, slices: &[Slice]) -> Enclosed {
     let mut sets = Sets::new(first);
     for end in [0, outlines.len() - 1] {
         let holes = level(end);
-        holes.holes().for_each(|hole| sets.join(hole, OUTSIDE));
+        for hole in holes.holes() {
+            sets.join(hole, OUTSIDE);
+        }
     }
     // What is known of a layer takes more memory than its outline, so only some
     // layers are looked at together.
@@ -124,13 +127,13 @@ fn has_holes(area: &Area) -> bool {
     area.rings.iter().any(|ring| signed_area(ring) < 0.0)
 }
 
-/// What is empty in a layer.
+/// The empty spaces of a layer: the holes, and the space around the part.
 struct Level<'a> {
     outline: &'a Area,
     nest: Nest,
     /// For each ring, whether it is the border of a hole.
     is_hole: Vec<bool>,
-    /// The number of its first ring among those of all layers.
+    /// The number of the layer's first ring among the rings of all layers.
     first: usize,
 }
 
@@ -145,7 +148,8 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// The number of the hole that a point is in; nothing if it is in solid.
+    /// The number of the empty space that a point is in; nothing if the point
+    /// is in solid.
     fn empty(&self, at: DVec2) -> Option<usize> {
         match self.nest.around(at) {
             None => Some(OUTSIDE),
@@ -154,13 +158,13 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// The numbers of its holes.
+    /// The numbers of the layer's holes.
     fn holes(&self) -> impl Iterator<Item = usize> {
         let holes = self.is_hole.iter().enumerate().filter(|(_, hole)| **hole);
         holes.map(|(ring, _)| self.first + ring)
     }
 
-    /// Places in what is empty beside its rings.
+    /// Places in the empty spaces beside the layer's rings.
     fn beside(&self) -> impl Iterator<Item = DVec2> {
         self.outline.rings.iter().flat_map(|ring| {
             let every = ring.len().div_ceil(PLACES).max(1);
@@ -173,7 +177,7 @@ impl<'a> Level<'a> {
     }
 }
 
-/// What is empty in both of two layers that follow each other, by pairs of
+/// The empty spaces of two layers that lie over each other, as pairs of their
 /// numbers.
 fn joins(a: &Level<'_>, b: &Level<'_>) -> Vec<[usize; 2]> {
     crate::limits::check();
@@ -187,28 +191,4 @@ fn joins(a: &Level<'_>, b: &Level<'_>) -> Vec<[usize; 2]> {
     pairs.sort_unstable();
     pairs.dedup();
     pairs
-}
-
-/// Sets of numbers. Each number has another one of its set, or itself
-/// (union-find).
-struct Sets(Vec<usize>);
-
-impl Sets {
-    fn new(count: usize) -> Sets {
-        Sets((0..count).collect())
-    }
-
-    /// The least number of the set that a number belongs to.
-    fn of(&mut self, mut k: usize) -> usize {
-        while self.0[k] != k {
-            self.0[k] = self.0[self.0[k]];
-            k = self.0[k];
-        }
-        k
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.of(a), self.of(b));
-        self.0[a.max(b)] = a.min(b);
-    }
 }

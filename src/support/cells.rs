@@ -24,7 +24,7 @@ pub(super) struct Cells {
 impl Cells {
     /// A grid over a box, in which each of the cells has the same size.
     pub(super) fn new(bounds: Rect) -> Cells {
-        let extent = bounds.max - bounds.min;
+        let extent = bounds.size();
         let count = (extent / CELL).round().max(DVec2::ONE);
         Cells {
             min: bounds.min,
@@ -45,8 +45,8 @@ impl Cells {
         let mut pieces = Vec::new();
         for island in area.islands() {
             let bounds = island.bounds();
-            if (bounds.max - bounds.min).max_element() <= UNCUT * CELL {
-                let cell = self.of(bounds.min.midpoint(bounds.max));
+            if bounds.size().max_element() <= UNCUT * CELL {
+                let cell = self.of(bounds.centre());
                 pieces.push((cell, island));
                 continue;
             }
@@ -63,10 +63,7 @@ impl Cells {
             for y in low[1]..=high[1] {
                 let at = DVec2::new(f64::from(x), f64::from(y));
                 let min = self.min + at * self.size;
-                let cell = Rect {
-                    min,
-                    max: min + self.size,
-                };
+                let cell = Rect::new(min, min + self.size);
                 for piece in unite(&crop(&island.rings, cell)).islands() {
                     let content = piece.content();
                     if content > SLIVER * CELL * CELL {

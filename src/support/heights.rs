@@ -36,7 +36,7 @@ const LEAST: f64 = 0.4;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Heights {
     spans: Vec<LayerSpan>,
-    /// Top of the supports by layer: never above that of the layer.
+    /// Top of the supports by layer: never above the layer's own top.
     tops: Vec<Mm>,
     /// Gap between the part and a support that stands on it.
     gap_bottom: Mm,
@@ -95,8 +95,8 @@ impl Heights {
         }
     }
 
-    /// From where to where supports in layer `j` reach, with its number;
-    /// nothing if the layer has none.
+    /// The bottom and the top of supports in layer `j`, with the layer's
+    /// number; nothing if the layer has no supports.
     pub(crate) fn span(&self, j: usize) -> Option<LayerSpan> {
         let (layer, bottom) = (*self.spans.get(j)?, self.bottom(j));
         let span = LayerSpan {
@@ -112,8 +112,8 @@ impl Heights {
         Some(if as_layer { layer } else { span })
     }
 
-    /// From where to where the supports of each layer reach. A layer without
-    /// supports has its own span.
+    /// The bottom and the top of the supports of each layer. A layer without
+    /// supports has its own bottom and top here.
     pub(crate) fn own(&self) -> impl Iterator<Item = LayerSpan> {
         let layers = self.spans.iter().enumerate();
         layers.map(|(j, &layer)| self.span(j).unwrap_or(layer))
@@ -131,8 +131,8 @@ impl Heights {
     }
 
     /// The layers below layer `j`, from the one on which a support in layer `j`
-    /// stands. The top of that one is at least `support.z_gap_bottom` below the
-    /// support; in the others the part keeps away from the support.
+    /// stands. The top of that layer is at least `support.z_gap_bottom` below
+    /// the support; in the others the part keeps away from the support.
     pub(crate) fn gap_below(&self, j: usize) -> Range<usize> {
         let lowest = self.bottom(j) - self.gap_bottom + ROUNDED;
         let on = self.spans[..j].partition_point(|span| span.top <= lowest);

@@ -44,15 +44,16 @@ const DRIFT: Mm = 0.1;
 /// What of a layer gets a support.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Need {
-    /// All that gets a support.
+    /// The whole area that gets a support.
     pub all: Area,
-    /// What the layer below does not hold. The rest is wished for.
+    /// The part of `all` that the layer below does not hold. The rest of it
+    /// gets a support because of a wish.
     pub must: Area,
 }
 
 impl Need {
-    /// The need of a layer of some height. `unheld` is what the layer below
-    /// does not hold.
+    /// What of a layer of some height gets a support. `unheld` is what the
+    /// layer below does not hold.
     pub(super) fn new(unheld: Area, wish: &Wish, height: Mm) -> Need {
         let must = if wish.left.is_empty() {
             unheld
@@ -68,8 +69,9 @@ impl Need {
     }
 }
 
-/// Two areas: what of `here`, a layer of some height, the layer `below` does not
-/// hold, and what would be part of that but is too thin to be printed.
+/// Two areas of `here`, a layer of some height. The layer `below` does not hold
+/// the first one. It would not hold the second one either, but this is too thin
+/// to be printed.
 pub(super) fn need(
     here: &Printed,
     below: &Printed,
@@ -107,8 +109,8 @@ fn held(height: Mm, settings: &Settings) -> Mm {
     settings.held(height) + SLACK * height
 }
 
-/// Two areas without specks: what of `here` sticks out beyond all that `below`
-/// holds, and what would stick out but is too thin to be printed.
+/// Two areas of `here`, without specks. The first one sticks out beyond all
+/// that `below` holds. The second one would, but is too thin to be printed.
 fn beyond(
     here: &Printed,
     below: &Printed,
@@ -116,7 +118,9 @@ fn beyond(
     settings: &Settings,
 ) -> [Area; 2] {
     let (held, half) = (held(height, settings), Printed::half(settings));
-    // The layer below holds a little more at its corners: the loop looks there.
+    // This cheap test takes too much for need at the corners of the layer
+    // below, which hold a little more. The loop over the islands is exact
+    // there.
     let reached = offset(&below.core, held + half, TOLERANCE);
     let beyond = large(difference(&here.area, &reached), height);
     if beyond.is_empty() {
@@ -143,7 +147,8 @@ fn beyond(
     [need, unprinted].map(|rings| large(Area { rings }, height))
 }
 
-/// What of `beyond` no bridge spans. Nothing else holds `beyond`.
+/// The part of `beyond` that no bridge spans. `beyond` is what only a bridge
+/// can hold.
 fn unbridged(
     beyond: Area,
     here: &Area,
@@ -206,8 +211,8 @@ impl Rim<'_> {
     }
 }
 
-/// What bridges do not span of a gap. What is `below` holds what is no farther
-/// away than `reach`.
+/// The part of a gap that bridges do not span. The layer `below` holds what is
+/// no farther away from it than `reach`.
 fn unspanned(
     gap: Area,
     rim: &Rim<'_>,
@@ -223,7 +228,7 @@ fn unspanned(
     let Some(angle) = direction(&gap, grid, width) else {
         return gap;
     };
-    let size = (bounds.max - bounds.min).length();
+    let size = bounds.size().length();
     let spacing = width.max(size / LINES);
     let lines = Lines {
         angle,
@@ -255,15 +260,13 @@ fn unspanned(
 fn large(area: Area, height: Mm) -> Area {
     let islands = area.islands().into_iter();
     let rings = islands.filter(|i| i.content() > SPECK * height);
-    Area {
-        rings: rings.flat_map(|i| i.rings).collect(),
-    }
+    rings.collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::{Ring, rect};
 
     fn both(here: &Area, below: &Area) -> [Area; 2] {
         let settings = Settings::default();
@@ -342,8 +345,8 @@ mod tests {
                 };
                 (-16..=16).map(at)
             };
-            let all = side(1.0).chain(side(-1.0)).collect();
-            union(&blocks, &Area { rings: vec![all] })
+            let all: Ring = side(1.0).chain(side(-1.0)).collect();
+            union(&blocks, &Area::from(all))
         };
         let (here, below) = (neck(1.5), neck(1.0));
         let held = held(0.2, &Settings::default());
@@ -386,12 +389,11 @@ mod tests {
 
     #[test]
     fn bridges_need_none_unless_they_are_too_long() {
-        let two = |gap: f64| Area {
-            rings: [
-                rect(0.0, 0.0, 5.0, 10.0).rings,
-                rect(5.0 + gap, 0.0, 10.0 + gap, 10.0).rings,
-            ]
-            .concat(),
+        let two = |gap: f64| {
+            Area::from_iter([
+                rect(0.0, 0.0, 5.0, 10.0),
+                rect(5.0 + gap, 0.0, 10.0 + gap, 10.0),
+            ])
         };
         let lid = |gap: f64| rect(0.0, 0.0, 10.0 + gap, 10.0);
         assert!(of(&lid(9.0), &two(9.0)).is_empty());

@@ -1,7 +1,7 @@
 //! The islands of support in each layer, and where they are dense.
 //!
-//! In: the area that branches have, and what they hold. Out: for each layer its
-//! islands, each with its sparse and its dense part.
+//! In: the area of the branches in each layer, and what they hold. Out: the
+//! islands of support in each layer, each with its sparse and its dense part.
 
 use super::heights::Heights;
 use super::parts::Parts;
@@ -55,7 +55,7 @@ pub(super) fn pieces(
     areas.into_par_iter().enumerate().map(of_layer).collect()
 }
 
-/// For each layer of supports, what it holds right above it.
+/// The area that each layer of supports holds right above itself.
 fn tops(
     heights: &Heights,
     needs: &[Area],
@@ -75,7 +75,7 @@ fn tops(
     tops
 }
 
-/// What of an area is on the bed.
+/// The part of an area that is on the bed.
 fn on_bed(all: Area, bed: Rect) -> Area {
     let Rect { min, max } = all.bounds();
     if bed.contains(min) && bed.contains(max) {
@@ -120,9 +120,7 @@ fn split(
     settings: &Settings,
 ) -> [Area; 2] {
     let near = tops.iter().map(|top| crop(&top.rings, bounds));
-    let above = Area {
-        rings: near.flat_map(|area| area.rings).collect(),
-    };
+    let above: Area = near.collect();
     let rest = difference(island, &above);
     if island.content() - rest.content() <= SPECK {
         return [island.clone(), Area::EMPTY];
@@ -152,11 +150,9 @@ fn printable(area: Area) -> impl Iterator<Item = Area> {
     islands.filter(|island| island.content() > SPECK)
 }
 
-/// Some islands as one area.
+/// Islands, put together as one area.
 fn joined(islands: impl Iterator<Item = Area>) -> Area {
-    Area {
-        rings: islands.flat_map(|island| island.rings).collect(),
-    }
+    islands.collect()
 }
 
 #[cfg(test)]

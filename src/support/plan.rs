@@ -24,12 +24,12 @@ use rayon::prelude::*;
 /// bed than this, mm.
 const OVER_BED: Mm = 0.5;
 
-/// What needs a support and does not get one.
+/// Areas that need a support and do not get one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Unheld {
-    /// Its area.
+    /// Content of these areas.
     pub area: Mm2,
-    /// A point of the largest piece of it, in the model's plane, and its
+    /// A point of the largest of these areas, in the model's plane, and its
     /// height above the bed.
     pub worst: DVec3,
     largest: Mm2,
@@ -43,8 +43,8 @@ pub(crate) struct Plan {
     pub heights: Heights,
     /// What needs a support and has none.
     pub unheld: Unheld,
-    /// What gets no support although wishes ask for one. Nothing else asks for
-    /// it.
+    /// Areas that get no support although wishes ask for one. They do not need
+    /// one otherwise.
     pub unmet: Unheld,
     /// Supports that nobody can take out.
     pub enclosed: Enclosed,
@@ -138,23 +138,20 @@ impl Plan {
                 return need.clone();
             };
             let here = slice.body.rings.iter().chain(&slice.interface.rings);
-            let here = Area {
-                rings: here.cloned().collect(),
-            };
+            let here: Area = here.cloned().collect();
             let here = Neighbour::new(&here);
             let lost = clusters(need).into_iter().map(|need| {
                 let around = need.bounds.grown(near + TOLERANCE);
                 let held = unite(&here.within(around));
-                // This costs less than the offset, and is mostly enough.
+                // This difference costs less than the offset below, and mostly
+                // leaves nothing to look at.
                 let beside = difference(&need.area, &held);
                 if beside.is_empty() {
                     return beside;
                 }
                 difference(&beside, &offset(&held, near, TOLERANCE))
             });
-            Area {
-                rings: lost.flat_map(|area| area.rings).collect(),
-            }
+            lost.collect()
         });
         let mut unheld = Unheld::default();
         for (i, area) in lost.collect::<Vec<_>>().into_iter().enumerate() {
@@ -217,10 +214,7 @@ mod tests {
         };
         let layers = spans.iter().copied().zip(outlines);
         let survey = Survey::new(layers, asked).unwrap();
-        let bed = Rect {
-            min: DVec2::splat(-100.0),
-            max: DVec2::splat(100.0),
-        };
+        let bed = Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0));
         let heights = Heights::new(spans, &settings);
         Plan::new(survey, None, heights, bed, asked)
     }

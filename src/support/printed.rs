@@ -1,8 +1,8 @@
 //! What is printed of a layer's outline.
 //!
-//! In: a layer's outline. Out: its islands that are printed, and where they
-//! are thick. A part that begins in a point is printed from where a bead fits
-//! into it, and a spike that is too thin for a line holds nothing.
+//! In: a layer's outline. Out: the islands of it that are printed, and where
+//! they are thick. A part that begins in a point is printed from where a bead
+//! fits into it, and a spike that is too thin for a line holds nothing.
 
 use crate::plane::clip::intersection;
 use crate::plane::offset::offset;
@@ -30,7 +30,7 @@ const MIDDLE: f64 = 0.05;
 /// What is printed of a layer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Printed {
-    /// Its islands that have room for a line.
+    /// The islands that have room for a line.
     pub area: Area,
     /// Where the middle of the thinnest line may be. Islands that are printed
     /// although they are thinner have a small ring in their middle.
@@ -43,8 +43,8 @@ impl Printed {
         0.5 * settings.thinnest_line()
     }
 
-    /// What is printed of the outline of a layer of some height, and its islands
-    /// that are not.
+    /// The islands of a layer's outline that are printed, and those that are
+    /// not.
     pub(super) fn new(
         outline: &Area,
         height: Mm,
@@ -81,14 +81,15 @@ impl Printed {
         (Printed { area, core }, Area { rings: not })
     }
 
-    /// What of an area is wide enough for a line, by the core around it.
+    /// The part of an area that is wide enough for a line, told by the core of
+    /// the layer around it.
     pub(super) fn thick(core: &Area, area: &Area, settings: &Settings) -> Area {
         let wide = CORNER * Self::half(settings);
         intersection(area, &offset(core, wide, TOLERANCE))
     }
 }
 
-/// What stands for the middle of a small island.
+/// A small ring that stands for the middle of a small island.
 fn middle(island: &Area) -> Option<Ring> {
     let ring = island.rings.first()?;
     let mean = ring.iter().sum::<DVec2>() / ring.len().max(1) as f64;

@@ -1,7 +1,8 @@
 //! Where a layer has room for supports.
 //!
 //! In: the outlines of all layers. Out: for each layer the area that the part
-//! takes with its gaps, and the one from which no way leads down to the bed:
+//! takes with its gaps (taken), and the area from which no way leads down to
+//! the bed (closed):
 //!
 //! ```text
 //!         ╲░░░╱         A branch above the middle of a part cannot lean far
@@ -10,7 +11,7 @@
 //! ───────────────────
 //! ```
 //!
-//! That area shrinks upwards by what a branch may lean in a layer:
+//! The closed area shrinks upwards by what a branch may lean in a layer:
 //! closed(j) = taken(j) ∪ (closed(j − 1) shrunk by h·tan(angle)).
 //!
 //! A branch that may stand on the part can end in the air between two walls of
@@ -56,11 +57,12 @@ pub(super) struct Room<'a> {
     settings: &'a Settings,
     /// By layer, what is too near to the part for the middle of a branch.
     tight: Vec<Solid<'static>>,
-    /// By layer, from where the middle of a branch cannot get down to the bed.
-    /// What is too near to the part belongs to it.
+    /// By layer, the area from which the middle of a branch cannot get down to
+    /// the bed. It includes what is too near to the part.
     closed: Vec<Solid<'static>>,
-    /// By layer, from where the middle of a branch gets down neither to the bed
-    /// nor to the part. Empty where no support may stand on the part.
+    /// By layer, the area from which the middle of a branch gets down neither
+    /// to the bed nor to the part. There are no such areas if no support may
+    /// stand on the part.
     dead: Vec<Solid<'static>>,
 }
 
@@ -141,8 +143,8 @@ impl<'a> Room<'a> {
         crop(&all.rings, within)
     }
 
-    /// Splits an area of layer `j` into that from which the middle of a branch
-    /// gets down to the bed, and that from which it gets down to the part alone.
+    /// Splits an area of layer `j` in two: from the first one the middle of a
+    /// branch gets down to the bed, from the second one only to the part.
     pub(super) fn split(&self, area: &Area, j: usize) -> [Area; 2] {
         let bounds = area.bounds();
         let near = |all: &Solid<'_>| crop(&all.area().rings, bounds);
@@ -194,9 +196,9 @@ impl<'a> Room<'a> {
 /// than this, mm. More than a third of the thinnest post lies on the part then.
 const ASTRIDE: Mm = 0.1;
 
-/// By layer, from where no way leads the middle of a branch down to something
-/// that it can stand on. That is the bed, and in layer `j` what `lands(j)` gives.
-/// `tight` is what is too near to the part.
+/// By layer, the area from which no way leads the middle of a branch down to
+/// something that it can stand on: the bed, and in layer `j` the area that
+/// `lands(j)` gives. `tight` is what is too near to the part.
 fn no_way_down(
     parts: Parts<'_>,
     tight: &[Area],

@@ -1,8 +1,8 @@
-//! Leaves out what rests on nothing.
+//! Leaves out islands of support that rest on nothing.
 //!
 //! In: the islands of support in each layer. Out: those that stay. An island
-//! stays if it rests on one below it that stays, or, where supports may, on the
-//! part. So none begins in the air.
+//! stays if it rests on an island below it that stays, or, where supports may
+//! stand there, on the part. So no support begins in the air.
 
 use super::parts::Parts;
 use super::pieces::Piece;
@@ -13,8 +13,8 @@ use crate::settings::{Settings, Supports};
 use crate::units::Mm2;
 use glam::DVec2;
 
-/// What an island has to rest on at least: this share of it, or this area if
-/// that is less.
+/// Least part of an island that has to rest on something: this share of the
+/// island, or this area if that is less.
 const REST: (f64, Mm2) = (0.1, 0.3);
 /// Number of points at which two areas are compared.
 const POINTS: u32 = 24;
@@ -29,7 +29,8 @@ pub(super) fn settled(
     settings: &Settings,
 ) -> Vec<Slice> {
     let mut slices = Vec::with_capacity(layers.len());
-    // The supports below; nothing is below the first layer that can have some.
+    // The supports in the layer below. There is no such layer below the first
+    // one that can have supports.
     let mut below: Option<Vec<Piece>> = None;
     for (j, pieces) in layers.into_iter().enumerate() {
         crate::limits::check();
@@ -95,13 +96,14 @@ fn rests_on<'a>(
         || intersection(island, &under).content() >= least
 }
 
-/// About how much two areas have in common within a box.
+/// Estimates how much two areas have in common within a box, by points spread
+/// over it.
 fn common(a: &Area, b: &Area, within: Rect) -> Mm2 {
-    let size = within.max - within.min;
+    let size = within.size();
     let at = |k: u32| within.min + (f64::from(k) * SPREAD).fract() * size;
     let points = (1..=POINTS).map(at);
     let both = points.filter(|&p| a.contains(p) && b.contains(p)).count();
-    // Two points say too little about an area.
+    // One point or two in both areas say too little about the content.
     if both < 3 {
         return 0.0;
     }

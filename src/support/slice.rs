@@ -7,9 +7,9 @@ use crate::units::Mm;
 /// The support of one layer.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Slice {
-    /// Where it is sparse.
+    /// The area with sparse lines.
     pub body: Area,
-    /// Where it is dense, because something is right above.
+    /// The area with dense lines, because something is right above it.
     pub interface: Area,
     /// The islands that stand on the part, if their beads reach farther down
     /// than others.
@@ -24,7 +24,7 @@ impl Slice {
         union(&self.body, &self.interface)
     }
 
-    /// True if nothing is printed.
+    /// True if the layer has no support.
     pub(super) fn is_empty(&self) -> bool {
         self.body.is_empty() && self.interface.is_empty()
     }

@@ -1,9 +1,9 @@
 //! Finds what needs supports, slab by slab.
 //!
 //! In: the outlines of a slab of layers. Out: what needs a support in each
-//! layer, and the outlines as coarse as supports ask for. The exact outlines
-//! can be forgotten then. Those of all layers at once would take much more
-//! memory.
+//! layer, and the outlines as coarse as supports ask for. The exact outlines of
+//! the slab can be forgotten then: kept for all layers, they would take much
+//! more memory.
 
 use super::TOLERANCE;
 use super::need::{Need, need};
@@ -12,7 +12,7 @@ use super::wish::{Wish, Wishes};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
 use crate::plane::clip::{crop, difference, intersection};
-use crate::plane::simplify::simplify;
+use crate::plane::simplify::simplify_area;
 use crate::settings::Settings;
 use crate::units::Mm;
 use crate::vary::VaryError;
@@ -26,8 +26,8 @@ pub(crate) struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// What needs a support in a layer over the layer below. Then what would
-    /// need one but is too thin to be printed.
+    /// Returns what needs a support in a layer over the layer below, and the
+    /// area that would need one but is too thin to be printed.
     fn of(
         self,
         here: &Printed,
@@ -65,13 +65,13 @@ pub(super) struct Found {
 /// Some layers that follow each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Survey {
-    /// Their outlines, as coarse as supports ask for, without what is not
-    /// printed.
+    /// The layers' outlines, as coarse as supports ask for, without what is too
+    /// thin to be printed.
     pub(super) outlines: Vec<Area>,
     /// What of each outline is not printed, since no line fits into it.
     unprinted: Vec<Area>,
-    /// What is found of each layer. Of the slab's first layer nothing is found
-    /// before [`Survey::append`] knows the layer below it.
+    /// What is found of each layer. Nothing is found of the slab's first layer
+    /// until [`Survey::append`] brings it together with the layer below.
     pub(super) found: Vec<Found>,
     /// The first layer with its outline, and the outline of the last one.
     ends: Option<(LayerSpan, [Printed; 2])>,
@@ -177,10 +177,7 @@ pub(crate) fn coarse(outline: &Area, height: Mm, settings: &Settings) -> Area {
 /// An area with fewer points. Unions and offsets of thousands of layers would
 /// add ever more points.
 pub(super) fn thinned(area: Area) -> Area {
-    let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
-    Area {
-        rings: rings.filter(|ring| ring.len() > 2).collect(),
-    }
+    simplify_area(&area, TOLERANCE)
 }
 
 #[cfg(test)]
@@ -193,9 +190,7 @@ mod tests {
         let block = rect(0.0, 0.0, 5.0, 5.0);
         let spike = rect(4.0, 2.0, 8.0, 2.2);
         let point = rect(20.0, 0.0, 20.1, 0.1);
-        let both = Area {
-            rings: [spike.rings.clone(), point.rings].concat(),
-        };
+        let both = Area::from_iter([spike.clone(), point]);
         let mut survey = Survey {
             outlines: vec![block.clone(), block, Area::EMPTY, Area::EMPTY],
             unprinted: vec![Area::EMPTY, both.clone(), both, Area::EMPTY],

@@ -5,10 +5,11 @@
 //!
 //! 1. What is needed is cut into the cells of a grid ([`Cells`]), so that a
 //!    wide face is held by several branches.
-//! 2. Each branch is drawn together on its way down ([`Branch::lower`]). By
-//!    `support.style` there are columns instead, which are not.
+//! 2. Each branch is drawn together on its way down ([`Branch::lower`]). With
+//!    another `support.style` there are columns instead, which go straight
+//!    down.
 //! 3. A post leans towards the branch next to it, if the two can meet well
-//!    above the bed and nothing is in their way. Those that meet become one.
+//!    above the bed and nothing is in their way. Posts that meet become one.
 
 use super::branch::{Branch, POINT, Step, middle};
 use super::cells::{CELL, Cells};
@@ -42,8 +43,8 @@ const MEET: usize = 8;
 const GRID: Mm = 2.0;
 /// Width of the squares of columns, mm.
 const SQUARE: Mm = 4.0;
-/// A low face as large as this, mm², is held by a column. It would be cut into
-/// three cells or more.
+/// A low face as large as this, mm², is held by a column: it would be cut into
+/// three cells or more, whose branches would still be wide on the bed.
 const WIDE: Mm2 = 3.0 * CELL * CELL;
 
 /// The area of all branches in each of the lowest `count` layers. `needs` is
@@ -117,9 +118,7 @@ fn united(area: &Area) -> Area {
         _ => unite(&cluster.area),
     };
     let all = clusters(area).into_iter().map(of_cluster);
-    Area {
-        rings: all.flat_map(|area| area.rings).collect(),
-    }
+    all.collect()
 }
 
 /// The branches that begin in a layer under faces at the height `top`, whose
@@ -186,9 +185,7 @@ fn pieces(
                 .islands()
                 .into_iter()
                 .partition(|island| low && island.content() > WIDE);
-            let narrow = Area {
-                rings: narrow.into_iter().flat_map(|i| i.rings).collect(),
-            };
+            let narrow: Area = narrow.into_iter().collect();
             let wide = wide.into_iter().map(|island| (None, island));
             wide.chain(in_cells(&narrow)).collect()
         }
@@ -202,10 +199,10 @@ fn squares(area: &Area) -> Area {
     let mut rings = Vec::new();
     let mut y = first.y;
     while y <= last.y {
-        let row = Rect {
-            min: DVec2::new(min.x, y * SQUARE),
-            max: DVec2::new(max.x, (y + 1.0) * SQUARE),
-        };
+        let row = Rect::new(
+            DVec2::new(min.x, y * SQUARE),
+            DVec2::new(max.x, (y + 1.0) * SQUARE),
+        );
         let row_of_area = crop(&area.rings, row);
         let mut x = first.x;
         while x <= last.x {
@@ -280,7 +277,8 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
         }
         let (from, here) = (middles[k], middles[k].to_array());
         let clear = |&to: &DVec2| {
-            // This is the layer in which the two meet, or a little above.
+            // The height at which the two meet, and then a layer that is looked
+            // at anyway, at that height or a little above.
             let meet = above.bottom - 0.5 * from.distance(to) / tan.max(1e-9);
             let spans = step.parts.spans()[..=step.layer].iter();
             let meet = spans.rev().position(|span| span.bottom <= meet);

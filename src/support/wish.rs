@@ -1,8 +1,8 @@
 //! Where supports are wanted, and where not, whatever the face's angle:
 //! `support.where`.
 //!
-//! In: a layer's outline and that of the layer below. Out: what of its
-//! underside is to be held, and what is to be left alone.
+//! In: a layer's outline and that of the layer below. Out: the parts of its
+//! underside that are to be held, and those that are to be left alone.
 //!
 //! The formula is evaluated on a lattice of half a line's width, near
 //! undersides only, so a border may be off by some hundredths of a millimetre.
@@ -39,17 +39,17 @@ pub(crate) struct Wishes<'a> {
     lift: Mm,
 }
 
-/// What is wanted of a layer's underside.
+/// The parts of a layer's underside about which there is a wish.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Wish {
-    /// What is to be held, whatever its angle.
+    /// The part to be held, whatever its angle.
     pub held: Area,
-    /// What is to be left alone.
+    /// The part to be left alone.
     pub left: Area,
 }
 
 impl Wish {
-    /// True if nothing is wanted.
+    /// True if there is no wish.
     pub(super) fn is_none(&self) -> bool {
         self.held.is_empty() && self.left.is_empty()
     }

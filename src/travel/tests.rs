@@ -426,12 +426,10 @@ fn combing_goes_round_what_is_in_the_way() {
     // shows.
     let narrow = |combing: Combing| {
         let mut part = Part::ring().with(|s| s.travel.combing = combing);
-        part.sparse = Area {
-            rings: [rect(1.0, 1.0, 7.0, 19.0), rect(13.0, 1.0, 19.0, 19.0)]
-                .into_iter()
-                .flat_map(|a| a.rings)
-                .collect(),
-        };
+        part.sparse = Area::from_iter([
+            rect(1.0, 1.0, 7.0, 19.0),
+            rect(13.0, 1.0, 19.0, 19.0),
+        ]);
         part.travel((4.0, 10.0), (16.0, 10.0))
     };
     assert_eq!(narrow(Combing::WithinInfill), straight);

@@ -199,7 +199,7 @@ mod tests {
     }
 
     fn grid(ring: Vec<DVec2>) -> EdgeGrid {
-        EdgeGrid::new(&Area { rings: vec![ring] }, 1.0)
+        EdgeGrid::new(&Area::from(ring), 1.0)
     }
 
     fn volume(beads: &[Bead]) -> f64 {

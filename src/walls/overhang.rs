@@ -319,7 +319,7 @@ mod tests {
         below: Vec<DVec2>,
         share: f64,
     ) -> Vec<Bead> {
-        let solid = |ring| Solid::new(Area { rings: vec![ring] });
+        let solid = |ring| Solid::new(Area::from(ring));
         let (own, below) = (solid(own), solid(below));
         let settings = Settings {
             overhang_share: share,

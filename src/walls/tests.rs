@@ -38,7 +38,7 @@ fn print(part: &Area) -> Print {
         .collect();
     let bounds = part.bounds();
     let origin = bounds.min - 0.5;
-    let size = (bounds.max - bounds.min + 1.0) / CELL;
+    let size = (bounds.size() + 1.0) / CELL;
     let (columns, rows) = (size.x as usize + 1, size.y as usize + 1);
     let centre = |i: usize, j: usize| {
         origin + CELL * (DVec2::new(i as f64, j as f64) + 0.5)
@@ -147,9 +147,7 @@ fn ring(points: &[(f64, f64)], turn: f64) -> Vec<DVec2> {
 }
 
 fn area(points: &[(f64, f64)], turn: f64) -> Area {
-    Area {
-        rings: vec![ring(points, turn)],
-    }
+    Area::from(ring(points, turn))
 }
 
 /// Thicknesses from the narrowest bead to five walls, and an angle each.
@@ -163,15 +161,11 @@ fn strips_are_covered_to_their_corners() {
     for (t, turn) in thicknesses() {
         let strip = area(&[(0.0, 0.0), (12.0, 0.0), (12.0, t), (0.0, t)], turn);
         let p = print(&strip);
+        let part = format!("{t:.2} mm");
         // Four corners of beads with a radius of up to half a wall's width.
         let corners = 4.0 * (1.0 - PI / 4.0) * 0.24_f64.powi(2);
-        faults.check(
-            p.open * 12.0 * t < corners + 0.02,
-            "open",
-            &format!("{t:.2} mm"),
-            &p,
-        );
-        faults.check(p.hole < 0.03, "hole", &format!("{t:.2} mm"), &p);
+        faults.check(p.open * 12.0 * t < corners + 0.02, "open", &part, &p);
+        faults.check(p.hole < 0.03, "hole", &part, &p);
         faults.check_strip(t, &p);
     }
 }
@@ -182,16 +176,12 @@ fn wedges_are_covered_from_the_narrowest_bead_on() {
     for (length, turn) in [(30.0, 0.3), (15.0, 1.7), (6.0, 4.0)] {
         let wedge = area(&[(0.0, 0.0), (length, -1.0), (length, 1.0)], turn);
         let p = print(&wedge);
+        let part = format!("{length}");
         let tip = 0.5 * 0.28 * 0.28 * 0.5 * length;
         let content = length;
-        faults.check(p.hole < tip + 0.02, "hole", &format!("{length}"), &p);
-        faults.check(
-            p.open * content < tip + 0.16,
-            "open",
-            &format!("{length}"),
-            &p,
-        );
-        faults.check(p.out < 0.02, "out", &format!("{length}"), &p);
+        faults.check(p.hole < tip + 0.02, "hole", &part, &p);
+        faults.check(p.open * content < tip + 0.16, "open", &part, &p);
+        faults.check(p.out < 0.02, "out", &part, &p);
     }
 }
 
@@ -218,9 +208,7 @@ fn rings_are_covered() {
     for (t, _) in thicknesses() {
         let mut hole = circle(4.0 - t, 400);
         hole.reverse();
-        let p = print(&Area {
-            rings: vec![circle(4.0, 400), hole],
-        });
+        let p = print(&Area::from_iter([circle(4.0, 400), hole]));
         faults.check(
             p.open < 0.002 + 0.003 / t,
             "open",
@@ -268,19 +256,10 @@ fn crosses_and_junctions_are_covered() {
         );
         for (name, part) in [("cross", cross), ("tee", tee)] {
             let p = print(&part);
-            faults.check(
-                p.open < 0.01,
-                "open",
-                &format!("{name} {t:.2} mm"),
-                &p,
-            );
-            faults.check(
-                p.hole < 0.06,
-                "hole",
-                &format!("{name} {t:.2} mm"),
-                &p,
-            );
-            faults.check(p.out < 0.02, "out", &format!("{name} {t:.2} mm"), &p);
+            let name = format!("{name} {t:.2} mm");
+            faults.check(p.open < 0.01, "open", &name, &p);
+            faults.check(p.hole < 0.06, "hole", &name, &p);
+            faults.check(p.out < 0.02, "out", &name, &p);
         }
     }
 }
@@ -299,16 +278,17 @@ fn stars_are_covered_but_for_their_points() {
             .collect();
         let star = area(&star, 0.1);
         let p = print(&star);
+        let part = format!("{points}");
         let content = star.content();
         // Each pointed end is left open where it is thinner than a bead.
-        faults.check(p.hole < 0.15, "hole", &format!("{points}"), &p);
+        faults.check(p.hole < 0.15, "hole", &part, &p);
         faults.check(
             p.open * content < 0.3 * f64::from(points),
             "open",
-            &format!("{points}"),
+            &part,
             &p,
         );
-        faults.check(p.out < 0.02, "out", &format!("{points}"), &p);
+        faults.check(p.out < 0.02, "out", &part, &p);
     }
 }
 
@@ -317,15 +297,14 @@ fn no_post_vanishes() {
     let mut faults = Faults::default();
     for i in 0..40 {
         let d = 0.3 + 0.05 * f64::from(i);
-        let p = print(&Area {
-            rings: vec![circle(0.5 * d, 120)],
-        });
-        faults.check(p.open < 0.12, "open", &format!("{d:.2} mm"), &p);
-        faults.check(p.out < 0.015, "out", &format!("{d:.2} mm"), &p);
+        let p = print(&Area::from(circle(0.5 * d, 120)));
+        let part = format!("{d:.2} mm");
+        faults.check(p.open < 0.12, "open", &part, &p);
+        faults.check(p.out < 0.015, "out", &part, &p);
         faults.check(
             (if d < 0.4 { 0.25 } else { 0.6 }..1.3).contains(&p.volume),
             "volume",
-            &format!("{d:.2} mm"),
+            &part,
             &p,
         );
     }
@@ -384,9 +363,7 @@ fn junction(half: f64, r: f64, gap: f64) -> Area {
         }
         points.push(by.rotate(DVec2::splat(half)));
     }
-    Area {
-        rings: vec![points],
-    }
+    Area::from(points)
 }
 
 #[test]
@@ -418,9 +395,7 @@ fn walls_fill_the_pockets_between_them() {
             // Where the sides of the two meet.
             points.push((end + ends[(k + 1) % 4]) * h / angle.sin());
         }
-        let part = Area {
-            rings: vec![points],
-        };
+        let part = Area::from(points);
         let p = print(&part);
         let name = format!("{angle:.2}");
         faults.check(p.hole < 0.05, "hole", &name, &p);

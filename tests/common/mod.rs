@@ -8,9 +8,9 @@
 #![allow(dead_code, reason = "no test file uses everything")]
 
 pub mod edges;
+pub mod head;
 
 use glam::{DVec2, DVec3};
-use isocontour::Rect;
 use isocontour::SLAB;
 use isocontour::{Detail, Field, Outline, outlines};
 use isoslice::layers::{LayerRange, LayerSpan, plan};
@@ -18,6 +18,7 @@ use isoslice::model::{
     BuildVolume, Model, Placement, Source, SourceKind, load, place,
 };
 use isoslice::pipeline::{self, Options, Summary};
+use isoslice::plate::Wanted;
 use isoslice::settings::{Builder, Settings, keys};
 use isoslice::{JoinError, Ranges};
 use std::path::{Path, PathBuf};
@@ -79,6 +80,24 @@ pub fn formula(text: &str, settings: &Settings) -> Model {
     model(SourceKind::Formula, text, &[], &placement, settings)
 }
 
+/// A formula's model as a part of a plate, where a place is found for it.
+pub fn wanted(
+    name: &str,
+    text: &str,
+    copies: u64,
+    settings: &Settings,
+) -> Wanted {
+    Wanted {
+        source: Source::formula(name, text),
+        defines: Vec::new(),
+        placement: Placement::default(),
+        settings: settings.clone(),
+        at: None,
+        copies,
+        asked: name.into(),
+    }
+}
+
 /// The G-code of a model.
 pub fn slice(
     model: &Model,
@@ -131,10 +150,7 @@ pub fn layers(
         settings.layer_height(),
     )
     .unwrap();
-    let rect = Rect {
-        min: model.bounds.min.truncate(),
-        max: model.bounds.max.truncate(),
-    };
+    let rect = model.bounds.from_above();
     let field =
         Field::new(&model.tree, 0.0, rect, number(settings, "sample_spacing"))
             .unwrap();

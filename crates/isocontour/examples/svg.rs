@@ -15,10 +15,7 @@ fn main() -> Result<(), FieldError> {
     let ball = (x.square() + y.square() + z.square()).sqrt() - 20.0;
     let shell = (gyroid.abs() - 0.5).max(ball);
 
-    let rect = Rect {
-        min: DVec2::splat(-21.0),
-        max: DVec2::splat(21.0),
-    };
+    let rect = Rect::new(DVec2::splat(-21.0), DVec2::splat(21.0));
     let field = Field::new(&shell, 0.0, rect, 0.25)?;
     let detail = Detail {
         accuracy: 0.02,

@@ -218,10 +218,7 @@ fn compare(
     z: &[f64],
     compared: &mut Compared,
 ) {
-    let bounds = Rect {
-        min: DVec2::splat(-HALF),
-        max: DVec2::splat(HALF),
-    };
+    let bounds = Rect::new(DVec2::splat(-HALF), DVec2::splat(HALF));
     let detail = Detail {
         accuracy: ACCURACY,
         smallest: 0.0,

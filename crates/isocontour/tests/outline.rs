@@ -23,10 +23,7 @@ fn slice_with(tree: &Tree, half: f64, z: &[f64]) -> Vec<Outline> {
 }
 
 fn spaced(tree: &Tree, half: f64, z: &[f64], spacing: f64) -> Vec<Outline> {
-    let bounds = Rect {
-        min: DVec2::splat(-half),
-        max: DVec2::splat(half),
-    };
+    let bounds = Rect::new(DVec2::splat(-half), DVec2::splat(half));
     let field = Field::new(tree, 0.0, bounds, spacing).unwrap();
     outlines(&field, z, DETAIL).unwrap()
 }
@@ -164,10 +161,7 @@ fn samples_are_those_of_fidgets_interpreter() {
     let f = VmFunction::new(&ctx, &[root]).unwrap();
     let tape = f.float_slice_tape(Default::default());
     let mut fidget = VmFunction::new_float_slice_eval();
-    let bounds = Rect {
-        min: DVec2::splat(-25.0),
-        max: DVec2::splat(25.0),
-    };
+    let bounds = Rect::new(DVec2::splat(-25.0), DVec2::splat(25.0));
     let field = Field::new(&tree, 0.0, bounds, 0.1).unwrap();
     let z: Vec<f64> = (0..8).map(|i| -3.0 + 0.2 * f64::from(i)).collect();
     let mut compared = 0;
@@ -210,10 +204,7 @@ fn samples_are_those_of_fidgets_interpreter() {
 /// what refinement changes.
 #[test]
 fn rings_are_those_of_the_contour_crate() {
-    let bounds = Rect {
-        min: DVec2::splat(-25.0),
-        max: DVec2::splat(25.0),
-    };
+    let bounds = Rect::new(DVec2::splat(-25.0), DVec2::splat(25.0));
     let tree = gyroid_ball();
     let field = Field::new(&tree, 0.0, bounds, 0.1).unwrap();
     let lattice = field.lattice();
@@ -411,10 +402,7 @@ fn cracks_thinner_than_the_accuracy_are_left_out() {
 #[test]
 fn slabs_of_large_parts_have_fewer_layers() {
     let layers = |half: f64| {
-        let bounds = Rect {
-            min: DVec2::splat(-half),
-            max: DVec2::splat(half),
-        };
+        let bounds = Rect::new(DVec2::splat(-half), DVec2::splat(half));
         let field = Field::new(&Tree::x(), 0.0, bounds, 0.1).unwrap();
         field.slab_layers()
     };
@@ -431,10 +419,7 @@ fn slabs_of_large_parts_have_fewer_layers() {
 fn tips_of_lenses_reach_their_ends_at_any_accuracy() {
     const RADIUS: f64 = 20.0;
     let (x, y, z) = Tree::axes();
-    let bounds = Rect {
-        min: DVec2::splat(-5.0),
-        max: DVec2::splat(5.0),
-    };
+    let bounds = Rect::new(DVec2::splat(-5.0), DVec2::splat(5.0));
     let check = |f: &Tree, tips: [DVec2; 2], case: &str| {
         for accuracy in [0.001, 0.002, 0.003, 0.005, 0.007, 0.01, 0.02, 0.03] {
             for spacing in [0.1, 0.2] {

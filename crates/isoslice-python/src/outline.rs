@@ -11,7 +11,7 @@ use anyhow::Context;
 use fidget::context::Tree;
 use glam::DVec2;
 use isocontour::{
-    Bounds, Detail, Field, Rect, SLAB, SearchOptions, find_bounds,
+    Bounds, Detail, Field, SLAB, SearchOptions, find_bounds,
     outlines as find_outlines,
 };
 use isoslice::limits::{Limits, Watch, doing};
@@ -102,10 +102,7 @@ fn look(
     z: &[f64],
     detail: Detail,
 ) -> anyhow::Result<Rings> {
-    let rect = Rect {
-        min: bounds.min.truncate(),
-        max: bounds.max.truncate(),
-    };
+    let rect = bounds.from_above();
     let field =
         Field::new(tree, 0.0, rect, spacing)?.with_cancel(Watch::hook());
     let mut order: Vec<usize> = (0..z.len()).collect();

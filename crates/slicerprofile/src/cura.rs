@@ -32,8 +32,8 @@ pub(crate) fn zipped(bytes: Vec<u8>) -> Result<Values, String> {
         ));
     }
     let mut all = Values::default();
-    // The file without an extruder comes first, and the first extruder's
-    // second.
+    // The file that belongs to no extruder comes first, then that of the first
+    // extruder.
     let mut parts = Vec::new();
     for i in 0..archive.len() {
         let part = archive.by_index(i).map_err(damaged)?;
@@ -125,7 +125,8 @@ pub(crate) fn definition(
         let Some(parent) = current["inherits"].as_str() else {
             return Ok((all, name));
         };
-        // The settings of all printers are the program's own defaults.
+        // These two definitions have the settings of all printers, which are
+        // Cura's own defaults.
         if matches!(parent, "fdmprinter" | "fdmextruder") {
             return Ok((all, name));
         }

@@ -1,5 +1,6 @@
-//! Fills in what a profile itself knows: placeholders in its G-code that name
-//! one of its own values, and conditions that match a pattern against one.
+//! Fills in the parts of a profile's G-code that depend on the profile alone:
+//! placeholders that name one of its values, and conditions that match a
+//! pattern against one.
 //!
 //! `{if printer_notes=~/.*MK3.*/}` is decided once the notes are known. So the
 //! slicer that reads the template later needs neither notes nor patterns.
@@ -20,8 +21,8 @@ const LONGEST_TEXT: usize = 10_000;
 /// Greatest size of a compiled pattern, bytes.
 const PATTERN_SIZE: usize = 1 << 14;
 
-/// Values that a printer's profile need not have, with those of a print of one
-/// plain part with nothing else chosen.
+/// Names that a printer's profile need not have, each with its value in a print
+/// of one plain part.
 const DEFAULTS: [(&str, &str); 17] = [
     ("printer_notes", ""),
     ("filament_notes", ""),
@@ -243,7 +244,8 @@ impl<'v> Filler<'v> {
             let known = is_name(of) && !(self.understood)(of);
             return known.then(|| (nil.to_string(), &inner[end + 1..]));
         }
-        // A name that is understood counts only where a pattern follows.
+        // A name that `understood` knows is filled in only where a pattern
+        // follows.
         if !self.values.has(name) && (self.understood)(name) {
             return None;
         }

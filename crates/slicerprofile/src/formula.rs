@@ -1,5 +1,5 @@
 //! Cura's formulas, as far as they are arithmetic: `speed_print * 0.5`,
-//! `'brim'`. Conditions and functions stay as they are.
+//! `'brim'`. Formulas with conditions or functions stay as they are.
 
 use crate::values::{Values, parse};
 

@@ -17,8 +17,8 @@ pub enum Value {
 
 impl From<f64> for Value {
     fn from(x: f64) -> Self {
-        // Computing in binary leaves digits that are not meant, such as those
-        // of 0.30000000000000004.
+        // Binary arithmetic leaves digits that nobody has written, such as the
+        // last ones of 0.30000000000000004.
         Value::Number((x * 1e6).round() / 1e6)
     }
 }
@@ -134,8 +134,8 @@ fn is_superslicers(given: &Given<'_>) -> bool {
     keys.iter().any(|key| given.values.has(key))
 }
 
-/// The key of which a share in the value of another key is a share. Of several
-/// keys it is the first that the profile has.
+/// The keys that a percentage in the value of `key` refers to. The first of
+/// them that the profile has counts.
 fn share_of(given: &Given<'_>, key: &str) -> &'static [&'static str] {
     match (given.slicer, key) {
         (Slicer::Prusa, key)

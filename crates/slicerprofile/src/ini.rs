@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Greatest number of profiles that one profile may inherit from, all together.
 const MOST_ANCESTORS: usize = 500;
-/// Greatest number of their keys, all together. About a hundred in each are
-/// usual.
+/// Greatest number of keys of these profiles, all together. A profile usually
+/// has about a hundred.
 const MOST_KEYS: usize = 50_000;
 /// Greatest number of profiles that inherit from one another in a row.
 const DEEPEST: usize = 32;
@@ -159,8 +159,8 @@ fn names(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// The items of a value. Of texts in quotes each is one item; anything else is
-/// one item, with its escapes undone.
+/// The items of a value. Each text in quotes is an item. A value without quotes
+/// is a single item, with its escapes undone.
 pub(crate) fn items(value: &str) -> Vec<String> {
     if !value.starts_with('"') {
         return vec![unescaped(value)];

@@ -1,5 +1,5 @@
-//! The `.json` of OrcaSlicer and Bambu Studio: a file has one profile, which
-//! inherits from another one in a file beside it.
+//! The `.json` of OrcaSlicer and Bambu Studio. A file has one profile, which
+//! may inherit from another profile in a file beside it.
 
 use crate::parents::Parents;
 use crate::values::{Values, plain_text};

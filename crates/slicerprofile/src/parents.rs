@@ -19,8 +19,8 @@ pub(crate) struct Parents<'a> {
     /// The first file that inherits, with its full path.
     first: PathBuf,
     beside: &'a [PathBuf],
-    /// Files by their names without extension, sorted. The index is made when
-    /// it is needed.
+    /// Files by their names without extension, sorted. The index is made when a
+    /// parent is first looked for.
     index: Option<BTreeMap<String, Vec<PathBuf>>>,
 }
 
@@ -51,7 +51,8 @@ impl<'a> Parents<'a> {
         }
         let (first, folders) = (&self.first, self.beside);
         let index = self.index.get_or_insert_with(|| files(first, folders));
-        // In file names another sign replaces the slash of names.
+        // A profile's name may have a slash, which is a dash in the name of its
+        // file.
         let file = name.replace('/', "-");
         let Some(all) = index.get(name).or_else(|| index.get(&file)) else {
             return Ok(None);

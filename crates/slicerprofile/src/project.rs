@@ -12,15 +12,16 @@ use zip::result::ZipError;
 /// The entry with the configuration.
 const SETTINGS: &str = "Metadata/project_settings.config";
 
-/// Most entries of an archive, and most bytes of the configuration. Projects
-/// have some hundred, and some 100 kB.
+/// Greatest number of entries of an archive, and greatest size of the
+/// configuration, bytes. Projects have some hundred entries, and configurations
+/// some 100 kB.
 const MOST_ENTRIES: usize = 10_000;
 const MOST_BYTES: u64 = 4 << 20;
 
 /// The configuration in a project.
 ///
 /// # Errors
-/// A sentence, if there is none, or it is too large.
+/// A sentence, if the archive has no configuration, or too large a one.
 pub(crate) fn settings(path: &Path) -> Result<String, String> {
     let file = File::open(path).map_err(|e| e.to_string())?;
     let damaged = |e: ZipError| format!("its archive: {e}");

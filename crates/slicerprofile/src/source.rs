@@ -336,7 +336,7 @@ fn of_words(values: &Values) -> Slicer {
     }
 }
 
-/// The bytes of a file that has at most `most`.
+/// The bytes of a file, if there are no more than `most`.
 pub(crate) fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
     let unreadable = |cause| Error::Unreadable {
         path: path.to_owned(),

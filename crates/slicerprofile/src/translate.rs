@@ -67,7 +67,7 @@ pub fn translate(picked: &Picked) -> Translation {
         }
     }
     for key in picked.values.keys().filter(|key| !seen.contains(key)) {
-        // An empty list has no value yet.
+        // A key with an empty list has no value of its own.
         if row_of(picked.slicer, key).is_some() {
             out.ignored.push(given.left(key, "it is empty"));
         } else {
@@ -122,7 +122,7 @@ impl Translation {
             Outcome::Set(settings) => {
                 self.mapped += present.len();
                 for (name, value) in settings {
-                    // Later rows of the table are more particular.
+                    // Later rows of the table are more specific, and win.
                     self.settings
                         .retain(|s| s.name != name || s.kind != row.kind);
                     self.settings.push(Setting {

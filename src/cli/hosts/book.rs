@@ -47,23 +47,23 @@ impl fmt::Debug for Key {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Printer {
-    /// Name in the file.
+    /// The printer's name: the table's name in the file.
     #[serde(skip)]
     pub name: String,
-    /// The program.
+    /// The program that runs the printer.
     pub kind: HostKind,
     /// The program's address.
     pub url: String,
-    /// The program's key.
+    /// The key that the program asks for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key: Option<Key>,
-    /// The environment variable that holds the key instead.
+    /// The environment variable that holds the key, if the file does not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key_env: Option<String>,
     /// The setting `printer.model` of G-code for this printer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
-    /// The only certificates (PEM) to trust.
+    /// File with the only certificates (PEM) to trust.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ca: Option<PathBuf>,
     /// Where PrusaLink is to store files: usb or local.
@@ -117,7 +117,7 @@ pub(crate) enum BookError {
          in workshop"
     )]
     Name(String),
-    /// The printer's address is none.
+    /// What is given as the printer's address is not an address.
     #[error(transparent)]
     Address(#[from] HostError),
     /// No printer has this name.
@@ -130,14 +130,14 @@ pub(crate) enum BookError {
         }
     )]
     Unknown {
-        /// The name.
+        /// The name that was asked for.
         name: String,
-        /// All names.
+        /// The names of all printers.
         known: Vec<String>,
     },
 }
 
-/// All printers of the user.
+/// The user's printers, as the file has them.
 #[derive(Clone, Debug)]
 pub(crate) struct PrinterBook {
     path: PathBuf,
@@ -158,8 +158,9 @@ impl PrinterBook {
         };
         let read = toml::from_str::<BTreeMap<String, Printer>>(&text);
         let mut printers = read.map_err(|error| {
-            // The whole message quotes the line, and the short one may quote a
-            // value: either may hold a key.
+            // The parser's messages are not shown: the whole one quotes the
+            // line, and the short one may quote a value, and either may hold a
+            // key.
             let at = error.span().map_or(0, |span| span.start);
             let line = text.get(..at).unwrap_or_default().matches('\n').count();
             let said = error.message();

@@ -14,8 +14,8 @@ use ureq::{Agent, SendBody};
 const CONNECT: Duration = Duration::from_secs(10);
 /// Greatest time in which the host takes nothing of what it is sent.
 const STALL: Duration = Duration::from_secs(20);
-/// Time for an answer. Hosts read through a file before they answer, which a
-/// small computer takes a while for. Tests do not wait for it.
+/// Time for an answer. A host reads through a file before it answers, which
+/// takes a small computer a while. Tests wait for less.
 const ANSWER: Duration = Duration::from_secs(if cfg!(test) { 1 } else { 120 });
 /// Greatest number of bytes of an answer that are read. Lists of files are
 /// long.
@@ -33,7 +33,7 @@ pub(super) struct Client {
     key: Option<String>,
 }
 
-/// An answer that is no error of the transport.
+/// An answer of the host, whatever its status.
 pub(super) struct Answer {
     pub code: u16,
     /// The JSON in the answer; null if the answer has none.
@@ -229,7 +229,7 @@ impl Client {
         }
     }
 
-    /// A host's words, without the key, which some repeat.
+    /// A host's words without the key, since some hosts repeat it.
     fn said(&self, text: &str) -> String {
         match &self.key {
             Some(key) if !key.is_empty() => {
@@ -315,8 +315,10 @@ impl Answer {
         let said = places.iter().find_map(|p| self.json.pointer(p)?.as_str());
         match (said, self.code) {
             (Some(said), code) => format!("{} ({code})", shortened(said)),
-            (None, 404) => "it does not know that (404)".to_owned(),
-            (None, 409) => "it is busy with another one (409)".to_owned(),
+            (None, 404) => "it has no such file or address (404)".to_owned(),
+            (None, 409) => {
+                "it is busy with another file or print (409)".to_owned()
+            }
             (None, 413) => "the file is too large (413)".to_owned(),
             (None, 415) => "it takes no such files (415)".to_owned(),
             (None, 507) => "it has no room left (507)".to_owned(),

@@ -7,7 +7,7 @@ use std::io;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum HostError {
-    /// The printer's address is none.
+    /// What is given as the printer's address is not an address.
     #[error(
         "{url} is no address of a printer: {why}; write it as in \
          http://octopi.local or http://192.168.1.20:7125"
@@ -18,38 +18,41 @@ pub(crate) enum HostError {
         /// What is wrong with it.
         why: String,
     },
-    /// The key is not there.
+    /// The environment variable that should hold the key is not set.
     #[error(
         "the key of {printer} is to come from the environment variable \
          {variable}, which is not set"
     )]
     NoKey {
-        /// Printer.
+        /// The printer's name.
         printer: String,
         /// The variable.
         variable: String,
     },
     /// The key cannot be sent.
-    #[error("the key of {printer} has characters that no key has")]
+    #[error(
+        "the key of {printer} has characters that no key has; enter it again \
+         with `isoslice printers add … --replace`"
+    )]
     BadKey {
-        /// Printer.
+        /// The printer's name.
         printer: String,
     },
     /// The certificate to be trusted cannot be read.
     #[error("{file} is no certificate (PEM): {why}")]
     Certificate {
-        /// File.
+        /// The file's path.
         file: String,
         /// What is wrong with it.
         why: String,
     },
-    /// Nobody answers.
+    /// Nothing answers at the address.
     #[error(
-        "cannot reach {host}: {why}; is it switched on, and is this the \
-         address?"
+        "cannot reach {host}: {why}; check that it is switched on, and that \
+         the address is right"
     )]
     Unreachable {
-        /// Address.
+        /// The host's address.
         host: String,
         /// The reason.
         why: String,
@@ -60,29 +63,29 @@ pub(crate) enum HostError {
          own, name it with `isoslice printers add … --ca FILE`"
     )]
     Tls {
-        /// Address.
+        /// The host's address.
         host: String,
         /// The reason.
         why: String,
     },
-    /// No answer in time.
+    /// The host gave no answer in time.
     #[error(
-        "{host} stopped answering ({why}); nothing was started; look whether \
-         it is still running, and try again"
+        "{host} stopped answering ({why}); no print was started; check that \
+         the host is running, and try again"
     )]
     Vanished {
-        /// Address.
+        /// The host's address.
         host: String,
         /// What was noticed.
         why: String,
     },
-    /// No answer to the order to print.
+    /// The host did not answer the order to print.
     #[error(
         "{host} did not answer when it was told to print ({why}); the print \
          may have begun: look at the printer before you send the file again"
     )]
     Unsure {
-        /// Address.
+        /// The host's address.
         host: String,
         /// What was noticed.
         why: String,
@@ -93,54 +96,55 @@ pub(crate) enum HostError {
          settings: enter it with `isoslice printers add … --replace`"
     )]
     Key {
-        /// Address.
+        /// The host's address.
         host: String,
         /// The program.
         kind: &'static str,
     },
     /// The address leads elsewhere, where the key must not go.
     #[error(
-        "{host} sends us on to {to}; if that is the printer, use its address"
+        "{host} redirects to {to}; if that is the printer, enter this address \
+         with `isoslice printers add … --replace`"
     )]
     Elsewhere {
-        /// Address.
+        /// The host's address.
         host: String,
         /// The other address.
         to: String,
     },
-    /// Something else answers.
+    /// Another program answers at the address.
     #[error(
-        "what answers at {host} is not {kind}: {why}; look at the address \
-         and its port"
+        "what answers at {host} is not {kind}: {why}; check the address and \
+         its port"
     )]
     Stranger {
-        /// Address.
+        /// The host's address.
         host: String,
         /// The expected program.
         kind: &'static str,
         /// What was odd.
         why: String,
     },
-    /// The host will not do it.
+    /// The host refuses what it was asked for.
     #[error("{host} refuses to {what}: {why}")]
     Refused {
-        /// Address.
+        /// The host's address.
         host: String,
         /// What the host was asked for.
         what: String,
         /// The host's words.
         why: String,
     },
-    /// There is no room.
+    /// The host has no room for the file.
     #[error(
         "{host} has room for {:.1} MB, and the file has {:.1} MB; remove \
          files there",
         *.free as f64 / 1e6, *.length as f64 / 1e6
     )]
     Full {
-        /// Address.
+        /// The host's address.
         host: String,
-        /// Room, bytes.
+        /// Room on the host, bytes.
         free: u64,
         /// Size of the file, bytes.
         length: u64,
@@ -151,22 +155,22 @@ pub(crate) enum HostError {
          without --start the file is only stored there"
     )]
     NotReady {
-        /// Address.
+        /// The host's address.
         host: String,
         /// What the printer is doing.
         state: String,
     },
-    /// Not all of it arrived.
+    /// Only a part of the file has arrived.
     #[error(
-        "of {name}, {there} of {length} bytes have arrived at {host}; it was \
-         not started; send it again"
+        "only {there} of {length} bytes of {name} have arrived at {host}; the \
+         print was not started; send the file again"
     )]
     Incomplete {
-        /// Address.
+        /// The host's address.
         host: String,
-        /// The file's name there.
+        /// The file's name on the host.
         name: String,
-        /// Bytes there.
+        /// Bytes that have arrived.
         there: u64,
         /// Bytes sent.
         length: u64,
@@ -174,7 +178,7 @@ pub(crate) enum HostError {
     /// The file cannot be read.
     #[error("cannot read {file}")]
     File {
-        /// File.
+        /// The file's path.
         file: String,
         /// The system's reason.
         source: io::Error,

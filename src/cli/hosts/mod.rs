@@ -5,10 +5,11 @@
 //! the printer's host, and a print begun if that was asked for; or a
 //! [`HostError`] that says what to do.
 //!
-//! A file is sent in four steps: is the host the expected one, does it take the
-//! key and have room; the upload; has all of it arrived; and only then the
-//! start, as a request of its own. So nothing half-sent is started, whatever
-//! happens on the way.
+//! A file is sent in four steps. First the host is asked whether it is the
+//! expected program, takes the key and has room. Then the file is uploaded, and
+//! the host is asked whether all of it has arrived. Only then is the print
+//! started, by a request of its own. So a file that has arrived in part is
+//! never printed, whatever happens on the way.
 //!
 //! Guaranteed: every request ends, with an answer or an error, within bounded
 //! time without progress; answers are read up to a bounded size and believed
@@ -32,6 +33,7 @@ mod tests;
 pub(crate) use book::{Key, Printer, PrinterBook};
 pub(crate) use error::HostError;
 
+use clap::ValueEnum;
 use client::Client;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -39,15 +41,19 @@ use std::io::{self, Read};
 use std::path::Path;
 
 /// The program that runs a printer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
+#[value(rename_all = "lower")]
 pub(crate) enum HostKind {
-    /// OctoPrint's REST interface, <https://docs.octoprint.org/en/master/api/>.
+    // Descriptions here would make clap print a list.
+    // OctoPrint's REST interface, <https://docs.octoprint.org/en/master/api/>.
     OctoPrint,
-    /// Moonraker, in front of Klipper, <https://moonraker.readthedocs.io>.
+    // Moonraker, in front of Klipper, <https://moonraker.readthedocs.io>.
     Moonraker,
-    /// Version 1 of PrusaLink's interface,
-    /// <https://github.com/prusa3d/Prusa-Link-Web/tree/master/spec>.
+    // Version 1 of PrusaLink's interface,
+    // <https://github.com/prusa3d/Prusa-Link-Web/tree/master/spec>.
     PrusaLink,
 }
 
@@ -91,7 +97,7 @@ pub(crate) struct Sending<'a> {
     pub name: &'a str,
     /// True if the host is to print the file.
     pub start: bool,
-    /// Told about progress: bytes sent, bytes in all.
+    /// Is called with the progress: bytes sent, and bytes in all.
     pub on_progress: &'a dyn Fn(u64, u64),
 }
 
@@ -169,7 +175,7 @@ pub(crate) fn send(
     send_from(printer, &mut file, length, sending)
 }
 
-/// Does what [`send`] does, from anything that holds `length` bytes.
+/// Sends what a reader of `length` bytes holds, as [`send`] does with a file.
 ///
 /// # Errors
 /// Those of [`send`].
@@ -229,19 +235,24 @@ pub(crate) fn send_from(
     })
 }
 
-/// A name that every host takes, in any of their addresses.
-fn plain_name(name: &str) -> String {
-    /// Greatest length of a name, characters; printers' screens show fewer.
-    const LONGEST: usize = 100;
+/// The first letters of a text, with underscores for those that an address or a
+/// header may not take.
+pub(crate) fn plain_letters(text: &str, most: usize) -> String {
     let letter = |c: char| match c {
         '-' | '_' | '.' => c,
         c if c.is_ascii_alphanumeric() => c,
         _ => '_',
     };
+    text.chars().take(most).map(letter).collect()
+}
+
+/// A name that every host takes, in any of their addresses.
+fn plain_name(name: &str) -> String {
+    /// Greatest length of a name, characters; printers' screens show fewer.
+    const LONGEST: usize = 100;
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, "gcode"));
-    let stem = stem.trim_start_matches('.').chars().take(LONGEST);
-    let stem: String = stem.map(letter).collect();
-    let extension: String = extension.chars().take(10).map(letter).collect();
+    let stem = plain_letters(stem.trim_start_matches('.'), LONGEST);
+    let extension = plain_letters(extension, 10);
     let stem = if stem.is_empty() { "part" } else { &stem };
     format!("{stem}.{extension}")
 }

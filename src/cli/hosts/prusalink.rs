@@ -86,8 +86,8 @@ impl Host for PrusaLink {
         let length = file.length;
         // PrusaLink on a Raspberry Pi looks for the file's kind in the wrong
         // place if the kind is not said (0.8.1). The header
-        // `Print-After-Upload` is left out: without it nothing is printed, and
-        // no server can misread its "no".
+        // `Print-After-Upload` is left out. Nothing is printed without it, and
+        // a server might misread it.
         let kind = if name.ends_with(".bgcode") {
             "application/octet-stream"
         } else {

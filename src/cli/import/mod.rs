@@ -220,8 +220,9 @@ impl Import {
             }
         }
         self.translation.settings = fine;
-        // A template that is not understood is kept as a comment, since half a
-        // start is worse than the firmware's own.
+        // A template that is not understood is kept as a comment: a start that
+        // is carried out in part is worse than the one that isoslice writes for
+        // the firmware.
         let wrong = try_templates(builder.settings());
         for error in wrong {
             let (taken, rest): (Vec<_>, Vec<_>) =

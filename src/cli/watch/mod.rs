@@ -100,8 +100,8 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
     enough_space()?;
     if args.model.is_stdin() {
         bail!(
-            "watch shows a model whenever its file changes, and standard \
-             input is none; name a file"
+            "watch shows a model again whenever its file changes; name a file \
+             instead of standard input"
         );
     }
     let job = Arc::new(Job {

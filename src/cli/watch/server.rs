@@ -1,9 +1,9 @@
 //! Answers the page's requests.
 //!
-//! Guaranteed: whatever is asked, by whomever, the answer takes bounded time and
-//! memory. No file of the user's is written for it, and the only ones read are the
-//! model, profiles and the infill's script, if a setting names one. What comes
-//! from the model leaves as JSON, which the page shows as text.
+//! Guaranteed: an answer takes bounded time and memory, whatever is asked and
+//! whoever asks. No request writes a file of the user's. The only files that
+//! are read are the model, profiles and the infill's script, if a setting names
+//! one. What comes from the model leaves as JSON, which the page shows as text.
 
 use super::guard::Guard;
 use super::session::{Look, Print, Sending, Session, State};
@@ -121,7 +121,7 @@ impl Site {
         let query = Query::of(uri.query().unwrap_or_default());
         let post = request.method() == Method::POST;
         if !post && request.method() != Method::GET {
-            let words = "there is only GET and POST".to_owned();
+            let words = "only GET and POST are allowed".to_owned();
             return Err((StatusCode::METHOD_NOT_ALLOWED, words));
         }
         match (post, below) {
@@ -139,7 +139,9 @@ impl Site {
             (true, "change") => self.change(request),
             (true, "send") => self.send(request),
             (true, "layer") => self.layer(request),
-            _ => Err((StatusCode::NOT_FOUND, "there is no such thing".into())),
+            _ => {
+                Err((StatusCode::NOT_FOUND, "this address is not known".into()))
+            }
         }
     }
 
@@ -307,7 +309,7 @@ impl Site {
                 .clone()
                 .filter(|print| current && print.revision == order.print);
             let print = print.ok_or_else(|| {
-                refuse("there is a newer part by now; look at it first")
+                refuse("the part has changed since; look at the new one first")
             })?;
             if state.sending.busy {
                 return Err(refuse("another file is on its way"));
@@ -371,8 +373,8 @@ fn send(
         && *wanted != print.printer_model
     {
         bail!(
-            "the part was sliced for another printer, {}, and {} is {wanted}; \
-             choose the right one",
+            "the part was sliced for another printer ({}) than {} \
+             ({wanted}); choose the right one",
             print.printer_model,
             printer.name
         );
@@ -402,14 +404,17 @@ const RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 fn not_yet() -> (StatusCode, String) {
-    (StatusCode::NOT_FOUND, "that is not there yet".to_owned())
+    (
+        StatusCode::NOT_FOUND,
+        "this has not been made yet".to_owned(),
+    )
 }
 
 /// The JSON that a request brings.
 fn body(request: &mut Request<Body>) -> Result<Vec<u8>, (StatusCode, String)> {
     let kind = request.headers().get(CONTENT_TYPE);
     if kind.is_none_or(|kind| kind != "application/json") {
-        let words = "changes are JSON".to_owned();
+        let words = "changes have to be JSON".to_owned();
         return Err((StatusCode::UNSUPPORTED_MEDIA_TYPE, words));
     }
     let mut bytes = Vec::new();
@@ -417,7 +422,7 @@ fn body(request: &mut Request<Body>) -> Result<Vec<u8>, (StatusCode, String)> {
     let read = { read }.read_to_end(&mut bytes);
     read.map_err(|error| (StatusCode::BAD_REQUEST, error.to_string()))?;
     if bytes.len() as u64 > LARGEST_BODY {
-        let words = "that is more than 1 MB".to_owned();
+        let words = "a request may have at most 1 MB".to_owned();
         return Err((StatusCode::PAYLOAD_TOO_LARGE, words));
     }
     Ok(bytes)
@@ -442,12 +447,7 @@ fn as_file(
     extension: &str,
 ) -> Response<Body> {
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
-    let letter = |c: char| match c {
-        '-' | '_' | '.' => c,
-        c if c.is_ascii_alphanumeric() => c,
-        _ => '_',
-    };
-    let stem: String = stem.chars().take(100).map(letter).collect();
+    let stem = hosts::plain_letters(stem, 100);
     let value = format!("attachment; filename=\"{stem}.{extension}\"");
     if let Ok(value) = HeaderValue::try_from(value) {
         response.headers_mut().insert(CONTENT_DISPOSITION, value);
@@ -485,7 +485,7 @@ impl Query<'_> {
         if self.number(name, -1.0)? == revision as f64 {
             return Ok(());
         }
-        let words = "there is a newer one by now".to_owned();
+        let words = "this is no longer the newest one".to_owned();
         Err((StatusCode::CONFLICT, words))
     }
 }

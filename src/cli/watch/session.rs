@@ -48,9 +48,11 @@ pub(super) struct State {
     pub model: Option<Arc<Shown>>,
     pub print: Option<Arc<Print>>,
     /// Height of the layer that a page shows, mm; none if no page has told of
-    /// one. Of several pages the last word counts.
+    /// one. If several pages are open, the one that told of its layer last
+    /// counts.
     pub layer: Option<f64>,
-    /// That layer of the newest model, until all of it is sliced.
+    /// The layer at [`State::layer`] of the newest model, until the whole model
+    /// is sliced.
     pub glimpse: Option<Arc<Glimpse>>,
     /// Files that the model and its settings were read from.
     pub files: Vec<PathBuf>,

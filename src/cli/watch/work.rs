@@ -1,7 +1,8 @@
 //! The work behind the page: read, draw, slice, over and over.
 //!
-//! The wish may change at any time; work that is then in vain is stopped. If
-//! there is an error, the page shows it beside the model that was made last.
+//! What is to be shown may change at any time, and work that is then in vain is
+//! stopped. If there is an error, the page shows it beside the model that was
+//! made last.
 
 use super::choice::Choice;
 use super::session::{
@@ -120,7 +121,8 @@ fn make(
     let settings = &gathered.settings;
     let model = match choice.model(&job.model).load(settings) {
         Ok(model) => model,
-        // What the command line sets and no script ever had is a mistake.
+        // A parameter that the command line sets and no version of the script
+        // had is a mistake.
         Err(error) => match still_there(&error, choice)
             .filter(|_| session.lock().model.is_some())
         {
@@ -194,9 +196,9 @@ fn moves(
     Ok(path.with_settings(settings).live_moves(name)?)
 }
 
-/// The layer of a new model that a page shows, if it is quickly made. It lacks
-/// only its revision and that of the model. If something is wrong, slicing all of
-/// the model tells of it.
+/// The layer of a new model that a page shows, if it is quickly made. The
+/// revisions of the layer and of the model are still to be filled in. An error
+/// is not reported, since slicing the whole model reports it.
 fn glimpse(
     session: &Session,
     job: &Job,
@@ -238,7 +240,7 @@ fn show(
     wanted: u64,
 ) -> anyhow::Result<Arc<Shown>> {
     let look = session.lock().look;
-    // A rough picture is there before anybody asks for it, unless a page shows a
+    // A rough picture is drawn before a page asks for it, unless a page shows a
     // layer instead.
     let picture = glimpse
         .is_none()

@@ -20,10 +20,7 @@ fn density_is_the_share_of_the_volume_in_beads() {
                     let turn = |step: f64| (step * f64::from(k)).fract();
                     let aside = 40.0 * DVec2::new(turn(0.755), turn(0.570));
                     let site = Site {
-                        part: Rect {
-                            min: HERE.part.min + aside,
-                            max: HERE.part.max + aside,
-                        },
+                        part: HERE.part.moved(aside),
                         ..HERE
                     };
                     // Both directions of alternating lines are there equally

@@ -1,6 +1,7 @@
 //! Islands: apart, and inside one another.
 
 use super::*;
+use crate::plane::shapes::{moved, square_ring};
 
 /// Squares inside one another, each a frame 3 mm thick and 3 mm from the next.
 fn nested() -> Area {
@@ -11,9 +12,7 @@ fn nested() -> Area {
         }
         ring
     });
-    Area {
-        rings: rings.collect(),
-    }
+    rings.collect()
 }
 
 #[test]
@@ -80,15 +79,8 @@ fn islands_in_each_other_s_boxes_are_filled_once() {
 fn islands_continue_each_other() {
     // Two squares beside each other get the lines that one square around both
     // gets.
-    let shifted = |x: f64| Area {
-        rings: square(12.0)
-            .rings
-            .into_iter()
-            .map(|r| r.into_iter().map(|p| p + DVec2::new(x, 0.0)).collect())
-            .collect(),
-    };
-    let mut both = shifted(-20.0);
-    both.rings.extend(shifted(20.0).rings);
+    let shifted = |x: f64| moved(square_ring(12.0), x, 0.0);
+    let both = Area::from_iter([shifted(-20.0), shifted(20.0)]);
     for kind in InfillPattern::ALL {
         if kind == InfillPattern::Concentric {
             continue;

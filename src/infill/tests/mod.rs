@@ -33,10 +33,7 @@ fn block() -> Model {
 }
 
 const HERE: Site = Site {
-    part: Rect {
-        min: DVec2::splat(-50.0),
-        max: DVec2::splat(50.0),
-    },
+    part: Rect::new(DVec2::splat(-50.0), DVec2::splat(50.0)),
     height: 100.0,
     bed: DVec2::ZERO,
     origin: DVec2::ZERO,
@@ -78,13 +75,11 @@ fn spread(number: usize) -> Target {
 /// Length of what the beads of some layers have inside a box.
 fn length_within(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    let window = Area {
-        rings: vec![
-            corners
-                .map(|(x, y)| middle + half * DVec2::new(x, y))
-                .to_vec(),
-        ],
-    };
+    let window = Area::from(
+        corners
+            .map(|(x, y)| middle + half * DVec2::new(x, y))
+            .to_vec(),
+    );
     let border = Border::new(&window);
     let mut cutter = crate::plane::border::Cutter::new(&border);
     for bead in layers.iter().flatten() {

@@ -121,10 +121,7 @@ fn angle_phase_and_centre_move_the_pattern() {
         };
         let aside = DVec2::new(0.7, 0.4);
         let part_aside = Site {
-            part: Rect {
-                min: HERE.part.min + aside,
-                max: HERE.part.max + aside,
-            },
+            part: HERE.part.moved(aside),
             ..HERE
         };
         let bed_aside = Site { bed: aside, ..HERE };

@@ -88,10 +88,7 @@ impl<'a> Stages<'a> {
         gauge: Gauge<'a>,
         spans: &'a [LayerSpan],
     ) -> Result<Self, SliceError> {
-        let rect = Rect {
-            min: model.bounds.min.truncate(),
-            max: model.bounds.max.truncate(),
-        };
+        let rect = model.bounds.from_above();
         let spacing = settings.sample_spacing;
         let make = |depth: Mm| field(&model.tree, depth, rect, spacing);
         let field = make(0.0)?;
@@ -129,10 +126,7 @@ impl<'a> Stages<'a> {
     /// A rectangle of the bed in the model's coordinates.
     fn in_model(&self, on_bed: Rect) -> Rect {
         let offset = self.model.offset.truncate();
-        Rect {
-            min: on_bed.min - offset,
-            max: on_bed.max - offset,
-        }
+        Rect::new(on_bed.min - offset, on_bed.max - offset)
     }
 
     /// The site from which fillings of supports are laid out.

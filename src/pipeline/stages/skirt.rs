@@ -6,8 +6,8 @@ use crate::bead::Bead;
 use crate::layers::LayerSpan;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::Layer;
-use crate::plane::Area;
 use crate::plane::clip::union;
+use crate::plane::{Area, Ring};
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
@@ -68,9 +68,8 @@ impl Stages<'_> {
         part: &[DVec2],
     ) -> Vec<Area> {
         let offset = self.model.offset.truncate();
-        let part = Area {
-            rings: vec![part.iter().map(|p| p - offset).collect()],
-        };
+        let ring: Ring = part.iter().map(|p| p - offset).collect();
+        let part = Area::from(ring);
         let supports = spans.iter();
         let supports = supports.filter_map(|s| self.support_area(s.index));
         std::iter::once(part).chain(supports).collect()

@@ -9,13 +9,11 @@
 //! | `mod` | what is inside, what a segment crosses |
 //! | `near` | what is near to a segment, or meets a box |
 //! | `nearest` | what is nearest to a point |
-//! | `sieve` | for `near` and `nearest`: which edges need not be looked at |
 //! | `segment` | distances and crossings of single segments |
 
 mod near;
 mod nearest;
 mod segment;
-mod sieve;
 
 pub(crate) use isocontour::plane::nearest_on;
 
@@ -23,8 +21,6 @@ use super::{Area, Rect, Ring};
 use crate::units::Mm;
 use glam::DVec2;
 use segment::{crossing, is_left};
-use sieve::Sieve;
-use std::sync::OnceLock;
 
 /// Edges by the cells they pass through.
 ///
@@ -48,8 +44,6 @@ pub(crate) struct EdgeGrid {
     /// Where each cell's edges begin in `members`; one more than cells.
     starts: Vec<u32>,
     members: Vec<u32>,
-    /// The sieve is made when it is first asked: many grids never are.
-    sieve: OnceLock<Sieve>,
 }
 
 /// Greatest number of cells per edge. A finer grid costs memory and saves
@@ -124,7 +118,7 @@ impl EdgeGrid {
         let bounds = Rect::around(&points);
         let (origin, size) = match count {
             0 => (DVec2::ZERO, DVec2::ZERO),
-            _ => (bounds.min, bounds.max - bounds.min),
+            _ => (bounds.min, bounds.size()),
         };
         let limit = CELLS_PER_EDGE * count as f64 + 16.0;
         let even = (size.x * size.y / limit).sqrt();
@@ -142,7 +136,6 @@ impl EdgeGrid {
             rows,
             starts: Vec::new(),
             members: Vec::new(),
-            sieve: OnceLock::new(),
         };
         // Count, sum up, then fill from the back of each cell's share.
         let mut starts = vec![0; columns * rows + 1];
@@ -160,16 +153,6 @@ impl EdgeGrid {
         grid.starts = starts;
         grid.members = members;
         grid
-    }
-
-    /// The sieve, which tells which edges need not be looked at.
-    fn sieve(&self) -> &Sieve {
-        self.sieve.get_or_init(|| {
-            let edges = self.members.iter().map(|&m| self.edge(m as usize));
-            let size = DVec2::new(self.columns as f64, self.rows as f64);
-            let count = self.members.len();
-            Sieve::new(edges, count, self.origin, self.cell * size)
-        })
     }
 
     /// The cells of all edges, with the edges' numbers.

@@ -1,8 +1,7 @@
 //! Which edges come close to a segment, or meet a box.
 
 use super::EdgeGrid;
-use super::segment::closer;
-use super::sieve::{LANES, each};
+use super::segment::{box_meets, closer};
 use crate::plane::Rect;
 use crate::units::Mm;
 use glam::DVec2;
@@ -42,14 +41,6 @@ impl EdgeGrid {
         let (first, last) = (self.row(lo.y), self.row(hi.y));
         // If the segment is long, the columns near it differ from row to row.
         let long = (high.x - low.x).abs() > self.cell && last > first;
-        // Around a short segment a circle is as good as a box.
-        let half = 0.5 * a.distance(b);
-        let short = half < distance;
-        let around = distance + half;
-        let sieve = self.sieve();
-        let query = sieve.query(a.midpoint(b), around);
-        let around = around * around;
-        let frame = (!short).then(|| sieve.frame(lo, hi));
         let slope = (high.x - low.x) / (high.y - low.y);
         let columns = |row: usize| {
             // The stretch of the segment that is near this row. Rows at the
@@ -73,17 +64,12 @@ impl EdgeGrid {
             let (c0, c1) = if long { columns(row) } else { all };
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
-            let mut visit = |i: usize| {
-                let m = self.members[i] as usize;
-                let (c, d) = self.edge(m);
-                !closer(a, b, c, d, limit) || visit(m)
-            };
-            for k in (from..to).step_by(LANES) {
-                let near = match &frame {
-                    None => sieve.near(k, &query, around),
-                    Some(frame) => sieve.meets(k, frame),
-                };
-                if !each(near, k, to, &mut visit) {
+            for &m in &self.members[from..to] {
+                let (c, d) = self.edge(m as usize);
+                if box_meets(c, d, lo, hi)
+                    && closer(a, b, c, d, limit)
+                    && !visit(m as usize)
+                {
                     return;
                 }
             }
@@ -102,13 +88,15 @@ impl EdgeGrid {
         self.visit_edges_near(a, b, distance, |edge| visit(self.owner(edge)));
     }
 
-    /// True if the box around some edge meets the box.
+    /// True if some edge meets the box. It may be true as well if only the box
+    /// around an edge meets it.
     pub(crate) fn meets(&self, rect: Rect) -> bool {
         self.any_in_box(rect.min, rect.max, |_| true)
     }
 
-    /// Calls `visit` with the number of every edge whose box meets the box from
-    /// `lo` to `hi`. It may name an edge more than once.
+    /// Calls `visit` with the number of every edge that meets the box from `lo`
+    /// to `hi`. It may name an edge more than once, and also edges of which only
+    /// the box around them meets it.
     pub(crate) fn visit_box(
         &self,
         lo: DVec2,
@@ -121,8 +109,8 @@ impl EdgeGrid {
         });
     }
 
-    /// Looks for an edge whose box meets the box from `lo` to `hi` and for
-    /// which `test` is true.
+    /// Looks for an edge that meets the box from `lo` to `hi`, as `visit_box`
+    /// does, and for which `test` is true.
     fn any_in_box(
         &self,
         lo: DVec2,
@@ -133,23 +121,12 @@ impl EdgeGrid {
             return false;
         }
         let (c0, c1) = (self.column(lo.x), self.column(hi.x));
-        let sieve = self.sieve();
-        let frame = sieve.frame(lo, hi);
         for row in self.row(lo.y)..=self.row(hi.y) {
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
-            let mut goes_on = |i: usize| {
-                let m = self.members[i] as usize;
-                let (c, d) = self.edge(m);
-                let meets = (c.x <= hi.x || d.x <= hi.x)
-                    && (c.x >= lo.x || d.x >= lo.x)
-                    && (c.y <= hi.y || d.y <= hi.y)
-                    && (c.y >= lo.y || d.y >= lo.y);
-                !(meets && test(m))
-            };
-            for k in (from..to).step_by(LANES) {
-                let near = sieve.meets(k, &frame);
-                if !each(near, k, to, &mut goes_on) {
+            for &m in &self.members[from..to] {
+                let (c, d) = self.edge(m as usize);
+                if box_meets(c, d, lo, hi) && test(m as usize) {
                     return true;
                 }
             }

@@ -2,7 +2,6 @@
 
 use super::EdgeGrid;
 use super::nearest_on;
-use super::sieve::{LANES, Query, each};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -52,7 +51,6 @@ impl EdgeGrid {
             return None;
         }
         let mut found = Nearest::new(p, reach);
-        let query = self.sieve().query(p, reach);
         // Look at the row with the point first, then at the rows on either
         // side: what is near the point may rule out all others.
         let (low, high) = (self.row(p.y - reach), self.row(p.y + reach));
@@ -61,16 +59,16 @@ impl EdgeGrid {
         // row, which would give fewer columns, takes longer than the edges in
         // the extra ones.
         let columns = (self.column(p.x - reach), self.column(p.x + reach) + 1);
-        found.look(self, &query, own, columns, 0.0);
+        found.look(self, own, columns, 0.0);
         // Edges outside the grid are in the cells at its border.
         let side = |row: usize| self.origin.y + row as f64 * self.cell;
         for row in own + 1..=high {
-            if !found.look(self, &query, row, columns, side(row) - p.y) {
+            if !found.look(self, row, columns, side(row) - p.y) {
                 break;
             }
         }
         for row in (low..own).rev() {
-            if !found.look(self, &query, row, columns, p.y - side(row + 1)) {
+            if !found.look(self, row, columns, p.y - side(row + 1)) {
                 break;
             }
         }
@@ -124,7 +122,6 @@ impl Nearest {
     fn look(
         &mut self,
         grid: &EdgeGrid,
-        query: &Query,
         row: usize,
         columns: (usize, usize),
         off: Mm,
@@ -137,13 +134,8 @@ impl Nearest {
         let from = grid.starts[first + columns.0];
         let to = grid.starts[first + columns.1];
         let (from, to) = (from as usize, to as usize);
-        let sieve = grid.sieve();
-        for k in (from..to).step_by(LANES) {
-            let near = sieve.near(k, query, self.limit);
-            each(near, k, to, |i| {
-                self.ask(grid, grid.members[i]);
-                true
-            });
+        for &edge in &grid.members[from..to] {
+            self.ask(grid, edge);
         }
         true
     }

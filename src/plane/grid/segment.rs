@@ -2,6 +2,16 @@
 
 use glam::DVec2;
 
+/// True if the box around the segment from `c` to `d` meets the box from `lo` to
+/// `hi`.
+#[inline]
+pub(super) fn box_meets(c: DVec2, d: DVec2, lo: DVec2, hi: DVec2) -> bool {
+    (c.x <= hi.x || d.x <= hi.x)
+        && (c.x >= lo.x || d.x >= lo.x)
+        && (c.y <= hi.y || d.y <= hi.y)
+        && (c.y >= lo.y || d.y >= lo.y)
+}
+
 /// True if two segments come closer to each other than the root of `limit`.
 #[inline]
 pub(super) fn closer(

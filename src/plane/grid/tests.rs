@@ -23,9 +23,7 @@ fn clearance_of_a_star() {
             DVec2::from_angle(turn) * r
         })
         .collect();
-    let area = Area {
-        rings: vec![ring.clone()],
-    };
+    let area = Area::from(ring.clone());
     let grid = EdgeGrid::new(&area, 0.3);
     for i in 0..300 {
         let a = DVec2::new(f64::from(i % 20) - 10.0, f64::from(i / 15) - 9.7);
@@ -50,9 +48,7 @@ fn inside_crossings_and_nearest_agree_with_the_area() {
         .collect();
     let mut hole: Vec<DVec2> = ring.iter().map(|p| p * 0.4).collect();
     hole.reverse();
-    let area = Area {
-        rings: vec![ring, hole],
-    };
+    let area = Area::from_iter([ring, hole]);
     let grid = EdgeGrid::new(&area, 0.5);
     for i in 0..441 {
         let p = DVec2::new(f64::from(i % 21), f64::from(i / 21)) * 1.04 - 10.4;
@@ -83,4 +79,53 @@ fn inside_crossings_and_nearest_agree_with_the_area() {
 fn nothing_is_near_an_empty_area() {
     let grid = EdgeGrid::new(&Area::EMPTY, 1.0);
     assert!(grid.clear(DVec2::ZERO, DVec2::ONE, 100.0));
+}
+
+/// Edges of all lengths, far from the origin, and one without length.
+fn uneven_edges() -> Vec<(DVec2, DVec2)> {
+    let corner = DVec2::new(1200.0, -700.0);
+    (0..400)
+        .map(|i| {
+            let i = f64::from(i);
+            let a = DVec2::new((37.0 * i) % 19.3, (53.0 * i) % 17.9);
+            let by = DVec2::from_angle(i) * 10f64.powf(i % 9.0 - 7.0);
+            (corner + a, corner + a + by)
+        })
+        .chain([(corner, corner)])
+        .collect()
+}
+
+#[test]
+fn no_edge_is_missed_however_short_it_is() {
+    let edges = uneven_edges();
+    for cell in [0.05, 0.6, 7.0] {
+        let grid = EdgeGrid::of(edges.iter().copied().enumerate(), cell);
+        for i in 0..200 {
+            let place = DVec2::new(f64::from(i % 20), f64::from(i / 20 * 2));
+            let p = edges[400].0 + place - 0.3;
+            let far =
+                |&(a, b): &(DVec2, DVec2)| p.distance(nearest_on(p, a, b));
+            let least = edges.iter().map(far).fold(f64::INFINITY, f64::min);
+            for reach in [0.9 * least, 1.1 * least, 3.0] {
+                let found =
+                    grid.nearest_edge(p, reach).map(|f| p.distance(f.1));
+                let expected = (least < reach).then_some(least);
+                assert_eq!(found, expected, "{p} {reach}");
+                let mut near = vec![false; edges.len()];
+                grid.visit_near(p, p, reach, |owner| near[owner] = true);
+                let (lo, hi) = (p - reach, p + 0.7 * reach);
+                let mut boxed = vec![false; edges.len()];
+                grid.visit_box(lo, hi, |edge| boxed[grid.owner(edge)] = true);
+                for (k, edge) in edges.iter().enumerate() {
+                    assert_eq!(near[k], far(edge) < reach, "{edge:?} {p}");
+                    let Rect { min, max } = Rect::around(&[edge.0, edge.1]);
+                    let apart = min.cmpgt(hi) | max.cmplt(lo);
+                    assert!(!boxed[k] || !apart.any(), "{edge:?} {p}");
+                    let q = nearest_on(p, edge.0, edge.1);
+                    let meets = q.cmpge(lo) & q.cmple(hi);
+                    assert!(boxed[k] || !meets.all(), "{edge:?} {p}");
+                }
+            }
+        }
+    }
 }

@@ -3,7 +3,7 @@
 
 use super::round;
 use crate::settings::{
-    BrimPlace, DraftShield, InfillMode, InterfacePattern, Settings, Supports,
+    BrimPlace, DraftShield, InfillMode, Settings, SkinPattern, Supports,
     Varying, WallOrder,
 };
 
@@ -296,7 +296,7 @@ fn supports_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     }
     idle.warn(
         "support.interface_angle",
-        s.support.interface_pattern == InterfacePattern::Concentric,
+        s.support.interface_pattern == SkinPattern::Concentric,
         "support.interface_angle has no effect on \
          support.interface_pattern = concentric; set that to \"lines\""
             .to_owned(),

@@ -33,6 +33,7 @@ mod undefined;
 
 use crate::cancel::{Cancel, Cancelled};
 use crate::expand::{ExpandError, expand};
+use crate::plane::Rect;
 use crate::program::Program;
 use fidget::context::Tree;
 use glam::DVec3;
@@ -52,6 +53,11 @@ impl Bounds {
     /// Extent along each axis.
     pub fn size(&self) -> DVec3 {
         self.max - self.min
+    }
+
+    /// The box as seen from above.
+    pub fn from_above(&self) -> Rect {
+        Rect::new(self.min.truncate(), self.max.truncate())
     }
 
     /// The middle.

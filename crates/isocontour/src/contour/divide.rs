@@ -105,10 +105,7 @@ impl Patch {
     }
 
     fn cell(&self, a: usize, b: usize) -> Rect {
-        Rect {
-            min: self.point(a, b),
-            max: self.point(a + 1, b + 1),
-        }
+        Rect::new(self.point(a, b), self.point(a + 1, b + 1))
     }
 
     /// Distance of the patch's nodes.
@@ -373,7 +370,7 @@ fn connect(
     for (cell, p) in cells.iter().zip(patches) {
         for (a, b) in all().filter(|&(a, b)| matches!(case(p, a, b), 5 | 10)) {
             let r = p.cell(a, b);
-            scratch.push(0.5 * (r.min + r.max), z[cell.layer]);
+            scratch.push(r.centre(), z[cell.layer]);
         }
     }
     let mut centres = Vec::new();

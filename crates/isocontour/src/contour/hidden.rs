@@ -117,10 +117,7 @@ impl Search<'_> {
             let (x, y) = (self.lattice.x[i], self.lattice.y[j]);
             DVec2::new(f64::from(x), f64::from(y))
         };
-        Rect {
-            min: node(i, j),
-            max: node(i + size, j + size),
-        }
+        Rect::new(node(i, j), node(i + size, j + size))
     }
 
     fn height(&self, owner: Place) -> f32 {
@@ -161,7 +158,7 @@ impl Search<'_> {
         }
         self.scratch.clear();
         for p in parts {
-            let centre = 0.5 * (p.area.min + p.area.max);
+            let centre = p.area.centre();
             self.scratch
                 .push(centre, self.z[self.leaves[p.owner.0].layer]);
         }
@@ -231,10 +228,7 @@ fn quarters(part: &Part) -> [Part; 4] {
         Part {
             owner: part.owner,
             inside: part.inside,
-            area: Rect {
-                min: DVec2::new(x[0], y[0]),
-                max: DVec2::new(x[1], y[1]),
-            },
+            area: Rect::new(DVec2::new(x[0], y[0]), DVec2::new(x[1], y[1])),
         }
     })
 }

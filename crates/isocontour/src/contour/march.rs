@@ -314,10 +314,7 @@ impl<'a> Marcher<'a> {
             chords.push(Chord {
                 from,
                 to,
-                cell: Rect {
-                    min: node(i, j),
-                    max: node(i + 1, j + 1),
-                },
+                cell: Rect::new(node(i, j), node(i + 1, j + 1)),
                 // The division of the cell will find the corner.
                 beyond: 0.0,
                 z: self.z[s.layer],

@@ -247,10 +247,7 @@ mod tests {
         let (x, y, z) = Tree::axes();
         let ball = (x.square() + y.square() + z.square()).sqrt() - 8.0;
         let half = DVec2::splat(11.0);
-        let bounds = Rect {
-            min: -half,
-            max: half,
-        };
+        let bounds = Rect::new(-half, half);
         let field = Field::new(&(ball.abs() - 1.5), 0.0, bounds, SPACING);
         let field = field.unwrap();
         let detail = Detail {

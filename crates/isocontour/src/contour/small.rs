@@ -20,7 +20,7 @@ use glam::DVec2;
 /// True if a ring is to be left out.
 fn is_small(ring: &[DVec2], detail: Detail) -> bool {
     let r = Rect::around(ring);
-    let extent = (r.max - r.min).max_element();
+    let extent = r.size().max_element();
     if extent < detail.smallest {
         return true;
     }

@@ -391,7 +391,7 @@ impl Round<'_> {
             self.scratch.push(0.5 * (o.a.point + c.point), z);
             self.scratch.push(0.5 * (o.b.point + c.point), z);
             if let Some([i, j]) = c.beside {
-                let size = cell.max - cell.min;
+                let size = cell.size();
                 let min =
                     cell.min + size * DVec2::new(f64::from(i), f64::from(j));
                 for (di, dj) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
@@ -544,11 +544,8 @@ impl Round<'_> {
 /// The box in which the outline may be followed.
 fn grown(chord: &Chord) -> Rect {
     let Chord { cell, beyond, .. } = *chord;
-    let pad = beyond * (cell.max - cell.min);
-    Rect {
-        min: cell.min - pad,
-        max: cell.max + pad,
-    }
+    let pad = beyond * cell.size();
+    Rect::new(cell.min - pad, cell.max + pad)
 }
 
 /// The corner that follows from the gradients at a chord's ends. None if it
@@ -568,7 +565,7 @@ fn candidate(o: &Open, chord: &Chord) -> Option<Candidate> {
     let along = u.perp();
     let point = p.point + along * (v.dot(chord) / v.dot(along));
     let height = chord.perp_dot(point - p.point).abs() / chord.length();
-    let size = cell.max - cell.min;
+    let size = cell.size();
     let at = ((point - cell.min) / size).floor();
     let free = at.abs().max_element() <= beyond;
     let near = free || at.abs().element_sum() <= 1.0;

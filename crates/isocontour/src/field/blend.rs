@@ -135,11 +135,8 @@ mod tests {
 
     #[test]
     fn values_are_the_same_to_the_last_bit() {
-        let mut seed = 11u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (seed >> 40) as f32 / (1u64 << 24) as f32
-        };
+        let mut rng = fastrand::Rng::with_seed(11);
+        let mut random = || rng.f32();
         for apart in [3.0, 9.0, 14.0, 20.0] {
             let [plain, with] = functions(&balls(apart));
             let points: [Vec<f32>; 3] = std::array::from_fn(|_| {

@@ -218,11 +218,8 @@ mod tests {
     #[test]
     fn ranges_hold_the_values_and_simpler_tapes_agree() {
         let mut ranges = Boxes::default();
-        let mut seed = 5u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (seed >> 40) as f32 / (1u64 << 24) as f32
-        };
+        let mut rng = fastrand::Rng::with_seed(5);
+        let mut random = || rng.f32();
         let mut simplified = 0;
         for (k, tree) in everything().iter().enumerate() {
             let f = function(tree);
@@ -278,11 +275,8 @@ mod tests {
     /// slopes allow.
     #[test]
     fn slopes_hold_the_differences() {
-        let mut seed = 7u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (seed >> 40) as f32 / (1u64 << 24) as f32
-        };
+        let mut rng = fastrand::Rng::with_seed(7);
+        let mut random = || rng.f32();
         let (mut bounded, mut total) = (0, 0);
         for (k, tree) in everything().iter().enumerate() {
             let mut ctx = Context::new();

@@ -29,7 +29,7 @@ impl Lattice {
     /// # Errors
     /// If the lattice would have more edges than fit a `u32`.
     pub fn over(bounds: Rect, spacing: Length) -> Result<Lattice, FieldError> {
-        let size = bounds.max - bounds.min;
+        let size = bounds.size();
         let leaves = |extent: f64| (extent / spacing + 3.0) / LEAF as f64;
         let cells = [leaves(size.x), leaves(size.y)].map(|n| n.ceil() * 8.0);
         // Two edges start at each node. One number means that there is no edge.
@@ -80,10 +80,7 @@ mod tests {
 
     #[test]
     fn the_box_is_covered_with_a_margin() {
-        let bounds = Rect {
-            min: DVec2::new(-3.0, 10.0),
-            max: DVec2::new(5.05, 10.2),
-        };
+        let bounds = Rect::new(DVec2::new(-3.0, 10.0), DVec2::new(5.05, 10.2));
         let l = Lattice::over(bounds, 0.1).unwrap();
         assert_eq!(l.width() % LEAF, 0);
         assert_eq!(l.height() % LEAF, 0);
@@ -94,15 +91,9 @@ mod tests {
 
     #[test]
     fn too_many_nodes_are_an_error() {
-        let bounds = Rect {
-            min: DVec2::ZERO,
-            max: DVec2::splat(1e5),
-        };
+        let bounds = Rect::new(DVec2::ZERO, DVec2::splat(1e5));
         assert!(Lattice::over(bounds, 0.1).is_err());
-        let nan = Rect {
-            min: DVec2::NAN,
-            max: DVec2::NAN,
-        };
+        let nan = Rect::new(DVec2::NAN, DVec2::NAN);
         assert!(Lattice::over(nan, 0.1).is_err());
     }
 }

@@ -59,25 +59,34 @@ impl<T: Component, const D: usize> Dual<T, D> {
     }
 
     #[inline(always)]
-    fn step(self, v: T) -> Self {
-        self.steps(self, v)
-    }
-
-    /// A number with the value `v`, made of two operands in an operation that
-    /// goes in steps.
-    #[inline(always)]
-    fn steps(self, o: Self, v: T) -> Self {
-        self.zip(o, v, |a, b| v.step(a, b))
-    }
-
-    #[inline(always)]
     fn unless_nan(self, a: T, b: T) -> Self {
         let v = self.v.unless_nan(a, b, f32::NAN);
         self.map(v, |d| d.unless_nan(a, b, 0.0))
     }
 }
 
+// Operations whose value goes in steps.
+macro_rules! stepped {
+    ($($name:ident)*) => {
+        $(#[inline(always)]
+        fn $name(self) -> Self {
+            let v = self.v.$name();
+            self.map(v, |a| v.step(a, a))
+        })*
+    };
+    ($($name:ident($o:ident))*) => {
+        $(#[inline(always)]
+        fn $name(self, $o: Self) -> Self {
+            let v = self.v.$name($o.v);
+            self.zip($o, v, |a, b| v.step(a, b))
+        })*
+    };
+}
+
 impl<T: Component, const D: usize> Number for Dual<T, D> {
+    stepped!(floor ceil round not rand);
+    stepped!(compare(o) mix(o));
+
     #[inline(always)]
     fn splat(v: f32) -> Self {
         Dual::flat(T::splat(v))
@@ -107,26 +116,6 @@ impl<T: Component, const D: usize> Number for Dual<T, D> {
     fn square(self) -> Self {
         let v = self.v.square();
         self.chain(v, self.v.add(self.v))
-    }
-    #[inline(always)]
-    fn floor(self) -> Self {
-        self.step(self.v.floor())
-    }
-    #[inline(always)]
-    fn ceil(self) -> Self {
-        self.step(self.v.ceil())
-    }
-    #[inline(always)]
-    fn round(self) -> Self {
-        self.step(self.v.round())
-    }
-    #[inline(always)]
-    fn not(self) -> Self {
-        self.step(self.v.not())
-    }
-    #[inline(always)]
-    fn rand(self) -> Self {
-        self.step(self.v.rand())
     }
     #[inline(always)]
     fn sin(self) -> Self {
@@ -205,14 +194,6 @@ impl<T: Component, const D: usize> Number for Dual<T, D> {
     fn modulo(self, o: Self) -> Self {
         let d = |a, b| self.v.wrap(o.v, a, b);
         self.zip(o, self.v.modulo(o.v), d)
-    }
-    #[inline(always)]
-    fn compare(self, o: Self) -> Self {
-        self.steps(o, self.v.compare(o.v))
-    }
-    #[inline(always)]
-    fn mix(self, o: Self) -> Self {
-        self.steps(o, self.v.mix(o.v))
     }
     #[inline(always)]
     fn min(self, o: Self) -> Self {

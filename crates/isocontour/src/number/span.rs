@@ -113,7 +113,40 @@ impl Span {
     }
 }
 
+// Functions that rise in steps.
+macro_rules! stepped {
+    ($($name:ident)*) => {
+        $(#[inline(always)]
+        fn $name(self) -> Self {
+            Span {
+                lo: map(self.lo, f64::$name),
+                hi: map(self.hi, f64::$name),
+            }
+        })*
+    };
+}
+
+// Functions that are left to intervals, box by box.
+macro_rules! box_by_box {
+    ($($name:ident)*) => {
+        $(#[inline(always)]
+        fn $name(self) -> Self {
+            self.each(self, |a, _| a.$name())
+        })*
+    };
+    ($($name:ident($o:ident))*) => {
+        $(#[inline(always)]
+        fn $name(self, $o: Self) -> Self {
+            self.each($o, Interval::$name)
+        })*
+    };
+}
+
 impl Number for Span {
+    stepped!(floor ceil round);
+    box_by_box!(tan asin acos atan not);
+    box_by_box!(atan2(o) modulo(o) compare(o) and(o) or(o));
+
     #[inline(always)]
     fn splat(v: f32) -> Self {
         Span {
@@ -163,27 +196,6 @@ impl Number for Span {
         }
     }
     #[inline(always)]
-    fn floor(self) -> Self {
-        Span {
-            lo: map(self.lo, f64::floor),
-            hi: map(self.hi, f64::floor),
-        }
-    }
-    #[inline(always)]
-    fn ceil(self) -> Self {
-        Span {
-            lo: map(self.lo, f64::ceil),
-            hi: map(self.hi, f64::ceil),
-        }
-    }
-    #[inline(always)]
-    fn round(self) -> Self {
-        Span {
-            lo: map(self.lo, f64::round),
-            hi: map(self.hi, f64::round),
-        }
-    }
-    #[inline(always)]
     fn sin(self) -> Self {
         let mut out = Span::UNKNOWN;
         for k in 0..BOXES {
@@ -219,22 +231,6 @@ impl Number for Span {
         .sin()
     }
     #[inline(always)]
-    fn tan(self) -> Self {
-        self.each(self, |a, _| a.tan())
-    }
-    #[inline(always)]
-    fn asin(self) -> Self {
-        self.each(self, |a, _| a.asin())
-    }
-    #[inline(always)]
-    fn acos(self) -> Self {
-        self.each(self, |a, _| a.acos())
-    }
-    #[inline(always)]
-    fn atan(self) -> Self {
-        self.each(self, |a, _| a.atan())
-    }
-    #[inline(always)]
     fn exp(self) -> Self {
         // The result is unknown where the series does not hold.
         self.rising(|v| {
@@ -249,10 +245,6 @@ impl Number for Span {
     fn ln(self) -> Self {
         let normal = |v: f64| (v > 1e-300) & (v < 1e300);
         self.rising(|v| if normal(v) { wide::ln(v) } else { f64::NAN })
-    }
-    #[inline(always)]
-    fn not(self) -> Self {
-        self.each(self, |a, _| a.not())
     }
     #[inline(always)]
     fn rand(self) -> Self {
@@ -299,18 +291,6 @@ impl Number for Span {
         self.mul(o.recip())
     }
     #[inline(always)]
-    fn atan2(self, o: Self) -> Self {
-        self.each(o, Interval::atan2)
-    }
-    #[inline(always)]
-    fn modulo(self, o: Self) -> Self {
-        self.each(o, Interval::modulo)
-    }
-    #[inline(always)]
-    fn compare(self, o: Self) -> Self {
-        self.each(o, Interval::compare)
-    }
-    #[inline(always)]
     fn mix(self, _: Self) -> Self {
         Span::UNKNOWN
     }
@@ -324,14 +304,6 @@ impl Number for Span {
     fn max(self, o: Self) -> Self {
         let ends = |a: f64, b: f64| most(a, b) + 0.0 * (a + b);
         Span::sane(zip(self.lo, o.lo, ends), zip(self.hi, o.hi, ends))
-    }
-    #[inline(always)]
-    fn and(self, o: Self) -> Self {
-        self.each(o, Interval::and)
-    }
-    #[inline(always)]
-    fn or(self, o: Self) -> Self {
-        self.each(o, Interval::or)
     }
 }
 
@@ -417,11 +389,8 @@ mod tests {
     /// A box among others gets the range that it gets alone.
     #[test]
     fn ranges_are_those_of_the_boxes_on_their_own() {
-        let mut seed = 3u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (seed >> 40) as f64 / (1u64 << 24) as f64
-        };
+        let mut rng = fastrand::Rng::with_seed(3);
+        let mut random = || rng.f64();
         let (mut known, mut sloped) = (0, 0);
         for tree in everything() {
             let mut ctx = Context::new();

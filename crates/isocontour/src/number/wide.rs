@@ -231,42 +231,58 @@ impl Component for Wide {
     }
 }
 
+// An operation on each number alone, by its function of single numbers.
+macro_rules! each {
+    ($($name:ident = $f:expr;)*) => {
+        $(#[inline(always)]
+        fn $name(self) -> Self {
+            self.map($f)
+        })*
+    };
+    ($($name:ident($o:ident) = $f:expr;)*) => {
+        $(#[inline(always)]
+        fn $name(self, $o: Self) -> Self {
+            self.zip($o, $f)
+        })*
+    };
+}
+
 impl Number for Wide {
+    each! {
+        neg = |a| -a;
+        abs = f32::abs;
+        recip = |a| 1.0 / a;
+        sqrt = f32::sqrt;
+        square = |a| a * a;
+        floor = f32::floor;
+        ceil = f32::ceil;
+        round = f32::round;
+        asin = libm::asinf;
+        acos = libm::acosf;
+        atan = libm::atanf;
+        exp = exp_single;
+        ln = ln_single;
+        not = FloatExt::not;
+        rand = FloatExt::rand;
+    }
+    each! {
+        add(o) = |a, b| a + b;
+        sub(o) = |a, b| a - b;
+        mul(o) = |a, b| a * b;
+        div(o) = |a, b| a / b;
+        atan2(o) = libm::atan2f;
+        modulo(o) = f32::rem_euclid;
+        compare(o) = FloatExt::compare;
+        mix(o) = FloatExt::mix;
+        min(o) = min;
+        max(o) = max;
+        and(o) = |a, b| if a == 0.0 { a } else { b };
+        or(o) = |a, b| if a != 0.0 { a } else { b };
+    }
+
     #[inline(always)]
     fn splat(v: f32) -> Self {
         Wide([v; WIDTH])
-    }
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.map(|a| -a)
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.map(f32::abs)
-    }
-    #[inline(always)]
-    fn recip(self) -> Self {
-        self.map(|a| 1.0 / a)
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.map(f32::sqrt)
-    }
-    #[inline(always)]
-    fn square(self) -> Self {
-        self.map(|a| a * a)
-    }
-    #[inline(always)]
-    fn floor(self) -> Self {
-        self.map(f32::floor)
-    }
-    #[inline(always)]
-    fn ceil(self) -> Self {
-        self.map(f32::ceil)
-    }
-    #[inline(always)]
-    fn round(self) -> Self {
-        self.map(f32::round)
     }
     #[inline(always)]
     fn sin(self) -> Self {
@@ -281,84 +297,8 @@ impl Number for Wide {
         self.turn(|t| t.sin / t.cos, libm::tanf)
     }
     #[inline(always)]
-    fn asin(self) -> Self {
-        self.map(libm::asinf)
-    }
-    #[inline(always)]
-    fn acos(self) -> Self {
-        self.map(libm::acosf)
-    }
-    #[inline(always)]
-    fn atan(self) -> Self {
-        self.map(libm::atanf)
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        self.map(exp_single)
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        self.map(ln_single)
-    }
-    #[inline(always)]
-    fn not(self) -> Self {
-        self.map(FloatExt::not)
-    }
-    #[inline(always)]
-    fn rand(self) -> Self {
-        self.map(FloatExt::rand)
-    }
-    #[inline(always)]
-    fn add(self, o: Self) -> Self {
-        self.zip(o, |a, b| a + b)
-    }
-    #[inline(always)]
-    fn sub(self, o: Self) -> Self {
-        self.zip(o, |a, b| a - b)
-    }
-    #[inline(always)]
-    fn mul(self, o: Self) -> Self {
-        self.zip(o, |a, b| a * b)
-    }
-    #[inline(always)]
     fn scale(self, by: f32) -> Self {
         self.map(|a| a * by)
-    }
-    #[inline(always)]
-    fn div(self, o: Self) -> Self {
-        self.zip(o, |a, b| a / b)
-    }
-    #[inline(always)]
-    fn atan2(self, o: Self) -> Self {
-        self.zip(o, libm::atan2f)
-    }
-    #[inline(always)]
-    fn modulo(self, o: Self) -> Self {
-        self.zip(o, f32::rem_euclid)
-    }
-    #[inline(always)]
-    fn compare(self, o: Self) -> Self {
-        self.zip(o, FloatExt::compare)
-    }
-    #[inline(always)]
-    fn mix(self, o: Self) -> Self {
-        self.zip(o, FloatExt::mix)
-    }
-    #[inline(always)]
-    fn min(self, o: Self) -> Self {
-        self.zip(o, min)
-    }
-    #[inline(always)]
-    fn max(self, o: Self) -> Self {
-        self.zip(o, max)
-    }
-    #[inline(always)]
-    fn and(self, o: Self) -> Self {
-        self.zip(o, |a, b| if a == 0.0 { a } else { b })
-    }
-    #[inline(always)]
-    fn or(self, o: Self) -> Self {
-        self.zip(o, |a, b| if a != 0.0 { a } else { b })
     }
 }
 
@@ -419,13 +359,12 @@ mod tests {
                 count += 1;
             };
             awkward.into_iter().for_each(&mut check);
-            let mut seed = 1u64;
+            let mut rng = fastrand::Rng::with_seed(1);
             for _ in 0..300_000 {
-                seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
                 // Half of the numbers have any bits; the other half are numbers
                 // that occur.
-                check(f32::from_bits((seed >> 32) as u32));
-                check((seed >> 40) as f32 / (1 << 18) as f32 - 32.0);
+                check(f32::from_bits(rng.u32(..)));
+                check(64.0 * rng.f32() - 32.0);
             }
             assert!(rare * off < count, "{name}: {off} of {count}");
         }

@@ -29,6 +29,12 @@ impl Rect {
         max: DVec2::NEG_INFINITY,
     };
 
+    /// The box between two corners.
+    #[inline]
+    pub const fn new(min: DVec2, max: DVec2) -> Rect {
+        Rect { min, max }
+    }
+
     /// The smallest box around some points.
     #[inline]
     pub fn around<'a>(points: impl IntoIterator<Item = &'a DVec2>) -> Rect {
@@ -38,28 +44,37 @@ impl Rect {
     /// The smallest box around this one and a point.
     #[inline]
     pub fn with(self, p: DVec2) -> Rect {
-        Rect {
-            min: self.min.min(p),
-            max: self.max.max(p),
-        }
+        Rect::new(self.min.min(p), self.max.max(p))
     }
 
     /// The smallest box around both.
     #[inline]
     pub fn union(self, other: Rect) -> Rect {
-        Rect {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
+        Rect::new(self.min.min(other.min), self.max.max(other.max))
     }
 
     /// The box with a margin on all sides. A negative margin is taken away.
     #[inline]
     pub fn grown(self, by: Length) -> Rect {
-        Rect {
-            min: self.min - by,
-            max: self.max + by,
-        }
+        Rect::new(self.min - by, self.max + by)
+    }
+
+    /// The box at another place.
+    #[inline]
+    pub fn moved(self, by: DVec2) -> Rect {
+        Rect::new(self.min + by, self.max + by)
+    }
+
+    /// Width and depth.
+    #[inline]
+    pub fn size(self) -> DVec2 {
+        self.max - self.min
+    }
+
+    /// The middle.
+    #[inline]
+    pub fn centre(self) -> DVec2 {
+        self.min.midpoint(self.max)
     }
 
     /// True if the two boxes have a point in common.
@@ -123,12 +138,8 @@ impl Area {
     pub fn islands(&self) -> Vec<Area> {
         let (outers, holes): (Vec<&Ring>, Vec<&Ring>) =
             self.rings.iter().partition(|r| signed_area(r) > 0.0);
-        let mut islands: Vec<Area> = outers
-            .iter()
-            .map(|r| Area {
-                rings: vec![(*r).clone()],
-            })
-            .collect();
+        let mut islands: Vec<Area> =
+            outers.iter().map(|r| Area::from((*r).clone())).collect();
         if holes.is_empty() {
             return islands;
         }
@@ -141,6 +152,29 @@ impl Area {
             }
         }
         islands
+    }
+}
+
+/// The area of one ring, which runs counter-clockwise.
+impl From<Ring> for Area {
+    fn from(ring: Ring) -> Area {
+        Area { rings: vec![ring] }
+    }
+}
+
+/// The area that rings bound together.
+impl FromIterator<Ring> for Area {
+    fn from_iter<I: IntoIterator<Item = Ring>>(rings: I) -> Area {
+        Area {
+            rings: rings.into_iter().collect(),
+        }
+    }
+}
+
+/// Areas that lie apart, as one.
+impl FromIterator<Area> for Area {
+    fn from_iter<I: IntoIterator<Item = Area>>(areas: I) -> Area {
+        areas.into_iter().flat_map(|area| area.rings).collect()
     }
 }
 
@@ -260,15 +294,13 @@ mod tests {
     #[test]
     fn islands_keep_their_own_holes() {
         // A frame with an island in its hole, and a square beside it.
-        let area = Area {
-            rings: vec![
-                square(0.0, 0.0, 10.0),
-                reversed(square(0.0, 0.0, 8.0)),
-                square(0.0, 0.0, 5.0),
-                reversed(square(0.0, 0.0, 1.0)),
-                square(30.0, 0.0, 2.0),
-            ],
-        };
+        let area = Area::from_iter([
+            square(0.0, 0.0, 10.0),
+            reversed(square(0.0, 0.0, 8.0)),
+            square(0.0, 0.0, 5.0),
+            reversed(square(0.0, 0.0, 1.0)),
+            square(30.0, 0.0, 2.0),
+        ]);
         let islands = area.islands();
         let content: Vec<f64> = islands.iter().map(Area::content).collect();
         assert_eq!(content, vec![400.0 - 256.0, 100.0 - 4.0, 16.0]);

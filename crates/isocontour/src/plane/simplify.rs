@@ -26,7 +26,7 @@ mod walk;
 
 pub use walk::longest;
 
-use super::{Ring, signed_area};
+use super::{Area, Ring, signed_area};
 use crate::Length;
 use glam::DVec2;
 use points::Points;
@@ -36,6 +36,13 @@ use walk::{GATE, PATH_GATE, Walk};
 /// than a triangle would be left.
 pub fn simplify(ring: &[DVec2], tolerance: Length) -> Ring {
     simplify_but(ring, tolerance, |_| false)
+}
+
+/// The area whose rings have as few points as the tolerance permits, without the
+/// rings of which less than a triangle would be left.
+pub fn simplify_area(area: &Area, tolerance: Length) -> Area {
+    let rings = area.rings.iter().map(|ring| simplify(ring, tolerance));
+    rings.filter(|ring| !ring.is_empty()).collect()
 }
 
 /// Does what [`simplify`] does, but keeps the points for which `stays` is true.

@@ -37,11 +37,8 @@ fn blended() -> Tree {
 fn enclosures_hold_samples_of_value() {
     let p = program(&mixture());
     let mut scratch = Scratch::default();
-    let mut seed = 7u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut rng = fastrand::Rng::with_seed(7);
+    let mut random = || rng.f64();
     for _ in 0..500 {
         let size = 4.0 * random() * random();
         let lo: [f64; 3] = std::array::from_fn(|_| 8.0 * random() - 4.0);
@@ -87,11 +84,8 @@ fn jumps() -> Tree {
 fn pieces_hold_all_that_the_whole_has() {
     let p = program(&jumps());
     let mut scratch = Scratch::default();
-    let mut seed = 3u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut rng = fastrand::Rng::with_seed(3);
+    let mut random = || rng.f64();
     let (mut divided, mut sectors) = (0, 0);
     for k in 0..300 {
         let size = random() * random();

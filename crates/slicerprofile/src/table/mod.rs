@@ -1,6 +1,14 @@
 //! The table of what every key of the other slicers means. Both the translation
 //! and the documentation follow from it.
 
+/// Rows, each of which says whose keys and of which kind they are, the keys,
+/// and what they become.
+macro_rules! rows {
+    ($($of:ident $kind:ident: $($key:literal),+ => $rule:expr;)*) => {
+        &[$(Row { of: $of, kind: $kind, keys: &[$($key),+], rule: $rule }),*]
+    };
+}
+
 mod cura;
 mod filament;
 mod make;
@@ -113,20 +121,6 @@ const BOTH: &[Slicer] = &[Slicer::Prusa, Slicer::Orca];
 const PRUSA: &[Slicer] = &[Slicer::Prusa];
 const ORCA: &[Slicer] = &[Slicer::Orca];
 const CURA: &[Slicer] = &[Slicer::Cura];
-
-const fn row(
-    of: &'static [Slicer],
-    kind: Kind,
-    keys: &'static [&'static str],
-    rule: Rule,
-) -> Row {
-    Row {
-        of,
-        kind,
-        keys,
-        rule,
-    }
-}
 
 /// Every row, in the order in which they are carried out.
 pub fn rows() -> impl Iterator<Item = &'static Row> {

@@ -11,61 +11,40 @@ const MOST_COPIES: f64 = 1000.0;
 /// Greatest number of a polygon's corners.
 const MOST_CORNERS: usize = 1000;
 
-const fn positive(name: &'static str) -> Argument {
-    let (kind, default) = (Kind::Positive, None);
+const fn argument(
+    name: &'static str,
+    kind: Kind,
+    default: Option<f64>,
+) -> Argument {
     Argument {
         name,
         kind,
         default,
     }
+}
+
+const fn positive(name: &'static str) -> Argument {
+    argument(name, Kind::Positive, None)
 }
 
 const fn length(name: &'static str, default: Option<f64>) -> Argument {
-    let kind = Kind::Length;
-    Argument {
-        name,
-        kind,
-        default,
-    }
+    argument(name, Kind::Length, default)
 }
 
 const fn number(name: &'static str, default: Option<f64>) -> Argument {
-    let kind = Kind::Number;
-    Argument {
-        name,
-        kind,
-        default,
-    }
+    argument(name, Kind::Number, default)
 }
 
 const fn place(name: &'static str) -> Argument {
-    let (kind, default) = (Kind::Place, None);
-    Argument {
-        name,
-        kind,
-        default,
-    }
+    argument(name, Kind::Place, None)
 }
 
 const fn shape(name: &'static str) -> Argument {
-    let (kind, default) = (Kind::Shape, None);
-    Argument {
-        name,
-        kind,
-        default,
-    }
+    argument(name, Kind::Shape, None)
 }
 
-const POINTS: Argument = Argument {
-    name: "points",
-    kind: Kind::Points,
-    default: None,
-};
-const CENTER: Argument = Argument {
-    name: "center",
-    kind: Kind::Place,
-    default: Some(0.0),
-};
+const POINTS: Argument = argument("points", Kind::Points, None);
+const CENTER: Argument = argument("center", Kind::Place, Some(0.0));
 
 macro_rules! rows {
     ($($name:literal ($($argument:expr),*) $example:literal

@@ -14,13 +14,8 @@ fn tree(text: &str) -> Result<Tree, String> {
 
 /// Places all over a cube of 60 mm, equal in every run.
 fn places() -> impl Iterator<Item = DVec3> {
-    let mut state = 7u64;
-    let mut next = move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        (state >> 33) as f64 / f64::from(1u32 << 31) * 60.0 - 30.0
-    };
+    let mut rng = fastrand::Rng::with_seed(7);
+    let mut next = move || 60.0 * rng.f64() - 30.0;
     std::iter::repeat_with(move || DVec3::new(next(), next(), next()))
         .take(2000)
 }
