@@ -35,13 +35,16 @@
 //! | `supported` | the supports of a part, layer by layer |
 //! | `sound` | notices early that next to nothing can be printed |
 //! | `supply` | runs `stages` for a window of layers, with internal bridges, ahead of those that are written |
-//! | `part` | what is done in order for each part |
+//! | `part`, `ways` | what is done in order for each part |
 //! | `hanging` | follows what hangs, also when no bead is laid |
-//! | `exit` | what is done in order for all parts |
+//! | `pacing` | what is done in order for all parts, up to the speeds of moves |
+//! | `exit` | the steps that are done in order, each ahead of the next, and the text |
+//! | `ahead` | threads of steps that work ahead of others |
 //! | `split` | divides layers into ranges of about equal cost |
 //! | `fingerprint` | what files of ranges of one print have in common |
 //! | `tally` | counts over all layers, and warnings that follow from the counts |
 
+mod ahead;
 mod error;
 #[cfg(test)]
 mod estimates;
@@ -52,6 +55,7 @@ mod head;
 mod job;
 mod layer;
 mod options;
+mod pacing;
 mod part;
 mod raft;
 mod run;
@@ -64,6 +68,7 @@ mod summary;
 mod supply;
 mod supported;
 mod tally;
+mod ways;
 mod write;
 
 pub use error::SliceError;
