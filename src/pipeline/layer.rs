@@ -61,6 +61,16 @@ impl Layer {
         self.outline.area()
     }
 
+    /// Forgets what only the layer right above asks for: layers farther up look
+    /// at the rough outline alone. An exact outline and its grid may take
+    /// megabytes.
+    pub(super) fn sink(&mut self) {
+        self.outline = self.rough.clone();
+        self.unchanged = None;
+        self.squeezed = None;
+        self.offsets = Arc::default();
+    }
+
     /// The outline that was found.
     pub(super) fn found(&self) -> &Area {
         self.unchanged.as_deref().unwrap_or(self.area())
