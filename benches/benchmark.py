@@ -35,6 +35,7 @@ import numpy as np
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import LogLocator  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BUILT = os.path.join(
@@ -428,6 +429,9 @@ def curves(axis, title, unit, points):
     ticks = sorted({t for x, _, _ in points.values() for t in x})
     axis.set_xticks(ticks, [f"{t:g}" for t in ticks])
     axis.minorticks_off()
+    # On a short scale there may be one power of ten, or none.
+    axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.yaxis.set_major_formatter("{x:g}")
     axis.grid(alpha=0.3)
 
 
@@ -604,11 +608,11 @@ Meshing is counted as above, and the ratio is to isoslice's time.
     others = ""
     if before is not None:
         share = (of_others() - before) / (60 * minutes * os.cpu_count())
-        others = (f" Meanwhile other programs took {100 * max(share, 0):.0f} % "
+        others = (f"\nMeanwhile other programs took {100 * max(share, 0):.0f} % "
                   "of the machine's processor time.")
     needs = "`prusa-slicer`, `python3-numpy` and `python3-matplotlib`"
     if cura:
-        needs += ", and for one of the tables `cura-engine` and `cura`"
+        needs += ",\nand for one of the tables `cura-engine` and `cura`"
     page = f"""# Benchmark
 
 isoslice against the way through a mesh: fidget's mesher and PrusaSlicer. All
