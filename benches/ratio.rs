@@ -91,25 +91,21 @@ fn whole(
 }
 
 /// Tells how much faster than one thread many are, if nothing but the stages'
-/// times bounds them. Stages that run in order have a thread each; the others
-/// are divided among all threads.
+/// times bounds them. Stages that run in order have a thread each, so none of
+/// these takes less than its time; all other work is divided evenly.
 fn on_paper(stages: &[&str], times: &[f64]) {
     const THREADS: f64 = 16.0;
     let ordered = ["order", "travel", "pace", "gcode", "check"];
-    let all = || stages.iter().zip(times);
-    let steps = || all().filter(|(stage, _)| ordered.contains(stage));
-    let sum = |times: &mut dyn Iterator<Item = &f64>| times.sum::<f64>();
-    let whole = sum(&mut all().map(|(_, time)| time));
-    let in_order = sum(&mut steps().map(|(_, time)| time));
-    let divided = (whole - in_order) / THREADS;
-    let Some((stage, longest)) = steps().max_by(|a, b| a.1.total_cmp(b.1))
-    else {
+    let steps = stages.iter().zip(times);
+    let steps = steps.filter(|(stage, _)| ordered.contains(stage));
+    let whole: f64 = times.iter().sum();
+    let divided = whole / THREADS;
+    let Some((stage, longest)) = steps.max_by(|a, b| a.1.total_cmp(b.1)) else {
         return;
     };
     println!(
         "{THREADS} threads on paper: {:.1} times one thread; {stage} takes \
-         {longest:.3} Y in order, and a thread has {divided:.3} Y of what is \
-         divided",
+         {longest:.3} Y in order, and a thread's share of all is {divided:.3} Y",
         whole / longest.max(divided)
     );
 }

@@ -6,9 +6,10 @@
 //!                                    (needs neighbours)       pace, G-code
 //! ```
 //!
-//! While some layers are ordered and written, the next ones are made. Only the
-//! window is kept, and nothing of what has been written, so memory does not
-//! grow with the part's height. A part with supports is an exception: they are
+//! While some layers are ordered and written, the next ones are made. From a few
+//! threads on, each of the ordered stages works ahead of the next one as well.
+//! Only the window is kept, and nothing of what has been written, so memory does
+//! not grow with the part's height. A part with supports is an exception: they are
 //! planned from the top down, and their plan has coarse areas for all layers.
 //! The result does not depend on the number of threads: every layer is computed
 //! in one way whoever does it, and everything that passes from layer to layer
