@@ -12,9 +12,9 @@ use super::ahead::{Made, Threads};
 use super::job::Job;
 use super::layer::Ready;
 use super::pacing::Pacing;
-use super::part::{Ordered, PartDone, PartOrder};
+use super::part::{Ordered, PartOrder};
 use super::supply::plate::OnPlate;
-use super::ways::{PartTravel, Passed};
+use super::ways::{PartDone, PartTravel, Passed};
 use super::{BLOCK, Options, SliceError};
 use crate::bead::Role;
 use crate::gcode::{Totals, Writer};
@@ -191,7 +191,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         let parts = self.parts.into_iter().zip(self.ways.parts);
         let text = self.text;
         Ok(Done {
-            parts: parts.map(|(part, ways)| part.finish(ways)).collect(),
+            parts: parts.map(|(order, ways)| ways.finish(order)).collect(),
             printing: text.printing,
             slowed: text.slowed,
             extruded: text.extruded,

@@ -9,8 +9,6 @@
 use super::hanging::Follow;
 use super::job::Planned;
 use super::layer::{Filled, Layer, Ready};
-use super::tally::Tally;
-use super::ways::PartTravel;
 use crate::adhesion::{keep_on_bed, without_ears};
 use crate::hang::foot::Foot;
 use crate::hang::{self, Hanging, Look};
@@ -70,20 +68,6 @@ pub(super) struct Ordered {
     pub held: Option<Solid<'static>>,
     pub gap: Mm2,
     pub figures: Option<LayerFigures>,
-}
-
-/// The results of a part.
-pub(super) struct PartDone {
-    /// Number of the part's beads. A skirt alone has none.
-    pub beads: usize,
-    /// What was counted.
-    pub tally: Tally,
-    /// What the user should know.
-    pub warnings: Vec<String>,
-    /// What hangs in the part.
-    pub hanging: Hanging,
-    /// What the part stands on, if its first layer is written.
-    pub foot: Option<Foot>,
 }
 
 impl<'a> PartOrder<'a> {
@@ -244,16 +228,10 @@ impl<'a> PartOrder<'a> {
         at.map(|at| at + self.offset)
     }
 
-    /// The results of the part, with those of its paths.
-    pub(super) fn finish(mut self, ways: PartTravel<'_>) -> PartDone {
+    /// What the user should know, what hangs in the part, and what it stands on.
+    pub(super) fn finish(mut self) -> (Vec<String>, Hanging, Option<Foot>) {
         let standing = self.standing.as_ref();
         self.warnings.extend(standing.and_then(Standing::warning));
-        PartDone {
-            beads: ways.beads,
-            tally: ways.tally,
-            warnings: self.warnings,
-            hanging: self.hanging.finish().0,
-            foot: self.foot,
-        }
+        (self.warnings, self.hanging.finish().0, self.foot)
     }
 }

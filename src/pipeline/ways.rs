@@ -6,10 +6,12 @@
 
 use super::job::Planned;
 use super::layer::Layer;
-use super::part::Ordered;
+use super::part::{Ordered, PartOrder};
 use super::tally::Tally;
 use super::{BLOCK, SliceError};
 use crate::bead::Level;
+use crate::hang::Hanging;
+use crate::hang::foot::Foot;
 use crate::pace::rates;
 use crate::plane::Solid;
 use crate::region::wall_depths;
@@ -35,8 +37,8 @@ pub(super) struct PartTravel<'a> {
     layers: Range<usize>,
     timings: &'a Timings,
     /// Number of the part's beads.
-    pub beads: usize,
-    pub tally: Tally,
+    beads: usize,
+    tally: Tally,
 }
 
 /// A layer of a part after these stages.
@@ -65,6 +67,20 @@ impl Passed {
             shift,
         }
     }
+}
+
+/// The results of a part.
+pub(super) struct PartDone {
+    /// Number of the part's beads. A skirt alone has none.
+    pub beads: usize,
+    /// What was counted.
+    pub tally: Tally,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// What hangs in the part.
+    pub hanging: Hanging,
+    /// What the part stands on, if its first layer is written.
+    pub foot: Option<Foot>,
 }
 
 impl<'a> PartTravel<'a> {
@@ -172,6 +188,18 @@ impl<'a> PartTravel<'a> {
             outline: layer.outline.clone(),
             figures,
         })
+    }
+
+    /// The results of the part, of which `order` has made the beads' order.
+    pub(super) fn finish(self, order: PartOrder<'_>) -> PartDone {
+        let (warnings, hanging, foot) = order.finish();
+        PartDone {
+            beads: self.beads,
+            tally: self.tally,
+            warnings,
+            hanging,
+            foot,
+        }
     }
 
     /// A layer's beads. Walls that lie half a layer lower are in their places.
