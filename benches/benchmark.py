@@ -21,6 +21,7 @@ import argparse
 import math
 import os
 import platform
+import resource
 import shutil
 import struct
 import subprocess
@@ -34,6 +35,7 @@ import numpy as np
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import LogLocator  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BUILT = os.path.join(
@@ -427,6 +429,9 @@ def curves(axis, title, unit, points):
     ticks = sorted({t for x, _, _ in points.values() for t in x})
     axis.set_xticks(ticks, [f"{t:g}" for t in ticks])
     axis.minorticks_off()
+    # On a short scale there may be one power of ten, or none.
+    axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.yaxis.set_major_formatter("{x:g}")
     axis.grid(alpha=0.3)
 
 
@@ -455,6 +460,22 @@ def machine():
     gigabytes = f"{int(memory) / 1e6:.0f} GB" if memory.isdigit() else "?"
     return (f"{field_of('/proc/cpuinfo', 'model name')}, {os.cpu_count()} "
             f"cores, {gigabytes}; {platform.system()}")
+
+
+def of_others():
+    """Processor time that other programs have taken so far, s; None if the
+    system does not tell."""
+    try:
+        with open("/proc/stat", encoding="utf-8") as file:
+            ticks = [int(word) for word in file.readline().split()[1:]]
+    except (OSError, ValueError):
+        return None
+    # Of the first seven columns two are idle.
+    busy = sum(ticks[:7]) - ticks[3] - ticks[4]
+    usages = map(resource.getrusage,
+                 (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    own = sum(usage.ru_utime + usage.ru_stime for usage in usages)
+    return busy / os.sysconf("SC_CLK_TCK") - own
 
 
 def compared(bench):
@@ -530,7 +551,7 @@ def growth_table(name, found):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--into", default=os.path.join(ROOT, "docs"))
     parser.add_argument("--quick", action="store_true")
     asked = parser.parse_args()
@@ -544,7 +565,7 @@ def main():
                          "font.size": 9})
     pictures = os.path.join(asked.into, "benchmark")
     os.makedirs(pictures, exist_ok=True)
-    began = time.monotonic()
+    began, before = time.monotonic(), of_others()
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(folder, asked.runs)
         rows, cura_rows, ratios = compared(bench)
@@ -584,6 +605,14 @@ Meshing is counted as above, and the ratio is to isoslice's time.
 |---|---|---|---|---|---|---|
 """ + "\n".join(cura_rows)
     minutes = (time.monotonic() - began) / 60
+    others = ""
+    if before is not None:
+        share = (of_others() - before) / (60 * minutes * os.cpu_count())
+        others = (f"\nMeanwhile other programs took {100 * max(share, 0):.0f} % "
+                  "of the machine's processor time.")
+    needs = "`prusa-slicer`, `python3-numpy` and `python3-matplotlib`"
+    if cura:
+        needs += ",\nand for one of the tables `cura-engine` and `cura`"
     page = f"""# Benchmark
 
 isoslice against the way through a mesh: fidget's mesher and PrusaSlicer. All
@@ -591,10 +620,11 @@ of this page is made by one command:
 
     benches/benchmark.py
 
-which needs `prusa-slicer`, `python3-numpy` and `python3-matplotlib`. This run
-took {minutes:.0f} minutes, with at most {asked.runs} runs of each command; one of more than a
-minute was run once. Times are processor time of all threads in
-seconds, the mean and its 95 % confidence interval (Student's t).
+which needs {needs}.
+This run took {minutes:.0f} minutes, with at most {asked.runs} runs of each command; one of
+more than a minute was run once.{others}
+Times are processor time of all threads in seconds, the mean and its 95 %
+confidence interval (Student's t).
 
 - Machine: {machine()}
 - {first_line([ISOSLICE[0], "--version"])}, {first_line(["rustc", "--version"])}

@@ -7,7 +7,8 @@
 //! interpreter: 68 million samples. It is measured in the same run as the
 //! slicing, so the ratio means the same on any machine, however busy.
 //! Without a model the gyroid ball is sliced. Below the median of three runs
-//! stand the stages, each the least of the three, on one thread.
+//! stand the stages, each the least of the three, on one thread, and what
+//! follows from them for many threads.
 
 use cpu_time::ProcessTime;
 use fidget::context::Context;
@@ -89,6 +90,26 @@ fn whole(
     Ok((start.elapsed().as_secs_f64(), summary))
 }
 
+/// Tells how much faster than one thread many are, if nothing but the stages'
+/// times bounds them. Stages that run in order have a thread each, so none of
+/// these takes less than its time; all other work is divided evenly.
+fn on_paper(stages: &[&str], times: &[f64]) {
+    const THREADS: f64 = 16.0;
+    let ordered = ["order", "travel", "pace", "gcode", "check"];
+    let steps = stages.iter().zip(times);
+    let steps = steps.filter(|(stage, _)| ordered.contains(stage));
+    let whole: f64 = times.iter().sum();
+    let divided = whole / THREADS;
+    let Some((stage, longest)) = steps.max_by(|a, b| a.1.total_cmp(b.1)) else {
+        return;
+    };
+    println!(
+        "{THREADS} threads on paper: {:.1} times one thread; {stage} takes \
+         {longest:.3} Y in order, and a thread's share of all is {divided:.3} Y",
+        whole / longest.max(divided)
+    );
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1).filter(|a| a != "--bench");
     let path = args.next().unwrap_or_else(|| BALL.into());
@@ -116,9 +137,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     ratios.sort_by(f64::total_cmp);
     println!("median: {:.2} Y", ratios[1]);
-    for (i, stage) in stages.into_iter().enumerate() {
-        let least = profiles.iter().map(|p| p[i]).fold(f64::MAX, f64::min);
+    let least = |i| profiles.iter().map(|p| p[i]).fold(f64::MAX, f64::min);
+    let least: Vec<f64> = (0..stages.len()).map(least).collect();
+    for (stage, least) in stages.iter().zip(&least) {
         println!("    {stage:<9} {least:6.3} Y");
     }
+    on_paper(&stages, &least);
     Ok(())
 }

@@ -1,6 +1,5 @@
 //! What is known of a layer on its way through the stages.
 
-use crate::contour::Outline;
 use crate::hang::Look;
 use crate::layers::LayerSpan;
 use crate::order::LayerBeads;
@@ -21,8 +20,9 @@ pub(super) const SAME_HEIGHT: Mm = 0.5e-9;
 #[derive(Clone)]
 pub(super) struct Layer {
     pub span: LayerSpan,
-    /// The outline that was found.
-    pub found: Arc<Outline>,
+    /// The outline that was found, if another one is printed.
+    pub unchanged: Option<Arc<Area>>,
+    pub met: Met,
     /// The outline to print.
     pub outline: Arc<Solid<'static>>,
     /// The outline to print, as exact as skin needs it.
@@ -37,6 +37,17 @@ pub(super) struct Layer {
     pub inside: Option<Arc<Inside>>,
 }
 
+/// What was met on the way to a layer's outline.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Met {
+    /// Samples that were NaN.
+    pub nan_samples: usize,
+    /// Rings that were closed by force.
+    pub forced_rings: usize,
+    /// Places that were left out.
+    pub dropped_rings: usize,
+}
+
 /// What a layer's outline encloses.
 pub(super) struct Inside {
     pub walls: Walls,
@@ -48,6 +59,21 @@ impl Layer {
     /// The outline to print.
     pub(super) fn area(&self) -> &Area {
         self.outline.area()
+    }
+
+    /// Forgets what only the layer right above asks for: layers farther up look
+    /// at the rough outline alone. An exact outline and its grid may take
+    /// megabytes.
+    pub(super) fn sink(&mut self) {
+        self.outline = self.rough.clone();
+        self.unchanged = None;
+        self.squeezed = None;
+        self.offsets = Arc::default();
+    }
+
+    /// The outline that was found.
+    pub(super) fn found(&self) -> &Area {
+        self.unchanged.as_deref().unwrap_or(self.area())
     }
 
     /// The layer as a neighbour of skin.

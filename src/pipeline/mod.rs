@@ -6,9 +6,10 @@
 //!                                    (needs neighbours)       pace, G-code
 //! ```
 //!
-//! While some layers are ordered and written, the next ones are made. Only the
-//! window is kept, and nothing of what has been written, so memory does not
-//! grow with the part's height. A part with supports is an exception: they are
+//! While some layers are ordered and written, the next ones are made. From a few
+//! threads on, each of the ordered stages works ahead of the next one as well.
+//! Only the window is kept, and nothing of what has been written, so memory does
+//! not grow with the part's height. A part with supports is an exception: they are
 //! planned from the top down, and their plan has coarse areas for all layers.
 //! The result does not depend on the number of threads: every layer is computed
 //! in one way whoever does it, and everything that passes from layer to layer
@@ -35,13 +36,16 @@
 //! | `supported` | the supports of a part, layer by layer |
 //! | `sound` | notices early that next to nothing can be printed |
 //! | `supply` | runs `stages` for a window of layers, with internal bridges, ahead of those that are written |
-//! | `part` | what is done in order for each part |
+//! | `part`, `ways` | what is done in order for each part |
 //! | `hanging` | follows what hangs, also when no bead is laid |
-//! | `exit` | what is done in order for all parts |
+//! | `pacing` | what is done in order for all parts, up to the speeds of moves |
+//! | `exit` | the steps that are done in order, each ahead of the next, and the text |
+//! | `ahead` | threads of steps that work ahead of others |
 //! | `split` | divides layers into ranges of about equal cost |
 //! | `fingerprint` | what files of ranges of one print have in common |
 //! | `tally` | counts over all layers, and warnings that follow from the counts |
 
+mod ahead;
 mod error;
 #[cfg(test)]
 mod estimates;
@@ -52,6 +56,7 @@ mod head;
 mod job;
 mod layer;
 mod options;
+mod pacing;
 mod part;
 mod raft;
 mod run;
@@ -64,6 +69,7 @@ mod summary;
 mod supply;
 mod supported;
 mod tally;
+mod ways;
 mod write;
 
 pub use error::SliceError;

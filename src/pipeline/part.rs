@@ -1,49 +1,41 @@
-//! The stages that run in order for each part: from a layer's beads to its
-//! path.
+//! The first stages that run in order for each part: from a layer's beads to
+//! their order.
 //!
-//! In: layers of a part from below. Out: their paths, as if the part stood
-//! alone where its model was placed. What one layer of the part passes to the
-//! next is kept here, and forgotten at the beginning of every block: see
-//! [`PartExit::restart`].
+//! In: layers of a part from below. Out: their beads, in order, and where the
+//! head comes from. What one layer of the part passes to the next is kept here,
+//! and forgotten at the beginning of every block: see [`PartOrder::restart`].
+//! `ways` makes paths of them.
 
 use super::hanging::Follow;
 use super::job::Planned;
 use super::layer::{Filled, Layer, Ready};
-use super::tally::Tally;
-use super::{BLOCK, SliceError};
 use crate::adhesion::{keep_on_bed, without_ears};
-use crate::bead::Level;
 use crate::hang::foot::Foot;
 use crate::hang::{self, Hanging, Look};
 use crate::infill::standing::Standing;
 use crate::layers::LayerSpan;
 use crate::order::{self, Head, linked, order};
-use crate::pace::rates;
 use crate::plane::Solid;
 use crate::plate::Part;
-use crate::region::wall_depths;
-use crate::relief::{Relief, Side, Site};
 use crate::report::LayerFigures;
 use crate::seam::ending::{Ended, cut, endings};
 use crate::settings::Settings;
 use crate::spiral::Spiral;
 use crate::timings::{Stage, Timings};
-use crate::travel::{Ground, LayerPath, Move, connect};
-use crate::walls::{Beside, Interlock, Reach, Support};
+use crate::units::{Mm, Mm2};
+use crate::walls::Support;
 use glam::DVec2;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The stages of one part that run in order.
-pub(super) struct PartExit<'a> {
+/// The stages of one part up to the order of its beads.
+pub(super) struct PartOrder<'a> {
     part: &'a Part,
     settings: &'a Settings,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// The climbing wall, if there is one.
     spiral: Option<&'a Spiral<'a>>,
-    /// What lets beads follow the surface, if they have to.
-    relief: Option<Relief<'a>>,
     head: Head,
     /// The check of infill that may stand on nothing.
     standing: Option<Standing>,
@@ -52,81 +44,50 @@ pub(super) struct PartExit<'a> {
     /// Number of the part's layers.
     layer_count: usize,
     timings: &'a Timings,
-    beads: usize,
-    tally: Tally,
     warnings: Vec<String>,
     hanging: hang::Tracker,
     /// What the part stands on, if its first layer is written.
     foot: Option<Foot>,
 }
 
-/// A layer of a part after these stages.
-pub(super) struct Passed {
-    /// The layer's moves, where the model was placed.
-    pub path: LayerPath,
-    /// The outline to print.
-    pub outline: Arc<Solid<'static>>,
-    /// What holds the layer, if that matters: the layer below, if its outline
-    /// differs, and supports.
-    below: Option<Arc<Solid<'static>>>,
-    held: Option<Solid<'static>>,
-    /// The layer's accuracy, if it was measured.
+/// A layer of a part whose beads are in order.
+pub(super) struct Ordered {
+    pub beads: Vec<Ended>,
+    /// Where the head comes from, if that is known.
+    pub from: Option<DVec2>,
+    pub layer: Layer,
+    /// The layers right below and above.
+    pub beside: [Option<Layer>; 2],
+    /// What the layer stands on, if its outline differs from the layer's.
+    pub below: Option<Arc<Solid<'static>>>,
+    /// Of [`Filled`], what has not been used yet.
+    pub sparse: Solid<'static>,
+    pub support: Option<Solid<'static>>,
+    pub support_rise: Mm,
+    pub under_support: Option<Solid<'static>>,
+    pub held: Option<Solid<'static>>,
+    pub gap: Mm2,
     pub figures: Option<LayerFigures>,
 }
 
-impl Passed {
-    /// Where the layer's beads are in a place that is `shift` away from where
-    /// the model was placed.
-    pub(super) fn site(&self, shift: DVec2) -> rates::Site<'_> {
-        let held = self.held.as_ref().map(Solid::grid);
-        let below = self.below.as_ref();
-        rates::Site {
-            solid: Some(self.outline.grid()),
-            reach: below.map(|below| Reach::new(below.grid(), held)),
-            shift,
-        }
-    }
-}
-
-/// The results of a part.
-pub(super) struct PartDone {
-    /// Number of the part's beads. A skirt alone has none.
-    pub beads: usize,
-    /// What was counted.
-    pub tally: Tally,
-    /// What the user should know.
-    pub warnings: Vec<String>,
-    /// What hangs in the part.
-    pub hanging: Hanging,
-    /// What the part stands on, if its first layer is written.
-    pub foot: Option<Foot>,
-}
-
-impl<'a> PartExit<'a> {
+impl<'a> PartOrder<'a> {
     /// The stages for a part, of whose layers `layers` are written.
-    pub(super) fn new(
-        planned: &'a Planned<'a>,
-        layers: Range<usize>,
-        relief: Option<Relief<'a>>,
-    ) -> Self {
+    pub(super) fn new(planned: &'a Planned<'a>, layers: Range<usize>) -> Self {
         let Planned {
             part,
             stages,
             spans,
         } = planned;
-        PartExit {
+        PartOrder {
             part,
             settings: &part.settings,
             offset: part.model.offset.truncate(),
             spiral: stages.spiral.as_ref(),
-            relief,
             head: Head::default(),
             standing: Standing::new(&part.settings),
             layers,
             layer_count: spans.len(),
             timings: &stages.timings,
-            beads: 0,
-            tally: Tally::default(),
             warnings: Vec::new(),
             hanging: hang::Tracker::default(),
             foot: None,
@@ -134,8 +95,8 @@ impl<'a> PartExit<'a> {
     }
 
     /// Takes the next layer.
-    pub(super) fn layer(&mut self, ready: Ready) -> Result<Passed, SliceError> {
-        let (layer, above) = (&ready.layer, ready.above.as_ref());
+    pub(super) fn layer(&mut self, ready: Ready) -> Ordered {
+        let layer = &ready.layer;
         let below = ready.below.as_ref();
         let Filled {
             mut beads,
@@ -214,140 +175,20 @@ impl<'a> PartExit<'a> {
             Some(support) => cut(ended, support),
             None => ended,
         });
-        let beads = if self.settings.interlocks() {
-            self.timings.time(Stage::Walls, || {
-                self.interlocked(beads, layer, ready.below.as_ref(), above)
-            })
-        } else {
-            beads
-        };
-        let mut beads = self.timings.time(Stage::Skin, || {
-            let beside = [ready.below.as_ref(), above];
-            self.on_surface(beads, layer, beside, under_support.as_ref())
-        })?;
-        if support_rise != 0.0 {
-            let all = beads.iter_mut().map(|ended| &mut ended.bead);
-            for bead in all.filter(|bead| bead.role.is_support()) {
-                let rise = support_rise;
-                let level = Level { rise, extra: 0.0 };
-                bead.levels = vec![level; bead.points.len()];
-            }
-        }
-        let path = self.timings.time(Stage::Travel, || {
-            let (_, border) = wall_depths(layer.span.height(), self.settings);
-            if written {
-                let of_part = beads.iter().filter(|b| b.bead.role.is_part());
-                let count = of_part.count();
-                let support = beads.iter().map(|b| &b.bead);
-                let support = support.filter(|b| b.role.is_support());
-                self.tally.support +=
-                    support.map(|b| b.area() * b.length()).sum::<f64>();
-                self.beads += count;
-                if index >= self.settings.raft_layers() {
-                    self.tally.add(layer, gap, count == 0);
-                }
-            }
-            let mut path = connect(
-                layer.span,
-                beads,
-                Ground {
-                    outline: &layer.outline,
-                    sparse: &sparse,
-                    support: supported.as_ref(),
-                    border,
-                    above: above.map(Layer::area),
-                },
-                from,
-                self.offset,
-                self.settings,
-            );
-            // If the head's place is unknown, the way may lead over anything.
-            if from.is_none()
-                && index >= BLOCK
-                && let Some(Move::Travel(travel)) = path.moves.first_mut()
-            {
-                travel.retract = true;
-                travel.hop = true;
-            }
-            path
-        });
-        Ok(Passed {
-            path,
-            below: below.filter(|_| self.settings.by_reach()),
+        Ordered {
+            beads,
+            from,
+            below,
+            sparse,
+            support: supported,
+            support_rise,
+            under_support,
             held,
-            outline: layer.outline.clone(),
+            gap,
             figures,
-        })
-    }
-
-    /// A layer's beads. Walls that lie half a layer lower are in their places.
-    fn interlocked(
-        &self,
-        beads: Vec<Ended>,
-        layer: &Layer,
-        below: Option<&Layer>,
-        above: Option<&Layer>,
-    ) -> Vec<Ended> {
-        fn beside<'l>(layer: &Layer, other: &'l Layer) -> Beside<'l> {
-            let same = layer.same_outline(other);
-            Beside {
-                height: other.span.height(),
-                outline: (!same).then(|| other.outline.grid()),
-            }
+            layer: ready.layer,
+            beside: [ready.below, ready.above],
         }
-        let interlock = Interlock {
-            outline: layer.outline.grid(),
-            below: below.map(|below| beside(layer, below)),
-            above: above.map(|above| beside(layer, above)),
-        };
-        let mut out = Vec::with_capacity(beads.len());
-        for Ended { bead, wipe } in beads {
-            let placed = interlock.placed(bead, self.settings);
-            let any = !placed.is_empty();
-            out.extend(placed.into_iter().map(Ended::from));
-            if let Some(last) = out.last_mut().filter(|_| any) {
-                last.wipe = wipe;
-            }
-        }
-        out
-    }
-
-    /// A layer's beads, moved onto the surfaces above and below them if they
-    /// have to follow these. `under_support` is where supports stand on the
-    /// layer.
-    fn on_surface(
-        &self,
-        beads: Vec<Ended>,
-        layer: &Layer,
-        [below, above]: [Option<&Layer>; 2],
-        under_support: Option<&Solid<'static>>,
-    ) -> Result<Vec<Ended>, SliceError> {
-        let Some(relief) = self.relief.as_ref() else {
-            return Ok(beads);
-        };
-        fn side<'l>(layer: &Layer, other: Option<&'l Layer>) -> Side<'l> {
-            let Some(other) = other else {
-                return Side::Open;
-            };
-            if layer.same_outline(other) {
-                Side::Closed
-            } else {
-                Side::Layer(other.span.height(), other.outline.grid())
-            }
-        }
-        // The bed and a raft are flat.
-        let flat = layer.span.index <= self.settings.raft_layers();
-        let site = Site {
-            span: layer.span,
-            above: side(layer, above),
-            below: if flat {
-                Side::Closed
-            } else {
-                side(layer, below)
-            },
-            under_support: under_support.map(Solid::grid),
-        };
-        Ok(relief.apply(beads, site)?)
     }
 
     /// Follows what hangs to this layer.
@@ -387,16 +228,10 @@ impl<'a> PartExit<'a> {
         at.map(|at| at + self.offset)
     }
 
-    /// The results of the part.
-    pub(super) fn finish(mut self) -> PartDone {
+    /// What the user should know, what hangs in the part, and what it stands on.
+    pub(super) fn finish(mut self) -> (Vec<String>, Hanging, Option<Foot>) {
         let standing = self.standing.as_ref();
         self.warnings.extend(standing.and_then(Standing::warning));
-        PartDone {
-            beads: self.beads,
-            tally: self.tally,
-            warnings: self.warnings,
-            hanging: self.hanging.finish().0,
-            foot: self.foot,
-        }
+        (self.warnings, self.hanging.finish().0, self.foot)
     }
 }

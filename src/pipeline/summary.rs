@@ -2,7 +2,7 @@
 
 use super::exit::Done;
 use super::job::{Job, Planned};
-use super::part::PartDone;
+use super::ways::PartDone;
 use crate::check::Verdict;
 use crate::hang::Hanging;
 use crate::heights::Steps;

@@ -26,7 +26,7 @@ impl Tally {
     /// Counts a layer with gaps of this area. `empty` is true if nothing of the
     /// part is printed in it.
     pub(super) fn add(&mut self, layer: &Layer, gap: Mm2, empty: bool) {
-        let outline = &layer.found;
+        let outline = layer.met;
         self.gap += gap;
         self.solid += layer.area().content();
         self.nan_samples += outline.nan_samples;

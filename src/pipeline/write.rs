@@ -1,13 +1,16 @@
 //! The steps of a run, one after the other: the plan, the file's start, its
 //! layers, its end, and the sums of it all.
 
-use super::exit::{Exit, Rates};
+use super::ahead::with_threads;
+use super::exit::Exit;
 use super::head::header;
 use super::job::{Base, Job, Planned, Run};
 use super::options::Extent;
-use super::part::{PartExit, Passed};
+use super::pacing::{Pacing, Rates};
+use super::part::PartOrder;
 use super::skirt::skirt_round;
 use super::supply::plate::Supplies;
+use super::ways::{PartTravel, Passed};
 use super::{SliceError, Summary};
 use crate::gcode::{Writer, thick_beads};
 use crate::plane::Rect;
@@ -17,6 +20,11 @@ use crate::report::{Report, RunFigures};
 use crate::units::Mm3;
 use rayon::ThreadPool;
 use std::io;
+
+/// Number of threads from which on the stages that run in order have threads of
+/// their own. Fewer are kept busy by the other stages alone, and layers that
+/// wait between stages would only take memory.
+const APART: usize = 4;
 
 /// Slices and writes. `copy` gets the text as it is composed.
 pub(super) fn write(
@@ -45,14 +53,17 @@ pub(super) fn write(
     let mut warnings = told_of_writing(&job, writer.warnings());
     warnings.extend(no_picture);
     let parts = exits(&job, &bases, pool)?;
-    let mut exit =
-        Exit::new(&job, parts, &rates, skirt, run.options, pictures, writer);
+    let pacing = Pacing::new(&job, &rates, skirt, pictures);
+    let mut exit = Exit::new(&job, parts, pacing, run.options, writer);
     match &job.turns {
         Some(turns) => one_by_one(&mut exit, turns, &job, pool)?,
         None => {
             let parts = job.parts.iter().map(|p| (&p.stages, p.spans));
-            Supplies::new(parts, pool, &job.extent)
-                .each(pool, |ready| exit.layer(ready))?;
+            let supplies = Supplies::new(parts, pool, &job.extent);
+            let apart = pool.current_num_threads() >= APART;
+            with_threads(|threads| {
+                exit.layers(supplies.ahead(pool, threads)?, threads, apart)
+            })?;
         }
     }
     let mut done = exit.finish()?;
@@ -111,7 +122,7 @@ fn exits<'a>(
     job: &'a Job<'a>,
     bases: &'a [Base<'a>],
     pool: &'a ThreadPool,
-) -> Result<Vec<PartExit<'a>>, SliceError> {
+) -> Result<Vec<(PartOrder<'a>, PartTravel<'a>)>, SliceError> {
     let exit = |(planned, base): (&'a Planned<'a>, &'a Base<'a>)| {
         let Planned { part, spans, .. } = *planned;
         let relief =
@@ -121,7 +132,8 @@ fn exits<'a>(
             Some(_) => 0..spans.len(),
             None => job.extent.layers.clone(),
         };
-        Ok(PartExit::new(planned, layers, relief))
+        let order = PartOrder::new(planned, layers.clone());
+        Ok((order, PartTravel::new(planned, layers, relief)))
     };
     job.parts.iter().zip(bases).map(exit).collect()
 }
@@ -149,12 +161,14 @@ fn one_by_one(
         let mut kept: Vec<Passed> = Vec::new();
         let extent = Extent::of_all(spans.len());
         let supplies = Supplies::new([(stages, *spans)], pool, &extent);
-        supplies.each(pool, |ready| {
-            for (_, ready) in ready {
-                let passed = exit.pass(part, ready)?;
-                exit.print_turn(part, &passed)?;
-                if !copies.is_empty() {
-                    kept.push(passed);
+        with_threads(|threads| {
+            for layer in supplies.ahead(pool, threads)? {
+                for (_, ready) in layer?.parts {
+                    let passed = exit.pass(part, ready)?;
+                    exit.print_turn(part, &passed)?;
+                    if !copies.is_empty() {
+                        kept.push(passed);
+                    }
                 }
             }
             Ok(())

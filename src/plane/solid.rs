@@ -43,6 +43,11 @@ impl<'a> Solid<'a> {
         &self.area
     }
 
+    /// What it covers, without the grid.
+    pub(crate) fn into_area(self) -> Area {
+        self.area.into_owned()
+    }
+
     /// The area's edges, for asking what is where.
     pub(crate) fn grid(&self) -> &EdgeGrid {
         self.grid

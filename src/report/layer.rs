@@ -19,7 +19,6 @@ use super::ReportError;
 use super::area::content;
 use super::spread::Spread;
 use crate::bead::Stroke;
-use crate::contour::Outline;
 use crate::layers::LayerSpan;
 use crate::model::{Probe, Spot};
 use crate::plane::grid::EdgeGrid;
@@ -45,7 +44,10 @@ pub(crate) struct LayerParts<'a> {
     /// The layer's sample plane in the model's frame.
     pub z: Mm,
     /// The layer's outline.
-    pub outline: &'a Outline,
+    pub outline: &'a Area,
+    /// Samples that were NaN, and rings that were closed by force.
+    pub nan_samples: usize,
+    pub forced_rings: usize,
     /// The outline that is printed.
     pub printed: &'a Solid<'a>,
     /// The layer's walls.
@@ -112,7 +114,7 @@ pub(crate) fn measure(
     effort: Effort,
     settings: &Settings,
 ) -> Result<LayerFigures, ReportError> {
-    let area = &layer.outline.area;
+    let area = layer.outline;
     let mut found = LayerFigures {
         index: layer.span.index,
         top: layer.span.top,
@@ -120,8 +122,8 @@ pub(crate) fn measure(
         area: area.content(),
         rings: area.rings.len(),
         vertices: area.rings.iter().map(Vec::len).sum(),
-        nan_samples: layer.outline.nan_samples,
-        forced_rings: layer.outline.forced_rings,
+        nan_samples: layer.nan_samples,
+        forced_rings: layer.forced_rings,
         unfilled: layer.walls.gap,
         ..LayerFigures::default()
     };
@@ -317,10 +319,6 @@ mod tests {
 
     fn figures(outline: &Area, walls: &Walls, effort: Effort) -> LayerFigures {
         let settings = Settings::default();
-        let outline = Outline {
-            area: outline.clone(),
-            ..Outline::default()
-        };
         let span = LayerSpan {
             index: 7,
             bottom: 1.4,
@@ -329,8 +327,10 @@ mod tests {
         let parts = LayerParts {
             span,
             z: 0.0,
-            outline: &outline,
-            printed: &Solid::of(&outline.area, 1.0),
+            outline,
+            nan_samples: 0,
+            forced_rings: 0,
+            printed: &Solid::of(outline, 1.0),
             walls,
         };
         let frame = Rect::new(DVec2::splat(-6.0), DVec2::splat(6.0));

@@ -91,7 +91,9 @@ impl Stages<'_> {
         let parts = LayerParts {
             span: layer.span,
             z: layer.span.sample_z() + self.bed,
-            outline: &layer.found,
+            outline: layer.found(),
+            nan_samples: layer.met.nan_samples,
+            forced_rings: layer.met.forced_rings,
             printed: &layer.outline,
             walls,
         };

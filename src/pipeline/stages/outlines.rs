@@ -8,7 +8,7 @@ use crate::contour::{Detail, Field, FieldError, Outline, field, outlines};
 use crate::layers::LayerSpan;
 use crate::limits;
 use crate::pipeline::SliceError;
-use crate::pipeline::layer::{Layer, SAME_HEIGHT};
+use crate::pipeline::layer::{Layer, Met, SAME_HEIGHT};
 use crate::plane::{Area, Solid};
 use crate::region::compensate::Compensation;
 use crate::region::cover::rough;
@@ -174,12 +174,25 @@ impl Stages<'_> {
         mut offsets: Vec<(Mm, Area)>,
         below: Option<&Layer>,
     ) -> Result<Layer, SliceError> {
+        let Outline {
+            area,
+            nan_samples,
+            forced_rings,
+            dropped_rings,
+        } = found;
+        let met = Met {
+            nan_samples,
+            forced_rings,
+            dropped_rings,
+        };
         let growth = self.growth.as_ref();
         let moving =
             |span: &LayerSpan| Compensation::new(span, self.settings, growth);
         let moved = moving(&span);
         let alike = |below: &&Layer| {
-            moving(&below.span).is_like(&moved) && *below.found == found
+            moving(&below.span).is_like(&moved)
+                && below.met == met
+                && *below.found() == area
         };
         if offsets.is_empty()
             && let Some(below) = below.filter(alike)
@@ -189,13 +202,17 @@ impl Stages<'_> {
                 ..below.clone()
             });
         }
-        let outline = Solid::new(found.area.clone());
+        let found = Solid::new(area);
         let (changed, squeezed) = self.timings.time(Stage::Walls, || {
-            let changed = moved.apply(&outline, &mut offsets)?;
-            let squeezed = moved.squeezed(&found.area)?;
+            let changed = moved.apply(&found, &mut offsets)?;
+            let squeezed = moved.squeezed(found.area())?;
             Ok::<_, VaryError>((changed, squeezed))
         })?;
-        let outline = changed.map_or(outline, Solid::new);
+        // A large outline takes megabytes, and mostly nothing is changed.
+        let (outline, unchanged) = match changed {
+            None => (found, None),
+            Some(changed) => (Solid::new(changed), Some(found.into_area())),
+        };
         let same = below.filter(|b| b.area() == outline.area());
         let (outline, rough) = if let Some(below) = same {
             (below.outline.clone(), below.rough.clone())
@@ -207,7 +224,8 @@ impl Stages<'_> {
         };
         Ok(Layer {
             span,
-            found: Arc::new(found),
+            unchanged: unchanged.map(Arc::new),
+            met,
             outline,
             rough,
             offsets: Arc::new(offsets.into_iter().map(|o| o.1).collect()),

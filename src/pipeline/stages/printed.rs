@@ -100,6 +100,6 @@ impl Stages<'_> {
 
 /// What a nozzle can make of a layer.
 fn found(layer: &Layer, inside: &Inside) -> Found {
-    let dropped = layer.found.dropped_rings;
+    let dropped = layer.met.dropped_rings;
     Found::new(layer.area().content(), dropped, &inside.walls)
 }

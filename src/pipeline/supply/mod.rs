@@ -169,6 +169,11 @@ impl<'a> Supply<'a> {
         while self.window.front().is_some_and(|s| s.span.index < keep) {
             self.window.pop_front();
         }
+        let below = |layer: &&mut Layer| layer.span.index + 1 < self.next;
+        self.window
+            .iter_mut()
+            .take_while(below)
+            .for_each(Layer::sink);
         Ok(batch)
     }
 

@@ -5,17 +5,14 @@
 //! made on another thread.
 
 use super::super::SliceError;
+use super::super::ahead::{Made, Threads};
 use super::super::layer::Ready;
 use super::super::options::Extent;
 use super::super::stages::Stages;
 use super::Supply;
 use crate::layers::LayerSpan;
-use crate::limits;
 use rayon::ThreadPool;
 use std::collections::VecDeque;
-use std::panic::resume_unwind;
-use std::sync::mpsc::sync_channel;
-use std::thread;
 
 /// The layers of all parts of a plate, in order.
 pub(in crate::pipeline) struct Supplies<'a> {
@@ -34,7 +31,10 @@ struct OfPart<'a> {
 }
 
 /// One layer of several of the plate's parts, each with the part's number.
-pub(in crate::pipeline) type OnPlate = Vec<(usize, Ready)>;
+pub(in crate::pipeline) struct OnPlate {
+    pub span: LayerSpan,
+    pub parts: Vec<(usize, Ready)>,
+}
 
 impl<'a> Supplies<'a> {
     /// The supplies of parts that each have their `spans`: the layers of a run of
@@ -65,49 +65,25 @@ impl<'a> Supplies<'a> {
         }
     }
 
-    /// Passes the layers to `write`. While it works on some layers the next
-    /// ones are made, unless one thread has to do everything.
+    /// The layers, one by one. While some are used the next ones are made,
+    /// unless one thread has to do everything.
     ///
     /// # Errors
-    /// The first error of the supplies or of `write`.
-    pub(in crate::pipeline) fn each(
+    /// If the system has no thread to spare.
+    pub(in crate::pipeline) fn ahead<'s>(
         self,
         pool: &ThreadPool,
-        mut write: impl FnMut(OnPlate) -> Result<(), SliceError>,
-    ) -> Result<(), SliceError> {
-        let mut write_all = |batches: &mut dyn Iterator<Item = PlateBatch>| {
-            for batch in batches {
-                batch?.into_iter().try_for_each(&mut write)?;
-            }
-            Ok(())
-        };
-        if pool.current_num_threads() == 1 {
-            let mut batches = self;
-            return write_all(&mut batches);
-        }
-        let watch = limits::Watch::current();
-        thread::scope(|scope| {
-            // Only as many layers wait as are being written.
-            let (hand, batches) = sync_channel(0);
-            let supply = thread::Builder::new().name("layers".into());
-            let supply = supply
-                .spawn_scoped(scope, move || {
-                    limits::Watch::adopt(watch.as_ref());
-                    for batch in self {
-                        let failed = batch.is_err();
-                        // Nobody takes the batch if writing has failed.
-                        if hand.send(batch).is_err() || failed {
-                            break;
-                        }
-                    }
-                })
-                .map_err(SliceError::LayersThread)?;
-            let written = write_all(&mut batches.into_iter());
-            match supply.join() {
-                Ok(()) => written,
-                Err(panic) => resume_unwind(panic),
-            }
-        })
+        threads: &Threads<'s, '_>,
+    ) -> Result<impl Iterator<Item = Made<OnPlate>> + Send + use<'s>, SliceError>
+    where
+        'a: 's,
+    {
+        let several = pool.current_num_threads() > 1;
+        let batches = threads.ahead(several, "layers", self)?;
+        Ok(batches.flat_map(|batch| match batch {
+            Ok(layers) => layers.into_iter().map(Ok).collect(),
+            Err(error) => vec![Err(error)],
+        }))
     }
 
     /// Makes sure that every part that goes on has a layer waiting.
@@ -139,12 +115,14 @@ impl<'a> Supplies<'a> {
         let parts = self.parts.iter_mut().enumerate();
         let on = parts.filter(|(_, part)| part.end > next);
         let taken = on.filter_map(|(k, p)| Some((k, p.waiting.pop_front()?)));
-        Some(taken.collect())
+        let parts: Vec<(usize, Ready)> = taken.collect();
+        let span = parts.first()?.1.layer.span;
+        Some(OnPlate { span, parts })
     }
 }
 
-/// Layers of a plate that are written together.
-type PlateBatch = Result<Vec<OnPlate>, SliceError>;
+/// Layers of a plate that are handed over together.
+type PlateBatch = Made<Vec<OnPlate>>;
 
 impl Iterator for Supplies<'_> {
     type Item = PlateBatch;

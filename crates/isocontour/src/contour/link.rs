@@ -337,6 +337,13 @@ impl Chains {
         (edge, along, vertex, ends)
     }
 
+    /// Gives back the memory that was kept for more vertices: of a large layer
+    /// it may be as much as the rings take.
+    pub(super) fn shrink(&mut self) {
+        self.links.shrink_to_fit();
+        self.between.shrink_to_fit();
+    }
+
     /// The closed rings, and the number of rings that had to be closed by
     /// force.
     pub(super) fn into_rings(mut self) -> (Vec<Joined>, usize) {

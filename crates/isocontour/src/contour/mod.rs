@@ -213,8 +213,9 @@ fn close(
     layers
         .into_iter()
         .zip(nan)
-        .map(|(chains, nan_samples)| {
+        .map(|(mut chains, nan_samples)| {
             field.check()?;
+            chains.shrink();
             let (mut rings, forced_rings) = chains.into_rings();
             let left_out = small::leave_out(&mut rings, detail);
             let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;

@@ -1,0 +1,274 @@
+//! The stages that run in order for the whole plate: from the parts' paths to
+//! moves with their speeds.
+//!
+//! In: layers of all parts from below, as paths. Out: their moves with their
+//! speeds, and pictures. The parts of a layer are printed one after the other,
+//! on a short way that begins where the layer below has ended. A part that
+//! stands in several places has one path, which is moved to each place. What
+//! one layer passes to the next is forgotten at the beginning of every block:
+//! see [`Pacing::restart`].
+
+use super::job::{Base, Job};
+use super::ways::Passed;
+use super::{BLOCK, SliceError};
+use crate::adhesion::{Skirt, keep_on_bed};
+use crate::layers::LayerSpan;
+use crate::order::{begin_near, in_turn};
+use crate::pace::rates::{Rater, Site};
+use crate::pace::{PacedLayer, Pacer, Stretch};
+use crate::plate::Plate;
+use crate::preview::Pictures;
+use crate::settings::Settings;
+use crate::timings::{Stage, Timings};
+use crate::travel::{LayerPath, Move, Travel, between_parts, over_parts};
+use crate::units::Mm;
+use glam::DVec2;
+use std::ops::Range;
+
+/// Rates of the parts, and of what belongs to no part.
+pub(super) struct Rates<'a> {
+    pub parts: Vec<Rater<'a>>,
+    pub plate: Rater<'a>,
+}
+
+impl<'a> Rates<'a> {
+    /// The rates of a plate, whose parts have these bases.
+    ///
+    /// # Errors
+    /// If a setting is no valid expression, or if there is no part.
+    pub(super) fn new(
+        plate: &'a Plate,
+        bases: &'a [Base<'a>],
+    ) -> Result<Rates<'a>, SliceError> {
+        let of = |settings: &'a Settings, base: &'a Base<'a>| {
+            Rater::new(settings, &base.part.model, &base.around)
+        };
+        let of_part = |base: &'a Base<'a>| {
+            of(&base.part.settings, base)
+                .map_err(|e| plate.named(base.part, e.into()))
+        };
+        let first = bases.first().ok_or(SliceError::NoParts)?;
+        Ok(Rates {
+            parts: bases.iter().map(of_part).collect::<Result<_, _>>()?,
+            plate: of(&plate.settings, first)?,
+        })
+    }
+}
+
+/// The stages that give a plate's moves their speeds.
+pub(super) struct Pacing<'a> {
+    /// The settings of the whole plate.
+    settings: &'a Settings,
+    pictures: Option<Pictures>,
+    rates: &'a Rates<'a>,
+    /// For each place on the plate the part that stands there, and how far it
+    /// is from where the model was placed.
+    places: Vec<(usize, DVec2)>,
+    /// The skirt round several parts; a single part has its own.
+    skirt: Option<Skirt>,
+    /// The place printed last; none if that is forgotten.
+    last: Option<usize>,
+    /// Where the head is, on the bed; none if that is forgotten.
+    at: Option<DVec2>,
+    pacer: Pacer<'a>,
+    /// The layers to be written.
+    layers: Range<usize>,
+    /// The layer that comes next.
+    next: usize,
+    /// Where parts are printed one by one: which of the places has its turn, how
+    /// many layers were printed before, how high the finished parts are, and how
+    /// high the head is to be on its way to the next one.
+    turn: Option<usize>,
+    before: usize,
+    finished: Mm,
+    clear: Option<Mm>,
+    timings: &'a Timings,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+impl<'a> Pacing<'a> {
+    /// The stages for a job.
+    pub(super) fn new(
+        job: &'a Job<'a>,
+        rates: &'a Rates<'a>,
+        skirt: Option<Skirt>,
+        pictures: Option<Pictures>,
+    ) -> Self {
+        let settings = &job.plate.settings;
+        Pacing {
+            settings,
+            pictures,
+            rates,
+            places: job.plate.shifts(),
+            skirt,
+            last: None,
+            at: None,
+            pacer: Pacer::new(settings),
+            layers: job.extent.layers.clone(),
+            next: job.extent.made.start,
+            turn: None,
+            before: 0,
+            finished: 0.0,
+            clear: None,
+            timings: job.stopwatch(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Begins with the part in a place, which is finished before the next one
+    /// begins. The one before was as high as `below`.
+    pub(super) fn begin(&mut self, place: usize, below: Mm) {
+        self.finished = self.finished.max(below);
+        self.clear = self.turn.map(|_| Plate::clear_of(self.finished));
+        self.turn = Some(place);
+        self.before = self.next;
+        self.last = None;
+    }
+
+    /// Gives the moves of the next layer their speeds. `passed` has the path of
+    /// each part that is in the layer.
+    pub(super) fn layer<'p>(
+        &mut self,
+        span: LayerSpan,
+        passed: &dyn Fn(usize) -> Option<&'p Passed>,
+    ) -> Result<PacedLayer, SliceError>
+    where
+        'a: 'p,
+    {
+        let stretches = self.stretches(&span, passed);
+        let written = self.turn.is_some() || self.layers.contains(&span.index);
+        if written && let Some(pictures) = &self.pictures {
+            let moves = stretches.iter().flat_map(|s| s.moves.clone());
+            let moves = moves.collect();
+            // Pictures count all layers of the file.
+            let index = self.before + span.index;
+            let span = LayerSpan { index, ..span };
+            pictures.draw(&LayerPath { span, moves }).map_err(|e| {
+                SliceError::Picture(pictures.folder().to_owned(), e)
+            })?;
+        }
+        let mut paced = self.timings.time(Stage::Pace, || {
+            self.pacer.layer(span, stretches, &self.rates.plate)
+        })?;
+        paced.before = self.before;
+        self.next += 1;
+        Ok(paced)
+    }
+
+    /// The layer's moves in print order: the skirt's, and those of each place.
+    fn stretches<'p>(
+        &mut self,
+        span: &LayerSpan,
+        passed: &dyn Fn(usize) -> Option<&'p Passed>,
+    ) -> Vec<Stretch<'a, 'p>>
+    where
+        'a: 'p,
+    {
+        let rates = self.rates;
+        let mut stretches = Vec::new();
+        if let Some(moves) = self.skirt_moves(span) {
+            stretches.push(Stretch {
+                place: None,
+                moves,
+                rater: &rates.plate,
+                site: Site::default(),
+            });
+        }
+        // The head does not go to places where nothing is printed. A single
+        // part's moves are taken as they are.
+        let alone = self.places.len() == 1;
+        let mut there = Vec::new();
+        let mut ways = Vec::new();
+        for (place, &(part, shift)) in self.places.iter().enumerate() {
+            if self.turn.is_some_and(|turn| turn != place) {
+                continue;
+            }
+            let Some(passed) = passed(part) else {
+                continue;
+            };
+            match passed.path.ends() {
+                Some((from, to)) => ways.push((from + shift, to + shift)),
+                None if alone => ways.push((DVec2::ZERO, DVec2::ZERO)),
+                None => continue,
+            }
+            there.push((place, part, shift, passed));
+        }
+        for k in in_turn(&ways, self.at) {
+            let (place, part, shift, passed) = there[k];
+            let mut moves = passed.path.moved(shift);
+            // A part goes on where it ended, but not if another part was
+            // printed last.
+            let goes_on = match &self.last {
+                Some(last) => *last == place,
+                None => self.at.is_none(),
+            };
+            if !alone && !goes_on {
+                let prints = |step: &Move| matches!(step, Move::Print(_));
+                let first = moves.iter().position(prints).unwrap_or(0);
+                let travel = match self.clear.take() {
+                    Some(clear) => over_parts(ways[k].0, clear),
+                    None => between_parts(ways[k].0, self.settings),
+                };
+                moves.splice(..first, [Move::Travel(travel)]);
+            }
+            if !alone {
+                self.at = Some(ways[k].1);
+                self.last = Some(place);
+            }
+            stretches.push(Stretch {
+                place: Some(place),
+                moves,
+                rater: &rates.parts[part],
+                site: passed.site(shift),
+            });
+        }
+        stretches
+    }
+
+    /// The skirt round all parts in a layer, if it has one.
+    fn skirt_moves(&mut self, span: &LayerSpan) -> Option<Vec<Move>> {
+        // A finished part would be in the way of another's skirt.
+        let skirt = self.skirt.as_ref().filter(|_| self.before == 0)?;
+        let mut loops = skirt.beads(span.index, span.height());
+        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, self.settings);
+        if span.index == 0 {
+            self.warnings.extend(off_bed);
+        }
+        let mut moves = Vec::new();
+        for mut bead in loops {
+            if let Some(at) = self.at {
+                begin_near(&mut bead, at);
+            }
+            let Some(&to) = bead.points.first() else {
+                continue;
+            };
+            let travel = match (self.at, moves.is_empty()) {
+                (None, _) => Travel::straight(to, span.index >= BLOCK),
+                (Some(_), true) => between_parts(to, self.settings),
+                // From loop to loop the way is a line's width.
+                (Some(_), false) => Travel::straight(to, false),
+            };
+            moves.push(Move::Travel(travel));
+            moves.push(Move::Print(bead));
+            self.at = Some(to);
+            self.last = None;
+        }
+        (!moves.is_empty()).then_some(moves)
+    }
+
+    /// Forgets what the layers below have passed on, so that what follows
+    /// depends on nothing but the plate. This costs a travel from wherever the
+    /// head is. `heads` is where it is on the bed, for each part that knows.
+    pub(super) fn restart(
+        &mut self,
+        heads: &[Option<DVec2>],
+        span: &LayerSpan,
+    ) {
+        let alone = self.places.len() == 1;
+        let place = heads.first().copied().flatten().filter(|_| alone);
+        self.last = None;
+        self.at = None;
+        self.pacer.restart(place, span.bottom);
+    }
+}

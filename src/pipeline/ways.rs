@@ -1,0 +1,274 @@
+//! The stages that run in order for each part: from beads in order to a path.
+//!
+//! In: layers of a part from below, with their beads in order. Out: their
+//! paths, as if the part stood alone where its model was placed. Nothing but
+//! counts passes from one layer to the next.
+
+use super::job::Planned;
+use super::layer::Layer;
+use super::part::{Ordered, PartOrder};
+use super::tally::Tally;
+use super::{BLOCK, SliceError};
+use crate::bead::Level;
+use crate::hang::Hanging;
+use crate::hang::foot::Foot;
+use crate::pace::rates;
+use crate::plane::Solid;
+use crate::region::wall_depths;
+use crate::relief::{Relief, Side, Site};
+use crate::report::LayerFigures;
+use crate::seam::ending::Ended;
+use crate::settings::Settings;
+use crate::timings::{Stage, Timings};
+use crate::travel::{Ground, LayerPath, Move, connect};
+use crate::walls::{Beside, Interlock, Reach};
+use glam::DVec2;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The stages of one part that make its paths.
+pub(super) struct PartTravel<'a> {
+    settings: &'a Settings,
+    /// Way from the model's coordinates to the bed's.
+    offset: DVec2,
+    /// What lets beads follow the surface, if they have to.
+    relief: Option<Relief<'a>>,
+    /// The layers to be written.
+    layers: Range<usize>,
+    timings: &'a Timings,
+    /// Number of the part's beads.
+    beads: usize,
+    tally: Tally,
+}
+
+/// A layer of a part after these stages.
+pub(super) struct Passed {
+    /// The layer's moves, where the model was placed.
+    pub path: LayerPath,
+    /// The outline to print.
+    pub outline: Arc<Solid<'static>>,
+    /// What holds the layer, if that matters: the layer below, if its outline
+    /// differs, and supports.
+    below: Option<Arc<Solid<'static>>>,
+    held: Option<Solid<'static>>,
+    /// The layer's accuracy, if it was measured.
+    pub figures: Option<LayerFigures>,
+}
+
+impl Passed {
+    /// Where the layer's beads are in a place that is `shift` away from where
+    /// the model was placed.
+    pub(super) fn site(&self, shift: DVec2) -> rates::Site<'_> {
+        let held = self.held.as_ref().map(Solid::grid);
+        let below = self.below.as_ref();
+        rates::Site {
+            solid: Some(self.outline.grid()),
+            reach: below.map(|below| Reach::new(below.grid(), held)),
+            shift,
+        }
+    }
+}
+
+/// The results of a part.
+pub(super) struct PartDone {
+    /// Number of the part's beads. A skirt alone has none.
+    pub beads: usize,
+    /// What was counted.
+    pub tally: Tally,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// What hangs in the part.
+    pub hanging: Hanging,
+    /// What the part stands on, if its first layer is written.
+    pub foot: Option<Foot>,
+}
+
+impl<'a> PartTravel<'a> {
+    /// The stages for a part, of whose layers `layers` are written.
+    pub(super) fn new(
+        planned: &'a Planned<'a>,
+        layers: Range<usize>,
+        relief: Option<Relief<'a>>,
+    ) -> Self {
+        let part = planned.part;
+        PartTravel {
+            settings: &part.settings,
+            offset: part.model.offset.truncate(),
+            relief,
+            layers,
+            timings: &planned.stages.timings,
+            beads: 0,
+            tally: Tally::default(),
+        }
+    }
+
+    /// Takes the next layer.
+    pub(super) fn layer(
+        &mut self,
+        ordered: Ordered,
+    ) -> Result<Passed, SliceError> {
+        let Ordered {
+            beads,
+            from,
+            layer,
+            beside,
+            below: stands_on,
+            sparse,
+            support: supported,
+            support_rise,
+            under_support,
+            held,
+            gap,
+            figures,
+        } = ordered;
+        let [below, above] = beside.each_ref().map(Option::as_ref);
+        let index = layer.span.index;
+        let written = self.layers.contains(&index);
+        let beads = if self.settings.interlocks() {
+            self.timings.time(Stage::Walls, || {
+                self.interlocked(beads, &layer, below, above)
+            })
+        } else {
+            beads
+        };
+        let mut beads = self.timings.time(Stage::Skin, || {
+            let under_support = under_support.as_ref();
+            self.on_surface(beads, &layer, [below, above], under_support)
+        })?;
+        if support_rise != 0.0 {
+            let all = beads.iter_mut().map(|ended| &mut ended.bead);
+            for bead in all.filter(|bead| bead.role.is_support()) {
+                let rise = support_rise;
+                let level = Level { rise, extra: 0.0 };
+                bead.levels = vec![level; bead.points.len()];
+            }
+        }
+        let path = self.timings.time(Stage::Travel, || {
+            let (_, border) = wall_depths(layer.span.height(), self.settings);
+            if written {
+                let of_part = beads.iter().filter(|b| b.bead.role.is_part());
+                let count = of_part.count();
+                let support = beads.iter().map(|b| &b.bead);
+                let support = support.filter(|b| b.role.is_support());
+                self.tally.support +=
+                    support.map(|b| b.area() * b.length()).sum::<f64>();
+                self.beads += count;
+                if index >= self.settings.raft_layers() {
+                    self.tally.add(&layer, gap, count == 0);
+                }
+            }
+            let mut path = connect(
+                layer.span,
+                beads,
+                Ground {
+                    outline: &layer.outline,
+                    sparse: &sparse,
+                    support: supported.as_ref(),
+                    border,
+                    above: above.map(Layer::area),
+                },
+                from,
+                self.offset,
+                self.settings,
+            );
+            // If the head's place is unknown, the way may lead over anything.
+            if from.is_none()
+                && index >= BLOCK
+                && let Some(Move::Travel(travel)) = path.moves.first_mut()
+            {
+                travel.retract = true;
+                travel.hop = true;
+            }
+            path
+        });
+        Ok(Passed {
+            path,
+            below: stands_on.filter(|_| self.settings.by_reach()),
+            held,
+            outline: layer.outline.clone(),
+            figures,
+        })
+    }
+
+    /// The results of the part, of which `order` has made the beads' order.
+    pub(super) fn finish(self, order: PartOrder<'_>) -> PartDone {
+        let (warnings, hanging, foot) = order.finish();
+        PartDone {
+            beads: self.beads,
+            tally: self.tally,
+            warnings,
+            hanging,
+            foot,
+        }
+    }
+
+    /// A layer's beads. Walls that lie half a layer lower are in their places.
+    fn interlocked(
+        &self,
+        beads: Vec<Ended>,
+        layer: &Layer,
+        below: Option<&Layer>,
+        above: Option<&Layer>,
+    ) -> Vec<Ended> {
+        fn beside<'l>(layer: &Layer, other: &'l Layer) -> Beside<'l> {
+            let same = layer.same_outline(other);
+            Beside {
+                height: other.span.height(),
+                outline: (!same).then(|| other.outline.grid()),
+            }
+        }
+        let interlock = Interlock {
+            outline: layer.outline.grid(),
+            below: below.map(|below| beside(layer, below)),
+            above: above.map(|above| beside(layer, above)),
+        };
+        let mut out = Vec::with_capacity(beads.len());
+        for Ended { bead, wipe } in beads {
+            let placed = interlock.placed(bead, self.settings);
+            let any = !placed.is_empty();
+            out.extend(placed.into_iter().map(Ended::from));
+            if let Some(last) = out.last_mut().filter(|_| any) {
+                last.wipe = wipe;
+            }
+        }
+        out
+    }
+
+    /// A layer's beads, moved onto the surfaces above and below them if they
+    /// have to follow these. `under_support` is where supports stand on the
+    /// layer.
+    fn on_surface(
+        &self,
+        beads: Vec<Ended>,
+        layer: &Layer,
+        [below, above]: [Option<&Layer>; 2],
+        under_support: Option<&Solid<'static>>,
+    ) -> Result<Vec<Ended>, SliceError> {
+        let Some(relief) = self.relief.as_ref() else {
+            return Ok(beads);
+        };
+        fn side<'l>(layer: &Layer, other: Option<&'l Layer>) -> Side<'l> {
+            let Some(other) = other else {
+                return Side::Open;
+            };
+            if layer.same_outline(other) {
+                Side::Closed
+            } else {
+                Side::Layer(other.span.height(), other.outline.grid())
+            }
+        }
+        // The bed and a raft are flat.
+        let flat = layer.span.index <= self.settings.raft_layers();
+        let site = Site {
+            span: layer.span,
+            above: side(layer, above),
+            below: if flat {
+                Side::Closed
+            } else {
+                side(layer, below)
+            },
+            under_support: under_support.map(Solid::grid),
+        };
+        Ok(relief.apply(beads, site)?)
+    }
+}
