@@ -199,7 +199,7 @@ fn keys_and_files_that_are_wrong_are_said() {
     fails(
         folder,
         &["send", "part.stl", "--to", "shop"],
-        "is no G-code",
+        "does not end in .gcode",
     );
     fails(
         folder,

@@ -316,7 +316,10 @@ pub(crate) fn outline_from_above(
         let (i, j) = (k % seen.width, k / seen.width);
         [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
     });
-    Ok(hull(corners.map(|(i, j)| place(i, j).clamp(low, high))))
+    let mut ring = hull(corners.map(|(i, j)| place(i, j).clamp(low, high)));
+    // Labels of parts begin with this corner, in every version so far.
+    ring.rotate_right(ring.len().min(1));
+    Ok(ring)
 }
 
 #[cfg(test)]

@@ -109,7 +109,7 @@ fn no_edge_is_missed_however_short_it_is() {
             for reach in [0.9 * least, 1.1 * least, 3.0] {
                 let found =
                     grid.nearest_edge(p, reach).map(|f| p.distance(f.1));
-                let expected = (least < reach).then_some(least);
+                let expected = (least <= reach).then_some(least);
                 assert_eq!(found, expected, "{p} {reach}");
                 let mut near = vec![false; edges.len()];
                 grid.visit_near(p, p, reach, |owner| near[owner] = true);
