@@ -172,7 +172,7 @@ fn other_prints_are_refused() {
     let version =
         text.replace("\"version\":\"isoslice 0", "\"version\":\"isoslice 9");
     assert!(version != text);
-    assert_eq!(why(version.into_bytes()), "version of isoslice");
+    assert_eq!(why(version.into_bytes()), "version or build of isoslice");
     let binary = file(
         &plate_of(BALL, &settings(&["sample_spacing=0.6", "infill_density=0"])),
         "11..30",

@@ -323,10 +323,17 @@ pub(super) fn footer(
     lines
 }
 
-/// What says that files are of one version: the program's name, its version and
-/// the version's day.
+/// What says that files are of one version: the program's name, its version, the
+/// version's day, and what it was built for. Builds for other processors, or
+/// with another mathematical library, write other digits.
 pub(crate) fn version() -> String {
-    format!("{MAKER} of {DAY}")
+    use std::env::consts::{ARCH, OS};
+    let library = if cfg!(target_env = "musl") {
+        "-musl"
+    } else {
+        ""
+    };
+    format!("{MAKER} of {DAY} for {ARCH}-{OS}{library}")
 }
 
 /// `2026-01-31` and `12:00:00`, if the year has four digits.

@@ -43,7 +43,7 @@ pub(super) const LONGEST: u64 = 1 << 31;
 /// things.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Fingerprint {
-    /// The program's version.
+    /// The program's version, and what it was built for.
     pub version: String,
     /// The models' expressions, names and places.
     pub model: String,
@@ -57,7 +57,11 @@ impl Fingerprint {
     /// What differs, in words; nothing if both fingerprints are equal.
     pub(super) fn difference(&self, other: &Self) -> Option<&'static str> {
         [
-            (&self.version, &other.version, "version of isoslice"),
+            (
+                &self.version,
+                &other.version,
+                "version or build of isoslice",
+            ),
             (&self.model, &other.model, "model"),
             (&self.settings, &other.settings, "settings"),
             (&self.layers, &other.layers, "layers of the part"),
