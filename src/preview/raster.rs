@@ -318,7 +318,9 @@ pub(crate) fn outline_from_above(
     });
     let mut ring = hull(corners.map(|(i, j)| place(i, j).clamp(low, high)));
     // Labels of parts begin with this corner, in every version so far.
-    ring.rotate_right(ring.len().min(1));
+    if !ring.is_empty() {
+        ring.rotate_right(1);
+    }
     Ok(ring)
 }
 
