@@ -33,7 +33,7 @@ pub enum JoinError {
     /// Files are of different prints.
     #[error(
         "{} and {} are not ranges of one print: they are of another {what}; \
-         slice all ranges with the same model, settings and version of isoslice",
+         slice all ranges with the same model, settings and build of isoslice",
         .one.display(), .other.display()
     )]
     Differs {
