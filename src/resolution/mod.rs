@@ -227,6 +227,23 @@ mod tests {
     }
 
     #[test]
+    fn a_path_does_not_go_zigzag_where_its_width_varies_a_little() {
+        let settings = Settings::default();
+        // The places and widths that two noisy edges give: 2 µm to either side.
+        let noise = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let at = |i: usize| DVec2::new(0.07 * i as f64, 0.002 * noise(i));
+        let mut stroke = Stroke::new((0..=30).map(at).collect(), false, 0.5);
+        stroke.widths = (0..=30).map(|i| 0.5 + 0.004 * noise(i)).collect();
+        let points = stroke.points.clone();
+        let pieces = pieces(Bead::new(Role::OuterWall, stroke, 0.2), &settings);
+        let [piece] = pieces.as_slice() else {
+            panic!("{pieces:?}");
+        };
+        assert!(piece.points.len() <= 6, "{:?}", piece.points);
+        assert!(off(&points, piece) <= 1.001 * STEPPED * settings.accuracy);
+    }
+
+    #[test]
     fn closed_strokes_stay_closed_and_nothing_vanishes() {
         let settings = Settings::default();
         let ring = circle(3.0, 400);

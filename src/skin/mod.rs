@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use crate::bead::{Role, Stroke, spacing};
     use crate::plane::clip::difference;
-    use crate::plane::shapes::{disc, square};
+    use crate::plane::shapes::{disc, rect, square};
     use crate::settings::SkinPattern;
     use glam::DVec2;
 
@@ -310,6 +310,30 @@ mod tests {
             let middle = line.points[0].midpoint(line.points[1]);
             assert!(!half.grid().contains(middle));
         }
+    }
+
+    #[test]
+    fn a_strip_that_nobody_sees_is_gap_fill_if_it_is_as_thin_as_a_bead() {
+        let around = Solid::new(square(12.0));
+        let hidden = Faces {
+            above: Some(face(&around)),
+            below: Some(face(&around)),
+        };
+        let open = Faces {
+            above: None,
+            ..hidden
+        };
+        let roles = |width: f64, faces: Faces<'_>| -> Vec<Role> {
+            let strip = rect(-5.0, -0.5 * width, 5.0, 0.5 * width);
+            let all = patches(&strip, faces, 1, 0.2, &Settings::default());
+            all.iter().flat_map(|p| &p.rings).map(|b| b.role).collect()
+        };
+        assert_eq!(roles(0.3, hidden), [Role::GapFill]);
+        assert_eq!(roles(0.7, hidden), [Role::GapFill]);
+        assert_eq!(roles(0.3, open), [Role::TopSkin]);
+        let wide = roles(1.2, hidden);
+        assert!(!wide.is_empty());
+        assert!(wide.iter().all(|role| *role == Role::InternalSkin));
     }
 
     #[test]
