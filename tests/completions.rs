@@ -87,6 +87,8 @@ fn settings_profiles_hosts_and_parameters_are_offered_to_every_shell() {
             (&["send", "part.gcode", "--to", "w"], &["workshop"]),
             (&["slice", "part.rhai", "-D", "w"], &["width=", "wall="]),
             (&["info", "part.rhai", "-D", "wall="], &["wall=1", "wall=2"]),
+            // A formula may stand there as well.
+            (&["slice", "--set", "seam=r"], &["seam=rear", "seam=random"]),
         ] {
             let found = offered(shell, path, words);
             assert_eq!(found, expected, "{shell}: {words:?}");
@@ -149,15 +151,22 @@ fn bash_completes_a_line() {
     let folder = folder();
     let bin = Path::new(env!("CARGO_BIN_EXE_isoslice")).parent().unwrap();
     let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
+    // bash gives the words cut at `=`, the one at the cursor without the sign,
+    // and takes what is to stand behind the sign.
     let line = "\
         source <(isoslice completions bash) || exit 3\n\
-        COMP_WORDS=(isoslice slice part.rhai -D wi)\n\
-        COMP_CWORD=4\n\
-        COMP_TYPE=9\n\
-        COMP_LINE='isoslice slice part.rhai -D wi'\n\
         compopt() { :; }\n\
-        $(complete -p isoslice | sed 's/.*-F \\([^ ]*\\).*/\\1/') isoslice wi -D\n\
-        printf '%s\\n' \"${COMPREPLY[@]}\"\n";
+        ask() { local found=$(complete -p isoslice); found=${found#*-F }; \
+            ${found%% *} isoslice \"$1\" \"$2\"; echo ${COMPREPLY[*]}; }\n\
+        of() { COMP_LINE=$1 COMP_POINT=${#1} COMP_TYPE=9; shift; COMP_WORDS=(\"$@\"); \
+            COMP_CWORD=$(($# - 1)); local last=${COMP_WORDS[COMP_CWORD]}; \
+            ask \"${last#=}\" \"${COMP_WORDS[COMP_CWORD-1]}\"; }\n\
+        of 'isoslice slice part.rhai -D wi' isoslice slice part.rhai -D wi\n\
+        of 'isoslice slice --set gcode.flavour=b' isoslice slice --set gcode.flavour = b\n\
+        of 'isoslice slice --set plate.sequence=' isoslice slice --set plate.sequence =\n\
+        of 'isoslice slice --set=gcode.flavour=b' isoslice slice --set = gcode.flavour = b\n\
+        of 'isoslice info --set walls=3 part.rhai -D wall=' \
+            isoslice info --set walls = 3 part.rhai -D wall =\n";
     let output = Command::new("bash")
         .args(["--norc", "-c", line])
         .current_dir(folder.path())
@@ -172,5 +181,6 @@ fn bash_completes_a_line() {
         }
     };
     let text = String::from_utf8_lossy(&output.stdout);
-    assert_eq!(text.trim(), "width=", "{output:?}");
+    let expected = "width=\nbambu\nall-at-once one-by-one\nbambu\n1 2";
+    assert_eq!(text.trim(), expected, "{output:?}");
 }

@@ -465,6 +465,10 @@ fn plate_files_say_what_where_and_how() {
         ),
         (format!("{part}at = 5\n"), ":3: at is where the middle"),
         (
+            format!("{part}at = [9, -1e300]\n"),
+            ":3: at = [9e0, -1e300] is on no bed",
+        ),
+        (
             format!("{part}copies = 2\nat = [9, 9]\n"),
             "2 copies cannot all stand in one place",
         ),

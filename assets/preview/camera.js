@@ -14,6 +14,8 @@ class Camera {
     this.look = 0;
     // Pixels that the middle of the view lies right of the window's.
     this.aside = 0;
+    // And how many it lies above it.
+    this.above = 0;
     this.fit(1);
   }
 
@@ -60,9 +62,10 @@ class Camera {
       twgl.m4.perspective(
         FIELD_OF_VIEW, width / height, near, far);
     const camera = twgl.m4.lookAt(this.eye, this.target, [0, 0, 1]);
-    const aside = twgl.m4.translation([2 * this.aside / width, 0, 0]);
+    const moved = twgl.m4.translation(
+      [2 * this.aside / width, 2 * this.above / height, 0]);
     return twgl.m4.multiply(
-      twgl.m4.multiply(aside, projection), twgl.m4.inverse(camera));
+      twgl.m4.multiply(moved, projection), twgl.m4.inverse(camera));
   }
 
   // The ray from the eye through a place of the window: where it begins, and a
@@ -71,7 +74,7 @@ class Camera {
     const scale = 2 * Math.tan(FIELD_OF_VIEW / 2) / height;
     const [right, up, back] = this.axes;
     const across = (x - width / 2 - this.aside) * scale;
-    const above = (height / 2 - y) * scale;
+    const above = (height / 2 - y - this.above) * scale;
     return {
       from: this.eye,
       along: twgl.v3.normalize(
@@ -119,7 +122,8 @@ function lead(camera, canvas, changed, clicked) {
   let pressed = null;
 
   const fromMiddle = (x, y) =>
-    [x - canvas.clientWidth / 2 - camera.aside, y - canvas.clientHeight / 2];
+    [x - canvas.clientWidth / 2 - camera.aside,
+      y - canvas.clientHeight / 2 + camera.above];
   const summary = () => {
     const all = [...held.values()];
     const x = all.reduce((sum, p) => sum + p.x, 0) / all.length;

@@ -70,6 +70,10 @@ class Live {
       page.hidden = page.dataset.page !== tab;
     }
     document.documentElement.dataset.tab = tab;
+    // The panel is as high as what is on it.
+    if (camera) {
+      placeView();
+    }
   }
 
   // Waits for new states, and shows them.
@@ -84,6 +88,7 @@ class Live {
       await this.showNews();
     } catch (error) {
       document.documentElement.dataset.state = "gone";
+      this.allow(false);
       this.sayFault("isoslice does not answer: if it has ended, start it "
         + "again, and open the address that it shows", error.message);
       await new Promise(resolve => setTimeout(resolve, AGAIN));
@@ -127,14 +132,7 @@ class Live {
     this.sayWarnings();
     this.listPrinters();
     const current = Boolean(print) && !busy && !fault;
-    const save = $("save-gcode");
-    save.setAttribute("aria-disabled", !current);
-    if (current) {
-      save.href = `gcode?print=${print.revision}`;
-      save.download = print.file;
-    } else {
-      save.removeAttribute("href");
-    }
+    this.allow(current);
     if (fault) {
       this.sayFault(fault.text, fault.excerpt);
       $("notice").hidden = true;
@@ -144,6 +142,21 @@ class Live {
     const state = fault ? "wrong" : busy ? "busy" : "done";
     document.documentElement.dataset.state = state;
     this.showView();
+  }
+
+  // Lets the user save and send the print that is shown, or not.
+  allow(can) {
+    const save = $("save-gcode");
+    save.setAttribute("aria-disabled", !can);
+    const { print, sending } = this.told ?? {};
+    if (can) {
+      save.href = `gcode?print=${print.revision}`;
+      save.download = print.file;
+    } else {
+      save.removeAttribute("href");
+    }
+    $("send-store").disabled = $("send-start").disabled =
+      !can || sending.busy;
   }
 
   // Tells the program what the user looks at now.
@@ -250,6 +263,10 @@ class Live {
     if (!news?.model || this.view === "part") {
       return Boolean(news?.model);
     }
+    // One layer is not what is left of a part when the script is wrong.
+    if (news.fault && has.glimpse && !this.impatient) {
+      return true;
+    }
     // The layers of an older model are not shown in a newer one's place.
     const newest = news.glimpse ?? news.print;
     return has.print === 0 || !this.impatient
@@ -296,10 +313,12 @@ class Live {
       return;
     }
     const canvas = $("view");
-    const [left, top] = [2 * camera.aside + 20, 76];
+    const [left, top] = [2 * camera.aside + 20, HEAD];
+    // A panel below the picture begins as far from the window's bottom.
+    const bottom = camera.above > 0 ? top + 2 * camera.above : 30;
     const room = [
       Math.max(80, canvas.clientWidth - left - 20),
-      Math.max(80, canvas.clientHeight - top - 30),
+      Math.max(80, canvas.clientHeight - top - bottom),
     ];
     Object.assign($("picture").style, {
       left: `${left}px`, top: `${top}px`,
@@ -552,14 +571,25 @@ class Live {
 
   setting(setting) {
     const { name, value, unit, words, allowed, description, from } = setting;
+    const { some_words: some } = setting;
     const to = text => this.change("set", name, text);
     const input = words.length > 0
       ? this.select(words.map(word => [word, word]), value, to)
       : this.text(value, to);
     input.dataset.of = name;
+    const rest = [];
+    if (words.length === 0 && some.length > 1) {
+      // Words that the field offers, beside what may be written.
+      const list = element("datalist", "", { id: `words-${name}` });
+      list.append(...some.map(word => element("option", "", { value: word })));
+      input.setAttribute("list", list.id);
+      rest.push(list);
+    }
+    const origin = from === "default" ? "this is the default"
+      : setting.set ? "set on this page" : `from ${from}`;
     const field = this.field(
-      unit ? `${name}, ${unit}` : name, [input],
-      `${description} (${allowed}; ${from})`, setting.set,
+      unit ? `${name}, ${unit}` : name, [input, ...rest],
+      `${description} (${allowed}; ${origin})`, setting.set,
       () => this.change("set", name, null));
     field.dataset.name = name;
     field.dataset.search = `${name} ${description}`.toLowerCase();
@@ -589,15 +619,13 @@ class Live {
   // --- printers
 
   listPrinters() {
-    const { printers, sending, print, busy, fault } = this.told;
+    const { printers, sending } = this.told;
     $("sending").hidden = printers.length === 0;
     const select = $("send-to");
     if ([...select.options].map(o => o.value).join() !== printers.join()) {
       select.replaceChildren(
         ...printers.map(name => element("option", name, { value: name })));
     }
-    const can = Boolean(print) && !busy && !fault && !sending.busy;
-    $("send-store").disabled = $("send-start").disabled = !can;
     $("sent").textContent = sending.text;
   }
 

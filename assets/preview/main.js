@@ -4,6 +4,10 @@
 const REST = 160;
 // Time after which a click is no longer the first of two, milliseconds.
 const ONE_CLICK = 220;
+// Width of a window up to which the panel is below the part, as in style.css.
+const NARROW = 640;
+// Height of what is written at the top, pixels.
+const HEAD = 76;
 
 // Belongs to the print that is shown. A page of `watch` has no print at first.
 let told = null;
@@ -282,14 +286,21 @@ function otherTheme() {
 function fit(look) {
   const canvas = $("view");
   const width = canvas.clientWidth - 2 * camera.aside;
-  camera.fit(width / canvas.clientHeight, look);
+  const height = canvas.clientHeight;
+  const free = camera.above > 0 ? height - 2 * camera.above - HEAD : height;
+  camera.fit(Math.min(width, free) / height, look);
   redraw(false);
 }
 
-// The part stands in the middle of what the panel leaves free.
+// The part stands in the middle of what the panel leaves free: beside it, or
+// above it on a phone.
 function placeView() {
-  const wide = $("view").clientWidth > 800 && !$("panel").hidden;
-  camera.aside = wide ? $("panel").getBoundingClientRect().right / 2 : 0;
+  const { clientWidth: width, clientHeight: height } = $("view");
+  const { top, right } = $("panel").getBoundingClientRect();
+  const shown = !$("panel").hidden;
+  camera.aside = shown && width > 800 ? right / 2 : 0;
+  const below = shown && width <= NARROW;
+  camera.above = below ? Math.max(0, height - top - HEAD) / 2 : 0;
   redraw(false);
 }
 
@@ -390,7 +401,7 @@ function begin(box) {
       setTheme(prefersDark.matches ? "dark" : "light");
     }
   });
-  showPanel(!matchMedia("(max-width: 640px)").matches);
+  showPanel(innerWidth > NARROW);
   fit(0);
 
   lead(camera, canvas, redraw, (x, y) => {

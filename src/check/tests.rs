@@ -480,6 +480,10 @@ fn axes_are_homed_before_they_move() {
         all.sentences("a", Severity::Warning).join("\n")
     };
     assert!(said("").contains("x, y and z were not homed"));
+    // A file that is being written has no name yet.
+    let all = verdict(&format!("G1 X5 Y5 F900\n{bead}"));
+    let unnamed = &all.sentences("", Severity::Warning)[0];
+    assert!(unnamed.starts_with("the G-code, line 1: "), "{unnamed}");
     assert!(said("G28 X Z\nM84 Z\n").contains("z was not homed"));
 }
 

@@ -13,6 +13,9 @@ const APART: usize = 40;
 /// What the findings beyond [`APART`] are about.
 const OTHERS: &str = "others";
 
+/// What a file without a name is called.
+const THE_FILE: &str = "the G-code";
+
 /// How bad a kind of finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
@@ -160,9 +163,13 @@ pub struct Finding {
 
 impl Finding {
     /// The finding as a sentence. `name` is the file's.
+    /// The finding as a sentence. `name` is that of the file, or empty for a
+    /// file that has none yet.
     fn sentence(&self, name: &str) -> String {
         let place = match self.line {
+            0 if name.is_empty() => THE_FILE.to_owned(),
             0 => name.to_owned(),
+            line if name.is_empty() => format!("{THE_FILE}, line {line}"),
             line => format!("{name}:{line}"),
         };
         let more = self.count - 1;
@@ -221,13 +228,14 @@ impl Verdict {
             .map(|f| (f.about.as_str(), f.count))
     }
 
-    /// The findings of this severity as sentences; `name` is the file's.
+    /// The findings of this severity as sentences; `name` is the file's, or
+    /// empty if it has none yet.
     pub fn sentences(&self, name: &str, severity: Severity) -> Vec<String> {
         self.sentences_of(name, |kind| kind.severity() == severity)
     }
 
-    /// The findings of these kinds as sentences. `name` is the file's. All
-    /// unknown commands share one sentence.
+    /// The findings of these kinds as sentences. `name` is the file's, or empty
+    /// if it has none yet. All unknown commands share one sentence.
     pub fn sentences_of(
         &self,
         name: &str,
@@ -255,6 +263,7 @@ impl Verdict {
                 n => format!("{} ({n} times from line {})", f.about, f.line),
             })
             .collect();
+        let name = if name.is_empty() { THE_FILE } else { name };
         (!words.is_empty()).then(|| {
             format!(
                 "{name}: not known, so nothing is said of what they do: {}",

@@ -42,8 +42,16 @@ pub(super) fn script(shell: &str) -> anyhow::Result<Vec<u8>> {
     let mut script = Vec::new();
     let name = "isoslice";
     completer.write_registration(VARIABLE, name, name, name, &mut script)?;
+    if shell == "bash" {
+        script.extend_from_slice(BASH.as_bytes());
+    }
     Ok(script)
 }
+
+/// What bash needs besides: it cuts words at the signs in `COMP_WORDBREAKS`,
+/// `=` among them, and takes completions for what is behind such a sign only.
+/// `_clap_complete_isoslice` is the function of the script before.
+const BASH: &str = include_str!("complete.bash");
 
 /// Candidates that begin like what is typed.
 fn beginning(
@@ -64,7 +72,7 @@ pub(super) fn settings(typed: &OsStr) -> Vec<CompletionCandidate> {
     let text = typed.to_string_lossy();
     let words = |key: &Key| {
         let name = key.name;
-        let words = key.words().iter();
+        let words = key.some_words().iter();
         words.map(|word| format!("{name}={word}")).collect()
     };
     let found = match text.split_once('=') {

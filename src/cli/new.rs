@@ -135,8 +135,10 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
         let script = plain::value(script.display());
         let settings = plain::value(settings.display());
         plain::print(&format!(
-            "{script}\n{settings}\n\nNext: isoslice slice {script} --config \
-             {settings}\n"
+            "{script}\n{settings}\n\n\
+             Next: isoslice slice {script} --config {settings}\n\
+             or, to see it while you edit it:\n      \
+             isoslice watch {script} --config {settings} --open\n"
         ))?;
     }
     Ok(())

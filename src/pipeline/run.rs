@@ -102,7 +102,7 @@ fn refuse(plate: &Plate, options: &Options<'_>) -> Result<(), SliceError> {
 fn judge(checker: Alongside, summary: &mut Summary) -> Result<(), SliceError> {
     let (verdict, time) = checker.finish()?;
     if !verdict.is_safe() {
-        let faults = verdict.sentences("line", Severity::Fault);
+        let faults = verdict.sentences("", Severity::Fault);
         return Err(SliceError::Unsafe(faults));
     }
     let check = summary.timings.iter_mut().find(|(s, _)| *s == Stage::Check);
@@ -122,7 +122,7 @@ fn judge(checker: Alongside, summary: &mut Summary) -> Result<(), SliceError> {
                     | Kind::Purge
             )
     };
-    summary.warnings.extend(verdict.sentences_of("line", told));
+    summary.warnings.extend(verdict.sentences_of("", told));
     summary.verdict = Some(verdict);
     Ok(())
 }

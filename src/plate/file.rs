@@ -40,6 +40,9 @@ pub struct PlateFile {
     pub models: Vec<PathBuf>,
 }
 
+/// Width of the largest bed that settings can have, mm.
+const LARGEST_BED: f64 = 10_000.0;
+
 /// Keys of the file, and of a part.
 const KEYS: [&str; 2] = ["settings", "part"];
 const PART: [&str; 8] = [
@@ -275,7 +278,17 @@ impl File<'_> {
         let at = table.get("at").map(|at| {
             let how = "at is where the middle of the part stands on the bed, \
                        in mm; write at = [110, 110]";
-            self.numbers(at, how).map(|[x, y]| (x, y))
+            let [x, y] = self.numbers(at, how)?;
+            let inside = |v: f64| v.abs() <= LARGEST_BED;
+            if inside(x) && inside(y) {
+                Ok((x, y))
+            } else {
+                let how = format!(
+                    "at = [{x:e}, {y:e}] is on no bed, which is {LARGEST_BED} \
+                     mm wide at most; write at = [110, 110]"
+                );
+                Err(self.wrong(at.span().start, how))
+            }
         });
         let rotate = table.get("rotate").map(|rotate| {
             let how = "rotate is an angle about the z axis in degrees, or \

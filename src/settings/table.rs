@@ -138,6 +138,19 @@ impl Key {
         }
     }
 
+    /// The words that may be assigned, also where something else may be, too.
+    pub fn some_words(&self) -> &'static [&'static str] {
+        match self.kind() {
+            Kind::WordOrShape(words)
+            | Kind::WordOrFormula(words)
+            | Kind::WordOrNumber(words) => words,
+            Kind::WholeOrAuto | Kind::NumberOrAuto | Kind::ByNozzle => {
+                &["auto"]
+            }
+            _ => self.words(),
+        }
+    }
+
     /// The setting's value in `settings`, as TOML.
     pub fn get(&self, settings: &Settings) -> String {
         (self.field)(settings).to_toml()

@@ -123,6 +123,7 @@ await test("a mistake is shown with its line, and goes away", async () => {
   const fault = await page.textContent("#fault");
   assert.match(fault, /line 2/);
   assert.match(fault, /2 \| sqrt\(x \* x \+ y \* y\) - rr/);
+  assert.equal(await page.getAttribute("#save-gcode", "aria-disabled"), "true");
   await shoot(page, "watch-wrong");
   write(good(4));
   await state(page, "done");
@@ -205,6 +206,15 @@ await test("a second tab shows the same, and changes the first", async () => {
   if (await second.locator("#panel").isHidden()) {
     await second.click("#show-panel");
   }
+  // The part stands above the panel, and nothing of it on the panel.
+  const box = async name => second.locator(name).boundingBox();
+  await second.click('[data-view="part"]');
+  await second.waitForSelector("#picture:not([hidden])");
+  const [panel, picture] = [await box("#panel"), await box("#picture")];
+  assert.ok(picture.y + picture.height <= panel.y + 1,
+    `picture ${JSON.stringify(picture)}, panel ${JSON.stringify(panel)}`);
+  await shoot(second, "watch-phone-part");
+  await second.click('[data-view="layers"]');
   await shoot(second, "watch-phone-panel");
   await second.locator('[data-name="radius"] .back').click();
   await page.waitForFunction(() =>
@@ -326,6 +336,8 @@ await test("a program that has ended is told of", async () => {
   server.kill("SIGINT");
   await state(page, "gone");
   assert.match(await page.textContent("#fault"), /start it again/);
+  // There is nobody to save or send anything.
+  assert.equal(await page.getAttribute("#save-gcode", "aria-disabled"), "true");
   assert.deepEqual(page.faults, []);
 });
 

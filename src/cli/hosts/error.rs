@@ -152,7 +152,7 @@ pub(crate) enum HostError {
     /// The printer cannot start now.
     #[error(
         "the printer at {host} cannot start a print now: it is {state}; \
-         without --start the file is only stored there"
+         wait until it is ready, or store the file only (without --start)"
     )]
     NotReady {
         /// The host's address.

@@ -26,6 +26,7 @@ impl PrusaLink {
         let list = list.and_then(Value::as_array);
         let list = list.ok_or_else(|| client.stranger("it has no storage"))?;
         let mut known = Vec::new();
+        let mut away = Vec::new();
         for storage in list {
             let path = storage["path"].as_str().unwrap_or_default();
             let name = path.trim_matches('/');
@@ -37,6 +38,9 @@ impl PrusaLink {
                 && storage["available"] != json!(false)
                 && storage["read_only"] != json!(true);
             if !can {
+                if plain && storage["available"] == json!(false) {
+                    away.push(name);
+                }
                 continue;
             }
             if self.storage.as_deref().is_none_or(|wanted| wanted == name) {
@@ -51,7 +55,15 @@ impl PrusaLink {
             Some(wanted) => {
                 format!("there is no place {wanted} (only {known:?})")
             }
-            None => "no USB drive or card is in it".to_owned(),
+            // On a Raspberry Pi its own folder is away while no printer is
+            // connected.
+            None if !away.is_empty() => format!(
+                "{} is not available; connect the printer, and put in a USB \
+                 drive or a card",
+                away.join(", ")
+            ),
+            None => "it has no place for files; put in a USB drive or a card"
+                .to_owned(),
         };
         Err(HostError::Refused {
             host: client.name(),
@@ -67,11 +79,18 @@ impl Host for PrusaLink {
         let status = client.get("api/v1/status")?;
         let state = client.text(&status, "/printer/state")?;
         let ready = ["IDLE", "READY", "FINISHED", "STOPPED"];
+        let free = match self.storage(client) {
+            Ok(storage) => storage.free,
+            // The state is worth to be told all the same; the upload says what
+            // there is not.
+            Err(HostError::Refused { .. }) if self.storage.is_none() => None,
+            Err(error) => return Err(error),
+        };
         Ok(Status {
             program,
             ready: ready.contains(&state.as_str()),
             state: state.to_lowercase(),
-            free: self.storage(client)?.free,
+            free,
         })
     }
 

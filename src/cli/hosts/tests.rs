@@ -301,6 +301,27 @@ fn nothing_is_sent_to_a_full_or_busy_host() {
 }
 
 #[test]
+fn a_place_that_is_away_is_told_before_anything_is_sent() {
+    // As PrusaLink 0.8.1 answers without a printer.
+    let (printer, log) = odd_host(HostKind::PrusaLink, |asked| {
+        let answer = match asked.path.as_str() {
+            "/api/v1/storage" => json!({"storage_list": [
+                {"type": "LOCAL", "path": "/local", "available": false},
+                {"type": "SDCARD", "path": "/sdcard", "available": false}]}),
+            "/api/v1/status" => json!({"printer": {"state": "ERROR"}}),
+            _ => return None,
+        };
+        Some((200, answer))
+    });
+    let error = try_to_send(&printer, false).unwrap_err().to_string();
+    let said = "local, sdcard is not available; connect the printer";
+    assert!(error.contains(said), "{error}");
+    let error = try_to_send(&printer, true).unwrap_err();
+    assert!(matches!(error, HostError::NotReady { .. }), "{error}");
+    assert!(!log.lock().unwrap().iter().any(is_upload));
+}
+
+#[test]
 fn what_arrives_in_part_is_not_started() {
     for kind in ALL {
         let (url, log) = serve(move |asked| {

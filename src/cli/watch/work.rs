@@ -347,7 +347,10 @@ struct Setting {
     section: String,
     description: String,
     unit: &'static str,
+    /// All that the setting may be, if it may be words only.
     words: &'static [&'static str],
+    /// Words that it may be.
+    some_words: &'static [&'static str],
     allowed: String,
     value: String,
     from: String,
@@ -374,6 +377,7 @@ fn list(gathered: &Gathered, choice: &Choice) -> (String, String) {
             description: key.description(),
             unit: key.unit,
             words: key.words(),
+            some_words: key.some_words(),
             allowed: key.allowed(),
             value: bare(value),
             from: place.map_or("default".into(), ToString::to_string),

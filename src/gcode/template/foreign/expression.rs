@@ -12,6 +12,8 @@
 //! sign    = ("-" | "+" | "not" | "!") sign | atom
 //! atom    = number | text | name [ "[" choice "]" ]
 //!         | name "(" choice { "," choice } ")" | "(" choice ")"
+//!         | "interpolate_table" "(" choice { "," pair } ")"
+//! pair    = "(" choice "," choice ")"
 //! ```
 
 use super::names::{Kind, Ours, ours};
@@ -22,6 +24,10 @@ pub(super) type Refused = String;
 
 /// Greatest depth of nested expressions.
 const DEEPEST: usize = 32;
+
+/// Greatest length of what a table is asked for, which stands in each of its
+/// rows, so that tables in tables do not grow without bounds.
+const LONGEST_ASKED: usize = 100;
 
 /// Indices that name the only extruder.
 const FIRST_TOOL: [&str; 6] = [
@@ -303,7 +309,45 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// A value from a table, evenly between its rows; before the first one and
+    /// behind the last one it is theirs.
+    fn table(&mut self) -> Parsed {
+        let (x, _) = self.choice()?;
+        if x.len() > LONGEST_ASKED {
+            return Err(
+                "what interpolate_table is asked for is too long".into()
+            );
+        }
+        let mut rows = Vec::new();
+        while self.take(",") {
+            self.expect("(")?;
+            let (at, _) = self.choice()?;
+            self.expect(",")?;
+            let (value, _) = self.choice()?;
+            self.expect(")")?;
+            rows.push((at, value));
+        }
+        self.expect(")")?;
+        let (Some((first, before)), Some((_, after))) =
+            (rows.first(), rows.last())
+        else {
+            return Err("interpolate_table has no rows".to_owned());
+        };
+        let mut text = format!("({before} if {x} <= {first} else ");
+        for ((from, low), (to, high)) in rows.iter().zip(rows.iter().skip(1)) {
+            text += &format!(
+                "{low} + ({high} - {low}) * ({x} - {from}) / ({to} - {from}) \
+                 if {x} <= {to} else "
+            );
+        }
+        text += &format!("{after})");
+        Ok((text, Kind::Number))
+    }
+
     fn call(&mut self, name: &str) -> Parsed {
+        if name == "interpolate_table" {
+            return self.table();
+        }
         let mut all = vec![self.choice()?];
         while self.take(",") {
             all.push(self.choice()?);
@@ -322,7 +366,7 @@ impl<'a> Parser<'a> {
             ("ceil", [x]) => Ok((format!("(-((-{x}) // 1))"), Kind::Whole)),
             _ => Err(format!(
                 "the function {name} of {} values is not known; min, max, \
-                 int, round, floor, ceil and abs are",
+                 int, round, floor, ceil, abs and interpolate_table are",
                 of.len()
             )),
         }

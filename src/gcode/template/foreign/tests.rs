@@ -71,6 +71,12 @@ fn the_usual_placeholders_of_other_slicers_are_ours() {
             "G1 E2 F13 Z-1.5",
         ),
         ("G4 P{bed_temperature[0] > 50 ? 100 : 5}", "G4 P100"),
+        (
+            "M201 X{interpolate_table(0.2*5, (0,7000), (2,4000), (3,2000))} \
+             Y{interpolate_table(9, (0,7000), (2-1,1))} \
+             Z{interpolate_table(-9, (0.5,7000), (2,1))}",
+            "M201 X5500 Y1 Z7000",
+        ),
         ("M117 {1}", "M117 1"),
         ("G28 ; [first_layer_temperature]", "G28 ; 215"),
     ] {
