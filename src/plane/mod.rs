@@ -18,7 +18,7 @@
 //! | [`nest`] | tells which ring is around a point |
 //!
 //! A [`Solid`] is an area with its grid, and [`BoxTree`] tells which boxes meet
-//! another one. [`hull`] is the convex ring around points.
+//! another one. [`hull()`] is the convex ring around points.
 
 pub(crate) mod arc;
 pub(crate) mod bend;
