@@ -9,17 +9,18 @@ use super::strokes::strokes;
 use super::zigzag::{Joined, Turns, join};
 use super::{Face, Fill, Patch, sweep};
 use crate::bead::{Bead, Role, Stroke, spacing};
-use crate::plane::Area;
 use crate::plane::clip::difference;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::offset::offset;
+use crate::plane::{Area, edges};
 use crate::region::Lay;
 use crate::region::cover::Covered;
 use crate::region::neighbour::Neighbour;
 use crate::region::patch::{Free, Patch as Around, concentric, patch};
 use crate::settings::{Settings, SkinOrder, SkinPattern};
 use crate::units::{Degrees, Mm};
+use glam::DVec2;
 use std::cell::OnceCell;
 
 /// Tolerance of the offsets inside a skin; nobody sees them.
@@ -29,6 +30,9 @@ const TOLERANCE: Mm = 0.01;
 /// along it. That suits the arms of a lattice and the nodes between them, not a
 /// plate.
 const NESTED: f64 = 14.0;
+
+/// Size of the cells of grids, mm: turns between lines are shorter.
+const CELL: Mm = 1.0;
 
 /// How one kind of skin is filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +45,7 @@ struct Look {
 pub(super) struct Filler<'a> {
     pub above: Side<'a>,
     pub below: Side<'a>,
+    pub sparse: Sparse<'a>,
     pub on_bed: bool,
     pub angle: Degrees,
     pub height: Mm,
@@ -65,6 +70,39 @@ impl<'a> Side<'a> {
     fn get(&self) -> Option<&Neighbour<'a>> {
         let area = self.face?.rough.area();
         Some(self.sorted.get_or_init(|| Neighbour::new(area)))
+    }
+}
+
+/// The sparse infill beside the skin, sorted by place when it is first asked.
+pub(super) struct Sparse<'a> {
+    area: &'a Area,
+    sorted: OnceCell<EdgeGrid>,
+}
+
+impl<'a> Sparse<'a> {
+    pub(super) fn new(area: &'a Area) -> Sparse<'a> {
+        Sparse {
+            area,
+            sorted: OnceCell::new(),
+        }
+    }
+
+    /// True if the infill touches no more than the ends of a strip of skin, so
+    /// that the strip lies between walls.
+    fn leaves(&self, strip: &Area) -> bool {
+        /// Share of a strip's border that its ends have at most.
+        const ENDS: f64 = 0.25;
+        if self.area.is_empty() {
+            return true;
+        }
+        let grid = self.sorted.get_or_init(|| EdgeGrid::new(self.area, CELL));
+        let touched = |a: DVec2, b: DVec2| {
+            grid.nearest_edge(a.midpoint(b), 2.0 * TOLERANCE).is_some()
+        };
+        let edges = strip.rings.iter().flat_map(|ring| edges(ring));
+        let touching = edges.filter(|&(a, b)| touched(a, b));
+        let length: Mm = touching.map(|(a, b)| a.distance(b)).sum();
+        length <= ENDS * strip.perimeter()
     }
 }
 
@@ -126,9 +164,9 @@ impl Filler<'_> {
             return None;
         }
         let plan = Lay::inside(look.width, self.height, self.settings);
-        // A strip that nobody sees, as thin as one bead, is a gap that the
-        // walls have left.
-        let gap = !is_wider(island, plan.limit);
+        // A strip between walls, as thin as one bead, is a gap if nobody sees
+        // it.
+        let gap = !is_wider(island, plan.limit) && self.sparse.leaves(island);
         let role = |stroke: &Stroke| match sides.most(stroke) {
             Role::InternalSkin if gap => Role::GapFill,
             role => role,
@@ -389,8 +427,6 @@ fn is_wider(area: &Area, width: Mm) -> bool {
 
 /// The border of an area, if some of the lines are beside each other.
 fn border(area: &Area, lines: &[(i64, Stroke)]) -> Option<EdgeGrid> {
-    /// Size of the cells, mm: turns are shorter.
-    const CELL: Mm = 1.0;
     (lines.len() > 1).then(|| EdgeGrid::new(area, CELL))
 }
 

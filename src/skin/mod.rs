@@ -33,7 +33,7 @@ use crate::plane::{Area, Solid};
 use crate::region::cover::{Covered, Islands};
 use crate::settings::Settings;
 use crate::units::Mm;
-use fill::{Filler, Side};
+use fill::{Filler, Side, Sparse};
 use roles::Sides;
 
 /// A connected skin area's beads.
@@ -85,10 +85,11 @@ pub(crate) struct Face<'a> {
     pub rough: &'a Solid<'a>,
 }
 
-/// The beads of a layer's skin. Even layers get lines at `skin_angle`, odd
-/// ones at right angles to it.
+/// The beads of a layer's skin, beside which `sparse` infill lies. Even layers
+/// get lines at `skin_angle`, odd ones at right angles to it.
 pub(crate) fn patches(
     skin: &Area,
+    sparse: &Area,
     faces: Faces<'_>,
     layer: usize,
     height: Mm,
@@ -104,6 +105,7 @@ pub(crate) fn patches(
     let filler = Filler {
         above: Side::new(faces.above),
         below: Side::new(faces.below),
+        sparse: Sparse::new(sparse),
         on_bed: layer == 0,
         angle: settings.skin_direction(layer),
         height,
@@ -146,7 +148,14 @@ mod tests {
             below: Some(face(&area)),
         };
         for layer in [0, 1] {
-            let patches = patches(&square(10.0), faces, layer, 0.2, &settings);
+            let patches = patches(
+                &square(10.0),
+                &Area::EMPTY,
+                faces,
+                layer,
+                0.2,
+                &settings,
+            );
             assert_eq!(patches.len(), 1);
             let p = &patches[0];
             assert_eq!(p.rings.len(), 1);
@@ -174,7 +183,7 @@ mod tests {
             below: None,
         };
         let settings = Settings::default();
-        let all = patches(&area, nothing, 0, 0.2, &settings);
+        let all = patches(&area, &Area::EMPTY, nothing, 0, 0.2, &settings);
         assert_eq!(all.len(), 1);
         assert!(all[0].fills.is_empty());
         let rings = &all[0].rings;
@@ -240,14 +249,16 @@ mod tests {
             (Role::BottomSkin, (half - 4.0) * inner),
             (Role::TopSkin, (half - 5.0) * inner),
         ];
-        let found =
-            contents(&patches(&square(10.0), faces, 1, 0.2, &base), &base);
+        let found = contents(
+            &patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &base),
+            &base,
+        );
         for ((role, is), (own, should)) in found.iter().zip(expected) {
             assert_eq!(*role, own);
             assert!((is / should - 1.0).abs() < 0.02, "{role:?} {is}");
         }
         // These are the areas above, with other widths and patterns.
-        let all = patches(&square(10.0), faces, 1, 0.2, &wider);
+        let all = patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &wider);
         let fills = &all[0].fills;
         assert_eq!(fills.len(), 3);
         for (fill, (role, should)) in fills.iter().zip(expected) {
@@ -273,7 +284,8 @@ mod tests {
             above: None,
             below: Some(face(&frame)),
         };
-        let all = patches(&square(10.0), faces, 1, 0.2, &settings);
+        let all =
+            patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &settings);
         let found = contents(&all, &settings);
         let reach = 10.0 + 2.0 * settings.bridge_anchor;
         let bridge = found.iter().find(|f| f.0 == Role::Bridge).unwrap();
@@ -282,7 +294,8 @@ mod tests {
             below: None,
             ..faces
         };
-        let all = patches(&square(10.0), above_bed, 0, 0.2, &settings);
+        let all =
+            patches(&square(10.0), &Area::EMPTY, above_bed, 0, 0.2, &settings);
         assert_eq!(contents(&all, &settings)[0].0, Role::BottomSkin);
     }
 
@@ -297,7 +310,8 @@ mod tests {
             above: Some(face(&half)),
             below: Some(face(&wide)),
         };
-        let all = patches(&square(10.0), faces, 1, 0.2, &settings);
+        let all =
+            patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &settings);
         let last = all[0].fills.last().unwrap();
         assert_eq!(last.lines[0].role, Role::Ironing);
         let length: f64 = last.lines.iter().map(|b| b.length()).sum();
@@ -323,14 +337,23 @@ mod tests {
             above: None,
             ..hidden
         };
-        let roles = |width: f64, faces: Faces<'_>| -> Vec<Role> {
+        let beside = |width: f64, sparse: &Area, faces: Faces<'_>| {
             let strip = rect(-5.0, -0.5 * width, 5.0, 0.5 * width);
-            let all = patches(&strip, faces, 1, 0.2, &Settings::default());
-            all.iter().flat_map(|p| &p.rings).map(|b| b.role).collect()
+            let settings = Settings::default();
+            let all = patches(&strip, sparse, faces, 1, 0.2, &settings);
+            let rings = all.iter().flat_map(|p| &p.rings);
+            rings.map(|b| b.role).collect::<Vec<_>>()
         };
+        let roles = |width: f64, faces| beside(width, &Area::EMPTY, faces);
         assert_eq!(roles(0.3, hidden), [Role::GapFill]);
         assert_eq!(roles(0.7, hidden), [Role::GapFill]);
         assert_eq!(roles(0.3, open), [Role::TopSkin]);
+        // Infill at the strip's end leaves it a gap between walls. Infill along
+        // it makes it the shell that the infill lies in.
+        let at_end = rect(5.0, -4.0, 9.0, 4.0);
+        assert_eq!(beside(0.3, &at_end, hidden), [Role::GapFill]);
+        let along = rect(-5.0, 0.15, 5.0, 4.0);
+        assert_eq!(beside(0.3, &along, hidden), [Role::InternalSkin]);
         let wide = roles(1.2, hidden);
         assert!(!wide.is_empty());
         assert!(wide.iter().all(|role| *role == Role::InternalSkin));
@@ -343,6 +366,9 @@ mod tests {
             below: None,
         };
         let settings = Settings::default();
-        assert!(patches(&square(0.15), faces, 0, 0.2, &settings).is_empty());
+        assert!(
+            patches(&square(0.15), &Area::EMPTY, faces, 0, 0.2, &settings)
+                .is_empty()
+        );
     }
 }

@@ -46,6 +46,7 @@ impl Stages<'_> {
             infill::fill_bare(&mut areas, &infill, self.settings);
             skin::patches(
                 &areas.skin,
+                &areas.sparse,
                 faces(layers, i),
                 number,
                 height,

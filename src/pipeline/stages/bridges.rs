@@ -63,9 +63,14 @@ impl Stages<'_> {
         let made = self.timings.time(Stage::Skin, || {
             let bridged = bridged(over, under, levels, self.settings)?;
             let number = layer.span.index;
-            let rest = &bridged.skin;
-            let mut skin =
-                skin::patches(rest, faces, number, height, self.settings);
+            let mut skin = skin::patches(
+                &bridged.skin,
+                &bridged.sparse,
+                faces,
+                number,
+                height,
+                self.settings,
+            );
             skin.extend(bridged.patches);
             self.thin(of_skin(&mut skin));
             Some((skin, bridged.sparse, bridged.levels))
