@@ -171,6 +171,10 @@ fn from_a_model_to_the_printer() {
     works(folder, &other, "");
     fails(folder, &start, "made for another printer");
     works(folder, &[&start[..], &["--force"]].concat(), "");
+    // It does not say for which one.
+    works(folder, &slice, "");
+    fails(folder, &start, "does not say for which printer it was made");
+    works(folder, &[&start[..], &["--force"]].concat(), "");
 
     works(folder, &["printers", "remove", "shop"], "");
     fails(folder, &start, "there is no printer shop");

@@ -129,8 +129,8 @@ pub(super) fn outcome(printer: &Printer, sent: &Sent) -> String {
     format!("{} {what} {}", sent.name, printer.name)
 }
 
-/// Checks that a file was made for a printer, if the printer's entry and the
-/// file tell.
+/// Checks that a file was made for a printer, if the printer's entry tells of
+/// its model.
 pub(super) fn check_model(
     printer: &Printer,
     file: &Path,
@@ -141,18 +141,19 @@ pub(super) fn check_model(
     let cannot = || format!("cannot read {}", file.display());
     let mut open = File::open(file).with_context(cannot)?;
     let said = said_model(&mut open).with_context(cannot)?;
-    if let Some(said) = said
-        && said != *wanted
-    {
-        bail!(
-            "{} was made for another printer ({}) than {} ({wanted}); slice \
-             it with the right --printer, or send it with --force",
-            file.display(),
-            plain::line(&said),
-            printer.name
-        );
-    }
-    Ok(())
+    let made = match said {
+        Some(said) if said == *wanted => return Ok(()),
+        Some(said) => {
+            format!("was made for another printer, {}", plain::line(&said))
+        }
+        None => "does not say for which printer it was made".to_owned(),
+    };
+    bail!(
+        "{} {made}, and {} is {wanted}; slice it with the right --printer, or \
+         send it with --force",
+        file.display(),
+        printer.name
+    )
 }
 
 /// The printer's model, which slicers write at the end or at the beginning of

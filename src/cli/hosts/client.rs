@@ -21,6 +21,9 @@ const ANSWER: Duration = Duration::from_secs(if cfg!(test) { 1 } else { 120 });
 /// long.
 const LARGEST: u64 = 16 << 20;
 
+/// What the system says of a name that no computer has.
+const NO_NAME: &str = "failed to lookup address";
+
 /// The header that holds the key. All three hosts know it.
 const KEY: &str = "X-Api-Key";
 
@@ -199,6 +202,13 @@ impl Client {
                 }
             }
             Error::ConnectionFailed => HostError::Unreachable { host, why },
+            // The standard library has no kind for it.
+            Error::Io(error) if error.to_string().contains(NO_NAME) => {
+                HostError::Unreachable {
+                    host,
+                    why: format!("no computer has this name ({why})"),
+                }
+            }
             Error::Io(error)
                 if error.kind() == io::ErrorKind::ConnectionRefused =>
             {

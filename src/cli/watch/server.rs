@@ -369,13 +369,15 @@ fn send(
     let book = printers::book(&job.settings.profiles)?;
     let printer = book.find(&order.to)?;
     if let Some(wanted) = &printer.model
-        && !print.printer_model.is_empty()
         && *wanted != print.printer_model
     {
+        let made = match &*print.printer_model {
+            "" => "no printer of a known model".to_owned(),
+            other => format!("another printer, {other}"),
+        };
         bail!(
-            "the part was sliced for another printer ({}) than {} \
-             ({wanted}); choose the right one",
-            print.printer_model,
+            "the part was sliced for {made}, and {} is {wanted}; choose the \
+             right one (its profile sets printer.model)",
             printer.name
         );
     }
