@@ -302,7 +302,13 @@ await test("10,000 requests a minute do not starve a run", async () => {
     answer => { answer.resume(); answer.on("end", () => resolve(answer.statusCode)); },
   ).on("error", reject));
   const answers = [];
-  const every = setInterval(() => answers.push(ask()), 6);
+  // A busy machine rings late; what is due then is asked at once.
+  const began = Date.now();
+  const every = setInterval(() => {
+    while (answers.length < (Date.now() - began) / 6) {
+      answers.push(ask());
+    }
+  }, 6);
   try {
     await page.waitForTimeout(1000);
     write(good(5));

@@ -25,9 +25,9 @@ pub(super) type Refused = String;
 /// Greatest depth of nested expressions.
 const DEEPEST: usize = 32;
 
-/// Greatest length of what a table is asked for, which stands in each of its
-/// rows, so that tables in tables do not grow without bounds.
-const LONGEST_ASKED: usize = 100;
+/// Greatest length of an expression in a table. Each of them is written several
+/// times, so tables in tables would grow without bounds.
+const LONGEST_IN_TABLE: usize = 100;
 
 /// Indices that name the only extruder.
 const FIRST_TOOL: [&str; 6] = [
@@ -309,21 +309,24 @@ impl<'a> Parser<'a> {
         }
     }
 
+    fn in_table(&mut self) -> Result<String, Refused> {
+        let (text, _) = self.choice()?;
+        if text.len() > LONGEST_IN_TABLE {
+            return Err("an expression in interpolate_table is too long".into());
+        }
+        Ok(text)
+    }
+
     /// A value from a table, evenly between its rows; before the first one and
     /// behind the last one it is theirs.
     fn table(&mut self) -> Parsed {
-        let (x, _) = self.choice()?;
-        if x.len() > LONGEST_ASKED {
-            return Err(
-                "what interpolate_table is asked for is too long".into()
-            );
-        }
+        let x = self.in_table()?;
         let mut rows = Vec::new();
         while self.take(",") {
             self.expect("(")?;
-            let (at, _) = self.choice()?;
+            let at = self.in_table()?;
             self.expect(",")?;
-            let (value, _) = self.choice()?;
+            let value = self.in_table()?;
             self.expect(")")?;
             rows.push((at, value));
         }

@@ -244,6 +244,15 @@ fn long_templates_are_read_in_no_time() {
         let pieces = crate::gcode::template::pieces::pieces(&text);
         let _ = translated(&text, &pieces, Scope::All);
     }
+    // Tables in tables.
+    let row = "interpolate_table(1,(1,";
+    let nested =
+        format!("M109 S{{{}1{}}}", row.repeat(30), "),(2,3))".repeat(30));
+    let error = templates(&nested, "", "").unwrap_err();
+    assert!(
+        error.contains("in interpolate_table is too long"),
+        "{error}"
+    );
     let unknown: String =
         (0..60_000).map(|i| format!("{{{{a{i}}}}}")).collect();
     let error = templates(&format!("; {unknown}"), "", "").unwrap_err();
