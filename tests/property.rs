@@ -229,7 +229,8 @@ proptest! {
     /// Whatever the field: the program ends, and the rings are rings.
     #[test]
     fn formulas_are_survived(formula in formula()) {
-        let source = Source::formula("formula", format!("max({formula}, sqrt(x^2 + y^2 + z^2) - 2)"));
+        let text = format!("max({formula}, sqrt(x^2 + y^2 + z^2) - 2)");
+        let source = Source::formula("formula", text);
         let Ok(model) = load(&source, &[]) else { return Ok(()) };
         let bounds = Rect::new(DVec2::splat(-2.0), DVec2::splat(2.0));
         let field =

@@ -40,7 +40,8 @@ pub struct PlateFile {
     pub models: Vec<PathBuf>,
 }
 
-/// Width of the largest bed that settings can have, mm.
+/// Width of the largest bed, mm: the limit of `printer.bed_x` and
+/// `printer.bed_y`.
 const LARGEST_BED: f64 = 10_000.0;
 
 /// Keys of the file, and of a part.

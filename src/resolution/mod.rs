@@ -44,8 +44,9 @@ const SUPPORT: f64 = 0.5;
 const WIDTH: f64 = 0.015;
 
 /// Share of a role's tolerance by which strokes of varying width are thinned.
-/// The rest is for the pieces of constant width that are made of them: a path
-/// that is thinned twice by as much as possible keeps too many points.
+/// Most of the thinning is left to the pieces of constant width that are made of
+/// them: a path that is thinned twice by as much as possible keeps too many
+/// points.
 const VARYING: f64 = 0.1;
 
 /// Share of `accuracy` by which the path of a bead that shows may be off where
@@ -54,7 +55,7 @@ const VARYING: f64 = 0.1;
 const STEPPED: f64 = 0.8;
 
 /// Greatest distance of the path of a bead of this role from where it was
-/// meant.
+/// meant. What shows and varies in width has [`STEPPED`] instead.
 pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
     match role {
         Role::Overhang | Role::OuterWall => SHOWN * settings.accuracy,

@@ -138,7 +138,8 @@ impl Key {
         }
     }
 
-    /// The words that may be assigned, also where something else may be, too.
+    /// The words that may be assigned, whether or not numbers or formulas may be
+    /// assigned as well.
     pub fn some_words(&self) -> &'static [&'static str] {
         match self.kind() {
             Kind::WordOrShape(words)

@@ -14,7 +14,7 @@ use crate::plane::clip::difference;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::offset::offset;
-use crate::plane::{Area, edges};
+use crate::plane::{Area, Solid, edges};
 use crate::region::Lay;
 use crate::region::cover::Covered;
 use crate::region::neighbour::Neighbour;
@@ -32,9 +32,6 @@ const TOLERANCE: Mm = 0.01;
 /// plate.
 const NESTED: f64 = 14.0;
 
-/// Size of the cells of grids, mm: turns between lines are shorter.
-const CELL: Mm = 1.0;
-
 /// How one kind of skin is filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Look {
@@ -46,7 +43,8 @@ struct Look {
 pub(super) struct Filler<'a> {
     pub above: Side<'a>,
     pub below: Side<'a>,
-    pub sparse: Sparse<'a>,
+    /// The sparse infill beside the skin.
+    pub sparse: Solid<'a>,
     pub on_bed: bool,
     pub angle: Degrees,
     pub height: Mm,
@@ -71,39 +69,6 @@ impl<'a> Side<'a> {
     fn get(&self) -> Option<&Neighbour<'a>> {
         let area = self.face?.rough.area();
         Some(self.sorted.get_or_init(|| Neighbour::new(area)))
-    }
-}
-
-/// The sparse infill beside the skin, sorted by place when it is first asked.
-pub(super) struct Sparse<'a> {
-    area: &'a Area,
-    sorted: OnceCell<EdgeGrid>,
-}
-
-impl<'a> Sparse<'a> {
-    pub(super) fn new(area: &'a Area) -> Sparse<'a> {
-        Sparse {
-            area,
-            sorted: OnceCell::new(),
-        }
-    }
-
-    /// True if the infill touches no more than the ends of a strip of skin, so
-    /// that the strip lies between walls.
-    fn leaves(&self, strip: &Area) -> bool {
-        /// Share of a strip's border that its ends have at most.
-        const ENDS: f64 = 0.25;
-        if self.area.is_empty() {
-            return true;
-        }
-        let grid = self.sorted.get_or_init(|| EdgeGrid::new(self.area, CELL));
-        let touched = |a: DVec2, b: DVec2| {
-            grid.nearest_edge(a.midpoint(b), 2.0 * TOLERANCE).is_some()
-        };
-        let edges = strip.rings.iter().flat_map(|ring| edges(ring));
-        let touching = edges.filter(|&(a, b)| touched(a, b));
-        let length: Mm = touching.map(|(a, b)| a.distance(b)).sum();
-        length <= ENDS * strip.perimeter()
     }
 }
 
@@ -167,7 +132,10 @@ impl Filler<'_> {
         let plan = Lay::inside(look.width, self.height, self.settings);
         // A strip between walls, as thin as one bead, is a gap if nobody sees
         // it.
-        let gap = !is_wider(island, plan.limit) && self.sparse.leaves(island);
+        let hidden = sides.only().is_none_or(|r| r == Role::InternalSkin);
+        let gap = hidden
+            && !is_wider(island, plan.limit)
+            && self.is_between_walls(island);
         let role = |stroke: &Stroke| match sides.most(stroke) {
             Role::InternalSkin if gap => Role::GapFill,
             role => role,
@@ -187,6 +155,21 @@ impl Filler<'_> {
                 Vec::new()
             },
         })
+    }
+
+    /// True if sparse infill touches no more than the ends of a strip of skin.
+    fn is_between_walls(&self, strip: &Area) -> bool {
+        /// Share of a strip's border that its ends have at most.
+        const ENDS: f64 = 0.25;
+        let sparse = self.sparse.grid();
+        let touched = |a: DVec2, b: DVec2| {
+            let middle = a.midpoint(b);
+            sparse.nearest_edge(middle, 2.0 * TOLERANCE).is_some()
+        };
+        let edges = strip.rings.iter().flat_map(|ring| edges(ring));
+        let touching = edges.filter(|&(a, b)| touched(a, b));
+        let length: Mm = touching.map(|(a, b)| a.distance(b)).sum();
+        length <= ENDS * strip.perimeter()
     }
 
     /// The bridges of an area, and what they leave of it.
@@ -428,6 +411,8 @@ fn is_wider(area: &Area, width: Mm) -> bool {
 
 /// The border of an area, if some of the lines are beside each other.
 fn border(area: &Area, lines: &[(i64, Stroke)]) -> Option<EdgeGrid> {
+    /// Size of the cells, mm: turns are shorter.
+    const CELL: Mm = 1.0;
     (lines.len() > 1).then(|| EdgeGrid::new(area, CELL))
 }
 

@@ -33,7 +33,7 @@ use crate::plane::{Area, Solid};
 use crate::region::cover::{Covered, Islands};
 use crate::settings::Settings;
 use crate::units::Mm;
-use fill::{Filler, Side, Sparse};
+use fill::{Filler, Side};
 use roles::Sides;
 
 /// A connected skin area's beads.
@@ -105,7 +105,7 @@ pub(crate) fn patches(
     let filler = Filler {
         above: Side::new(faces.above),
         below: Side::new(faces.below),
-        sparse: Sparse::new(sparse),
+        sparse: Solid::of(sparse, 1.0),
         on_bed: layer == 0,
         angle: settings.skin_direction(layer),
         height,
