@@ -9,8 +9,8 @@ use glam::DVec2;
 use isoslice::settings::Settings;
 
 const HEIGHT: f64 = 0.2;
-/// Distance of the walls.
-const SPACING: f64 = 0.45 - HEIGHT * (1.0 - std::f64::consts::FRAC_PI_4);
+/// Radius of the upright cylinder, mm.
+const RADIUS: f64 = 10.0;
 
 /// Four walls and nothing else.
 fn asked(more: &[&str]) -> Settings {
@@ -39,10 +39,12 @@ fn sliced(text: &str, more: &[&str]) -> Vec<Layer> {
     parse(&gcode)
 }
 
-/// The number of the wall that a move is on, round a cylinder of this radius.
-fn wall(m: &Move, radius: f64) -> usize {
+/// The number of the wall that a move is on, round the upright cylinder, in a
+/// layer of this height.
+fn wall(m: &Move, height: f64) -> usize {
     let r = m.to.truncate().distance(DVec2::splat(110.0));
-    let wall = (radius - 0.225 - r) / SPACING;
+    let spacing = 0.45 - height * (1.0 - std::f64::consts::FRAC_PI_4);
+    let wall = (RADIUS - 0.225 - r) / spacing;
     assert!((wall - wall.round()).abs() < 0.1, "{wall}");
     wall.round() as usize
 }
@@ -62,7 +64,7 @@ fn every_other_inner_wall_is_half_a_layer_lower() {
         let mut of_wall = [0.0; 4];
         let mut above = false;
         for m in layer.prints() {
-            let k = wall(m, 10.0);
+            let k = wall(m, HEIGHT);
             let low = k % 2 == 1 && i + 1 < layers.len();
             let z = layer.z - if low { 0.5 * HEIGHT } else { 0.0 };
             assert!((m.from.z - z).abs() < 1e-6, "{i} {k}: {}", m.from.z);
@@ -74,7 +76,7 @@ fn every_other_inner_wall_is_half_a_layer_lower() {
         }
         let mut meant = [0.0; 4];
         for m in plain[i].prints() {
-            meant[wall(m, 10.0)] += m.fed;
+            meant[wall(m, HEIGHT)] += m.fed;
         }
         for k in 0..4 {
             let share = match (k % 2, i) {
@@ -88,6 +90,47 @@ fn every_other_inner_wall_is_half_a_layer_lower() {
         }
     }
     assert!((fed(&layers) / fed(&plain) - 1.0).abs() < 0.001);
+}
+
+#[test]
+fn walls_fill_the_height_whatever_the_layers_heights() {
+    // Thicker and thinner from layer to layer, each wall's beads lie on one
+    // another without a gap, from the bed to the part's top.
+    for heights in ["0.1 + 0.08*z", "0.25 - 0.07*z", "0.17 + 0.08*sin(5*z)"] {
+        let heights = format!("layer_heights=expr: {heights}");
+        let more = [heights.as_str(), "layer_height_max=0.26"];
+        let plain = sliced(UPRIGHT, &more);
+        let more = [&more[..], &["walls_interlocked=true"]].concat();
+        let layers = sliced(UPRIGHT, &more);
+        assert_eq!(layers.len(), plain.len());
+        let mut ends = [0.0; 4];
+        let mut bottom = 0.0;
+        for (i, (layer, plain)) in layers.iter().zip(&plain).enumerate() {
+            let fed = |layer: &Layer| {
+                let mut of_wall = [0.0; 4];
+                for m in layer.prints() {
+                    of_wall[wall(m, layer.z - bottom)] += m.fed;
+                }
+                of_wall
+            };
+            let (is, meant) = (fed(layer), fed(plain));
+            let own = layer.z - bottom;
+            for k in 0..4 {
+                let low = k % 2 == 1 && i + 1 < layers.len();
+                let top = layer.z - if low { 0.5 * own } else { 0.0 };
+                let on_wall = |m: &&Move| wall(m, own) == k;
+                for m in layer.prints().filter(on_wall) {
+                    assert!((m.to.z - top).abs() < 6e-4, "{i} {k} {m:?}");
+                }
+                let height = own * is[k] / meant[k];
+                let gap = top - height - ends[k];
+                assert!(gap.abs() < 1e-3, "{i} {k}: {gap}");
+                ends[k] = top;
+            }
+            bottom = layer.z;
+        }
+        assert!(ends.iter().all(|end| (end - 2.0).abs() < 1e-6));
+    }
 }
 
 #[test]

@@ -515,6 +515,34 @@ fn what_is_added_is_what_is_below_the_surface() {
 }
 
 #[test]
+fn closed_beads_end_as_high_as_they_begin() {
+    // Waves so short that many walls are covered and open in turn, and seams
+    // all over them.
+    let part = Part {
+        formula: "max(max(sqrt(x^2 + y^2) - 15, -z), \
+                  z - 3 - 0.5*sin(0.8*x)*cos(0.7*y))"
+            .to_owned(),
+        top: |x, y, _| 3.0 + 0.5 * (0.8 * x).sin() * (0.7 * y).cos(),
+        parameter: 0.0,
+        round: true,
+    };
+    let settings = settings(&[&STEEP[..], &["seam=random"]].concat());
+    let steps = print(&part, &settings);
+    let mut raised = 0;
+    for path in steps.chunk_by(|_, next| next.goes_on) {
+        let (from, to) = (path[0].from, path[path.len() - 1].to);
+        let apart = from.truncate().distance(to.truncate());
+        if path.len() < 9 || apart > 0.002 {
+            continue;
+        }
+        let rise = path.iter().map(|s| (s.to.z - s.top).abs());
+        raised += usize::from(rise.fold(0.0, f64::max) > 0.02);
+        assert!((from.z - to.z).abs() < 0.0015, "{from} {to}");
+    }
+    assert!(raised > 50, "{raised}");
+}
+
+#[test]
 fn a_level_top_is_printed_at_its_height() {
     // 0.07 mm above the highest layer's top, and 0.07 mm below it.
     for top in [3.07, 2.93] {

@@ -42,9 +42,9 @@ use limit::Limit;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Unit of heights: the last digit of G-code. A layer is then exactly as high
-/// as its move says.
-const DIGIT: Mm = 1e-3;
+/// Heights are whole multiples of the last digit of G-code, of which a
+/// millimetre has so many. A layer is then exactly as high as its move says.
+const DIGITS: f64 = 1e3;
 
 /// The setting's name.
 const KEY: &str = "layer_heights";
@@ -197,8 +197,6 @@ fn heights_above(
         }
     });
     let bins: Vec<Mm> = bins.collect::<Result<_, VaryError>>()?;
-    // The limits are lower by a digit, which leaves room for rounding.
-    let bins: Vec<Mm> = bins.iter().map(|height| height - DIGIT).collect();
     let limit = Limit::new(bottom, lean.bin, &bins);
     let tops = stack::stack(&borders, limit)?;
     let mut spans = vec![LayerSpan {
@@ -208,13 +206,12 @@ fn heights_above(
     }];
     for top in tops {
         let bottom = spans.last().map_or(0.0, |s| s.top);
-        let top = (top / DIGIT).round() * DIGIT;
         let index = spans.len();
         spans.push(LayerSpan { index, bottom, top });
     }
     let of_layer = |span: &LayerSpan| {
         // A bin that a layer only touches does not belong to the layer.
-        let touch = DIGIT / lean.bin;
+        let touch = 1.0 / (DIGITS * lean.bin);
         let last = level.len() - 1;
         let from = (bin_of(span.bottom) + touch) as usize;
         let to = (bin_of(span.top) - touch).max(0.0) as usize;
@@ -228,7 +225,7 @@ fn heights_above(
     let steps = Steps {
         level_faces: faces
             .iter()
-            .filter(|f| spans.iter().any(|s| (s.top - *f).abs() < DIGIT))
+            .filter(|f| spans.iter().any(|s| (s.top - *f).abs() * DIGITS < 1.0))
             .count(),
         missed_faces: missed.len(),
         unproved_mm: lean.unproved,
@@ -270,8 +267,8 @@ fn surface(
 ) -> Result<Lean, HeightsError> {
     /// Number of bins in the thinnest layer.
     const BINS: f64 = 8.0;
-    /// Three seconds of one processor. Simple parts need 0.1 s.
-    const MOST_WORK: u64 = 40_000_000;
+    /// Some seconds of one processor. Simple parts need 0.2 to 0.6 s.
+    const MOST_WORK: u64 = 60_000_000;
     /// Number of pieces in which the part is looked at, on all threads.
     const PIECES: usize = 32;
     let bin = range.least / BINS;

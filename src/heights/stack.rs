@@ -3,8 +3,11 @@
 //! Between two borders, layers are stacked from the lower one on, each as high
 //! as a share of the limit allows. The share is the one with which the last
 //! layer ends at the upper border. The end of the stack grows steadily with the
-//! share, as the limit has no steps, so bisection finds it.
+//! share, as the limit has no steps, so bisection finds it. Then the tops are
+//! rounded to whole digits of the G-code, and no layer is rounded beyond the
+//! limit.
 
+use super::DIGITS;
 use super::limit::Limit;
 use crate::layers::{MAX_LAYERS, PlanError};
 use crate::units::Mm;
@@ -17,8 +20,8 @@ const ROUNDS: usize = 12;
 /// A gap to a border that is smaller than this needs no further layer, mm.
 const ARRIVED: Mm = 1e-6;
 
-/// The tops of the layers above the first border. Each layer is within the
-/// limit, and there is a top at each border.
+/// The tops of the layers above the first border, in whole digits. Each layer is
+/// within the limit, and there is a top at each border, to half a digit.
 ///
 /// # Errors
 /// If the layers are too many.
@@ -61,16 +64,22 @@ fn roughness(first: Mm, tops: &[Mm]) -> f64 {
 
 /// Stacks layers from one border to the next one; returns the share of the
 /// limit that they take.
+///
+/// All tops have whole digits. With `n` layers, the top of layer k may be
+/// anywhere from `least[k]`, from which on the border can still be reached, up
+/// to where the limit ends a layer on the one below. Within that, it is as near
+/// as may be to where the share would have it.
 fn fill(
     from: Mm,
     to: Mm,
     limit: &Limit,
     tops: &mut Vec<Mm>,
 ) -> Result<f64, PlanError> {
+    let to = (to * DIGITS).round() / DIGITS;
     let mut count = 0;
     let mut z = from;
     while z < to - ARRIVED {
-        let next = limit.end(z, 1.0);
+        let next = end(limit, z);
         count += 1;
         if tops.len() + count > MAX_LAYERS || next <= z {
             return Err(PlanError::TooMany {
@@ -90,12 +99,44 @@ fn fill(
             high = middle
         }
     }
-    let mut z = from;
-    for k in 1..=count {
-        z = if k == count { to } else { limit.end(z, low) };
+    let mut least = vec![to; count + 1];
+    for k in (1..count).rev() {
+        least[k] = begin(limit, least[k + 1]);
+    }
+    let (mut wished, mut z) = (from, from);
+    for &least in &least[1..] {
+        wished = limit.end(wished, high);
+        let nearest = (wished * DIGITS).round() / DIGITS;
+        z = nearest.min(end(limit, z)).min(to).max(least);
         tops.push(z);
     }
     Ok(high)
+}
+
+/// Where the highest layer that begins at `z` ends, in whole digits.
+fn end(limit: &Limit, z: Mm) -> Mm {
+    /// Share of a digit that is the rounding of a float.
+    const ROUNDING: f64 = 1e-6;
+    (limit.end(z, 1.0) * DIGITS + ROUNDING).floor() / DIGITS
+}
+
+/// The lowest height, in whole digits, at which a layer may begin that reaches
+/// up to `top`. The limit's layers end the higher the higher they begin.
+fn begin(limit: &Limit, top: Mm) -> Mm {
+    let digits = (top * DIGITS).round();
+    let (mut short, mut reaches) = (1.0, 0.0);
+    while end(limit, (digits - short) / DIGITS) >= top - ARRIVED {
+        (reaches, short) = (short, 2.0 * short);
+    }
+    while short - reaches > 1.0 {
+        let middle = (0.5 * (short + reaches)).floor();
+        if end(limit, (digits - middle) / DIGITS) >= top - ARRIVED {
+            reaches = middle
+        } else {
+            short = middle
+        }
+    }
+    (digits - reaches) / DIGITS
 }
 
 #[cfg(test)]

@@ -55,11 +55,35 @@ fn saves(found: &Heights) {
     assert_eq!(steps.unproved_mm, 0.0);
 }
 
+/// Tests that the layers are hardly more than the least number that any heights
+/// within the limits can do with: the integral of 1/h, where h is the greatest
+/// height at z.
+fn near_the_least(
+    found: &Heights,
+    settings: &Settings,
+    level: impl Fn(Mm) -> f64,
+) {
+    const PARTS: usize = 100_000;
+    let bottom = found.spans[0].top;
+    let dz = (found.spans.last().unwrap().top - bottom) / PARTS as f64;
+    let at = |k: usize| level(bottom + (k as f64 + 0.5) * dz);
+    let height = |level: f64| {
+        (settings.step_error() / level)
+            .clamp(settings.layer_height_min(), settings.layer_height_max())
+    };
+    let least: f64 = (0..PARTS).map(|k| dz / height(at(k))).sum();
+    let count = (found.spans.len() - 1) as f64;
+    // A layer is as thin as its most level place asks for, and the last one may
+    // be all too much.
+    assert!(count <= 1.02 * least + 1.0, "{count}, {least}");
+}
+
 #[test]
 fn a_dome_gets_thin_layers_where_it_is_level() {
     let dome = "max(sqrt(x^2 + y^2 + z^2) - 20, -z)";
     let found = judged(dome, &adaptive(), |z| z / 20.0);
     saves(&found);
+    near_the_least(&found, &adaptive(), |z| z / 20.0);
     let spans = &found.spans;
     assert!(spans[5].height() > 0.28);
     assert!(spans[spans.len() - 2].height() < 0.11);
@@ -70,13 +94,20 @@ fn a_dome_gets_thin_layers_where_it_is_level() {
 
 #[test]
 fn an_ellipsoid_that_is_no_distance() {
-    let found =
-        judged("x^2/144 + y^2/100 + z^2/324 - 1", &adaptive(), |height| {
-            let z = (height - 18.0) / 18.0;
-            let (up, along) = (z / 18.0, (1.0 - z * z).max(0.0).sqrt() / 12.0);
+    // Half axes along z and along the longer one of the others.
+    for (formula, high, long) in [
+        ("x^2/144 + y^2/100 + z^2/324 - 1", 18.0, 12.0),
+        ("x^2/400 + y^2/144 + z^2/64 - 1", 8.0, 20.0),
+    ] {
+        let level = |height: Mm| {
+            let z = (height - high) / high;
+            let (up, along) = (z / high, (1.0 - z * z).max(0.0).sqrt() / long);
             up.abs() / up.hypot(along)
-        });
-    saves(&found);
+        };
+        let found = judged(formula, &adaptive(), level);
+        saves(&found);
+        near_the_least(&found, &adaptive(), level);
+    }
 }
 
 #[test]
@@ -90,8 +121,9 @@ fn a_screw_has_thin_layers_at_its_thread_only() {
     let found = heights(&model, &adaptive()).unwrap();
     let of = |z: Mm| found.spans.iter().find(|s| s.top > z).unwrap().height();
     assert!(of(10.0) > 0.28, "{}", of(10.0));
-    // tan is 1.257, so |n_z| is 0.78 at least.
-    assert!(of(26.0) <= 0.1 / 0.78);
+    // The slopes are 0.6·2π/3 along z and 0.6/5 round the part where the thread
+    // is steepest.
+    assert!(of(26.0) <= 0.1 / 0.78 && of(26.0) > 0.12, "{}", of(26.0));
 }
 
 #[test]
@@ -103,14 +135,17 @@ fn a_thread_on_a_shank_takes_a_quarter_fewer_layers() {
                  z - 32)))";
     let along = 0.6 * std::f64::consts::TAU / 3.0;
     let level = along / along.hypot(1.0).hypot(0.12);
-    let found = judged(screw, &adaptive(), |z| {
-        // The shank's top is a face at which a layer ends.
-        if z < 20.0 { 0.0 } else { level }
-    });
-    // What is proved of the thread is only that it is no more level than this.
+    // The shank's top is a face at which a layer ends.
+    let level_at = |z: Mm| if z < 20.0 { 0.0 } else { level };
+    let found = judged(screw, &adaptive(), level_at);
     let steps = found.steps.unwrap();
     let share = found.spans.len() as f64 / steps.uniform_layers as f64;
-    assert!(share <= 0.75, "{steps:?}: {}", found.spans.len());
+    assert!(share <= 0.6, "{steps:?}: {}", found.spans.len());
+    // Where the thread begins, layers become thinner step by step.
+    let of_thread = found.spans.iter().filter(|s| s.bottom > 20.5);
+    let least = 11.5 * level / 0.1;
+    let count = of_thread.count() as f64;
+    assert!(count <= 1.03 * least + 1.0, "{count}, {least}");
     let hit = |z: Mm| found.spans.iter().any(|s| (s.top - z).abs() < 1e-6);
     assert!(hit(20.0) && hit(32.0));
 }

@@ -1,11 +1,14 @@
 //! Draws a layer as an SVG picture, with y up: beads have their widths and the
 //! colours of their roles, travels are thin lines, which are dashed if the
-//! filament is retracted.
+//! filament is retracted. Where the nozzle is not at the layer's top, a line
+//! along the bead's middle is the whiter the higher it is, and the blacker the
+//! lower.
 
-use crate::bead::Role;
+use crate::bead::{Bead, Role};
 use crate::plane::Rect;
 use crate::resolution::pieces_within;
 use crate::travel::{LayerPath, Move};
+use crate::units::Mm;
 use glam::DVec2;
 use std::fmt::Write;
 
@@ -14,6 +17,10 @@ const MARGIN: f64 = 2.0;
 
 /// How far the edges of a bead whose width varies may be off, mm.
 const EDGE: f64 = 0.005;
+
+/// Number of shades of the lines that show heights, on both sides of the layer's
+/// top.
+const SHADES: f64 = 8.0;
 
 /// Colour of a role, as in PrusaSlicer's viewer.
 fn colour(role: Role) -> &'static str {
@@ -88,6 +95,17 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
                     points(&mut svg, &mut piece.path());
                     svg.push_str("\"/>\n");
                 }
+                for (shade, run) in rises(bead, path.span.height()) {
+                    let _ = write!(
+                        svg,
+                        "<polyline stroke=\"{}\" stroke-width=\"0.15\" \
+                         stroke-opacity=\"{:.3}\" points=\"",
+                        if shade > 0.0 { "#fff" } else { "#000" },
+                        shade.abs()
+                    );
+                    points(&mut svg, &mut run.into_iter());
+                    svg.push_str("\"/>\n");
+                }
                 at = bead.path().last();
             }
             Move::Travel(travel) => {
@@ -113,12 +131,56 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
     svg
 }
 
+/// The parts of a bead along which the nozzle is above or below the layer's top.
+/// With each comes how far, from −1 to 1, which is half of the layer's height
+/// and more.
+fn rises(bead: &Bead, height: Mm) -> Vec<(f64, Vec<DVec2>)> {
+    if bead.levels.is_empty() {
+        return Vec::new();
+    }
+    let path: Vec<DVec2> = bead.path().collect();
+    let shade = |i: usize| {
+        let rise = 0.5 * (bead.level(i).rise + bead.level(i + 1).rise);
+        (SHADES * rise / (0.5 * height)).round() / SHADES
+    };
+    let shades: Vec<f64> = (1..path.len())
+        .map(|i| shade(i - 1).clamp(-1.0, 1.0))
+        .collect();
+    let mut from = 0;
+    let runs = shades.chunk_by(|a, b| a == b).map(|run| {
+        let begin = from;
+        from += run.len();
+        (run[0], path[begin..=from].to_vec())
+    });
+    runs.filter(|run| run.0 != 0.0).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bead::{Bead, Stroke};
+    use crate::bead::{Level, Stroke};
     use crate::layers::LayerSpan;
     use crate::travel::Travel;
+
+    #[test]
+    fn what_leaves_the_layers_top_has_a_line_of_its_own() {
+        let points = (0..5).map(|i| DVec2::new(f64::from(i), 0.0)).collect();
+        let stroke = Stroke::new(points, false, 0.45);
+        let mut bead = Bead::new(Role::TopSkin, stroke, 0.2);
+        assert_eq!(rises(&bead, 0.2), []);
+        let rises_of = [0.0, 0.0, 0.1, 0.1, -0.2];
+        bead.levels = rises_of.map(|rise| Level { rise, extra: 0.0 }).to_vec();
+        let found = rises(&bead, 0.2);
+        let at = |x: f64| DVec2::new(x, 0.0);
+        assert_eq!(
+            found,
+            [
+                (0.5, vec![at(1.0), at(2.0)]),
+                (1.0, vec![at(2.0), at(3.0)]),
+                (-0.5, vec![at(3.0), at(4.0)]),
+            ]
+        );
+    }
 
     #[test]
     fn beads_and_travels_are_drawn_upright() {

@@ -103,6 +103,11 @@ impl Chain {
         widths.fold(0.0, f64::max)
     }
 
+    /// True if the path ends where it begins.
+    pub(super) fn is_closed(&self) -> bool {
+        self.points.len() > 2 && self.points.first() == self.points.last()
+    }
+
     /// The path's points, and more where a bead lies open, be it on one side:
     /// none farther from the next than `step`, and one wherever the next layer's
     /// border is crossed. `height` is the layer's. In bends, what lies open goes

@@ -268,7 +268,11 @@ impl<'a> Relief<'a> {
             return Ok(beads);
         };
         let ramp = chain.width();
-        let mut knots = profile::filled(knots, ramp);
+        let mut knots = if chain.is_closed() {
+            profile::filled_round(knots, ramp)
+        } else {
+            profile::filled(knots, ramp)
+        };
         if facing == Facing::Down {
             // What is below the nozzle goes deeper, and the nozzle stays.
             knots.iter_mut().for_each(|knot| knot.rise = 0.0);
@@ -300,6 +304,7 @@ impl<'a> Relief<'a> {
             window,
             bounds.facing,
             BESIDE,
+            bounds.steep(),
         )?;
         let strengths = self.strengths(&points, &site.span)?;
         let mut found = spots.into_iter().zip(strengths);
@@ -417,6 +422,16 @@ impl Bounds {
                 low: face - outer,
                 high: face + inner,
             },
+        }
+    }
+
+    /// Slope from which on the strength is nothing.
+    fn steep(&self) -> f64 {
+        let angle = self.full + FADE;
+        if angle < 90.0 {
+            angle.to_radians().tan()
+        } else {
+            f64::INFINITY
         }
     }
 

@@ -62,6 +62,45 @@ struct Side {
     fill: Mm,
 }
 
+/// Gives all knots of a path that ends where it begins their heights. It has no
+/// jump and no bend there either.
+pub(super) fn filled_round(mut knots: Vec<Knot>, ramp: Mm) -> Vec<Knot> {
+    let open = |k: &Knot| k.kind == Kind::Open;
+    let Some(first) = knots.iter().position(open) else {
+        return filled(knots, ramp);
+    };
+    let last = knots.len() - 1;
+    let length = knots[last].at;
+    // One place, which the stretches on both sides of it know.
+    if first == 0 || open(&knots[last]) {
+        let known = if first == 0 { knots[0] } else { knots[last] };
+        knots[0] = Knot { at: 0.0, ..known };
+        let corner = knots[last].corner;
+        knots[last] = Knot {
+            at: length,
+            corner,
+            ..known
+        };
+        return filled(knots, ramp);
+    }
+    // The path from an open knot on, once round. The knot before tells the slope
+    // at the end of a gap.
+    let second = knots.windows(2).position(|w| w.iter().all(open));
+    let start = second.map_or(first, |k| k + 1);
+    let moved = |k: &Knot, by: Mm| Knot {
+        at: k.at + by,
+        ..*k
+    };
+    let before = knots[1..=start].iter().map(|k| moved(k, length));
+    let turned = knots[start..].iter().copied().chain(before).collect();
+    let turned = filled(turned, ramp);
+    let seam = turned.partition_point(|k| k.at < length - ALIKE);
+    let begin = turned[seam..].iter().map(|k| moved(k, -length));
+    begin
+        .chain(turned[1..=seam.min(turned.len() - 1)].iter().copied())
+        .collect()
+}
+
 /// Gives all knots their heights. `ramp` is the length over which the nozzle
 /// comes down to the layer's top.
 pub(super) fn filled(mut knots: Vec<Knot>, ramp: Mm) -> Vec<Knot> {
@@ -321,6 +360,56 @@ mod tests {
         assert!((knots[0].rise - 0.05).abs() < 1e-12, "{knots:?}");
         let last = knots.last().unwrap();
         assert_eq!((last.at, last.rise, last.fill), (2.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn a_path_round_goes_on_where_it_ends() {
+        // A valley whose middle is the place at which the path begins and ends.
+        for width in [0.3, 0.6, 2.0] {
+            let far = valley(2.0 + width);
+            let middle = 0.5 * (2.0 + (2.0 + width));
+            let end = far.last().unwrap().at;
+            let (left, right): (Vec<Knot>, Vec<Knot>) =
+                far.iter().partition(|k| k.at < middle);
+            let at = |k: &Knot, at: Mm| Knot { at, ..*k };
+            // The two ends of the valley are one place, at half of the way.
+            let mut round: Vec<Knot> =
+                right.iter().map(|k| at(k, k.at - middle)).collect();
+            assert_eq!(round[0].kind, Kind::Covered);
+            round.extend(
+                left.iter().skip(1).map(|k| at(k, k.at + end - middle)),
+            );
+            round.push(knot(end, Kind::Covered, 9.0));
+            let straight = filled(far, 0.45);
+            let round = filled_round(round, 0.45);
+            assert!(round.is_sorted_by(|a, b| a.at < b.at), "{round:?}");
+            assert_eq!(round.first().unwrap().at, 0.0);
+            assert_eq!(round.last().unwrap().at, end);
+            for k in &straight {
+                let own = (k.at - middle).rem_euclid(end);
+                let same = round.iter().find(|r| (r.at - own).abs() < 1e-9);
+                let same = same.unwrap_or_else(|| panic!("{k:?} {round:?}"));
+                assert!((same.rise - k.rise).abs() < 1e-9, "{k:?} {same:?}");
+                assert!((same.fill - k.fill).abs() < 1e-9);
+            }
+            let ends = [round[0], *round.last().unwrap()];
+            assert!((ends[0].rise - ends[1].rise).abs() < 1e-12);
+            assert_eq!(ends[0].fill, ends[1].fill);
+        }
+        // The seam at a border that only one side knows of.
+        for (first, last) in
+            [(Kind::Open, Kind::Covered), (Kind::Covered, Kind::Open)]
+        {
+            let mut knots = valley(3.0);
+            let end = knots.last().unwrap().at;
+            let rise = knots[0].rise;
+            knots[0].kind = first;
+            knots.last_mut().unwrap().kind = last;
+            let knots = filled_round(knots, 0.45);
+            let ends = [knots[0], *knots.last().unwrap()];
+            assert_eq!(ends.map(|k| k.rise), [rise; 2]);
+            assert_eq!(ends.map(|k| k.at), [0.0, end]);
+        }
     }
 
     #[test]

@@ -47,7 +47,8 @@ pub(super) struct Spot {
 
 /// The surface above each point, or below it; nothing where the window has no
 /// surface, or where the point stands on an edge or a spike. `beside` is the
-/// distance at which the slope is measured.
+/// distance at which the slope is measured. Where the slope is more than `steep`
+/// along x or y, it does not matter how much more.
 ///
 /// # Errors
 /// If the evaluator fails, which is a bug.
@@ -57,31 +58,90 @@ pub(super) fn spots(
     window: Window,
     facing: Facing,
     beside: Mm,
+    steep: f64,
 ) -> Result<Vec<Option<Spot>>, ProbeError> {
-    let mut out = Vec::with_capacity(points.len());
-    for batch in points.chunks(BATCH) {
+    let (x, y) = (beside * DVec2::X, beside * DVec2::Y);
+    let mut out = vec![None; points.len()];
+    for (batch, out) in points.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
         crate::limits::check();
-        let around = |p: DVec2| {
-            let (x, y) = (beside * DVec2::X, beside * DVec2::Y);
-            [p, p - x, p + x, p - y, p + y]
-        };
-        let columns: Vec<DVec2> =
-            batch.iter().flat_map(|p| around(*p)).collect();
-        let heights = heights(probe, &columns, window, facing)?;
-        out.extend(heights.chunks_exact(5).map(|h| {
-            let height = h[0]?;
-            let along =
-                |before: Option<Mm>, after: Option<Mm>| match (before, after) {
-                    (Some(a), Some(b)) => Some((b - a) / (2.0 * beside)),
-                    (Some(a), None) => Some((height - a) / beside),
-                    (None, Some(b)) => Some((b - height) / beside),
-                    (None, None) => None,
-                };
-            let slope = DVec2::new(along(h[1], h[2])?, along(h[3], h[4])?);
-            Some(Spot { height, slope })
-        }));
+        // Below most points the part goes on, and most of the others are on
+        // steep faces: there the sides are not looked for.
+        let middle = heights(probe, batch, window, facing)?;
+        let found: Vec<(usize, DVec2, Mm)> = (0..batch.len())
+            .filter_map(|i| Some((i, batch[i], middle[i]?)))
+            .collect();
+        let slopes = steepness(probe, &found, facing, beside, steep)?;
+        let flat = || found.iter().zip(&slopes).filter(|f| f.1.is_none());
+        let sides: Vec<DVec2> = flat()
+            .flat_map(|f| [-x, x, -y, y].map(|d| f.0.1 + d))
+            .collect();
+        let sides = heights(probe, &sides, window, facing)?;
+        for (&(i, _, height), slope) in found.iter().zip(&slopes) {
+            out[i] = slope.map(|slope| Spot { height, slope });
+        }
+        for (((i, _, height), _), sides) in flat().zip(sides.chunks_exact(4)) {
+            if let Ok(sides) = sides.try_into() {
+                out[*i] = spot_of(*height, sides, beside);
+            }
+        }
     }
     Ok(out)
+}
+
+/// A slope of the surface at each of these points with their heights where it
+/// is more than `steep` along x or along y; nothing elsewhere. The surface is on
+/// one side of a point higher, and on the other side lower, than such a slope
+/// takes it.
+fn steepness(
+    probe: &Probe,
+    points: &[(usize, DVec2, Mm)],
+    facing: Facing,
+    beside: Mm,
+    steep: f64,
+) -> Result<Vec<Option<DVec2>>, ProbeError> {
+    const AXES: [DVec2; 4] = [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y];
+    if !steep.is_finite() {
+        return Ok(vec![None; points.len()]);
+    }
+    let off = beside * steep;
+    let places: Vec<(DVec2, Mm)> = points
+        .iter()
+        .flat_map(|&(_, p, height)| {
+            AXES.into_iter().flat_map(move |axis| {
+                let d = beside * axis;
+                [(p + d, height + off), (p - d, height - off)]
+            })
+        })
+        .collect();
+    let of = |pick: fn(&(DVec2, Mm)) -> Mm| -> Vec<f32> {
+        places.iter().map(|place| pick(place) as f32).collect()
+    };
+    let values = probe.values(&of(|p| p.0.x), &of(|p| p.0.y), &of(|p| p.1))?;
+    // True if a place is below the surface.
+    let below = |f: f32| (f < 0.0) == (facing == Facing::Up);
+    let slope = |f: &[f32]| {
+        let pairs = AXES.into_iter().zip(f.chunks_exact(2));
+        let mut steep_ones = pairs.filter(|(_, f)| below(f[0]) && !below(f[1]));
+        steep_ones.next().map(|(axis, _)| steep * axis)
+    };
+    Ok(values.chunks_exact(2 * AXES.len()).map(slope).collect())
+}
+
+/// The spot at a height between its sides, which are before and after it along
+/// x, and then along y.
+fn spot_of(
+    height: Mm,
+    [left, right, front, rear]: [Option<Mm>; 4],
+    beside: Mm,
+) -> Option<Spot> {
+    let along = |before: Option<Mm>, after: Option<Mm>| match (before, after) {
+        (Some(a), Some(b)) => Some((b - a) / (2.0 * beside)),
+        (Some(a), None) => Some((height - a) / beside),
+        (None, Some(b)) => Some((b - height) / beside),
+        (None, None) => None,
+    };
+    let slope = DVec2::new(along(left, right)?, along(front, rear)?);
+    Some(Spot { height, slope })
 }
 
 /// The height within the window at which the part ends upwards, or downwards,
@@ -92,37 +152,44 @@ fn heights(
     window: Window,
     facing: Facing,
 ) -> Result<Vec<Option<Mm>>, ProbeError> {
-    let (x, y): (Vec<f32>, Vec<f32>) =
-        points.iter().map(|p| (p.x as f32, p.y as f32)).unzip();
     // The heights go from the part's inside outwards.
     let (first, last) = match facing {
         Facing::Up => (window.low, window.high),
         Facing::Down => (window.high, window.low),
     };
     let step = (last - first) / (LOOKS - 1) as f64;
+    let inside = |of: &[usize], at: Mm| -> Result<Vec<bool>, ProbeError> {
+        let x: Vec<f32> = of.iter().map(|&i| points[i].x as f32).collect();
+        let y: Vec<f32> = of.iter().map(|&i| points[i].y as f32).collect();
+        let z = vec![at as f32; of.len()];
+        let values = probe.values(&x, &y, &z)?;
+        Ok(values.into_iter().map(|f| f < 0.0).collect())
+    };
+    // A part that goes on beyond the window does not end in it.
+    let mut open: Vec<usize> = (0..points.len()).collect();
+    let beyond = inside(&open, first + (LOOKS - 1) as f64 * step)?;
+    open.retain(|&i| !beyond[i]);
     // The heights between which the part ends, inside and outside.
     let mut brackets: Vec<Option<(Mm, Mm)>> = vec![None; points.len()];
-    let mut inside = vec![false; points.len()];
+    let mut was = vec![false; open.len()];
     for look in 0..LOOKS {
         let at = first + look as f64 * step;
-        let z = vec![at as f32; points.len()];
-        for (i, f) in probe.values(&x, &y, &z)?.into_iter().enumerate() {
-            let before = std::mem::replace(&mut inside[i], f < 0.0);
-            if before && !inside[i] {
+        let is = match look + 1 {
+            LOOKS => vec![false; open.len()],
+            _ => inside(&open, at)?,
+        };
+        for ((&i, was), is) in open.iter().zip(&was).zip(&is) {
+            if *was && !is {
                 brackets[i] = Some((at - step, at));
             }
         }
+        was = is;
     }
-    // A part that goes on beyond the window does not end in it.
-    for (bracket, inside) in brackets.iter_mut().zip(inside) {
-        *bracket = bracket.filter(|_| !inside);
-    }
-    let open: Vec<usize> = (0..points.len())
-        .filter(|&i| brackets[i].is_some())
-        .collect();
-    let pick =
-        |all: &[f32]| -> Vec<f32> { open.iter().map(|&i| all[i]).collect() };
-    let (x, y) = (pick(&x), pick(&y));
+    open.retain(|&i| brackets[i].is_some());
+    let (x, y): (Vec<f32>, Vec<f32>) = open
+        .iter()
+        .map(|&i| (points[i].x as f32, points[i].y as f32))
+        .unzip();
     for _ in 0..HALVINGS {
         let middle = |i: usize| {
             let bracket: Option<(Mm, Mm)> = brackets[i];
@@ -154,7 +221,7 @@ mod tests {
     fn spot(f: Tree, x: f64) -> Option<Spot> {
         let probe = Probe::new(&f).unwrap();
         let points = [DVec2::new(x, 0.5)];
-        spots(&probe, &points, WINDOW, Facing::Up, 0.1).unwrap()[0]
+        spots(&probe, &points, WINDOW, Facing::Up, 0.1, 0.4).unwrap()[0]
     }
 
     #[test]
@@ -191,17 +258,37 @@ mod tests {
         let probe = Probe::new(&-lean()).unwrap();
         let at = [DVec2::new(0.25, 0.5)];
         let down = |probe: &Probe| {
-            spots(probe, &at, WINDOW, Facing::Down, 0.1).unwrap()[0]
+            spots(probe, &at, WINDOW, Facing::Down, 0.1, 0.4).unwrap()[0]
         };
         let found = down(&probe).unwrap();
         assert!((found.height - 3.05).abs() < 2e-5, "{found:?}");
         let off = found.slope - DVec2::new(0.2, 0.0);
         assert!(off.length() < 3e-4, "{found:?}");
         // What has no top has none upwards, and the reverse.
-        assert!(
-            spots(&probe, &at, WINDOW, Facing::Up, 0.1).unwrap()[0].is_none()
-        );
+        let up = spots(&probe, &at, WINDOW, Facing::Up, 0.1, 0.4).unwrap();
+        assert!(up[0].is_none());
         assert!(down(&Probe::new(&lean()).unwrap()).is_none());
+    }
+
+    #[test]
+    fn a_steep_face_is_known_as_one_on_both_sides() {
+        for slope in [0.2, 0.35, 0.45, 1.0, 3.0, -0.3, -0.45, -1.5] {
+            let face = Tree::z() - 3.0 - slope as f32 * Tree::y();
+            let face = face + 0.0 * Tree::x();
+            for (f, facing) in
+                [(face.clone(), Facing::Up), (-face, Facing::Down)]
+            {
+                let probe = Probe::new(&f).unwrap();
+                let at = [DVec2::new(3.0, 0.01)];
+                let found =
+                    spots(&probe, &at, WINDOW, facing, 0.1, 0.4).unwrap()[0];
+                let found = found.unwrap();
+                assert!((found.height - 3.0 - 0.01 * slope).abs() < 2e-5);
+                let meant = slope.clamp(-0.4, 0.4);
+                let off = found.slope - DVec2::new(0.0, meant);
+                assert!(off.length() < 3e-4, "{slope} {found:?}");
+            }
+        }
     }
 
     #[test]

@@ -16,6 +16,10 @@
 //! are exactly 0 is level. Its height is found by bisection, and counts if f
 //! changes its sign there.
 //!
+//! An angle (`atan2`) jumps by a turn. Where it does so on an upright face, as
+//! that of a screw along z does, a box on the face is looked at once for each
+//! side (`program::piece`).
+//!
 //! Guarantees: the result is deterministic, and the work is bounded. Some of
 //! the surface cannot be bounded, for lack of work or because f has a kink,
 //! jumps or is NaN. It counts as level (1), except within `tolerance` of a
@@ -106,7 +110,7 @@ pub enum LeanError {
 /// Number of bins of a slab. Slabs are searched one by one.
 const SLAB_BINS: usize = 64;
 /// Greatest number of bins of a box that may be done.
-const DONE_BINS: f64 = 8.0;
+const DONE_BINS: f64 = 2.0;
 /// Size below which a box is not cut across x or y.
 const THIN: Length = 0.02;
 /// Share of a bound that is slack.
@@ -253,7 +257,7 @@ impl Search<'_> {
     ) -> Result<(), Cancelled> {
         let mut todo = BinaryHeap::new();
         let mut number = 0;
-        todo.extend(self.look(whole, program, number));
+        self.look(whole, program, number, &mut todo);
         while let Some(open) = todo.pop() {
             if number.is_multiple_of(256) {
                 cancel.check()?;
@@ -271,43 +275,52 @@ impl Search<'_> {
             }
             for half in open.cell.split(open.axis) {
                 number += 1;
-                todo.extend(self.look(half, &open.program, number));
+                self.look(half, &open.program, number, &mut todo);
             }
         }
         Ok(())
     }
 
-    /// Looks at a cell, and returns it if it has to be cut.
+    /// Looks at a cell. If it has to be cut, it is to do.
     fn look(
         &mut self,
         cell: Cell,
         program: &Rc<Program>,
         number: u64,
-    ) -> Option<Open> {
+        todo: &mut BinaryHeap<Open>,
+    ) {
         let f = program.enclose(&cell, &mut self.scratch);
         let outside = f.range.is_empty() || f.range.lo > 0.0;
         if outside || (f.range.hi < 0.0 && !f.range.nan) {
-            return None;
+            return;
         }
         let known = known(program.surfaces(&self.scratch));
         let has_faces = !self.level_faces(&cell, program, &known.level);
         if !has_faces && self.is_done(&cell, &known) {
-            return None;
+            return;
+        }
+        // What f jumps by is upright, so both sides of it are all there is.
+        let sides = program.by_upright_turns(&self.scratch);
+        if !sides.is_empty() {
+            for side in sides {
+                self.look(cell, &Rc::new(side), number, todo);
+            }
+            return;
         }
         let Some(axis) = self.axis(&cell, &known) else {
             let worst = if has_faces { 1.0 } else { known.most };
             self.doubts.push(([cell.lo[2], cell.hi[2]], worst));
-            return None;
+            return;
         };
         let simple = program.simplify(&self.scratch);
-        Some(Open {
+        todo.push(Open {
             cell,
             program: simple.map_or_else(|| program.clone(), Rc::new),
             most: known.most,
             has_faces,
             axis,
             number,
-        })
+        });
     }
 
     /// Notes what is known of a cell, and returns true if that suffices.

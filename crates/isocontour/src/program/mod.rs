@@ -334,6 +334,23 @@ impl Program {
             .map_or(Vec::new(), |found| self.in_pieces(found))
     }
 
+    /// The program once for each side of the first `atan2` that jumps in the box
+    /// of the last `enclose` (of this program, with this scratch), if its jump
+    /// is at the same place at each z. Empty if there is none.
+    pub(crate) fn by_upright_turns(&self, scratch: &Scratch) -> Vec<Self> {
+        let upright = |step: &Step, a: &Slot, b: &Slot| match step {
+            Step::Binary(BinaryOpcode::Atan, ..)
+                if a.slope[2] == Interval::ZERO =>
+            {
+                piece::pieces_of(step, a, b)
+            }
+            _ => Vec::new(),
+        };
+        self.dividing(scratch, upright)
+            .next()
+            .map_or(Vec::new(), |found| self.in_pieces(found))
+    }
+
     /// The program once for each sector around the pole of `atan2` in the box of
     /// the last `enclose` (of this program, with this scratch). Empty if there is
     /// none. Empty, too, if there are several: the sectors of one tell little of
