@@ -458,7 +458,16 @@ class Live {
     const held = box.contains(document.activeElement)
       ? document.activeElement.dataset.of : null;
     const { parameters } = this.told.model;
-    const fields = parameters.map(parameter => this.parameter(parameter));
+    const fields = [];
+    let part = null;
+    for (const parameter of parameters) {
+      // The parts of a plate have parameters of their own.
+      if (parameter.part && parameter.part !== part) {
+        part = parameter.part;
+        fields.push(element("h3", part));
+      }
+      fields.push(this.parameter(parameter));
+    }
     const names = list => [...list].map(f => f.dataset.name).join();
     if (held && names(box.children) === names(fields)) {
       fields.forEach((field, i) => {
@@ -473,7 +482,8 @@ class Live {
 
   parameter(parameter) {
     const { name, value, description, min, max, step, choices } = parameter;
-    const to = text => this.change("define", name, String(text));
+    const { key, part } = parameter;
+    const to = text => this.change("define", key, String(text));
     const words = [];
     let input;
     if (choices) {
@@ -504,12 +514,14 @@ class Live {
       }
     }
     words.unshift(...description ? [description] : []);
-    const changed = value !== parameter.default;
+    // What a plate file says cannot be taken back here.
+    const changed = value !== parameter.default
+      && (!part || key in this.told.choice.define);
     const field = this.field(name, input, words.join("; "), changed,
-      () => this.change("define", name, null));
-    field.dataset.name = name;
-    for (const part of input) {
-      part.dataset.of = name;
+      () => this.change("define", key, null));
+    field.dataset.name = key;
+    for (const control of input) {
+      control.dataset.of = key;
     }
     return field;
   }

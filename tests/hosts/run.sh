@@ -17,7 +17,9 @@ parsers=(moonraker==0.11.0 OctoPrint==1.11.8 py-gcode-metadata==0.2.0 pillow)
 command -v python3 >/dev/null || skip "there is no python3"
 
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+# PrusaLink keeps no files in /tmp.
+kept=$(mktemp -d -p /var/tmp)
+trap 'rm -rf "$work" "$kept"' EXIT
 venv=${VENV:-$work/venv}
 [ -x "$venv/bin/pip" ] || python3 -m venv "$venv" >"$work/log" 2>&1 \
     || skip "python3 cannot make an environment (apt-get install python3-venv)"
@@ -29,12 +31,16 @@ venv=${VENV:-$work/venv}
 
 # The hosts themselves, to send files to. What they depend on does not go
 # together, so each has an environment of its own.
-for host in octoprint==1.11.8 moonraker==0.11.0; do
+for host in octoprint==1.11.8 moonraker==0.11.0 prusalink==0.8.1; do
     name=${host%%=*}
     venv=${VENV:-$work/venv}-$name
-    mkdir "$work/$name"
+    mkdir "$kept/$name"
     [ -x "$venv/bin/pip" ] || python3 -m venv "$venv" >"$work/log" 2>&1
     "$venv/bin/pip" install --quiet --disable-pip-version-check "$host" \
         >"$work/log" 2>&1 || skip "pip cannot get $host and what it needs"
-    "$venv/bin/python" "$here/send.py" "$name" "$isoslice" "$work/$name"
+    if [ "$name" = prusalink ] \
+        && ! "$venv/bin/python" -c "import magic" >"$work/log" 2>&1; then
+        skip "PrusaLink needs libmagic (apt-get install libmagic1)"
+    fi
+    "$venv/bin/python" "$here/send.py" "$name" "$isoslice" "$kept/$name"
 done

@@ -1,10 +1,11 @@
-"""Sends files to the real OctoPrint and the real Moonraker: started by run.sh.
+"""Sends files to the real OctoPrint, Moonraker and PrusaLink: started by run.sh.
 
-    send.py octoprint|moonraker ISOSLICE FOLDER
+    send.py octoprint|moonraker|prusalink ISOSLICE FOLDER
 
-OctoPrint runs its own virtual printer, which prints the file to its end.
-Moonraker runs without Klipper, so that its store of files is tested, and that a
-print is refused. FOLDER takes their files.
+OctoPrint runs its own virtual printer, and PrusaLink one of ours (mk3.py); both
+print the file to its end. Moonraker runs without Klipper, so that its store of
+files is tested, and that a print is refused. FOLDER takes their files. For
+PrusaLink it must not be in /tmp, where PrusaLink keeps no files.
 """
 
 import http.client
@@ -202,5 +203,71 @@ validate_config: False
     print("ok    Moonraker stored a file, and refused to print without Klipper")
 
 
+def prusalink():
+    from mk3 import Printer
+    printer = Printer()
+    port = free_port()
+    base = folder / "prusalink"
+    base.mkdir()
+    # Printed commands of the file, as PrusaLink sends them.
+    text = (folder / "part.gcode").read_text()
+    lines = (line.split(";")[0].strip() for line in text.splitlines())
+    commands = [line for line in lines if line]
+    (base / "prusalink.ini").write_text(f"""
+[daemon]
+data_dir = {base}
+[http]
+address = 127.0.0.1
+port = {port}
+[printer]
+port = {printer.port}
+[cameras]
+auto_detect = False
+""")
+    (base / "prusa_printer_settings.ini").write_text(f"""
+[printer]
+type = MK3S
+name = printer
+location = here
+farm_mode = False
+network_error_chime = False
+[service::local]
+enable = 1
+username = me
+digest = none
+api_key = {KEY}
+[network]
+hostname =
+[service::connect]
+hostname = localhost
+tls = False
+port = 0
+token =
+""")
+    command = [sys.executable, "-m", "prusa.link", "--foreground", "--config",
+               str(base / "prusalink.ini"), "start"]
+    url = f"http://127.0.0.1:{port}"
+    stored = base / "PrusaLink gcodes" / "part.gcode"
+    state = lambda: get(f"{url}/api/v1/status")["printer"]["state"]
+    with Service("prusalink", command):
+        wait_for("PrusaLink's printer", lambda: state() == "IDLE")
+        add = ["printers", "add", "mk3", "--host", "prusalink", "--url", url]
+        run(*add)
+        said = run("printers", "test", "mk3")
+        assert "PrusaLink" in said and "ready    yes" in said, said
+        run("send", "part.gcode", "--to", "mk3")
+        assert stored.read_bytes() == (folder / "part.gcode").read_bytes()
+        assert not printer.commands and state() == "IDLE"
+        said = run("send", "part.gcode", "--to", "mk3", "--start")
+        assert "is being printed" in said, said
+        wait_for("the print's end", lambda: state() == "FINISHED")
+        printed = [c for c in printer.commands if c in set(commands)]
+        assert printed == commands, (len(printed), len(commands))
+        run(*add, "--replace", stdin="wrong")
+        run("send", "part.gcode", "--to", "mk3", fails="refuses the key")
+    run("printers", "test", "mk3", fails="cannot reach")
+    print("ok    PrusaLink stored a file, and printed it to its end")
+
+
 slice_part()
-{"octoprint": octoprint, "moonraker": moonraker}[host]()
+{"octoprint": octoprint, "moonraker": moonraker, "prusalink": prusalink}[host]()

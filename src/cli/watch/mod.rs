@@ -9,13 +9,15 @@
 //!
 //! `session` holds what is wanted and what there is, `work` makes it, `server`
 //! tells the page of it, behind `guard`; `stamp` sees that files have changed,
-//! and `choice` holds what the page's user has changed.
+//! `choice` holds what the page's user has changed, and `subject` loads the model
+//! or the plate file with that.
 
 mod choice;
 mod guard;
 mod server;
 mod session;
 mod stamp;
+mod subject;
 mod work;
 
 use super::args::{ModelArgs, SettingsSource};
@@ -42,6 +44,7 @@ const EXAMPLES: &str = "\
 Examples:
   isoslice watch part.rhai --open
   isoslice watch part.rhai --config part.toml --printer prusa-mk4
+  isoslice watch plate.toml
   isoslice watch part.rhai -D radius=15 --port 8123";
 
 /// Greatest number of connections at once. A browser has six for all tabs of a
@@ -59,7 +62,8 @@ const IDLE: Duration = Duration::from_secs(60);
     override_usage = "isoslice watch [OPTIONS] <MODEL>\n       \
                       isoslice watch [OPTIONS] -e <FORMULA>",
     mut_arg("model", |arg| arg.help(
-        "The model: a Rhai script (.rhai) or fidget's text format (.vm)"
+        "The model: a Rhai script (.rhai) or fidget's text format (.vm); or a \
+         plate file (.toml)"
     )),
     mut_arg("format", |arg| arg.hide(true))
 )]

@@ -2,8 +2,8 @@
 //!
 //! Guaranteed: an answer takes bounded time and memory, whatever is asked and
 //! whoever asks. No request writes a file of the user's. The only files that
-//! are read are the model, profiles and the infill's script, if a setting names
-//! one. What comes from the model leaves as JSON, which the page shows as text.
+//! are read are the model or the plate file with its models, profiles and the
+//! infill's script, if a setting names one. What comes from the model leaves as JSON, which the page shows as text.
 
 use super::guard::Guard;
 use super::session::{Look, Print, Sending, Session, State};
@@ -227,10 +227,14 @@ impl Site {
         let picture = match known {
             Some(picture) => picture,
             None => {
+                let drawn = model.subject.drawn.as_ref().ok_or_else(|| {
+                    let why = "the parts are too large together to be drawn";
+                    (StatusCode::NOT_FOUND, why.to_owned())
+                })?;
                 let watch = watch_for(PICTURE);
                 *fine() = (!look.rough).then(|| watch.clone());
                 let threads = self.job.threads;
-                let drawn = draw_within(&watch, &model.model, look, threads);
+                let drawn = draw_within(&watch, drawn, look, threads);
                 fine().take();
                 let drawn = drawn.map_err(|error| {
                     (StatusCode::SERVICE_UNAVAILABLE, format!("{error:#}"))
