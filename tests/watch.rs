@@ -316,7 +316,7 @@ fn a_plate_file_and_its_models_are_watched() {
     // The script of a part.
     fs::write(file("cup.rhai"), CUP.replace("- 1)", "- 2)")).unwrap();
     watch.state(|state| {
-        state["busy"].is_null() && state["model"]["size"][2] == 3.0
+        state["busy"].is_null() && state["model"]["size"][2] == 4.0
     });
     fs::write(file("cup.rhai"), "let r = 4.0;\nx - rr\n").unwrap();
     let wrong = watch.state(|state| state["fault"].is_object());

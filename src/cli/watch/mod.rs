@@ -10,10 +10,11 @@
 //! `session` holds what is wanted and what there is, `work` makes it, `server`
 //! tells the page of it, behind `guard`; `stamp` sees that files have changed,
 //! `choice` holds what the page's user has changed, and `subject` loads the model
-//! or the plate file with that.
+//! or the plate file with that. `job` has the command's arguments.
 
 mod choice;
 mod guard;
+mod job;
 mod server;
 mod session;
 mod stamp;
@@ -28,6 +29,7 @@ use choice::Choice;
 use clap::Args;
 use guard::Guard;
 use isoslice::limits::enough_space;
+use job::Job;
 use oxhttp::Server;
 use server::Site;
 use session::Session;
@@ -38,7 +40,7 @@ use std::process::exit;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
-use work::{Job, work};
+use work::work;
 
 const EXAMPLES: &str = "\
 Examples:

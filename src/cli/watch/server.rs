@@ -6,8 +6,9 @@
 //! infill's script, if a setting names one. What comes from the model leaves as JSON, which the page shows as text.
 
 use super::guard::Guard;
+use super::job::Job;
 use super::session::{Look, Print, Sending, Session, State};
-use super::work::{Job, PICTURE, draw_within, name_of, watch_for};
+use super::work::{PICTURE, draw_within, watch_for};
 use crate::cli::hosts;
 use crate::cli::send::outcome;
 use crate::cli::{plain, printers};
@@ -77,7 +78,7 @@ impl Site {
             json!({ "kind": kind.word(), "names": names })
         };
         Site {
-            page: live_html(&name_of(&job)),
+            page: live_html(&job.name()),
             session,
             job,
             guard,
@@ -181,7 +182,7 @@ impl Site {
     fn toml(&self) -> Answer {
         let settings = self.session.lock().settings.clone();
         let settings = settings.ok_or_else(not_yet)?;
-        let name = name_of(&self.job);
+        let name = self.job.name();
         let head = format!(
             "# Settings of {} that are not the defaults, for --config.\n\n",
             plain::line(&name)

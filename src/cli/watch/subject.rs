@@ -6,7 +6,7 @@
 //! `hole` of the second `[[part]]`.
 
 use super::choice::Choice;
-use super::work::Job;
+use super::job::Job;
 use crate::cli::args::Gathered;
 use crate::cli::excerpt::of_loading;
 use crate::cli::info::{JsonParameter, parameter};

@@ -5,13 +5,14 @@
 //! made last.
 
 use super::choice::Choice;
+use super::job::Job;
 use super::session::{
     Fault, Glimpse, Listed, Look, Print, Session, Shown, Text,
 };
 use super::subject::{Read, Subject};
-use crate::cli::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
+use crate::cli::args::Gathered;
 use crate::cli::excerpt::excerpt;
-use crate::cli::limits::{GRACE, LimitArgs, workers};
+use crate::cli::limits::{GRACE, workers};
 use crate::cli::terminal;
 use anyhow::Context;
 use isoslice::files::{Output, read_text};
@@ -30,14 +31,6 @@ use std::path::{Path, PathBuf};
 use std::process::exit;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The arguments of the command, which stay the same.
-pub(super) struct Job {
-    pub model: ModelArgs,
-    pub settings: SettingsSource,
-    pub limits: LimitArgs,
-    pub threads: Option<u16>,
-}
 
 /// Greatest time for a picture.
 pub(super) const PICTURE: Duration = Duration::from_secs(10);
@@ -132,7 +125,7 @@ fn make(
     let glimpse = glimpse(session, job, gathered, &subject.plate);
     let shown = show(session, job, subject, glimpse, wanted)?;
     let (gcode, summary) = slice(session, job, &shown.subject.plate)?;
-    let name = name_of(job);
+    let name = job.name();
     let moves = moves(BufReader::new(gcode.read()), gathered, &name)?;
     let stem = Path::new(&name).file_stem().unwrap_or_default();
     let file = format!("{}.gcode", stem.to_string_lossy());
@@ -190,7 +183,7 @@ fn glimpse(
     let mut gcode = Vec::new();
     let made = watch_for(GLIMPSE).run(|| -> anyhow::Result<_> {
         let summary = pipeline::slice_plate(plate, &options, &mut gcode)?;
-        let moves = moves(gcode.as_slice(), gathered, &name_of(job))?;
+        let moves = moves(gcode.as_slice(), gathered, &job.name())?;
         Ok((summary, moves))
     });
     let (summary, moves) = made.ok()?.ok()?;
@@ -296,12 +289,6 @@ fn slice(
         .and_then(Text::new)
         .context(no_file)?;
     Ok((Arc::new(text), summary))
-}
-
-/// The name of what is shown.
-pub(super) fn name_of(job: &Job) -> String {
-    let name = job.model.model.as_deref().and_then(Path::file_name);
-    name.map_or(FORMULA.into(), |name| name.to_string_lossy().into_owned())
 }
 
 /// A setting as the page gets it.
