@@ -3,9 +3,12 @@
     send.py octoprint|moonraker|prusalink ISOSLICE FOLDER
 
 OctoPrint runs its own virtual printer, and PrusaLink one of ours (mk3.py); both
-print the file to its end. Moonraker runs without Klipper, so that its store of
-files is tested, and that a print is refused. FOLDER takes their files. For
-PrusaLink it must not be in /tmp, where PrusaLink keeps no files.
+print the file to its end. Moonraker runs without Klipper first, so that its store
+of files is tested, and that a print is refused. With KLIPPER, a folder with
+Klipper's sources and the description of its micro-controller, and
+KLIPPER_PYTHON it then runs with Klipper, whose commands go nowhere, and prints
+the file to its end. FOLDER takes their files. For PrusaLink it must not be in
+/tmp, where PrusaLink keeps no files.
 """
 
 import http.client
@@ -81,17 +84,18 @@ class Service:
         self.log.close()
 
 
-def get(url):
-    request = urllib.request.Request(url, headers={"X-Api-Key": KEY})
+def get(url, key=KEY):
+    request = urllib.request.Request(url, headers={"X-Api-Key": key})
     with urllib.request.urlopen(request, timeout=10) as answer:
         return json.load(answer)
 
 
 def slice_part():
+    flavour = "klipper" if host == "moonraker" else "marlin"
     run("slice", "-q", "-o", "part.gcode",
         "-e", "max(sqrt(x^2 + y^2) - 4, abs(z - 0.5) - 0.5)",
         "--set", "skirt.loops=0", "--set", "speed.travel=300",
-        "--set", "gcode.flavour=marlin")
+        "--set", f"gcode.flavour={flavour}")
 
 
 def octoprint():
@@ -159,7 +163,7 @@ def moonraker():
 [server]
 host: 127.0.0.1
 port: {port}
-klippy_uds_address: {base}/none.sock
+klippy_uds_address: {base}/klippy.sock
 
 [authorization]
 force_logins: false
@@ -198,9 +202,43 @@ validate_config: False
         assert (base / "gcodes" / "part.gcode").read_bytes() == sent
         run("send", "part.gcode", "--to", "voron", "--start",
             fails="cannot start a print now")
+        if "KLIPPER" in os.environ:
+            with_klipper(base, url, key)
         run(*add, "--replace", stdin="wrong")
         run("send", "part.gcode", "--to", "voron", fails="refuses the key")
     print("ok    Moonraker stored a file, and refused to print without Klipper")
+
+
+def with_klipper(base, url, key):
+    """Prints the file to its end with Klipper behind Moonraker."""
+    sources = pathlib.Path(os.environ["KLIPPER"])
+    config = base / "config" / "printer.cfg"
+    here = pathlib.Path(__file__).parent
+    card = f"\n[virtual_sdcard]\npath: {base}/gcodes\n"
+    config.write_text((here / "klipper.cfg").read_text() + card)
+    command = [os.environ["KLIPPER_PYTHON"], sources / "klippy" / "klippy.py",
+               config, "-o", "/dev/null", "-d", sources / "out/klipper.dict",
+               "-a", base / "klippy.sock", "-I", base / "tty"]
+
+    def ask(path):
+        return get(f"{url}/{path}", key)["result"]
+
+    def printed():
+        return ask("printer/objects/query?print_stats")["status"]["print_stats"]
+    with Service("klipper", command):
+        wait_for("Klipper", lambda:
+                 ask("server/info")["klippy_state"] == "ready")
+        said = run("printers", "test", "voron")
+        assert "ready    yes" in said, said
+        said = run("send", "part.gcode", "--to", "voron", "--start")
+        assert "is being printed" in said, said
+        wait_for("the print's end", lambda:
+                 printed()["state"] in ("complete", "error"))
+        end = printed()
+        assert end["state"] == "complete", end
+        assert end["filename"] == "part.gcode", end
+        assert end["info"]["total_layer"] == 5, end
+    print("ok    Moonraker printed a file to its end with Klipper")
 
 
 def prusalink():
