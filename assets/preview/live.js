@@ -493,11 +493,17 @@ class Live {
       box.addEventListener("change", () => to(box.checked));
       input = [box];
     } else {
-      const text = this.text(value, to);
+      let slider = null;
+      const text = this.text(value, given => {
+        if (slider) {
+          slider.value = given;
+        }
+        to(given);
+      });
       input = [text];
       if (min !== undefined && max !== undefined) {
         const whole = parameter.type === "integer";
-        const slider = element("input", "", {
+        slider = element("input", "", {
           type: "range", min, max,
           step: step ?? (whole ? 1 : (max - min) / 200), value,
         });
