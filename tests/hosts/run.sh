@@ -67,8 +67,8 @@ for host in octoprint==1.11.8 moonraker==0.11.0 prusalink==0.8.1; do
     "$venv/bin/pip" install --quiet --disable-pip-version-check "$host" \
         >"$work/log" 2>&1 || skip "pip cannot get $host and what it needs"
     if [ "$name" = prusalink ] \
-        && ! "$venv/bin/python" -c "import magic" >"$work/log" 2>&1; then
-        skip "PrusaLink needs libmagic (apt-get install libmagic1)"
+        && ! "$venv/bin/python" -c "import magic, pyudev; pyudev.Context()" >"$work/log" 2>&1; then
+        skip "PrusaLink needs libmagic and libudev (apt-get install libmagic1 libudev1)"
     fi
     "$venv/bin/python" "$here/send.py" "$name" "$isoslice" "$kept/$name"
 done
