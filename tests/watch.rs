@@ -247,6 +247,7 @@ fn what_cannot_be_watched_is_said_at_once() {
     for (arguments, words) in [
         (&["-"][..], "standard input"),
         (&["none.rhai"], "there is no file none.rhai"),
+        (&["plate.toml", "-D", "a=1"], "plate.toml is a plate file"),
         (
             &["-e", "x", "--config", "no.toml"],
             "there is no file no.toml",

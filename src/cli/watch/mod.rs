@@ -23,6 +23,7 @@ mod work;
 
 use super::args::{ModelArgs, SettingsSource};
 use super::limits::LimitArgs;
+use super::plates::PlateArgs;
 use super::{plain, printers, terminal};
 use anyhow::{Context, bail};
 use choice::Choice;
@@ -118,6 +119,7 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
     });
     // What is wrong with the command line is an error at once; what is wrong
     // with the model and in the files is shown in the page, until it is mended.
+    PlateArgs::default().refuse_beside_file(&job.model)?;
     let profiles = job.settings.profiles.find()?;
     let given = job.model.model.iter().chain(&job.settings.config);
     let files: Vec<_> = given.cloned().collect();
