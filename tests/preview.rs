@@ -216,6 +216,33 @@ fn a_model_is_sliced_first() {
 }
 
 #[test]
+fn the_parts_of_a_plate_file_are_sliced_first() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("rod.rhai"),
+        "max(sqrt(x*x + y*y) - 4, abs(z - 1) - 1)",
+    )
+    .unwrap();
+    let plate = "[[part]]\nmodel = \"rod.rhai\"\ncopies = 3\n";
+    fs::write(folder.path().join("plate.toml"), plate).unwrap();
+    isoslice(&folder)
+        .args(["preview", "plate.toml", "-q"])
+        .assert()
+        .success();
+    assert!(folder.path().join("plate.html").exists());
+    // A model of the plate is not written over.
+    isoslice(&folder)
+        .args(["preview", "plate.toml", "-q", "-o", "rod.rhai"])
+        .assert()
+        .failure();
+    isoslice(&folder)
+        .args(["preview", "plate.toml", "-q", "-D", "r=1"])
+        .assert()
+        .failure()
+        .stderr(contains("is a plate file"));
+}
+
+#[test]
 fn mistakes_are_explained_and_leave_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);

@@ -247,6 +247,7 @@ fn what_cannot_be_watched_is_said_at_once() {
     for (arguments, words) in [
         (&["-"][..], "standard input"),
         (&["none.rhai"], "there is no file none.rhai"),
+        (&["plate.toml", "-D", "a=1"], "plate.toml is a plate file"),
         (
             &["-e", "x", "--config", "no.toml"],
             "there is no file no.toml",
@@ -263,4 +264,74 @@ fn what_cannot_be_watched_is_said_at_once() {
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(error.contains(words), "{error}");
     }
+}
+
+/// The parts of a plate file are shown where they stand, each with its own
+/// parameters, and whichever file changes, they are sliced again.
+#[test]
+fn a_plate_file_and_its_models_are_watched() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    fs::write(file("cup.rhai"), CUP).unwrap();
+    let plate = |params: &str| {
+        format!(
+            "settings = {{ walls = 3 }}\n\n[[part]]\nmodel = \"cup.rhai\"\n\
+             copies = 2\n\n[[part]]\nmodel = \"cup.rhai\"\n{params}\n\
+             at = [40, 40]\n"
+        )
+    };
+    fs::write(file("plate.toml"), plate("params = { radius = 2 }")).unwrap();
+    let watch = Watch::start(folder.path(), &["plate.toml"]);
+    let state = watch.done();
+    assert!(state["fault"].is_null(), "{}", state["fault"]);
+    let told = |state: &Value, k: usize| {
+        let one = &state["model"]["parameters"][k];
+        let texts = ["key", "part"].map(|key| one[key].as_str().unwrap());
+        (texts.join(" | "), one["value"].as_f64().unwrap())
+    };
+    assert_eq!(told(&state, 0), ("1.radius | 1. cup, 2 times".into(), 4.0));
+    assert_eq!(told(&state, 1), ("2.radius | 2. cup".into(), 2.0));
+    assert_eq!(state["print"]["file"], "plate.gcode");
+    assert_eq!(watch.get("picture?width=40&height=30").code, 200);
+    // The settings of the whole plate can be seen, and the page's win.
+    let toml = String::from_utf8(watch.get("settings.toml").body).unwrap();
+    assert!(toml.contains("\nwalls = 3\n"), "{toml}");
+    // The G-code is what `slice` writes.
+    let print = state["print"]["revision"].as_u64().unwrap();
+    let gcode = watch.get(&format!("gcode?print={print}")).body;
+    Command::new(assert_cmd::cargo::cargo_bin!("isoslice"))
+        .args(["slice", "-q", "plate.toml"])
+        .current_dir(folder.path())
+        .status()
+        .unwrap();
+    assert!(gcode == fs::read(file("plate.gcode")).unwrap());
+    // A change of one part leaves the other as it is.
+    watch.post("change", r#"{"define": {"2.radius": "3", "1.old": "7"}}"#);
+    let state = watch.done();
+    assert!(state["fault"].is_null(), "{}", state["fault"]);
+    assert_eq!([told(&state, 0).1, told(&state, 1).1], [4.0, 3.0]);
+    watch.post("change", r#"{"set": {"layer_height": "0.1"}}"#);
+    let of_page = String::from_utf8(watch.get("settings.toml").body).unwrap();
+    assert!(of_page.contains("walls = 3\n"), "{of_page}");
+    watch.done();
+    // The script of a part.
+    fs::write(file("cup.rhai"), CUP.replace("- 1)", "- 2)")).unwrap();
+    watch.state(|state| {
+        state["busy"].is_null() && state["model"]["size"][2] == 4.0
+    });
+    fs::write(file("cup.rhai"), "let r = 4.0;\nx - rr\n").unwrap();
+    let wrong = watch.state(|state| state["fault"].is_object());
+    let excerpt = wrong["fault"]["excerpt"].as_str().unwrap();
+    assert!(excerpt.contains("2 | x - rr"), "{wrong}");
+    fs::write(file("cup.rhai"), CUP).unwrap();
+    watch.state(|state| state["fault"].is_null());
+    // The plate file.
+    fs::write(file("plate.toml"), plate("scael = 2")).unwrap();
+    let wrong = watch.state(|state| state["fault"].is_object());
+    let text = wrong["fault"]["text"].as_str().unwrap();
+    assert!(text.contains("did you mean scale?"), "{text}");
+    fs::write(file("plate.toml"), plate("scale = 2")).unwrap();
+    let state = watch
+        .state(|state| state["busy"].is_null() && state["fault"].is_null());
+    assert_eq!(state["model"]["size"][2], 4.0);
 }

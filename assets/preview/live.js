@@ -458,7 +458,16 @@ class Live {
     const held = box.contains(document.activeElement)
       ? document.activeElement.dataset.of : null;
     const { parameters } = this.told.model;
-    const fields = parameters.map(parameter => this.parameter(parameter));
+    const fields = [];
+    let part = null;
+    for (const parameter of parameters) {
+      // The parts of a plate have parameters of their own.
+      if (parameter.part && parameter.part !== part) {
+        part = parameter.part;
+        fields.push(element("h3", part));
+      }
+      fields.push(this.parameter(parameter));
+    }
     const names = list => [...list].map(f => f.dataset.name).join();
     if (held && names(box.children) === names(fields)) {
       fields.forEach((field, i) => {
@@ -473,7 +482,8 @@ class Live {
 
   parameter(parameter) {
     const { name, value, description, min, max, step, choices } = parameter;
-    const to = text => this.change("define", name, String(text));
+    const { key, part } = parameter;
+    const to = text => this.change("define", key, String(text));
     const words = [];
     let input;
     if (choices) {
@@ -483,11 +493,17 @@ class Live {
       box.addEventListener("change", () => to(box.checked));
       input = [box];
     } else {
-      const text = this.text(value, to);
+      let slider = null;
+      const text = this.text(value, given => {
+        if (slider) {
+          slider.value = given;
+        }
+        to(given);
+      });
       input = [text];
       if (min !== undefined && max !== undefined) {
         const whole = parameter.type === "integer";
-        const slider = element("input", "", {
+        slider = element("input", "", {
           type: "range", min, max,
           step: step ?? (whole ? 1 : (max - min) / 200), value,
         });
@@ -504,12 +520,14 @@ class Live {
       }
     }
     words.unshift(...description ? [description] : []);
-    const changed = value !== parameter.default;
+    // What a plate file says cannot be taken back here.
+    const changed = value !== parameter.default
+      && (!part || key in this.told.choice.define);
     const field = this.field(name, input, words.join("; "), changed,
-      () => this.change("define", name, null));
-    field.dataset.name = name;
-    for (const part of input) {
-      part.dataset.of = name;
+      () => this.change("define", key, null));
+    field.dataset.name = key;
+    for (const control of input) {
+      control.dataset.of = key;
     }
     return field;
   }

@@ -219,8 +219,9 @@ impl ModelArgs {
     pub(super) fn load(&self, settings: &Settings) -> anyhow::Result<Model> {
         if let Some(path) = self.model.as_deref().filter(|p| is_plate(p)) {
             bail!(
-                "{} is a plate file or a file of settings, not a model; `slice` \
-                 and `render` take plate files, --config takes settings",
+                "{} is a plate file or a file of settings, not a model; `slice`, \
+                 `info`, `preview`, `watch` and `render` take plate files, \
+                 --config takes settings",
                 path.display()
             );
         }

@@ -9,12 +9,24 @@ use isoslice::model::LoadError;
 /// Longest part of a line that is shown, characters.
 const LONGEST: usize = 100;
 
-/// The place of an error in the text of the script that caused it.
-pub(super) fn excerpt(error: &anyhow::Error, text: &str) -> Option<String> {
-    let load = error.chain().find_map(|e| e.downcast_ref::<LoadError>())?;
-    let LoadError::Script { error, .. } = load else {
+/// The error of a model's loading behind an error, of whichever part of a plate.
+pub(super) fn of_loading(error: &anyhow::Error) -> Option<&LoadError> {
+    error.chain().find_map(|e| {
+        let boxed = || e.downcast_ref::<Box<LoadError>>().map(AsRef::as_ref);
+        e.downcast_ref::<LoadError>().or_else(boxed)
+    })
+}
+
+/// The place of an error in the script that caused it. `text` gives the text of
+/// a file.
+pub(super) fn excerpt(
+    error: &anyhow::Error,
+    text: impl FnOnce(&str) -> Option<String>,
+) -> Option<String> {
+    let LoadError::Script { file, error } = of_loading(error)? else {
         return None;
     };
+    let text = text(file)?;
     let (line, column) = error.place();
     let line = line?.checked_sub(1)?;
     let mut shown = String::new();
@@ -39,7 +51,8 @@ mod tests {
 
     fn failing(text: &str) -> Option<String> {
         let source = Source::script("part", text);
-        excerpt(&load(&source, &[]).err().unwrap().into(), text)
+        let error = load(&source, &[]).err().unwrap().into();
+        excerpt(&error, |_| Some(text.to_owned()))
     }
 
     #[test]

@@ -45,18 +45,30 @@ pub(super) fn file(
     else {
         return Ok(None);
     };
-    if !args.more.is_empty() || args.copies.is_some() || model.places() {
-        bail!(
-            "{} is a plate file; write copies, parameters and places into it, \
-             and leave out other models, --copies, -D and the options of \
-             placement",
-            path.display()
-        );
-    }
+    args.refuse_beside_file(model)?;
     Ok(Some(PlateFile::read(path, gathered.builder.clone(), sets)?))
 }
 
 impl PlateArgs {
+    /// Refuses what a plate file says itself, if the model is one.
+    pub(super) fn refuse_beside_file(
+        &self,
+        model: &ModelArgs,
+    ) -> anyhow::Result<()> {
+        let file = model.model.as_deref().filter(|path| is_plate(path));
+        let says_more =
+            !self.more.is_empty() || self.copies.is_some() || model.places();
+        match file {
+            Some(path) if says_more => bail!(
+                "{} is a plate file; write copies, parameters and places into \
+                 it, and leave out other models, --copies, -D and the options \
+                 of placement",
+                path.display()
+            ),
+            _ => Ok(()),
+        }
+    }
+
     /// The models besides the first.
     pub(super) fn models(&self) -> impl Iterator<Item = &Path> {
         self.more.iter().map(PathBuf::as_path)

@@ -1,9 +1,10 @@
 //! `isoslice preview`: makes a page that shows G-code or a model.
 
-use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
+use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource, is_plate};
 use super::formats::is_sliced_plate;
 use super::limits::{LimitArgs, watched};
 use super::output;
+use super::plates::{self, PlateArgs};
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, FromArgMatches};
@@ -12,9 +13,9 @@ use isoslice::human_time;
 use isoslice::layers::LayerRange;
 use isoslice::limits::{self, Watch};
 use isoslice::pipeline::{self, Options};
+use isoslice::plate::{Plate, PlateFile};
 use isoslice::preview::{Toolpath, ToolpathError};
 use isoslice::reader::{ReadError, Reader};
-use isoslice::settings::Settings;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::fs::File;
@@ -27,6 +28,7 @@ Examples:
   isoslice preview part.gcode                   writes part.html beside it
   isoslice preview part.gcode -o look.html --open
   isoslice preview part.rhai --set infill_density=25%
+  isoslice preview plate.toml
   zcat part.gcode.gz | isoslice preview - -o part.html";
 
 /// Arguments of `isoslice preview`.
@@ -37,7 +39,8 @@ Examples:
                       isoslice preview [OPTIONS] -e <FORMULA>",
     mut_arg("model", |arg| arg.value_name("FILE").help(
         "G-code of any slicer, - for standard input; or a model (.rhai, .vm) \
-         to slice first, which the options for models and settings are for"
+         or a plate file (.toml) to slice first, which the options for models \
+         and settings are for"
     )),
     mut_arg("expression", |arg| arg.help(
         "Instead of FILE: one formula in x, y and z, in mm, negative inside"
@@ -91,7 +94,8 @@ struct Sliced {
 
 /// The kind of the file that is named.
 enum Kind {
-    Model(Box<Gathered>),
+    /// A model, or a plate file.
+    Model(Box<(Gathered, Option<PlateFile>)>),
     Gcode(PathBuf),
     Stdin,
 }
@@ -108,7 +112,13 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     let inputs: Vec<&Path> = match &kind {
         Kind::Stdin => Vec::new(),
         Kind::Gcode(path) => vec![path],
-        Kind::Model(gathered) => args.source.model.inputs(gathered),
+        Kind::Model(given) => {
+            let (gathered, plate) = &**given;
+            let models = plate.iter().flat_map(|file| &file.models);
+            let mut inputs = args.source.model.inputs(gathered);
+            inputs.extend(models.map(PathBuf::as_path));
+            inputs
+        }
     };
     // The output is opened before the work, so that a mistaken name costs no
     // time.
@@ -118,10 +128,15 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     }
     let file_name = args.source.file_name();
     let toolpath = match kind {
-        Kind::Model(gathered) => {
-            let (gcode, warnings) = args.slice(&gathered.settings, watch)?;
+        Kind::Model(given) => {
+            let (gathered, plate) = *given;
+            let source = &args.source;
+            let alone = PlateArgs::default();
+            let job = alone.job(&source.model, plate, &gathered.settings)?;
+            terminal::warn(&job.warnings);
+            let (gcode, warnings) = args.slice(&job.plate, watch)?;
             read(gcode, &file_name)?
-                .with_settings(&gathered.settings)
+                .with_settings(&job.plate.settings)
                 .with_warnings(&warnings)
         }
         Kind::Stdin => read(io::stdin().lock(), "standard input")?,
@@ -186,15 +201,14 @@ impl PreviewArgs {
         (output.unwrap_or_else(|| input.with_extension("html")), name)
     }
 
-    /// Slices the model into a temporary file, and tells what the user should
+    /// Slices a plate into a temporary file, and tells what the user should
     /// know.
     fn slice(
         &self,
-        settings: &Settings,
+        plate: &Plate,
         watch: &Watch,
     ) -> anyhow::Result<(File, Vec<String>)> {
         let sliced = &self.source;
-        let model = sliced.model.load(settings)?;
         let bar = terminal::layer_progress(terminal::is_quiet(), watch);
         let options = Options {
             threads: sliced.threads.map(usize::from),
@@ -214,10 +228,10 @@ impl PreviewArgs {
         let file = tempfile::tempfile()
             .context("cannot make a temporary file for the G-code")?;
         let mut gcode = BufWriter::new(file);
-        let summary = pipeline::slice(&model, settings, &options, &mut gcode);
+        let summary = pipeline::slice_plate(plate, &options, &mut gcode);
         bar.finish_and_clear();
         let summary =
-            summary.with_context(|| format!("cannot slice {}", model.name))?;
+            summary.with_context(|| format!("cannot slice {}", plate.name))?;
         terminal::warn(&summary.warnings);
         let mut file = gcode
             .into_inner()
@@ -237,7 +251,8 @@ impl Sliced {
         };
         let extension = file.extension().and_then(OsStr::to_str);
         let extension = extension.map(str::to_ascii_lowercase);
-        if matches!(extension.as_deref(), Some("rhai" | "vm")) {
+        if matches!(extension.as_deref(), Some("rhai" | "vm")) || is_plate(file)
+        {
             return self.model();
         }
         if let Some(kind @ ("stl" | "3mf" | "obj" | "step" | "stp")) =
@@ -246,7 +261,7 @@ impl Sliced {
         {
             bail!(
                 "{} is a mesh or a drawing (.{kind}); the preview shows \
-                 G-code, and models in .rhai or .vm",
+                 G-code, models in .rhai or .vm, and plate files",
                 file.display()
             );
         }
@@ -259,7 +274,7 @@ impl Sliced {
         if *self != plain {
             bail!(
                 "{} is G-code, and is shown as it is; options for models and \
-                 settings are for models (.rhai, .vm)",
+                 settings are for models (.rhai, .vm) and plate files (.toml)",
                 file.display()
             );
         }
@@ -271,7 +286,10 @@ impl Sliced {
     }
 
     fn model(&self) -> anyhow::Result<Kind> {
-        Ok(Kind::Model(Box::new(self.settings.gather()?)))
+        let gathered = self.settings.gather()?;
+        let (alone, sets) = (PlateArgs::default(), &self.settings.set);
+        let plate = plates::file(&self.model, &alone, &gathered, sets)?;
+        Ok(Kind::Model(Box::new((gathered, plate))))
     }
 
     /// The name for messages.

@@ -34,6 +34,8 @@ pub struct PlateFile {
     pub parts: Vec<Wanted>,
     /// What holds for the whole plate.
     pub settings: Settings,
+    /// Where these settings are from.
+    pub builder: Builder,
     /// What the user should know of the settings.
     pub warnings: Vec<String>,
     /// The models' files.
@@ -126,6 +128,7 @@ impl PlateFile {
         Ok(PlateFile {
             parts: wanted,
             settings,
+            builder,
             warnings,
             models,
         })

@@ -37,7 +37,7 @@ pub use file::PlateFile;
 
 use crate::adhesion::brim_reach;
 use crate::model::{
-    BuildVolume, Model, Placement, Source, load, place, together,
+    Bounds, BuildVolume, Model, Placement, Source, load, place, together,
 };
 use crate::plane::Rect;
 use crate::settings::{DraftShield, InfillCentre, Settings};
@@ -91,6 +91,8 @@ pub struct Part {
     pub settings: Settings,
     /// The places where the part stands.
     pub places: Vec<PartPlace>,
+    /// Indices of what was wanted of which this is the part.
+    pub wanted: Vec<usize>,
     /// Where there may be supports when the part stands where the model was
     /// placed; nothing if they may be anywhere on the bed.
     room: Option<Rect>,
@@ -122,6 +124,7 @@ impl Plate {
                 model: model.clone(),
                 settings: settings.clone(),
                 places: vec![place],
+                wanted: vec![0],
                 room: None,
             }],
         }
@@ -153,7 +156,9 @@ impl Plate {
         let kinds = kinds(wanted);
         let mut parts = Vec::new();
         for kind in &kinds {
-            parts.push((load_part(wanted[kind[0]].clone(), count)?, kind));
+            let part = load_part(wanted[kind[0]].clone(), count)?;
+            let wanted = kind.clone();
+            parts.push((Part { wanted, ..part }, kind));
         }
         let mut plate = Plate {
             name: name.to_owned(),
@@ -228,7 +233,7 @@ impl Plate {
     }
 
     /// Each part once as one model, unless that would be too large.
-    pub(crate) fn of_each(&self) -> Option<Model> {
+    pub fn of_each(&self) -> Option<Model> {
         let first = |part: &Part| {
             part.places.first().map_or(DVec2::ZERO, |place| place.shift)
         };
@@ -253,15 +258,24 @@ impl Plate {
         if let ([part], 1) = (self.parts.as_slice(), self.place_count()) {
             return part.model.bounds.size();
         }
+        self.printed_bounds().map_or(DVec3::ZERO, |all| all.size())
+    }
+
+    /// The box of all parts on the bed; none if there are no parts.
+    pub fn printed_bounds(&self) -> Option<Bounds> {
         let shifts = self.shifts().into_iter();
         let boxes = shifts.map(|(k, shift)| {
             let bounds = self.parts[k].model.printed_bounds();
             let shift = shift.extend(0.0);
-            (bounds.min + shift, bounds.max + shift)
+            Bounds {
+                min: bounds.min + shift,
+                max: bounds.max + shift,
+            }
         });
-        let both =
-            |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-        boxes.reduce(both).map_or(DVec3::ZERO, |(a, b)| b - a)
+        boxes.reduce(|a, b| Bounds {
+            min: a.min.min(b.min),
+            max: a.max.max(b.max),
+        })
     }
 }
 
@@ -406,6 +420,7 @@ fn load_part(wanted: Wanted, count: u64) -> Result<Part, PlateError> {
         model,
         settings,
         places: Vec::new(),
+        wanted: Vec::new(),
         room: None,
     })
 }

@@ -24,21 +24,26 @@ if hollow { max(f, r / 2.0 - sqrt(x * x + y * y)) } else { f }
 `;
 write(good(4));
 
-const server = spawn(isoslice, [
-  "watch", model, "--set", "skirt.loops=0", "--set", "first_layer_height=0.15",
-]);
-let said = "";
-server.stdout.on("data", text => { said += text; });
-server.stderr.pipe(process.stderr);
-const address = await new Promise((resolve, reject) => {
-  server.on("exit", code => reject(new Error(`watch ended with ${code}`)));
-  server.stdout.on("data", () => {
-    const found = said.match(/http:\/\/127\.0\.0\.1:\d+\/[0-9a-f]{32}\//);
-    if (found) {
-      resolve(found[0]);
-    }
+// Starts the program; its process, and the page's address.
+async function watch(file) {
+  const server = spawn(isoslice, [
+    "watch", file, "--set", "skirt.loops=0", "--set", "first_layer_height=0.15",
+  ]);
+  let said = "";
+  server.stdout.on("data", text => { said += text; });
+  server.stderr.pipe(process.stderr);
+  const address = await new Promise((resolve, reject) => {
+    server.on("exit", code => reject(new Error(`watch ended with ${code}`)));
+    server.stdout.on("data", () => {
+      const found = said.match(/http:\/\/127\.0\.0\.1:\d+\/[0-9a-f]{32}\//);
+      if (found) {
+        resolve(found[0]);
+      }
+    });
   });
-});
+  return [server, address];
+}
+const [server, address] = await watch(model);
 
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM,
@@ -63,7 +68,7 @@ async function test(name, body) {
   }
 }
 
-async function open(size = { width: 1400, height: 900 }) {
+async function open(size = { width: 1400, height: 900 }, at = address) {
   const page = await browser.newPage({ viewport: size });
   page.faults = [];
   page.on("pageerror", error => page.faults.push(error.message));
@@ -73,11 +78,11 @@ async function open(size = { width: 1400, height: 900 }) {
   });
   page.on("request", request => {
     const url = request.url();
-    if (!url.startsWith(address) && !/^(data|blob):/.test(url)) {
+    if (!url.startsWith(at) && !/^(data|blob):/.test(url)) {
       page.faults.push(`a request: ${url}`);
     }
   });
-  await page.goto(address);
+  await page.goto(at);
   await state(page, "done");
   return page;
 }
@@ -345,6 +350,54 @@ await test("a program that has ended is told of", async () => {
   // There is nobody to save or send anything.
   assert.equal(await page.getAttribute("#save-gcode", "aria-disabled"), "true");
   assert.deepEqual(page.faults, []);
+});
+
+await test("the parts of a plate file have parameters of their own", async () => {
+  write(good(3));
+  const plate = path.join(folder, "plate.toml");
+  fs.writeFileSync(plate, `[[part]]
+model = "watched.rhai"
+copies = 3
+
+[[part]]
+model = "watched.rhai"
+params = { hollow = true, radius = 6 }
+`);
+  const [server, address] = await watch(plate);
+  const page = await open({ width: 1400, height: 900 }, address);
+  try {
+    await layers(page, 15);
+    const headings = await page.locator("#parameters h3").allTextContents();
+    assert.deepEqual(headings, ["1. watched, 3 times", "2. watched"]);
+    assert.equal(await page.locator("#parameters .field").count(), 6);
+    // What the file says is no change of the page's.
+    assert.equal(await page.locator("#parameters .changed").count(), 0);
+    await shoot(page, "watch-plate");
+    const field = page.locator('[data-name="2.radius"]');
+    await field.locator("input").first().fill("9");
+    await field.locator("input").first().press("Enter");
+    // Another tab shows what became of it.
+    await state(page, "busy");
+    await state(page, "done");
+    const other = await open({ width: 1400, height: 900 }, address);
+    const value = key =>
+      other.locator(`[data-name="${key}"] input`).first().inputValue();
+    assert.deepEqual(
+      [await value("1.radius"), await value("2.radius")], ["8", "9"]);
+    assert.equal(await other.locator("#parameters .changed").count(), 1);
+    await other.close();
+    await page.click('[data-view="part"]');
+    await page.waitForTimeout(1500);
+    await shoot(page, "watch-plate-part");
+    // The plate file is watched, and so are its models.
+    write(good(5));
+    await page.click('[data-view="layers"]');
+    await layers(page, 25);
+    assert.deepEqual(page.faults, []);
+  } finally {
+    server.removeAllListeners("exit");
+    server.kill("SIGINT");
+  }
 });
 
 await browser.close();

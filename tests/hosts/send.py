@@ -1,10 +1,14 @@
-"""Sends files to the real OctoPrint and the real Moonraker: started by run.sh.
+"""Sends files to the real OctoPrint, Moonraker and PrusaLink: started by run.sh.
 
-    send.py octoprint|moonraker ISOSLICE FOLDER
+    send.py octoprint|moonraker|prusalink ISOSLICE FOLDER
 
-OctoPrint runs its own virtual printer, which prints the file to its end.
-Moonraker runs without Klipper, so that its store of files is tested, and that a
-print is refused. FOLDER takes their files.
+OctoPrint runs its own virtual printer, and PrusaLink one of ours (mk3.py); both
+print the file to its end. Moonraker runs without Klipper first, so that its store
+of files is tested, and that a print is refused. With KLIPPER, a folder with
+Klipper's sources and the description of its micro-controller, and
+KLIPPER_PYTHON it then runs with Klipper, whose commands go nowhere, and prints
+the file to its end. FOLDER takes their files. For PrusaLink it must not be in
+/tmp, where PrusaLink keeps no files.
 """
 
 import http.client
@@ -80,17 +84,18 @@ class Service:
         self.log.close()
 
 
-def get(url):
-    request = urllib.request.Request(url, headers={"X-Api-Key": KEY})
+def get(url, key=KEY):
+    request = urllib.request.Request(url, headers={"X-Api-Key": key})
     with urllib.request.urlopen(request, timeout=10) as answer:
         return json.load(answer)
 
 
 def slice_part():
+    flavour = "klipper" if host == "moonraker" else "marlin"
     run("slice", "-q", "-o", "part.gcode",
         "-e", "max(sqrt(x^2 + y^2) - 4, abs(z - 0.5) - 0.5)",
         "--set", "skirt.loops=0", "--set", "speed.travel=300",
-        "--set", "gcode.flavour=marlin")
+        "--set", f"gcode.flavour={flavour}")
 
 
 def octoprint():
@@ -158,7 +163,7 @@ def moonraker():
 [server]
 host: 127.0.0.1
 port: {port}
-klippy_uds_address: {base}/none.sock
+klippy_uds_address: {base}/klippy.sock
 
 [authorization]
 force_logins: false
@@ -197,10 +202,110 @@ validate_config: False
         assert (base / "gcodes" / "part.gcode").read_bytes() == sent
         run("send", "part.gcode", "--to", "voron", "--start",
             fails="cannot start a print now")
+        if "KLIPPER" in os.environ:
+            with_klipper(base, url, key)
         run(*add, "--replace", stdin="wrong")
         run("send", "part.gcode", "--to", "voron", fails="refuses the key")
     print("ok    Moonraker stored a file, and refused to print without Klipper")
 
 
+def with_klipper(base, url, key):
+    """Prints the file to its end with Klipper behind Moonraker."""
+    sources = pathlib.Path(os.environ["KLIPPER"])
+    config = base / "config" / "printer.cfg"
+    here = pathlib.Path(__file__).parent
+    card = f"\n[virtual_sdcard]\npath: {base}/gcodes\n"
+    config.write_text((here / "klipper.cfg").read_text() + card)
+    command = [os.environ["KLIPPER_PYTHON"], sources / "klippy" / "klippy.py",
+               config, "-o", "/dev/null", "-d", sources / "out/klipper.dict",
+               "-a", base / "klippy.sock", "-I", base / "tty"]
+
+    def ask(path):
+        return get(f"{url}/{path}", key)["result"]
+
+    def printed():
+        return ask("printer/objects/query?print_stats")["status"]["print_stats"]
+    with Service("klipper", command):
+        wait_for("Klipper", lambda:
+                 ask("server/info")["klippy_state"] == "ready")
+        said = run("printers", "test", "voron")
+        assert "ready    yes" in said, said
+        said = run("send", "part.gcode", "--to", "voron", "--start")
+        assert "is being printed" in said, said
+        wait_for("the print's end", lambda:
+                 printed()["state"] in ("complete", "error"))
+        end = printed()
+        assert end["state"] == "complete", end
+        assert end["filename"] == "part.gcode", end
+        assert end["info"]["total_layer"] == 5, end
+    print("ok    Moonraker printed a file to its end with Klipper")
+
+
+def prusalink():
+    from mk3 import Printer
+    printer = Printer()
+    port = free_port()
+    base = folder / "prusalink"
+    base.mkdir()
+    # Printed commands of the file, as PrusaLink sends them.
+    text = (folder / "part.gcode").read_text()
+    lines = (line.split(";")[0].strip() for line in text.splitlines())
+    commands = [line for line in lines if line]
+    (base / "prusalink.ini").write_text(f"""
+[daemon]
+data_dir = {base}
+[http]
+address = 127.0.0.1
+port = {port}
+[printer]
+port = {printer.port}
+[cameras]
+auto_detect = False
+""")
+    (base / "prusa_printer_settings.ini").write_text(f"""
+[printer]
+type = MK3S
+name = printer
+location = here
+farm_mode = False
+network_error_chime = False
+[service::local]
+enable = 1
+username = me
+digest = none
+api_key = {KEY}
+[network]
+hostname =
+[service::connect]
+hostname = localhost
+tls = False
+port = 0
+token =
+""")
+    command = [sys.executable, "-m", "prusa.link", "--foreground", "--config",
+               str(base / "prusalink.ini"), "start"]
+    url = f"http://127.0.0.1:{port}"
+    stored = base / "PrusaLink gcodes" / "part.gcode"
+    state = lambda: get(f"{url}/api/v1/status")["printer"]["state"]
+    with Service("prusalink", command):
+        wait_for("PrusaLink's printer", lambda: state() == "IDLE")
+        add = ["printers", "add", "mk3", "--host", "prusalink", "--url", url]
+        run(*add)
+        said = run("printers", "test", "mk3")
+        assert "PrusaLink" in said and "ready    yes" in said, said
+        run("send", "part.gcode", "--to", "mk3")
+        assert stored.read_bytes() == (folder / "part.gcode").read_bytes()
+        assert not printer.commands and state() == "IDLE"
+        said = run("send", "part.gcode", "--to", "mk3", "--start")
+        assert "is being printed" in said, said
+        wait_for("the print's end", lambda: state() == "FINISHED")
+        printed = [c for c in printer.commands if c in set(commands)]
+        assert printed == commands, (len(printed), len(commands))
+        run(*add, "--replace", stdin="wrong")
+        run("send", "part.gcode", "--to", "mk3", fails="refuses the key")
+    run("printers", "test", "mk3", fails="cannot reach")
+    print("ok    PrusaLink stored a file, and printed it to its end")
+
+
 slice_part()
-{"octoprint": octoprint, "moonraker": moonraker}[host]()
+{"octoprint": octoprint, "moonraker": moonraker, "prusalink": prusalink}[host]()

@@ -5,6 +5,8 @@ use super::client::{Answer, Client};
 use super::{Host, HostError, Status, Upload};
 use serde_json::{Value, json};
 use std::io::Read;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 pub(super) struct PrusaLink {
     /// Name of the storage to use. If none is given, the first storage that can
@@ -18,7 +20,27 @@ struct Storage {
     free: Option<u64>,
 }
 
+/// Greatest time until a file that has arrived is listed.
+const LISTED: Duration = Duration::from_secs(if cfg!(test) { 1 } else { 10 });
+
+/// Time between two looks at the list.
+const AGAIN: Duration = Duration::from_millis(300);
+
 impl PrusaLink {
+    /// Waits until a file is listed with its whole length. PrusaLink on a
+    /// Raspberry Pi looks for new files once a second; until then it knows
+    /// nothing of a file that it has just stored, or an older one's length.
+    fn wait_for(&self, client: &Client, name: &str, length: u64) {
+        let start = Instant::now();
+        let is_there = || {
+            let there = self.size(client, name);
+            there.is_ok_and(|there| there == length)
+        };
+        while !is_there() && start.elapsed() < LISTED {
+            sleep(AGAIN);
+        }
+    }
+
     fn storage(&self, client: &Client) -> Result<Storage, HostError> {
         let answer =
             client.done(client.get("api/v1/storage")?, "list places")?;
@@ -117,6 +139,7 @@ impl Host for PrusaLink {
         let answer =
             client.send("PUT", &path(&name), &headers, length, &mut body)?;
         client.done(answer, "store the file")?;
+        self.wait_for(client, &name, length);
         Ok(name)
     }
 

@@ -4,6 +4,7 @@ use super::*;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -319,6 +320,29 @@ fn a_place_that_is_away_is_told_before_anything_is_sent() {
     let error = try_to_send(&printer, true).unwrap_err();
     assert!(matches!(error, HostError::NotReady { .. }), "{error}");
     assert!(!log.lock().unwrap().iter().any(is_upload));
+}
+
+#[test]
+fn a_file_that_is_listed_a_little_later_is_whole() {
+    let looks = AtomicUsize::new(0);
+    let (printer, log) = odd_host(HostKind::PrusaLink, move |asked| {
+        let is_file = asked.method == "GET" && asked.path.ends_with(".gcode");
+        let look = if is_file {
+            looks.fetch_add(1, Ordering::SeqCst)
+        } else {
+            return None;
+        };
+        match look {
+            0 => Some((404, json!({"message": "File you want was not found"}))),
+            1 => Some((200, json!({"size": 1}))),
+            _ => None,
+        }
+    });
+    assert!(try_to_send(&printer, true).unwrap().started);
+    assert_eq!(
+        log.lock().unwrap().iter().filter(|a| is_upload(a)).count(),
+        1
+    );
 }
 
 #[test]

@@ -9,23 +9,28 @@
 //!
 //! `session` holds what is wanted and what there is, `work` makes it, `server`
 //! tells the page of it, behind `guard`; `stamp` sees that files have changed,
-//! and `choice` holds what the page's user has changed.
+//! `choice` holds what the page's user has changed, and `subject` loads the model
+//! or the plate file with that. `job` has the command's arguments.
 
 mod choice;
 mod guard;
+mod job;
 mod server;
 mod session;
 mod stamp;
+mod subject;
 mod work;
 
 use super::args::{ModelArgs, SettingsSource};
 use super::limits::LimitArgs;
+use super::plates::PlateArgs;
 use super::{plain, printers, terminal};
 use anyhow::{Context, bail};
 use choice::Choice;
 use clap::Args;
 use guard::Guard;
 use isoslice::limits::enough_space;
+use job::Job;
 use oxhttp::Server;
 use server::Site;
 use session::Session;
@@ -36,12 +41,13 @@ use std::process::exit;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
-use work::{Job, work};
+use work::work;
 
 const EXAMPLES: &str = "\
 Examples:
   isoslice watch part.rhai --open
   isoslice watch part.rhai --config part.toml --printer prusa-mk4
+  isoslice watch plate.toml
   isoslice watch part.rhai -D radius=15 --port 8123";
 
 /// Greatest number of connections at once. A browser has six for all tabs of a
@@ -59,7 +65,8 @@ const IDLE: Duration = Duration::from_secs(60);
     override_usage = "isoslice watch [OPTIONS] <MODEL>\n       \
                       isoslice watch [OPTIONS] -e <FORMULA>",
     mut_arg("model", |arg| arg.help(
-        "The model: a Rhai script (.rhai) or fidget's text format (.vm)"
+        "The model: a Rhai script (.rhai) or fidget's text format (.vm); or a \
+         plate file (.toml)"
     )),
     mut_arg("format", |arg| arg.hide(true))
 )]
@@ -112,6 +119,7 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
     });
     // What is wrong with the command line is an error at once; what is wrong
     // with the model and in the files is shown in the page, until it is mended.
+    PlateArgs::default().refuse_beside_file(&job.model)?;
     let profiles = job.settings.profiles.find()?;
     let given = job.model.model.iter().chain(&job.settings.config);
     let files: Vec<_> = given.cloned().collect();

@@ -2,12 +2,13 @@
 //!
 //! Guaranteed: an answer takes bounded time and memory, whatever is asked and
 //! whoever asks. No request writes a file of the user's. The only files that
-//! are read are the model, profiles and the infill's script, if a setting names
-//! one. What comes from the model leaves as JSON, which the page shows as text.
+//! are read are the model or the plate file with its models, profiles and the
+//! infill's script, if a setting names one. What comes from the model leaves as JSON, which the page shows as text.
 
 use super::guard::Guard;
+use super::job::Job;
 use super::session::{Look, Print, Sending, Session, State};
-use super::work::{Job, PICTURE, draw_within, name_of, watch_for};
+use super::work::{PICTURE, draw_within, watch_for};
 use crate::cli::hosts;
 use crate::cli::send::outcome;
 use crate::cli::{plain, printers};
@@ -77,7 +78,7 @@ impl Site {
             json!({ "kind": kind.word(), "names": names })
         };
         Site {
-            page: live_html(&name_of(&job)),
+            page: live_html(&job.name()),
             session,
             job,
             guard,
@@ -181,7 +182,7 @@ impl Site {
     fn toml(&self) -> Answer {
         let settings = self.session.lock().settings.clone();
         let settings = settings.ok_or_else(not_yet)?;
-        let name = name_of(&self.job);
+        let name = self.job.name();
         let head = format!(
             "# Settings of {} that are not the defaults, for --config.\n\n",
             plain::line(&name)
@@ -227,10 +228,14 @@ impl Site {
         let picture = match known {
             Some(picture) => picture,
             None => {
+                let drawn = model.subject.drawn.as_ref().ok_or_else(|| {
+                    let why = "the parts are too large together to be drawn";
+                    (StatusCode::NOT_FOUND, why.to_owned())
+                })?;
                 let watch = watch_for(PICTURE);
                 *fine() = (!look.rough).then(|| watch.clone());
                 let threads = self.job.threads;
-                let drawn = draw_within(&watch, &model.model, look, threads);
+                let drawn = draw_within(&watch, drawn, look, threads);
                 fine().take();
                 let drawn = drawn.map_err(|error| {
                     (StatusCode::SERVICE_UNAVAILABLE, format!("{error:#}"))

@@ -5,8 +5,8 @@
 //! twice, and wakes all threads that wait for one.
 
 use super::choice::Choice;
+use super::subject::Subject;
 use isoslice::limits::Watch;
-use isoslice::model::Model;
 use isoslice::preview::View;
 use serde::Serialize;
 use serde_json::Value;
@@ -84,7 +84,7 @@ pub(super) struct Listed {
 /// A model that can be drawn.
 pub(super) struct Shown {
     pub revision: u64,
-    pub model: Model,
+    pub subject: Subject,
     /// What pages are told of it.
     pub told: Value,
 }

@@ -5,38 +5,32 @@
 //! made last.
 
 use super::choice::Choice;
+use super::job::Job;
 use super::session::{
     Fault, Glimpse, Listed, Look, Print, Session, Shown, Text,
 };
-use crate::cli::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
+use super::subject::{Read, Subject};
+use crate::cli::args::Gathered;
 use crate::cli::excerpt::excerpt;
-use crate::cli::info::parameter;
-use crate::cli::limits::{GRACE, LimitArgs, workers};
+use crate::cli::limits::{GRACE, workers};
 use crate::cli::terminal;
 use anyhow::Context;
 use isoslice::files::{Output, read_text};
 use isoslice::limits::{Limits, Reason, Stopped, Watch, doing};
-use isoslice::model::{LoadError, Model, ParamError, ScriptError};
+use isoslice::model::Model;
 use isoslice::pipeline::{self, Options, Summary};
+use isoslice::plate::Plate;
 use isoslice::preview::{Toolpath, View};
 use isoslice::reader::Reader;
 use isoslice::settings::keys;
 use serde::Serialize;
 use serde_json::json;
 use std::fs::File;
-use std::io::{BufReader, BufWriter, IntoInnerError, Read};
-use std::path::Path;
+use std::io::{self, BufReader, BufWriter, IntoInnerError};
+use std::path::{Path, PathBuf};
 use std::process::exit;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The arguments of the command, which stay the same.
-pub(super) struct Job {
-    pub model: ModelArgs,
-    pub settings: SettingsSource,
-    pub limits: LimitArgs,
-    pub threads: Option<u16>,
-}
 
 /// Greatest time for a picture.
 pub(super) const PICTURE: Duration = Duration::from_secs(10);
@@ -61,7 +55,7 @@ pub(super) fn work(session: &Session, job: &Job) {
         });
         let made = made.unwrap_or_else(|stopped| Err(stopped.into()));
         // The state is not locked meanwhile, since the script is read here.
-        let fault = made.err().map(|error| fault(job, &error));
+        let fault = made.err().map(|error| fault(session, &error));
         session.tell(|state| {
             state.watch = None;
             // If the script fails, the next turn reports the error.
@@ -87,13 +81,16 @@ fn give_up(stopped: &Stopped) {
 const LARGEST_SCRIPT: u64 = 2 << 20;
 
 /// The error, with the place in the script.
-fn fault(job: &Job, error: &anyhow::Error) -> Fault {
-    let script = job.model.model.as_deref().filter(|file| file.is_file());
-    let script = script.map(|file| read_text(file, LARGEST_SCRIPT));
-    let script = script.and_then(Result::ok).unwrap_or_default();
+fn fault(session: &Session, error: &anyhow::Error) -> Fault {
+    let files = session.lock().files.clone();
+    let script = |name: &str| {
+        let is_it = |file: &&PathBuf| file.display().to_string() == name;
+        let file = files.iter().find(is_it).filter(|file| file.is_file())?;
+        read_text(file, LARGEST_SCRIPT).ok()
+    };
     Fault {
         text: terminal::causes(error).join("\nbecause: "),
-        excerpt: excerpt(error, &script).unwrap_or_default(),
+        excerpt: excerpt(error, script).unwrap_or_default(),
     }
 }
 
@@ -103,11 +100,11 @@ fn make(
     choice: &Choice,
     wanted: u64,
 ) -> anyhow::Result<()> {
-    let gathered = choice.settings(&job.settings).read()?;
-    let listed = list(&gathered, choice);
+    let read = Read::new(job, choice)?;
+    let gathered = &read.gathered;
+    let listed = list(gathered, choice);
     session.tell(|state| {
-        let paths = job.model.inputs(&gathered).into_iter();
-        state.files = paths.map(Path::to_owned).collect();
+        state.files = read.files(job);
         state.warnings.clone_from(&gathered.warnings);
         let old = state.settings.as_ref();
         if old.is_none_or(|old| old.json != listed.0) {
@@ -119,25 +116,17 @@ fn make(
         }
     });
     let settings = &gathered.settings;
-    let model = match choice.model(&job.model).load(settings) {
-        Ok(model) => model,
-        // A parameter that the command line sets and no version of the script
-        // had is a mistake.
-        Err(error) => match still_there(&error, choice)
-            .filter(|_| session.lock().model.is_some())
-        {
-            // The session keeps the changes of lost parameters, since the script
-            // may have them again: some editors empty a file before they write
-            // it.
-            Some(choice) => choice.model(&job.model).load(settings)?,
-            None => return Err(error),
-        },
-    };
-    let glimpse = glimpse(session, job, &gathered, &model);
-    let shown = show(session, job, model, glimpse, wanted)?;
-    let (gcode, summary) = slice(session, job, &gathered, &shown.model)?;
-    let name = name_of(job);
-    let moves = moves(BufReader::new(gcode.read()), &gathered, &name)?;
+    // A parameter that the command line sets and no version of the script had is
+    // a mistake. The session keeps the changes of lost parameters, since the
+    // script may have them again: some editors empty a file before they write
+    // it.
+    let lenient = session.lock().model.is_some();
+    let subject = read.load(job, choice, lenient)?;
+    let glimpse = glimpse(session, job, gathered, &subject.plate);
+    let shown = show(session, job, subject, glimpse, wanted)?;
+    let (gcode, summary) = slice(session, job, &shown.subject.plate)?;
+    let name = job.name();
+    let moves = moves(BufReader::new(gcode.read()), gathered, &name)?;
     let stem = Path::new(&name).file_stem().unwrap_or_default();
     let file = format!("{}.gcode", stem.to_string_lossy());
     session.tell(|state| {
@@ -162,30 +151,9 @@ fn make(
     Ok(())
 }
 
-/// The choice without the parameters that the script does not have, if the error
-/// is that it lacks one of them.
-fn still_there(error: &anyhow::Error, choice: &Choice) -> Option<Choice> {
-    let of_load = error.chain().find_map(|e| e.downcast_ref::<LoadError>())?;
-    let error = match of_load {
-        LoadError::Param { error, .. } => &**error,
-        LoadError::Script { error, .. } => match &**error {
-            ScriptError::Param { error, .. } => error,
-            _ => return None,
-        },
-        _ => return None,
-    };
-    let ParamError::Unknown { name, known, .. } = error else {
-        return None;
-    };
-    choice.define.get(name)?;
-    let mut choice = choice.clone();
-    choice.define.retain(|name, _| known.contains(name));
-    Some(choice)
-}
-
 /// The moves of some G-code in the form that pages get.
 fn moves(
-    gcode: impl Read,
+    gcode: impl io::Read,
     gathered: &Gathered,
     name: &str,
 ) -> anyhow::Result<Vec<u8>> {
@@ -196,14 +164,14 @@ fn moves(
     Ok(path.with_settings(settings).live_moves(name)?)
 }
 
-/// The layer of a new model that a page shows, if it is quickly made. The
+/// The layer of a new plate that a page shows, if it is quickly made. The
 /// revisions of the layer and of the model are still to be filled in. An error
 /// is not reported, since slicing the whole model reports it.
 fn glimpse(
     session: &Session,
     job: &Job,
     gathered: &Gathered,
-    model: &Model,
+    plate: &Plate,
 ) -> Option<Glimpse> {
     let z = session.lock().layer?;
     let options = Options {
@@ -214,9 +182,8 @@ fn glimpse(
     };
     let mut gcode = Vec::new();
     let made = watch_for(GLIMPSE).run(|| -> anyhow::Result<_> {
-        let settings = &gathered.settings;
-        let summary = pipeline::slice(model, settings, &options, &mut gcode)?;
-        let moves = moves(gcode.as_slice(), gathered, &name_of(job))?;
+        let summary = pipeline::slice_plate(plate, &options, &mut gcode)?;
+        let moves = moves(gcode.as_slice(), gathered, &job.name())?;
         Ok((summary, moves))
     });
     let (summary, moves) = made.ok()?.ok()?;
@@ -235,32 +202,24 @@ fn glimpse(
 fn show(
     session: &Session,
     job: &Job,
-    model: Model,
+    subject: Subject,
     glimpse: Option<Glimpse>,
     wanted: u64,
 ) -> anyhow::Result<Arc<Shown>> {
     let look = session.lock().look;
     // A rough picture is drawn before a page asks for it, unless a page shows a
     // layer instead.
-    let picture = glimpse
-        .is_none()
-        .then(|| draw_within(&watch_for(PICTURE), &model, look, job.threads));
-    let corners = model.printed_bounds();
-    let parameters = model.parameters.iter().map(parameter);
-    let parameters = serde_json::to_value(parameters.collect::<Vec<_>>())?;
-    let size = model.bounds.size().to_array();
-    let told = json!({
-        "box": [corners.min.to_array(), corners.max.to_array()],
-        "size": size,
-        "parameters": parameters,
-        "warnings": model.warnings,
+    let drawn = subject.drawn.as_ref().filter(|_| glimpse.is_none());
+    let picture = drawn.map(|model| {
+        draw_within(&watch_for(PICTURE), model, look, job.threads)
     });
+    let told = subject.told()?;
     Ok(session.tell(|state| {
         let mut told = told;
         told["revision"] = state.revision.into();
         let shown = Arc::new(Shown {
             revision: state.revision,
-            model,
+            subject,
             told,
         });
         if state.wanted == wanted {
@@ -311,8 +270,7 @@ pub(super) fn draw_within(
 fn slice(
     session: &Session,
     job: &Job,
-    gathered: &Gathered,
-    model: &Model,
+    plate: &Plate,
 ) -> anyhow::Result<(Arc<Text>, Summary)> {
     let options = Options {
         threads: job.threads.map(usize::from),
@@ -322,22 +280,15 @@ fn slice(
     let no_file = "cannot make a temporary file for the G-code";
     let file: File = tempfile::tempfile().context(no_file)?;
     let mut gcode = BufWriter::new(file);
-    let sliced =
-        pipeline::slice(model, &gathered.settings, &options, &mut gcode);
+    let sliced = pipeline::slice_plate(plate, &options, &mut gcode);
     let summary =
-        sliced.with_context(|| format!("cannot slice {}", model.name))?;
+        sliced.with_context(|| format!("cannot slice {}", plate.name))?;
     let text = gcode
         .into_inner()
         .map_err(IntoInnerError::into_error)
         .and_then(Text::new)
         .context(no_file)?;
     Ok((Arc::new(text), summary))
-}
-
-/// The name of what is shown.
-pub(super) fn name_of(job: &Job) -> String {
-    let name = job.model.model.as_deref().and_then(Path::file_name);
-    name.map_or(FORMULA.into(), |name| name.to_string_lossy().into_owned())
 }
 
 /// A setting as the page gets it.

@@ -20,8 +20,12 @@ impl Stages<'_> {
         i: usize,
     ) -> bool {
         let covered = |above: &Layer| above.same_outline(&layers[i]);
+        self.may_divide() && !layers.get(i + 1).is_some_and(covered)
+    }
+
+    /// True if walls may depend on the layer above.
+    pub(in crate::pipeline) fn may_divide(&self) -> bool {
         self.settings.top_walls() < self.settings.walls
-            && !layers.get(i + 1).is_some_and(covered)
     }
 
     /// The walls of layer `i` of the window and what they leave.
@@ -38,7 +42,7 @@ impl Stages<'_> {
 
     /// A layer's walls and what they leave. There are fewer walls around what
     /// the outline `above` leaves open.
-    pub(super) fn inside_below(
+    pub(in crate::pipeline) fn inside_below(
         &self,
         layer: &Layer,
         above: Option<&Area>,

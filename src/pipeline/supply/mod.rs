@@ -7,6 +7,7 @@
 //! has supports, whose plan is kept elsewhere.
 
 mod bridges;
+mod glimpse;
 pub(super) mod plate;
 
 use super::SliceError;
@@ -27,15 +28,15 @@ use std::sync::Arc;
 /// of their outlines.
 const BATCH_POINTS: usize = 50_000;
 
-/// Number of layers of which the field is walked together for a glimpse.
-const GLIMPSE: usize = 5;
-
 /// The layers of a run, in order.
 pub(super) struct Supply<'a> {
     stages: &'a Stages<'a>,
     pool: &'a ThreadPool,
-    /// The slabs that have not been sampled yet.
+    /// The slabs that have not been sampled yet; for a glimpse these are single
+    /// layers.
     slabs: VecDeque<&'a [LayerSpan]>,
+    /// True if a single layer is made to be looked at.
+    glimpse: bool,
     /// Layers whose outlines are needed.
     needed: Range<usize>,
     /// The layers to be written.
@@ -67,8 +68,7 @@ impl<'a> Supply<'a> {
         // must depend neither on the threads nor on the range.
         let slab = stages.slab_layers();
         let slabs: VecDeque<&[LayerSpan]> = if glimpse {
-            // Pieces of one slab keep several threads at work.
-            spans[needed.clone()].chunks(GLIMPSE.min(slab)).collect()
+            spans[needed.clone()].chunks(1).collect()
         } else {
             let slabs = needed.start / slab..needed.end.div_ceil(slab);
             let all = spans.chunks(slab).skip(slabs.start);
@@ -81,6 +81,7 @@ impl<'a> Supply<'a> {
             stages,
             pool,
             slabs,
+            glimpse,
             needed,
             window: VecDeque::new(),
             next: first.saturating_sub(below),
@@ -128,14 +129,19 @@ impl<'a> Supply<'a> {
             let slabs = slabs.par_iter();
             slabs.map(|s| stages.layers(s, needed)).collect()
         });
-        for mut layer in all_or_first(made)?.into_iter().flatten() {
+        self.append(all_or_first(made)?.into_iter().flatten());
+        Ok(())
+    }
+
+    /// Adds layers on top of the window.
+    fn append(&mut self, layers: impl IntoIterator<Item = Layer>) {
+        for mut layer in layers {
             // Layers also share where one slab ends and the next begins.
             if let Some(below) = self.window.back() {
                 layer.share(below);
             }
             self.window.push_back(layer);
         }
-        Ok(())
     }
 
     /// Fills some layers of the window, and drops layers on which no later
@@ -223,12 +229,13 @@ impl<'a> Supply<'a> {
             let below = first
                 .checked_sub(1)
                 .map(|k| &layers[k])
-                .filter(|below| layers[first].same(below))
-                .and_then(|below| below.inside.clone());
+                .filter(|below| layers[first].same(below));
+            let known = [Some(&layers[first]), below].into_iter().flatten();
+            let known = known.filter_map(|layer| layer.inside.clone()).next();
             // The highest of several equal layers may be a top.
             let alike =
                 group.end - usize::from(stages.divides(layers, group.end - 1));
-            let inside = below.or_else(|| {
+            let inside = known.or_else(|| {
                 let alike = first < alike;
                 alike.then(|| Arc::new(stages.inside(layers, first)))
             });
@@ -286,7 +293,12 @@ impl Iterator for Supply<'_> {
             if self.slabs.is_empty() {
                 return None;
             }
-            if let Err(error) = self.sample() {
+            let sampled = if self.glimpse {
+                self.glimpse()
+            } else {
+                self.sample()
+            };
+            if let Err(error) = sampled {
                 return Some(Err(error));
             }
         }

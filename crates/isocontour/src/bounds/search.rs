@@ -313,7 +313,10 @@ impl<'a> Search<'a> {
             // Without this a region like a point would be halved for ever.
             let tiny = (0..3)
                 .all(|i| hull.width(i) <= 1e-9 * (1.0 + hull.lo[i].abs()));
-            if !shrunk || tiny || self.scratch.work > self.options.max_work {
+            if tiny || self.scratch.work > self.options.max_work {
+                return Ok(program);
+            }
+            if !shrunk && !self.shave(&program) {
                 return Ok(program);
             }
             program.enclose(&self.region, &mut self.scratch);
@@ -323,6 +326,67 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Takes slabs off the sides of a region that is larger than any part, if
+    /// they are proved to be empty box by box. Where a model is twisted, a box far
+    /// out is proved to be empty only if it spans little of a turn. Returns true
+    /// if a slab was taken off.
+    fn shave(&mut self, program: &Program) -> bool {
+        /// Width of a region that is larger than any part. Smaller ones are left
+        /// to the search for the sides, which is quick there.
+        const LARGE: f64 = 2000.0;
+        /// Share of the region's width that a slab has.
+        const SLAB: f64 = 0.25;
+        let mut shaved = false;
+        for side in Side::all() {
+            let width = self.region.width(side.axis);
+            if width < LARGE {
+                continue;
+            }
+            let reach = side.reach(&self.region) - SLAB * width;
+            let mut slab = self.region;
+            side.clip(&mut slab, reach);
+            if self.is_empty(program, slab) {
+                side.set_reach(&mut self.region, reach);
+                shaved = true;
+            }
+        }
+        shaved
+    }
+
+    /// True if a box is proved to be empty, divided a few times.
+    fn is_empty(&mut self, program: &Program, whole: Cell) -> bool {
+        /// Greatest number of times that a box is halved.
+        const DEPTH: u32 = 12;
+        /// Greatest number of boxes that are looked at.
+        const BOXES: usize = 1000;
+        let mut todo = vec![(whole, 0)];
+        let mut looked_at = 0;
+        while let Some((cell, depth)) = todo.pop() {
+            let f = program.enclose(&cell, &mut self.scratch);
+            if f.range.is_empty() || f.range.lo >= 0.0 {
+                continue;
+            }
+            looked_at += 1;
+            if depth == DEPTH
+                || looked_at > BOXES
+                || f.centre < 0.0
+                || self.is_over(self.options.max_work / 4)
+            {
+                return false;
+            }
+            // Steepness is mostly infinite in boxes as large as these, so the
+            // axes take turns.
+            let share = |axis: usize| cell.width(axis) / whole.width(axis);
+            let widest = |a: &usize, b: &usize| share(*a).total_cmp(&share(*b));
+            let axes = (0..3).filter(|&axis| f.steepness[axis] != 0.0);
+            let Some(across) = axes.max_by(widest) else {
+                return false;
+            };
+            todo.extend(cell.split(across).map(|half| (half, depth + 1)));
+        }
+        true
+    }
+
     /// Notes that a point is inside the model.
     pub(super) fn note_inside(&mut self, p: [f64; 3]) {
         let point = Cell { lo: p, hi: p };
@@ -330,5 +394,44 @@ impl<'a> Search<'a> {
             None => point,
             Some(known) => known.joined(&point),
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{SearchOptions, find_bounds};
+    use crate::cancel::Cancel;
+    use fidget::context::Tree;
+    use glam::DVec3;
+
+    /// Far out no box that spans much of a turn is proved to be empty.
+    #[test]
+    fn a_twisted_column_is_found_from_afar() {
+        let (x, y, z) = Tree::axes();
+        let turn = z.clone() * (std::f32::consts::TAU / 120.0);
+        let (c, s) = (turn.cos(), turn.sin());
+        let u = x.clone() * c.clone() + y.clone() * s.clone();
+        let v = y * c - x * s;
+        // A square of 20 mm with round corners of 3 mm.
+        let (u, v) = (u.abs() - 7.0, v.abs() - 7.0);
+        let corner = u.max(0.0).square() + v.max(0.0).square();
+        let square = corner.sqrt() + u.max(v).min(0.0) - 3.0;
+        let column = square.max((z - 25.0).abs() - 25.0);
+        let options = SearchOptions {
+            max_work: 4_000_000,
+            ..SearchOptions::default()
+        };
+        let found = find_bounds(&column, &options, &Cancel::NEVER).unwrap();
+        assert!(found.slack_mm < 1e-4, "{found:?}");
+        let reach = 7.0 * 2_f64.sqrt() + 3.0;
+        let [low, high] = [
+            DVec3::new(-reach, -reach, 0.0),
+            DVec3::new(reach, reach, 50.0),
+        ];
+        for (found, exact) in
+            [(found.bounds.min, low), (found.bounds.max, high)]
+        {
+            assert!((found - exact).abs().max_element() < 1e-4, "{found}");
+        }
     }
 }

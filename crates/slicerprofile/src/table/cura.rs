@@ -330,6 +330,8 @@ pub(super) static ROWS: &[Row] = rows! {
             As::Words(&[("normal", "snug"), ("tree", "tree")]),
         );
     CURA Print: "support_angle" => To("support.angle", As::Number);
+    CURA Print: "support_tree_angle"
+        => To("support.branch_angle", As::Number);
     CURA Print: "support_xy_distance" => To("support.xy_gap", As::Positive);
     CURA Print: "support_top_distance", "support_z_distance"
         => To("support.z_gap", As::Number);
@@ -392,6 +394,12 @@ pub(super) static ROWS: &[Row] = rows! {
             how: "if there is one",
             make: Make(draft_shield),
         };
+    CURA Print: "infill_material_flow", "skin_material_flow",
+        "wall_0_material_flow", "wall_x_material_flow"
+        => Lost(
+            &["100"],
+            "there is one flow: flow, which may be a formula of the place",
+        );
     CURA Print: "mold_enabled", "magic_mesh_surface_mode", "wire_frame_enabled",
         "conical_overhang_enabled", "ooze_shield_enabled"
         => Lost(
@@ -457,12 +465,15 @@ pub(super) static ROWS: &[Row] = rows! {
         "support_roof_height", "support_bottom_pattern", "support_roof_pattern",
         "support_tree_enable", "acceleration_support_roof",
         "acceleration_support_bottom", "jerk_support_infill",
-        "speed_support_roof", "speed_support_bottom"
+        "speed_support_roof", "speed_support_bottom", "jerk_support_roof",
+        "jerk_support_bottom", "support_infill_sparse_thickness",
+        "support_interface_offset", "support_infill_angles",
+        "support_roof_density"
         => Ignored(SUPPORTS);
     CURA Print: "jerk_travel", "jerk_wall", "jerk_wall_0", "jerk_wall_x",
         "jerk_topbottom", "jerk_layer_0", "jerk_travel_layer_0", "jerk_infill",
         "jerk_roofing", "jerk_print_layer_0", "jerk_skirt_brim",
-        "jerk_travel_enabled"
+        "jerk_travel_enabled", "jerk_ironing"
         => Ignored(
             "the speed through corners is one for all: \
                  printer.square_corner_velocity",

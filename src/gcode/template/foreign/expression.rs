@@ -16,7 +16,7 @@
 //! pair    = "(" choice "," choice ")"
 //! ```
 
-use super::names::{Kind, Ours, ours};
+use super::names::{AT_THE_END, Kind, Ours, ours};
 use crate::gcode::placeholders::{Scope, names};
 
 /// Why an expression is not understood, as a sentence.
@@ -407,6 +407,10 @@ impl<'a> Parser<'a> {
                 ));
             }
             (Some(Ours::Is(kind, ours)), _) => (ours.to_owned(), kind),
+            (Some(Ours::AtEnd(kind, ours)), _) if self.scope == Scope::End => {
+                (ours.to_owned(), kind)
+            }
+            (Some(Ours::AtEnd(..)), _) => return Err(AT_THE_END.to_owned()),
             (Some(Ours::OfLayer(kind, _, at_end)), _)
                 if self.scope == Scope::End =>
             {

@@ -28,13 +28,15 @@ pub(super) enum Ours {
     /// One expression in `gcode.layer` and one in `gcode.end`, where the last
     /// layer is meant. Other templates do not know the name.
     OfLayer(Kind, &'static str, &'static str),
+    /// An expression in `gcode.end`, for what is known at the end only.
+    AtEnd(Kind, &'static str),
     /// No expression stands for the name. The text says why, or what to write
     /// instead.
     None(&'static str),
 }
 
 use Kind::{Number, Other, Whole};
-use Ours::{ByScope, Is, None, OfLayer, Pair};
+use Ours::{AtEnd, ByScope, Is, None, OfLayer, Pair};
 
 const NO_CHAMBER: &str =
     "isoslice heats no chamber: write its temperature as a number";
@@ -44,8 +46,9 @@ const NO_NOTES: &str = "profiles have no notes: {{ printer.model }} and \
                         {{ gcode.flavour }} tell printers apart";
 const ONE_MATERIAL: &str = "isoslice prints one material with one extruder: \
                             leave out what is for several";
-const AT_THE_END: &str = "it is known in gcode.end only, as {{ print_time }}, {{ filament_length \
-     }} and {{ filament_mass }}";
+/// Why [`Ours::AtEnd`] has no value in other templates.
+pub(super) const AT_THE_END: &str = "it is known in gcode.end only, as {{ print_time }}, {{ filament_length }} \
+     and {{ filament_mass }} are";
 
 /// The foreign names, grouped by meaning.
 pub(super) const NAMES: &[(&str, Ours)] = &[
@@ -204,13 +207,21 @@ pub(super) const NAMES: &[(&str, Ours)] = &[
     ("previous_extruder", None(ONE_MATERIAL)),
     ("toolchange_z", None(ONE_MATERIAL)),
     // Values that are known at the end only.
-    ("print_time", None(AT_THE_END)),
-    ("normal_print_time", None(AT_THE_END)),
-    ("used_filament", None(AT_THE_END)),
-    ("extruded_volume_total", None(AT_THE_END)),
-    ("total_weight", None(AT_THE_END)),
-    ("filament_amount", None(AT_THE_END)),
-    ("filament_weight", None(AT_THE_END)),
+    ("print_time", AtEnd(Other, "print_time")),
+    ("normal_print_time", AtEnd(Other, "print_time")),
+    ("silent_print_time", AtEnd(Other, "print_time")),
+    ("used_filament", METRES),
+    ("filament_amount", METRES),
+    ("extruded_volume", VOLUME),
+    ("extruded_volume_total", VOLUME),
+    ("extruded_weight", MASS),
+    ("extruded_weight_total", MASS),
+    ("total_weight", MASS),
+    ("filament_weight", MASS),
+    (
+        "total_cost",
+        AtEnd(Number, "(filament_mass * filament.cost / 1000)"),
+    ),
     ("timestamp", None(NO_CLOCK)),
     ("year", None(NO_CLOCK)),
     ("month", None(NO_CLOCK)),
@@ -228,6 +239,12 @@ const FIRST_BED: Ours = Is(Whole, "first_layer_bed_temperature");
 const BED: Ours = Is(Whole, "bed_temperature");
 const FIRST_TOOL: Ours = Is(Whole, "0");
 const ACCELERATION: Ours = Is(Number, "printer.acceleration");
+const METRES: Ours = AtEnd(Number, "(filament_length / 1000)");
+const MASS: Ours = AtEnd(Number, "filament_mass");
+const VOLUME: Ours = AtEnd(
+    Number,
+    "(filament_length * 0.785398163397448 * filament_diameter ** 2)",
+);
 const MIDDLE: Ours = Pair(
     "((part_min_x + part_max_x) / 2)",
     "((part_min_y + part_max_y) / 2)",

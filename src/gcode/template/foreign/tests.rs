@@ -207,6 +207,11 @@ fn the_table_is_right() {
             names::Ours::None(_) => {
                 assert_refused(&theirs, &["another slicer's"]);
             }
+            names::Ours::AtEnd(..) => {
+                let filled = templates("", "", &theirs);
+                assert!(filled.is_ok(), "{filled:?}");
+                assert_refused(&theirs, &["gcode.end only"]);
+            }
             _ => {
                 let filled = templates("", &theirs, "");
                 assert!(filled.is_ok(), "{filled:?}");
