@@ -106,7 +106,7 @@ fn discs(area: &Area) -> (Vec<(Disc, DVec2)>, Area) {
         .rings
         .iter()
         .filter(|ring| signed_area(ring) < 0.0)
-        .map(|ring| Rect::around(ring))
+        .map(Rect::around)
         .collect();
     let (mut discs, mut rest) = (Vec::new(), Vec::new());
     for ring in &area.rings {
