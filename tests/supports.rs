@@ -345,6 +345,48 @@ fn dense_layers_have_a_pattern_direction_and_spacing_of_their_own() {
     assert!(both(&rings, 45.0) < 5.0 && both(&rings, 0.0) > 300.0);
 }
 
+#[test]
+fn they_have_flow_and_fan_of_their_own() {
+    let fed = |set: &[&str]| {
+        let all = [&["supports=auto", "cooling.min_layer_time=0"], set];
+        let (gcode, summary) = run(TEE, &all.concat());
+        assert_eq!(summary.warnings, Vec::<String>::new());
+        let of = |role: &str| -> f64 {
+            let layers = parse(&gcode);
+            let prints = layers.iter().flat_map(common::Layer::prints);
+            prints.filter(|m| m.role == role).map(|m| m.fed).sum()
+        };
+        ([of(SUPPORT), of(SUPPORT_INTERFACE)], gcode)
+    };
+    let (plain, gcode) = fed(&[]);
+    // 30 % of 255.
+    let slow = "M106 S77";
+    assert!(!gcode.contains(slow));
+    let (own, gcode) = fed(&[
+        "support.flow=80",
+        "support.interface_flow=120",
+        "cooling.support_interface_fan_speed=30",
+    ]);
+    let shares = [own[0] / plain[0], own[1] / plain[1]];
+    for (share, asked) in shares.into_iter().zip([0.8, 1.2]) {
+        assert!((share - asked).abs() < 2e-3, "{shares:?}");
+    }
+    let mut blown = 0;
+    let mut fan = "";
+    for line in gcode.lines() {
+        if line.starts_with("M106") || line.starts_with("M107") {
+            fan = line;
+        } else if line.starts_with(";TYPE:") {
+            let is = line.ends_with(SUPPORT_INTERFACE);
+            blown += usize::from(is && fan.starts_with(slow));
+        }
+    }
+    assert!(
+        blown > 0,
+        "the fan turns before the role is named, or never"
+    );
+}
+
 /// A cone of 15° that hangs from an arm, its tip down at 6 mm.
 const DROP: &str = "min(min(max(max(abs(x) - 12, abs(y) - 6), abs(z - 15) - 1), \
                     max(max(abs(x - 10) - 2, abs(y) - 6), abs(z - 8) - 8)), \

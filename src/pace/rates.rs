@@ -304,6 +304,10 @@ impl<'a> Rater<'a> {
         match bead.role {
             Role::Bridge => 0.01 * self.settings.bridge_flow,
             Role::InternalBridge => 0.01 * self.settings.internal_bridge_flow,
+            Role::Support => 0.01 * self.settings.support.flow,
+            Role::SupportInterface => {
+                0.01 * self.settings.support.interface_flow
+            }
             // The skin that is ironed is full except for this share.
             Role::Ironing => {
                 let full = bead.width * bead.height;
@@ -362,6 +366,9 @@ impl<'a> Rater<'a> {
             Role::Bridge => cooling.bridge_fan_speed,
             Role::InternalBridge => cooling.internal_bridge_fan_speed,
             Role::Overhang => cooling.overhang_fan_speed,
+            Role::SupportInterface => {
+                cooling.support_interface_fan_speed.unwrap_or(fan)
+            }
             _ => fan,
         };
         let rates = Rates {

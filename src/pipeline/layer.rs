@@ -71,6 +71,25 @@ impl Layer {
         self.offsets = Arc::default();
     }
 
+    /// The layer with solids of its own, whose grids are forgotten with it.
+    /// `below` is the layer below, and a copy of it that was made like this.
+    pub(super) fn copied(&self, below: Option<(&Layer, &Layer)>) -> Layer {
+        let below = below.filter(|(own, _)| self.same_outline(own));
+        let (outline, rough) = match below {
+            Some((_, copy)) => (copy.outline.clone(), copy.rough.clone()),
+            None => {
+                let [outline, rough] = [&self.outline, &self.rough]
+                    .map(|solid| Arc::new(solid.plain()));
+                (outline, rough)
+            }
+        };
+        Layer {
+            outline,
+            rough,
+            ..self.clone()
+        }
+    }
+
     /// The outline that was found.
     pub(super) fn found(&self) -> &Area {
         self.unchanged.as_deref().unwrap_or(self.area())

@@ -58,6 +58,7 @@ mod layer;
 mod options;
 mod pacing;
 mod part;
+mod posts;
 mod raft;
 mod run;
 mod skirt;

@@ -1,18 +1,17 @@
 //! The supports of a part, layer by layer.
 
+use super::posts::Posts;
 use crate::bead::{Bead, Role, spacing};
 use crate::infill::{self, Infill, InfillError};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
 use crate::plane::clip::union;
-use crate::region::support_walls;
 use crate::settings::{
     self, InfillPattern, Settings, SkinPattern, Supports, Varying, WallOffset,
 };
 use crate::support::{Plan, Slice};
 use crate::units::{Mm, Mm2, Percent};
 use crate::vary::Surroundings;
-use crate::walls;
 use glam::{DVec2, DVec3};
 
 /// Area from which on something that hangs without a support is reported, mm².
@@ -306,6 +305,7 @@ pub(super) fn filled_by(
 pub(super) struct SupportFill<'a> {
     settings: &'a Settings,
     infill: Infill<'a>,
+    posts: Posts,
     role: Role,
 }
 
@@ -320,6 +320,7 @@ impl<'a> SupportFill<'a> {
         Ok(SupportFill {
             settings,
             infill: Infill::new(settings, around, site)?,
+            posts: Posts::default(),
             role,
         })
     }
@@ -334,16 +335,14 @@ impl<'a> SupportFill<'a> {
             return Ok(Vec::new());
         }
         let height = span.height();
-        let mut walls = support_walls(area, height, self.settings);
-        walls::thin(&mut walls, self.settings);
+        let walled = self.posts.walled(area, height, self.settings);
         let target = infill::Target {
             number: span.index,
             z: span.sample_z(),
             height,
         };
-        let lines = self.infill.beads(&walls.fill, target, None)?;
-        let small = self.settings.speed.small_wall_length;
-        let mut beads = walls::beads(&walls, height, small);
+        let lines = self.infill.beads(&walled.fill, target, None)?;
+        let mut beads = walled.beads;
         beads.extend(lines);
         for bead in &mut beads {
             bead.role = self.role;

@@ -38,6 +38,15 @@ impl<'a> Solid<'a> {
         }
     }
 
+    /// The same solid without a grid.
+    pub(crate) fn plain(&self) -> Solid<'static> {
+        Solid {
+            area: Cow::Owned(self.area().clone()),
+            cell: self.cell,
+            grid: OnceLock::new(),
+        }
+    }
+
     /// What it covers.
     pub(crate) fn area(&self) -> &Area {
         &self.area

@@ -338,6 +338,13 @@ table::settings! {
         /// on even layers, counter-clockwise from the x axis; odd layers are
         /// turned by a right angle. auto is infill_angle.
         interface_angle: Option<Degrees> = None, in -360.0..=360.0;
+        /// Material extruded for supports, and for the first layer of a raft, as
+        /// a share of their beads' volume; multiplies flow.
+        flow: Percent = 100.0, in 10.0..=300.0;
+        /// Material extruded for the dense layers at the top of a support, and
+        /// for the solid layers of a raft, as a share of their beads' volume;
+        /// multiplies flow.
+        interface_flow: Percent = 100.0, in 10.0..=300.0;
     }
     /// Layers between the bed and the part, which come off after the print.
     raft: Raft {
@@ -536,6 +543,10 @@ table::settings! {
         bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Speed of the part's fan while internal bridges are printed.
         internal_bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speed of the part's fan while the dense layers at the top of
+        /// supports, and the solid layers of a raft, are printed: with more of
+        /// it they stick less to the part. auto is fan_speed.
+        support_interface_fan_speed: Option<Percent> = None, in 0.0..=100.0;
         /// Speed of the part's fan while overhanging walls are printed.
         overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Speeds of the part's fan by the share of a wall's width that reaches

@@ -16,6 +16,7 @@
 //! a branch may lean. Each point of a layer's core lies within that reach of
 //! the core below, so what is printed always rests on something.
 
+use super::disc::disc;
 use super::parts::Parts;
 use super::room::{Foot, Room, Size};
 use super::settle::stands;
@@ -39,9 +40,6 @@ const FOOT: Mm = 1.0;
 pub(super) const POINT: Mm = 0.1;
 /// Tolerance of a core's outline, mm.
 const FINE: Mm = 0.01;
-/// Greatest distance of a side of a disc's polygon from the circle around it,
-/// mm.
-const SAGITTA: Mm = 0.02;
 /// Longer edges of a core are divided before their ends move, mm.
 const EDGE: Mm = 1.0;
 /// Areas that differ by less than this differ by rounding, mm².
@@ -166,6 +164,15 @@ impl Branch {
     /// Takes the branch down to a layer from the layer above. A post leans
     /// towards `other`, if that is given.
     pub(super) fn lower(&mut self, other: Option<DVec2>, step: Step<'_>) {
+        let above = self.is_post().then(|| self.middle());
+        self.come_down(other, step);
+        if let Some(above) = above.filter(|_| !self.is_column()) {
+            self.step_aside(above, step);
+        }
+    }
+
+    /// Takes the branch down to a layer, to where it has room.
+    fn come_down(&mut self, other: Option<DVec2>, step: Step<'_>) {
         crate::limits::check();
         let middle = self.middle();
         let pulled = match self.is_post() {
@@ -233,6 +240,34 @@ impl Branch {
         self.core = finely(core);
     }
 
+    /// Moves a post away from the part, until all of it has room. `above` is its
+    /// middle in the layer above. The part would cut a post that is too near
+    /// into a crescent, which is printed worse than a disc.
+    fn step_aside(&mut self, above: DVec2, step: Step<'_>) {
+        if !self.is_post() {
+            return;
+        }
+        let at = self.middle();
+        let most = step.lean - above.distance(at);
+        let room = self.margin(self.radius(step), step);
+        let Some((distance, away)) = step.room.way_out(step.layer, at, room)
+        else {
+            return;
+        };
+        let to = at + away * most.min(room - distance);
+        let farther = match step.room.way_out(step.layer, to, room) {
+            Some((now, _)) => now > distance,
+            None => true,
+        };
+        if most > 0.0
+            && farther
+            && step.room.has_place(step.layer, self.foot, to, POINT)
+            && step.room.is_clear(step.layer, self.foot, at, to)
+        {
+            self.core.rings = vec![disc(to, POINT)];
+        }
+    }
+
     /// True if the branch, of which the layer above is printed, can end there. A
     /// post needs enough of the part below it to stand on. A post that touches the
     /// part with its edge alone goes on down beside the part.
@@ -255,14 +290,28 @@ impl Branch {
         offset(&below.unwrap_or_default(), size.core, TOLERANCE)
     }
 
-    /// The area of the branch that is printed in a layer.
-    pub(super) fn area(&self, step: Step<'_>) -> Area {
-        let size = step.size();
+    /// The radius of a post, without its foot.
+    fn radius(&self, step: Step<'_>) -> Mm {
         let bottom = step.parts.spans()[step.layer].bottom;
         let slender = 0.5 * (self.top - bottom) / SLENDER;
         let bearing = (BEARING * self.held / std::f64::consts::PI).sqrt();
-        let mut post = size.post.max(slender).max(bearing);
+        step.size().post.max(slender).max(bearing)
+    }
+
+    /// How far the middle of a post of some radius has to be from all that is
+    /// too near to the part for the middle of a branch, so that the part cuts
+    /// nothing off it. The part keeps a distance from the core, so that only what
+    /// is farther out has to be looked at.
+    fn margin(&self, radius: Mm, step: Step<'_>) -> Mm {
+        radius - step.size().core + 3.0 * TOLERANCE
+    }
+
+    /// The area of the branch that is printed in a layer.
+    pub(super) fn area(&self, step: Step<'_>) -> Area {
+        let size = step.size();
+        let mut post = self.radius(step);
         if self.foot == Foot::Bed {
+            let bottom = step.parts.spans()[step.layer].bottom;
             post += (FOOT - bottom).max(0.0);
         }
         let middle = self.middle();
@@ -273,10 +322,8 @@ impl Branch {
             return all();
         }
         let disc = Area::from(disc(middle, post));
-        // The part keeps this far away from the core, so that only what is
-        // farther out has to be looked at.
-        let beyond = post - size.core + 3.0 * TOLERANCE;
-        if step.room.is_away(step.layer, middle, beyond) {
+        let beyond = self.margin(post, step);
+        if step.room.way_out(step.layer, middle, beyond).is_none() {
             return disc;
         }
         let near = disc.bounds().grown(TOLERANCE);
@@ -326,15 +373,6 @@ pub(super) fn middle(area: &Area) -> DVec2 {
     }
     let count = points().count().max(1) as f64;
     points().sum::<DVec2>() / count
-}
-
-/// A disc around a point. Its corners are on the circle.
-fn disc(middle: DVec2, radius: Mm) -> Ring {
-    let half = (1.0 - SAGITTA / radius).clamp(0.0, 1.0).acos();
-    let corners = (std::f64::consts::PI / half).ceil().clamp(8.0, 48.0);
-    let step = std::f64::consts::TAU / corners;
-    let corner = |k| DVec2::from_angle(f64::from(k) * step) * radius + middle;
-    (0..corners as u32).map(corner).collect()
 }
 
 /// A ring all of whose points move towards `middle` by `by`, but not nearer

@@ -40,6 +40,7 @@ use crate::units::{Mm, Mm2};
 mod branch;
 mod cavity;
 mod cells;
+mod disc;
 mod heights;
 mod need;
 mod parts;
@@ -53,6 +54,7 @@ mod survey;
 mod tree;
 mod wish;
 
+pub(crate) use disc::Disc;
 pub(crate) use heights::Heights;
 pub(crate) use plan::Plan;
 pub(crate) use slice::Slice;

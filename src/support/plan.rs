@@ -178,6 +178,7 @@ mod tests {
     use crate::plane::clip::{intersection, union};
     use crate::plane::rect;
     use crate::settings::Supports;
+    use crate::support::Disc;
     use glam::DVec2;
 
     fn spans(count: usize) -> Vec<LayerSpan> {
@@ -381,6 +382,28 @@ mod tests {
             panic!("no single post on the bed");
         };
         assert!(post.bounds().min.x > 4.35, "{:?}", post.bounds());
+    }
+
+    #[test]
+    fn posts_beside_a_wall_step_aside_and_stay_whole() {
+        // A ledge that sticks out of a wall: a post that goes straight down from
+        // it has no room for all of itself.
+        let wall = rect(-8.0, -10.0, 0.0, 10.0);
+        let ledge = union(&wall, &rect(-1.0, -1.5, 2.0, 1.5));
+        let of = |i| if i < 60 { wall.clone() } else { ledge.clone() };
+        let outlines: Vec<Area> = (0..64).map(of).collect();
+        let plan = plan(&outlines, Supports::Auto);
+        assert_eq!(plan.unheld.area, 0.0);
+        let gap = Settings::default().support.xy_gap;
+        // The post has a foot in the lowest layers.
+        for j in 6..40 {
+            let post = all(&plan, j);
+            let [ring] = &post.rings[..] else {
+                panic!("layer {j}: {post:?}");
+            };
+            assert!(Disc::of(ring).is_some(), "layer {j}: {ring:?}");
+            assert!(post.bounds().min.x >= gap, "layer {j}: {ring:?}");
+        }
     }
 
     #[test]

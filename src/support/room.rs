@@ -123,11 +123,40 @@ impl<'a> Room<'a> {
         self.dead.truncate(j);
     }
 
-    /// True if a point of layer `j` is farther than `distance` from all that is
-    /// too near to the part for the middle of a branch.
-    pub(super) fn is_away(&self, j: usize, at: DVec2, distance: Mm) -> bool {
+    /// How far a point of layer `j` is from what is too near to the part for the
+    /// middle of a branch, and the direction away from it, if it is nearer than
+    /// `distance` or inside.
+    pub(super) fn way_out(
+        &self,
+        j: usize,
+        at: DVec2,
+        distance: Mm,
+    ) -> Option<(Mm, DVec2)> {
         let grid = self.tight[j].grid();
-        grid.nearest_within(at, distance).is_none() && !grid.contains(at)
+        let inside = grid.contains(at);
+        let found = grid.nearest_within(at, distance);
+        if found.is_none() && !inside {
+            return None;
+        }
+        let (far, away) = match found {
+            Some((_, near)) => (at.distance(near), at - near),
+            None => (distance, DVec2::ZERO),
+        };
+        let sign = if inside { -1.0 } else { 1.0 };
+        Some((sign * far, sign * away.normalize_or_zero()))
+    }
+
+    /// True if the middle of a branch that stands on `foot` has a place in layer
+    /// `j` at a point, and within `around` of it.
+    pub(super) fn has_place(
+        &self,
+        j: usize,
+        foot: Foot,
+        at: DVec2,
+        around: Mm,
+    ) -> bool {
+        let grid = self.of(foot)[j].grid();
+        !grid.contains(at) && grid.nearest_within(at, around).is_none()
     }
 
     /// The part in layer `j`, and what is too near to it, within a box.

@@ -177,7 +177,10 @@ pub(crate) fn coarse(outline: &Area, height: Mm, settings: &Settings) -> Area {
 /// An area with fewer points. Unions and offsets of thousands of layers would
 /// add ever more points.
 pub(super) fn thinned(area: Area) -> Area {
-    simplify_area(&area, TOLERANCE)
+    let mut thinned = simplify_area(&area, TOLERANCE);
+    // It is kept for long, and its rings have room for the points left out.
+    thinned.rings.iter_mut().for_each(Vec::shrink_to_fit);
+    thinned
 }
 
 #[cfg(test)]

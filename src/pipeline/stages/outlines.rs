@@ -62,9 +62,17 @@ impl Stages<'_> {
             let known = |s: &LayerSpan| {
                 let by = |layer: &Layer| layer.span.index;
                 let at = self.known.binary_search_by_key(&s.index, by);
-                at.ok().map(|at| self.known[at].clone())
+                at.ok().map(|at| &self.known[at])
             };
-            let layers: Option<Vec<Layer>> = needed.map(known).collect();
+            let known: Option<Vec<&Layer>> = needed.map(known).collect();
+            let layers = known.map(|known| {
+                let mut copies: Vec<Layer> = Vec::with_capacity(known.len());
+                for (k, layer) in known.iter().enumerate() {
+                    let below = k.checked_sub(1).map(|k| known[k]);
+                    copies.push(layer.copied(below.zip(copies.last())));
+                }
+                copies
+            });
             if let Some(layers) = layers {
                 return Ok(layers);
             }

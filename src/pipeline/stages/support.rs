@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Number of points of the outlines that are kept from planning supports to
-/// printing. They take about 100 bytes each. Outlines beyond that are found a
+/// printing. They take about 30 bytes each. Outlines beyond that are found a
 /// second time.
 const KNOWN: usize = 2_000_000;
 

@@ -312,6 +312,16 @@ fn supports_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         s.supports == Supports::Off,
         "supports = off prints none; set supports to \"auto\" or \"plate\"",
     );
+    idle.all(
+        &[
+            "support.flow",
+            "support.interface_flow",
+            "cooling.support_interface_fan_speed",
+        ],
+        s.supports == Supports::Off && s.raft.layers == 0,
+        "neither supports nor a raft are printed; set supports to \"auto\" \
+         or \"plate\"",
+    );
 }
 
 /// Warns of settings of heights that `layer_heights` does not use.

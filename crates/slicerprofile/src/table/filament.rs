@@ -97,6 +97,12 @@ pub(super) static ROWS: &[Row] = rows! {
             how: "-1 leaves it",
             make: Make(make::internal_bridge_fan),
         };
+    BOTH Filament: "support_material_interface_fan_speed"
+        => Made {
+            settings: &["cooling.support_interface_fan_speed"],
+            how: "-1 leaves it",
+            make: Make(make::support_interface_fan),
+        };
     BOTH Filament: "disable_fan_first_layers", "close_fan_the_first_x_layers"
         => To("cooling.fan_off_layers", As::Number);
     BOTH Filament: "full_fan_speed_layer", "full_fan_speed_layers"
@@ -172,11 +178,10 @@ pub(super) static ROWS: &[Row] = rows! {
         "first_x_layer_fan_speed"
         => Ignored(ANOTHER_FAN);
     BOTH Filament: "overhang_fan_threshold", "top_fan_speed",
-        "external_perimeter_fan_speed", "support_material_interface_fan_speed",
-        "ironing_fan_speed"
+        "external_perimeter_fan_speed", "ironing_fan_speed"
         => Ignored(
-            "the fan has a speed for layers, bridges and overhangs; \
-                 overhang_share says what an overhang is",
+            "the fan has a speed for layers, bridges, overhangs and the tops \
+                 of supports; overhang_share says what an overhang is",
         );
     BOTH Filament: "dont_slow_down_outer_wall",
         "no_slow_down_for_cooling_on_outwalls", "cooling_slowdown_logic",

@@ -559,6 +559,30 @@ pub(super) fn internal_bridge_fan(given: &Given<'_>) -> Outcome {
     Outcome::of(speed.into_iter().collect())
 }
 
+pub(super) fn support_interface_fan(given: &Given<'_>) -> Outcome {
+    let speed = given.number("support_material_interface_fan_speed");
+    let speed = speed.filter(|v: &f64| *v >= 0.0);
+    let speed =
+        speed.map(|v| ("cooling.support_interface_fan_speed", v.into()));
+    Outcome::of(speed.into_iter().collect())
+}
+
+/// The flows of supports, which OrcaSlicer uses only if flows are set one by one.
+pub(super) fn support_flow(given: &Given<'_>) -> Outcome {
+    let mut out = Vec::new();
+    if given.on("set_other_flow_ratios") {
+        for (key, setting) in [
+            ("support_flow_ratio", "support.flow"),
+            ("support_interface_flow_ratio", "support.interface_flow"),
+        ] {
+            if let Some(ratio) = given.number(key) {
+                out.push((setting, (100.0 * ratio).into()));
+            }
+        }
+    }
+    Outcome::of(out)
+}
+
 pub(super) fn min_layer_time(given: &Given<'_>) -> Outcome {
     let keys = ["slowdown_below_layer_time", "slow_down_layer_time"];
     if given.off("slow_down_for_layer_cooling") || given.off("cooling") {

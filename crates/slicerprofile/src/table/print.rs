@@ -229,6 +229,13 @@ pub(super) static ROWS: &[Row] = rows! {
                   the wall's own speed",
             make: Make(make::overhang_speed),
         };
+    ORCA Print: "support_flow_ratio", "support_interface_flow_ratio",
+        "set_other_flow_ratios"
+        => Made {
+            settings: &["support.flow", "support.interface_flow"],
+            how: "1 becomes 100 %; only if flows are set one by one",
+            make: Make(make::support_flow),
+        };
     BOTH Print: "support_material_speed", "support_speed"
         => To("speed.support", As::Amount);
     BOTH Print: "support_material_interface_speed", "support_interface_speed"
@@ -629,8 +636,7 @@ pub(super) static ROWS: &[Row] = rows! {
         );
     BOTH Print: "adaptive_layer_height", "spiral_mode_smooth",
         "spiral_mode_max_xy_smoothing", "spiral_starting_flow_ratio",
-        "spiral_finishing_flow_ratio", "spiral_vase_flow",
-        "set_other_flow_ratios"
+        "spiral_finishing_flow_ratio", "spiral_vase_flow"
         => Ignored(
             "isoslice makes these of the function: layer_heights, spiral",
         );
@@ -640,14 +646,14 @@ pub(super) static ROWS: &[Row] = rows! {
         "internal_solid_infill_flow_ratio", "outer_wall_flow_ratio",
         "inner_wall_flow_ratio", "overhang_flow_ratio",
         "sparse_infill_flow_ratio", "first_layer_flow_ratio",
-        "gap_fill_flow_ratio", "support_flow_ratio",
-        "support_interface_flow_ratio", "extrusion_spacing",
+        "gap_fill_flow_ratio", "extrusion_spacing",
         "first_layer_extrusion_spacing", "perimeter_extrusion_spacing",
         "external_perimeter_extrusion_spacing", "infill_extrusion_spacing",
         "solid_infill_extrusion_spacing", "top_infill_extrusion_spacing",
         "apply_top_surface_compensation"
         => Ignored(
-            "there is one flow: flow, which may be a formula of the place",
+            "there is one flow for all walls and infill: flow, which may be a \
+                 formula of the place",
         );
     BOTH Print: "acceleration_limit_mess", "acceleration_limit_mess_enable",
         "speed_limit_to_height", "speed_limit_to_height_enable",

@@ -1,0 +1,161 @@
+//! The walls of posts of support.
+//!
+//! A lattice has thousands of posts, which are discs of a few sizes. The wall
+//! of a size is laid once, around the origin, and moved to each of them.
+
+use crate::bead::Bead;
+use crate::plane::{Area, Rect, signed_area};
+use crate::region::support_walls;
+use crate::settings::Settings;
+use crate::support::Disc;
+use crate::units::Mm;
+use crate::walls;
+use glam::DVec2;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// So many sizes are kept. Tall posts have another size in each layer.
+const SIZES: usize = 256;
+
+/// The walls around an area of support, and what they leave for lines.
+#[derive(Clone, Debug)]
+pub(super) struct Walled {
+    pub beads: Vec<Bead>,
+    pub fill: Area,
+}
+
+impl Walled {
+    /// Lays the walls around an area in a layer of some height.
+    fn new(area: &Area, height: Mm, settings: &Settings) -> Walled {
+        let mut walls = support_walls(area, height, settings);
+        walls::thin(&mut walls, settings);
+        let small = settings.speed.small_wall_length;
+        Walled {
+            beads: walls::beads(&walls, height, small),
+            fill: walls.fill,
+        }
+    }
+
+    /// Adds the walls of another area, moved by some way.
+    fn add(&mut self, other: &Walled, by: DVec2) {
+        self.beads.extend(other.beads.iter().map(|bead| {
+            let mut bead = bead.clone();
+            bead.points.iter_mut().for_each(|p| *p += by);
+            bead
+        }));
+        let moved = other.fill.rings.iter();
+        let moved = moved.map(|ring| ring.iter().map(|p| *p + by).collect());
+        self.fill.rings.extend(moved);
+    }
+}
+
+/// A size of post, and the bits of the layer's height.
+type Size = (Disc, u64);
+
+/// The walls of the sizes that have been met.
+#[derive(Debug, Default)]
+pub(super) struct Posts {
+    laid: Mutex<HashMap<Size, Arc<Walled>>>,
+}
+
+impl Posts {
+    /// Lays the walls around an area of support in a layer of some height.
+    pub(super) fn walled(
+        &self,
+        area: &Area,
+        height: Mm,
+        settings: &Settings,
+    ) -> Walled {
+        let (discs, rest) = discs(area);
+        let mut all = Walled::new(&rest, height, settings);
+        for (disc, middle) in discs {
+            let walls = self.of_disc(disc, height, settings);
+            all.add(&walls, middle);
+        }
+        all
+    }
+
+    /// The walls of a disc around the origin.
+    fn of_disc(
+        &self,
+        disc: Disc,
+        height: Mm,
+        settings: &Settings,
+    ) -> Arc<Walled> {
+        let laid = || self.laid.lock().unwrap_or_else(PoisonError::into_inner);
+        let size = (disc, height.to_bits());
+        if let Some(walls) = laid().get(&size) {
+            return walls.clone();
+        }
+        let area = Area::from(disc.ring());
+        let walls = Arc::new(Walled::new(&area, height, settings));
+        let mut laid = laid();
+        // What is forgotten is laid again, and comes out the same.
+        if laid.len() >= SIZES {
+            laid.clear();
+        }
+        laid.insert(size, walls.clone());
+        walls
+    }
+}
+
+/// The islands of an area that are discs without holes, with their middles, and
+/// the rest of the area.
+fn discs(area: &Area) -> (Vec<(Disc, DVec2)>, Area) {
+    let holes: Vec<Rect> = area
+        .rings
+        .iter()
+        .filter(|ring| signed_area(ring) < 0.0)
+        .map(Rect::around)
+        .collect();
+    let (mut discs, mut rest) = (Vec::new(), Vec::new());
+    for ring in &area.rings {
+        let alone = || !holes.iter().any(|h| h.meets(Rect::around(ring)));
+        match Disc::of(ring) {
+            Some(disc) if signed_area(ring) > 0.0 && alone() => {
+                discs.push(disc);
+            }
+            _ => rest.push(ring.clone()),
+        }
+    }
+    (discs, Area { rings: rest })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::shapes::{circle, moved};
+
+    #[test]
+    fn posts_have_the_walls_that_they_would_have_by_themselves() {
+        let settings = Settings::default();
+        let ring = |x: f64, y: f64| moved(circle(0.495, 12), x, y);
+        let posts = Posts::default();
+        for at in [DVec2::new(3.0, 4.0), DVec2::new(-71.3, 0.123)] {
+            let area = Area::from(ring(at.x, at.y));
+            let found = posts.walled(&area, 0.2, &settings);
+            let alone = Walled::new(&area, 0.2, &settings);
+            assert_eq!(found.beads.len(), alone.beads.len());
+            for (a, b) in found.beads.iter().zip(&alone.beads) {
+                assert_eq!((a.closed, a.role), (b.closed, b.role));
+                // They may begin elsewhere.
+                let near =
+                    |p: &DVec2| b.points.iter().any(|q| p.distance(*q) < 2e-4);
+                assert_eq!(a.points.len(), b.points.len());
+                assert!(a.points.iter().all(near), "{a:?} {b:?}");
+            }
+        }
+        assert_eq!(posts.laid.lock().unwrap().len(), 1);
+    }
+
+    #[test]
+    fn a_disc_with_a_hole_is_no_post() {
+        let mut hole = circle(0.2, 8);
+        hole.reverse();
+        let outer = circle(2.0, 16);
+        let pierced = Area::from_iter([outer.clone(), hole]);
+        assert!(discs(&pierced).0.is_empty());
+        let (found, rest) = discs(&Area::from(outer));
+        assert_eq!((found.len(), rest.rings.len()), (1, 0));
+    }
+}
