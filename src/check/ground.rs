@@ -196,6 +196,8 @@ struct Layer {
 pub(super) struct Ground {
     here: Layer,
     below: VecDeque<Layer>,
+    /// The lowest point of all beads: the bed.
+    bed: Option<Mm>,
 }
 
 impl Ground {
@@ -232,6 +234,8 @@ impl Ground {
     pub(super) fn next_layer(&mut self, mut found: impl FnMut(DVec3)) {
         let here = std::mem::take(&mut self.here);
         let Some((low, top)) = here.z else { return };
+        let bed = self.bed.map_or(low, |bed| bed.min(low));
+        self.bed = Some(bed);
         let mut found = |cell: IVec2| {
             let p = (cell.as_dvec2() + 0.5) * CELL;
             found(p.extend(top));
@@ -250,7 +254,10 @@ impl Ground {
         }
         let part = lower.clone().map(|layer| &layer.part);
         under_part.extend(part.clone().find(|part| !part.is_empty()));
-        if lower.clone().next().is_some() {
+        // Supports may be lower than the part beside them, which stands on the
+        // bed as well.
+        let on_bed = low <= bed + ROUNDED;
+        if !on_bed && lower.clone().next().is_some() {
             here.part.begin(&under_part, &mut found);
             here.support.begin(&under_support, &mut found);
         }

@@ -240,9 +240,10 @@ fn islands_stand_on_supports_with_a_gap() {
     // Squares of the part and of supports, each in a layer of its own.
     let layer = |(z, x, role): &(f64, f64, &str)| {
         format!(
-            ";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:0.2\nG1 Z{z} F600\n\
+            ";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:{}\nG1 Z{z} F600\n\
              ;TYPE:{role}\nG1 X{x} Y50 F6000\nG1 X{} E0.3 F900\n\
              G1 Y60 E0.3\nG1 X{x} E0.3\nG1 Y50 E0.3\n",
+            z.min(0.2),
             x + 10.0
         )
     };
@@ -269,6 +270,11 @@ fn islands_stand_on_supports_with_a_gap() {
     assert_eq!(in_the_air(&on_top(1.0, 50.0, support)), 0);
     let higher = [&beside[..], &[(0.8, 80.0, part), (1.0, 50.0, part)]];
     assert_eq!(in_the_air(&higher.concat()), 1);
+    // The first layer of supports is lower than the part's, which stands on the
+    // bed.
+    let lower = [(0.15, 80.0, support), (0.2, 50.0, part)];
+    assert_eq!(in_the_air(&lower), 0);
+    assert_eq!(in_the_air(&[&lower[..], &[(0.4, 110.0, part)]].concat()), 1);
 }
 
 #[test]
