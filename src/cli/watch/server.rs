@@ -3,7 +3,8 @@
 //! Guaranteed: an answer takes bounded time and memory, whatever is asked and
 //! whoever asks. No request writes a file of the user's. The only files that
 //! are read are the model or the plate file with its models, profiles and the
-//! infill's script, if a setting names one. What comes from the model leaves as JSON, which the page shows as text.
+//! infill's script, if a setting names one. What comes from the model leaves as
+//! JSON, which the page shows as text.
 
 use super::guard::Guard;
 use super::job::Job;

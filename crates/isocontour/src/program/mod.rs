@@ -336,7 +336,8 @@ impl Program {
 
     /// The program once for each side of the first `atan2` that jumps in the box
     /// of the last `enclose` (of this program, with this scratch), if its jump
-    /// is at the same place at each z. Empty if there is none.
+    /// is at the same place at each z. Empty if there is none, or if more than
+    /// [`MOST_TURNS`] jump there: each doubles the number of programs.
     pub(crate) fn by_upright_turns(&self, scratch: &Scratch) -> Vec<Self> {
         let upright = |step: &Step, a: &Slot, b: &Slot| match step {
             Step::Binary(BinaryOpcode::Atan, ..)
@@ -346,9 +347,14 @@ impl Program {
             }
             _ => Vec::new(),
         };
-        self.dividing(scratch, upright)
-            .next()
-            .map_or(Vec::new(), |found| self.in_pieces(found))
+        let mut turns = self.dividing(scratch, upright);
+        let Some(first) = turns.next() else {
+            return Vec::new();
+        };
+        if self.pieces.len() + 1 + turns.count() > MOST_TURNS {
+            return Vec::new();
+        }
+        self.in_pieces(first)
     }
 
     /// The program once for each sector around the pole of `atan2` in the box of
@@ -422,6 +428,9 @@ impl Program {
 
 /// Greatest number of steps that may stand for one piece only.
 const MOST_PIECES: usize = 16;
+/// Greatest number of `atan2` for whose jumps a program is looked at side by side
+/// in one box.
+const MOST_TURNS: usize = 2;
 
 /// The slots of a step's operands. If it has none, they are arbitrary.
 fn slots_of<'a>(s: &'a [Slot], step: &Step) -> [&'a Slot; 2] {

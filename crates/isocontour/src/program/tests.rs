@@ -201,3 +201,26 @@ fn operands_out_of_range_are_not_shown_in_range() {
     assert!(why((x.clone() + 1.0001).asin()).contains("sine of 1.0001"));
     assert!(why((x - 4.0).ln()).contains("logarithm of -4 "));
 }
+
+/// Each angle of a box on the side on which they all jump doubles the programs.
+#[test]
+fn a_few_angles_that_jump_are_looked_at_on_both_sides_and_no_more() {
+    let (x, y, _) = Tree::axes();
+    let cell = Cell {
+        lo: [-3.0, -0.5, 0.0],
+        hi: [-2.0, 0.5, 1.0],
+    };
+    for (count, sides) in [(0, 1), (1, 2), (2, 4), (3, 1), (30, 1)] {
+        let angle = |k: u8| y.atan2(x.clone() * (1.0 + 0.1 * f32::from(k)));
+        let sum = (0..count).map(angle).fold(x.clone(), |a, b| a + b);
+        let mut scratch = Scratch::default();
+        let (mut todo, mut found) = (vec![program(&sum)], 0);
+        while let Some(part) = todo.pop() {
+            part.enclose(&cell, &mut scratch);
+            let more = part.by_upright_turns(&scratch);
+            found += usize::from(more.is_empty());
+            todo.extend(more);
+        }
+        assert_eq!(found, sides, "{count}");
+    }
+}
