@@ -2,7 +2,7 @@
 //! evaluator, however often, in whatever company, on a terminal or not, today
 //! or tomorrow, from any folder.
 //!
-//! `tests/ranges.rs` has the same of ranges of layers.
+//! `tests/texts/ranges.rs` shows it for ranges of layers.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
@@ -51,7 +51,7 @@ fn assert_same(expected: &str, found: &str, what: &str) {
     assert_eq!(expected.len(), found.len(), "{what}");
 }
 
-/// What must give the same, for one example.
+/// Ways to slice one example that must give equal bytes.
 fn check(name: &str, extra: &[&str]) {
     let example = common::example(name);
     let mut all = COARSE.to_vec();

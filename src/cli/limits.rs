@@ -70,6 +70,35 @@ impl LimitArgs {
     }
 }
 
+/// How many threads work. No result depends on it.
+#[derive(Args, Clone, Copy, Debug, PartialEq)]
+pub(super) struct ThreadArgs {
+    /// Number of threads [default: all processors]; the result is the same
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024)
+    )]
+    threads: Option<u16>,
+}
+
+impl ThreadArgs {
+    /// The number, if one is given.
+    pub(super) fn count(self) -> Option<usize> {
+        self.threads.map(usize::from)
+    }
+
+    /// Threads that work under this thread's watch.
+    pub(super) fn workers(self) -> anyhow::Result<ThreadPool> {
+        let watch = Watch::current();
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.count().unwrap_or_default())
+            .start_handler(move |_| Watch::adopt(watch.as_ref()))
+            .build()
+            .context("cannot start the worker threads; try --threads 1")
+    }
+}
+
 /// Runs a command's work under a watch.
 pub(super) fn watched<T>(
     watch: &Watch,
@@ -87,17 +116,6 @@ pub(super) fn watched<T>(
         },
         work,
     )?
-}
-
-/// Threads that work under this thread's watch. Their number is that of the
-/// machine if none is given.
-pub(super) fn workers(threads: Option<u16>) -> anyhow::Result<ThreadPool> {
-    let watch = Watch::current();
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.map_or(0, usize::from))
-        .start_handler(move |_| Watch::adopt(watch.as_ref()))
-        .build()
-        .context("cannot start the worker threads; try --threads 1")
 }
 
 /// Reads a number and its unit; `none` is no limit.

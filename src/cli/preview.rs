@@ -2,7 +2,7 @@
 
 use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource, is_plate};
 use super::formats::is_sliced_plate;
-use super::limits::{LimitArgs, watched};
+use super::limits::{LimitArgs, ThreadArgs, watched};
 use super::output;
 use super::plates::{self, PlateArgs};
 use super::{plain, terminal};
@@ -82,14 +82,8 @@ struct Sliced {
     )]
     layers: Option<LayerRange>,
 
-    /// Number of threads [default: all processors]; the result is the same
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=1024),
-        help_heading = "Output"
-    )]
-    threads: Option<u16>,
+    #[command(flatten, next_help_heading = "Output")]
+    threads: ThreadArgs,
 }
 
 /// The kind of the file that is named.
@@ -211,7 +205,7 @@ impl PreviewArgs {
         let sliced = &self.source;
         let bar = terminal::layer_progress(terminal::is_quiet(), watch);
         let options = Options {
-            threads: sliced.threads.map(usize::from),
+            threads: sliced.threads.count(),
             layers: sliced.layers.unwrap_or(LayerRange::ALL),
             glimpse: None,
             svg_dir: None,

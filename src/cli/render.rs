@@ -1,7 +1,7 @@
 //! `isoslice render`: draws a model straight from its function.
 
 use super::args::{FORMULA, Gathered, ModelArgs, STDIN, SettingsSource};
-use super::limits::{LimitArgs, watched, workers};
+use super::limits::{LimitArgs, ThreadArgs, watched};
 use super::output::{self, is_stream};
 use super::plates::{self, PlateArgs};
 use super::terminal;
@@ -93,14 +93,8 @@ pub(super) struct RenderArgs {
     )]
     background: Background,
 
-    /// Number of threads [default: all processors]; the picture is the same
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=1024),
-        help_heading = "Picture"
-    )]
-    threads: Option<u16>,
+    #[command(flatten, next_help_heading = "Picture")]
+    threads: ThreadArgs,
 
     #[command(flatten)]
     limits: LimitArgs,
@@ -136,7 +130,7 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
         azimuth: args.azimuth.unwrap_or(args.view.azimuth),
         elevation: args.elevation.unwrap_or(args.view.elevation),
     };
-    let pool = workers(args.threads)?;
+    let pool = args.threads.workers()?;
     let behind = args.background.colour();
     let png = pool
         .install(|| {

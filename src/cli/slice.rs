@@ -3,7 +3,7 @@
 use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
 use super::formats::format_of;
 use super::hosts::Printer;
-use super::limits::{LimitArgs, watched};
+use super::limits::{LimitArgs, ThreadArgs, watched};
 use super::output::{self, is_stream};
 use super::plates::{self, PlateArgs};
 use super::summary::{Sums, describe};
@@ -99,14 +99,8 @@ pub(super) struct SliceArgs {
     #[arg(long, requires = "send", help_heading = "Output")]
     start: bool,
 
-    /// Number of threads [default: all processors]; the result is the same
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=1024),
-        help_heading = "Output"
-    )]
-    threads: Option<u16>,
+    #[command(flatten, next_help_heading = "Output")]
+    threads: ThreadArgs,
 
     /// Also tell where the processor time went, by stage, added up over all
     /// threads
@@ -177,7 +171,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
 
     let bar = terminal::layer_progress(terminal::is_quiet(), watch);
     let options = Options {
-        threads: args.threads.map(usize::from),
+        threads: args.threads.count(),
         layers: args.layers.unwrap_or(LayerRange::ALL),
         glimpse: None,
         svg_dir: args.svg.as_deref(),

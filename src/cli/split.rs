@@ -1,7 +1,7 @@
 //! `isoslice split`: divides a part's layers into ranges of about equal cost.
 
 use super::args::{ModelArgs, SettingsSource};
-use super::limits::{LimitArgs, watched};
+use super::limits::{LimitArgs, ThreadArgs, watched};
 use super::plates::{self, PlateArgs};
 use super::{plain, print_json, terminal};
 use anyhow::Context;
@@ -49,14 +49,8 @@ pub(super) struct SplitArgs {
     #[arg(long, help_heading = "Output")]
     json: bool,
 
-    /// Number of threads [default: all processors]; the result is the same
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=1024),
-        help_heading = "Output"
-    )]
-    threads: Option<u16>,
+    #[command(flatten, next_help_heading = "Output")]
+    threads: ThreadArgs,
 
     #[command(flatten)]
     limits: LimitArgs,
@@ -73,7 +67,7 @@ fn divide(args: &SplitArgs) -> anyhow::Result<()> {
     let job = args.plate.job(&args.model, file, &gathered.settings)?;
     let plate = &job.plate;
     let parts = usize::from(args.parts);
-    let shares = split(plate, parts, args.threads.map(usize::from))
+    let shares = split(plate, parts, args.threads.count())
         .with_context(|| format!("cannot divide {}", plate.name))?;
     if shares.len() < parts {
         let count = shares.last().map_or(0, |share| share.layers.end);

@@ -6,15 +6,11 @@
 //!   ╱╲╱╲╱╲     + cos x·cos y·sin z = 0
 //! ```
 
-use super::sheet::{Angles, Surface};
+use super::sheet::Angles;
 
 /// Schwarz' D surface.
-pub(super) struct Diamond;
-
-impl Surface for Diamond {
-    fn value(&self, a: Angles) -> f64 {
-        let (x, y, z) = (a.x, a.y, a.z);
-        x.sin * (y.sin * z.sin + y.cos * z.cos)
-            + x.cos * (y.sin * z.cos + y.cos * z.sin)
-    }
+pub(super) fn diamond(a: Angles) -> f64 {
+    let (x, y, z) = (a.x, a.y, a.z);
+    x.sin * (y.sin * z.sin + y.cos * z.cos)
+        + x.cos * (y.sin * z.cos + y.cos * z.sin)
 }

@@ -8,13 +8,9 @@
 //!   ∿∿∿∿∿∿∿∿     above
 //! ```
 
-use super::sheet::{Angles, Surface};
+use super::sheet::Angles;
 
 /// The gyroid.
-pub(super) struct Gyroid;
-
-impl Surface for Gyroid {
-    fn value(&self, a: Angles) -> f64 {
-        a.x.sin * a.y.cos + a.y.sin * a.z.cos + a.z.sin * a.x.cos
-    }
+pub(super) fn gyroid(a: Angles) -> f64 {
+    a.x.sin * a.y.cos + a.y.sin * a.z.cos + a.z.sin * a.x.cos
 }

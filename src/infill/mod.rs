@@ -51,7 +51,7 @@ use crate::vary::{Quantity, Surroundings, VaryError};
 use glam::DVec2;
 use grading::Grading;
 use shape::{Around, Shape};
-use sheet::Sheet;
+use sheet::{Sheet, Surface};
 
 /// Which layer is to be filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -415,6 +415,7 @@ const SHAPE_REACH: f64 = 20.0;
 
 /// The pattern of a word.
 fn pattern(kind: InfillPattern, graded: bool) -> Box<dyn Pattern> {
+    let sheet = |surface: Surface| Box::new(Sheet::new(surface, graded));
     match kind {
         InfillPattern::Rectilinear => Box::new(rectilinear::Rectilinear),
         InfillPattern::Grid => Box::new(grid::Grid),
@@ -422,19 +423,11 @@ fn pattern(kind: InfillPattern, graded: bool) -> Box<dyn Pattern> {
         InfillPattern::Hexagons => Box::new(hexagons::Hexagons),
         InfillPattern::Cubic => Box::new(cubic::Cubic),
         InfillPattern::Concentric => Box::new(concentric::Concentric),
-        InfillPattern::Gyroid => Box::new(Sheet::new(gyroid::Gyroid, graded)),
-        InfillPattern::SchwarzP => {
-            Box::new(Sheet::new(schwarz_p::SchwarzP, graded))
-        }
-        InfillPattern::Diamond => {
-            Box::new(Sheet::new(diamond::Diamond, graded))
-        }
-        InfillPattern::Neovius => {
-            Box::new(Sheet::new(neovius::Neovius, graded))
-        }
-        InfillPattern::Lidinoid => {
-            Box::new(Sheet::new(lidinoid::Lidinoid, graded))
-        }
+        InfillPattern::Gyroid => sheet(gyroid::gyroid),
+        InfillPattern::SchwarzP => sheet(schwarz_p::schwarz_p),
+        InfillPattern::Diamond => sheet(diamond::diamond),
+        InfillPattern::Neovius => sheet(neovius::neovius),
+        InfillPattern::Lidinoid => sheet(lidinoid::lidinoid),
     }
 }
 

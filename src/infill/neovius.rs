@@ -6,14 +6,10 @@
 //!   ╰─╯╰─╯
 //! ```
 
-use super::sheet::{Angles, Surface};
+use super::sheet::Angles;
 
 /// Neovius' surface.
-pub(super) struct Neovius;
-
-impl Surface for Neovius {
-    fn value(&self, a: Angles) -> f64 {
-        let (x, y, z) = (a.x.cos, a.y.cos, a.z.cos);
-        3.0 * (x + y + z) + 4.0 * x * y * z
-    }
+pub(super) fn neovius(a: Angles) -> f64 {
+    let (x, y, z) = (a.x.cos, a.y.cos, a.z.cos);
+    3.0 * (x + y + z) + 4.0 * x * y * z
 }

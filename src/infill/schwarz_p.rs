@@ -7,13 +7,9 @@
 //!                  what is between them half a cell above
 //! ```
 
-use super::sheet::{Angles, Surface};
+use super::sheet::Angles;
 
 /// Schwarz' P surface.
-pub(super) struct SchwarzP;
-
-impl Surface for SchwarzP {
-    fn value(&self, a: Angles) -> f64 {
-        a.x.cos + a.y.cos + a.z.cos
-    }
+pub(super) fn schwarz_p(a: Angles) -> f64 {
+    a.x.cos + a.y.cos + a.z.cos
 }

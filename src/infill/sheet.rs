@@ -1,8 +1,8 @@
 //! Surfaces that repeat in all three directions, cut by the layer.
 //!
-//! A [`Surface`] is the zero set of a function of the sines and cosines of x, y
-//! and z, one period to a cell. Since it repeats, the lines of one cell are
-//! found, thinned, and copied. Lines that wind around the cell go on from copy
+//! A [`Surface`] is a function of the sines and cosines of x, y and z, one period
+//! to a cell, and its zero set is printed. Since it repeats, the lines of one cell
+//! are found, thinned, and copied. Lines that wind around the cell go on from copy
 //! to copy, and only copies near the area's border are cut.
 //!
 //! **Density.** The length of the lines per area is c/cell. The constant c is a
@@ -56,15 +56,12 @@ pub(super) struct Angles {
     pub z: Turn,
 }
 
-/// A function that repeats in all three directions.
-pub(super) trait Surface: Send + Sync {
-    /// The function, which is zero on the surface.
-    fn value(&self, angles: Angles) -> f64;
-}
+/// A function that repeats in all three directions, and is zero on the surface.
+pub(super) type Surface = fn(Angles) -> f64;
 
 /// The pattern of a surface.
-pub(super) struct Sheet<S> {
-    surface: S,
+pub(super) struct Sheet {
+    surface: Surface,
     /// Length of the lines per area, times the size of the cells.
     length: f64,
     /// How much of the coarser surface gives a density, for densities from an
@@ -97,9 +94,9 @@ const MANY: f64 = 1.0 / BLOCK as f64;
 /// left empty.
 const LEAST: f64 = 0.01;
 
-impl<S: Surface> Sheet<S> {
+impl Sheet {
     /// The pattern; `graded` if its density varies.
-    pub(super) fn new(surface: S, graded: bool) -> Self {
+    pub(super) fn new(surface: Surface, graded: bool) -> Self {
         let turns = (0..NODES)
             .map(|i| Turn::new(i as f64 * TAU / NODES as f64))
             .collect();
@@ -134,12 +131,12 @@ impl<S: Surface> Sheet<S> {
         let mut values = Vec::with_capacity(NODES * NODES);
         for &y in &self.turns {
             let row = self.turns.iter();
-            values.extend(row.map(|&x| self.surface.value(Angles { x, y, z })));
+            values.extend(row.map(|&x| (self.surface)(Angles { x, y, z })));
         }
         trace(&lattice, &values, 2, &mut |points, out| {
             out.extend(points.iter().map(|p| {
                 let (x, y) = (Turn::new(p.x), Turn::new(p.y));
-                self.surface.value(Angles { x, y, z })
+                (self.surface)(Angles { x, y, z })
             }));
         })
     }
@@ -152,8 +149,7 @@ impl<S: Surface> Sheet<S> {
             y: wide.y.double(),
             z: wide.z.double(),
         };
-        (1.0 - coarse) * self.surface.value(fine)
-            + coarse * self.surface.value(wide)
+        (1.0 - coarse) * (self.surface)(fine) + coarse * (self.surface)(wide)
     }
 
     /// For each density of an octave, the share of the coarser surface that
@@ -393,7 +389,7 @@ impl<S: Surface> Sheet<S> {
     }
 }
 
-impl<S: Surface> Pattern for Sheet<S> {
+impl Pattern for Sheet {
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
         match layer.density {
             Density::Even(share) => self.even(layer, share),
@@ -507,20 +503,20 @@ impl Strand {
 
 #[cfg(test)]
 mod tests {
-    use super::super::gyroid::Gyroid;
-    use super::super::schwarz_p::SchwarzP;
+    use super::super::gyroid::gyroid;
+    use super::super::schwarz_p::schwarz_p;
     use super::*;
 
     /// Length of the lines per area, times the cell, by the volume of a thin
     /// layer around the surface (the coarea formula), with no line traced.
-    fn length_by_volume(surface: &dyn Surface) -> f64 {
+    fn length_by_volume(surface: Surface) -> f64 {
         const N: usize = 1_000_000;
         const THIN: f64 = 0.05;
         // Points spread evenly through the cell, on no lattice (Roberts).
         let at = |n: usize, step: f64| (n as f64 * step).fract() * TAU;
         let value = |x: f64, y: f64, z: f64| {
             let [x, y, z] = [x, y, z].map(Turn::new);
-            surface.value(Angles { x, y, z })
+            surface(Angles { x, y, z })
         };
         let mut sum = 0.0;
         for n in 0..N {
@@ -539,24 +535,24 @@ mod tests {
     #[test]
     fn the_length_is_that_of_the_surface() {
         use super::super::{diamond, lidinoid, neovius};
-        fn check<S: Surface>(make: impl Fn() -> S) {
-            let found = Sheet::new(make(), false).length;
-            let expected = length_by_volume(&make());
+        fn check(surface: Surface) {
+            let found = Sheet::new(surface, false).length;
+            let expected = length_by_volume(surface);
             assert!(
                 (found / expected - 1.0).abs() < 0.015,
                 "{found} {expected}"
             );
         }
-        check(|| Gyroid);
-        check(|| SchwarzP);
-        check(|| diamond::Diamond);
-        check(|| neovius::Neovius);
-        check(|| lidinoid::Lidinoid);
+        check(gyroid);
+        check(schwarz_p);
+        check(diamond::diamond);
+        check(neovius::neovius);
+        check(lidinoid::lidinoid);
         // The gyroid is known to have an area of 3.09 per cell. If it faced all
         // directions alike, planes would cut it in lines of π/4 of that.
-        let gyroid = Sheet::new(Gyroid, false).length;
+        let length = Sheet::new(gyroid, false).length;
         let expected = std::f64::consts::FRAC_PI_4 * 3.09;
-        assert!((gyroid / expected - 1.0).abs() < 0.02, "{gyroid}");
+        assert!((length / expected - 1.0).abs() < 0.02, "{length}");
     }
 
     #[test]
@@ -574,7 +570,7 @@ mod tests {
 
     #[test]
     fn mixtures_lead_from_one_octave_to_the_next() {
-        let sheet = Sheet::new(Gyroid, true);
+        let sheet = Sheet::new(gyroid, true);
         assert!(sheet.coarse(0.0) < 0.2);
         assert!(sheet.coarse(1.0) > 0.9);
         let steps: Vec<f64> = sheet.mixtures.clone();

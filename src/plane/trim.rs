@@ -702,8 +702,8 @@ mod tests {
         assert!((left.content() - exact).abs() < TOLERANCE * 2.0 * PI * 9.3);
     }
 
-    /// States that are wrong must not cost a wall: either the border closes all
-    /// the same, or the result is none.
+    /// States that are wrong must not cost a wall: either the border closes
+    /// anyway, or the result is none.
     #[test]
     fn wrong_states_never_lose_a_wall() {
         let mut area = rect(-10.0, -10.0, 10.0, 10.0);

@@ -9,6 +9,7 @@
 
 pub mod edges;
 pub mod head;
+pub mod program;
 
 use glam::{DVec2, DVec3};
 use isocontour::SLAB;

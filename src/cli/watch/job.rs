@@ -1,7 +1,7 @@
 //! The arguments of the command, which stay the same.
 
 use crate::cli::args::{FORMULA, ModelArgs, SettingsSource};
-use crate::cli::limits::LimitArgs;
+use crate::cli::limits::{LimitArgs, ThreadArgs};
 use std::path::Path;
 
 /// What is watched, and how it is sliced.
@@ -9,7 +9,7 @@ pub(super) struct Job {
     pub model: ModelArgs,
     pub settings: SettingsSource,
     pub limits: LimitArgs,
-    pub threads: Option<u16>,
+    pub threads: ThreadArgs,
 }
 
 impl Job {

@@ -22,7 +22,7 @@ mod subject;
 mod work;
 
 use super::args::{ModelArgs, SettingsSource};
-use super::limits::LimitArgs;
+use super::limits::{LimitArgs, ThreadArgs};
 use super::plates::PlateArgs;
 use super::{plain, printers, terminal};
 use anyhow::{Context, bail};
@@ -90,14 +90,8 @@ pub(super) struct WatchArgs {
     #[arg(long, help_heading = "Page")]
     open: bool,
 
-    /// Number of threads [default: all processors]; the result is the same
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=1024),
-        help_heading = "Page"
-    )]
-    threads: Option<u16>,
+    #[command(flatten, next_help_heading = "Page")]
+    threads: ThreadArgs,
 
     #[command(flatten)]
     limits: LimitArgs,

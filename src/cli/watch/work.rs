@@ -12,7 +12,7 @@ use super::session::{
 use super::subject::{Read, Subject};
 use crate::cli::args::Gathered;
 use crate::cli::excerpt::excerpt;
-use crate::cli::limits::{GRACE, workers};
+use crate::cli::limits::{GRACE, ThreadArgs};
 use crate::cli::terminal;
 use anyhow::Context;
 use isoslice::files::{Output, read_text};
@@ -175,7 +175,7 @@ fn glimpse(
 ) -> Option<Glimpse> {
     let z = session.lock().layer?;
     let options = Options {
-        threads: job.threads.map(usize::from),
+        threads: job.threads.count(),
         glimpse: Some(z),
         check: false,
         ..Options::default()
@@ -255,10 +255,10 @@ pub(super) fn draw_within(
     watch: &Watch,
     model: &Model,
     look: Look,
-    threads: Option<u16>,
+    threads: ThreadArgs,
 ) -> anyhow::Result<Vec<u8>> {
     watch.run(|| {
-        let pool = workers(threads)?;
+        let pool = threads.workers()?;
         let draw = if look.rough { View::sketch } else { View::draw };
         let drawn = pool.install(|| {
             doing("picture", || draw(look.view, model, look.size, None))
@@ -273,7 +273,7 @@ fn slice(
     plate: &Plate,
 ) -> anyhow::Result<(Arc<Text>, Summary)> {
     let options = Options {
-        threads: job.threads.map(usize::from),
+        threads: job.threads.count(),
         on_layer: &|done, total| session.report(done, total),
         ..Options::default()
     };

@@ -9,7 +9,9 @@
 //! v² / (√(u² + v²) + |u|) the distance has a gradient everywhere, where √
 //! alone would have none on the outline.
 
+use crate::plane::hull;
 use fidget::context::Tree;
+use glam::DVec2;
 
 /// The distance for the `u` and `v` of the module's head.
 fn cornered(u: &Tree, v: &Tree) -> Tree {
@@ -88,11 +90,6 @@ pub(super) fn area(points: &[[f64; 2]]) -> f64 {
     points.iter().zip(next).map(cross).sum()
 }
 
-/// How much the way from `a` over `b` to `c` turns left at `b`.
-pub(super) fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
-}
-
 /// The region within a simple polygon that turns left: its hull without its
 /// pockets, each of which is a polygon, too. The field is a distance only where
 /// the polygon is convex. (S. Tor, A. Middleditch: Convex decomposition of
@@ -108,7 +105,7 @@ pub(super) fn polygon(
     if depth > DEEPEST {
         return Err("the polygon is wound up too deeply".to_owned());
     }
-    let hull = hull(points);
+    let hull = corners_of_hull(points);
     if hull.len() < 3 {
         return Err("the polygon crosses itself, or has no area".to_owned());
     }
@@ -135,28 +132,12 @@ pub(super) fn polygon(
 }
 
 /// The corners of the hull in the polygon's own order.
-fn hull(points: &[[f64; 2]]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&i, &j| {
-        let (a, b) = (points[i], points[j]);
-        a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
-    });
-    let half = |order: &mut dyn Iterator<Item = usize>| {
-        let mut chain: Vec<usize> = Vec::new();
-        for i in order {
-            while let [.., a, b] = chain[..]
-                && turn(points[a], points[b], points[i]) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(i);
-        }
-        chain.pop();
-        chain
-    };
-    let mut all = half(&mut order.iter().copied());
-    all.extend(half(&mut order.iter().rev().copied()));
-    // The corners are sorted into the order of the polygon's path.
+fn corners_of_hull(points: &[[f64; 2]]) -> Vec<usize> {
+    let hull = hull(points.iter().map(|&p| p.into()));
+    let index =
+        |corner: &DVec2| points.iter().position(|p| *p == corner.to_array());
+    let mut all: Vec<usize> = hull.iter().filter_map(index).collect();
     all.sort_unstable();
+    all.dedup();
     all
 }

@@ -1,5 +1,5 @@
 use super::super::{ScriptLimits, run_script};
-use super::convex::turn;
+use super::convex::area;
 use super::*;
 use fidget::context::Context;
 
@@ -175,8 +175,7 @@ fn any_simple_polygon_has_its_inside() {
     ];
     for points in [&star[..], &spiral[..]] {
         assert!((0..points.len()).any(|i| {
-            let at = |k: usize| points[(i + k) % points.len()];
-            turn(at(0), at(1), at(2)) < 0.0
+            area(&[0, 1, 2].map(|k| points[(i + k) % points.len()])) < 0.0
         }));
         let mut context = Context::new();
         let node =

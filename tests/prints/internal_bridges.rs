@@ -1,0 +1,283 @@
+//! Internal bridges: what they end on, and how far they reach.
+
+use crate::common;
+use crate::common::head::Head;
+use glam::{DVec2, DVec3};
+use isoslice::settings::Settings;
+
+/// A move that extrudes, with its role.
+struct Step {
+    role: String,
+    from: DVec2,
+    to: DVec2,
+    /// Filament, mm.
+    fed: f64,
+    /// Speed, mm/min.
+    speed: f64,
+    /// Speed of the fan, 0 to 255.
+    fan: f64,
+    /// True if no other move lies between it and the one before.
+    goes_on: bool,
+}
+
+fn settings(more: &[&str]) -> Settings {
+    let mut all = vec![
+        "internal_bridges=true",
+        "gcode.comments=orca",
+        "gcode.relative_e=true",
+        "gcode.progress=off",
+        "skirt.loops=0",
+    ];
+    all.extend(more);
+    common::settings(&all)
+}
+
+/// The moves of each layer of a part.
+fn layers(formula: &str, settings: &Settings) -> Vec<Vec<Step>> {
+    let model = common::formula(formula, settings);
+    let (gcode, _) = common::slice(&model, settings, 2);
+    let end = gcode.find("; end of layers").unwrap();
+    let mut head = Head::new(DVec3::new(110.0, 110.0, 0.0));
+    let (mut role, mut layers) = ("", Vec::new());
+    let (mut goes_on, mut fan) = (false, 0.0);
+    for line in gcode[..end].lines() {
+        if line.starts_with(";LAYER_CHANGE") {
+            layers.push(Vec::new());
+        }
+        if let Some(name) = line.strip_prefix(";TYPE:") {
+            role = name;
+        }
+        if let Some(value) = line.strip_prefix("M106 S") {
+            fan = value.parse().unwrap();
+        }
+        let Some(step) = head.step(line) else {
+            continue;
+        };
+        let prints = step.prints();
+        if let Some(layer) = layers.last_mut().filter(|_| prints) {
+            layer.push(Step {
+                role: role.to_owned(),
+                from: step.from.truncate(),
+                to: step.to.truncate(),
+                fed: step.fed,
+                speed: step.speed,
+                fan,
+                goes_on,
+            });
+        }
+        goes_on = prints;
+    }
+    layers
+}
+
+const BRIDGE: &str = "Internal Bridge";
+const INFILL: &str = "Sparse infill";
+
+/// Distance of a point from a move.
+fn distance(p: DVec2, step: &Step) -> f64 {
+    let way = step.to - step.from;
+    let t = (p - step.from).dot(way) / way.length_squared();
+    p.distance(step.from + t.clamp(0.0, 1.0) * way)
+}
+
+/// The longest way over nothing, and how many ends nothing holds.
+fn judged(layers: &[Vec<Step>]) -> (f64, usize, usize) {
+    /// Half of a line's width, and what coordinates are rounded and lines are
+    /// thinned by.
+    const HALF: f64 = 0.225 + 0.03;
+    let (mut longest, mut free, mut lines) = (0.0_f64, 0, 0);
+    for pair in layers.windows(2) {
+        let (below, own) = (&pair[0], &pair[1]);
+        // What is solid holds a line beside it as well as one on it.
+        let held = |p: DVec2| {
+            let near = |s: &Step| {
+                let solid = s.role != INFILL;
+                let beside = if solid { 0.1 } else { 0.0 };
+                distance(p, s) < HALF + beside
+            };
+            let wall = |s: &Step| {
+                s.role != BRIDGE
+                    && s.role != INFILL
+                    && distance(p, s) < 2.0 * HALF
+            };
+            below.iter().any(near) || own.iter().any(wall)
+        };
+        let bridges: Vec<&Step> =
+            own.iter().filter(|s| s.role == BRIDGE).collect();
+        let mut run = 0.0;
+        for (i, step) in bridges.iter().enumerate() {
+            let first = !step.goes_on;
+            let last = bridges.get(i + 1).is_none_or(|next| !next.goes_on);
+            free += usize::from(first && !held(step.from));
+            free += usize::from(last && !held(step.to));
+            lines += usize::from(first);
+            if first {
+                run = 0.0;
+            }
+            let length = step.from.distance(step.to);
+            let count = (length / 0.05).ceil();
+            for k in 0..count as usize {
+                let p = step.from.lerp(step.to, k as f64 / count);
+                run = if held(p) { 0.0 } else { run + length / count };
+                longest = longest.max(run);
+            }
+        }
+    }
+    (longest, free, lines)
+}
+
+/// A box with a flat top.
+const BOX: &str = "max(max(abs(x) - 12, abs(y) - 9), max(-z, z - 4))";
+/// A cap of a ball on a short cylinder: its skin ends over infill.
+const DOME: &str =
+    "max(max(sqrt(x^2 + y^2) - 16, -z), sqrt(x^2 + y^2 + (z + 30)^2) - 37)";
+
+#[test]
+fn a_top_has_one_layer_across_the_infill() {
+    let settings = settings(&["infill_density=15"]);
+    let layers = layers(BOX, &settings);
+    let count = |l: &Vec<Step>| l.iter().filter(|s| s.role == BRIDGE).count();
+    let with: Vec<usize> = (0..layers.len())
+        .filter(|&i| count(&layers[i]) > 0)
+        .collect();
+    // Four solid layers of 20.
+    assert_eq!(with, [16]);
+    let (longest, free, lines) = judged(&layers);
+    assert!(lines > 60 && free == 0, "{lines} {free}");
+    // Lines of infill are 0.45/0.15 mm apart, less what they and what lies on
+    // them is wide.
+    assert!(longest < 0.45 / 0.15 - 0.45, "{longest}");
+    // They run across those of the layer below, and fill their plane.
+    let along = |role: &str, layer: &[Step]| {
+        let all = layer.iter().filter(|s| s.role == role);
+        let longest = all.max_by(|a, b| {
+            let length = |s: &Step| s.from.distance(s.to);
+            length(a).total_cmp(&length(b))
+        });
+        let longest = longest.unwrap();
+        (longest.to - longest.from).normalize()
+    };
+    let (own, below) = (along(BRIDGE, &layers[16]), along(INFILL, &layers[15]));
+    assert!(own.dot(below).abs() < 0.01, "{own} {below}");
+    // What is inside the walls: less two walls of 0.407 mm on each side.
+    let inside = (24.0 - 4.0 * 0.407) * (18.0 - 4.0 * 0.407);
+    let laid: f64 = layers[16]
+        .iter()
+        .filter(|s| s.role == BRIDGE)
+        .map(|s| s.from.distance(s.to) * 0.407)
+        .sum();
+    assert!((laid / inside - 1.0).abs() < 0.03, "{laid} {inside}");
+}
+
+#[test]
+fn every_end_is_held_whatever_the_infill() {
+    for infill in [
+        "infill=rectilinear",
+        "infill=grid",
+        "infill=triangles",
+        "infill=gyroid",
+        "infill=cubic",
+        "infill=hexagons",
+        "infill_density=expr: 10 + 20*exp(-d/4)",
+    ] {
+        for part in [BOX, DOME] {
+            let layers = layers(part, &settings(&[infill]));
+            let (longest, free, lines) = judged(&layers);
+            assert!(lines > 20, "{infill} {lines}");
+            assert_eq!(free, 0, "{infill} {part}: of {lines} lines");
+            // Lines of triangles are 3·0.45/0.15 = 9 mm apart.
+            assert!(longest < 9.0, "{infill} {part}: {longest}");
+        }
+    }
+}
+
+/// The layers of the box that have bridges, and the direction of these.
+fn directions(layers: &[Vec<Step>]) -> Vec<(usize, DVec2)> {
+    let all = layers.iter().enumerate();
+    all.filter_map(|(i, layer)| {
+        let longest =
+            layer.iter().filter(|s| s.role == BRIDGE).max_by(|a, b| {
+                let length = |s: &Step| s.from.distance(s.to);
+                length(a).total_cmp(&length(b))
+            })?;
+        Some((i, (longest.to - longest.from).normalize()))
+    })
+    .collect()
+}
+
+#[test]
+fn over_sparse_infill_there_are_more_layers_each_across_the_other() {
+    for (more, expected) in [
+        (&["infill_density=8"][..], &[16, 17][..]),
+        (&["infill_density=10"], &[16]),
+        (&["infill_density=8", "internal_bridge_layers=1"], &[16]),
+        (
+            &["infill_density=15", "internal_bridge_layers=3"],
+            &[16, 17, 18],
+        ),
+        // As far apart as the lines of the first.
+        (&["infill_density=expr: 8"], &[16, 17]),
+        (&["infill_density=expr: 15"], &[16]),
+    ] {
+        let layers = layers(BOX, &settings(more));
+        let found = directions(&layers);
+        let with: Vec<usize> = found.iter().map(|f| f.0).collect();
+        assert_eq!(with, expected, "{more:?}");
+        for pair in found.windows(2) {
+            assert!(pair[0].1.dot(pair[1].1).abs() < 0.01, "{more:?}");
+        }
+        let (_, free, lines) = judged(&layers);
+        assert!(lines > 60 * expected.len() && free == 0, "{lines} {free}");
+        // Each of them fills its layer.
+        let laid = expected.iter().map(|&i| {
+            let all = layers[i].iter().filter(|s| s.role == BRIDGE);
+            all.map(|s| s.from.distance(s.to)).sum::<f64>()
+        });
+        let laid: Vec<f64> = laid.collect();
+        for own in &laid {
+            assert!((own / laid[0] - 1.0).abs() < 0.03, "{laid:?}");
+        }
+    }
+    // Also where skin grows from layer to layer, and where infill bends.
+    for infill in ["infill=rectilinear", "infill=gyroid", "infill=cubic"] {
+        let layers = layers(DOME, &settings(&[infill, "infill_density=8"]));
+        let (_, free, lines) = judged(&layers);
+        assert!(lines > 20, "{infill} {lines}");
+        assert_eq!(free, 0, "{infill}: of {lines} lines");
+    }
+}
+
+#[test]
+fn they_have_speed_flow_and_fan_of_their_own() {
+    let moves = |more: &[&str]| {
+        let mut all = vec!["cooling.min_layer_time=0", "cooling.fan_speed=50"];
+        all.extend(more);
+        let mut layers = layers(BOX, &settings(&all));
+        let mut bridge = layers.swap_remove(16);
+        bridge.retain(|s| s.role == BRIDGE && s.from.distance(s.to) > 5.0);
+        bridge
+    };
+    let usual = moves(&[]);
+    let own = moves(&[
+        "speed.internal_bridge=23",
+        "internal_bridge_flow=110",
+        "cooling.internal_bridge_fan_speed=80",
+    ]);
+    assert!(!own.is_empty() && own.len() == usual.len());
+    for (a, b) in own.iter().zip(&usual) {
+        assert_eq!((a.speed, a.fan), (23.0 * 60.0, 204.0));
+        assert_eq!((b.speed, b.fan), (40.0 * 60.0, 255.0));
+        assert!((a.fed / b.fed - 1.1).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn there_are_none_unless_asked_for_and_none_in_solid_parts() {
+    let off = ["internal_bridges=false"];
+    let layers_of = |more: &[&str]| layers(BOX, &settings(more));
+    let has =
+        |all: &[Vec<Step>]| all.iter().flatten().any(|s| s.role == BRIDGE);
+    assert!(!has(&layers_of(&off)));
+    assert!(!has(&layers_of(&["infill_density=100"])));
+    assert!(has(&layers_of(&[])));
+}

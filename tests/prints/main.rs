@@ -1,0 +1,27 @@
+//! What is printed: parts are sliced whole, and their G-code is measured against
+//! what is known of the parts.
+
+// A test that cannot go on should say so and stop.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod adhesion;
+mod compensation;
+mod exposure;
+mod flow_change;
+mod golden;
+mod hanging;
+mod interlock;
+mod internal_bridges;
+mod invariants;
+mod one_by_one;
+mod overhangs;
+mod plates;
+mod raft;
+mod relief;
+mod seams;
+mod spiral;
+mod supports;
+mod top_walls;

@@ -1,0 +1,217 @@
+//! Walls that hang over the layer below: their speed, fan and order, against how
+//! far a leaning cylinder's walls reach by its formula.
+
+use crate::common;
+use crate::common::{
+    INNER_WALL, Kind, Layer, Move, OUTER_WALL, formula, parse,
+};
+use glam::DVec2;
+
+/// A cylinder that leans by 1.5 mm for each mm of its height: each layer of 0.2
+/// mm reaches 0.3 mm farther than the one below.
+const LEANING: &str = "max(sqrt((x - 1.5*z)^2 + y^2) - 8, abs(z - 2) - 2)";
+const LEAN: f64 = 1.5;
+/// How much farther each layer reaches, mm.
+const SHIFT: f64 = 0.3;
+const WIDTH: f64 = 0.45;
+const OVERHANG: &str = "Overhang perimeter";
+
+/// Walls only, at the speeds asked for.
+const BARE: [&str; 12] = [
+    "infill_density=0",
+    "top_layers=0",
+    "bottom_layers=0",
+    "sample_spacing=0.4",
+    "skirt.loops=0",
+    "cooling.min_layer_time=0",
+    "printer.max_moves_per_second=100000",
+    "speed.outer_wall=40",
+    "speed.inner_wall=60",
+    "speed.first_layer=100",
+    "gcode.progress=off",
+    "cooling.fan_speed=20",
+];
+
+fn sliced(text: &str, more: &[&str]) -> String {
+    let all: Vec<&str> = BARE.iter().chain(more).copied().collect();
+    let settings = common::settings(&all);
+    common::slice(&formula(text, &settings), &settings, 2).0
+}
+
+/// The layers that lie on another one.
+fn upper(gcode: &str) -> Vec<Layer> {
+    parse(gcode).split_off(1)
+}
+
+/// A move's middle, from the middle of its layer.
+fn middle(m: &Move, layers: &[Layer], z: f64) -> DVec2 {
+    // That of the layers above the first is at a height of 2.1 mm.
+    let all = layers.iter().flat_map(|l| l.prints());
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for m in all.filter(|m| m.role != INNER_WALL) {
+        low = low.min(m.to.x);
+        high = high.max(m.to.x);
+    }
+    let axis = 0.5 * (low + high) + LEAN * (z - 0.1 - 2.1);
+    let (a, b) = m.ends();
+    0.5 * (a + b) - DVec2::new(axis, 110.0)
+}
+
+/// The share of a wall's width that reaches beyond the layer below, and whether
+/// it is the outer wall; nothing of moves that are no walls.
+fn reach(at: DVec2) -> (f64, bool) {
+    let outer = at.length() > 7.6;
+    let out = SHIFT * at.x / at.length();
+    let depth = 8.0 - at.length();
+    (((out - depth + 0.5 * WIDTH) / WIDTH).clamp(0.0, 1.0), outer)
+}
+
+/// The speed that steps of 50 % at 20 mm/s and 100 % at a quarter make.
+fn meant(share: f64, own: f64) -> f64 {
+    if share < 0.5 {
+        own + share / 0.5 * (20.0 - own)
+    } else {
+        20.0 + (share - 0.5) / 0.5 * (0.25 * own - 20.0)
+    }
+}
+
+#[test]
+fn walls_are_slower_the_farther_they_reach() {
+    let steps = "speed.overhang_steps=50: 20, 100: 25%";
+    let fan = "cooling.overhang_fan_steps=60: 80";
+    let gcode = sliced(LEANING, &[steps, fan, "speed.overhang=3"]);
+    let layers = upper(&gcode);
+    let (mut least, mut speeds) = (f64::INFINITY, Vec::new());
+    for layer in &layers {
+        for m in layer.prints() {
+            assert!([OUTER_WALL, INNER_WALL, OVERHANG].contains(&m.role));
+            let (share, outer) = reach(middle(m, &layers, layer.z));
+            let own = if outer { 40.0 } else { 60.0 };
+            let (is, should) = (m.feed / 60.0, meant(share, own));
+            // Cut where it has changed by 5 %; a move may be 0.6 mm long, over
+            // which the reach changes by 3 % of the width.
+            let slack = 0.05 * should + 2.0;
+            assert!((is - should).abs() <= slack, "{is} {should} {share}");
+            least = least.min(is);
+            speeds.push((1000.0 * is).round() as i64);
+        }
+    }
+    // The farthest reaches 67 % of its width.
+    assert!((least - meant(0.667, 40.0)).abs() < 1.0, "{least}");
+    // No threshold shows: many speeds, and no gap between them.
+    speeds.sort_unstable();
+    speeds.dedup();
+    let walls: Vec<i64> = speeds.into_iter().filter(|s| *s <= 40_000).collect();
+    assert!(walls.len() > 10, "{walls:?}");
+    for pair in walls.windows(2) {
+        assert!(pair[1] as f64 <= 1.13 * pair[0] as f64, "{pair:?}");
+    }
+    // The fan comes up to 80 %, by no more than some steps of 5 %.
+    let fans: Vec<f64> = gcode
+        .lines()
+        .filter_map(|l| l.strip_prefix("M106 S"))
+        .map(|s| s.parse::<f64>().unwrap() / 255.0)
+        .collect();
+    let most = fans.iter().copied().fold(0.0, f64::max);
+    assert!((0.75..=0.81).contains(&most), "{most}");
+    let between = fans.iter().filter(|f| (0.3..0.7).contains(*f)).count();
+    assert!(between > layers.len(), "{between}");
+}
+
+#[test]
+fn what_stands_upright_keeps_its_bytes() {
+    let upright = "max(sqrt(x^2 + y^2) - 8, abs(z - 2) - 2)";
+    let plain = sliced(upright, &[]);
+    let body = |gcode: &str| {
+        let from = gcode.find(";LAYER_CHANGE").unwrap();
+        let to = gcode.find("; end of layers").unwrap();
+        gcode[from..to].to_owned()
+    };
+    for own in [
+        "speed.overhang_steps=10: 5, 100: 1",
+        "cooling.overhang_fan_steps=10: 100",
+        "overhang_reverse=true",
+    ] {
+        assert!(body(&sliced(upright, &[own])) == body(&plain), "{own}");
+    }
+}
+
+/// Twice the area that a layer's outer wall goes round, positive if
+/// counter-clockwise.
+fn turn(layer: &Layer) -> f64 {
+    let shows = |m: &&Move| [OUTER_WALL, OVERHANG].contains(&m.role);
+    let all = layer.prints().filter(shows).map(Move::ends);
+    all.map(|(a, b)| (a - DVec2::splat(110.0)).perp_dot(b - a))
+        .sum()
+}
+
+#[test]
+fn walls_that_hang_are_turned_round_on_every_other_layer() {
+    let turned = upper(&sliced(LEANING, &["walls=1", "overhang_reverse=true"]));
+    for (i, layer) in turned.iter().enumerate() {
+        // The first of them is layer 1.
+        assert!(turn(layer) * if i % 2 == 0 { -1.0 } else { 1.0 } > 100.0);
+    }
+    let plain = upper(&sliced(LEANING, &["walls=1"]));
+    assert!(plain.iter().all(|layer| turn(layer) > 100.0));
+    // They begin where they did, and end with a wipe inwards.
+    for (a, b) in turned.iter().zip(&plain) {
+        let wipe = |layer: &Layer| {
+            let last = layer.moves.iter().rposition(|m| m.kind == Kind::Print);
+            let end = layer.moves[last.unwrap()].to.truncate();
+            let next = layer.moves.get(last.unwrap() + 1).unwrap();
+            (end, next.to.truncate())
+        };
+        let ((end, to), (_, plain)) = (wipe(a), wipe(b));
+        assert!((to - plain).length() < 0.02, "{to} {plain}");
+        assert!((to - end).length() > 0.25);
+    }
+}
+
+#[test]
+fn walls_that_hang_begin_with_the_innermost() {
+    let first = |more: &[&str]| -> Vec<bool> {
+        let mut all = vec!["wall_order=outer-first"];
+        all.extend(more);
+        let inner = |l: &Layer| l.prints().next().unwrap().role == INNER_WALL;
+        parse(&sliced(LEANING, &all)).iter().map(inner).collect()
+    };
+    assert!(first(&[]).iter().all(|inner| !inner));
+    let hanging = first(&["overhang_inner_first=true"]);
+    // The first layer lies on the bed.
+    assert!(!hanging[0] && hanging[1..].iter().all(|inner| *inner));
+    let held = ["overhang_inner_first=true", "overhang_share=70"];
+    assert!(first(&held).iter().all(|inner| !inner));
+}
+
+#[test]
+fn what_lies_over_a_support_counts_half() {
+    // A plate on a post, with a support under it that leaves no gap.
+    let half = "(7.5 + 4.5*min(1, max(-1, 1000*(z - 3))))";
+    let tee = format!("max(max(abs(x) - {half}, abs(y) - 6), abs(z - 2) - 2)");
+    let speeds = |more: &[&str]| {
+        let mut all = vec![
+            "speed.overhang_steps=50: 20, 100: 10",
+            "overhang_share=100",
+            "walls=1",
+        ];
+        all.extend(more);
+        let layers = parse(&sliced(&tee, &all));
+        let plate = layers.iter().find(|l| l.z > 3.1).unwrap();
+        // The plate's far ends.
+        let far = |m: &&Move| {
+            let ((a, b), mid) = (m.ends(), 110.0);
+            m.role == OUTER_WALL
+                && (a.x - mid).abs() > 11.0
+                && (b.x - mid).abs() > 11.0
+                && (0.5 * (a.y + b.y) - mid).abs() < 5.0
+        };
+        let speeds = plate.prints().filter(far).map(|m| m.feed / 60.0);
+        speeds.collect::<Vec<f64>>()
+    };
+    let alone = speeds(&[]);
+    assert!(!alone.is_empty() && alone.iter().all(|s| (s - 10.0).abs() < 0.1));
+    let held = speeds(&["supports=auto"]);
+    let half = |s: &f64| (19.0..21.0).contains(s);
+    assert!(!held.is_empty() && held.iter().all(half), "{held:?}");
+}

@@ -1,0 +1,266 @@
+//! A vase printed as one climbing wall, against the surface it stands for.
+
+use crate::common;
+use crate::common::head::Head;
+use crate::common::number;
+use glam::DVec3;
+use isoslice::pipeline::{self, Options};
+use isoslice::settings::Settings;
+
+/// Layer height, mm, and the wall's width.
+const HEIGHT: f64 = 0.2;
+const WIDTH: f64 = 0.45;
+
+/// A move that extrudes: from, to, filament.
+type Step = (DVec3, DVec3, f64);
+
+fn settings(more: &[&str]) -> Settings {
+    let mut all = vec![
+        "spiral=true",
+        "layer_height=0.2",
+        "first_layer_height=0.2",
+        "outer_wall_width=0.45",
+        "bottom_layers=2",
+        "gcode.relative_e=true",
+        "gcode.progress=off",
+        "skirt.loops=0",
+    ];
+    all.extend(more);
+    common::settings(&all)
+}
+
+/// The moves of the layers from `first` on, on a bed whose middle is 0, 0, and
+/// their text.
+fn turns(
+    gcode: &str,
+    first: usize,
+    settings: &Settings,
+) -> (Vec<Step>, String) {
+    let mut layers = gcode.split(";LAYER_CHANGE\n").skip(1 + first);
+    let mut text: String = layers.by_ref().collect();
+    text.truncate(text.find("; end of layers").unwrap());
+    let middle = 0.5
+        * DVec3::new(
+            number(settings, "printer.bed_x"),
+            number(settings, "printer.bed_y"),
+            0.0,
+        );
+    let mut head = Head::new(middle);
+    let steps = text.lines().filter_map(|line| head.step(line));
+    let printing = steps.filter(|s| s.fed > 0.0 && s.to.distance(s.from) > 0.0);
+    let steps = printing.map(|s| (s.from, s.to, s.fed)).collect();
+    (steps, text)
+}
+
+/// A cone that widens by half of its height.
+fn cone(more: &[&str]) -> (Vec<Step>, String) {
+    let settings = settings(more);
+    let part = "max(sqrt(x^2 + y^2) - 15 - 0.5*z, max(-z, z - 6))";
+    let model = common::formula(part, &settings);
+    let (gcode, _) = common::slice(&model, &settings, 2);
+    turns(&gcode, 2, &settings)
+}
+
+#[test]
+fn every_point_is_on_the_surface_at_its_own_height() {
+    let (steps, _) = cone(&[]);
+    assert!(steps.len() > 28 * 50);
+    let last = steps.iter().map(|s| s.1.z).fold(0.0, f64::max);
+    assert!((last - 6.0).abs() < 1e-9);
+    let mut worst: f64 = 0.0;
+    for (from, to, _) in &steps {
+        // The first turn grows, and the flat one at the end follows the last
+        // layer's outline.
+        let flat = from.z == 6.0;
+        if from.z < 0.4 + HEIGHT || flat {
+            continue;
+        }
+        for i in 0..=4 {
+            let p = from.lerp(*to, 0.25 * f64::from(i));
+            let surface = 15.0 + 0.5 * (p.z - 0.5 * HEIGHT);
+            let off = p.truncate().length() + 0.5 * WIDTH - surface;
+            worst = worst.max(off.abs());
+        }
+    }
+    // `accuracy`, and the rounding of coordinates.
+    assert!(worst < 0.005 + 0.001, "{worst}");
+}
+
+#[test]
+fn it_climbs_without_a_break() {
+    let (steps, text) = cone(&[]);
+    for (a, b) in steps.iter().zip(&steps[1..]) {
+        assert_eq!(a.1, b.0);
+        assert!(b.1.z >= b.0.z);
+        assert!(b.1.z - b.0.z < 0.1 * HEIGHT);
+    }
+    assert!(!text.contains("G10") && !text.contains("E-"));
+    // After the way to the first turn, no step is without filament.
+    let mut moves = text.lines().filter(|l| l.starts_with("G1 X"));
+    let climb: Vec<_> =
+        moves.by_ref().skip_while(|l| !l.contains('Z')).collect();
+    // The bead is down to nothing where the last turn ends.
+    let climb = &climb[..climb.len() - 1];
+    assert_eq!(climb.iter().find(|l| !l.contains('E')), None);
+}
+
+#[test]
+fn it_lays_what_fills_the_wall() {
+    let (steps, _) = cone(&[]);
+    let laid: f64 = steps.iter().map(|s| s.2).sum();
+    let laid = laid * common::filament_area(1.75);
+    // From the second layer's top to the part's, by the middle line's radius.
+    let section =
+        (WIDTH - HEIGHT * (1.0 - std::f64::consts::FRAC_PI_4)) * HEIGHT;
+    let middle = 15.0 + 0.25 * (0.4 + 6.0) - 0.5 * WIDTH;
+    let meant = section * (6.0 - 0.4) / HEIGHT * std::f64::consts::TAU * middle;
+    // The first turn and the last are lower than a bead that fills its share
+    // of the plane, half of the height on average: their round ends are smaller.
+    let ends = 2.0 / 28.0 * 0.1;
+    assert!((laid / meant - 1.0).abs() < ends, "{laid} {meant}");
+}
+
+/// Each of three walls of the cone is at its depth at each point's height, and the
+/// outer one has the volume that it has alone.
+#[test]
+fn walls_inside_climb_beside_the_outer_one() {
+    let (alone, _) = cone(&[]);
+    let (steps, text) = cone(&["spiral_walls=3", "inner_wall_width=0.5"]);
+    // Distances of neighbours: half of both widths, less what ends overlap.
+    let overlap = HEIGHT * (1.0 - std::f64::consts::FRAC_PI_4);
+    let depth =
+        [0.0, 0.475 - overlap, 0.975 - 2.0 * overlap].map(|d| 0.5 * WIDTH + d);
+    let mut seen = [0; 3];
+    let mut worst: f64 = 0.0;
+    for (from, to, _) in &steps {
+        if from.z < 0.4 + HEIGHT || from.z == 6.0 {
+            continue;
+        }
+        for i in 0..=4 {
+            let p = from.lerp(*to, 0.25 * f64::from(i));
+            let surface = 15.0 + 0.5 * (p.z - 0.5 * HEIGHT);
+            let own = surface - p.truncate().length();
+            let (wall, off) = depth
+                .iter()
+                .map(|d| (own - d).abs())
+                .enumerate()
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .unwrap();
+            seen[wall] += 1;
+            worst = worst.max(off);
+        }
+    }
+    assert!(worst < 0.005 + 0.001, "{worst}");
+    assert!(seen.iter().all(|n| *n > 28 * 50), "{seen:?}");
+    // The outer wall is the one that it is alone.
+    let outer = |s: &&Step| {
+        let p = s.0.lerp(s.1, 0.5);
+        let surface = 15.0 + 0.5 * (p.z - 0.5 * HEIGHT);
+        (surface - p.truncate().length() - depth[0]).abs() < 0.1
+    };
+    let fed = |all: &[Step]| all.iter().filter(outer).map(|s| s.2).sum::<f64>();
+    assert!((fed(&steps) / fed(&alone) - 1.0).abs() < 0.002);
+    // The nozzle goes to the next wall 3 times a layer, and pulls nothing back.
+    assert!(!text.contains("G10") && !text.contains("E-"));
+    let breaks = steps.windows(2).filter(|w| w[0].1 != w[1].0).count();
+    assert!(breaks <= 28 * 3 + 3, "{breaks}");
+    // Between two walls the nozzle goes down by a layer, and by no more.
+    for (a, b) in steps.iter().zip(&steps[1..]) {
+        assert!(a.1.z - b.0.z < HEIGHT + 1e-6, "{a:?} {b:?}");
+        assert!(b.1.z >= b.0.z);
+    }
+}
+
+#[test]
+fn walls_without_room_are_an_error_that_says_where() {
+    let settings = settings(&["spiral_walls=2"]);
+    // A dumb-bell with a waist of 1 mm, up to 2.5 mm.
+    let part = "max(min(min(sqrt((x-9)^2 + y^2), sqrt((x+9)^2 + y^2)) - 6, \
+                max(abs(x) - 9, abs(y) - 0.5 - max(0, z - 2.5))), \
+                max(-z, z - 4))";
+    let model = common::formula(part, &settings);
+    let mut out = Vec::new();
+    let error =
+        pipeline::slice(&model, &settings, &Options::default(), &mut out)
+            .unwrap_err()
+            .to_string();
+    assert!(error.contains("no room for wall 2"), "{error}");
+    assert!(error.contains("z = 0.30 mm (layer 2)"), "{error}");
+    // In the waist, in the middle of the bed.
+    let at = error.split("beside x = ").nth(1).unwrap();
+    let x: f64 = at.split(',').next().unwrap().parse().unwrap();
+    assert!((x - 110.0).abs() < 3.5, "{error}");
+}
+
+#[test]
+fn a_high_skirt_is_refused_in_layers_of_any_height() {
+    let settings = settings(&[
+        "layer_heights=adaptive",
+        "skirt.loops=1",
+        "skirt.layers=9",
+    ]);
+    let part = "max(sqrt(x^2 + y^2) - 15 - 0.5*z, max(-z, z - 6))";
+    let model = common::formula(part, &settings);
+    let mut out = Vec::new();
+    let error =
+        pipeline::slice(&model, &settings, &Options::default(), &mut out)
+            .unwrap_err()
+            .to_string();
+    assert!(error.contains("set skirt.layers to 2 or less"), "{error}");
+}
+
+#[test]
+fn corners_stay_sharp() {
+    let settings = settings(&[]);
+    let part = "max(max(abs(x), abs(y)) - 10 + 0.3*z, max(-z, z - 6))";
+    let model = common::formula(part, &settings);
+    let (gcode, _) = common::slice(&model, &settings, 1);
+    let (steps, _) = turns(&gcode, 2, &settings);
+    let mut corners = 0;
+    for (_, p, _) in steps.iter().filter(|s| s.1.z > 0.6 && s.1.z < 5.9) {
+        let side = 10.0 - 0.3 * (p.z - 0.5 * HEIGHT) - 0.5 * WIDTH;
+        let far = p.truncate().abs();
+        assert!((far.max_element() - side).abs() < 0.003, "{p}");
+        corners += usize::from((far.min_element() - side).abs() < 0.003);
+    }
+    assert!(corners >= 4 * 25, "{corners}");
+}
+
+#[test]
+fn what_is_no_single_wall_is_an_error() {
+    let settings = settings(&[]);
+    for (part, word) in [
+        (
+            "max(min(sqrt((x-9)^2 + y^2), sqrt((x+9)^2 + y^2)) - 6, \
+             max(-z, z - 3))",
+            "2 pieces",
+        ),
+        (
+            "max(sqrt(x^2 + y^2) - 0.1 - 2*abs(z - 1.5), max(-z, z - 3))",
+            "thinner",
+        ),
+    ] {
+        let model = common::formula(part, &settings);
+        let mut out = Vec::new();
+        let error =
+            pipeline::slice(&model, &settings, &Options::default(), &mut out)
+                .unwrap_err()
+                .to_string();
+        assert!(error.contains(word), "{error}");
+        assert!(out.is_empty());
+    }
+}
+
+#[test]
+fn what_a_spiral_leaves_out_is_told() {
+    let settings = settings(&[]);
+    for (part, word) in [
+        ("max(abs(sqrt(x^2 + y^2) - 9) - 2, max(-z, z - 3))", "holes"),
+        ("max(sqrt(x^2 + y^2 + z^2) - 6, -z)", "so flat"),
+    ] {
+        let model = common::formula(part, &settings);
+        let (_, summary) = common::slice(&model, &settings, 1);
+        let told = summary.warnings.join("\n");
+        assert!(told.contains(word), "{told}");
+    }
+}
