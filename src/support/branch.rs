@@ -34,9 +34,6 @@ use glam::DVec2;
 const SLENDER: f64 = 12.0;
 /// A post has this share of the area that it holds, at least.
 const BEARING: f64 = 1.0 / 30.0;
-/// A branch that is wider than a post, but has less than so many times the area of
-/// one, is a neck: it has the post in its middle.
-const NECK: f64 = 2.0;
 /// Height and width of a foot on the bed, mm.
 const FOOT: Mm = 1.0;
 /// A post's core has this radius, mm.
@@ -322,33 +319,17 @@ impl Branch {
         let points = self.core.rings.iter().flatten();
         let far = points.map(|p| p.distance(middle)).fold(0.0, f64::max);
         let all = || offset(&self.core, size.core, TOLERANCE);
-        // A post covers its core. What is wider needs the post in its middle only
-        // where it has come down to a neck.
-        let wide = (far + size.core > post).then(all);
-        if let Some(wide) = &wide {
-            let neck = NECK * std::f64::consts::PI * post * post;
-            if self.is_column()
-                || wide.content() > neck
-                || !self.core.contains(middle)
-            {
-                return wide.clone();
-            }
+        if far + size.core > post {
+            return all();
         }
         let disc = Area::from(disc(middle, post));
         let beyond = self.margin(post, step);
-        let room = step.room.way_out(step.layer, middle, beyond).is_none();
-        let free = if room {
-            disc
-        } else {
-            let near = disc.bounds().grown(TOLERANCE);
-            let taken = step.room.taken(step.layer, near);
-            difference(&disc, &taken)
-        };
-        match wide {
-            Some(wide) => union(&wide, &free),
-            None if room => free,
-            None => union(&all(), &free),
+        if step.room.way_out(step.layer, middle, beyond).is_none() {
+            return disc;
         }
+        let near = disc.bounds().grown(TOLERANCE);
+        let taken = step.room.taken(step.layer, near);
+        union(&all(), &difference(&disc, &taken))
     }
 }
 

@@ -312,25 +312,6 @@ mod tests {
         assert_eq!(plan.unheld.area, 0.0);
     }
 
-    #[test]
-    fn branches_have_no_neck_thinner_than_their_posts() {
-        // A lid of 14 mm on a side, 14 mm above the bed, beside a column. On its
-        // way down the branch under it is a cross of four thin arms.
-        let lid = rect(10.0, -7.0, 24.0, 7.0);
-        let column = rect(0.0, -2.0, 4.0, 2.0);
-        let of = |i| match i {
-            0..70 => column.clone(),
-            _ => union(&column, &lid),
-        };
-        let outlines: Vec<Area> = (0..72).map(of).collect();
-        let plan = plan(&outlines, Supports::Auto);
-        for j in 0..68 {
-            let content = all(&plan, j).content();
-            // A thirtieth of what it holds, as a polygon in a circle.
-            assert!(content > 0.9 * 14.0 * 14.0 / 30.0, "{j}: {content}");
-        }
-    }
-
     /// Islands of support in a layer.
     fn posts(plan: &Plan, layer: usize) -> Vec<Area> {
         all(plan, layer).islands()
