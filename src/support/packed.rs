@@ -5,7 +5,7 @@
 //! has its box, so that what is near a place is found without the other rings.
 
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Rect, Ring, Solid};
+use crate::plane::{Area, Rect, Ring};
 use crate::units::Mm;
 use glam::{DVec2, IVec2};
 use std::borrow::Cow;
@@ -93,21 +93,25 @@ fn unpacked(p: IVec2) -> DVec2 {
 #[derive(Debug)]
 pub(super) struct Kept<'a> {
     packed: Cow<'a, Packed>,
-    solid: OnceLock<Solid<'static>>,
+    /// Size of the grid's cells.
+    cell: Mm,
+    grid: OnceLock<EdgeGrid>,
 }
 
 impl<'a> Kept<'a> {
-    pub(super) fn new(packed: Cow<'a, Packed>) -> Kept<'a> {
+    /// An area, for a grid with cells of some size.
+    pub(super) fn new(packed: Cow<'a, Packed>, cell: Mm) -> Kept<'a> {
         Kept {
             packed,
-            solid: OnceLock::new(),
+            cell,
+            grid: OnceLock::new(),
         }
     }
 
     /// The area's edges, for asking what is where.
     pub(super) fn grid(&self) -> &EdgeGrid {
-        let solid = self.solid.get_or_init(|| Solid::new(self.packed.area()));
-        solid.grid()
+        let of_area = || EdgeGrid::new(&self.packed.area(), self.cell);
+        self.grid.get_or_init(of_area)
     }
 
     /// The rings whose boxes meet a box.

@@ -32,6 +32,9 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
+/// Size of the cells of grids, mm.
+const GRID: Mm = 1.0;
+
 /// How thick branches are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Size {
@@ -110,7 +113,7 @@ impl<'a> Room<'a> {
         };
         let (closed, dead) = rayon::join(closed, dead);
         let kept = |areas: Vec<Packed>| {
-            let kept = |packed| Kept::new(Cow::Owned(packed));
+            let kept = |packed| Kept::new(Cow::Owned(packed), GRID);
             areas.into_iter().map(kept).collect::<Vec<_>>()
         };
         Room {

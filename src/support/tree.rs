@@ -41,6 +41,8 @@ const LOOKED_AT: usize = 16;
 /// Whether posts can meet is looked at in every so many layers: each layer that
 /// is looked at has a grid until the branches have passed it.
 const MEET: usize = 8;
+/// Size of the cells of outlines' grids, mm.
+const GRID: Mm = 2.0;
 /// Width of the squares of columns, mm.
 const SQUARE: Mm = 4.0;
 /// A low face as large as this, mm², is held by a column: it would be cut into
@@ -71,7 +73,7 @@ pub(super) fn grow(
     };
     let cells = Cells::new(bounds);
     let below = parts.outlines.iter().take(count);
-    let kept = |o| Kept::new(Cow::Borrowed(o));
+    let kept = |o| Kept::new(Cow::Borrowed(o), GRID);
     let mut solids: Vec<Kept> = below.map(kept).collect();
     let mut areas = vec![Area::EMPTY; count];
     let mut branches: Vec<Branch> = Vec::new();
