@@ -59,7 +59,7 @@ fn gaps_are_as_asked_for_whatever_the_layer_height() {
     let filament = |tops: &[(f64, f64)]| tops.iter().map(|t| t.1).sum::<f64>();
     let (whole, _) = run(TEE, &["supports=auto"]);
     let whole = filament(&tops(&whole));
-    for gap in [0.07, 0.13, 0.2, 0.28, 0.45] {
+    for gap in [0.07, 0.13, 0.2, 0.28, 0.39] {
         let set = format!("support.z_gap={gap}");
         let (gcode, summary) = run(TEE, &["supports=auto", &set]);
         assert_eq!(summary.warnings, Vec::<String>::new());
@@ -460,6 +460,18 @@ fn what_is_forbidden_or_has_no_room_is_told_of() {
         let says = format!("support.z_gap = {gap} mm leaves no room");
         assert!(warning.contains(&says), "{warning}");
         assert!(warning.starts_with("4"), "{warning}");
+    }
+}
+
+#[test]
+fn gaps_through_which_the_part_sags_are_told_of() {
+    for (gap, wide) in [("0.4", false), ("0.45", true), ("3", true)] {
+        let set = format!("support.z_gap={gap}");
+        let (_, summary) = run(TEE, &["supports=auto", &set]);
+        let says =
+            format!("support.z_gap = {gap} mm is more than the nozzle's");
+        let told = summary.warnings.iter().any(|w| w.starts_with(&says));
+        assert_eq!(told, wide, "{:?}", summary.warnings);
     }
 }
 

@@ -140,10 +140,10 @@ impl<'a> Supported<'a> {
         }
         let (air, nozzle) =
             (settings.support.z_gap, settings.printer.nozzle_diameter);
-        if air > nozzle {
+        if air > nozzle && unheld.area <= UNHELD {
             all.push(format!(
-                "support.z_gap = {air} mm is more than lines of a nozzle of \
-                 {nozzle} mm are high, so what is above supports sags until it \
+                "support.z_gap = {air} mm is more than the nozzle's diameter of \
+                 {nozzle} mm: what is above supports sags that far before it \
                  lies on them; about the height of a layer is usual"
             ));
         }
