@@ -162,6 +162,14 @@ impl Stroke {
         }
     }
 
+    /// Moves the nozzle up along all of the stroke.
+    pub(crate) fn rise_by(&mut self, rise: Mm) {
+        if self.levels.is_empty() {
+            self.levels = vec![Level::default(); self.points.len()];
+        }
+        self.levels.iter_mut().for_each(|level| level.rise += rise);
+    }
+
     /// A stroke with a width for each point.
     pub(crate) fn varying(
         points: Vec<DVec2>,
@@ -345,6 +353,9 @@ pub(crate) struct Bead {
     pub inner: bool,
     /// True for a wall that is to lie half a layer lower.
     pub sunk: bool,
+    /// Height above the layer's top of the plane to which the bead belongs:
+    /// supports have planes of their own. Its points may be higher or lower.
+    pub plane: Mm,
 }
 
 impl Deref for Bead {
@@ -371,6 +382,7 @@ impl Bead {
             small: false,
             inner: role == Role::InnerWall,
             sunk: false,
+            plane: 0.0,
         }
     }
 

@@ -67,7 +67,7 @@ impl<W: Write> Writer<'_, W> {
                 self.supports |= bead.role.is_support();
             }
             if let PacedMove::Print { bead, .. } = step
-                && (plane(bead) - self.plane).abs() > MICRON
+                && (bead.plane - self.plane).abs() > MICRON
             {
                 self.plane_comments(bead)?;
             }
@@ -132,7 +132,7 @@ impl<W: Write> Writer<'_, W> {
             PacedMove::Print { bead, .. } => Some(bead),
             _ => None,
         });
-        match printed.next().filter(|bead| plane(bead) != 0.0) {
+        match printed.next().filter(|bead| bead.plane != 0.0) {
             Some(bead) => self.plane_comments(bead),
             None => self.height_comments(layer.span.height()),
         }
@@ -141,7 +141,7 @@ impl<W: Write> Writer<'_, W> {
     /// Writes the comments before a bead that lies at another height than those
     /// before it in its layer. Viewers show such beads as a layer of their own.
     fn plane_comments(&mut self, bead: &Bead) -> Result<(), WriteError> {
-        self.plane = plane(bead);
+        self.plane = bead.plane;
         self.height_comments(bead.height)
     }
 
@@ -204,16 +204,6 @@ impl<W: Write> Writer<'_, W> {
         if f.bed_temperature != f.first_layer_bed_temperature {
             self.temperature("M140", f.bed_temperature);
         }
-    }
-}
-
-/// Height of the plane of a bead above the top of its layer: supports have
-/// heights of their own.
-fn plane(bead: &Bead) -> Mm {
-    if bead.role.is_support() {
-        bead.level(0).rise
-    } else {
-        0.0
     }
 }
 

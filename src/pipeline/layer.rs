@@ -1,5 +1,6 @@
 //! What is known of a layer on its way through the stages.
 
+use super::supported::Top;
 use crate::hang::Look;
 use crate::layers::LayerSpan;
 use crate::order::LayerBeads;
@@ -158,8 +159,8 @@ pub(super) struct Filled {
     pub areas: Option<FillAreas>,
     /// Where there are supports, if there are any.
     pub support: Option<Solid<'static>>,
-    /// Height of the supports' tops above the layer's, mm; negative below.
-    pub support_rise: Mm,
+    /// The top of its supports, if it can have some.
+    pub support_top: Option<Top>,
     /// Where supports stand on it, if its beads follow the surface.
     pub under_support: Option<Solid<'static>>,
     /// Where supports hold it, if that matters for its walls.

@@ -9,6 +9,7 @@
 use super::hanging::Follow;
 use super::job::Planned;
 use super::layer::{Filled, Layer, Ready};
+use super::supported::Top;
 use crate::adhesion::{keep_on_bed, without_ears};
 use crate::hang::foot::Foot;
 use crate::hang::{self, Hanging, Look};
@@ -22,7 +23,7 @@ use crate::seam::ending::{Ended, cut, endings};
 use crate::settings::Settings;
 use crate::spiral::Spiral;
 use crate::timings::{Stage, Timings};
-use crate::units::{Mm, Mm2};
+use crate::units::Mm2;
 use crate::walls::Support;
 use glam::DVec2;
 use std::ops::Range;
@@ -63,7 +64,7 @@ pub(super) struct Ordered {
     /// Of [`Filled`], what has not been used yet.
     pub sparse: Solid<'static>,
     pub support: Option<Solid<'static>>,
-    pub support_rise: Mm,
+    pub support_top: Option<Top>,
     pub under_support: Option<Solid<'static>>,
     pub held: Option<Solid<'static>>,
     pub gap: Mm2,
@@ -105,7 +106,7 @@ impl<'a> PartOrder<'a> {
             look,
             figures,
             support: supported,
-            support_rise,
+            support_top,
             held,
             under_support,
             areas: _,
@@ -181,7 +182,7 @@ impl<'a> PartOrder<'a> {
             below,
             sparse,
             support: supported,
-            support_rise,
+            support_top,
             under_support,
             held,
             gap,

@@ -4,8 +4,8 @@ use super::posts::Posts;
 use crate::bead::{Bead, Role, spacing};
 use crate::infill::{self, Infill, InfillError};
 use crate::layers::LayerSpan;
-use crate::plane::Area;
 use crate::plane::clip::union;
+use crate::plane::{Area, Solid};
 use crate::settings::{
     self, InfillPattern, Settings, SkinPattern, Supports, Varying, WallOffset,
 };
@@ -14,8 +14,21 @@ use crate::units::{Mm, Mm2, Percent};
 use crate::vary::Surroundings;
 use glam::{DVec2, DVec3};
 
+/// A gap beside supports that is wider than this, mm, may be why something has
+/// none.
+const WIDE: Mm = 1.0;
+
 /// Area from which on something that hangs without a support is reported, mm².
 const UNHELD: Mm2 = 1.0;
+
+/// The top of a layer's supports.
+pub(super) struct Top {
+    /// From where to where the supports reach.
+    pub span: LayerSpan,
+    /// Height and area of the supports that lie on them, if there are any and
+    /// these supports follow the underside above.
+    pub above: Option<(Mm, Solid<'static>)>,
+}
 
 /// The supports of a part.
 pub(super) struct Supported<'a> {
@@ -125,6 +138,15 @@ impl<'a> Supported<'a> {
                     .to_owned(),
             );
         }
+        let (air, nozzle) =
+            (settings.support.z_gap, settings.printer.nozzle_diameter);
+        if air > nozzle && unheld.area <= UNHELD {
+            all.push(format!(
+                "support.z_gap = {air} mm is more than the nozzle's diameter of \
+                 {nozzle} mm: what is above supports sags that far before it \
+                 lies on them; about the height of a layer is usual"
+            ));
+        }
         let beside = side_by_side(settings);
         if let Some(apart) = settings.support.interface_spacing
             && settings.support.interface_layers > 0
@@ -186,10 +208,22 @@ impl<'a> Supported<'a> {
         })
     }
 
-    /// Height of the tops of a layer's supports above the layer's own top, mm;
-    /// negative below.
-    pub(super) fn rise(&self, span: &LayerSpan) -> Mm {
-        self.span(span).map_or(0.0, |own| own.top - span.top)
+    /// The top of a layer's supports, if the layer can have some. `follows` is
+    /// true if it follows the underside above.
+    pub(super) fn top(&self, span: &LayerSpan, follows: bool) -> Option<Top> {
+        let own = self.span(span)?;
+        let above = || {
+            let heights = &self.plan.heights;
+            let layer = span.index - self.raft;
+            let mut higher = layer + 1..heights.spans().len();
+            let (j, next) = higher.find_map(|j| Some((j, heights.span(j)?)))?;
+            let area = self.plan.slice(j)?.area();
+            Some((next.height(), Solid::new(area)))
+        };
+        Some(Top {
+            span: own,
+            above: follows.then(above).flatten(),
+        })
     }
 
     /// The beads of a layer's supports.
@@ -238,6 +272,9 @@ fn why(height: Mm, settings: &Settings) -> String {
         );
     }
     let next = match settings.supports {
+        _ if settings.support.xy_gap > WIDE => {
+            "lower support.xy_gap, which keeps supports that far from the part"
+        }
         Supports::Plate => "supports = auto may stand on the part",
         _ => "turn the part, or open what is around it",
     };

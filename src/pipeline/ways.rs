@@ -7,9 +7,9 @@
 use super::job::Planned;
 use super::layer::Layer;
 use super::part::{Ordered, PartOrder};
+use super::supported::Top;
 use super::tally::Tally;
 use super::{BLOCK, SliceError};
-use crate::bead::Level;
 use crate::hang::Hanging;
 use crate::hang::foot::Foot;
 use crate::pace::rates;
@@ -21,6 +21,7 @@ use crate::seam::ending::Ended;
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Ground, LayerPath, Move, connect};
+use crate::units::Mm;
 use crate::walls::{Beside, Interlock, Reach};
 use glam::DVec2;
 use std::ops::Range;
@@ -33,6 +34,9 @@ pub(super) struct PartTravel<'a> {
     offset: DVec2,
     /// What lets beads follow the surface, if they have to.
     relief: Option<Relief<'a>>,
+    /// What lets tops of supports follow the undersides above them, if they have
+    /// to.
+    under: Option<Relief<'a>>,
     /// The layers to be written.
     layers: Range<usize>,
     timings: &'a Timings,
@@ -88,13 +92,14 @@ impl<'a> PartTravel<'a> {
     pub(super) fn new(
         planned: &'a Planned<'a>,
         layers: Range<usize>,
-        relief: Option<Relief<'a>>,
+        [relief, under]: [Option<Relief<'a>>; 2],
     ) -> Self {
         let part = planned.part;
         PartTravel {
             settings: &part.settings,
             offset: part.model.offset.truncate(),
             relief,
+            under,
             layers,
             timings: &planned.stages.timings,
             beads: 0,
@@ -115,7 +120,7 @@ impl<'a> PartTravel<'a> {
             below: stands_on,
             sparse,
             support: supported,
-            support_rise,
+            support_top,
             under_support,
             held,
             gap,
@@ -131,18 +136,15 @@ impl<'a> PartTravel<'a> {
         } else {
             beads
         };
-        let mut beads = self.timings.time(Stage::Skin, || {
+        let beads = self.timings.time(Stage::Skin, || {
             let under_support = under_support.as_ref();
-            self.on_surface(beads, &layer, [below, above], under_support)
-        })?;
-        if support_rise != 0.0 {
-            let all = beads.iter_mut().map(|ended| &mut ended.bead);
-            for bead in all.filter(|bead| bead.role.is_support()) {
-                let rise = support_rise;
-                let level = Level { rise, extra: 0.0 };
-                bead.levels = vec![level; bead.points.len()];
+            let beads =
+                self.on_surface(beads, &layer, [below, above], under_support)?;
+            match &support_top {
+                Some(top) => self.support_below(beads, top, layer.span.top),
+                None => Ok(beads),
             }
-        }
+        })?;
         let path = self.timings.time(Stage::Travel, || {
             let (_, border) = wall_depths(layer.span.height(), self.settings);
             if written {
@@ -232,6 +234,42 @@ impl<'a> PartTravel<'a> {
             }
         }
         out
+    }
+
+    /// A layer's beads, of which those of supports end at their own `top`, and
+    /// below the underside above them if they have to follow that. `level` is the
+    /// layer's top.
+    fn support_below(
+        &self,
+        beads: Vec<Ended>,
+        top: &Top,
+        level: Mm,
+    ) -> Result<Vec<Ended>, SliceError> {
+        let mut beads = match &self.under {
+            None => beads,
+            Some(under) => {
+                let above = match &top.above {
+                    Some((next, area)) => Side::Layer(*next, area.grid()),
+                    None => Side::Open,
+                };
+                let site = Site {
+                    span: top.span,
+                    above,
+                    below: Side::Closed,
+                    under_support: None,
+                };
+                under.apply(beads, site)?
+            }
+        };
+        let rise = top.span.top - level;
+        if rise != 0.0 {
+            let all = beads.iter_mut().map(|ended| &mut ended.bead);
+            for bead in all.filter(|bead| bead.role.is_support()) {
+                bead.plane = rise;
+                bead.rise_by(rise);
+            }
+        }
+        Ok(beads)
     }
 
     /// A layer's beads, moved onto the surfaces above and below them if they

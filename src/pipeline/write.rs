@@ -125,9 +125,12 @@ fn exits<'a>(
 ) -> Result<Vec<(PartOrder<'a>, PartTravel<'a>)>, SliceError> {
     let exit = |(planned, base): (&'a Planned<'a>, &'a Base<'a>)| {
         let Planned { part, spans, .. } = *planned;
-        let relief =
-            Relief::new(&part.model, &part.settings, &base.around, pool)
-                .map_err(|e| job.plate.named(part, e.into()))?;
+        let relief = [Relief::new, Relief::of_supports].map(|relief| {
+            relief(&part.model, &part.settings, &base.around, pool)
+                .map_err(|e| job.plate.named(part, e.into()))
+        });
+        let [relief, under] = relief;
+        let relief = [relief?, under?];
         let layers = match job.turns {
             Some(_) => 0..spans.len(),
             None => job.extent.layers.clone(),

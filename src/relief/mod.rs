@@ -35,6 +35,10 @@
 //!
 //! Where supports stand above a top, no bead rises into the air below them.
 //!
+//! Tops of supports can follow the underside above them, a gap below it
+//! (`support.interface_shape`). To them it is the top of a model of their own, which
+//! is the space outside the part, moved down by the gap.
+//!
 //! Not guaranteed: that undersides of beads that lie open above follow the surface
 //! as well, nor how smooth a face is across the beads, as each is level there.
 //! A nozzle has a flat end, which cuts into higher beads beside it that are
@@ -56,10 +60,11 @@ use crate::model::{Model, Probe, ProbeError};
 use crate::plane::grid::EdgeGrid;
 use crate::resolution::pieces;
 use crate::seam::ending::Ended;
-use crate::settings::Settings;
+use crate::settings::{Settings, Varying};
 use crate::units::{Degrees, Mm, Mm2};
 use crate::vary::{Quantity, Surroundings, VaryError};
 use chain::{Chain, Stop};
+use fidget::context::Tree;
 use glam::DVec2;
 use profile::{Kind, Knot};
 use rayon::ThreadPool;
@@ -96,6 +101,7 @@ pub enum ReliefError {
 /// What follows the surface of a model.
 pub(crate) struct Relief<'a> {
     settings: &'a Settings,
+    whose: Whose,
     probe: Probe,
     strength: Quantity,
     around: &'a Surroundings<'a>,
@@ -103,6 +109,15 @@ pub(crate) struct Relief<'a> {
     bed: Mm,
     /// What looks for the surface.
     pool: &'a ThreadPool,
+}
+
+/// Whose beads follow a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Whose {
+    /// The part's beads follow its surface.
+    Part,
+    /// The beads of its supports follow the underside above them.
+    Supports,
 }
 
 /// A layer and what is beside it.
@@ -172,8 +187,38 @@ impl<'a> Relief<'a> {
         }
         Ok(Some(Relief {
             settings,
+            whose: Whose::Part,
             probe: Probe::new(&model.tree)?,
             strength,
+            around,
+            bed: -model.offset.z,
+            pool,
+        }))
+    }
+
+    /// What follows the undersides of a model with the tops of its supports, if
+    /// the settings ask for it.
+    ///
+    /// # Errors
+    /// If the field cannot be evaluated.
+    pub(crate) fn of_supports(
+        model: &Model,
+        settings: &'a Settings,
+        around: &'a Surroundings<'a>,
+        pool: &'a ThreadPool,
+    ) -> Result<Option<Relief<'a>>, ReliefError> {
+        if !settings.supports_follow() {
+            return Ok(None);
+        }
+        let (x, y, z) = Tree::axes();
+        let gap = settings.support.z_gap as f32;
+        let outside = -model.tree.remap_xyz(x, y, z + gap);
+        let full = Varying::Constant(100.0);
+        Ok(Some(Relief {
+            settings,
+            whose: Whose::Supports,
+            probe: Probe::new(&outside)?,
+            strength: Quantity::new("support.interface_shape", &full)?,
             around,
             bed: -model.offset.z,
             pool,
@@ -192,10 +237,31 @@ impl<'a> Relief<'a> {
         if !site.above.is_closed() {
             beads = self.facing(beads, site, Facing::Up)?;
         }
-        if self.settings.contour_z_below && !site.below.is_closed() {
+        let undersides = self.whose == Whose::Part
+            && self.settings.contour_z_below
+            && !site.below.is_closed();
+        if undersides {
             beads = self.facing(beads, site, Facing::Down)?;
         }
         Ok(beads)
+    }
+
+    /// True if a bead may follow the surface. Infill has its place, and what is
+    /// beside the part has no surface. A bridge hangs straight, so the nozzle
+    /// does, and ironing lies on what is printed.
+    fn follows(&self, bead: &Bead, facing: Facing) -> bool {
+        let apart = match facing {
+            Facing::Up => Role::Bridge,
+            Facing::Down => Role::Ironing,
+        };
+        let own = match self.whose {
+            Whose::Part => bead.role.is_part(),
+            Whose::Supports => bead.role.is_support(),
+        };
+        own && !matches!(bead.role, Role::InternalBridge | Role::SparseInfill)
+            && bead.role != apart
+            && bead.levels.is_empty()
+            && bead.points.len() > 1
     }
 
     /// Lets beads follow the surface on one side of their layer.
@@ -209,7 +275,7 @@ impl<'a> Relief<'a> {
         // not.
         let mut paths: Vec<(Vec<Ended>, bool)> = Vec::new();
         for ended in beads {
-            let own = follows(&ended.bead, facing);
+            let own = self.follows(&ended.bead, facing);
             match paths.last_mut() {
                 Some((path, true))
                     if own
@@ -446,21 +512,6 @@ impl Bounds {
     fn clamped(&self, rise: Mm) -> Mm {
         rise.clamp(self.low, self.high)
     }
-}
-
-/// True if a bead may follow the surface. Infill has its place, and what is
-/// beside the part has no surface. A bridge hangs straight, so the nozzle does,
-/// and ironing lies on what is printed.
-fn follows(bead: &Bead, facing: Facing) -> bool {
-    let apart = match facing {
-        Facing::Up => Role::Bridge,
-        Facing::Down => Role::Ironing,
-    };
-    bead.role.is_part()
-        && !matches!(bead.role, Role::InternalBridge | Role::SparseInfill)
-        && bead.role != apart
-        && bead.levels.is_empty()
-        && bead.points.len() > 1
 }
 
 /// True if the bead `next` goes on where the bead before it ends.

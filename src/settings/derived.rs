@@ -2,8 +2,8 @@
 
 use super::by_nozzle::share_of;
 use super::{
-    Acceleration, ByNozzle, Emit, Infill, LayerHeights, Settings, Supports,
-    Varying, WallOffset, check,
+    Acceleration, ByNozzle, Emit, Infill, InterfaceShape, LayerHeights,
+    Settings, Supports, Varying, WallOffset, check,
 };
 use crate::units::{
     Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, PricePerKg,
@@ -89,6 +89,13 @@ impl Settings {
     pub(crate) fn highest_interlocked(&self) -> Mm {
         self.thickest_layer()
             + 0.5 * self.thickest_layer().max(self.part_first_height())
+    }
+
+    /// True if the tops of supports follow the undersides above them.
+    pub(crate) fn supports_follow(&self) -> bool {
+        self.support.interface_shape == InterfaceShape::Follow
+            && self.supports != Supports::Off
+            && !self.spiral
     }
 
     /// True if scarfs rise with their flow. What follows the surface above it

@@ -76,7 +76,7 @@ pub(crate) use steps::Steps;
 pub(crate) use value::Varying;
 pub(crate) use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
-    InfillMode, InfillPattern, LayerHeights, PlateSequence, SeamRule,
-    SkinOrder, SkinPattern, SkinWhere, SupportStyle, Supports, WallOffset,
-    WallOrder,
+    InfillMode, InfillPattern, InterfaceShape, LayerHeights, PlateSequence,
+    SeamRule, SkinOrder, SkinPattern, SkinWhere, SupportStyle, Supports,
+    WallOffset, WallOrder,
 };

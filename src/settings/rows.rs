@@ -334,6 +334,9 @@ table::settings! {
         interface_spacing: Option<Mm> = None, in 0.1..=20.0;
         /// Pattern of the dense layers at the top of a support.
         interface_pattern: SkinPattern = SkinPattern::Lines;
+        /// Whether the top of a support is level in each layer, or follows the
+        /// underside above it; contour_z_below gives that underside no steps.
+        interface_shape: InterfaceShape = InterfaceShape::Flat;
         /// Direction of the lines of the dense layers at the top of a support,
         /// on even layers, counter-clockwise from the x axis; odd layers are
         /// turned by a right angle. auto is infill_angle.

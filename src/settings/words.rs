@@ -169,6 +169,14 @@ value::words! {
         Snug = "snug",
     }
 
+    /// Shape of the dense top of a support.
+    InterfaceShape {
+        /// Level in each layer, a gap below the layer of the part above it.
+        Flat = "flat",
+        /// Along the underside above it, a gap below f = 0 at each point.
+        Follow = "follow",
+    }
+
     /// Order of a skin's lines.
     SkinOrder {
         /// Lines are swept one way. No line is printed between two older ones,

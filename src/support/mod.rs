@@ -43,6 +43,7 @@ mod cells;
 mod disc;
 mod heights;
 mod need;
+mod packed;
 mod parts;
 mod pieces;
 mod plan;

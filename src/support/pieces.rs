@@ -160,6 +160,7 @@ mod tests {
     use super::*;
     use crate::layers::LayerSpan;
     use crate::plane::rect;
+    use crate::support::packed::Packed;
 
     fn heights() -> Heights {
         let z = |i: usize| 0.2 * i as f64;
@@ -174,15 +175,16 @@ mod tests {
     #[test]
     fn supports_are_cut_around_ends_that_are_too_thin_to_be_printed() {
         let none = vec![Area::EMPTY; 6];
+        let empty = vec![Packed::default(); 6];
         // A spike of 0.2 mm that ends in the middle of a support of 6 mm.
         let mut ends = none.clone();
         ends[1] = rect(-5.0, -0.1, 1.0, 0.1);
         let heights = heights();
         let parts = Parts {
             heights: &heights,
-            outlines: &none,
+            outlines: &empty,
             ends: &ends,
-            sections: &none,
+            sections: &empty,
             bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
         };
         let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];

@@ -3,6 +3,7 @@
 use super::TOLERANCE;
 use super::cavity::{Enclosed, enclosed};
 use super::heights::Heights;
+use super::packed::Packed;
 use super::parts::Parts;
 use super::pieces::pieces;
 use super::room::Room;
@@ -83,7 +84,12 @@ impl Plan {
             };
         };
         let ends = survey.ends();
-        let outlines = survey.outlines;
+        let packed = |areas: Vec<Area>| {
+            let all = areas.into_iter().map(|area| Packed::new(&area));
+            all.collect::<Vec<Packed>>()
+        };
+        let outlines = packed(survey.outlines);
+        let sections = sections.map(packed);
         let parts = Parts {
             heights: &heights,
             outlines: &outlines,
@@ -123,8 +129,10 @@ impl Plan {
         needs: &[Area],
         settings: &Settings,
     ) -> Unheld {
-        // A support also holds what is nearer to its side than this.
-        let near = settings.support.xy_gap + settings.outer_wall_width();
+        // A support also holds what is nearer to its side than this. Over a wide
+        // gap beside the part, lines from the part to the support are bridges.
+        let beside = settings.support.xy_gap.min(0.5 * settings.bridge_max);
+        let near = beside + settings.outer_wall_width();
         let lost = needs.par_iter().enumerate().map(|(i, need)| {
             if need.is_empty() {
                 return Area::EMPTY;

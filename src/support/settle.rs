@@ -77,7 +77,8 @@ pub(super) fn settled(
 pub(super) fn stands(island: &Area, j: usize, parts: Parts<'_>) -> bool {
     // The layers right below may lie in the gap between support and part.
     let mut below = parts.heights.gap_below(j);
-    below.any(|k| rests_on(island, &parts.outlines[k].rings))
+    let bounds = island.bounds();
+    below.any(|k| rests_on(island, &parts.outlines[k].near(bounds).rings))
 }
 
 /// True if enough of an island lies on an area of these rings.

@@ -6,6 +6,7 @@ use crate::common::{
 };
 use glam::DVec2;
 use isoslice::pipeline::{self, Options, SliceError, Summary};
+use std::collections::BTreeMap;
 
 /// Coarse enough to be quick.
 const COARSE: [&str; 3] =
@@ -57,7 +58,7 @@ fn gaps_are_as_asked_for_whatever_the_layer_height() {
     let filament = |tops: &[(f64, f64)]| tops.iter().map(|t| t.1).sum::<f64>();
     let (whole, _) = run(TEE, &["supports=auto"]);
     let whole = filament(&tops(&whole));
-    for gap in [0.07, 0.13, 0.2, 0.28, 0.45] {
+    for gap in [0.07, 0.13, 0.2, 0.28, 0.39] {
         let set = format!("support.z_gap={gap}");
         let (gcode, summary) = run(TEE, &["supports=auto", &set]);
         assert_eq!(summary.warnings, Vec::<String>::new());
@@ -458,5 +459,97 @@ fn what_is_forbidden_or_has_no_room_is_told_of() {
         let says = format!("support.z_gap = {gap} mm leaves no room");
         assert!(warning.contains(&says), "{warning}");
         assert!(warning.starts_with("4"), "{warning}");
+    }
+}
+
+#[test]
+fn gaps_through_which_the_part_sags_are_told_of() {
+    for (gap, wide) in [("0.4", false), ("0.45", true), ("3", true)] {
+        let set = format!("support.z_gap={gap}");
+        let (_, summary) = run(TEE, &["supports=auto", &set]);
+        let says =
+            format!("support.z_gap = {gap} mm is more than the nozzle's");
+        let told = summary.warnings.iter().any(|w| w.starts_with(&says));
+        assert_eq!(told, wide, "{:?}", summary.warnings);
+    }
+}
+
+/// The height of an underside above the bed, where it counts.
+type Under<'a> = &'a dyn Fn(DVec2) -> Option<f64>;
+
+/// The air between the highest beads of supports and an underside, less
+/// `support.z_gap`, for each cell of a grid, where `under` gives a height. Lines of
+/// the dense layers lie nearer to each other than a cell is wide.
+fn airs(gcode: &str, under: Under<'_>) -> Vec<f64> {
+    const CELL: f64 = 0.6;
+    let middle = DVec2::splat(110.0);
+    let mut highest: BTreeMap<(i64, i64), f64> = BTreeMap::new();
+    for layer in parse(gcode) {
+        let of_top = |m: &&common::Move| m.role == SUPPORT_INTERFACE;
+        for m in layer.prints().filter(of_top) {
+            let steps = (m.length() / 0.05).ceil().max(1.0);
+            let mut k = 0.0;
+            while k <= steps {
+                let at = m.from.lerp(m.to, k / steps);
+                let place = at.truncate() - middle;
+                if let Some(height) = under(place) {
+                    let air = height - at.z - 0.2;
+                    let cell = (place / CELL).floor();
+                    let cell = (cell.x as i64, cell.y as i64);
+                    let least = highest.entry(cell).or_insert(air);
+                    *least = least.min(air);
+                }
+                k += 1.0;
+            }
+        }
+    }
+    highest.into_values().collect()
+}
+
+/// The value that `share` of some values, without their signs, are below.
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut values: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+    values.sort_by(f64::total_cmp);
+    values[(share * (values.len() - 1) as f64) as usize]
+}
+
+#[test]
+fn tops_of_supports_follow_the_underside_if_they_are_to() {
+    let foot = "max(max(abs(x + 30) - 3, abs(y) - 3), abs(z - 5) - 5)";
+    let slope = 8_f64.to_radians().tan();
+    let plane = move |p: DVec2| 8.0 + slope * p.x;
+    let slab = format!(
+        "max(max(abs(x) - 12, abs(y) - 8), \
+         max(8 + x*{slope} - z, z - 12 - x*{slope}))"
+    );
+    let inside = move |p: DVec2| {
+        let inside = p.x.abs() < 11.0 && p.y.abs() < 7.0;
+        inside.then(|| plane(p))
+    };
+    let ball = "sqrt(x^2 + y^2 + (z - 26)^2) - 20";
+    // Up to a slope of 8°.
+    let cap = |p: DVec2| {
+        let r = p.length();
+        (r < 2.8).then(|| 26.0 - (400.0 - r * r).sqrt())
+    };
+    let parts: [(&str, Under<'_>); 2] = [(&slab, &inside), (ball, &cap)];
+    for (part, under) in parts {
+        // The foot takes the part's middle along, which is that of its box.
+        let part =
+            format!("min({part}, min({foot}, {}))", foot.replace('+', "-"));
+        let of = |shape: &str| {
+            let shape = format!("support.interface_shape={shape}");
+            let (gcode, _) = run(&part, &["supports=auto", &shape]);
+            (airs(&gcode, under), parse(&gcode).len())
+        };
+        let ((flat, layers), (follow, same)) = (of("flat"), of("follow"));
+        // What rises and falls is one layer to viewers.
+        assert_eq!(layers, same);
+        assert!(flat.len() > 80 && follow.len() > 80);
+        // Steps of half a layer to both sides, against none.
+        let of = |airs: &[f64]| [0.5, 0.9].map(|q| quantile(airs, q));
+        assert!(of(&flat)[1] > 0.05, "{:?}", of(&flat));
+        assert!(of(&follow)[0] < 0.002, "{:?}", of(&follow));
+        assert!(of(&follow)[1] < 0.003, "{:?}", of(&follow));
     }
 }

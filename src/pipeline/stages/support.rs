@@ -9,7 +9,7 @@ use crate::limits;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::Layer;
 use crate::pipeline::raft::{self, Raft};
-use crate::pipeline::supported::{Fills, Supported};
+use crate::pipeline::supported::{Fills, Supported, Top};
 use crate::plane::clip::union;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
@@ -22,9 +22,9 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Number of points of the outlines that are kept from planning supports to
-/// printing. They take about 30 bytes each. Outlines beyond that are found a
-/// second time.
-const KNOWN: usize = 2_000_000;
+/// printing. They take about 30 bytes each, so no more than 25 MB whatever the
+/// part's height. Outlines beyond that are found a second time.
+const KNOWN: usize = 800_000;
 
 impl<'a> Stages<'a> {
     /// Plans the supports of the whole part, `spans`. `fills` are the settings
@@ -179,9 +179,13 @@ impl<'a> Stages<'a> {
         }
     }
 
-    /// Height of the tops of a layer's supports above the layer's own top, mm.
-    pub(in crate::pipeline) fn support_rise(&self, span: &LayerSpan) -> Mm {
-        self.support().map_or(0.0, |support| support.rise(span))
+    /// The top of a layer's supports, if it can have some.
+    pub(in crate::pipeline) fn support_top(
+        &self,
+        span: &LayerSpan,
+    ) -> Option<Top> {
+        let follows = self.settings.supports_follow();
+        self.support()?.top(span, follows)
     }
 
     /// Where supports stand on a layer, if its beads follow the surface.

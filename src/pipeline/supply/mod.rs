@@ -214,7 +214,7 @@ impl<'a> Supply<'a> {
                 areas: bridges.then(|| areas.clone()),
                 sparse: Solid::new(areas.sparse),
                 support: stages.support_area(index).map(Solid::new),
-                support_rise: stages.support_rise(&layers[i].span),
+                support_top: stages.support_top(&layers[i].span),
                 under_support: stages
                     .on_which_supports_stand(&layers[i].span)
                     .map(Solid::new),

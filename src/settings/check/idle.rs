@@ -308,7 +308,7 @@ fn supports_without_effect(s: &Settings, idle: &mut Idle<'_>) {
          of them out",
     );
     idle.all(
-        &["support.style", "support.where"],
+        &["support.style", "support.where", "support.interface_shape"],
         s.supports == Supports::Off,
         "supports = off prints none; set supports to \"auto\" or \"plate\"",
     );
