@@ -52,6 +52,15 @@ impl Bits {
         new
     }
 
+    /// The cells that are marked here and not in `others`.
+    pub(super) fn without(&self, others: &Bits) -> Bits {
+        Bits(std::array::from_fn(|row| self.0[row] & !others.0[row]))
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.iter().all(|row| *row == 0)
+    }
+
     /// The marked cells of the tile at a place, row by row.
     pub(super) fn cells(
         &self,

@@ -78,6 +78,8 @@ struct Tile {
     layer: u32,
     part: Bits,
     support: Bits,
+    /// Cells whose beads reach down to what lies below them.
+    held: Bits,
 }
 
 impl Tile {
@@ -87,7 +89,13 @@ impl Tile {
             layer: 0,
             part: Bits::default(),
             support: Bits::default(),
+            held: Bits::default(),
         }
+    }
+
+    /// The cells of supports, or of the part.
+    fn of(&self, support: bool) -> &Bits {
+        if support { &self.support } else { &self.part }
     }
 }
 
@@ -136,7 +144,9 @@ impl Columns {
         let layer = self.layer;
         let tile = &mut self.tiles[index];
         if tile.layer != layer {
-            (tile.part, tile.support) = (Bits::default(), Bits::default());
+            tile.part = Bits::default();
+            tile.support = Bits::default();
+            tile.held = Bits::default();
             tile.layer = layer;
             self.touched.push((place, index));
         }
@@ -148,8 +158,11 @@ impl Columns {
         of.mark(row, column);
         let own = &mut tile.columns[row][column];
         *own = own.at(layer);
-        own.low = own.low.min(low as f32);
-        let top = top as f32;
+        let (low, top) = (low as f32, top as f32);
+        own.low = own.low.min(low);
+        if own.below >= low {
+            tile.held.mark(row, column);
+        }
         if top >= own.top {
             own.top = top;
             own.stamp = own.stamp & !TOP_SUPPORT | u32::from(support);
@@ -173,17 +186,24 @@ impl Columns {
         })
     }
 
-    /// The cells in which the layer's part or its supports are printed, in an
-    /// order that depends on nothing but their places.
-    pub(super) fn printed(&self, support: bool) -> Vec<(Place, Bits)> {
-        let mut all: Vec<(Place, Bits)> = self
-            .touched
-            .iter()
-            .map(|&(place, index)| {
-                let tile = &self.tiles[index];
-                (place, if support { tile.support } else { tile.part })
-            })
-            .collect();
+    /// True if the layer's part, or its supports, are printed in a cell.
+    pub(super) fn is_printed(&self, cell: IVec2, support: bool) -> bool {
+        let (place, row, column) = split(cell);
+        let tile = self.places.get(&place).map(|&index| &self.tiles[index]);
+        tile.filter(|tile| tile.layer == self.layer)
+            .is_some_and(|tile| tile.of(support).has(row, column))
+    }
+
+    /// The cells of the layer's part, or of its supports, whose beads do not
+    /// reach down to what lies below them, tile by tile. The tiles' order
+    /// depends on nothing but their places.
+    pub(super) fn not_held(&self, support: bool) -> Vec<(Place, Bits)> {
+        let touched = self.touched.iter().map(|&(place, index)| {
+            let tile = &self.tiles[index];
+            (place, tile.of(support).without(&tile.held))
+        });
+        let mut all: Vec<(Place, Bits)> =
+            touched.filter(|(_, bits)| !bits.is_empty()).collect();
         all.sort_unstable_by_key(|(place, _)| *place);
         all
     }

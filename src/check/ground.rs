@@ -17,7 +17,7 @@
 //! layer gets no more material than what lies open of it takes: it is lifted by
 //! up to half of the next layer, which is no higher than the nozzle is wide.
 
-use super::cells::{CELL, Cells, around, cell_of, split};
+use super::cells::{CELL, Cells, around, cell_of};
 use super::columns::{Columns, Seen};
 use crate::bead::height_of;
 use crate::reader::{Move, Role};
@@ -119,10 +119,6 @@ impl Ground {
     pub(super) fn bead(&mut self, step: &Move, area: Mm2) -> Option<Wrong> {
         let support =
             matches!(step.role, Role::Support | Role::SupportInterface);
-        // More plastic than the file says reaches deeper, but no deeper than
-        // the bead is wide.
-        let plastic = height_of(area, step.width).min(step.width);
-        let height = step.height.max(plastic);
         let highest = step.from.z.max(step.to.z);
         self.here.top = Some(self.here.top.map_or(highest, |t| t.max(highest)));
         let level = (step.to.z - step.from.z).abs() < ROUNDED;
@@ -135,17 +131,24 @@ impl Ground {
             }
         }
         let mut wrong = None;
+        let reach = |z: Mm, height: Mm| z - (1.0 + MISSING) * height - ROUNDED;
         for (cell, at) in places(step, 0.0) {
-            let low = at.z - (1.0 + MISSING) * height - ROUNDED;
+            let low = reach(at.z, step.height);
             let below = self.columns.lay(cell, low, at.z, support);
-            let Some(below) = below.filter(|_| wrong.is_none()) else {
-                continue;
-            };
+            let Some(below) = below else { continue };
             if at.z < below - PLOUGH {
                 let (top, how) = (below, How::Low);
-                wrong = Some(Wrong { at, top, how });
-            } else if below < low && !support {
-                wrong = self.hangs(cell, at, at.z - height - self.lift);
+                wrong = wrong.or(Some(Wrong { at, top, how }));
+            } else if below < low {
+                // More plastic than the file says reaches deeper, but no
+                // deeper than the bead is wide.
+                let plastic = height_of(area, step.width).min(step.width);
+                let height = step.height.max(plastic);
+                let low = reach(at.z, height);
+                self.columns.lay(cell, low, at.z, support);
+                if below < low && !support && wrong.is_none() {
+                    wrong = self.hangs(cell, at, at.z - height - self.lift);
+                }
             }
         }
         wrong
@@ -211,20 +214,14 @@ impl Ground {
     /// stands on nothing.
     fn begin(&self, support: bool, mut found: impl FnMut(IVec2)) {
         // Most cells stand, so few remain to be searched.
-        let printed = self.columns.printed(support);
         let mut hanging = Cells::default();
-        for (place, bits) in &printed {
-            for cell in bits.cells(*place) {
-                if !self.stands(cell, support) {
-                    hanging.mark(cell);
-                }
-            }
+        for (place, bits) in self.columns.not_held(support) {
+            let hangs = |cell: &IVec2| !self.stands(*cell, support);
+            bits.cells(place).filter(hangs).for_each(|cell| {
+                hanging.mark(cell);
+            });
         }
-        let here = |cell: IVec2| {
-            let (place, row, column) = split(cell);
-            let found = printed.binary_search_by_key(&place, |tile| tile.0);
-            found.is_ok_and(|i| printed[i].1.has(row, column))
-        };
+        let here = |cell| self.columns.is_printed(cell, support);
         let mut seen = Cells::default();
         let mut left = Vec::new();
         for first in hanging.all() {
