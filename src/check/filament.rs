@@ -4,9 +4,9 @@
 //! Filament that goes back is a fault only if something is printed after it, so
 //! such findings are held until something is.
 
-use super::ground::Ground;
+use super::ground::{How, Wrong};
 use super::rules::ROUNDING;
-use super::{BESIDE, Checker, Kind, TOOLS, bit, sideways};
+use super::{Checker, Kind, TOOLS, bit, place, sideways};
 use crate::reader::{Move, Role};
 use crate::units::Mm;
 
@@ -130,7 +130,7 @@ impl Checker<'_> {
             if self.begins_lower(step.role, z) || z < self.top - rules.nozzle {
                 // The next part begins.
                 self.finished.next_part();
-                self.ground = Ground::default();
+                self.ground.clear();
                 self.top = rules.base;
             }
             self.finished.bead(step);
@@ -150,12 +150,37 @@ impl Checker<'_> {
             });
         }
         self.top = self.top.max(z);
-        // Skirts stand alone, and ironing lays nothing. A bead out of reach has
-        // been reported, and might take any number of cells.
-        let within =
-            rules.reach(step.from, BESIDE) && rules.reach(step.to, BESIDE);
-        if within && !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
-            self.ground.bead(step);
+        // Skirts stand alone, and ironing lays nothing.
+        let lies = !matches!(step.role, Role::SkirtBrim | Role::Ironing);
+        if lies
+            && self.within(step)
+            && let Some(wrong) = self.ground.bead(step, area)
+        {
+            self.lies_wrong(step, wrong);
+        }
+    }
+
+    /// Reports a bead that is too low or too high for what lies below it.
+    fn lies_wrong(&mut self, step: &Move, wrong: Wrong) {
+        let Wrong { at, top, how } = wrong;
+        let place = place(at);
+        match how {
+            How::Low => {
+                self.verdict.add(Kind::Sunk, step.line, at, || {
+                    format!(
+                        "a bead is laid into what is printed: at {place}, \
+                         where the layers below reach up to {top:.3}"
+                    )
+                });
+            }
+            How::High => {
+                self.verdict.add(Kind::InTheAir, step.line, at, || {
+                    format!(
+                        "a bead rises into the air: at {place}, where the \
+                         layers below reach up to {top:.3} only"
+                    )
+                });
+            }
         }
     }
 

@@ -1,148 +1,227 @@
-//! What the beads of a layer stand on.
+//! What beads lie on, and what travels lead over, at each point's own height.
 //!
-//! The plane is divided into cells. A layer's islands are the connected groups
-//! of cells that beads run through. An island stands on something if a bead
-//! below runs through one of its cells or a neighbouring cell. Such a bead is
-//! in the part's layer below, or in a support within a gap. Islands of supports
-//! may stand on the part with a gap as well.
+//! The plane is divided into cells. Each knows how high what is printed reaches
+//! there (`columns`). It tells
+//!
+//! - where an island begins in the air. A layer's islands are the connected
+//!   groups of cells that beads run through. An island stands on something if
+//!   in one of its cells, or beside it, something below reaches up to its beads:
+//!   the part, or a support within a gap. Supports may stand on the part with a
+//!   gap as well;
+//! - where a bead that rises out of its layer has nothing below it;
+//! - where a bead is laid into what lies below it;
+//! - where a travel leads through what is printed.
+//!
+//! A bead reaches as deep as its height, and an island stands if half of that is
+//! missing below it. A bead that follows a surface under the edge of the next
+//! layer gets no more material than what lies open of it takes: it is lifted by
+//! up to half of the next layer, which is no higher than the nozzle is wide.
 
+use super::cells::{CELL, Cells, around, cell_of};
+use super::columns::{Columns, Seen};
+use crate::bead::height_of;
 use crate::reader::{Move, Role};
-use crate::units::Mm;
+use crate::units::{Mm, Mm2};
 use glam::{DVec3, IVec2};
-use std::collections::{BTreeMap, VecDeque};
 
-/// Size of a cell, about a line's width: neighbouring lines are in neighbouring
-/// cells.
-const CELL: Mm = 0.5;
+/// Greatest gap between a support and what it holds above it, and between a
+/// support and what it stands on, if the settings ask for none that is wider.
+pub(super) const GAP: Mm = 0.6;
 
-/// Number of cells on the negative side, beyond which no bead reaches.
-const BELOW: i32 = 1 << 12;
+/// Share of a bead's height that may be missing below it.
+const MISSING: f64 = 0.5;
 
-/// Cells along one side of a tile.
-const SIDE: i32 = 32;
+/// Share of a bead's height by which it may miss what it would lie on if it did
+/// not rise.
+const ALIKE: f64 = 0.25;
 
-/// A set of cells.
-#[derive(Clone, Default)]
-struct Cells {
-    /// Where the tiles are in `bits`.
-    tiles: BTreeMap<(i32, i32), usize>,
-    bits: Vec<[u32; SIDE as usize]>,
-    /// The tile that was asked for last, and where it is in `bits`.
-    last: Option<((i32, i32), usize)>,
+/// How far below a top a nozzle may move. It is a quarter of a usual layer:
+/// beads are as uneven, and round at their sides, where cells do not tell them
+/// from the next ones. A nozzle that is lower ploughs.
+pub(super) const PLOUGH: Mm = 0.05;
+
+/// Heights closer than this differ by rounding only.
+const ROUNDED: Mm = 1e-3;
+
+/// The layer being printed, and those below.
+pub(super) struct Ground {
+    columns: Columns,
+    /// Greatest gap at supports.
+    gap: Mm,
+    /// Greatest gap below a bead that follows a surface: half of the nozzle's
+    /// width.
+    lift: Mm,
+    /// Height of the bed, known after the first layer.
+    bed: Option<Mm>,
+    /// True if layers lie below this one.
+    above_others: bool,
+    here: Layer,
 }
 
-impl Cells {
-    fn split(cell: IVec2) -> ((i32, i32), usize, u32) {
-        let tile = (cell.x.div_euclid(SIDE), cell.y.div_euclid(SIDE));
-        let row = cell.y.rem_euclid(SIDE) as usize;
-        (tile, row, 1 << cell.x.rem_euclid(SIDE))
+/// What is known of the layer being printed.
+#[derive(Default)]
+struct Layer {
+    /// Height of the highest point of its beads.
+    top: Option<Mm>,
+    /// The lowest bottom of beads that do not rise, by what the file says.
+    bottom: Option<Mm>,
+    /// Height of the first bead of the part that does not rise, and how high
+    /// the file says that it is.
+    level: Option<(Mm, Mm)>,
+}
+
+/// A bead or a travel at the wrong height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wrong {
+    /// Where the nozzle is.
+    pub at: DVec3,
+    /// The top of what is printed there.
+    pub top: Mm,
+    /// How it is wrong.
+    pub how: How,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum How {
+    /// The nozzle is too low.
+    Low,
+    /// The bead hangs above what the rest of its layer lies on.
+    High,
+}
+
+impl Ground {
+    /// A bed without anything on it. `gap` is the greatest one at supports, and
+    /// `nozzle` the nozzle's width.
+    pub(super) fn new(gap: Mm, nozzle: Mm) -> Ground {
+        Ground {
+            columns: Columns::default(),
+            gap: gap.max(GAP),
+            lift: 0.5 * nozzle,
+            bed: None,
+            above_others: false,
+            here: Layer::default(),
+        }
     }
 
-    /// Marks a cell; true if it was not marked before.
-    fn mark(&mut self, cell: IVec2) -> bool {
-        let (tile, row, bit) = Self::split(cell);
-        let index = match self.last {
-            Some((last, index)) if last == tile => index,
-            _ => {
-                let bits = &mut self.bits;
-                *self.tiles.entry(tile).or_insert_with(|| {
-                    bits.push([0; SIDE as usize]);
-                    bits.len() - 1
-                })
+    /// Forgets all that is printed.
+    pub(super) fn clear(&mut self) {
+        *self = Ground::new(self.gap, 2.0 * self.lift);
+    }
+
+    /// Number of tiles that take memory.
+    #[cfg(test)]
+    pub(super) fn tiles(&self) -> usize {
+        self.columns.tiles()
+    }
+
+    /// Takes in a bead with a cross-section of `area` in the layer being
+    /// printed. Returns the first place where it is too low or too high.
+    pub(super) fn bead(&mut self, step: &Move, area: Mm2) -> Option<Wrong> {
+        let support =
+            matches!(step.role, Role::Support | Role::SupportInterface);
+        let highest = step.from.z.max(step.to.z);
+        self.here.top = Some(self.here.top.map_or(highest, |t| t.max(highest)));
+        let level = (step.to.z - step.from.z).abs() < ROUNDED;
+        if level {
+            let bottom = step.to.z - step.height;
+            let lowest = self.here.bottom.map_or(bottom, |b| b.min(bottom));
+            self.here.bottom = Some(lowest);
+            if !support && self.here.level.is_none() {
+                self.here.level = Some((step.to.z, step.height));
             }
+        }
+        let mut wrong = None;
+        let reach = |z: Mm, height: Mm| z - (1.0 + MISSING) * height - ROUNDED;
+        for (cell, at) in places(step, 0.0) {
+            let low = reach(at.z, step.height);
+            let below = self.columns.lay(cell, low, at.z, support);
+            let Some(below) = below else { continue };
+            if at.z < below - PLOUGH {
+                let (top, how) = (below, How::Low);
+                wrong = wrong.or(Some(Wrong { at, top, how }));
+            } else if below < low {
+                // More plastic than the file says reaches deeper, but no
+                // deeper than the bead is wide.
+                let plastic = height_of(area, step.width).min(step.width);
+                let height = step.height.max(plastic);
+                let low = reach(at.z, height);
+                self.columns.lay(cell, low, at.z, support);
+                if below < low && !support && wrong.is_none() {
+                    wrong = self.hangs(cell, at, at.z - height - self.lift);
+                }
+            }
+        }
+        wrong
+    }
+
+    /// Tells whether a bead that reaches down to `low` hangs in the air only
+    /// since it rises out of its layer.
+    fn hangs(&self, cell: IVec2, at: DVec3, low: Mm) -> Option<Wrong> {
+        let (level, height) = self.here.level?;
+        if at.z <= level + ROUNDED {
+            return None;
+        }
+        // The first layer lies on the bed.
+        let bed = (self.bed.unwrap_or(level - height), false);
+        let below = around(cell)
+            .filter_map(|near| self.columns.at(near))
+            .filter(|seen| seen.below <= at.z)
+            .map(|seen| (seen.below, seen.on_support));
+        let higher = |a: (Mm, bool), b| if b > a { b } else { a };
+        let (top, on_support) = below.fold(bed, higher);
+        let would_lie = level - (1.0 + ALIKE) * height <= top;
+        (top < low && would_lie && !on_support).then_some(Wrong {
+            at,
+            top,
+            how: How::High,
+        })
+    }
+
+    /// The first place where a travel leads through what is printed, a line's
+    /// width from its ends on: beads lie side by side there, and cells do not
+    /// tell one from the next.
+    pub(super) fn travel(&self, step: &Move) -> Option<Wrong> {
+        places(step, CELL).find_map(|(cell, at)| {
+            let top = self.columns.at(cell)?.top;
+            let how = How::Low;
+            (at.z < top - PLOUGH).then_some(Wrong { at, top, how })
+        })
+    }
+
+    /// Ends a layer; `found` is told where islands begin in the air.
+    pub(super) fn next_layer(&mut self, mut found: impl FnMut(DVec3)) {
+        let here = std::mem::take(&mut self.here);
+        let Some(top) = here.top else { return };
+        // Beads of the first layer may rise; it lies on the bed all the same.
+        let bed = match (self.bed, here.bottom) {
+            (Some(bed), Some(bottom)) => Some(bed.min(bottom)),
+            (bed, bottom) => bed.or(bottom),
         };
-        self.last = Some((tile, index));
-        let word = &mut self.bits[index][row];
-        let new = *word & bit == 0;
-        *word |= bit;
-        new
-    }
-
-    /// The rows of a tile, with the last row of the tile below and the first
-    /// row of the tile above.
-    fn rows(&self, (x, y): (i32, i32)) -> [u32; SIDE as usize + 2] {
-        const END: usize = SIDE as usize;
-        let mut rows = [0; END + 2];
-        let tile = |y| self.tiles.get(&(x, y)).map(|&i| &self.bits[i]);
-        if let Some(below) = tile(y - 1) {
-            rows[0] = below[END - 1];
-        }
-        if let Some(here) = tile(y) {
-            rows[1..=END].copy_from_slice(here);
-        }
-        if let Some(above) = tile(y + 1) {
-            rows[END + 1] = above[0];
-        }
-        rows
-    }
-
-    /// The cells of a tile that are marked, or have a marked neighbour.
-    fn near(&self, (x, y): (i32, i32)) -> [u32; SIDE as usize] {
-        let columns = [x - 1, x, x + 1].map(|x| self.rows((x, y)));
-        std::array::from_fn(|row| {
-            let [left, here, right] =
-                columns.map(|rows| rows[row] | rows[row + 1] | rows[row + 2]);
-            let sides = here << 1 | here >> 1;
-            let beside = left >> (SIDE - 1) | right << (SIDE - 1);
-            here | sides | beside
-        })
-    }
-
-    /// Removes the cells that are marked in `below` or have a marked neighbour
-    /// there, and returns them.
-    fn take_near(&mut self, below: &Cells) -> Cells {
-        let mut taken = Cells::default();
-        self.last = None;
-        self.tiles.retain(|&tile, &mut index| {
-            let near = below.near(tile);
-            let here = &mut self.bits[index];
-            let mut both = [0; SIDE as usize];
-            let mut left = 0;
-            for ((here, near), both) in here.iter_mut().zip(near).zip(&mut both)
-            {
-                *both = *here & near;
-                *here &= !near;
-                left |= *here;
+        self.bed = bed;
+        if bed.is_some() || self.above_others {
+            for support in [false, true] {
+                self.begin(support, |cell| {
+                    let p = (cell.as_dvec2() + 0.5) * CELL;
+                    found(p.extend(top));
+                });
             }
-            taken.tiles.insert(tile, taken.bits.len());
-            taken.bits.push(both);
-            left != 0
-        });
-        taken
+        }
+        self.above_others = true;
+        self.columns.next_layer();
     }
 
-    fn has(&self, cell: IVec2) -> bool {
-        let (tile, row, bit) = Self::split(cell);
-        self.tiles
-            .get(&tile)
-            .is_some_and(|&index| self.bits[index][row] & bit != 0)
-    }
-
-    /// All marked cells, from the lowest row of tiles up.
-    fn all(&self) -> impl Iterator<Item = IVec2> + '_ {
-        self.tiles.iter().flat_map(move |(&(x, y), &index)| {
-            (0..SIDE).flat_map(move |row| {
-                let word = self.bits[index][row as usize];
-                (0..SIDE).filter(move |&k| word & (1 << k) != 0).map(
-                    move |column| IVec2::new(x * SIDE + column, y * SIDE + row),
-                )
-            })
-        })
-    }
-
-    fn is_empty(&self) -> bool {
-        self.tiles.is_empty()
-    }
-
-    /// Tells of the first cell of each island that has nothing of `below` under
-    /// it.
-    fn begin(&self, below: &[&Cells], found: &mut impl FnMut(IVec2)) {
-        // Most cells are above others, so few remain to be searched.
-        let mut hanging = self.clone();
-        let below = below.iter().filter(|cells| !cells.is_empty());
-        let standing: Vec<Cells> =
-            below.map(|cells| hanging.take_near(cells)).collect();
-        let stands = |cell| standing.iter().any(|cells| cells.has(cell));
+    /// Tells of the first cell of each island, of the part or of supports, that
+    /// stands on nothing.
+    fn begin(&self, support: bool, mut found: impl FnMut(IVec2)) {
+        // Most cells stand, so few remain to be searched.
+        let mut hanging = Cells::default();
+        for (place, bits) in self.columns.not_held(support) {
+            let hangs = |cell: &IVec2| !self.stands(*cell, support);
+            bits.cells(place).filter(hangs).for_each(|cell| {
+                hanging.mark(cell);
+            });
+        }
+        let here = |cell| self.columns.is_printed(cell, support);
         let mut seen = Cells::default();
         let mut left = Vec::new();
         for first in hanging.all() {
@@ -153,8 +232,9 @@ impl Cells {
             left.push(first);
             while let Some(cell) = left.pop() {
                 for near in around(cell) {
-                    stood |= stands(near);
-                    if hanging.has(near) && seen.mark(near) {
+                    let hangs = hanging.has(near);
+                    stood |= !hangs && here(near);
+                    if hangs && seen.mark(near) {
                         left.push(near);
                     }
                 }
@@ -164,139 +244,42 @@ impl Cells {
             }
         }
     }
-}
 
-/// The cell and its eight neighbours.
-fn around(cell: IVec2) -> impl Iterator<Item = IVec2> {
-    (-1..=1).flat_map(move |y| (-1..=1).map(move |x| cell + IVec2::new(x, y)))
-}
-
-/// Greatest gap between a support and what it holds above it, and between a
-/// support and what it stands on.
-const GAP: Mm = 0.6;
-
-/// Number of layers that are kept. Supports may be layers of their own, between
-/// those of the part.
-const KEPT: usize = 16;
-
-/// Heights closer than this differ by rounding only.
-const ROUNDED: Mm = 1e-3;
-
-/// A layer: its beads, and how high it lies.
-#[derive(Default)]
-struct Layer {
-    part: Cells,
-    support: Cells,
-    /// From the lowest point of its beads to the highest.
-    z: Option<(Mm, Mm)>,
-}
-
-/// The layer being printed, and those below.
-#[derive(Default)]
-pub(super) struct Ground {
-    here: Layer,
-    below: VecDeque<Layer>,
-    /// The lowest point of all beads: the bed.
-    bed: Option<Mm>,
-}
-
-impl Ground {
-    /// Tiles that the layer being printed takes.
-    #[cfg(test)]
-    pub(super) fn tiles(&self) -> usize {
-        self.here.part.bits.len()
-    }
-
-    /// Takes in a bead, as seen from above, in the layer being printed.
-    pub(super) fn bead(&mut self, step: &Move) {
-        let (a, b) = (step.from.truncate(), step.to.truncate());
-        let top = step.from.z.max(step.to.z);
-        let low = top - step.height;
-        let (lowest, highest) = self.here.z.unwrap_or((low, top));
-        self.here.z = Some((lowest.min(low), highest.max(top)));
-        let cells = match step.role {
-            Role::Support | Role::SupportInterface => &mut self.here.support,
-            _ => &mut self.here.part,
+    /// True if something below holds the layer's beads in a cell.
+    fn stands(&self, cell: IVec2, support: bool) -> bool {
+        let Some(own) = self.columns.at(cell) else {
+            return true;
         };
-        let way = b - a;
-        let length = way.length();
-        let steps = (length / CELL).ceil().max(1.0) as u32;
-        for k in 0..=steps {
-            let p = a + way * (f64::from(k) / f64::from(steps));
-            // This rounds down as the slower `floor()` does, since no bead is
-            // that far below zero.
-            let cell = (p / CELL + f64::from(BELOW)).as_ivec2();
-            cells.mark(cell - BELOW);
-        }
-    }
-
-    /// Ends a layer; `found` is told where islands begin in the air.
-    pub(super) fn next_layer(&mut self, mut found: impl FnMut(DVec3)) {
-        let here = std::mem::take(&mut self.here);
-        let Some((low, top)) = here.z else { return };
-        let bed = self.bed.map_or(low, |bed| bed.min(low));
-        self.bed = Some(bed);
-        let mut found = |cell: IVec2| {
-            let p = (cell.as_dvec2() + 0.5) * CELL;
-            found(p.extend(top));
+        let gap = |by_support| if by_support { self.gap } else { 0.0 };
+        let holds = |seen: &Seen| {
+            let reach = own.low - gap(support || seen.on_support);
+            seen.below >= reach && seen.below <= own.top + ROUNDED
         };
-        // A file may print one object after another, and supports after what is
-        // beside them.
-        let lower = self.below.iter().rev();
-        let lower = lower.filter(|l| l.z.is_some_and(|z| z.1 < top - ROUNDED));
-        let near = |layer: &&Layer| layer.z.is_some_and(|z| z.1 > low - GAP);
-        let (mut under_part, mut under_support) = (Vec::new(), Vec::new());
-        for (k, layer) in lower.clone().enumerate() {
-            if k == 0 || near(&layer) {
-                under_part.push(&layer.support);
-                under_support.extend([&layer.support, &layer.part]);
-            }
-        }
-        let part = lower.clone().map(|layer| &layer.part);
-        under_part.extend(part.clone().find(|part| !part.is_empty()));
-        // Supports may be lower than the part beside them, which stands on the
-        // bed as well.
-        let on_bed = low <= bed + ROUNDED;
-        if !on_bed && lower.clone().next().is_some() {
-            here.part.begin(&under_part, &mut found);
-            here.support.begin(&under_support, &mut found);
-        }
-        self.below.push_back(here);
-        if self.below.len() > KEPT {
-            self.below.pop_front();
-        }
+        let on_bed = |bed: Mm| own.low - gap(support) <= bed;
+        self.bed.is_some_and(on_bed)
+            || holds(&own)
+            || around(cell).any(|near| {
+                self.columns.at(near).is_some_and(|seen| holds(&seen))
+            })
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn cells(places: &[(i32, i32)]) -> Cells {
-        let mut cells = Cells::default();
-        for &(x, y) in places {
-            cells.mark(IVec2::new(x, y));
-        }
-        cells
-    }
-
-    proptest! {
-        /// Tiles give the same neighbours as single cells.
-        #[test]
-        fn neighbours_are_found_across_tiles(
-            here in prop::collection::vec((-40..40, -40..40), 0..300),
-            below in prop::collection::vec((-40..40, -40..40), 0..60),
-        ) {
-            let below = cells(&below);
-            let mut hanging = cells(&here);
-            let standing = hanging.take_near(&below);
-            for (x, y) in here {
-                let cell = IVec2::new(x, y);
-                let stands = around(cell).any(|near| below.has(near));
-                prop_assert_eq!(standing.has(cell), stands);
-                prop_assert_eq!(hanging.has(cell), !stands);
-            }
-        }
-    }
+/// Cells along a move, each with the nozzle's place there, except for a length
+/// at both ends.
+fn places(step: &Move, ends: Mm) -> impl Iterator<Item = (IVec2, DVec3)> {
+    let length = step.from.truncate().distance(step.to.truncate());
+    let count = ((length - 2.0 * ends) / CELL).ceil();
+    let (from, to) = (step.from, step.to);
+    let share = if length > 0.0 { ends / length } else { 0.0 };
+    // A move that is all ends has no places.
+    let last = if count < 0.0 {
+        0
+    } else {
+        count.max(1.0) as u32 + 1
+    };
+    (0..last).map(move |k| {
+        let t = f64::from(k) / f64::from(last - 1);
+        let at = from.lerp(to, share + (1.0 - 2.0 * share) * t);
+        (cell_of(at.truncate()), at)
+    })
 }

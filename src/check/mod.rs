@@ -16,9 +16,10 @@
 //! | no bead is thicker than the nozzle can lay | [`Kind::ThickBead`] |
 //! | no move of filament alone is longer than firmware takes | [`Kind::LongFeed`] |
 //! | nothing is faster than the printer | [`Kind::TooFast`], [`Kind::NoSpeed`] |
-//! | z rises by layers | [`Kind::Jump`], [`Kind::Low`] |
+//! | z rises by layers | [`Kind::Jump`] |
+//! | nothing is led or laid through what is printed | [`Kind::Low`], [`Kind::Sunk`] |
 //! | the head does not come near parts that are finished, where parts are printed one by one | [`Kind::Collision`] |
-//! | every island stands on something | [`Kind::InTheAir`] |
+//! | every island, and every bead that rises, stands on something | [`Kind::InTheAir`] |
 //! | every line makes sense, and ends where any firmware ends it | [`Kind::Senseless`], [`Kind::LongLine`], [`Kind::LineEnd`] |
 //! | no command breaks what the check takes for granted (`words` is the table) | [`Kind::Harmful`], [`Kind::Changed`] |
 //! | the print is whole, and everything is off at the end | [`Kind::CutOff`], [`Kind::LeftOn`] |
@@ -40,6 +41,8 @@
 //! unless the temperature that it is given says otherwise.
 
 mod alongside;
+mod cells;
+mod columns;
 mod commands;
 mod ending;
 mod filament;
@@ -60,7 +63,7 @@ use crate::units::Mm;
 use ending::Ending;
 use finished::Finished;
 use glam::DVec3;
-use ground::Ground;
+use ground::{Ground, PLOUGH, Wrong};
 use heat::{Heat, Readiness};
 use rules::ROUNDING;
 use std::io::Read;
@@ -140,7 +143,7 @@ impl<'a> Checker<'a> {
         Checker {
             rules,
             verdict: Verdict::default(),
-            ground: Ground::default(),
+            ground: Ground::new(rules.gap, rules.nozzle),
             heat: Heat::new(rules.least_heat),
             homed: 0,
             ending: Ending::default(),
@@ -165,7 +168,7 @@ impl<'a> Checker<'a> {
                 self.next_layer();
                 // What was purged before the first layer holds nothing.
                 if number == 1 {
-                    self.ground = Ground::default();
+                    self.ground.clear();
                 }
                 self.layer = number;
                 self.verdict.layers = self.verdict.layers.max(number);
@@ -373,16 +376,36 @@ impl<'a> Checker<'a> {
 
     /// Reports a travel that leads through what is printed.
     fn travel(&mut self, step: &Move) {
-        let low = step.from.z.min(step.to.z);
-        if sideways(step) && low < self.top - self.rules.nozzle {
-            let top = self.top;
+        let (low, top) = (step.from.z.min(step.to.z), self.top);
+        if !sideways(step) || low >= top - PLOUGH {
+            return;
+        }
+        if low < top - self.rules.nozzle {
             self.verdict.add(Kind::Low, step.line, step.to, || {
                 format!(
                     "the head moves at z = {low:.3}, below the top of what is \
                      printed, {top:.3}"
                 )
             });
+        } else if self.within(step)
+            && let Some(Wrong { at, top, .. }) = self.ground.travel(step)
+        {
+            self.verdict.add(Kind::Low, step.line, at, || {
+                format!(
+                    "the head leads through what is printed: at {}, where \
+                     that reaches up to {top:.3}",
+                    place(at)
+                )
+            });
         }
+    }
+
+    /// True if a move stays where the head may be. Any other one has been
+    /// reported, and might take any number of cells.
+    fn within(&self, step: &Move) -> bool {
+        [step.from, step.to]
+            .into_iter()
+            .all(|p| self.rules.reach(p, BESIDE))
     }
 
     fn next_layer(&mut self) {

@@ -44,6 +44,8 @@ pub struct Rules {
     pub speed_z: MmPerSec,
     /// Least temperature of a nozzle that filament is pushed through.
     pub least_heat: Celsius,
+    /// Greatest gap between supports and the part.
+    pub(crate) gap: Mm,
     /// What the head needs beside finished parts, if parts are printed one by
     /// one.
     pub(crate) head_room: Option<HeadRoom>,
@@ -79,6 +81,7 @@ impl Rules {
             speed: printer.max_speed,
             speed_z: printer.max_speed_z,
             least_heat: settings.min_nozzle_temperature(),
+            gap: settings.support.z_gap.max(settings.support.z_gap_bottom),
             head_room: HeadRoom::of(settings),
             // If the printer's own limits are not set, these hold: what usual
             // hot ends, beds and chambers bear, and what hardly any bears.

@@ -4,6 +4,8 @@ use super::*;
 use crate::settings::Builder;
 use crate::settings::Settings;
 
+mod heights;
+
 const START: &str = "G28\nM109 S200\nM83\n;LAYER_CHANGE\n;Z:0.2\n\
                      G1 Z0.2 F600\n;TYPE:External perimeter\n\
                      G1 X50 Y50 F6000\n";

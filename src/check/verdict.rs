@@ -55,11 +55,13 @@ pub enum Kind {
     LongLine,
     /// A move comes before any speed was set.
     NoSpeed,
-    /// A travel leads below the top of the print.
+    /// A travel leads below the top of the print, or through what is printed.
     Low,
+    /// A bead is laid into what is printed below it.
+    Sunk,
     /// The head would hit a part that is finished.
     Collision,
-    /// An island stands on nothing.
+    /// An island stands on nothing, or a bead that rises has nothing below it.
     InTheAir,
     /// Something depends on what only the printer knows.
     Unknown,
@@ -95,6 +97,7 @@ impl Kind {
             | Kind::TooFast
             | Kind::Purge
             | Kind::Low
+            | Kind::Sunk
             | Kind::InTheAir
             | Kind::Unknown
             | Kind::Hot
@@ -124,6 +127,7 @@ impl Kind {
             Kind::LongLine => "long-line",
             Kind::NoSpeed => "no-speed",
             Kind::Low => "low-travel",
+            Kind::Sunk => "sunk-bead",
             Kind::Collision => "collision",
             Kind::InTheAir => "in-the-air",
             Kind::Unknown => "unknown",
@@ -162,7 +166,6 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// The finding as a sentence. `name` is the file's.
     /// The finding as a sentence. `name` is that of the file, or empty for a
     /// file that has none yet.
     fn sentence(&self, name: &str) -> String {

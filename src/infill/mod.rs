@@ -326,6 +326,10 @@ impl<'a> Infill<'a> {
         }
         let margin = width * (0.5 - settings.infill_overlap / 100.0);
         let ends = offset(sparse, -margin, TOLERANCE);
+        if ends.is_empty() && matches!(self.kind, Kind::Pattern(_)) {
+            // No line fits in, and a density has no place to be asked for.
+            return Ok(Vec::new());
+        }
         let border = Border::new(&ends);
         let around = Around {
             surroundings: self.around,

@@ -34,8 +34,6 @@ pub(crate) struct Standing {
     reach: Mm,
     /// The beads of the layer below, if it is known.
     below: Option<EdgeGrid>,
-    /// Beads that have been left out.
-    left_out: usize,
     /// True if the pattern is a user's own.
     own: bool,
 }
@@ -43,12 +41,11 @@ pub(crate) struct Standing {
 impl Standing {
     /// A check of infill, if the infill is of a kind that needs it.
     pub(crate) fn new(settings: &Settings) -> Option<Standing> {
-        let own = !matches!(settings.infill, settings::Infill::Pattern(_));
+        let own = is_own(settings);
         let graded = settings.infill_density.constant().is_none();
         (own || graded).then(|| Standing {
             reach: HELD * settings.infill_width(),
             below: None,
-            left_out: 0,
             own,
         })
     }
@@ -60,13 +57,11 @@ impl Standing {
     }
 
     /// Takes the next layer, and leaves out the infill that stands on nothing.
-    /// `others` are the layer's other beads; `counts` is true if what is left
-    /// out is to be counted.
+    /// `others` are the layer's other beads.
     pub(crate) fn kept<'a>(
         &mut self,
         mut infill: Vec<Bead>,
         others: impl Iterator<Item = &'a Bead>,
-        counts: bool,
     ) -> Vec<Bead> {
         crate::limits::check();
         let below = self.below.take();
@@ -101,25 +96,26 @@ impl Standing {
             here = grid(&kept);
         }
         self.below = Some(here);
-        if counts {
-            self.left_out += stays.iter().filter(|stays| !**stays).count();
-        }
         let mut stays = stays.into_iter();
         infill.retain(|_| stays.next().unwrap_or(true));
         infill
     }
+}
 
-    /// The warning about beads that were left out of a user's own pattern.
-    /// Nobody needs to know of those left out of the shipped patterns.
-    pub(crate) fn warning(&self) -> Option<String> {
-        (self.own && self.left_out > 0).then(|| {
-            format!(
-                "beads of the infill's shape that lie on nothing and touch \
-                 nothing in their layer are left out: {}",
-                self.left_out
-            )
-        })
-    }
+/// True if the infill is a user's own pattern.
+fn is_own(settings: &Settings) -> bool {
+    !matches!(settings.infill, settings::Infill::Pattern(_))
+}
+
+/// The warning about beads that were left out of a user's own pattern. Nobody
+/// needs to know of those left out of the shipped patterns.
+pub(crate) fn warning(left_out: usize, settings: &Settings) -> Option<String> {
+    (is_own(settings) && left_out > 0).then(|| {
+        format!(
+            "beads of the infill's shape that lie on nothing and touch \
+             nothing in their layer are left out: {left_out}"
+        )
+    })
 }
 
 #[cfg(test)]
@@ -153,7 +149,7 @@ mod tests {
         let mut layer = |beads: &[Bead]| {
             let infill = [std::slice::from_ref(&line), beads].concat();
             let others = [&wall].into_iter();
-            standing.kept(infill, others, true).len() - 1
+            standing.kept(infill, others).len() - 1
         };
         // All of the first layer stands on the bed.
         assert_eq!(layer(&[ring(15.0, 1.0)]), 1);
@@ -171,9 +167,8 @@ mod tests {
         let alone = bead(&[(13.2, -4.0), (13.2, -8.0)]);
         assert_eq!(layer(&[beside, from_wall, alone.clone()]), 2);
         standing.forget();
-        let kept = standing.kept(vec![alone], [&wall].into_iter(), true);
+        let kept = standing.kept(vec![alone], [&wall].into_iter());
         assert_eq!(kept.len(), 1);
-        assert_eq!(standing.left_out, 3);
         assert!(Standing::new(&Settings::default()).is_none());
     }
 
@@ -199,14 +194,14 @@ mod tests {
         let dots = vec![raised(ring), short.clone(), longer.clone()];
         for (settings, left) in [(&graded, 1), (&own, 3)] {
             let mut standing = Standing::new(settings).unwrap();
-            standing.kept(vec![line.clone()], [].into_iter(), true);
-            let kept = standing.kept(dots.clone(), [].into_iter(), true);
+            standing.kept(vec![line.clone()], [].into_iter());
+            let kept = standing.kept(dots.clone(), [].into_iter());
             assert_eq!(kept.len(), left);
             // Beside a longer line, the short one is not alone.
             let beside = bead(&[(15.0, 4.0), (15.0, 6.0)]);
             let near = bead(&[(15.3, 4.9), (15.3, 5.5)]);
             let both = vec![beside, near];
-            assert_eq!(standing.kept(both, [].into_iter(), true).len(), 2);
+            assert_eq!(standing.kept(both, [].into_iter()).len(), 2);
         }
     }
 }

@@ -153,6 +153,9 @@ pub(super) fn faces(layers: &VecDeque<Layer>, i: usize) -> Faces<'_> {
 /// A layer that has been filled.
 pub(super) struct Filled {
     pub beads: LayerBeads,
+    /// Number of beads of the infill that are left out, since they stand on
+    /// nothing.
+    pub left_out: usize,
     /// Where there is sparse infill.
     pub sparse: Solid<'static>,
     /// Skin and sparse area, if internal bridges may change them.

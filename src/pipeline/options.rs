@@ -81,6 +81,7 @@ impl Options<'_> {
             made: first..layers.end,
             layers,
             glimpse,
+            blocks: true,
         }
     }
 }
@@ -95,6 +96,9 @@ pub(super) struct Extent {
     pub made: Range<usize>,
     /// True if a single layer is made to be looked at.
     pub glimpse: bool,
+    /// True if blocks of layers pass nothing on to the next block, so that a
+    /// run may begin with any of them.
+    pub blocks: bool,
 }
 
 impl Extent {
@@ -104,6 +108,7 @@ impl Extent {
             layers: 0..count,
             made: 0..count,
             glimpse: false,
+            blocks: false,
         }
     }
 }

@@ -13,7 +13,7 @@ use super::supported::Top;
 use crate::adhesion::{keep_on_bed, without_ears};
 use crate::hang::foot::Foot;
 use crate::hang::{self, Hanging, Look};
-use crate::infill::standing::Standing;
+use crate::infill::standing;
 use crate::layers::LayerSpan;
 use crate::order::{self, Head, linked, order};
 use crate::plane::Solid;
@@ -38,8 +38,9 @@ pub(super) struct PartOrder<'a> {
     /// The climbing wall, if there is one.
     spiral: Option<&'a Spiral<'a>>,
     head: Head,
-    /// The check of infill that may stand on nothing.
-    standing: Option<Standing>,
+    /// Number of beads of the infill that are left out, since they stand on
+    /// nothing.
+    left_out: usize,
     /// The layers to be written.
     layers: Range<usize>,
     /// Number of the part's layers.
@@ -85,7 +86,7 @@ impl<'a> PartOrder<'a> {
             offset: part.model.offset.truncate(),
             spiral: stages.spiral.as_ref(),
             head: Head::default(),
-            standing: Standing::new(&part.settings),
+            left_out: 0,
             layers,
             layer_count: spans.len(),
             timings: &stages.timings,
@@ -101,6 +102,7 @@ impl<'a> PartOrder<'a> {
         let below = ready.below.as_ref();
         let Filled {
             mut beads,
+            left_out,
             sparse,
             gap,
             look,
@@ -131,16 +133,8 @@ impl<'a> PartOrder<'a> {
             }
         }
         let written = self.layers.contains(&index);
-        if let Some(standing) = &mut self.standing {
-            let infill = std::mem::take(&mut beads.infill);
-            if index == self.settings.raft_layers() {
-                // All infill of the layer counts as standing on what is below
-                // it.
-                standing.forget();
-            }
-            beads.infill = self.timings.time(Stage::Infill, || {
-                standing.kept(infill, beads.shell(), written)
-            });
+        if written {
+            self.left_out += left_out;
         }
         self.follow_hanging(layer, look.as_ref(), written);
         let from = self.head.at;
@@ -225,14 +219,13 @@ impl<'a> PartOrder<'a> {
             at,
             ..Head::default()
         };
-        self.standing.iter_mut().for_each(Standing::forget);
         at.map(|at| at + self.offset)
     }
 
     /// What the user should know, what hangs in the part, and what it stands on.
     pub(super) fn finish(mut self) -> (Vec<String>, Hanging, Option<Foot>) {
-        let standing = self.standing.as_ref();
-        self.warnings.extend(standing.and_then(Standing::warning));
+        let warning = standing::warning(self.left_out, self.settings);
+        self.warnings.extend(warning);
         (self.warnings, self.hanging.finish().0, self.foot)
     }
 }

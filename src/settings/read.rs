@@ -9,7 +9,7 @@ use super::profile::{Profile, Profiles};
 use super::shipped::ProfileKind;
 use super::table::{self, Key};
 use super::text::{self, HEAD, line_of};
-use super::value::{Raw, Refused};
+use super::value::{Raw, Refused, formula};
 use super::{Settings, keys};
 use std::ops::Range;
 use std::path::Path;
@@ -304,8 +304,8 @@ fn refusal(
         Refused::Type => SettingsError::WrongType {
             place,
             key: key.name.to_owned(),
+            expected: key.expected() + &elsewhere(key, raw),
             value,
-            expected: key.expected(),
         },
         Refused::Range => SettingsError::OutOfRange {
             place,
@@ -314,4 +314,19 @@ fn refusal(
             allowed: key.allowed(),
         },
     }
+}
+
+/// What a value that is refused was meant for, as the end of a sentence; empty
+/// if that is not known.
+fn elsewhere(key: &Key, raw: Raw<'_>) -> String {
+    let is_formula = formula(raw).is_some();
+    let adaptive = matches!(raw, Raw::Text("adaptive") | Raw::Word("adaptive"));
+    let is_number = raw.describe().parse::<f64>().is_ok();
+    let other = match key.name {
+        "layer_height" if is_formula || adaptive => "layer_heights",
+        "layer_heights" if is_number => "layer_height",
+        _ if is_formula => return "; it takes no expression".to_owned(),
+        _ => return String::new(),
+    };
+    format!(", or set {other}, which takes this value")
 }

@@ -191,6 +191,30 @@ fn every_end_is_held_whatever_the_infill() {
     }
 }
 
+/// A ramp, whose skin lies over infill in each layer.
+const RAMP: &str =
+    "max(max(abs(x) - 36, abs(y) - 7), max(-z, z - 1 - 0.2*(x + 36)))";
+
+#[test]
+fn none_rests_on_infill_that_is_left_out() {
+    let mut lines = 0;
+    // Where the density varies, infill that stands on nothing is left out.
+    for density in ["10 + 20*exp(-d/4)", "8 + 6*sin(0.9*x)*cos(0.8*y)"] {
+        let settings = settings(&[
+            // Layers of two blocks, each of which begins anew.
+            "layer_height=0.1",
+            "infill=gyroid",
+            &format!("infill_density=expr: {density}"),
+        ]);
+        let layers = layers(RAMP, &settings);
+        assert!(layers.len() > 140);
+        let (_, free, own) = judged(&layers);
+        assert_eq!(free, 0, "{density}: of {own} lines");
+        lines += own;
+    }
+    assert!(lines > 20, "{lines}");
+}
+
 /// The layers of the box that have bridges, and the direction of these.
 fn directions(layers: &[Vec<Step>]) -> Vec<(usize, DVec2)> {
     let all = layers.iter().enumerate();

@@ -537,3 +537,22 @@ fn what_nobody_asked_for_is_not_warned_of() {
 fn the_printed_settings_are_pleasant_to_read() {
     snapshot("settings", Settings::default().to_toml());
 }
+
+#[test]
+fn errors_name_the_setting_that_takes_the_value() {
+    for (given, other) in [
+        ("layer_height = \"expr: 0.1 + z/100\"", "set layer_heights,"),
+        ("layer_height = \"adaptive\"", "set layer_heights,"),
+        ("layer_heights = 0.2", "set layer_height,"),
+        ("first_layer_height = \"expr: 0.3\"", "no expression"),
+        ("walls = \"expr: 3\"", "no expression"),
+    ] {
+        let said = refused(given);
+        assert!(said.contains(given), "{said}");
+        assert!(said.contains(other), "{said}");
+        assert!(said.starts_with("my.toml:1:"), "{said}");
+    }
+    let said = refused_set(&["layer_height=expr: 0.1 + z/100"]);
+    assert!(said.contains("layer_height = expr: 0.1"), "{said}");
+    assert!(said.contains("set layer_heights,"), "{said}");
+}

@@ -29,6 +29,7 @@ use super::supported::Supported;
 use crate::adhesion::Skirt;
 use crate::contour::{Field, field};
 use crate::fuzzy::Fuzzy;
+use crate::infill::standing::Standing;
 use crate::infill::{self, Infill};
 use crate::layers::LayerSpan;
 use crate::model::Model;
@@ -137,6 +138,11 @@ impl<'a> Stages<'a> {
     /// True if a layer is the part's first one, on a raft.
     pub(super) fn is_on_raft(&self, layer: usize) -> bool {
         self.raft_layers > 0 && layer == self.raft_layers
+    }
+
+    /// A check of infill that may stand on nothing, if the settings need one.
+    pub(super) fn standing(&self) -> Option<Standing> {
+        Standing::new(self.settings)
     }
 
     /// Number of layers whose field is walked at a time.

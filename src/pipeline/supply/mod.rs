@@ -1,13 +1,14 @@
 //! Filled layers of one part from below. [`plate`] hands over those of several
-//! parts, ahead of whoever writes them, and `bridges` lays internal bridges.
+//! parts, ahead of whoever writes them, and `lower` decides what depends on the layer
+//! below: infill that stands on nothing, and internal bridges.
 //!
 //! In: the slabs of a part. Out: its layers in order, a few at a time, each
 //! with the neighbours on which it depends. Only the window of layers on which
 //! later layers depend is kept. So memory grows with the part's height only if it
 //! has supports, whose plan is kept elsewhere.
 
-mod bridges;
 mod glimpse;
+mod lower;
 pub(super) mod plate;
 
 use super::SliceError;
@@ -16,7 +17,7 @@ use super::options::Extent;
 use super::stages::Stages;
 use crate::layers::LayerSpan;
 use crate::plane::Solid;
-use bridges::{Bridges, Window};
+use lower::{Lower, Window};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -47,7 +48,7 @@ pub(super) struct Supply<'a> {
     next: usize,
     /// Index of the first layer that is handed over.
     first: usize,
-    bridges: Bridges,
+    lower: Lower,
 }
 
 impl<'a> Supply<'a> {
@@ -62,6 +63,7 @@ impl<'a> Supply<'a> {
             layers,
             made,
             glimpse,
+            blocks,
         } = extent;
         let needed = stages.needed(&made, spans.len());
         // A slab is the unit in which the field is walked, so the division
@@ -86,7 +88,7 @@ impl<'a> Supply<'a> {
             window: VecDeque::new(),
             next: first.saturating_sub(below),
             first,
-            bridges: Bridges::default(),
+            lower: Lower::new(stages, blocks),
             layers,
         }
     }
@@ -211,6 +213,7 @@ impl<'a> Supply<'a> {
             let bridges = stages.bridges_infill();
             Ok(Filled {
                 beads,
+                left_out: 0,
                 areas: bridges.then(|| areas.clone()),
                 sparse: Solid::new(areas.sparse),
                 support: stages.support_area(index).map(Solid::new),
@@ -259,14 +262,12 @@ impl<'a> Supply<'a> {
                 self.window[group.end - 1].inside = inside;
             }
         }
-        if stages.bridges_infill() {
-            let window = Window {
-                stages,
-                pool: self.pool,
-                layers: &self.window,
-            };
-            self.bridges.lay(&window, which.start, &mut all)?;
-        }
+        let window = Window {
+            stages,
+            pool: self.pool,
+            layers: &self.window,
+        };
+        self.lower.settle(&window, which.start, &mut all)?;
         Ok(all)
     }
 }
