@@ -172,7 +172,9 @@ fn bodies_with_a_slit_between_them_are_one() {
             assert!(off.abs() < 0.25, "{gap} {degrees}: {off}");
         }
     }
-    for (gap, closing) in [(0.05, "auto"), (0.11, "0.05"), (0.3, "0.05"), (0.03, "0")] {
+    for (gap, closing) in
+        [(0.05, "auto"), (0.11, "0.05"), (0.3, "0.05"), (0.03, "0")]
+    {
         let setting = format!("slit_closing={closing}");
         let length = outer(&two_bodies(gap, 7.0), &[&setting]);
         let exact = TWO - 4.0 * 0.5 * gap;
