@@ -490,7 +490,7 @@ mod tests {
     #[test]
     fn walls_of_the_field_close_with_the_outline() {
         let both = |inset: f64| {
-            [(-5.0, -0.05), (0.0, 5.0)]
+            [(-5.0, -0.03), (0.0, 5.0)]
                 .iter()
                 .flat_map(|&(a, b)| {
                     rect(a + inset, inset, b - inset, 4.0 - inset).rings

@@ -166,6 +166,14 @@ fn tip(
         (c, r) = (next, reach);
         balls.push((c, 2.0 * r));
     }
+    // Moves as short as these steps gain nothing: every other ball will do,
+    // counted from the last, without the first.
+    let count = balls.len();
+    let mut i = 0;
+    balls.retain(|_| {
+        i += 1;
+        i == count || (i > 1 && (count - i).is_multiple_of(2))
+    });
     balls
 }
 

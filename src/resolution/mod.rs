@@ -39,6 +39,12 @@ const BESIDE: f64 = 0.25;
 /// a quarter more moves, with more they hold a little less of what is above.
 const SUPPORT: f64 = 0.5;
 
+/// Share of `path_accuracy` by which fill that nobody sees is thinned. No wall
+/// lies against a stroke of it with a distance of its own, and strokes in the
+/// pockets of a lattice bend often: with 1.5 a gyroid ball's fill has an eighth
+/// fewer moves than with 1, and covers as much.
+const FILL: f64 = 1.5;
+
 /// How far a width may be from the line between those that stay, as a share
 /// of itself.
 const WIDTH: f64 = 0.015;
@@ -64,6 +70,9 @@ pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
         Role::Support | Role::SupportInterface => {
             SUPPORT * settings.path_accuracy
         }
+        Role::GapFill | Role::InternalSkin | Role::SparseInfill => {
+            FILL * settings.path_accuracy
+        }
         _ => settings.path_accuracy,
     }
 }
@@ -77,7 +86,7 @@ pub(crate) fn arc_tolerance(role: Role, settings: &Settings) -> Mm {
     if role.shows() {
         0.75 * settings.accuracy
     } else {
-        ARCS * settings.path_accuracy
+        ARCS * tolerance(role, settings)
     }
 }
 

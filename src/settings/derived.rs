@@ -52,7 +52,7 @@ by_nozzle! {
     /// Greatest step of adaptive layers on the surface.
     step_error = 25.0;
     /// Half the width of the widest slit that is closed.
-    slit_closing = 12.5;
+    slit_closing = 5.0;
     /// Line width of the outer wall.
     outer_wall_width = 112.5;
     /// Line width of the walls behind the outer wall.

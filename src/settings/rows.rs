@@ -47,8 +47,9 @@ table::settings! {
         /// Greatest distance between an outline and the true surface.
         accuracy: Mm = 0.005, in 0.0005..=0.1;
         /// Greatest distance between a path that does not show (inner walls,
-        /// gaps, skin, infill) and where it was meant. Printers cannot show
-        /// it, and the longer moves are easier on the firmware.
+        /// skin) and where it was meant. Gaps, infill and solid areas that
+        /// nobody sees may be off by one and a half times as much. Printers
+        /// cannot show it, and the longer moves are easier on the firmware.
         path_accuracy: Mm = 0.025, in 0.0005..=0.2;
         /// Spacing of the lattice on which the field is sampled to find the
         /// outlines. Details smaller than this may be missed, and curves
@@ -56,7 +57,7 @@ table::settings! {
         sample_spacing: Mm = 0.1, in 0.01..=2.0;
         /// Slits in a layer that are narrower than twice this are closed, so
         /// that bodies that almost touch are printed as one; 0 leaves them
-        /// open, and auto is 12.5% of the nozzle's diameter.
+        /// open, and auto is 5% of the nozzle's diameter.
         slit_closing: ByNozzle = ByNozzle::Auto, in 0.0..=1.0;
 
         ["Walls"]

@@ -198,7 +198,7 @@ fn lengths_follow_the_nozzle() {
         ("outer_wall_width", 0.45),
         ("skin_overlap", 0.6),
         ("skin_width", 0.45),
-        ("slit_closing", 0.05),
+        ("slit_closing", 0.02),
         ("step_error", 0.1),
         ("top_skin_width", 0.45),
         ("top_thickness", 0.8),
