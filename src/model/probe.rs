@@ -59,6 +59,17 @@ struct Search {
 }
 
 impl Probe {
+    /// A probe of the space outside the field `tree`, moved down by `gap` mm: it is
+    /// negative where something may be that keeps that far below the field's
+    /// undersides.
+    ///
+    /// # Errors
+    /// If fidget refuses the expression.
+    pub(crate) fn below(tree: &Tree, gap: Mm) -> Result<Probe, ProbeError> {
+        let (x, y, z) = Tree::axes();
+        Probe::new(&-tree.remap_xyz(x, y, z + gap as f32))
+    }
+
     /// A probe of the field `tree`.
     ///
     /// # Errors

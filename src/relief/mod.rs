@@ -64,7 +64,6 @@ use crate::settings::{Settings, Varying};
 use crate::units::{Degrees, Mm, Mm2};
 use crate::vary::{Quantity, Surroundings, VaryError};
 use chain::{Chain, Stop};
-use fidget::context::Tree;
 use glam::DVec2;
 use profile::{Kind, Knot};
 use rayon::ThreadPool;
@@ -210,14 +209,11 @@ impl<'a> Relief<'a> {
         if !settings.supports_follow() {
             return Ok(None);
         }
-        let (x, y, z) = Tree::axes();
-        let gap = settings.support.z_gap as f32;
-        let outside = -model.tree.remap_xyz(x, y, z + gap);
         let full = Varying::Constant(100.0);
         Ok(Some(Relief {
             settings,
             whose: Whose::Supports,
-            probe: Probe::new(&outside)?,
+            probe: Probe::below(&model.tree, settings.support.z_gap)?,
             strength: Quantity::new("support.interface_shape", &full)?,
             around,
             bed: -model.offset.z,

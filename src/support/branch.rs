@@ -285,8 +285,7 @@ impl Branch {
             heights, outlines, ..
         } = step.parts;
         let below = heights.gap_below(step.layer);
-        let below =
-            below.map(|k| crop(&outlines[k].near(within).rings, within));
+        let below = below.map(|k| crop(&outlines[k].rings, within));
         let below = below.reduce(|a, b| union(&a, &b));
         offset(&below.unwrap_or_default(), size.core, TOLERANCE)
     }

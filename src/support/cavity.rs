@@ -48,19 +48,19 @@ pub(crate) struct Enclosed {
 pub(super) fn enclosed(parts: Parts<'_>, slices: &[Slice]) -> Enclosed {
     let outlines = parts.outlines;
     let used = slices.iter().rposition(|slice| !slice.is_empty());
-    if used.is_none() || !outlines.iter().any(|o| has_holes(&o.area())) {
+    if used.is_none() || !outlines.iter().any(has_holes) {
         return Enclosed::default();
     }
     let mut first = OUTSIDE + 1;
     let numbers: Vec<usize> = outlines
         .iter()
         .map(|outline| {
-            first += outline.len();
-            first - outline.len()
+            first += outline.rings.len();
+            first - outline.rings.len()
         })
         .collect();
-    let level = |j: usize| Level::new(outlines[j].area(), numbers[j]);
-    let islands = |level: &Level, j: usize, slice: &Slice| {
+    let level = |j: usize| Level::new(&outlines[j], numbers[j]);
+    let islands = |level: &Level<'_>, j: usize, slice: &Slice| {
         crate::limits::check();
         let mut within = Vec::new();
         for island in slice.area().islands() {
@@ -128,8 +128,8 @@ fn has_holes(area: &Area) -> bool {
 }
 
 /// The empty spaces of a layer: the holes, and the space around the part.
-struct Level {
-    outline: Area,
+struct Level<'a> {
+    outline: &'a Area,
     nest: Nest,
     /// For each ring, whether it is the border of a hole.
     is_hole: Vec<bool>,
@@ -137,13 +137,13 @@ struct Level {
     first: usize,
 }
 
-impl Level {
-    fn new(outline: Area, first: usize) -> Level {
+impl<'a> Level<'a> {
+    fn new(outline: &'a Area, first: usize) -> Level<'a> {
         let rings = outline.rings.iter();
         Level {
+            outline,
             nest: Nest::new(rings.clone()),
             is_hole: rings.map(|ring| signed_area(ring) < 0.0).collect(),
-            outline,
             first,
         }
     }
@@ -179,7 +179,7 @@ impl Level {
 
 /// The empty spaces of two layers that lie over each other, as pairs of their
 /// numbers.
-fn joins(a: &Level, b: &Level) -> Vec<[usize; 2]> {
+fn joins(a: &Level<'_>, b: &Level<'_>) -> Vec<[usize; 2]> {
     crate::limits::check();
     if a.holes().next().is_none() && b.holes().next().is_none() {
         return Vec::new();

@@ -43,7 +43,6 @@ mod cells;
 mod disc;
 mod heights;
 mod need;
-mod packed;
 mod parts;
 mod pieces;
 mod plan;

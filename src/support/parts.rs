@@ -1,7 +1,6 @@
 //! The part that supports hold.
 
 use super::heights::Heights;
-use super::packed::Packed;
 use crate::layers::LayerSpan;
 use crate::plane::{Area, Rect};
 
@@ -11,12 +10,12 @@ pub(super) struct Parts<'a> {
     /// The heights of the layers, and of supports in them.
     pub heights: &'a Heights,
     /// The outline of each layer.
-    pub outlines: &'a [Packed],
+    pub outlines: &'a [Area],
     /// The ends of each layer's outline that are too thin to be printed.
     pub ends: &'a [Area],
     /// The part at the middle of each layer of supports. That is the outline
     /// where supports have the heights of the layers.
-    pub sections: &'a [Packed],
+    pub sections: &'a [Area],
     /// The bed, in the model's coordinates.
     pub bed: Rect,
 }

@@ -160,7 +160,6 @@ mod tests {
     use super::*;
     use crate::layers::LayerSpan;
     use crate::plane::rect;
-    use crate::support::packed::Packed;
 
     fn heights() -> Heights {
         let z = |i: usize| 0.2 * i as f64;
@@ -175,16 +174,15 @@ mod tests {
     #[test]
     fn supports_are_cut_around_ends_that_are_too_thin_to_be_printed() {
         let none = vec![Area::EMPTY; 6];
-        let empty = vec![Packed::default(); 6];
         // A spike of 0.2 mm that ends in the middle of a support of 6 mm.
         let mut ends = none.clone();
         ends[1] = rect(-5.0, -0.1, 1.0, 0.1);
         let heights = heights();
         let parts = Parts {
             heights: &heights,
-            outlines: &empty,
+            outlines: &none,
             ends: &ends,
-            sections: &empty,
+            sections: &none,
             bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
         };
         let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];

@@ -3,7 +3,6 @@
 use super::TOLERANCE;
 use super::cavity::{Enclosed, enclosed};
 use super::heights::Heights;
-use super::packed::Packed;
 use super::parts::Parts;
 use super::pieces::pieces;
 use super::room::Room;
@@ -84,12 +83,7 @@ impl Plan {
             };
         };
         let ends = survey.ends();
-        let packed = |areas: Vec<Area>| {
-            let all = areas.into_iter().map(|area| Packed::new(&area));
-            all.collect::<Vec<Packed>>()
-        };
-        let outlines = packed(survey.outlines);
-        let sections = sections.map(packed);
+        let outlines = survey.outlines;
         let parts = Parts {
             heights: &heights,
             outlines: &outlines,

@@ -20,20 +20,16 @@
 //! where a branch can stand on the part).
 
 use super::TOLERANCE;
-use super::packed::{Kept, Packed};
 use super::parts::Parts;
 use super::survey::thinned;
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect};
+use crate::plane::{Area, Rect, Solid};
 use crate::settings::{Settings, Supports};
 use crate::units::Mm;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::borrow::Cow;
-
-/// Size of the cells of grids, mm.
-const GRID: Mm = 1.0;
 
 /// How thick branches are.
 #[derive(Clone, Copy, Debug)]
@@ -60,14 +56,14 @@ pub(super) struct Room<'a> {
     parts: Parts<'a>,
     settings: &'a Settings,
     /// By layer, what is too near to the part for the middle of a branch.
-    tight: Vec<Kept<'static>>,
+    tight: Vec<Solid<'static>>,
     /// By layer, the area from which the middle of a branch cannot get down to
     /// the bed. It includes what is too near to the part.
-    closed: Vec<Kept<'static>>,
+    closed: Vec<Solid<'static>>,
     /// By layer, the area from which the middle of a branch gets down neither
     /// to the bed nor to the part. There are no such areas if no support may
     /// stand on the part.
-    dead: Vec<Kept<'static>>,
+    dead: Vec<Solid<'static>>,
 }
 
 /// What a support stands on.
@@ -87,41 +83,36 @@ impl<'a> Room<'a> {
         settings: &'a Settings,
     ) -> Room<'a> {
         let core = Size::new(settings).core + TOLERANCE;
-        let everywhere = Packed::area;
+        let everywhere = |_: &Area| None;
         // Each outline is beside several layers of supports.
-        let grown = |outline: &Packed| {
-            let grown = offset(&outline.area(), beside(core), TOLERANCE);
-            Packed::new(&grown)
-        };
-        let grown: Vec<Packed> = parts.outlines.par_iter().map(grown).collect();
-        let beside = |k: usize| grown[k].area();
-        let tight: Vec<Packed> = (0..count)
+        let grown = |outline: &Area| offset(outline, beside(core), TOLERANCE);
+        let grown: Vec<Area> = parts.outlines.par_iter().map(grown).collect();
+        let beside = |k: usize| Cow::Borrowed(&grown[k]);
+        let tight: Vec<Area> = (0..count)
             .into_par_iter()
             .map(|j| taken(parts, j, core, everywhere, beside, settings))
-            .map(|taken| Packed::new(&thinned(taken)))
+            .map(thinned)
             .collect();
         drop(grown);
         let closed = || no_way_down(parts, &tight, settings, |_| None);
         let on_part = |j: usize| {
             let on = parts.heights.gap_below(j).start;
-            let outline = || parts.outlines[on].area();
-            (on < j).then(|| offset(&outline(), ASTRIDE, TOLERANCE))
+            (on < j).then(|| offset(&parts.outlines[on], ASTRIDE, TOLERANCE))
         };
         let dead = || match settings.supports {
             Supports::Auto => no_way_down(parts, &tight, settings, on_part),
             _ => Vec::new(),
         };
         let (closed, dead) = rayon::join(closed, dead);
-        let kept = |areas: Vec<Packed>| {
-            let kept = |packed| Kept::new(Cow::Owned(packed), GRID);
-            areas.into_iter().map(kept).collect::<Vec<_>>()
+        let solids = |areas: Vec<Area>| {
+            areas.into_iter().map(Solid::new).collect::<Vec<_>>()
         };
         Room {
             parts,
             settings,
-            tight: kept(tight),
-            closed: kept(closed),
-            dead: kept(dead),
+            tight: solids(tight),
+            closed: solids(closed),
+            dead: solids(dead),
         }
     }
 
@@ -172,10 +163,10 @@ impl<'a> Room<'a> {
     pub(super) fn taken(&self, j: usize, within: Rect) -> Area {
         let reach = self.settings.support.xy_gap + 1.0;
         let near = within.grown(reach);
-        let nearby = |area: &Packed| crop(&area.near(near).rings, near);
+        let nearby = |area: &Area| Some(crop(&area.rings, near));
         let grown = |k: usize| {
-            let outline = nearby(&self.parts.outlines[k]);
-            offset(&outline, beside(0.0), TOLERANCE)
+            let outline = crop(&self.parts.outlines[k].rings, near);
+            Cow::Owned(offset(&outline, beside(0.0), TOLERANCE))
         };
         let all = taken(self.parts, j, 0.0, nearby, grown, self.settings);
         crop(&all.rings, within)
@@ -185,7 +176,7 @@ impl<'a> Room<'a> {
     /// branch gets down to the bed, from the second one only to the part.
     pub(super) fn split(&self, area: &Area, j: usize) -> [Area; 2] {
         let bounds = area.bounds();
-        let near = |all: &Kept<'_>| crop(&all.near(bounds).rings, bounds);
+        let near = |all: &Solid<'_>| crop(&all.area().rings, bounds);
         let dead = self.dead.get(j).unwrap_or(&self.closed[j]);
         let free = difference(area, &near(dead));
         let to_bed = difference(&free, &near(&self.closed[j]));
@@ -203,7 +194,7 @@ impl<'a> Room<'a> {
         if !grid.meets(within) && !grid.contains(within.min) {
             Area::EMPTY
         } else {
-            crop(&all.near(within).rings, within)
+            crop(&all.area().rings, within)
         }
     }
 
@@ -222,7 +213,7 @@ impl<'a> Room<'a> {
 
     /// By layer, what is no place for the middle of a branch that stands on
     /// `foot`.
-    fn of(&self, foot: Foot) -> &[Kept<'static>] {
+    fn of(&self, foot: Foot) -> &[Solid<'static>] {
         match foot {
             Foot::Bed => &self.closed,
             Foot::Part => &self.dead,
@@ -239,26 +230,25 @@ const ASTRIDE: Mm = 0.1;
 /// `lands(j)` gives. `tight` is what is too near to the part.
 fn no_way_down(
     parts: Parts<'_>,
-    tight: &[Packed],
+    tight: &[Area],
     settings: &Settings,
     lands: impl Fn(usize) -> Option<Area>,
-) -> Vec<Packed> {
+) -> Vec<Area> {
     let lean = settings.support.branch_angle.to_radians().tan();
-    let mut all: Vec<Packed> = Vec::with_capacity(tight.len());
-    let mut below = Area::EMPTY;
+    let mut all: Vec<Area> = Vec::with_capacity(tight.len());
     for (j, (tight, span)) in tight.iter().zip(parts.spans()).enumerate() {
         crate::limits::check();
         let reach = -lean * span.height();
-        let left = offset(&below, reach, TOLERANCE);
-        below = tight.area();
-        if !left.is_empty() {
-            let left = match lands(j) {
-                None => left,
-                Some(lands) => difference(&left, &lands),
-            };
-            below = thinned(union(&below, &left));
-        }
-        all.push(Packed::new(&below));
+        let left = all.last().map(|below| offset(below, reach, TOLERANCE));
+        let left = left.filter(|left| !left.is_empty());
+        let left = left.map(|left| match lands(j) {
+            None => left,
+            Some(lands) => difference(&left, &lands),
+        });
+        all.push(match left {
+            None => tight.clone(),
+            Some(left) => thinned(union(tight, &left)),
+        });
     }
     all
 }
@@ -275,14 +265,14 @@ fn beside(margin: Mm) -> Mm {
 
 /// Where layer `j` has no place for the middle of something that reaches
 /// `margin` to all sides: in the part, and too near to it. `within` gives the
-/// part of an outline that matters. `grown` gives that of a layer's outline,
-/// grown by [`beside`].
-fn taken(
+/// part of an outline that matters, unless all of it does. `grown` gives that
+/// of a layer's outline, grown by [`beside`].
+fn taken<'a>(
     parts: Parts<'_>,
     j: usize,
     margin: Mm,
-    within: impl Fn(&Packed) -> Area,
-    grown: impl Fn(usize) -> Area,
+    within: impl Fn(&Area) -> Option<Area>,
+    grown: impl Fn(usize) -> Cow<'a, Area>,
     settings: &Settings,
 ) -> Area {
     crate::limits::check();
@@ -294,9 +284,10 @@ fn taken(
     } = parts;
     let section = &sections[j];
     let here = within(section);
+    let here = here.as_ref().unwrap_or(section);
     // The tolerances of later offsets may take some of the gap.
     let gap = settings.support.xy_gap + 2.0 * TOLERANCE + margin;
-    let area = offset(&here, gap, TOLERANCE);
+    let area = offset(here, gap, TOLERANCE);
     // The layers beside it, and those within the gaps above and below.
     let level = heights.beside(j);
     let first = level.start.min(heights.gap_below(j).start + 1);
@@ -313,7 +304,7 @@ fn taken(
     }
     let mut rings = area.rings;
     for other in others {
-        rings.extend(other.rings);
+        rings.extend_from_slice(&other.rings);
     }
     unite(&Area { rings })
 }

@@ -77,8 +77,7 @@ pub(super) fn settled(
 pub(super) fn stands(island: &Area, j: usize, parts: Parts<'_>) -> bool {
     // The layers right below may lie in the gap between support and part.
     let mut below = parts.heights.gap_below(j);
-    let bounds = island.bounds();
-    below.any(|k| rests_on(island, &parts.outlines[k].near(bounds).rings))
+    below.any(|k| rests_on(island, &parts.outlines[k].rings))
 }
 
 /// True if enough of an island lies on an area of these rings.

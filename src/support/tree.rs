@@ -13,21 +13,19 @@
 
 use super::branch::{Branch, POINT, Step, middle};
 use super::cells::{CELL, Cells};
-use super::packed::Kept;
 use super::parts::Parts;
 use super::room::{Foot, Room, Size};
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, intersection, unite};
 use crate::plane::clusters::{Cluster, clusters};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect, Ring, point_beside};
+use crate::plane::{Area, Rect, Ring, Solid, point_beside};
 use crate::settings::{Settings, SupportStyle, Supports};
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
 use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
-use std::borrow::Cow;
 
 /// Two posts lean towards each other only if they meet well above the bed.
 /// What is left below must be this share of what they come down on the way.
@@ -73,8 +71,7 @@ pub(super) fn grow(
     };
     let cells = Cells::new(bounds);
     let below = parts.outlines.iter().take(count);
-    let kept = |o| Kept::new(Cow::Borrowed(o), GRID);
-    let mut solids: Vec<Kept> = below.map(kept).collect();
+    let mut solids: Vec<Solid> = below.map(|o| Solid::of(o, GRID)).collect();
     let mut areas = vec![Area::EMPTY; count];
     let mut branches: Vec<Branch> = Vec::new();
     for j in (0..count).rev() {
@@ -131,7 +128,7 @@ fn begun(
     top: Mm,
     step: Step<'_>,
     cells: &Cells,
-    solids: &[Kept<'_>],
+    solids: &[Solid<'_>],
 ) -> Vec<Branch> {
     let (layer, parts) = (step.layer, step.parts);
     let anywhere = step.settings.supports == Supports::Auto;
@@ -239,7 +236,7 @@ fn is_near(
     at: DVec2,
     layer: usize,
     parts: Parts<'_>,
-    solids: &[Kept<'_>],
+    solids: &[Solid<'_>],
 ) -> bool {
     let lowest = (1.0 - NEAR) * parts.spans()[layer].bottom;
     let near = (0..layer)
@@ -387,7 +384,6 @@ mod tests {
     use crate::layers::LayerSpan;
     use crate::plane::rect;
     use crate::support::heights::Heights;
-    use crate::support::packed::Packed;
 
     /// What [`gather`] makes of branches over empty layers.
     fn gathered(branches: Vec<Branch>) -> Vec<Branch> {
@@ -399,12 +395,11 @@ mod tests {
         };
         let heights = Heights::new((0..4).map(span).collect(), &settings);
         let none = vec![Area::EMPTY; 4];
-        let empty = vec![Packed::default(); 4];
         let parts = Parts {
             heights: &heights,
-            outlines: &empty,
+            outlines: &none,
             ends: &none,
-            sections: &empty,
+            sections: &none,
             bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
         };
         let room = Room::new(parts, 4, &settings);
