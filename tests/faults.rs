@@ -615,8 +615,8 @@ fn too_little_address_space_is_said() {
     fs::write(root.join("ball.rhai"), SMALL).unwrap();
     let formula = "-e 'sqrt(x^2+y^2+z^2)-3'";
     for (kilobytes, arguments) in [
-        (40_000, "slice ball.rhai"),
-        (40_000, &format!("render {formula} -o ball.png")),
+        (70_000, "slice ball.rhai"),
+        (70_000, &format!("render {formula} -o ball.png")),
         (100_000, &format!("info {formula}")),
         (200_000, &format!("slice {formula}")),
     ] {
