@@ -185,3 +185,29 @@ fn fuzzy_walls_stay_within_their_thickness_and_grow_with_it() {
     let again = print(&["fuzzy.thickness=expr: 0.4*z/12"]);
     assert_eq!(off(&again, 0.0, 12.0), off(&layers, 0.0, 12.0));
 }
+
+/// Rings of a ball of infill lie on nothing as long as the ball grows.
+#[test]
+fn beads_of_infill_that_lie_on_nothing_are_left_out_and_counted() {
+    const BLOCK: &str = "max(max(abs(x) - 10, abs(y) - 10), abs(z - 10) - 10)";
+    let count = |bridges: bool, threads: usize| {
+        let settings = settings(&[
+            "infill=expr: sqrt(x^2 + y^2 + (z - 10)^2) - 4",
+            &format!("internal_bridges={bridges}"),
+        ]);
+        let model = formula(BLOCK, &settings);
+        let (gcode, summary) = slice(&model, &settings, threads);
+        let found: Vec<usize> = summary
+            .warnings
+            .iter()
+            .filter_map(|w| w.split_once("are left out: ")?.1.parse().ok())
+            .collect();
+        let rings = parse(&gcode)
+            .into_iter()
+            .filter(|layer| layer.length("Internal infill") > 0.0);
+        (found, rings.count())
+    };
+    // The ball has 40 layers, and none of its rings lies on another.
+    assert_eq!(count(false, 2), (vec![40], 0));
+    assert_eq!(count(true, 1), (vec![40], 0));
+}
