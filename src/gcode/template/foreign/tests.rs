@@ -232,8 +232,8 @@ fn a_macro_that_is_given_the_temperature_waits_for_it() {
     assert_eq!(found, Heating::Waits);
 }
 
-/// A template as large as one may be, of the same again and again, takes no
-/// longer than it takes to read.
+/// A template that repeats one piece up to the greatest length is translated
+/// about as fast as it is read.
 #[test]
 fn long_templates_are_read_in_no_time() {
     let many = |piece: &str| piece.repeat(900_000 / piece.len());
