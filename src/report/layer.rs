@@ -139,7 +139,7 @@ pub(crate) fn measure(
     Ok(found)
 }
 
-/// Of `count` points one in so many is taken.
+/// One point in how many of `count` is measured.
 fn stride(effort: Effort, count: usize) -> usize {
     match effort {
         Effort::Points(wanted) => count.div_ceil(wanted.max(1)).max(1),
