@@ -73,7 +73,7 @@ impl LimitArgs {
 /// How many threads work. No result depends on it.
 #[derive(Args, Clone, Copy, Debug, PartialEq)]
 pub(super) struct ThreadArgs {
-    /// Number of threads, on which no result depends [default: all processors]
+    /// Number of threads; no result depends on it [default: all processors]
     #[arg(
         long,
         value_name = "N",

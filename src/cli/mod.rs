@@ -91,8 +91,8 @@ pub(crate) struct Cli {
 enum Command {
     /// Slice a model to G-code
     Slice(Box<slice::SliceArgs>),
-    /// Divide a part's layers into ranges of about equal cost, to slice on
-    /// their own
+    /// Divide a part's layers into ranges of about equal cost, to slice
+    /// separately
     Split(Box<split::SplitArgs>),
     /// Join the files of ranges of layers into the file of a single run
     Join(join::JoinArgs),

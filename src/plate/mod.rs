@@ -91,7 +91,7 @@ pub struct Part {
     pub settings: Settings,
     /// The places where the part stands.
     pub places: Vec<PartPlace>,
-    /// Indices of the entries of what was wanted that became this part.
+    /// Indices of the [`Wanted`] entries that became this part.
     pub wanted: Vec<usize>,
     /// Where there may be supports when the part stands where the model was
     /// placed; nothing if they may be anywhere on the bed.
@@ -130,8 +130,8 @@ impl Plate {
         }
     }
 
-    /// A plate of what is wanted. `settings` hold for the whole plate. A part's
-    /// settings may differ from them where parts need not agree.
+    /// A plate of what is wanted. `settings` are those of the whole plate; the
+    /// parts' own may differ from them where parts need not agree.
     ///
     /// # Errors
     /// If there is nothing, or too much, or it does not fit on the bed; if a
@@ -426,7 +426,7 @@ fn load_part(wanted: Wanted, count: u64) -> Result<Part, PlateError> {
 }
 
 /// Gives all parts their places. Each part comes with the indices of its
-/// entries in what is wanted.
+/// entries in `wanted`.
 fn place_all(
     plate: &mut Plate,
     parts: Vec<(Part, &Vec<usize>)>,

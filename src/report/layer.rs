@@ -139,7 +139,8 @@ pub(crate) fn measure(
     Ok(found)
 }
 
-/// One point in how many of `count` is measured.
+/// Distance in the list from one measured point to the next, for a list of
+/// `count` points.
 fn stride(effort: Effort, count: usize) -> usize {
     match effort {
         Effort::Points(wanted) => count.div_ceil(wanted.max(1)).max(1),

@@ -468,9 +468,9 @@ table::settings! {
         check_walls: bool = true;
         /// What hides the ooze of travels: sparse infill alone, or whatever is
         /// inside the part and no top skin (covered). auto chooses for each
-        /// layer: sparse infill where that is a quarter of the layer or more;
-        /// in other layers, such as those of lattices and of solid skin,
-        /// covered, and there travels may also cross inner walls.
+        /// layer: sparse-infill if that fills a quarter of the layer or more,
+        /// otherwise covered, as in lattices and in solid skin; travels may
+        /// then also cross inner walls.
         hidden: Hidden = Hidden::Auto;
         /// Length of filament pulled back; 0 turns retraction off.
         length: Mm = 0.8, in 0.0..=50.0;

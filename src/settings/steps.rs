@@ -65,12 +65,12 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    /// No steps of a speed.
+    /// A speed without steps.
     pub(super) fn of_speed() -> Steps {
         Steps::off(Of::Speed)
     }
 
-    /// No steps of a fan's speed.
+    /// A fan's speed without steps.
     pub(super) fn of_fan() -> Steps {
         Steps::off(Of::Fan)
     }
