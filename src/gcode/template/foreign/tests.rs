@@ -150,8 +150,8 @@ fn what_is_not_known_is_named_and_does_not_reach_the_printer() {
     assert_refused("M104 S{temperature[1]}", &["one extruder", "[1]"]);
     assert_refused("M104 S{temperature[0}", &["`]` is missing"]);
     assert_refused("G1 X{print_bed_max}", &["print_bed_max[0]"]);
-    assert_refused("{if filament_type[0]=~/P.A/}\nG28", &["only words"]);
-    assert_refused("{if filament_type[0]=~/.*P/}\nG28", &["only words"]);
+    assert_refused("{if filament_type[0]=~/P.A/}\nG28", &["patterns of words"]);
+    assert_refused("{if filament_type[0]=~/.*P/}\nG28", &["patterns of words"]);
     assert_refused("{if filament_type[0]=~PLA}\nG28", &["needs a /pattern/"]);
     assert_refused("{if printer_notes=~/.*X.*/}\nG28", &["no notes"]);
     assert_refused("M104 S{random(1, 5)}", &["the function random"]);

@@ -244,7 +244,7 @@ fn wrong_values_are_named() {
         ("cylinder(5, 3, 4)", "it does not take the number 4"),
         ("tube(6, 8, 20)", "inner must be less"),
         ("prism(2.5, 8, 20)", "sides must be a whole number"),
-        ("rounded_box([0, 0, 0], [3, 3, 3], 2)", "fits up to 1.5"),
+        ("rounded_box([0, 0, 0], [3, 3, 3], 2)", "1.5 at most"),
         ("polygon([[0, 0], [1, 1], [2, 2]])", "no area"),
         ("cylinder(\"5\", 3)", "it does not take a string"),
         ("sphere(3).polar_array(1e9)", "1 to 1000"),
