@@ -232,12 +232,11 @@ fn a_macro_that_is_given_the_temperature_waits_for_it() {
     assert_eq!(found, Heating::Waits);
 }
 
-/// A template that repeats one piece up to the greatest length is translated
-/// about as fast as it is read.
+/// Templates that repeat one piece up to the greatest length are translated or
+/// refused. A search that began anew at every piece would take minutes here.
 #[test]
-fn long_templates_are_read_in_no_time() {
+fn long_templates_are_translated_or_refused() {
     let many = |piece: &str| piece.repeat(900_000 / piece.len());
-    let started = std::time::Instant::now();
     for text in [
         format!("G28 ; {}", many("[ ")),
         format!("G28 ; {}", many("{ ")),
@@ -262,8 +261,6 @@ fn long_templates_are_read_in_no_time() {
         (0..60_000).map(|i| format!("{{{{a{i}}}}}")).collect();
     let error = templates(&format!("; {unknown}"), "", "").unwrap_err();
     assert!(error.contains("{{ a0 }}"), "{}", &error[..200]);
-    let took = started.elapsed().as_secs_f64();
-    assert!(took < 10.0, "{took}");
     let long = format!("M109 S{{1{}}}", "+1".repeat(1100));
     let error = templates(&long, "", "").unwrap_err();
     assert!(error.contains("{ has no } within 2048 bytes"), "{error}");
