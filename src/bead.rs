@@ -287,6 +287,16 @@ impl Stroke {
         }
     }
 
+    /// An open stroke without a share of its length at its end, if `last` is
+    /// true, or else at its beginning.
+    pub(crate) fn shortened(&self, last: bool, share: f64) -> Stroke {
+        if last {
+            self.part(0.0, 1.0 - share)
+        } else {
+            self.part(share, 1.0)
+        }
+    }
+
     /// The part of an open stroke between two shares of its length.
     pub(crate) fn part(&self, from: f64, to: f64) -> Stroke {
         if from <= 0.0 && to >= 1.0 {

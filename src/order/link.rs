@@ -172,12 +172,7 @@ fn hidden(role: Role, settings: &Settings) -> bool {
 /// A bead's stroke, open, without a length of its end or its beginning.
 fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
     let open = bead.opened();
-    let share = length / open.length();
-    if last {
-        open.part(0.0, 1.0 - share)
-    } else {
-        open.part(share, 1.0)
-    }
+    open.shortened(last, length / open.length())
 }
 
 #[cfg(test)]

@@ -276,12 +276,7 @@ fn shorten(stroke: &mut Stroke, last: bool, length: Mm) {
     if length <= 0.0 || whole <= 0.0 {
         return;
     }
-    let share = (length / whole).min(SHARE);
-    *stroke = if last {
-        stroke.part(0.0, 1.0 - share)
-    } else {
-        stroke.part(share, 1.0)
-    };
+    *stroke = stroke.shortened(last, (length / whole).min(SHARE));
 }
 
 /// For each stroke, at its first and at its last point: the stroke in which it
