@@ -71,7 +71,7 @@ fn gaps_are_as_asked_for_whatever_the_layer_height() {
         let steps = tops.windows(2).map(|pair| pair[1].0 - pair[0].0);
         let uneven = steps.filter(|step| (step - 0.2).abs() > 1e-6).count();
         assert!(uneven <= 2, "{gap}: {uneven} of {}", tops.len());
-        // So the filament shrinks as the supports' height does.
+        // So the supports take about as much filament as with the usual gap.
         let share = filament(&tops) / whole;
         assert!((share - 1.0).abs() < 0.06, "{gap}: {share}");
     }
