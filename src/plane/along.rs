@@ -13,8 +13,9 @@ pub(crate) fn point_at(
     for p in line {
         if let Some(from) = before {
             let step = from.distance(p);
-            if step > 0.0 && left <= step {
-                return Some(from.lerp(p, left / step));
+            if left <= step {
+                let share = left / step.max(f64::MIN_POSITIVE);
+                return Some(from.lerp(p, share));
             }
             left -= step;
         }
@@ -71,6 +72,8 @@ mod tests {
         assert_eq!(point_at(line, 7.0), Some(line[3]));
         assert_eq!(parted(line, 7.0), [line.to_vec(), Vec::new()]);
         assert_eq!(point_at(line, 7.1), None);
-        assert_eq!(point_at(line[..1].to_vec(), 0.0), None);
+        // A line without length has a point at 0, one without edges has none.
+        assert_eq!(point_at([line[0]; 2], 0.0), Some(line[0]));
+        assert_eq!(point_at([line[0]], 0.0), None);
     }
 }
