@@ -31,13 +31,14 @@ pub(super) const GAP: Mm = 0.6;
 /// Share of a bead's height that may be missing below it.
 const MISSING: f64 = 0.5;
 
-/// Share of a bead's height by which it may miss what it would lie on if it did
-/// not rise.
+/// Share of its height that may be missing below a bead of the layer which does not
+/// rise. If more is missing, the whole layer hangs there, and not only the bead that
+/// rises.
 const ALIKE: f64 = 0.25;
 
-/// How far below a top a nozzle may move. It is a quarter of a usual layer:
-/// beads are as uneven, and round at their sides, where cells do not tell them
-/// from the next ones. A nozzle that is lower ploughs.
+/// How far below a top a nozzle may move: a quarter of a usual layer. The tops of
+/// beads are uneven by about as much, and a bead is lower at its sides, which share
+/// their cells with the next bead. A nozzle that is lower ploughs.
 pub(super) const PLOUGH: Mm = 0.05;
 
 /// Heights closer than this differ by rounding only.
@@ -56,9 +57,10 @@ pub(super) struct Ground {
     /// True if layers lie below this one.
     above_others: bool,
     here: Layer,
-    /// The place of the layer that was looked at last, if all is well there. The
-    /// next bead mostly begins there.
+    /// The place of the layer that was looked at last, if all is well there.
     last: Option<Spot>,
+    /// Where the last bead ended. The next one mostly begins there.
+    end: DVec3,
 }
 
 /// A cell of a layer, and how a bead lies in it.
@@ -115,6 +117,7 @@ impl Ground {
             above_others: false,
             here: Layer::default(),
             last: None,
+            end: DVec3::NAN,
         }
     }
 
@@ -147,7 +150,17 @@ impl Ground {
         }
         let mut wrong = None;
         let reach = |z: Mm, height: Mm| z - (1.0 + MISSING) * height - ROUNDED;
-        for (cell, at) in places(step, 0.0) {
+        let alike = |s: &Spot| s.height == step.height && s.support == support;
+        let goes_on = std::mem::replace(&mut self.end, step.to) == step.from;
+        let before = self.last.filter(|spot| goes_on && alike(spot));
+        let stays = |spot: Spot| {
+            spot.z == step.to.z && spot.cell == cell_of(step.to.truncate())
+        };
+        if before.is_some_and(stays) {
+            return None;
+        }
+        let goes_on = before.is_some();
+        for (cell, at) in places(step, 0.0).skip(usize::from(goes_on)) {
             let (z, height) = (at.z, step.height);
             let spot = Some(Spot {
                 cell,
@@ -208,9 +221,9 @@ impl Ground {
         })
     }
 
-    /// The first place where a travel leads through what is printed, a line's
-    /// width from its ends on: beads lie side by side there, and cells do not
-    /// tell one from the next.
+    /// The first place where a travel leads through what is printed. A line's
+    /// width at both ends is left out: beads lie side by side there, and cells do
+    /// not tell one from the next.
     pub(super) fn travel(&self, step: &Move) -> Option<Wrong> {
         places(step, CELL).find_map(|(cell, at)| {
             let top = self.columns.at(cell)?.top;
@@ -307,13 +320,9 @@ impl Ground {
 /// at both ends.
 fn places(step: &Move, ends: Mm) -> impl Iterator<Item = (IVec2, DVec3)> {
     let length = step.from.truncate().distance(step.to.truncate());
-    let count = ((length - 2.0 * ends) / CELL).ceil();
+    let count = (length - 2.0 * ends) / CELL;
     // A move that is all ends has no places.
-    let last = if count < 0.0 {
-        0
-    } else {
-        count.max(1.0) as u32 + 1
-    };
+    let last = if count < 0.0 { 0 } else { count as u32 + 2 };
     let share = if length > 0.0 { ends / length } else { 0.0 };
     let from = step.from.lerp(step.to, share);
     let to = step.to.lerp(step.from, share);
