@@ -4,8 +4,8 @@
 //! of all that is printed, and how deep the beads of the layer reach there.
 //!
 //! Only cells in which something is printed take memory, and no more than
-//! [`MOST_TILES`] of their tiles do: 134 MB, for 2 m² that are printed on. Of
-//! what lies beyond nothing is known.
+//! [`MOST_TILES`] of their tiles do: 134 MB, for 2 m² that are printed on. Nothing
+//! is known of what is printed on more than that.
 
 use super::cells::{Bits, Place, SIDE, split};
 use glam::IVec2;
@@ -44,8 +44,8 @@ impl Column {
         stamp: 0,
     };
 
-    /// The column as it is when a layer begins, if its last layer is an earlier
-    /// one.
+    /// The column as a layer finds it. If beads were laid in it in earlier layers
+    /// only, their top is now what lies below.
     fn at(mut self, layer: u32) -> Column {
         if self.stamp >> FLAGS != layer {
             let support = self.stamp & TOP_SUPPORT;

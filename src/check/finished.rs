@@ -2,8 +2,9 @@
 //!
 //! In: the beads and travels of a file whose parts are printed one by one. Out:
 //! what the head would hit. A part is finished once a bead lies well below its
-//! top, or a layer begins no higher than the one before; from then on its box must be out of the head's reach, and below
-//! whatever moves across the bed with the head.
+//! top, or a layer begins no higher than the one before. From then on its box must
+//! be out of the head's reach, and below whatever moves across the bed with the
+//! head.
 
 use crate::plane::Rect;
 use crate::plate::Plate;

@@ -31,13 +31,14 @@ pub(super) const GAP: Mm = 0.6;
 /// Share of a bead's height that may be missing below it.
 const MISSING: f64 = 0.5;
 
-/// Share of a bead's height by which it may miss what it would lie on if it did
-/// not rise.
+/// Share of its height that may be missing below a bead of the layer which does not
+/// rise. If more is missing, the whole layer hangs there, and not only the bead that
+/// rises.
 const ALIKE: f64 = 0.25;
 
-/// How far below a top a nozzle may move. It is a quarter of a usual layer:
-/// beads are as uneven, and round at their sides, where cells do not tell them
-/// from the next ones. A nozzle that is lower ploughs.
+/// How far below a top a nozzle may move: a quarter of a usual layer. The tops of
+/// beads are uneven by about as much, and a bead is lower at its sides, which share
+/// their cells with the next bead. A nozzle that is lower ploughs.
 pub(super) const PLOUGH: Mm = 0.05;
 
 /// Heights closer than this differ by rounding only.
@@ -56,6 +57,19 @@ pub(super) struct Ground {
     /// True if layers lie below this one.
     above_others: bool,
     here: Layer,
+    /// The place of the layer that was looked at last, if all is well there.
+    last: Option<Spot>,
+    /// Where the last bead ended. The next one mostly begins there.
+    end: DVec3,
+}
+
+/// A cell of a layer, and how a bead lies in it.
+#[derive(Clone, Copy, PartialEq)]
+struct Spot {
+    cell: IVec2,
+    z: Mm,
+    height: Mm,
+    support: bool,
 }
 
 /// What is known of the layer being printed.
@@ -68,6 +82,8 @@ struct Layer {
     /// Height of the first bead of the part that does not rise, and how high
     /// the file says that it is.
     level: Option<(Mm, Mm)>,
+    /// Cells of beads that were reported to hang in the air.
+    reported: Cells,
 }
 
 /// A bead or a travel at the wrong height.
@@ -100,6 +116,8 @@ impl Ground {
             bed: None,
             above_others: false,
             here: Layer::default(),
+            last: None,
+            end: DVec3::NAN,
         }
     }
 
@@ -132,23 +150,49 @@ impl Ground {
         }
         let mut wrong = None;
         let reach = |z: Mm, height: Mm| z - (1.0 + MISSING) * height - ROUNDED;
-        for (cell, at) in places(step, 0.0) {
-            let low = reach(at.z, step.height);
-            let below = self.columns.lay(cell, low, at.z, support);
+        let alike = |s: &Spot| s.height == step.height && s.support == support;
+        let goes_on = std::mem::replace(&mut self.end, step.to) == step.from;
+        let before = self.last.filter(|spot| goes_on && alike(spot));
+        let stays = |spot: Spot| {
+            spot.z == step.to.z && spot.cell == cell_of(step.to.truncate())
+        };
+        if before.is_some_and(stays) {
+            return None;
+        }
+        let goes_on = before.is_some();
+        for (cell, at) in places(step, 0.0).skip(usize::from(goes_on)) {
+            let (z, height) = (at.z, step.height);
+            let spot = Some(Spot {
+                cell,
+                z,
+                height,
+                support,
+            });
+            if self.last == spot {
+                continue;
+            }
+            self.last = None;
+            let low = reach(z, height);
+            let below = self.columns.lay(cell, low, z, support);
             let Some(below) = below else { continue };
-            if at.z < below - PLOUGH {
+            if z < below - PLOUGH {
                 let (top, how) = (below, How::Low);
                 wrong = wrong.or(Some(Wrong { at, top, how }));
             } else if below < low {
                 // More plastic than the file says reaches deeper, but no
                 // deeper than the bead is wide.
                 let plastic = height_of(area, step.width).min(step.width);
-                let height = step.height.max(plastic);
-                let low = reach(at.z, height);
-                self.columns.lay(cell, low, at.z, support);
+                let height = height.max(plastic);
+                let low = reach(z, height);
+                self.columns.lay(cell, low, z, support);
                 if below < low && !support && wrong.is_none() {
-                    wrong = self.hangs(cell, at, at.z - height - self.lift);
+                    wrong = self.hangs(cell, at, z - height - self.lift);
+                    if wrong.is_some() {
+                        self.here.reported.mark(cell);
+                    }
                 }
+            } else {
+                self.last = spot;
             }
         }
         wrong
@@ -177,9 +221,9 @@ impl Ground {
         })
     }
 
-    /// The first place where a travel leads through what is printed, a line's
-    /// width from its ends on: beads lie side by side there, and cells do not
-    /// tell one from the next.
+    /// The first place where a travel leads through what is printed. A line's
+    /// width at both ends is left out: beads lie side by side there, and cells do
+    /// not tell one from the next.
     pub(super) fn travel(&self, step: &Move) -> Option<Wrong> {
         places(step, CELL).find_map(|(cell, at)| {
             let top = self.columns.at(cell)?.top;
@@ -191,6 +235,7 @@ impl Ground {
     /// Ends a layer; `found` is told where islands begin in the air.
     pub(super) fn next_layer(&mut self, mut found: impl FnMut(DVec3)) {
         let here = std::mem::take(&mut self.here);
+        self.last = None;
         let Some(top) = here.top else { return };
         // Beads of the first layer may rise; it lies on the bed all the same.
         let bed = match (self.bed, here.bottom) {
@@ -200,7 +245,7 @@ impl Ground {
         self.bed = bed;
         if bed.is_some() || self.above_others {
             for support in [false, true] {
-                self.begin(support, |cell| {
+                self.begin(support, &here.reported, |cell| {
                     let p = (cell.as_dvec2() + 0.5) * CELL;
                     found(p.extend(top));
                 });
@@ -211,8 +256,14 @@ impl Ground {
     }
 
     /// Tells of the first cell of each island, of the part or of supports, that
-    /// stands on nothing.
-    fn begin(&self, support: bool, mut found: impl FnMut(IVec2)) {
+    /// stands on nothing. Nothing is said of islands that have a bead which was
+    /// `reported` already.
+    fn begin(
+        &self,
+        support: bool,
+        reported: &Cells,
+        mut found: impl FnMut(IVec2),
+    ) {
         // Most cells stand, so few remain to be searched.
         let mut hanging = Cells::default();
         for (place, bits) in self.columns.not_held(support) {
@@ -228,18 +279,19 @@ impl Ground {
             if !seen.mark(first) {
                 continue;
             }
-            let mut stood = false;
+            let mut known = false;
             left.push(first);
             while let Some(cell) = left.pop() {
+                known |= reported.has(cell);
                 for near in around(cell) {
                     let hangs = hanging.has(near);
-                    stood |= !hangs && here(near);
+                    known |= !hangs && here(near);
                     if hangs && seen.mark(near) {
                         left.push(near);
                     }
                 }
             }
-            if !stood {
+            if !known {
                 found(first);
             }
         }
@@ -268,18 +320,15 @@ impl Ground {
 /// at both ends.
 fn places(step: &Move, ends: Mm) -> impl Iterator<Item = (IVec2, DVec3)> {
     let length = step.from.truncate().distance(step.to.truncate());
-    let count = ((length - 2.0 * ends) / CELL).ceil();
-    let (from, to) = (step.from, step.to);
-    let share = if length > 0.0 { ends / length } else { 0.0 };
+    let count = (length - 2.0 * ends) / CELL;
     // A move that is all ends has no places.
-    let last = if count < 0.0 {
-        0
-    } else {
-        count.max(1.0) as u32 + 1
-    };
+    let last = if count < 0.0 { 0 } else { count as u32 + 2 };
+    let share = if length > 0.0 { ends / length } else { 0.0 };
+    let from = step.from.lerp(step.to, share);
+    let to = step.to.lerp(step.from, share);
+    let way = (to - from) / f64::from(last.max(2) - 1);
     (0..last).map(move |k| {
-        let t = f64::from(k) / f64::from(last - 1);
-        let at = from.lerp(to, share + (1.0 - 2.0 * share) * t);
+        let at = from + f64::from(k) * way;
         (cell_of(at.truncate()), at)
     })
 }

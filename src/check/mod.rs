@@ -262,8 +262,7 @@ impl<'a> Checker<'a> {
 
     fn speed(&mut self, step: &Move) {
         let rules = self.rules;
-        let length = step.length();
-        if length == 0.0 {
+        if step.from == step.to {
             return;
         }
         if step.speed <= 0.0 {
@@ -272,7 +271,11 @@ impl<'a> Checker<'a> {
             });
             return;
         }
-        let way = (step.to - step.from).abs() / length * step.speed;
+        // The z axis does not move, and no other one is faster than the head.
+        if step.from.z == step.to.z && step.speed <= rules.speed {
+            return;
+        }
+        let way = (step.to - step.from).abs() / step.length() * step.speed;
         let over =
             |speed: f64, most: f64| speed > most * (1.0 + SPEED_ROUNDING);
         let plane = way.truncate().length();

@@ -199,8 +199,9 @@ pub(super) fn describe_steps(
     if steps.unproved_mm > 0.0 {
         writeln!(
             text,
-            "              over {:.2} mm of the height layers may be thinner \
-             than they need to be: too little is proved of the surface",
+            "              over {:.2} mm of the height too little is proved of the \
+             surface: layers may be thinner than they need to be, or steps \
+             smaller than said",
             steps.unproved_mm
         )?;
     }

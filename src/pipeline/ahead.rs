@@ -1,9 +1,9 @@
 //! Steps of a run that work ahead of those that take what they make.
 //!
 //! In: a step, which makes one thing after the other. Out: what it makes, in that
-//! order, made on a thread of its own. An error is passed on in its place, and is
-//! the last; so the first error that the last step sees is that of the lowest
-//! layer, however fast the threads are.
+//! order, made on a thread of its own. An error is passed on in its place, and
+//! nothing follows it. So the first error that the last step sees is that of the
+//! lowest layer, however fast the threads are.
 
 use super::SliceError;
 use crate::limits;

@@ -159,7 +159,7 @@ impl Move {
 
     /// True if the head moves.
     pub fn travels(&self) -> bool {
-        self.length() > STILL
+        self.from.distance_squared(self.to) > STILL * STILL
     }
 
     /// True if the move leaves a bead: the head moves and filament is fed.

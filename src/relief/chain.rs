@@ -110,8 +110,8 @@ impl Chain {
 
     /// The path's points, and more where a bead lies open, be it on one side:
     /// none farther from the next than `step`, and one wherever the next layer's
-    /// border is crossed. `height` is the layer's. In bends, what lies open goes
-    /// over from that of one side to that of the other.
+    /// border is crossed. `height` is the layer's. Near a bend, what lies open
+    /// changes gradually from what it is on one side to what it is on the other.
     pub(super) fn stops(
         &self,
         cover: Option<&EdgeGrid>,
@@ -267,8 +267,8 @@ impl Chain {
     }
 }
 
-/// Replaces what lies open at stops nearer to a bend than `reach` by its mean
-/// over as much of the path, so that no height changes at once there.
+/// Smooths what lies open near bends, so that no height jumps there: at stops nearer
+/// to a bend than `reach` it becomes the mean over that length of the path.
 fn rounded(stops: &mut [Stop], reach: Mm) {
     let (Some(first), Some(last)) = (stops.first(), stops.last()) else {
         return;

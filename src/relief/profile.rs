@@ -164,7 +164,8 @@ pub(super) fn thinned(knots: &[Knot], tolerance: Mm) -> Vec<Knot> {
     all.filter(|k| k.1).map(|k| *k.0).collect()
 }
 
-/// Makes the knots bare that are nearer to a cliff than `reach`.
+/// Makes knots bare that are nearer to a cliff than `reach`, since no height suits
+/// them.
 fn bare_cliffs(knots: &mut [Knot], reach: Mm) {
     let open = |k: &Knot| k.kind == Kind::Open;
     let cliffs: Vec<Mm> = knots

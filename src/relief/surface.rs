@@ -88,10 +88,10 @@ pub(super) fn spots(
     Ok(out)
 }
 
-/// A slope of the surface at each of these points with their heights where it
-/// is more than `steep` along x or along y; nothing elsewhere. The surface is on
-/// one side of a point higher, and on the other side lower, than such a slope
-/// takes it.
+/// For each of these points with their heights: a slope of the surface, if it is
+/// more than `steep` along x or along y; nothing elsewhere. There the surface is
+/// higher on one side of the point than such a slope would take it, and lower on the
+/// other side.
 fn steepness(
     probe: &Probe,
     points: &[(usize, DVec2, Mm)],

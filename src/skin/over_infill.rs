@@ -6,7 +6,7 @@
 //!   ══╪════╪════╪══▌    be; they end on a line of infill or at a wall (▌)
 //! ```
 //!
-//! In: a layer's skin and sparse area, and what the layer below has of infill.
+//! In: a layer's skin, sparse area and walls, and the beads of the layer below.
 //! Out: lines over the infill, the skin that is left, and what they take of the
 //! sparse area where they go on to the next line of infill.
 //!
@@ -18,11 +18,13 @@
 //! follow (`internal_bridge_layers`), each across the lines of the one below as
 //! if these were infill.
 //!
-//! Guarantees: each line ends on a line of infill, on what is solid below, or
-//! at a wall. It goes on into the layer's sparse area for that, or, where the
-//! next line of infill is far away, back to the last one that it crosses. Not
+//! Guarantees: each line ends on a bead of the layer below, or at a wall of its
+//! own layer. It goes on into the layer's sparse area for that, or, where the next
+//! bead is far away, back to the last place that one holds. Beads count where
+//! they are laid, and not where an area says that there should be some. Not
 //! guaranteed: that lines fill all of the skin. One of which an end cannot be
-//! held is left out, and the next layer lies over its place.
+//! held is left out. The next layer then has bridges over its place, as over
+//! infill.
 
 use super::bridge::shared;
 use super::direction::{across, best, common, fan, rows};
@@ -54,12 +56,20 @@ const ROWS: f64 = 64.0;
 /// Size of the cells of a grid of lines, mm.
 pub(crate) const CELL: Mm = 1.0;
 
-/// What bridges on bridges leave stays skin if a line fits in that reaches this
-/// share of the usual width to both sides of its middle.
+/// What lines leave counts if a line fits in that reaches this share of the usual
+/// width to both sides of its middle.
 const LEFT: f64 = 0.4;
 
-/// How far beyond a line's end something is looked for that holds the line, mm.
+/// How far beyond a line's end the search asks what lies there, mm.
 const BEYOND: Mm = 0.05;
+
+/// Distance of the places along a line that are tried for a hold, mm.
+const STEP: Mm = 0.1;
+
+/// A bead of walls or of skin holds the end of a line whose middle is within this
+/// share of the line's width of the bead's own middle. Lines that lie side by side
+/// leave no place between them that is farther away.
+const ON_SOLID: f64 = 0.65;
 
 /// Infill sparser than this has more than one layer of bridges, unless the
 /// settings say how many there are, %.
@@ -70,20 +80,16 @@ const SPARSE: Percent = 10.0;
 pub(crate) struct Under<'a> {
     /// Where the layer below has what is to be bridged.
     pub area: &'a Solid<'a>,
-    /// Where only lines hold what lies on the layer below: all of its sparse
-    /// area.
-    pub sparse: &'a Solid<'a>,
     /// All lines of the layer below that may be bridged.
     pub lines: &'a EdgeGrid,
+    /// The lines of its walls and of its skin.
+    pub shell: &'a [Vec<DVec2>],
 }
 
 /// Bridges of a layer on which the next one is to lay more.
 pub(crate) struct Level {
     /// What the bridges' lines cover.
     area: Area,
-    /// What the lines were to cover. Nothing lies below the part that they do
-    /// not cover.
-    meant: Area,
     lines: Vec<Vec<DVec2>>,
     /// Number of layers of bridges that are to follow.
     more: u32,
@@ -92,20 +98,18 @@ pub(crate) struct Level {
 /// A [`Level`], with the infill beside it.
 pub(crate) struct Below {
     area: Solid<'static>,
-    sparse: Solid<'static>,
     lines: EdgeGrid,
     more: u32,
 }
 
 impl Level {
-    /// These bridges with the sparse area and the infill of their layer.
-    pub(crate) fn beside(self, sparse: &Area, infill: &[Bead]) -> Below {
+    /// These bridges with the infill of their layer.
+    pub(crate) fn beside(self, infill: &[Bead]) -> Below {
         let infill = infill.iter().map(|bead| bead.path().collect());
         let lines: Vec<Vec<DVec2>> =
             self.lines.into_iter().chain(infill).collect();
         let lines = lines.iter().map(|line| line.iter().copied());
         Below {
-            sparse: Solid::new(union(&union(&self.area, &self.meant), sparse)),
             area: Solid::new(self.area),
             lines: EdgeGrid::of_lines(lines, CELL),
             more: self.more,
@@ -120,6 +124,8 @@ pub(crate) struct Over<'a> {
     pub skin: &'a Area,
     /// The layer's own sparse area.
     pub sparse: &'a Area,
+    /// The layer's own walls.
+    pub walls: &'a [Bead],
     /// The layer above, which covers what is no top.
     pub above: Face<'a>,
     /// The layer's height, mm.
@@ -134,6 +140,9 @@ pub(crate) struct Bridged {
     pub skin: Area,
     /// The rest of the sparse area.
     pub sparse: Area,
+    /// Where the layer has neither bridges, as no line of theirs would be held,
+    /// nor anything else.
+    pub left: Area,
     /// The bridges on which the next layer is to lay more.
     pub levels: Vec<Level>,
 }
@@ -147,26 +156,22 @@ pub(crate) fn bridged(
     settings: &Settings,
 ) -> Option<Bridged> {
     let way = |way: Mm| more_layers(way, settings);
-    let mut all = on(over, under, None, way, settings);
+    let mut all = on(over, under, false, way, settings);
     for level in levels {
         let under = Under {
             area: &level.area,
-            sparse: &level.sparse,
             lines: &level.lines,
+            ..under
         };
         let left = all.as_ref();
         let left = left
             .map_or((over.skin, over.sparse), |all| (&all.skin, &all.sparse));
-        let taken = union(
-            &difference(over.skin, left.0),
-            &difference(over.sparse, left.1),
-        );
         let over = Over {
             skin: left.0,
             sparse: left.1,
             ..over
         };
-        let next = on(over, under, Some(&taken), |_| level.more - 1, settings);
+        let next = on(over, under, true, |_| level.more - 1, settings);
         all = match (all, next) {
             (Some(mut all), Some(mut next)) => {
                 all.patches.append(&mut next.patches);
@@ -174,6 +179,7 @@ pub(crate) fn bridged(
                 Some(Bridged {
                     patches: all.patches,
                     levels: all.levels,
+                    left: all.left,
                     ..next
                 })
             }
@@ -197,14 +203,14 @@ fn more_layers(way: Mm, settings: &Settings) -> u32 {
     }
 }
 
-/// The internal bridges of a layer over infill or over bridges, if there are
-/// any. Over bridges, `other` is where the layer has bridges already, and what
-/// gets no line stays skin, since it does not sag far. `more` gives the number
-/// of layers of bridges that are to follow, by the common way.
+/// The internal bridges of a layer over one kind of thing, if there are any.
+/// `on_bridges` is true if that is bridges: what gets no line then stays skin,
+/// since it does not sag far. `more` gives the number of layers of bridges that
+/// are to follow, by the common way.
 fn on(
     over: Over<'_>,
     under: Under<'_>,
-    other: Option<&Area>,
+    on_bridges: bool,
     more: impl Fn(Mm) -> u32,
     settings: &Settings,
 ) -> Option<Bridged> {
@@ -225,16 +231,7 @@ fn on(
     });
     let grown: Vec<Area> = grown.collect();
     let (parts, skin) = shared(over.skin, &grown);
-    let ground = Ground {
-        under,
-        skin: match other {
-            Some(other) => EdgeGrid::new(&union(over.skin, other), 1.0),
-            None => EdgeGrid::new(over.skin, 1.0),
-        },
-        sparse: EdgeGrid::new(over.sparse, 1.0),
-        reach: 0.5 * settings.infill_width(),
-        farthest: FARTHEST * way + width,
-    };
+    let ground = Ground::new(over, under, FARTHEST * way + width, settings);
     let space = spacing(width, width, over.height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
@@ -247,18 +244,16 @@ fn on(
         };
         let shortest = 0.5 * width;
         let mut beads = Vec::new();
-        for (_, mut stroke) in strokes(part, lines, width, shortest) {
-            let ends = [false, true].map(|last| ground.end(&stroke, last));
-            let [Some(first), Some(last)] = ends else {
+        let half = 0.5 * space + TOLERANCE;
+        for (_, stroke) in strokes(part, lines, width, shortest) {
+            let Some((stroke, ways)) = ground.held(stroke) else {
                 continue;
             };
-            for end in [&first, &last] {
-                stroke.points[end.index] = end.to;
-            }
-            let ways = [first, last].into_iter().filter(|end| end.goes_on);
-            let half = 0.5 * space + TOLERANCE;
-            let strips = ways.filter_map(|end| strip(end.from, end.to, half));
             if stroke.length() >= shortest {
+                let strips = ways.into_iter().filter_map(|way| {
+                    let (from, to) = way?;
+                    strip(from, to, half)
+                });
                 taken.rings.extend(strips);
                 beads.push(Bead::new(
                     Role::InternalBridge,
@@ -286,35 +281,28 @@ fn on(
     let taken = offset(&unite(&taken), 0.5 * space, TOLERANCE);
     let taken = offset(&taken, -0.5 * space, TOLERANCE);
     let more = more(way);
-    let mut all = Bridged {
-        patches,
-        skin,
-        sparse: difference(over.sparse, &taken),
-        levels: Vec::new(),
-    };
-    if more == 0 && other.is_none() {
-        return Some(all);
-    }
-    let lines = lines_of(&all.patches);
+    let lines = lines_of(&patches);
     let area = covered(&lines, 0.5 * space + TOLERANCE);
     // What the lines have taken of the sparse area has no infill, either.
+    let sparse = difference(over.sparse, &taken);
     let meant = parts.into_iter().flat_map(|part| part.rings);
     let meant = unite(&meant.chain(taken.rings).collect());
-    if other.is_some() {
-        let rest = difference(&meant, &area);
-        let rest = offset(&rest, -LEFT * width, TOLERANCE);
-        let rest = offset(&rest, LEFT * width, TOLERANCE);
-        all.skin = union(&all.skin, &rest);
-    }
-    if more > 0 {
-        all.levels.push(Level {
-            area,
-            meant,
-            lines,
-            more,
-        });
-    }
-    Some(all)
+    let left = difference(&meant, &area);
+    let left = offset(&left, -LEFT * width, TOLERANCE);
+    let left = offset(&left, LEFT * width, TOLERANCE);
+    let (skin, left) = if on_bridges {
+        (union(&skin, &left), Area::EMPTY)
+    } else {
+        (skin, left)
+    };
+    let level = Level { area, lines, more };
+    Some(Bridged {
+        patches,
+        skin,
+        sparse,
+        left,
+        levels: (more > 0).then_some(level).into_iter().collect(),
+    })
 }
 
 /// The lines of some bridges.
@@ -346,98 +334,141 @@ fn strip(from: DVec2, to: DVec2, half: Mm) -> Option<Vec<DVec2>> {
 
 /// What lines may end on.
 struct Ground<'a> {
-    under: Under<'a>,
-    /// The layer's own areas: its skin, including what other bridges cover, and
-    /// the rest.
-    skin: EdgeGrid,
-    sparse: EdgeGrid,
-    /// How far from its middle a line of infill holds what lies on it.
+    /// Lines of infill, or of bridges, of the layer below, and how far from its
+    /// middle one holds what lies on it.
+    lines: &'a EdgeGrid,
     reach: Mm,
+    /// Walls and skin of the layer below, and how far one holds what lies on it.
+    shell: EdgeGrid,
+    on_shell: Mm,
+    /// The layer's own walls, and how far away a line may be that touches one.
+    walls: EdgeGrid,
+    beside_wall: Mm,
+    /// The layer's own sparse area.
+    sparse: EdgeGrid,
     /// How far a line goes on to something that holds it.
     farthest: Mm,
 }
 
-/// An end of a line that has to move.
-struct End {
-    /// The point's index in the line.
-    index: usize,
-    /// Where the end is, and where it has to be.
-    from: DVec2,
-    to: DVec2,
-    /// True if the line has to become longer.
-    goes_on: bool,
-}
+/// A way that a line goes on, from where it ended to where it ends.
+type Way = (DVec2, DVec2);
 
-impl Ground<'_> {
-    /// Where an end of a line has to be so that something holds it; nothing if
-    /// there is no such place.
-    fn end(&self, line: &Stroke, last: bool) -> Option<End> {
-        let n = line.points.len();
-        let (index, next) = if last {
-            (n.checked_sub(1)?, n.checked_sub(2)?)
-        } else {
-            (0, 1)
-        };
-        let (p, inner) = (line.points[index], *line.points.get(next)?);
-        let out = (p - inner).try_normalize()?;
-        let at = |to: DVec2| End {
-            index,
-            from: p,
-            to,
-            goes_on: (to - p).dot(out) > 0.0,
-        };
-        if self.is_held(p, out) {
-            return Some(at(p));
+impl<'a> Ground<'a> {
+    fn new(
+        over: Over<'_>,
+        under: Under<'a>,
+        farthest: Mm,
+        settings: &Settings,
+    ) -> Ground<'a> {
+        let width = settings.skin_width();
+        let shell = under.shell.iter().map(|line| line.iter().copied());
+        let walls = over.walls.iter().map(|wall| wall.path());
+        Ground {
+            lines: under.lines,
+            reach: 0.5 * settings.infill_width(),
+            shell: EdgeGrid::of_lines(shell, CELL),
+            on_shell: ON_SOLID * width,
+            walls: EdgeGrid::of_lines(walls, CELL),
+            beside_wall: 0.5 * (width + settings.inner_wall_width()),
+            sparse: EdgeGrid::new(over.sparse, CELL),
+            farthest,
         }
-        // The line goes on from where a line of infill would hold its end as it
-        // is, unless other skin is in the way.
-        let from = p - self.reach * out;
-        let free = self.sparse.contains(p + BEYOND * out);
-        if free && let Some(to) = self.next_hold(from, out) {
-            return Some(at(if (to - p).dot(out) > 0.0 { to } else { p }));
-        }
-        // Otherwise the line goes back to the last line of infill that it
-        // crosses.
-        let cuts = self.under.lines.crossings(p, inner);
-        let near = cuts.into_iter().fold(f64::INFINITY, f64::min);
-        let to = p.lerp(inner, near) + self.reach * out;
-        near.is_finite()
-            .then(|| at(if (to - p).dot(out) > 0.0 { p } else { to }))
     }
 
-    /// True if a line in the direction `out` that ends at `p` ends at a wall or
-    /// over what is solid.
-    fn is_held(&self, p: DVec2, out: DVec2) -> bool {
-        let beyond = p + BEYOND * out;
-        let wall = !self.sparse.contains(beyond) && !self.skin.contains(beyond);
-        wall || !self.under.sparse.grid().contains(beyond)
+    /// A line whose ends are where something holds them, with the ways that it
+    /// goes on for that; nothing if there are no such places.
+    fn held(&self, mut line: Stroke) -> Option<(Stroke, [Option<Way>; 2])> {
+        let last = self.hold_last(&mut line)?;
+        line.reverse();
+        let first = self.hold_last(&mut line)?;
+        line.reverse();
+        Some((line, [first, last]))
     }
 
-    /// Where a line may end that goes on from a place in the direction `out`:
-    /// on the next line of infill, on what is solid below, or at a wall.
-    fn next_hold(&self, from: DVec2, out: DVec2) -> Option<DVec2> {
-        let to = from + self.farthest * out;
-        let first = |cuts: Vec<f64>, least: f64| {
-            let ahead = cuts.into_iter().filter(|t| *t > least);
-            ahead.fold(f64::INFINITY, f64::min)
-        };
-        // Borders behind the end are passed already.
-        let end = (self.reach + BEYOND) / self.farthest;
-        let line = first(self.under.lines.crossings(from, to), 0.0);
-        let solid = first(self.under.sparse.grid().crossings(from, to), end);
-        // The sparse area ends at a wall, or at other skin of the layer.
-        let wall = first(self.sparse.crossings(from, to), end);
-        let near = line.min(solid).min(wall);
-        let at = near.is_finite().then(|| from.lerp(to, near))?;
-        if near < wall {
-            // The bridge's line lies on the whole width of the line of infill.
-            return Some(at + self.reach * out);
+    /// Moves the last end of a line to where something holds it. Returns the way
+    /// if the line becomes longer, and nothing if there is no such place.
+    fn hold_last(&self, line: &mut Stroke) -> Option<Option<Way>> {
+        loop {
+            let p = *line.points.last()?;
+            if self.holds(p) {
+                return Some(None);
+            }
+            let inner = *line.points.iter().nth_back(1)?;
+            let out = (p - inner).normalize_or_zero();
+            if let Some(to) = self.next_hold(p, out) {
+                *line.points.last_mut()? = to;
+                return Some(Some((p, to)));
+            }
+            if let Some(to) = self.last_hold(p, inner) {
+                *line.points.last_mut()? = to;
+                return Some(None);
+            }
+            line.points.pop();
+            line.widths.pop();
         }
-        // Other skin that hangs itself holds nothing.
-        let beyond = at + BEYOND * out;
-        let skin = self.skin.contains(beyond);
-        let hangs = self.under.sparse.grid().contains(beyond);
-        (!(skin && hangs)).then_some(at)
+    }
+
+    /// True if something holds the end of a line.
+    fn holds(&self, p: DVec2) -> bool {
+        !self.lines.clear(p, p, self.reach + TOLERANCE)
+            || !self.shell.clear(p, p, self.on_shell)
+            || !self.walls.clear(p, p, self.beside_wall + TOLERANCE)
+    }
+
+    /// Where a way first crosses a bead of the layer below, as a share of the way.
+    /// A bead that runs the same way as the way itself is not crossed, though
+    /// rounding may find a place anywhere on it.
+    fn crossed(&self, from: DVec2, to: DVec2) -> Option<f64> {
+        let mut all = self.lines.crossings(from, to);
+        all.extend(self.shell.crossings(from, to));
+        all.sort_by(f64::total_cmp);
+        all.into_iter().find(|t| self.holds(from.lerp(to, *t)))
+    }
+
+    /// Where a line may end that goes on from its end `p` in the direction `out`
+    /// into the layer's sparse area; nothing if it cannot.
+    fn next_hold(&self, p: DVec2, out: DVec2) -> Option<DVec2> {
+        if !self.sparse.contains(p + BEYOND * out) {
+            return None;
+        }
+        let to = p + self.farthest * out;
+        let bead = self.crossed(p, to);
+        // The sparse area ends at a wall, or at other skin of the layer. The
+        // border at the line's end itself is passed already.
+        let passed = BEYOND / self.farthest;
+        let border = self.sparse.crossings(p, to).into_iter();
+        let border = border.filter(|t| *t > passed).min_by(f64::total_cmp);
+        match (bead, border) {
+            // The line lies on the whole width of the bead.
+            (Some(t), border) if border.is_none_or(|border| t < border) => {
+                let at = p.lerp(to, t);
+                let far = at + self.reach * out;
+                Some(if self.holds(far) { far } else { at })
+            }
+            (_, Some(t)) => {
+                let at = p.lerp(to, t);
+                self.holds(at).then_some(at)
+            }
+            _ => None,
+        }
+    }
+
+    /// Where a line may end that goes back from its end `p`, which nothing holds,
+    /// and no farther back than `inner`; nothing if it cannot.
+    fn last_hold(&self, p: DVec2, inner: DVec2) -> Option<DVec2> {
+        let length = p.distance(inner);
+        let out = (p - inner).normalize_or_zero();
+        let cut = self.crossed(p, inner).map(|t| t * length);
+        let end = cut.unwrap_or(length);
+        let mut back = STEP;
+        while back < end {
+            let at = p - back * out;
+            if self.holds(at) {
+                return Some(at);
+            }
+            back += STEP;
+        }
+        cut.map(|cut| p - cut * out)
     }
 }
 

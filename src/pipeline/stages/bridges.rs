@@ -17,6 +17,7 @@ pub(in crate::pipeline) struct OverInfill {
     pub skin: Vec<Patch>,
     pub infill: Vec<Bead>,
     pub sparse: Area,
+    pub left: Area,
     pub levels: Vec<Level>,
 }
 
@@ -29,22 +30,23 @@ impl Stages<'_> {
     /// How many layers below the first of a block have to be filled, since its
     /// internal bridges lie on their infill or on their bridges.
     pub(in crate::pipeline) fn rehearsed_bridges(&self) -> usize {
-        let layers = self.settings.internal_bridge_layers;
-        match (self.bridges_infill(), layers) {
-            (false, _) => 0,
-            (true, Some(layers)) => layers as usize,
-            (true, None) => 2,
+        if !self.bridges_infill() {
+            return 0;
         }
+        // What the lowest of these lie on is not known. They decide only where
+        // the ends of lines of the layers above them are held.
+        1 + self.settings.internal_bridge_layers.unwrap_or(2) as usize
     }
 
     /// Layer `i` of the window with internal bridges over the infill of the
-    /// layer below, and over its bridges `levels`, if there are any. `areas` are
-    /// those of layer `i`.
+    /// layer below, and over its bridges `levels`, if there are any. `areas` and
+    /// `walls` are those of layer `i`.
     pub(in crate::pipeline) fn over_infill(
         &self,
         layers: &VecDeque<Layer>,
         i: usize,
         areas: &FillAreas,
+        walls: &[Bead],
         under: Under<'_>,
         levels: &[Below],
     ) -> Result<Option<OverInfill>, SliceError> {
@@ -57,6 +59,7 @@ impl Stages<'_> {
         let over = Over {
             skin: &areas.skin,
             sparse: &areas.sparse,
+            walls,
             above,
             height,
         };
@@ -73,9 +76,9 @@ impl Stages<'_> {
             );
             skin.extend(bridged.patches);
             self.thin(of_skin(&mut skin));
-            Some((skin, bridged.sparse, bridged.levels))
+            Some((skin, bridged.sparse, bridged.left, bridged.levels))
         });
-        let Some((skin, sparse, levels)) = made else {
+        let Some((skin, sparse, left, levels)) = made else {
             return Ok(None);
         };
         let mut infill = self.infill_in(&sparse, layer)?;
@@ -85,6 +88,7 @@ impl Stages<'_> {
             skin,
             infill,
             sparse,
+            left,
             levels,
         }))
     }

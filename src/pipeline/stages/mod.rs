@@ -43,7 +43,6 @@ use crate::spiral::Spiral;
 use crate::timings::Timings;
 use crate::units::Mm;
 use crate::vary::Surroundings;
-pub(super) use bridges::OverInfill;
 use glam::DVec2;
 pub(super) use outlines::ALL_LAYERS;
 use outlines::{WallFields, by_depth};

@@ -1,9 +1,9 @@
-//! What a layer's infill and skin lie on: the infill of the layer below.
+//! What a layer's infill and skin lie on: the layer below.
 //!
 //! In: filled layers of a window, in order. Out: the same layers, without the
 //! infill that stands on nothing, and with internal bridges in place of some
-//! infill. Bridges lie on the infill that is printed, or on the bridges there,
-//! so both are decided layer by layer from below.
+//! infill. Bridges end on beads that are printed, so both are decided layer by
+//! layer from below.
 //!
 //! A run may begin with any block of layers. It then rehearses the few layers
 //! below on which the block's bridges lie, and knows nothing of those below
@@ -12,14 +12,17 @@
 //! keep there.
 
 use super::super::layer::{Filled, Layer};
-use super::super::stages::{OverInfill, Stages};
+use super::super::stages::Stages;
 use super::super::{BLOCK, SliceError};
-use crate::bead::Bead;
 use crate::infill::standing::Standing;
-use crate::plane::Solid;
+use crate::order::LayerBeads;
+use crate::plane::clip::union;
 use crate::plane::grid::EdgeGrid;
+use crate::plane::{Area, Solid};
+use crate::region::exposure::FillAreas;
 use crate::skin::over_infill::{Below, CELL, Level, Under};
 use crate::timings::Stage;
+use glam::DVec2;
 use rayon::ThreadPool;
 use std::collections::VecDeque;
 
@@ -29,8 +32,7 @@ pub(super) struct Lower {
     blocks: bool,
     /// The check of infill that may stand on nothing.
     standing: Option<Standing>,
-    /// The infill of the layer that was filled last, if internal bridges may
-    /// lie on it.
+    /// The layer that was filled last, if internal bridges may lie on it.
     under: Option<Infilled>,
     early: Option<Early>,
 }
@@ -49,30 +51,22 @@ pub(super) struct Window<'a> {
     pub layers: &'a VecDeque<Layer>,
 }
 
-/// A layer's sparse infill and its internal bridges, on which beads may lie.
+/// What beads of the next layer may lie on.
 struct Infilled {
-    sparse: Solid<'static>,
-    lines: EdgeGrid,
+    /// Where the layer has sparse infill, and where it has nothing.
+    open: Solid<'static>,
+    infill: EdgeGrid,
+    /// The lines of its walls and of its skin.
+    shell: Vec<Vec<DVec2>>,
     levels: Vec<Below>,
 }
 
 impl Infilled {
-    /// The infill of a filled layer.
-    fn new(filled: &Filled, infill: &[Bead], levels: Vec<Level>) -> Infilled {
-        let lines = infill.iter().map(|bead| bead.path());
-        let beside = |level: Level| level.beside(filled.sparse.area(), infill);
-        Infilled {
-            sparse: filled.sparse.clone(),
-            lines: EdgeGrid::of_lines(lines, CELL),
-            levels: levels.into_iter().map(beside).collect(),
-        }
-    }
-
     fn under(&self) -> Under<'_> {
         Under {
-            area: &self.sparse,
-            sparse: &self.sparse,
-            lines: &self.lines,
+            area: &self.open,
+            lines: &self.infill,
+            shell: &self.shell,
         }
     }
 }
@@ -96,27 +90,26 @@ impl Lower {
         start: usize,
         all: &mut [Filled],
     ) -> Result<(), SliceError> {
-        let bridges = window.stages.bridges_infill();
         for (k, filled) in all.iter_mut().enumerate() {
             let i = start + k;
             if self.is_new(window, i) {
                 self.standing.iter_mut().for_each(Standing::forget);
             }
-            if !bridges {
-                window.keep_standing(self.standing.as_mut(), filled);
+            let (beads, areas) = (&mut filled.beads, &filled.areas);
+            let Some(areas) = areas else {
+                let standing = self.standing.as_mut();
+                filled.left_out = window.keep_standing(standing, beads);
                 continue;
-            }
-            let from_block = self.early(window, i, filled)?;
-            let over = window.over(i, filled, self.under.as_ref())?;
-            let levels = over.map_or(Vec::new(), |over| {
-                filled.beads.skin = over.skin;
-                filled.beads.infill = over.infill;
-                filled.sparse = Solid::new(over.sparse);
-                over.levels
-            });
-            window.keep_standing(self.standing.as_mut(), filled);
-            let own = || Infilled::new(filled, &filled.beads.infill, levels);
-            self.under = from_block.or_else(|| Some(own()));
+            };
+            let from_block = self.early(window, i, beads, areas)?;
+            let under = self.under.as_ref();
+            let mut areas = areas.clone();
+            let over = window.over(i, beads, &mut areas, under)?;
+            let standing = self.standing.as_mut();
+            filled.left_out = window.keep_standing(standing, beads);
+            let own = || over.infilled(beads, &areas.sparse);
+            self.under = Some(from_block.unwrap_or_else(own));
+            filled.sparse = Solid::new(areas.sparse);
         }
         Ok(())
     }
@@ -134,11 +127,13 @@ impl Lower {
     /// What the next block's lowest layer lies on, if layer `i` of the window is
     /// right below it. It follows from the layers that a run rehearses which
     /// begins there, so their infill is as if nothing lay on what is below.
+    /// `beads` and `areas` are the layer's, without bridges.
     fn early(
         &mut self,
         window: &Window<'_>,
         i: usize,
-        filled: &Filled,
+        beads: &LayerBeads,
+        areas: &FillAreas,
     ) -> Result<Option<Infilled>, SliceError> {
         let rehearsed = window.stages.rehearsed_bridges();
         let away = BLOCK - window.layers[i].span.index % BLOCK;
@@ -151,11 +146,10 @@ impl Lower {
             }
             _ => (window.stages.standing(), None),
         };
-        let over = window.over(i, filled, below.as_ref())?;
-        let levels = over.map_or(Vec::new(), |over| over.levels);
-        let infill = filled.beads.infill.clone();
-        let infill = window.standing_infill(standing.as_mut(), filled, infill);
-        let infilled = Infilled::new(filled, &infill, levels);
+        let (mut beads, mut areas) = (beads.clone(), areas.clone());
+        let over = window.over(i, &mut beads, &mut areas, below.as_ref())?;
+        window.keep_standing(standing.as_mut(), &mut beads);
+        let infilled = over.infilled(&beads, &areas.sparse);
         if away == 1 {
             return Ok(Some(infilled));
         }
@@ -164,52 +158,73 @@ impl Lower {
     }
 }
 
+/// What the next layer has to know of a layer's internal bridges.
+#[derive(Default)]
+struct Bridges {
+    /// Where there is nothing, since nothing would hold a bridge.
+    left: Area,
+    levels: Vec<Level>,
+}
+
+impl Bridges {
+    /// A layer of these beads that has these bridges.
+    fn infilled(self, beads: &LayerBeads, sparse: &Area) -> Infilled {
+        let infill = beads.infill.iter().map(|bead| bead.path());
+        let beside = |level: Level| level.beside(&beads.infill);
+        Infilled {
+            open: Solid::new(union(sparse, &self.left)),
+            infill: EdgeGrid::of_lines(infill, CELL),
+            shell: beads.shell().map(|bead| bead.path().collect()).collect(),
+            levels: self.levels.into_iter().map(beside).collect(),
+        }
+    }
+}
+
 impl Window<'_> {
-    /// What internal bridges make of layer `i` of the window, if there are any.
+    /// Gives layer `i` of the window internal bridges over what is `under` it, in
+    /// place of some of its beads, if there are any to be laid.
     fn over(
         &self,
         i: usize,
-        filled: &Filled,
+        beads: &mut LayerBeads,
+        areas: &mut FillAreas,
         under: Option<&Infilled>,
-    ) -> Result<Option<OverInfill>, SliceError> {
-        let (Some(below), Some(areas)) = (under, &filled.areas) else {
-            return Ok(None);
+    ) -> Result<Bridges, SliceError> {
+        let Some(below) = under.filter(|_| !areas.skin.is_empty()) else {
+            return Ok(Bridges::default());
         };
-        if areas.skin.is_empty() {
-            return Ok(None);
-        }
         let (layers, levels) = (self.layers, &below.levels);
-        self.pool.install(|| {
+        let made = self.pool.install(|| {
+            let (walls, under) = (&beads.walls, below.under());
             self.stages
-                .over_infill(layers, i, areas, below.under(), levels)
-        })
+                .over_infill(layers, i, areas, walls, under, levels)
+        })?;
+        let Some(over) = made else {
+            return Ok(Bridges::default());
+        };
+        beads.skin = over.skin;
+        beads.infill = over.infill;
+        areas.sparse = over.sparse;
+        let (left, levels) = (over.left, over.levels);
+        Ok(Bridges { left, levels })
     }
 
-    /// Leaves out the infill of a layer that stands on nothing.
+    /// Leaves out the infill of a layer that stands on nothing, and returns the
+    /// number of its beads.
     fn keep_standing(
         &self,
         standing: Option<&mut Standing>,
-        filled: &mut Filled,
-    ) {
-        let infill = std::mem::take(&mut filled.beads.infill);
-        let count = infill.len();
-        let kept = self.standing_infill(standing, filled, infill);
-        filled.left_out = count - kept.len();
-        filled.beads.infill = kept;
-    }
-
-    /// What stands of some infill of a layer.
-    fn standing_infill(
-        &self,
-        standing: Option<&mut Standing>,
-        filled: &Filled,
-        infill: Vec<Bead>,
-    ) -> Vec<Bead> {
+        beads: &mut LayerBeads,
+    ) -> usize {
         let Some(standing) = standing else {
-            return infill;
+            return 0;
         };
-        self.stages.timings.time(Stage::Infill, || {
-            standing.kept(infill, filled.beads.shell())
-        })
+        let infill = std::mem::take(&mut beads.infill);
+        let count = infill.len();
+        beads.infill = self
+            .stages
+            .timings
+            .time(Stage::Infill, || standing.kept(infill, beads.shell()));
+        count - beads.infill.len()
     }
 }

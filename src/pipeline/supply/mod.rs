@@ -1,5 +1,5 @@
 //! Filled layers of one part from below. [`plate`] hands over those of several
-//! parts, ahead of whoever writes them, and `lower` decides what depends on the layer
+//! parts, ahead of whoever writes them. `lower` decides what depends on the layer
 //! below: infill that stands on nothing, and internal bridges.
 //!
 //! In: the slabs of a part. Out: its layers in order, a few at a time, each
