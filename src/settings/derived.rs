@@ -143,6 +143,12 @@ impl Settings {
         height * self.support.angle.to_radians().tan()
     }
 
+    /// Width of a lip that hangs without harm: the outermost line sticks to the
+    /// line beside it, which the layer below holds.
+    pub(crate) fn lip(&self) -> Mm {
+        2.0 * self.outer_wall_width()
+    }
+
     /// Height of the thickest layers above the first.
     pub fn thickest_layer(&self) -> Mm {
         if self.is_uniform() {
