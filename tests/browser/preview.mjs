@@ -261,7 +261,9 @@ await test("supports and their dense layers are seen, counted and hidden",
     for (const [name, colour] of [
       ["support", SUPPORT], ["support interface", INTERFACE],
     ]) {
-      const row = page.locator("#roles tr", { has: role(page, name) });
+      const named = page.locator(
+        ".role", { hasText: new RegExp(`^${name}$`) });
+      const row = page.locator("#roles tr", { has: named });
       for (const amount of ["time", "length", "filament"]) {
         await page.locator(`#amounts [data-amount=${amount}]`).click();
         const [, said, share] = await row.locator("td").allTextContents();
