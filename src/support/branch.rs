@@ -34,6 +34,9 @@ use glam::DVec2;
 const SLENDER: f64 = 12.0;
 /// A post has this share of the area that it holds, at least.
 const BEARING: f64 = 1.0 / 30.0;
+/// A branch that is wider than a post, but has less than so many times the area of
+/// one, is a neck: it has the post in its middle.
+const NECK: f64 = 2.0;
 /// Height and width of a foot on the bed, mm.
 const FOOT: Mm = 1.0;
 /// A post's core has this radius, mm.
@@ -318,17 +321,26 @@ impl Branch {
         let points = self.core.rings.iter().flatten();
         let far = points.map(|p| p.distance(middle)).fold(0.0, f64::max);
         let all = || offset(&self.core, size.core, TOLERANCE);
-        if far + size.core > post {
-            return all();
+        // A post covers its core. What is wider needs the post in its middle only
+        // where it has come down to a neck.
+        let wide = (far + size.core > post).then(all);
+        if let Some(wide) = &wide {
+            let neck = NECK * std::f64::consts::PI * post * post;
+            if self.is_column()
+                || wide.content() > neck
+                || !wide.contains(middle)
+            {
+                return wide.clone();
+            }
         }
         let disc = Area::from(disc(middle, post));
         let beyond = self.margin(post, step);
         if step.room.way_out(step.layer, middle, beyond).is_none() {
-            return disc;
+            return union(&wide.unwrap_or_default(), &disc);
         }
         let near = disc.bounds().grown(TOLERANCE);
         let taken = step.room.taken(step.layer, near);
-        union(&all(), &difference(&disc, &taken))
+        union(&wide.unwrap_or_else(all), &difference(&disc, &taken))
     }
 }
 

@@ -15,7 +15,8 @@
 //!
 //! 1. [`need`] finds, layer by layer, what sticks out too far over the layer
 //!    below, begins on nothing, or is too long for a bridge. [`wish`] adds what
-//!    `support.where` asks for, and takes away what it forbids.
+//!    `support.where` asks for, and takes away what it forbids. [`lip`] tells
+//!    what sticks out so little that it needs none.
 //! 2. [`room`] finds where supports may be, and from where they can get down
 //!    to the bed past the part.
 //! 3. [`tree`] lets branches grow from the top down: each is drawn together by
@@ -42,6 +43,7 @@ mod cavity;
 mod cells;
 mod disc;
 mod heights;
+mod lip;
 mod need;
 mod parts;
 mod pieces;

@@ -44,11 +44,10 @@ const DRIFT: Mm = 0.1;
 /// What of a layer gets a support.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Need {
-    /// The whole area that gets a support.
-    pub all: Area,
-    /// The part of `all` that the layer below does not hold. The rest of it
-    /// gets a support because of a wish.
+    /// What the layer below does not hold, without what wishes forbid.
     pub must: Area,
+    /// What gets a support because of a wish.
+    pub wanted: Area,
 }
 
 impl Need {
@@ -60,12 +59,8 @@ impl Need {
         } else {
             difference(&unheld, &wish.left)
         };
-        let all = if wish.held.is_empty() {
-            must.clone()
-        } else {
-            union(&must, &large(wish.held.clone(), height))
-        };
-        Need { all, must }
+        let wanted = large(wish.held.clone(), height);
+        Need { must, wanted }
     }
 }
 

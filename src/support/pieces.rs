@@ -110,9 +110,9 @@ impl Piece {
     }
 }
 
-/// Splits an island into its sparse and its dense part. Beside the dense part a
-/// sparse one is wide enough for two lines: a narrower strip would be as dense as
-/// what is beside it, and have walls of its own.
+/// Splits an island into its sparse and its dense part. A sparse strip beside the
+/// dense part joins it if it is too narrow for two lines: its own walls would fill
+/// it anyway.
 fn split(
     island: &Area,
     bounds: Rect,

@@ -3,6 +3,8 @@
 use super::TOLERANCE;
 use super::cavity::{Enclosed, enclosed};
 use super::heights::Heights;
+use super::lip::without_lips;
+use super::need::Need;
 use super::parts::Parts;
 use super::pieces::pieces;
 use super::room::Room;
@@ -10,7 +12,7 @@ use super::settle::settled;
 use super::slice::Slice;
 use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
-use crate::plane::clip::{difference, unite};
+use crate::plane::clip::{difference, union, unite};
 use crate::plane::clusters::clusters;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
@@ -69,19 +71,7 @@ impl Plan {
         let (wished, settings) = (asked.wishes.is_some(), asked.settings);
         let idle = wished && !survey.found.iter().any(|found| found.wished);
         let forbidden = survey.found.iter().any(|found| found.forbidden);
-        let of = |found: Found| (found.need.all, found.need.must);
-        let (needs, musts): (Vec<Area>, Vec<Area>) =
-            std::mem::take(&mut survey.found)
-                .into_iter()
-                .map(of)
-                .unzip();
-        let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
-            return Plan {
-                idle,
-                forbidden,
-                ..Plan::default()
-            };
-        };
+        let found = std::mem::take(&mut survey.found);
         let ends = survey.ends();
         let outlines = survey.outlines;
         let parts = Parts {
@@ -90,6 +80,14 @@ impl Plan {
             ends: &ends,
             sections: sections.as_ref().unwrap_or(&outlines),
             bed,
+        };
+        let [needs, musts] = needs(found, parts, settings);
+        let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
+            return Plan {
+                idle,
+                forbidden,
+                ..Plan::default()
+            };
         };
         let room = Room::new(parts, highest, settings);
         let areas = grow(parts, &needs, room, highest, settings);
@@ -173,11 +171,27 @@ impl Plan {
     }
 }
 
+/// By layer, what gets a support, and what of it needs one.
+fn needs(
+    found: Vec<Found>,
+    parts: Parts<'_>,
+    settings: &Settings,
+) -> [Vec<Area>; 2] {
+    let of_layer = |(i, found): (usize, Found)| {
+        let Need { must, wanted } = found.need;
+        let must = without_lips(must, i, parts, settings);
+        (union(&must, &wanted), must)
+    };
+    let layers = found.into_par_iter().enumerate();
+    let (needs, musts) = layers.map(of_layer).unzip();
+    [needs, musts]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::layers::LayerSpan;
-    use crate::plane::clip::{intersection, union};
+    use crate::plane::clip::intersection;
     use crate::plane::rect;
     use crate::settings::Supports;
     use crate::support::Disc;
@@ -304,6 +318,25 @@ mod tests {
             assert!(all(&plan, j).contains(DVec2::ZERO), "layer {j}");
         }
         assert_eq!(plan.unheld.area, 0.0);
+    }
+
+    #[test]
+    fn branches_have_no_neck_thinner_than_their_posts() {
+        // A lid of 14 mm on a side, 14 mm above the bed, beside a column. On its
+        // way down the branch under it is a cross of four thin arms.
+        let lid = rect(10.0, -7.0, 24.0, 7.0);
+        let column = rect(0.0, -2.0, 4.0, 2.0);
+        let of = |i| match i {
+            0..70 => column.clone(),
+            _ => union(&column, &lid),
+        };
+        let outlines: Vec<Area> = (0..72).map(of).collect();
+        let plan = plan(&outlines, Supports::Auto);
+        for j in 0..68 {
+            let content = all(&plan, j).content();
+            // A thirtieth of what it holds, as a polygon in a circle.
+            assert!(content > 0.9 * 14.0 * 14.0 / 30.0, "{j}: {content}");
+        }
     }
 
     /// Islands of support in a layer.

@@ -43,7 +43,7 @@ impl Asked<'_> {
         let needs = !unheld.is_empty();
         let need = Need::new(unheld, &wish, span.height());
         let found = Found {
-            forbidden: needs && need.all.is_empty(),
+            forbidden: needs && need.must.is_empty() && need.wanted.is_empty(),
             need,
             wished: !wish.is_none(),
         };

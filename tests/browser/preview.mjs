@@ -162,6 +162,8 @@ const ground = page => picture(page).then(a =>
 
 const ORANGE = "#e0703a"; // outer walls
 const VIOLET = "#8a68bf"; // skin
+const SUPPORT = "#7ea35b";
+const INTERFACE = "#4d7a43"; // dense layers of supports
 
 async function press(page, ...keys) {
   for (const key of keys) {
@@ -251,6 +253,39 @@ await test("a role's toggle hides its colour", async () => {
   assert.ok(await count(alone, VIOLET) < 50);
   await close(page);
 });
+
+await test("supports and their dense layers are seen, counted and hidden",
+  async () => {
+    const page = await open("held.html");
+    // From below both are seen.
+    for (const [name, colour] of [
+      ["support", SUPPORT], ["support interface", INTERFACE],
+    ]) {
+      const named = page.locator(
+        ".role", { hasText: new RegExp(`^${name}$`) });
+      const row = page.locator("#roles tr", { has: named });
+      for (const amount of ["time", "length", "filament"]) {
+        await page.locator(`#amounts [data-amount=${amount}]`).click();
+        const [, said, share] = await row.locator("td").allTextContents();
+        assert.match(said, /[1-9]/, `${name}: ${amount}: ${said}`);
+        assert.match(share, /%$/, `${name}: ${amount}: ${share}`);
+      }
+      await role(page, name).click({ modifiers: ["Shift"] });
+      await still(page);
+      const alone = await count(await picture(page), colour);
+      assert.ok(alone > 300, `${name}: ${alone} pixels`);
+      assert.ok(await count(await picture(page), ORANGE) < 50, name);
+      await role(page, name).click({ modifiers: ["Shift"] });
+      await role(page, name).click();
+      await still(page);
+      const without = await count(await picture(page), colour);
+      assert.ok(without < alone / 20, `${name}: ${without} of ${alone}`);
+      await role(page, name).click();
+      await still(page);
+    }
+    await shot(page, "held");
+    await close(page);
+  });
 
 await test("travels can be shown", async () => {
   const page = await open("orca.html");

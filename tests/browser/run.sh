@@ -53,6 +53,10 @@ own=(-e 'max(sqrt(x^2 + y^2) - 12, abs(z - 4) - 4)'
     -e 'min(max(max(abs(x) - 5, abs(y) - 5), abs(z - 5) - 5),
         max(max(abs(x - 20) - 5, abs(y) - 5), abs(z - 8) - 2))' \
     --at 55,25 --set printer.bed_x=100 --set printer.bed_y=50 2>/dev/null
+# A plate on a post, on supports.
+"$isoslice" preview -q -o "$work/held.html" --set supports=auto \
+    -e 'min(max(max(abs(x) - 3, abs(y) - 3), abs(z - 4) - 4),
+        max(max(abs(x) - 14, abs(y) - 10), abs(z - 9) - 1))'
 for name in cura orca; do
     "$isoslice" preview -q "$root/tests/data/$name.gcode" \
         -o "$work/$name.html"

@@ -180,6 +180,25 @@ fn supports_in_a_closed_cavity_are_told_of() {
 }
 
 #[test]
+fn a_lip_gets_no_support_unless_it_is_asked_for() {
+    // A wall with a rim around it from 8 mm on, 2 mm high.
+    let rim = |by: f64| {
+        format!(
+            "min(max(max(abs(x) - 12, abs(y) - 4), abs(z - 7) - 7), \
+             max(max(abs(x) - 12 - {by}, abs(y) - 4 - {by}), abs(z - 9) - 1))"
+        )
+    };
+    let has_some = |by: f64, set: &[&str]| {
+        let (gcode, summary) = run(&rim(by), set);
+        assert_eq!(summary.warnings, Vec::<String>::new(), "{by}");
+        supported(&gcode).iter().any(|ends| !ends.is_empty())
+    };
+    assert!(!has_some(0.4, &["supports=auto"]));
+    assert!(has_some(0.6, &["supports=auto"]));
+    assert!(has_some(0.4, &["supports=auto", "support.where=1"]));
+}
+
+#[test]
 fn a_formula_leaves_one_arm_of_a_tee_alone() {
     let set = ["supports=auto", "support.where=expr: min(x, 0)"];
     let (gcode, summary) = run(TEE, &set);
