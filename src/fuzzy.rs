@@ -1,4 +1,5 @@
-//! Fuzzy skin: outer walls moved to and fro, as a texture to look at and hold.
+//! Fuzzy skin: outer walls moved in and out, as a texture to look at and to
+//! hold.
 //!
 //! In: a layer's wall beads. Out: the beads, of which the outer walls are moved
 //! along their in-plane normals by a noise that depends on the place only. So a

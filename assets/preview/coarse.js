@@ -1,9 +1,9 @@
 // The print with fewer moves, which is drawn while the view turns.
 //
 // Moves of one purpose that follow each other on nearly a line become one.
-// What stands in `moves` as for the whole print: points, heights, roles;
-// `first` has each layer's first move, `of` which move of the print each one
-// begins with.
+// Points, heights and roles stand in `moves` as they do for the whole print.
+// `first` has each layer's first move, and `of` the move of the print with which
+// each coarse one begins.
 
 // Greatest distance of a point from the line that replaces it, mm.
 const COARSE = 0.12;

@@ -9,7 +9,7 @@ const NARROW = 640;
 // Height of what is written at the top, pixels.
 const HEAD = 76;
 
-// Belongs to the print that is shown. A page of `watch` has no print at first.
+// What belongs to the print that is shown. A page of `watch` has none at first.
 let told = null;
 let figures, layerCount, moves, scene, marks;
 let camera, layerSlider, moveSlider;

@@ -118,7 +118,7 @@ fn hostile_sizes_are_refused_at_once() {
     let bomb = bare(&[(1, 1, 1000, &zip)]);
     assert_eq!(format(&bomb), "its contents cannot be decompressed");
     let honest = bare(&[(1, 1, 1 << 22, &zip)]);
-    assert_eq!(format(&honest), "it says to be far longer than it is");
+    assert_eq!(format(&honest), "it claims to be far longer than it is");
     // The file has many small blocks.
     let mut zip = flate2::write::ZlibEncoder::new(
         Vec::new(),
@@ -127,7 +127,7 @@ fn hostile_sizes_are_refused_at_once() {
     zip.write_all(&vec![b'\n'; 1 << 16]).unwrap();
     let zip = zip.finish().unwrap();
     let many = bare(&vec![(1, 1, 1 << 16, &zip[..]); 1000]);
-    assert_eq!(format(&many), "it says to be far longer than it is");
+    assert_eq!(format(&many), "it claims to be far longer than it is");
     assert_eq!(format(&bare(&[(9, 0, 0, b"")])), "its kind is unknown");
     let unknown = bare(&[(1, 7, 0, b"")]);
     assert_eq!(format(&unknown), "it is compressed in an unknown way");

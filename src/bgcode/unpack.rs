@@ -35,7 +35,7 @@ pub enum Damaged {
     )]
     Checksum(u64),
     /// The file breaks a rule of the format.
-    #[error("block {block} is not as the format has it: {what}")]
+    #[error("block {block} breaks a rule of the format: {what}")]
     Format {
         /// Number of the block, from 1; 0 is the head.
         block: u64,
@@ -197,7 +197,7 @@ impl<R: Read> Unpacked<R> {
         if u64::from(whole) > likely(length.into(), BLOCK as u64)
             || self.unpacked > likely(self.packed, LARGEST.into())
         {
-            return Err(format("it says to be far longer than it is").into());
+            return Err(format("it claims to be far longer than it is").into());
         }
         let start = bytes.len() + kind.parameters();
         bytes.extend(self.exactly(kind.parameters() + length as usize)?);

@@ -64,8 +64,8 @@ pub(super) struct ModelArgs {
     )]
     pub(super) defines: Vec<(String, String)>,
 
-    /// Cut the model with this box, in its own coordinates, mm; the bounds
-    /// are found without it
+    /// Cut the model with this box, in its own coordinates, mm; without it the
+    /// bounds are found
     #[arg(
         long,
         value_name = "X0,Y0,Z0:X1,Y1,Z1",
@@ -313,8 +313,8 @@ pub(super) struct SettingsSource {
     #[command(flatten)]
     pub(super) profiles: ProfilesSource,
 
-    /// Read settings from a TOML file; may be given again, and what comes
-    /// later wins; wins over profiles
+    /// Read settings from a TOML file; wins over profiles; may be given several
+    /// times, and the last one wins
     #[arg(long, value_name = "FILE")]
     pub(super) config: Vec<PathBuf>,
 

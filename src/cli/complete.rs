@@ -48,9 +48,10 @@ pub(super) fn script(shell: &str) -> anyhow::Result<Vec<u8>> {
     Ok(script)
 }
 
-/// What bash needs besides: it cuts words at the signs in `COMP_WORDBREAKS`,
-/// `=` among them, and takes completions for what is behind such a sign only.
-/// `_clap_complete_isoslice` is the function of the script before.
+/// What bash needs as well: it cuts words at the characters in
+/// `COMP_WORDBREAKS`, `=` among them, and takes completions only for the text
+/// behind such a character. `_clap_complete_isoslice` is the function of the
+/// script before.
 const BASH: &str = include_str!("complete.bash");
 
 /// Candidates that begin like what is typed.
@@ -67,7 +68,7 @@ fn beginning(
     alike.map(candidate).collect()
 }
 
-/// Settings, as `--set` takes them, and behind the sign of equality their words.
+/// Settings, as `--set` takes them, and their words behind the equals sign.
 pub(super) fn settings(typed: &OsStr) -> Vec<CompletionCandidate> {
     let text = typed.to_string_lossy();
     let words = |key: &Key| {
@@ -130,8 +131,8 @@ pub(super) fn hosts(typed: &OsStr) -> Vec<CompletionCandidate> {
     beginning(typed, all)
 }
 
-/// Parameters of the script that the line names, and behind the sign of
-/// equality their choices.
+/// Parameters of the script that the line names, and their choices behind the
+/// equals sign.
 pub(super) fn parameters(typed: &OsStr) -> Vec<CompletionCandidate> {
     let Some(path) = line()
         .into_iter()

@@ -27,8 +27,8 @@ pub(super) struct LimitArgs {
     #[arg(long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Limit<Duration>>,
 
-    /// Stop with an error when the program holds so much memory: 512MB, 8GB;
-    /// none for no limit
+    /// Stop with an error when the program holds this much memory, as in 512MB
+    /// or 8GB; none for no limit
     #[arg(
         long,
         value_name = "SIZE",
@@ -73,7 +73,7 @@ impl LimitArgs {
 /// How many threads work. No result depends on it.
 #[derive(Args, Clone, Copy, Debug, PartialEq)]
 pub(super) struct ThreadArgs {
-    /// Number of threads [default: all processors]; the result is the same
+    /// Number of threads; no result depends on it [default: all processors]
     #[arg(
         long,
         value_name = "N",

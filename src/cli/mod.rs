@@ -91,19 +91,20 @@ pub(crate) struct Cli {
 enum Command {
     /// Slice a model to G-code
     Slice(Box<slice::SliceArgs>),
-    /// Divide a part's layers into ranges of about equal cost, to slice apart
+    /// Divide a part's layers into ranges of about equal cost, to slice
+    /// separately
     Split(Box<split::SplitArgs>),
-    /// Join the files of ranges of layers to that of a single run
+    /// Join the files of ranges of layers into the file of a single run
     Join(join::JoinArgs),
-    /// Make a page that shows G-code, or a model sliced, in 3D
+    /// Make a page that shows G-code, or a sliced model, in 3D
     Preview(Box<preview::PreviewArgs>),
-    /// Serve a page that shows a model while it is edited, sliced
+    /// Serve a page that shows a model, sliced again whenever it is edited
     Watch(Box<watch::WatchArgs>),
     /// Check G-code, of any slicer, against what the printer can do
     Check(check::CheckArgs),
     /// Show a model's bounds, size, layers and parameters
     Info(Box<info::InfoArgs>),
-    /// Draw a model, shaded, as a PNG picture
+    /// Draw a shaded picture of a model, as PNG
     Render(Box<render::RenderArgs>),
     /// Send G-code to a printer: OctoPrint, Moonraker (Klipper), PrusaLink
     Send(send::SendArgs),

@@ -85,7 +85,7 @@ const USEFUL: &[&str] = &[
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct NewArgs {
-    /// Name of the part, and of the files; may begin with a folder's
+    /// Name of the part, and of the files; may begin with a folder
     name: PathBuf,
 
     /// What the script begins with

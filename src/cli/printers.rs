@@ -41,7 +41,7 @@ enum Command {
     Add(Box<AddArgs>),
     /// Forget a printer
     Remove(OneArgs),
-    /// Ask a printer's host how it is
+    /// Ask a printer's host for its state
     Test(OneArgs),
 }
 
@@ -74,7 +74,7 @@ struct AddArgs {
     #[arg(long, value_name = "URL")]
     url: String,
 
-    /// Take the key from this environment variable, each time, and keep none
+    /// Read the key from this environment variable each time, and store none
     #[arg(long, value_name = "VARIABLE", conflicts_with = "no_key")]
     key_env: Option<String>,
 

@@ -151,8 +151,8 @@ fn describe(
         if profiles.iter().any(Profile::is_another_nozzle) {
             writeln!(
                 text,
-                "  Each but yours also with a nozzle of 0.25, 0.6 or 0.8 mm: \
-                 NAME-0.6-nozzle"
+                "  All but your own also come with nozzles of 0.25, 0.6 and \
+                 0.8 mm: NAME-0.6-nozzle"
             )?;
         }
         writeln!(text)?;

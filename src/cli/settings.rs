@@ -32,8 +32,8 @@ pub(super) struct SettingsArgs {
     #[arg(long, conflicts_with = "effective")]
     json: bool,
 
-    /// Print a JSON Schema of settings files, or with =plate of plate files, for
-    /// editors that complete and check them; it depends on nothing else
+    /// Print a JSON Schema of settings files, or with =plate of plate files,
+    /// for editors that complete and check them; no other option changes it
     #[arg(
         long,
         value_name = "OF",

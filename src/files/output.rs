@@ -86,7 +86,7 @@ pub enum OutputError {
 /// Output that is being written.
 pub struct Output {
     kind: Kind,
-    /// Its name in errors.
+    /// The output's name in errors.
     path: PathBuf,
 }
 

@@ -19,8 +19,8 @@
 use crate::bead::Role;
 use crate::settings::Comments;
 
-/// The comment after the last layer. What stands between the first layer's mark
-/// and this comment can be joined with the other layers of the part from other
+/// The comment after the last layer. The text between the first layer's mark
+/// and this comment can be joined with the part's other layers from other
 /// files.
 pub(super) const END_OF_LAYERS: &str = "; end of layers";
 
@@ -33,7 +33,7 @@ pub(super) fn wipe(dialect: Comments) -> Option<[&'static str; 2]> {
     }
 }
 
-/// The mark of a layer, and what stands before heights, widths and roles.
+/// The mark of a layer, and the words before heights, widths and roles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Words {
     pub layer: &'static str,
@@ -61,7 +61,7 @@ pub(super) fn words(dialect: Comments) -> Option<Words> {
     }
 }
 
-/// What stands before a role's name.
+/// The text before a role's name.
 pub(super) fn before_role(dialect: Comments) -> &'static str {
     match dialect {
         Comments::Bambu => "; FEATURE: ",

@@ -23,8 +23,7 @@ const MAKER: &str = concat!("isoslice ", env!("CARGO_PKG_VERSION"));
 /// clock does not change it.
 const DAY: &str = "2026-11-24";
 
-/// What the head of a text file says. In other formats it stands beside the
-/// text.
+/// What the head of a text file says. Other formats keep it beside the text.
 pub(super) struct Said {
     pub at: Option<SystemTime>,
     pub thumbnails: Vec<Thumbnail>,
@@ -32,7 +31,7 @@ pub(super) struct Said {
     pub one_by_one: bool,
 }
 
-/// What the end of the file needs of the head.
+/// What the end of the file needs from the head.
 pub(super) fn said(header: &Header) -> Option<Said> {
     (header.format != Format::Text).then(|| Said {
         at: header.timestamp,
@@ -42,7 +41,7 @@ pub(super) fn said(header: &Header) -> Option<Said> {
     })
 }
 
-/// What stands before the text of binary G-code.
+/// The tables and pictures before the text of binary G-code.
 pub(super) fn about(said: Option<Said>, facts: &[Fact]) -> About {
     let key = |name: &str, value: &str| (name.to_owned(), value.to_owned());
     let some = |is: &dyn Fn(&Fact) -> bool| -> Vec<Key> {
@@ -68,7 +67,7 @@ pub(super) fn about(said: Option<Said>, facts: &[Fact]) -> About {
     about
 }
 
-/// What stands beside the text in a plate of Bambu Lab's.
+/// What a plate for Bambu Lab's printers says of the print beside the text.
 pub(super) fn of_plate(
     said: Option<Said>,
     settings: &Settings,
@@ -278,9 +277,9 @@ impl<W: Write> Writer<'_, W> {
     }
 }
 
-/// The end template, filled in, and the totals with all that follows from the
-/// filament and with the time of the foot. `before` is what [`Writer::place`]
-/// gave at the foot's beginning, `text` the foot up to the template.
+/// Returns the end template, filled in. Adds to the totals the filament's
+/// volume and mass and the foot's time. `before` is what [`Writer::place`] gave
+/// at the foot's beginning, `text` the foot up to the template.
 pub(super) fn end(
     totals: &mut Totals,
     templates: &Templates<'_>,
@@ -323,9 +322,10 @@ pub(super) fn footer(
     lines
 }
 
-/// What says that files are of one version: the program's name, its version, the
-/// version's day, and what it was built for. Builds for other processors, or
-/// with another mathematical library, write other digits.
+/// The text that all files of one version have in common: the program's name,
+/// its version, the version's day, and the system that it was built for. Builds
+/// for other processors, or with another mathematical library, write other
+/// digits.
 pub(crate) fn version() -> String {
     use std::env::consts::{ARCH, OS};
     let library = if cfg!(target_env = "musl") {

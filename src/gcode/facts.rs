@@ -107,7 +107,7 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     all
 }
 
-/// A name without the signs that would end its line.
+/// A name without the characters that would end its line.
 fn plain(name: &str) -> String {
     name.trim().chars().filter(|c| !c.is_control()).collect()
 }

@@ -3,7 +3,7 @@
 
 use crate::units::Mm;
 
-/// Units of the last decimal of filament in a millimetre.
+/// Number of units of the filament's last decimal in a millimetre.
 const E_UNITS: f64 = 1e5;
 
 /// The filament's position.

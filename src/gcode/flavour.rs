@@ -1,12 +1,11 @@
-//! Words in which firmwares differ.
+//! The G-code commands in which firmwares differ.
 //!
-//! Labels of parts stand in `label`, and which lines a file has at all in
-//! `limits` and `progress`. How fast a firmware takes corners is the matter of
-//! its [`Planner`].
+//! The commands for labels of parts are in `label`. A firmware's [`Planner`]
+//! says how fast the firmware takes corners.
 //!
-//! In: the settings. Out: the firmware's own words for its limits, pressure
-//! advance, fan, progress and retraction, and the start and end templates
-//! used if the settings give none.
+//! In: the settings. Out: the firmware's own commands for its limits, pressure
+//! advance, fan, progress and retraction, and the start and end templates for
+//! settings that give none.
 //!
 //! | | Marlin 2 | Prusa | RepRapFirmware 3 | Klipper | Bambu |
 //! |---|---|---|---|---|---|
@@ -29,8 +28,8 @@ use crate::pace::motion::Planner;
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, Percent, feed_rate};
 
-/// The start template for settings that have none. It homes, then waits off the
-/// bed for the heaters. The writer adds the heating before and after it.
+/// The start template for settings that have none. It homes and lifts the
+/// nozzle off the bed. The writer adds the heating before and after it.
 pub(super) const START: &str = "\
 G28
 G1 Z5 F{{ feed_rate_z }}
@@ -189,7 +188,7 @@ pub(super) fn pressure_advance(settings: &Settings) -> Option<String> {
             Board::Old | Board::Mini | Board::Unknown => format!("M900 K{k}"),
         },
         Flavour::Rrf => format!("M572 D0 S{k}"),
-        // M10 stands for a linear model, L for its greatest flow, mm³/s.
+        // M10 chooses a linear model, and L is its greatest flow, mm³/s.
         Flavour::Bambu => format!("M900 K{k} L1000 M10"),
         Flavour::Klipper => format!("SET_PRESSURE_ADVANCE ADVANCE={k}"),
     })

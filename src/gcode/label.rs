@@ -1,8 +1,9 @@
-//! Labels of the parts. Hosts show them, and leave a labelled part out if asked.
+//! Labels of the parts. Hosts show them, and can leave a labelled part out.
 //!
-//! In: the parts' names and their outlines seen from above. Out: the lines that
-//! define them in the file's head, and those around each in every layer. What
-//! is no part, such as a skirt, stands outside of these lines.
+//! In: the parts' names and their outlines seen from above. Out: the lines in
+//! the file's head that define the labels, and the lines around each part in
+//! every layer. Beads that belong to no part, such as a skirt's, are outside of
+//! these lines.
 
 use super::Header;
 use super::Standing;
@@ -101,8 +102,8 @@ impl Labels {
     }
 }
 
-/// The number of which only the bit of a part is set, as bytes from the lowest
-/// on.
+/// The number in which only the bit of a part is set, as bytes from the lowest
+/// one on.
 fn bit(part: usize) -> [u8; MOST_BITS / 8] {
     1u64.checked_shl(part as u32).unwrap_or(0).to_le_bytes()
 }
@@ -113,7 +114,7 @@ fn numbers(count: usize) -> String {
     format!("; model label id: {}", all.join(","))
 }
 
-/// A name for each part, none of them twice.
+/// A different name for each part.
 fn names(parts: &[Standing]) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let unique = |part: &Standing| {
@@ -142,9 +143,9 @@ fn wanted(settings: &Settings) -> bool {
     }
 }
 
-/// True if any firmware of the flavour understands labels. Marlin does only if
-/// it was built with that option, which is off by default. Of Prusa's firmwares
-/// only the newer one does.
+/// True if the firmware of these settings is sure to understand labels. Marlin
+/// understands them only if it was built with an option that is off by default.
+/// Prusa's 8-bit firmware does not understand them.
 fn known(flavour: Flavour, settings: &Settings) -> bool {
     match flavour {
         Flavour::Klipper | Flavour::Rrf | Flavour::Bambu => true,

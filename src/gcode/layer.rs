@@ -92,7 +92,7 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
-    /// The labels of a layer's parts, each with the moves it stands around.
+    /// The labels of a layer's parts, each with the moves that it encloses.
     fn labels_in(&self, layer: &PacedLayer) -> Vec<(Range<usize>, Around)> {
         let around = |part: &OfPart| {
             let label = self.labels.around.get(part.place?)?;
@@ -207,8 +207,8 @@ impl<W: Write> Writer<'_, W> {
     }
 }
 
-/// Of some moves those that print a part, with the travel to the part, without
-/// the skirt before it. The range is empty if nothing of the part is printed.
+/// The moves that print a part, with the travel to the part, but without the
+/// skirt before it. The range is empty if nothing of the part is printed.
 fn labelled(moves: &[PacedMove]) -> Range<usize> {
     let is = |m: &PacedMove, skirt: bool| {
         matches!(m, PacedMove::Print { bead, .. }

@@ -1,5 +1,5 @@
-//! What Klipper refuses to extrude, looked for in the user's templates and in
-//! what the settings ask of beads.
+//! Looks for what Klipper refuses to extrude, in the user's templates and in
+//! the settings of beads.
 //!
 //! In: a template's lines, as they will be written; settings. Out: warnings. By default
 //! Klipper stops a print at a move that lays a line thicker than

@@ -1,4 +1,4 @@
-//! What a file of a range of layers says of itself, so that the files of all
+//! What a file of a range of layers says about itself, so that the files of all
 //! ranges can be joined.
 //!
 //! In: the file's text while it is written, and what is known of its layers.
@@ -30,17 +30,17 @@ use std::time::{SystemTime, UNIX_EPOCH};
 const END: &str = "; end of range: ";
 /// What the line in the head begins with.
 const OF: &str = "; range of: ";
-/// Characters of a line of the manifest: firmware drops comments of any length,
-/// but its buffers are short.
+/// Characters in a line of the manifest. Firmware ignores comments, but its
+/// buffers for lines are short.
 const WIDTH: usize = 100;
 /// Greatest length of the last line.
 pub(super) const LAST_LINE: u64 = 128;
-/// Greatest length of a manifest, bytes: that of a print of a year comes to some
-/// 1.4 GB.
+/// Greatest length of a manifest, bytes. For a print that takes a year the
+/// manifest has some 1.4 GB.
 pub(super) const LONGEST: u64 = 1 << 31;
 
-/// What files have to have in common to be joined. Equal words stand for equal
-/// things.
+/// What files must have in common to be joined. Equal text stands for equal
+/// content.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Fingerprint {
     /// The program's version, and what it was built for.
@@ -84,8 +84,8 @@ impl Fingerprint {
     }
 }
 
-/// What a file of a range says of itself. Places are in bytes from the file's
-/// beginning, or, in a binary file, from that of its text.
+/// What a file of a range says about itself. Places are in bytes from the
+/// file's beginning, or, in a binary file, from that of its text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Manifest {
     pub fingerprint: Fingerprint,
@@ -102,7 +102,7 @@ pub(super) struct Manifest {
     pub print: Print,
 }
 
-/// What is to be known of a file's head.
+/// What joining needs to know of a file's head.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Head {
     /// The lines that only a range's file has.
@@ -117,7 +117,7 @@ pub(super) struct Head {
     pub time: Seconds,
 }
 
-/// What is to be known of a layer's text.
+/// What joining needs to know of a layer's text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct LayerText {
     /// Where the text ends.
@@ -129,7 +129,8 @@ pub(super) struct LayerText {
     pub moments: Vec<Moment>,
 }
 
-/// What is to be known of the foot. It begins where the last layer ends.
+/// What joining needs to know of the foot, which begins where the last layer
+/// ends.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Foot {
     /// Where the end template begins.
@@ -166,7 +167,7 @@ impl Print {
     }
 }
 
-/// A manifest in the making.
+/// A manifest that is being made.
 pub(super) struct Record {
     pub manifest: Manifest,
     /// Length and checksum of the text that has been handed on.
@@ -343,8 +344,8 @@ impl Manifest {
             && layers.len() == self.texts.len()
     }
 
-    /// Adds the file's layers to a print's totals. `tell` hears of each moment,
-    /// with the time since the print's beginning.
+    /// Adds the file's layers to a print's totals. `tell` is called with each
+    /// moment and with the time since the print's beginning.
     pub(super) fn add(
         &self,
         totals: &mut Totals,

@@ -37,7 +37,7 @@
 //! | `thumbnail` | the pictures in the head |
 //! | `label` | the parts' names and outlines, for hosts |
 //! | `progress` | lines that need the whole print's time |
-//! | `manifest` | what a range's file says of itself; `join`, one file of the files of all ranges |
+//! | `manifest` | what a range's file says about itself; `join`, one file of the files of all ranges |
 //! | `time` | how long the file's head and foot take |
 //! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
 
@@ -218,7 +218,7 @@ pub enum WriteError {
     /// A start or end template is wrong.
     #[error(transparent)]
     Template(#[from] TemplateError),
-    /// What a range's file says of itself could not be written.
+    /// What a range's file says about itself could not be written.
     #[error("cannot write what the file says of its layers")]
     Manifest(#[from] serde_json::Error),
     /// A coordinate, speed or length is not finite or too large.
@@ -249,7 +249,7 @@ pub(crate) struct Writer<'a, W: Write> {
     /// Holds the text until the whole time is known, if a line in it tells the
     /// time left.
     waiting: Option<Waiting>,
-    /// What a range's file will say of itself.
+    /// What a range's file will say about itself.
     record: Option<Record>,
     warnings: Vec<String>,
     /// Text that has not been handed on.

@@ -139,9 +139,10 @@ impl<W: Write> Writer<'_, W> {
     }
 
     /// True if a reader has to be told a width, counted in units of its last
-    /// decimal. A width that changes on the way is told when a viewer shows the
-    /// difference: at once if the bead's edges are the part's, else at a share
-    /// of the width. At a bead's beginning it is told exactly.
+    /// decimal. A width that changes along a bead is told as soon as a viewer
+    /// shows the difference: for any change if the bead's edges are the part's,
+    /// otherwise from a share of the width on. At a bead's beginning the width
+    /// is told exactly.
     fn shows_width(&self, role: Role, width: i64) -> bool {
         /// This share of a width is 0.02 mm of an ordinary one: 10 µm on each
         /// edge, which no viewer shows.

@@ -74,7 +74,8 @@ macro_rules! placeholders {
     };
 }
 
-/// How far above the part the head is parked, mm: out of the way of a hand.
+/// How far above the part the head is parked, mm: there is room for a hand
+/// below.
 const PARK_LIFT: f64 = 10.0;
 
 /// Every placeholder, in the order documentation lists them.
@@ -140,7 +141,7 @@ pub(crate) const PLACEHOLDERS: &[Placeholder] = placeholders![
         |k| length(k.moment.height);
     End "print_time", "estimated time, without heating and homing: 1h 2m 3s",
         |k| Value::from(human_time(k.totals.time));
-    End "print_seconds", "the same in seconds",
+    End "print_seconds", "estimated time in seconds, without heating and homing",
         |k| number(k.totals.time.round());
     End "filament_length", "filament used, mm",
         |k| length(k.totals.filament_length);
@@ -229,7 +230,7 @@ fn length(x: Mm) -> Value {
     number((x * 1e3).round() / 1e3)
 }
 
-/// `name` without the signs that would end its line or hide in it.
+/// `name` without the characters that would end its line or hide in it.
 fn one_line(name: &str) -> String {
     name.chars()
         .map(|c| if c.is_control() { ' ' } else { c })

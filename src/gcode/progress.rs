@@ -102,8 +102,8 @@ impl Waiting {
         })
     }
 
-    /// Appends text. `copy` gets it with a line at each mark whose numbers are
-    /// 0.
+    /// Appends text. `copy` gets the text, with a line at each mark whose
+    /// numbers are 0.
     pub(super) fn write(
         &mut self,
         bytes: &[u8],

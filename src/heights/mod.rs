@@ -42,8 +42,8 @@ use limit::Limit;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Heights are whole multiples of the last digit of G-code, of which a
-/// millimetre has so many. A layer is then exactly as high as its move says.
+/// Units of the last digit of G-code in a millimetre. Heights are whole
+/// multiples of that unit, so a layer is exactly as high as its move says.
 const DIGITS: f64 = 1e3;
 
 /// The setting's name.

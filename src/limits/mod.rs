@@ -49,13 +49,13 @@ pub struct Limits {
     pub time: Option<Duration>,
     /// Memory of the whole process, bytes; none for no limit.
     pub memory_bytes: Option<u64>,
-    /// The least that has to come out; none for no such limit.
+    /// The least progress that has to be made; none for no such limit.
     pub slow: Option<Slow>,
 }
 
 impl Limits {
     /// The limits on slicing unless the user says otherwise: an hour, 4 GB, and
-    /// an end to work of which hardly anything comes.
+    /// an end to work that makes hardly any progress.
     ///
     /// Costly models that make sense, such as 25,600 pins in one expression,
     /// reach 140,000 points a second on two cores, and lattices reach twice that

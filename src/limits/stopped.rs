@@ -12,7 +12,7 @@ pub enum Reason {
     Memory,
     /// Nearly all the address space that the system allows was taken.
     Space,
-    /// Hardly anything came of the time that it took ([`Limits::slow`]).
+    /// The work made hardly any progress ([`Limits::slow`]).
     Slow,
     /// Somebody called [`Watch::cancel`](super::Watch::cancel).
     Cancelled,
@@ -53,7 +53,7 @@ pub struct Activity {
 }
 
 impl Activity {
-    /// How to make the stage cheaper that took most of the time.
+    /// How to make the stage that took most of the time cheaper.
     pub fn remedy(&self) -> &'static str {
         remedy(self.shares.first().map(|(name, _)| *name))
     }

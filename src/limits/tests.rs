@@ -129,7 +129,7 @@ fn the_last_resort_comes_when_nothing_looks() {
     let resort = |stopped: &Stopped| {
         sender.lock().unwrap().send(stopped.reason).unwrap();
     };
-    // The work waits for the resort without ever looking.
+    // The work waits for the last resort and never checks the flag.
     let result =
         within(50).last_resort(Duration::from_millis(50), &resort, || {
             receiver.recv_timeout(Duration::from_secs(60))

@@ -11,7 +11,8 @@ use std::fmt;
 /// Greatest number of choices of a parameter: more than a person would read.
 const MAX_CHOICES: usize = 100;
 
-/// What a parameter may be set to. Without any bound, every value of its type.
+/// What a parameter may be set to. Without any bound every value of its type is
+/// allowed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Allowed {
     /// Least value.
@@ -63,7 +64,10 @@ impl Allowed {
                 let written = values.iter().map(|value| {
                     let value = value.like(default);
                     value.map(|v| v.to_string()).ok_or_else(|| {
-                        format!("all choices must be as its default, {default}")
+                        format!(
+                            "all choices must have the type of the default, \
+                             {default}"
+                        )
                     })
                 });
                 self.choices = written.collect::<Result<_, _>>()?;
@@ -180,7 +184,7 @@ mod tests {
         assert_eq!(choices.to_string(), "3.0, 4.0 or 6.0");
         for (said, default, words) in [
             (of(&[3]), Value::Int(4), "its default, 4, is not 3"),
-            (of(&[3]), Value::Bool(true), "must be as its default"),
+            (of(&[3]), Value::Bool(true), "the type of the default"),
             (of(&[]), Value::Int(4), "from 1 to"),
         ] {
             let error = allowed(&[("choices", said)], default).unwrap_err();

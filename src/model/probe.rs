@@ -3,8 +3,8 @@
 //! In: points of a layer's plane with a direction each. Out: signed distances
 //! along the directions, found by bisection. The probe shares nothing with the
 //! stages that make the outline: fidget's interpreter evaluates the whole
-//! expression, which is neither simplified nor hoisted. So a fault of those
-//! stages shows here. Inside is f < 0; NaN is outside.
+//! expression, which is neither simplified nor hoisted. So the probe shows a
+//! fault of those stages. Inside is f < 0; NaN is outside.
 //!
 //! Not guaranteed: that no border lies nearer in another direction. A distance
 //! is never less than the true one by more than [`FINEST`].

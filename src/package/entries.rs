@@ -1,7 +1,7 @@
 //! The small files in the archive.
 //!
-//! In: what is known of the print. Out: their texts. Names of parts are
-//! escaped: they may be anything.
+//! In: what is known of the print. Out: the texts of the files. Names of parts
+//! may be anything, and are escaped.
 
 use super::{About, GCODE, PartBox};
 use glam::DVec2;
@@ -16,10 +16,10 @@ pub(super) const SMALL: &str = "Metadata/plate_1_small.png";
 /// Where the parts stand.
 pub(super) const PLATE: &str = "Metadata/plate_1.json";
 
-/// The sheet on the bed: the one that every printer of theirs is sold with.
+/// The sheet on the bed: the one that comes with every printer of Bambu Lab's.
 const SHEET: &str = "textured_plate";
 
-/// A colour for lists of filament, which files of one filament leave open.
+/// A colour for lists of filaments. A file with one filament could have any.
 const COLOUR: &str = "#FFFFFF";
 
 /// Kinds of files in the archive.

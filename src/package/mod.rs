@@ -24,8 +24,8 @@
 //!
 //! Guarantees: the same text gives the same bytes; opening them gives back every
 //! byte of the text; memory grows neither with the length of the text nor with
-//! what a damaged file says about itself, but for the directory of at most 10,000
-//! entries.
+//! what a damaged file says about itself, except for the directory of at most
+//! 10,000 entries.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -73,7 +73,8 @@ pub(crate) struct About {
     pub density: f64,
     /// Time of the print.
     pub time: Seconds,
-    /// Filament that it takes: its length, its volume, and its mass in grams.
+    /// Filament that the print takes: its length, its volume, and its mass in
+    /// grams.
     pub length: Mm,
     pub volume: Mm3,
     pub mass_g: f64,
@@ -82,7 +83,7 @@ pub(crate) struct About {
     pub height: Mm,
     /// Height of the layers above the first.
     pub layer_height: Mm,
-    /// True if any of it is a support.
+    /// True if the print has supports.
     pub supports: bool,
     /// True if parts are printed one after the other.
     pub one_by_one: bool,
@@ -97,9 +98,9 @@ pub(crate) struct About {
 /// A part on the plate.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PartBox {
-    /// Its name.
+    /// Name of the part.
     pub name: String,
-    /// Corners of its box, seen from above.
+    /// Corners of the part's box, seen from above.
     pub min: DVec2,
     pub max: DVec2,
 }

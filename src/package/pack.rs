@@ -38,7 +38,8 @@ impl<W: Write> Packer<W> {
     /// If the output or a temporary file cannot be written.
     pub(crate) fn finish(mut self, about: &About) -> io::Result<()> {
         let text = self.text.into_inner().map_err(|e| e.into_error())?;
-        // An archive is written to and fro, which streams cannot.
+        // Writing an archive goes back to earlier places, which a stream cannot
+        // do.
         let archive = tempfile::tempfile()?;
         let archive = BufWriter::with_capacity(BUFFER, archive);
         let mut zip = ZipWriter::new(archive);

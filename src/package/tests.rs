@@ -174,7 +174,7 @@ fn bombs_are_refused_before_they_go_off() {
     assert!(bomb.len() < 1 << 17, "{}", bomb.len());
     let error = unpacked(&bomb).unwrap_err();
     assert!(error.contains("far longer"), "{error}");
-    // One that says to be shorter than it is.
+    // One archive claims to be shorter than it is.
     let mut lies = archive(
         &[("Metadata/plate_1.gcode", &zeros[..1 << 20])],
         CompressionMethod::Deflated,

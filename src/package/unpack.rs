@@ -54,19 +54,19 @@ impl Headers {
 /// Why there is no G-code in an archive.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Broken {
-    /// It is longer than any plate.
+    /// The archive is longer than any plate.
     #[error("it is an archive of more than 2 GB")]
     TooLong,
-    /// It is no archive, or a damaged one.
+    /// The file is no archive, or a damaged one.
     #[error("its archive is damaged ({0}); copy it again, or export it again")]
     Archive(String),
-    /// There is no G-code in it.
+    /// There is no G-code in the archive.
     #[error(
         "it is an archive without G-code (Metadata/plate_1.gcode); slice the \
          plate, and export the sliced file (.gcode.3mf)"
     )]
     NoGcode,
-    /// There are several plates in it.
+    /// There are several plates in the archive.
     #[error(
         "there are {0} sliced plates in it; export them one by one, each as a \
          file of its own"
@@ -75,8 +75,8 @@ pub enum Broken {
     /// The text cannot be decompressed.
     #[error("its G-code is packed in an unknown way, or cut off")]
     Packed,
-    /// It says to be longer than is likely.
-    #[error("its G-code says to be far longer than it is")]
+    /// The text claims to be longer than is likely.
+    #[error("its G-code claims to be far longer than it is")]
     Bomb,
     /// Bytes have changed.
     #[error(
@@ -84,7 +84,7 @@ pub enum Broken {
          again, or slice again"
     )]
     Checksum,
-    /// The MD5 sum is another one, and the printer refuses it.
+    /// The MD5 sum is not the text's, so the printer refuses the file.
     #[error(
         "the MD5 sum beside its G-code is not the text's, so that a printer \
          refuses it; slice again, or pack it again with the right sum"
@@ -122,7 +122,7 @@ impl Opened {
     /// Opens an archive, which is read to its end first.
     ///
     /// # Errors
-    /// If it cannot be read, or there is not just one plate in it.
+    /// If the archive cannot be read, or does not hold exactly one plate.
     pub(crate) fn new(input: &mut dyn Read) -> io::Result<Opened> {
         let mut file = tempfile::tempfile()?;
         let (mut count, mut headers) = (0, Headers::default());

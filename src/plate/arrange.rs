@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn boxes_keep_their_distance_and_stay_on_the_bed() {
-        // Of many sizes.
+        // The boxes have many sizes.
         let mut rng = fastrand::Rng::with_seed(7);
         let mut random = || rng.f64();
         for round in 0..20 {

@@ -10,8 +10,8 @@
 //! In: models with their parameters, how they are turned, their settings, how
 //! many of each there are to be, and where those stand that have a place. Out:
 //! parts, each in the middle of the bed as if it were alone, and for each of its
-//! places how far it is from there. Equal ones are places of one part, which is
-//! sliced once.
+//! places how far it is from there. Equal parts become places of one part,
+//! which is sliced once.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -21,7 +21,7 @@
 //! | `arrange` | finds a place for the parts that have none |
 //! | `sequence` | the order of parts that are printed one by one, and whether the head has room |
 //!
-//! Guaranteed: the same plate for the same input; boxes of parts, with their
+//! Guaranteed: equal input gives equal plates; boxes of parts, with their
 //! brims, do not overlap and are on the bed. Not guaranteed: that everything is
 //! placed that could be.
 
@@ -91,7 +91,7 @@ pub struct Part {
     pub settings: Settings,
     /// The places where the part stands.
     pub places: Vec<PartPlace>,
-    /// Indices of what was wanted of which this is the part.
+    /// Indices of the [`Wanted`] entries that became this part.
     pub wanted: Vec<usize>,
     /// Where there may be supports when the part stands where the model was
     /// placed; nothing if they may be anywhere on the bed.
@@ -130,8 +130,8 @@ impl Plate {
         }
     }
 
-    /// A plate of what is wanted. `settings` hold for all of it: the settings of
-    /// the parts may differ from them where the plate can do with that.
+    /// A plate of what is wanted. `settings` are those of the whole plate; the
+    /// parts' own may differ from them where parts need not agree.
     ///
     /// # Errors
     /// If there is nothing, or too much, or it does not fit on the bed; if a
@@ -375,7 +375,7 @@ fn kinds(wanted: &[Wanted]) -> Vec<Vec<usize>> {
         if one.copies == 0 {
             continue;
         }
-        // A pattern that the parts continue differs from place to place.
+        // A pattern that is laid out from the bed differs from place to place.
         let shares = one.settings.infill_centre == InfillCentre::Object;
         let like =
             |kind: &&mut Vec<usize>| shares && wanted[kind[0]].is_like(one);
@@ -425,8 +425,8 @@ fn load_part(wanted: Wanted, count: u64) -> Result<Part, PlateError> {
     })
 }
 
-/// Gives all parts their places. Each part comes with the numbers of what is
-/// wanted of it.
+/// Gives all parts their places. Each part comes with the indices of its
+/// entries in `wanted`.
 fn place_all(
     plate: &mut Plate,
     parts: Vec<(Part, &Vec<usize>)>,

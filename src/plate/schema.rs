@@ -6,8 +6,8 @@ use crate::settings::Settings;
 use serde_json::{Map, Value, json};
 
 impl PlateFile {
-    /// The schema of a plate file, of the 2020-12 draft. It takes what the program
-    /// takes of types, words and ranges.
+    /// The schema of a plate file, of the 2020-12 draft. The schema has the
+    /// program's types, words and ranges.
     pub fn schema() -> Value {
         let all = properties(|_| true);
         let of_part = properties(|key| !is_shared(key));

@@ -45,7 +45,7 @@ const SHADOW: f32 = 0.35;
 /// Number of the light's pixels that a place compares, along each side.
 const AROUND: usize = 6;
 /// Distance, in pixels of the light's view, by which a surface must be nearer
-/// to the light to cast a shadow. Surfaces bend, and their depths are rounded.
+/// to the light to cast a shadow: surfaces bend, and their depths are rounded.
 const NEARER: f32 = 2.0;
 /// Least cosine between a surface's normal and the light. Below it next to no
 /// light arrives, and the surface is too slanted to compare.

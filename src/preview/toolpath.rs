@@ -28,7 +28,8 @@ pub(super) const SPEED_UNIT: f64 = 0.02;
 /// Unit of temperatures, °C.
 pub(super) const HEAT_UNIT: Celsius = 0.1;
 
-/// Most moves of a page: what a browser can show, and half a gigabyte here.
+/// Most moves of a page: what a browser can show, and half a gigabyte in this
+/// program.
 const MOST_MOVES: usize = 12_000_000;
 
 /// Why there is no toolpath.
@@ -590,7 +591,7 @@ mod tests {
         let moves = read(1000).unwrap().len();
         assert!(moves > 50, "{moves}");
         assert!(read(moves).is_ok());
-        // Nor is all of the arc kept.
+        // An arc is not kept as a whole either.
         let error = read(20).unwrap_err();
         assert!(matches!(
             error,

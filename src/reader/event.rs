@@ -55,7 +55,7 @@ pub enum Event {
     WaitForHeat {
         /// Line, from 1.
         line: u64,
-        /// The heater waited for; none for all that have been set.
+        /// The heater waited for; none means all heaters that have been set.
         heater: Option<Heater>,
         /// The least temperature waited for, if the command names one.
         least: Option<Celsius>,
@@ -96,8 +96,8 @@ pub enum Event {
         tenths: u32,
     },
     /// A command that is a name: one of Klipper's or a macro of the printer.
-    /// Its words are in [`Reader::named`](super::Reader::named). If the name is
-    /// empty, a header tells the printer to begin and end by itself, as
+    /// The command is in [`Reader::named`](super::Reader::named). If the name
+    /// is empty, a header tells the printer to begin and end by itself, as
     /// Ultimaker's do.
     Macro {
         /// Line, from 1.

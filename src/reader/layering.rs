@@ -11,11 +11,11 @@ use glam::DVec3;
 
 /// Heights that differ by less belong to one layer.
 const SAME: Mm = 1e-3;
-/// Height that counts as a layer in a spiral, which has none.
+/// Rise that counts as a layer in a spiral, which has no layers of its own.
 const SPIRAL: Mm = 0.2;
 /// Heights a layer can have.
 const HEIGHTS: std::ops::RangeInclusive<Mm> = 0.01..=2.0;
-/// Height of a bead if nothing tells one.
+/// Height of a bead if the file does not tell it.
 const USUAL: Mm = 0.2;
 /// Greatest width of a bead. A wider one is a purge on the spot.
 const WIDEST: Mm = 3.0;

@@ -17,7 +17,7 @@ const REACH: Mm = 1e5;
 /// Millimetres in an inch (G20).
 const INCH: Mm = 25.4;
 
-/// What the commands so far have set; none for what no command has set.
+/// What the commands so far have set. A value that no command has set is none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineState {
     /// Where the head is, in the machine's coordinates, which G92 does not

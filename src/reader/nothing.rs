@@ -15,7 +15,7 @@ use std::io;
 const LINES: u64 = 10_000;
 
 /// Bytes that a file may have before its first code. Pictures and settings in
-/// comments at the head take 0.01 of it.
+/// comments at the head take about 1 % of that.
 const BYTES: u64 = 1 << 26;
 
 /// Commands in a row that may leave the head where it is.
@@ -80,7 +80,8 @@ impl From<NoGcode> for io::Error {
     }
 }
 
-/// Errs if a file's first line shows that it is something else.
+/// Returns an error if a file's first line shows that the file is something
+/// else.
 pub(super) fn first_line(text: &[u8]) -> Result<(), NoGcode> {
     // The first bytes of each format's files.
     let what = match text {
@@ -92,7 +93,8 @@ pub(super) fn first_line(text: &[u8]) -> Result<(), NoGcode> {
     Err(NoGcode::Packed { what })
 }
 
-/// Errs if too few of the lines in the first `bytes` bytes were commands.
+/// Returns an error if too few of the lines in the first `bytes` bytes were
+/// commands.
 pub(super) fn so_far(tally: &Tally, bytes: u64) -> Result<(), NoGcode> {
     let none = tally.senseless + tally.names;
     if none > tally.codes.saturating_add(LINES) {

@@ -15,7 +15,7 @@ pub enum Problem {
     /// An arc that is not in the plane of x and y (after G18 or G19); it is
     /// taken as a straight move.
     UprightArc,
-    /// A move's line has signs that are no words.
+    /// A move's line has characters that are no words.
     Stray,
     /// A line too long to be a command; its end is passed over.
     LongLine,
@@ -44,7 +44,7 @@ impl fmt::Display for Problem {
             Problem::UprightArc => {
                 write!(f, "an arc that is not in the plane of x and y")
             }
-            Problem::Stray => write!(f, "signs that are no command"),
+            Problem::Stray => write!(f, "characters that are no command"),
             Problem::LongLine => write!(f, "a line too long to be a command"),
             Problem::Curve => write!(f, "a curve, which is not followed"),
             Problem::TwoCommands => write!(f, "two commands in one line"),

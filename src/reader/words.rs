@@ -48,7 +48,7 @@ pub(super) struct Parsed {
     pub command: Command,
     /// Where the comment begins, after its semicolon.
     pub comment: Option<usize>,
-    /// True if there are signs that are neither words nor a comment.
+    /// True if there are characters that are neither words nor a comment.
     pub stray: bool,
 }
 

@@ -139,7 +139,8 @@ pub(crate) fn measure(
     Ok(found)
 }
 
-/// Of `count` points one in so many is taken.
+/// Distance in the list from one measured point to the next, for a list of
+/// `count` points.
 fn stride(effort: Effort, count: usize) -> usize {
     match effort {
         Effort::Points(wanted) => count.div_ceil(wanted.max(1)).max(1),

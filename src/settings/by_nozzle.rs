@@ -6,7 +6,7 @@ use crate::units::{Mm, Percent};
 
 /// A length that has to suit the nozzle.
 ///
-/// `auto` is usually a share, too, which each setting has of its own.
+/// `auto` is usually a share, too, and each setting has its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum ByNozzle {
     /// The length that usually suits the nozzle.

@@ -10,8 +10,8 @@ use crate::units::{
 };
 use std::path::Path;
 
-/// Lengths that follow the nozzle, each with what `auto` stands for: a share of
-/// the nozzle's diameter, or another of these lengths.
+/// Lengths that follow the nozzle, each with what `auto` stands for: a
+/// percentage of the nozzle's diameter, or another of these lengths.
 macro_rules! by_nozzle {
     ($($(#[doc = $doc:literal])+ $name:ident = $auto:tt;)+) => {
         impl Settings {
@@ -98,8 +98,8 @@ impl Settings {
             && !self.spiral
     }
 
-    /// True if scarfs rise with their flow. What follows the surface above it
-    /// has its height from there.
+    /// True if scarfs rise with their flow. They do not if beads follow the
+    /// surface above them, which then decides the beads' heights.
     pub(crate) fn scarf_rises(&self) -> bool {
         self.seam_scarf_rise && self.contour_z.is(0.0)
     }
@@ -137,8 +137,8 @@ impl Settings {
         self.thin_min / 100.0 * self.outer_wall_width()
     }
 
-    /// How far beyond its rim a layer holds the layer above, which has some
-    /// height, by `support.angle`.
+    /// How far beyond its rim a layer holds a layer above of this height, by
+    /// `support.angle`.
     pub(crate) fn held(&self, height: Mm) -> Mm {
         height * self.support.angle.to_radians().tan()
     }

@@ -118,7 +118,7 @@ pub enum SettingsError {
         key: String,
         /// The group's first key.
         example: String,
-        /// That key's default.
+        /// The first key's default.
         value: String,
     },
     /// There is no such profile.

@@ -1,10 +1,10 @@
-//! What each kind of firmware does: one row for each.
+//! What firmware does: one row for each kind.
 //!
-//! In: a [`Flavour`]. Out: facts that several modules ask for. The words of
-//! G-code in which firmwares differ stand in `gcode/flavour.rs` and
-//! `gcode/label.rs`, and how they take corners in `pace/motion/planner.rs`.
-//! Every match there names all flavours, so the compiler lists what a new one
-//! needs.
+//! In: a [`Flavour`]. Out: facts that several modules ask for. The G-code
+//! commands in which firmwares differ are in `gcode/flavour.rs` and
+//! `gcode/label.rs`, and how firmwares take corners is in
+//! `pace/motion/planner.rs`. Every match there names all flavours, so the
+//! compiler lists what a new one needs.
 
 use super::words::Flavour;
 use crate::units::{Mm, PerSec};
@@ -12,47 +12,50 @@ use crate::units::{Mm, PerSec};
 /// What a kind of firmware does.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Firmware {
-    /// Moves a second that it takes; a cautious figure.
+    /// Moves a second that the firmware takes; a cautious figure.
     pub moves_per_second: PerSec,
-    /// Whether it retracts by itself (G10 and G11).
+    /// Whether the firmware retracts by itself (G10 and G11).
     pub retraction: Retraction,
-    /// What it refuses to extrude, unless its configuration says otherwise.
+    /// What the firmware refuses to extrude, unless its configuration says
+    /// otherwise.
     pub refuses: Option<Refusals>,
-    /// True if some of its printers read binary G-code.
+    /// True if some of the firmware's printers read binary G-code.
     pub reads_binary: bool,
-    /// True if its printers read G-code packed as .gcode.3mf, and expect it.
+    /// True if the firmware's printers read G-code packed as .gcode.3mf, and
+    /// expect it.
     pub reads_plates: bool,
-    /// True if it keeps one acceleration for printing and travelling, which
-    /// then has to be set before each change from one to the other.
+    /// True if the firmware keeps one acceleration for printing and travelling,
+    /// which then has to be set before each change from one to the other.
     pub one_acceleration: bool,
-    /// True if it keeps statistics of the print that hosts read the layer's
-    /// number from.
+    /// True if the firmware keeps statistics of the print, from which hosts
+    /// read the layer's number.
     pub print_stats: bool,
-    /// True if it shows how far a print has come (M73).
+    /// True if the firmware shows how far a print has come (M73).
     pub shows_progress: bool,
-    /// True if it forgets where it should be while it leaves out a part.
+    /// True if the firmware loses track of the head's place while it leaves out
+    /// a part.
     pub forgets_place: bool,
     /// True if the label of a part names the part's outline.
     pub outlines_parts: bool,
-    /// True if it compares the printer's model and nozzle with those that a
-    /// file names (M862).
+    /// True if the firmware compares the printer's model and nozzle with those
+    /// that a file names (M862).
     pub asks_printer: bool,
     /// The line that selects the extruder, for firmware that starts with none
     /// selected: temperatures are for the selected one.
     pub select_tool: Option<&'static str>,
-    /// Cura's name of it. Cura reads a file with a name that it does not know
-    /// as one for Marlin.
+    /// Cura's name for the firmware. Cura takes a file with an unknown name for
+    /// one for Marlin.
     pub cura_name: &'static str,
 }
 
 /// Whether firmware retracts by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Retraction {
-    /// It takes any lengths and speeds.
+    /// The firmware takes any lengths and speeds.
     Any,
-    /// It refuses to push less than it pulled, and low speeds.
+    /// The firmware refuses low speeds, and to push less than it pulled.
     Klipper,
-    /// It does not.
+    /// The firmware does not retract by itself.
     None,
 }
 
@@ -66,9 +69,9 @@ pub(crate) struct Refusals {
     pub feed: Mm,
 }
 
-/// Marlin gets its lines over a serial line mostly: 25 bytes at 115,200 baud
-/// are 2 ms, and each line is answered before the next but a few comes. A
-/// Marlin built without M73 says that it does not know M73, and goes on.
+/// Marlin mostly gets its lines over a serial connection: 25 bytes at 115,200
+/// baud take 2 ms, and a host sends only a few lines ahead of Marlin's answers.
+/// A Marlin built without M73 says that it does not know M73, and goes on.
 const MARLIN: Firmware = Firmware {
     moves_per_second: 200.0,
     retraction: Retraction::Any,

@@ -5,9 +5,9 @@
 //! after those that it inherits from.
 //!
 //! A profile is a settings file with two more keys at its beginning,
-//! `description` and `inherits`. Many profiles are part of the program. A
-//! folder of the user's may hold more. A profile there replaces the program's
-//! profile of that name, and may inherit from it by that name.
+//! `description` and `inherits`. Many profiles are part of the program. The
+//! user's folder may hold more. A profile there replaces the program's profile
+//! of that name, and may inherit from it by that name.
 //!
 //! Guaranteed: the result depends on the profiles' texts only. An unknown name,
 //! or profiles that inherit in a circle, are an error with its place.
@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 /// Greatest number of profiles that inherit from one another in a row.
 const MOST_INHERITED: usize = 32;
 
-/// Where a profile comes from.
+/// The origin of a profile.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// The profile is part of the program.

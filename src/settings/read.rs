@@ -42,9 +42,9 @@ impl Builder {
     /// Takes over what TOML `text` says. Messages call the file `name`.
     ///
     /// # Errors
-    /// If it is not TOML, has an unknown key, or a value is of the wrong type
-    /// or out of range. The error is about the first such place in the file;
-    /// what stands before it has been taken over.
+    /// If the text is not TOML or has an unknown key, or if a value is of the
+    /// wrong type or out of range. The error is about the first such place in
+    /// the file; what stands before it has been taken over.
     pub fn toml(
         &mut self,
         name: &str,
@@ -61,8 +61,8 @@ impl Builder {
     /// them in that order.
     ///
     /// # Errors
-    /// If it, or one that it inherits from, does not exist, or as
-    /// [`Builder::toml`].
+    /// If the profile, or one that it inherits from, does not exist, and the
+    /// errors of [`Builder::toml`].
     pub fn profile(
         &mut self,
         profiles: &Profiles,
@@ -98,7 +98,7 @@ impl Builder {
     /// Takes over a table of the file `text`. Messages call the file `name`.
     ///
     /// # Errors
-    /// As [`Builder::toml`].
+    /// Those of [`Builder::toml`].
     pub(crate) fn table(
         &mut self,
         table: &DeTable<'_>,
@@ -316,8 +316,8 @@ fn refusal(
     }
 }
 
-/// What a value that is refused was meant for, as the end of a sentence; empty
-/// if that is not known.
+/// What a refused value was meant for, as the end of a sentence; empty if that
+/// is not known.
 fn elsewhere(key: &Key, raw: Raw<'_>) -> String {
     let is_formula = formula(raw).is_some();
     let adaptive = matches!(raw, Raw::Text("adaptive") | Raw::Word("adaptive"));

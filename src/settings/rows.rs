@@ -48,8 +48,8 @@ table::settings! {
         accuracy: Mm = 0.005, in 0.0005..=0.1;
         /// Greatest distance between a path that does not show (inner walls,
         /// skin) and where it was meant. Gaps, infill and solid areas that
-        /// nobody sees may be off by one and a half times as much. Printers
-        /// cannot show it, and the longer moves are easier on the firmware.
+        /// nobody sees may be off by one and a half times as much. No print
+        /// shows such differences, and longer moves are easier on the firmware.
         path_accuracy: Mm = 0.025, in 0.0005..=0.2;
         /// Spacing of the lattice on which the field is sampled to find the
         /// outlines. Details smaller than this may be missed, and curves
@@ -222,8 +222,8 @@ table::settings! {
         internal_bridges: bool = false;
         /// Number of layers of internal bridges over sparse infill, each across
         /// the one below; auto is 2 where infill_density is below 10%, else 1.
-        /// Where the density is an expression it goes by how far the infill's
-        /// lines are apart.
+        /// If the density is an expression, the distance between the infill's
+        /// lines decides.
         internal_bridge_layers: Option<u32> = None, in 1..=10;
         /// Material of internal bridges, as a share of what skin would get.
         internal_bridge_flow: Percent = 100.0, in 10.0..=300.0;
@@ -331,7 +331,7 @@ table::settings! {
         /// Share of the dense layers at the top of a support that is printed.
         interface_density: Percent = 95.0, in 10.0..=100.0;
         /// Distance between the lines of the dense layers at the top of a
-        /// support, from middle to middle; auto is by interface_density.
+        /// support, from middle to middle; auto follows interface_density.
         interface_spacing: Option<Mm> = None, in 0.1..=20.0;
         /// Pattern of the dense layers at the top of a support.
         interface_pattern: SkinPattern = SkinPattern::Lines;
@@ -401,9 +401,9 @@ table::settings! {
         overhang: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0;
         /// Speeds of walls by the share of their width that reaches beyond the
-        /// layer below, instead of speed.overhang: evenly from the wall's own
-        /// speed at 0% from step to step, never more than its own. What lies
-        /// over a support counts half.
+        /// layer below, instead of speed.overhang. Between steps the speed
+        /// changes evenly, from the wall's own at 0% on, and is never more than
+        /// that. What lies over a support counts half.
         overhang_steps: Steps = Steps::of_speed();
         /// Speed of ironing.
         ironing: Varying<MmPerSec> = Varying::Constant(20.0),
@@ -468,9 +468,9 @@ table::settings! {
         check_walls: bool = true;
         /// What hides the ooze of travels: sparse infill alone, or whatever is
         /// inside the part and no top skin (covered). auto chooses for each
-        /// layer: sparse infill where that is a quarter of the layer or more.
-        /// In other layers, such as those of lattices and of solid skin, it is
-        /// covered, and travels may cross inner walls, too.
+        /// layer: sparse-infill if that fills a quarter of the layer or more,
+        /// otherwise covered, as in lattices and in solid skin; travels may
+        /// then also cross inner walls.
         hidden: Hidden = Hidden::Auto;
         /// Length of filament pulled back; 0 turns retraction off.
         length: Mm = 0.8, in 0.0..=50.0;
@@ -548,15 +548,15 @@ table::settings! {
         /// Speed of the part's fan while internal bridges are printed.
         internal_bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Speed of the part's fan while the dense layers at the top of
-        /// supports, and the solid layers of a raft, are printed: with more of
-        /// it they stick less to the part. auto is fan_speed.
+        /// supports, and the solid layers of a raft, are printed: the faster
+        /// the fan, the less they stick to the part. auto is fan_speed.
         support_interface_fan_speed: Option<Percent> = None, in 0.0..=100.0;
         /// Speed of the part's fan while overhanging walls are printed.
         overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Speeds of the part's fan by the share of a wall's width that reaches
-        /// beyond the layer below, instead of overhang_fan_speed: evenly from
-        /// fan_speed at 0% from step to step. What lies over a support counts
-        /// half.
+        /// beyond the layer below, instead of overhang_fan_speed. Between steps
+        /// the speed changes evenly, from fan_speed at 0% on. What lies over a
+        /// support counts half.
         overhang_fan_steps: Steps = Steps::of_fan();
         /// Number of layers, from the bed, printed without the fan.
         fan_off_layers: u32 = 1, in 0..=50_000;
@@ -565,10 +565,10 @@ table::settings! {
         /// 0 for no steps.
         full_fan_layer: u32 = 0, in 0..=50_000;
         /// Speed of the part's fan on layers that take only min_layer_time, if
-        /// it is more than fan_speed; in proportion on layers that take less
-        /// than long_layer_time. auto is fan_speed.
+        /// it is more than fan_speed; layers that take less than
+        /// long_layer_time get a speed in between. auto is fan_speed.
         short_layer_fan_speed: Option<Percent> = None, in 0.0..=100.0;
-        /// Time from which on a layer has fan_speed.
+        /// A layer that takes this long or longer has fan_speed.
         long_layer_time: Seconds = 30.0, in 0.0..=3600.0;
         /// Least time of a layer; a layer that would take less is printed
         /// slower.
@@ -694,7 +694,7 @@ table::settings! {
         /// absolute.
         relative_e: bool = false;
         /// Whether curved paths of constant width are written as arcs (G2 and
-        /// G3); auto if printer.takes_arcs.
+        /// G3); auto writes them if printer.takes_arcs is true.
         arcs: Emit = Emit::Auto;
         /// Template for the start of the print; empty for homing only.
         /// Temperatures that it does not set are set before it, and waited for

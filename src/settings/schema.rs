@@ -1,9 +1,9 @@
 //! The settings as a JSON Schema, by which editors complete and check settings
 //! files while they are written.
 //!
-//! In: the table. Out: a schema of the 2020-12 draft. It takes what the program
-//! takes of types, words and ranges; what settings make together only the
-//! program checks. Profiles fit it as well.
+//! In: the table. Out: a schema of the 2020-12 draft. The schema has the
+//! program's types, words and ranges. Only the program checks how settings fit
+//! together. Profiles fit the schema as well.
 
 use super::rows::Settings;
 use super::table::{Key, keys};

@@ -1,15 +1,16 @@
 //! The profiles that are part of the program: their texts, as they are in
 //! `profiles/`, and those of printers with other nozzles.
 
-/// What a profile is of.
+/// The kind of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProfileKind {
-    /// The profile is of a machine: bed, limits, retraction, firmware, start of
-    /// the print.
+    /// The profile describes a machine: bed, limits, retraction, firmware,
+    /// start of the print.
     Printer,
-    /// The profile is of a material: temperatures, fan, flow, density, cost.
+    /// The profile describes a material: temperatures, fan, flow, density,
+    /// cost.
     Filament,
-    /// The profile is of a kind of print: heights, walls, infill.
+    /// The profile describes a kind of print: heights, walls, infill.
     Preset,
 }
 
@@ -52,9 +53,10 @@ macro_rules! shipped {
     };
 }
 
-/// Printers with nozzles other than 0.4 mm, each with what it is. After the
-/// colon stands what the maker gives PLA as pressure advance with 0.25, 0.6 and
-/// 0.8 mm, if the printer has it for 0.4 mm: the wider the nozzle, the less.
+/// Printers that get profiles with nozzles other than 0.4 mm, each with its
+/// description. After the colon are the maker's figures of pressure advance for
+/// PLA with 0.25, 0.6 and 0.8 mm, if the printer has one for 0.4 mm: the wider
+/// the nozzle, the less.
 macro_rules! nozzles {
     ($($name:literal $what:literal
         $(: $small:literal $wide:literal $widest:literal)?;)+) => {

@@ -1,6 +1,6 @@
 //! Values by steps: `25: 80%, 50: 30, 100: 10`.
 //!
-//! Each step is a share and the value there; between steps the value goes on
+//! Each step is a share and the value there. Between steps the value changes
 //! evenly, so that no step shows on the part.
 
 use super::value::{Kind, Measure, Range, Raw, Refused, Value};
@@ -21,7 +21,7 @@ enum At {
     OfOwn(Percent),
 }
 
-/// What steps are values of.
+/// The quantity that steps give values of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Of {
     /// The values are speeds of the nozzle, mm/s, or shares of the speed
@@ -57,7 +57,7 @@ impl Of {
     }
 }
 
-/// Values at some shares above 0 to 100 %, and evenly between them.
+/// Values at some shares above 0 to 100 %, interpolated between them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Steps {
     of: Of,
@@ -65,12 +65,12 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    /// Steps of a speed, of which there are none.
+    /// A speed without steps.
     pub(super) fn of_speed() -> Steps {
         Steps::off(Of::Speed)
     }
 
-    /// Steps of a fan's speed, of which there are none.
+    /// A fan's speed without steps.
     pub(super) fn of_fan() -> Steps {
         Steps::off(Of::Fan)
     }
@@ -123,7 +123,7 @@ impl Steps {
     }
 }
 
-/// One step.
+/// Reads one step.
 fn read(text: &str, of: Of) -> Result<(Percent, At), Refused> {
     let (share, value) = text.split_once(':').ok_or(Refused::Type)?;
     let share = share.trim();
@@ -190,8 +190,8 @@ mod tests {
         ] {
             assert!((steps.at(share, 40.0) - value).abs() < 1e-9, "{share}");
         }
-        // Before the first step the way begins at the own value, and after the
-        // last one it ends.
+        // Before the first step the value changes from `own` on, and after the
+        // last one it no longer changes.
         let one = read("50: 20");
         let found = [0.0, 25.0, 80.0].map(|share| one.at(share, 60.0));
         assert_eq!(found, [60.0, 40.0, 20.0]);
@@ -205,7 +205,8 @@ mod tests {
         let same = "\"10: 100%, 12.5: 40, 100: 0.5\"";
         let given = " 10%:100% , 12.5: 40,100 :.5";
         assert_eq!(written(given, Of::Speed), Ok(same.into()));
-        // Values that are shares themselves are shares of nothing else.
+        // A fan's values are percentages themselves, so they cannot be shares
+        // of another value.
         assert_eq!(written("5: 80%", Of::Fan), Ok("\"5: 80\"".into()));
         for none in ["", " ", "off"] {
             assert_eq!(written(none, Of::Fan), Ok("\"off\"".into()));

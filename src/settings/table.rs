@@ -191,7 +191,7 @@ impl Key {
         }
     }
 
-    /// What a number for it is measured by.
+    /// What a number for the setting is measured by.
     pub(super) fn measure(&self) -> Measure {
         Measure {
             unit: self.unit,

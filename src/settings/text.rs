@@ -130,8 +130,8 @@ pub(super) fn flatten<'a>(
                 flatten(&format!("{name}."), inner, entries);
                 continue;
             }
-            // Of an unknown table the error names the settings, or the table if
-            // it is empty.
+            // The error for an unknown table names the settings in it, or the
+            // table if it is empty.
             DeValue::Table(inner) if !known && !inner.is_empty() => {
                 flatten(&format!("{name}."), inner, entries);
                 continue;

@@ -634,7 +634,7 @@ fn typical_mistakes_are_told_what_to_write() {
         ("slice ok.rhai --config unit.toml", "numbers have no unit"),
         ("slice ok.rhai --layers 99..", "ask for layers from 1 to 50"),
         ("slice ok.rhai --set infill_density=0.15", "write 15% if"),
-        ("slice text.rhai", "here stands text, but a shape is wanted"),
+        ("slice text.rhai", "this is text, but a shape is wanted"),
         ("slice python.rhai", "a function is fn name(a, b) { a + b }"),
         ("slice -e x2+y^2-9", "did you mean `x^2`?"),
         ("slice -e x^2+y²-9", "did you mean `y^2`?"),
@@ -1398,7 +1398,7 @@ fn a_template_cannot_hide_a_command_or_burn_the_printer() {
         ("gcode.start=G28\nG1\u{b} Z5", "control character U+000B"),
         (
             "gcode.end={{ \"M104 S0\\r\" }}",
-            "line 1 of what it comes to",
+            "line 1 of the filled-in text",
         ),
         ("gcode.start=G28\nM109 S500", "the nozzle is told 500 °C"),
         (

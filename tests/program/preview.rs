@@ -264,7 +264,7 @@ fn mistakes_are_explained_and_leave_nothing_behind() {
         .success()
         .stderr(
             contains("odd.gcode:1: X without a number")
-                .and(contains("odd.gcode:3: signs that are no command")),
+                .and(contains("odd.gcode:3: characters that are no command")),
         );
 }
 

@@ -21,7 +21,7 @@ const ANSWER: Duration = Duration::from_secs(if cfg!(test) { 1 } else { 120 });
 /// long.
 const LARGEST: u64 = 16 << 20;
 
-/// What the system says of a name that no computer has.
+/// What the system says about a name that no computer has.
 const NO_NAME: &str = "failed to lookup address";
 
 /// The header that holds the key. All three hosts know it.

@@ -68,7 +68,7 @@ impl HostKind {
     }
 }
 
-/// What a host says of itself.
+/// What a host says about itself.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Status {
     /// The program, with its version.

@@ -103,8 +103,8 @@ impl Host for PrusaLink {
         let ready = ["IDLE", "READY", "FINISHED", "STOPPED"];
         let free = match self.storage(client) {
             Ok(storage) => storage.free,
-            // The state is worth to be told all the same; the upload says what
-            // there is not.
+            // The state is worth telling even so; the upload says what is
+            // missing.
             Err(HostError::Refused { .. }) if self.storage.is_none() => None,
             Err(error) => return Err(error),
         };

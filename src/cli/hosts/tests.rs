@@ -102,7 +102,7 @@ fn printer(kind: HostKind, url: &str) -> Printer {
     }
 }
 
-/// What a host of a kind answers that does all it should.
+/// The answer of a host of this kind that does all it should.
 fn good(kind: HostKind, asked: &Asked, size: u64) -> (u16, Value) {
     let path = asked.path.as_str();
     let known = match (kind, asked.method.as_str()) {
@@ -173,7 +173,7 @@ fn try_to_send(printer: &Printer, start: bool) -> Result<Sent, HostError> {
     send(printer, &path, &sending)
 }
 
-/// A host that does all it should, but for what `odd` says of a request.
+/// A host that does all it should, except where `odd` answers a request.
 fn odd_host(
     kind: HostKind,
     odd: impl Fn(&Asked) -> Option<(u16, Value)> + Send + 'static,
@@ -303,7 +303,7 @@ fn nothing_is_sent_to_a_full_or_busy_host() {
 
 #[test]
 fn a_place_that_is_away_is_told_before_anything_is_sent() {
-    // As PrusaLink 0.8.1 answers without a printer.
+    // PrusaLink 0.8.1 answers in this way without a printer.
     let (printer, log) = odd_host(HostKind::PrusaLink, |asked| {
         let answer = match asked.path.as_str() {
             "/api/v1/storage" => json!({"storage_list": [
@@ -498,7 +498,7 @@ fn faults_of_tls_and_of_addresses_are_told() {
     let free = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}", free.local_addr().unwrap());
     drop(free);
-    // Names that end like that are nobody's.
+    // No computer has a name with this ending.
     for url in [&*url, "http://octopi.invalid"] {
         let error = status(&printer(HostKind::OctoPrint, url)).unwrap_err();
         assert!(matches!(error, HostError::Unreachable { .. }), "{error:?}");
@@ -548,13 +548,14 @@ fn the_file_of_printers_is_private_and_keeps_what_it_is_told() {
         0
     );
 
-    // A mistake in the file is told without the line, which may have a key.
+    // A message about a mistake in the file leaves the line out, which may have
+    // a key.
     let text = format!("[a]\nkind = \"moonraker\"\nkey = \"{SECRET}\" x\n");
     std::fs::write(folder.path().join("printers.toml"), text).unwrap();
     let error = PrinterBook::open(folder.path()).unwrap_err().to_string();
     assert!(error.contains("line 3"), "{error}");
     assert!(!error.contains(SECRET), "{error}");
-    // Nor is what stands where a table should.
+    // A message about a value in a table's place leaves the value out, too.
     for key in [format!("\"{SECRET}\""), "12345678".to_owned()] {
         let text = format!("key = {key}\n");
         std::fs::write(folder.path().join("printers.toml"), text).unwrap();

@@ -71,8 +71,8 @@ impl Import {
             }
             files.push((*kind, name, folder, path));
         }
-        // All files are written under other names before the first is put in
-        // its place.
+        // All files are written under other names before the first one is put
+        // in its place.
         let mut outputs = Vec::new();
         for (kind, name, folder, path) in files {
             fs::create_dir_all(&folder).with_context(|| {

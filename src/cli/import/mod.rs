@@ -39,8 +39,8 @@ pub(super) struct ImportArgs {
     #[arg(long, conflicts_with_all = ["name", "output"])]
     list: bool,
 
-    /// Profile of a bundle to import; once for each of printer, filament and
-    /// print
+    /// Profile of a bundle to import; may be given for a printer, a filament
+    /// and a print
     #[arg(long, value_name = "NAME")]
     name: Vec<String>,
 
@@ -57,7 +57,7 @@ pub(super) struct ImportArgs {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Replace profiles of yours with the same name
+    /// Replace your own profiles of that name
     #[arg(long)]
     force: bool,
 
@@ -192,7 +192,7 @@ impl Import {
                     let shown =
                         if value.is_empty() { "nothing" } else { value };
                     let remark = format!(
-                        "{} asks for {name}, which the profile does not say: \
+                        "{} asks for {name}, which the profile does not give: \
                          {shown} is put in",
                         setting.name
                     );

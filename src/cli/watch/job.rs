@@ -1,4 +1,4 @@
-//! The arguments of the command, which stay the same.
+//! The arguments of the command, which do not change while it runs.
 
 use crate::cli::args::{FORMULA, ModelArgs, SettingsSource};
 use crate::cli::limits::{LimitArgs, ThreadArgs};

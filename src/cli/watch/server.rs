@@ -47,7 +47,7 @@ pub(super) struct Site {
     pub guard: Guard,
     page: String,
     profiles: Value,
-    /// Names of the printers that G-code can be sent to.
+    /// Names of the printers to which G-code can be sent.
     printers: Vec<String>,
     /// Locked while a picture is drawn. Only one is drawn at a time, which
     /// leaves processor time for slicing.

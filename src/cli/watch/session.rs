@@ -85,14 +85,14 @@ pub(super) struct Listed {
 pub(super) struct Shown {
     pub revision: u64,
     pub subject: Subject,
-    /// What pages are told of it.
+    /// What pages are told of the model.
     pub told: Value,
 }
 
 /// A sliced model.
 pub(super) struct Print {
     pub revision: u64,
-    /// What pages are told of it.
+    /// What pages are told of the print.
     pub told: Value,
     /// The moves in the form that pages get.
     pub moves: Arc<[u8]>,
@@ -106,7 +106,7 @@ pub(super) struct Print {
 /// One layer of a model that is still being sliced.
 pub(super) struct Glimpse {
     pub revision: u64,
-    /// What pages are told of it.
+    /// What pages are told of the layer.
     pub told: Value,
     /// The moves in the form that pages get.
     pub moves: Arc<[u8]>,

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Settings, and the plate file, if one is shown.
 pub(super) struct Read {
-    /// For a plate file these are the settings of the whole plate.
+    /// The settings; those of the whole plate, for a plate file.
     pub gathered: Gathered,
     plate: Option<PlateFile>,
 }
@@ -150,7 +150,7 @@ fn leave_out_unknown(choice: &mut Choice, error: &anyhow::Error, plate: bool) {
 }
 
 impl Subject {
-    /// What pages are told, but for the revision.
+    /// What pages are told, except for the revision.
     pub(super) fn told(&self) -> anyhow::Result<Value> {
         let headings = self.wanted.iter().enumerate();
         let headings: Vec<String> =
@@ -191,7 +191,7 @@ impl Subject {
     }
 }
 
-/// Words for a `[[part]]`, of which this was wanted.
+/// A heading for a `[[part]]`, from what it asks for.
 fn heading(index: usize, wanted: &Wanted) -> String {
     let copies = match wanted.copies {
         1 => String::new(),

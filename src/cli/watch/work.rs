@@ -298,9 +298,9 @@ struct Setting {
     section: String,
     description: String,
     unit: &'static str,
-    /// All that the setting may be, if it may be words only.
+    /// All words that the setting may be, if it takes nothing else.
     words: &'static [&'static str],
-    /// Words that it may be.
+    /// Words that the setting may be, beside other values.
     some_words: &'static [&'static str],
     allowed: String,
     value: String,

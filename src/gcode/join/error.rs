@@ -18,7 +18,7 @@ pub enum JoinError {
     /// A file does not end as one of a range.
     #[error(
         "{} does not end as the file of a range of layers: it is cut off, was \
-         changed, or has a whole part; slice its layers again, with \
+         changed, or holds a whole part; slice its layers again, with \
          `isoslice slice --layers A..B`",
         .0.display()
     )]

@@ -1,5 +1,5 @@
-//! A file of a range of layers: what it says of itself, and its text, read once
-//! from its beginning to its end.
+//! A file of a range of layers: what it says about itself, and its text, read
+//! once from its beginning to its end.
 
 use super::super::manifest::{LAST_LINE, LONGEST, Last, Manifest};
 use super::super::progress::copy;
@@ -139,7 +139,7 @@ impl Source {
             .ok_or_else(|| JoinError::NoRange(path.to_owned()))
     }
 
-    /// What the file says of itself.
+    /// What the file says about itself.
     pub(super) fn manifest(
         &mut self,
         path: &Path,

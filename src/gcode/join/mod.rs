@@ -1,4 +1,4 @@
-//! One file of the files of all ranges of a part's layers.
+//! Joins the files of all ranges of a part's layers into one file.
 //!
 //! In: files of ranges, in any order. Out: the file that a single run would have
 //! written.
@@ -8,7 +8,7 @@
 //! 513 to 1024  head ─ layers ─ foot   manifest
 //!               │       │        └ with the totals of all layers
 //!               │       └ of each file, with lines that tell the progress
-//!               └ of the first file, without what it says of its range
+//!               └ of the first file, without what it says about its range
 //! ```
 //!
 //! Guaranteed: the bytes are those of a single run of the same version; files of
@@ -36,7 +36,7 @@ use file::{RangeFile, Reading, Source, pictures};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// What came of joining.
+/// The result of joining files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Joined {
@@ -60,8 +60,8 @@ pub struct Ranges {
 }
 
 impl Ranges {
-    /// Looks at files, which may come in any order: each says which layers it
-    /// has.
+    /// Looks at files, which may come in any order, since each says which
+    /// layers it has.
     ///
     /// # Errors
     /// If they are not the files of all ranges of one print.

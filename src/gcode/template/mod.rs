@@ -227,7 +227,8 @@ impl<'a> Templates<'a> {
         // The value of an expression may hold a control character, too.
         if let Some((at, message)) = control(&rendered) {
             let line = rendered[..at].matches('\n').count() + 1;
-            let message = format!("line {line} of what it comes to: {message}");
+            let message =
+                format!("line {line} of the filled-in text: {message}");
             return Err(source.error(0, message));
         }
         let mut out = String::with_capacity(rendered.len() + 1);

@@ -93,7 +93,7 @@ fn errors_say_where() {
         "line 2, column 11: there is no placeholder {{ nozle_temp }}, did \
          you mean {{ nozzle_temperature }}?",
     );
-    // Also where it would not be reached.
+    // An unknown name is an error even in a branch that is never reached.
     assert_refused(
         "{% if false %}\n{{ 1 + bed_q }}{% endif %}",
         "line 2, column 8: there is no placeholder {{ bed_q }}, did you \

@@ -63,8 +63,8 @@ impl BuildVolume {
 pub struct Placement {
     /// Factor on all lengths. Default value: none (1).
     pub scale: Option<f64>,
-    /// Scale so that the largest side of the box around the rotated part is
-    /// this long, mm. Default value: none.
+    /// Length of the largest side of the box around the rotated part, mm, to
+    /// which the model is scaled. Default value: none.
     pub size: Option<f64>,
     /// Angles about x, then y, then z, degrees, counter-clockwise seen from
     /// the axis' tip. Default value: no rotation.

@@ -152,7 +152,7 @@ pub(super) fn explain(
         }
         EvalAltResult::ErrorMismatchDataType(wanted, found, _) => {
             failed(format!(
-                "here stands {}, but {} is wanted: shapes are made of x, y, z \
+                "this is {}, but {} is wanted: shapes are made of x, y, z \
                  and numbers, which have no quotes",
                 suggest::plain_type(found),
                 suggest::plain_type(wanted)

@@ -10,8 +10,9 @@ pub struct ScriptLimits {
     pub operations: u64,
     /// Wall time. Default: 20 s, about ten times what the operations take.
     pub time: Duration,
-    /// Growth of the process's memory while the script runs, where the
-    /// system tells it. Other threads of the process count as well. Default: 192 MiB.
+    /// Growth of the process's memory while the script runs, where the system
+    /// tells how much it is. Other threads of the process count as well.
+    /// Default: 192 MiB.
     pub memory_bytes: u64,
 }
 

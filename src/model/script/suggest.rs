@@ -170,12 +170,13 @@ pub(super) fn variable(name: &str, text: &str) -> String {
         }
         _ if own.iter().any(|n| n == name) => format!(
             "it is declared elsewhere, and functions and blocks know only \
-             their own: pass it as an argument, as in fn f({name}) {{ … }}"
+             their own variables: pass it as an argument, as in fn \
+             f({name}) {{ … }}"
         ),
         _ => match nearest(name, known) {
             Some(near) => format!("did you mean {near}?"),
             None => format!(
-                "x, y, z and PI are there; others begin with let, as in let \
+                "x, y, z and PI are there; declare others, as in let \
                  {name} = 5;"
             ),
         },

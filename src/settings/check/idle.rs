@@ -79,7 +79,7 @@ pub(super) fn without_effect(
             "contour_z_angle = {}° has no effect beyond {}° in layers of {} \
              mm, where the nozzle's flat end ({} mm) cuts as deep into the \
              lines beside as contour_z_gouge allows; raise contour_z_gouge, \
-             or tell printer.nozzle_flat if it is less",
+             or set printer.nozzle_flat if yours is smaller",
             s.contour_z_angle,
             round(full),
             round(height),
@@ -344,8 +344,8 @@ fn heights_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     idle.all(
         &["step_error"],
         matches!(s.layer_heights, Varying::Expression(_)),
-        "layer_heights is an expression, whatever steps its heights make; \
-         set layer_heights to \"adaptive\"",
+        "layer_heights is an expression, which gives heights whatever the \
+         steps; set layer_heights to \"adaptive\"",
     );
 }
 
@@ -354,17 +354,17 @@ fn interlocking_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     let (highest, nozzle) =
         (s.highest_interlocked(), s.printer.nozzle_diameter);
     let why = if s.walls < 2 {
-        "walls is less than 2, and the outer wall stays in its layer; set it \
-         to 3 or more"
+        "walls is less than 2, and the outer wall stays in its layer; set \
+         walls to 3 or more"
             .to_owned()
     } else if !s.contour_z.is(0.0) {
         "contour_z leads walls along the surface; leave one of them out"
             .to_owned()
     } else if highest > nozzle {
         format!(
-            "its highest beads, one and a half layers, would be {} mm high, \
-             and the nozzle is {nozzle} mm wide; lower layer_height, \
-             first_layer_height or layer_height_max",
+            "the highest beads of such walls, one and a half layers, would be \
+             {} mm high, and the nozzle is {nozzle} mm wide; lower \
+             layer_height, first_layer_height or layer_height_max",
             round(highest),
         )
     } else {

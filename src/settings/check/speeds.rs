@@ -24,8 +24,8 @@ pub(super) fn too_fast(
         if given(limited.key) {
             warnings.push(format!(
                 "{} = {} mm/s takes {:.1} mm³/s of plastic, and \
-                 filament.max_flow = {} mm³/s is what the hot end melts: it \
-                 is printed at {:.0} mm/s; lower the speed, or raise \
+                 filament.max_flow = {} mm³/s is what the hot end melts: the \
+                 speed will be {:.0} mm/s; lower the speed, or raise \
                  filament.max_flow if yours melts more",
                 limited.key,
                 limited.set,

