@@ -63,7 +63,7 @@ const SLACK: Mm = 0.005;
 /// [`NEW`] of its bead lies where no other bead does: a pit in the corner of a
 /// sheet is not worth a travel there and back.
 const DAB: f64 = 2.0;
-const NEW: f64 = 0.25;
+const NEW: f64 = 0.3;
 /// Places across a short bead at which it is looked at.
 const PLACES: u32 = 9;
 
