@@ -12,6 +12,7 @@
 //! fill the plane: their spacing is w − h·(1 − π/4), at which area per
 //! spacing is exactly h.
 
+use crate::plane::along::point_at;
 use crate::plane::path_length;
 pub(crate) use crate::units::cross_section;
 use crate::units::{Mm, Mm2};
@@ -204,7 +205,7 @@ impl Stroke {
 
     /// The points in order, the first one repeated at the end of a closed
     /// stroke.
-    pub(crate) fn path(&self) -> impl Iterator<Item = DVec2> + '_ {
+    pub(crate) fn path(&self) -> impl DoubleEndedIterator<Item = DVec2> + '_ {
         let back = self.closed.then(|| self.points.first().copied()).flatten();
         self.points.iter().copied().chain(back)
     }
@@ -278,25 +279,22 @@ impl Stroke {
 
     /// The place at a length from the stroke's end, if `last` is true, or else
     /// from its beginning.
-    pub(crate) fn place(&self, last: bool, mut length: Mm) -> Option<DVec2> {
-        let n = self.points.len();
-        let count = n + usize::from(self.closed);
-        let point = |k: usize| {
-            if last {
-                self.points[(count - 1 - k) % n]
-            } else {
-                self.points[k % n]
-            }
-        };
-        for k in 1..count {
-            let (a, b) = (point(k - 1), point(k));
-            let step = a.distance(b);
-            if step >= length {
-                return Some(a.lerp(b, length / step.max(f64::MIN_POSITIVE)));
-            }
-            length -= step;
+    pub(crate) fn place(&self, last: bool, length: Mm) -> Option<DVec2> {
+        if last {
+            point_at(self.path().rev(), length)
+        } else {
+            point_at(self.path(), length)
         }
-        None
+    }
+
+    /// An open stroke without a share of its length at its end, if `last` is
+    /// true, or else at its beginning.
+    pub(crate) fn shortened(&self, last: bool, share: f64) -> Stroke {
+        if last {
+            self.part(0.0, 1.0 - share)
+        } else {
+            self.part(share, 1.0)
+        }
     }
 
     /// The part of an open stroke between two shares of its length.
@@ -399,7 +397,8 @@ impl Bead {
     pub(crate) fn area_along(&self, i: usize) -> Mm2 {
         let from = self.height + self.level(i).extra;
         let to = self.height + self.level(i + 1).extra;
-        // Simpson's rule is exact, since the section is quadratic in the height.
+        // Simpson's rule is exact, since the section is quadratic in the
+        // height.
         let at = |t: f64| cross_section(self.width, from + t * (to - from));
         let mean = (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0;
         let n = self.points.len().max(1);

@@ -135,8 +135,8 @@ impl FromStr for LayerRange {
     }
 }
 
-/// The layer at a height above the bed, or the one nearest to it, as a range; an
-/// empty one if there are no layers.
+/// The layer at a height above the bed, or the one nearest to it, as a range;
+/// an empty one if there are no layers.
 pub(crate) fn layer_at(spans: &[LayerSpan], z: Mm) -> Range<usize> {
     let below = spans.partition_point(|span| span.top < z);
     let layer = below.min(spans.len().saturating_sub(1));

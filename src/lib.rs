@@ -2,11 +2,11 @@
 //!
 //! # What an implicit model is
 //!
-//! A function f(x, y, z) that is negative inside the part, positive outside and
-//! zero on its surface. A ball of 15 mm is √(x² + y² + z²) − 15. A function
-//! need not be a distance: x²/400 + y²/144 + z²/64 − 1 describes an ellipsoid.
-//! The larger of two functions describes the intersection of their parts, the
-//! smaller one the union.
+//! It is a function f(x, y, z) that is negative inside the part, positive
+//! outside and zero on its surface. A ball of 15 mm is √(x² + y² + z²) − 15. A
+//! function need not be a distance: x²/400 + y²/144 + z²/64 − 1 describes an
+//! ellipsoid. The larger of two functions describes the intersection of their
+//! parts, the smaller one the union.
 //!
 //! # The tour
 //!
@@ -15,18 +15,18 @@
 //!
 //! 1. [`model`] reads a script, fidget's `.vm` text or a formula, bounds the
 //!    part by interval arithmetic and places it on the bed. [`settings`] say
-//!    how to print it.
-//!    A [`plate`] is one part or several, each with its settings and its places.
+//!    how to print it. A [`plate`] is one part or several, each with its
+//!    settings and its places.
 //! 2. [`layers`] cuts the height into layers. A layer is the function at one
 //!    height, its sample plane, in the middle between top and bottom.
-//!    [`mod@heights`] lets their heights follow the surface.
-//! 3. The crate [`isocontour`] evaluates the function there: interval
+//!    [`mod@heights`] lets the layers' heights follow the surface.
+//! 3. The crate [`isocontour`] evaluates the function there. Interval
 //!    arithmetic proves most tiles full or empty, many layers at a time, and
 //!    simplifies the expression for the other tiles, which are sampled on a
 //!    lattice.
 //! 4. The crate then makes the layer's outline: it makes closed rings of the
 //!    samples, moves vertices onto f = 0, restores corners and thins the rings.
-//!    The lattice only tells what is connected; the outline's accuracy does not
+//!    The lattice only tells what is connected. The outline's accuracy does not
 //!    depend on it. [`contour`] calls the crate under a run's limits.
 //! 5. [`region`] lays the walls, by distance in the layer's plane, not by the
 //!    value of f. It splits the area inside them into skin, where the layers
@@ -37,17 +37,17 @@
 //!    on beads. [`hang`] finds what nothing below holds while it is printed.
 //!    [`support`] plans what is printed below to hold it.
 //! 7. [`seam`] says where loops may begin. [`order`] lets them begin there, and
-//!    puts all beads in an order with short travels, one island at a time. Beads
-//!    that nobody sees go on in the next one where that is near.
-//!    [`spiral`] lays one climbing wall in place of all of them. [`relief`]
-//!    lets beads follow the surface above them.
+//!    puts all beads in an order with short travels, one island at a time.
+//!    Beads that nobody sees go on in the next one where that is near.
+//!    [`spiral`] lays one climbing wall in place of all beads. [`relief`] lets
+//!    beads follow the surface above them.
 //! 8. [`travel`] connects the beads, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, and slower where the hot
 //!    end or the cooling could not follow. It adds up the time.
-//! 10. [`gcode`] writes the G-code, [`bgcode`] packs it for Prusa's printers and
-//!     [`package`] for Bambu Lab's. [`reader`] reads G-code of any slicer, and [`mod@check`] tells
-//!     whether it is safe to run. [`preview`] draws it. [`report`] measures how
-//!     far outlines and walls are from f = 0.
+//! 10. [`gcode`] writes the G-code, [`bgcode`] packs it for Prusa's printers
+//!     and [`package`] for Bambu Lab's. [`reader`] reads G-code of any slicer,
+//!     and [`mod@check`] tells whether it is safe to run. [`preview`] draws it.
+//!     [`report`] measures how far outlines and walls are from f = 0.
 //!
 //! The types that flow are a [`Model`], its
 //! [`LayerSpan`](layers::LayerSpan)s, for each span an
@@ -59,14 +59,13 @@
 //!
 //! Settings that are expressions get their values from [`vary`].
 //!
-//! [`pipeline`] runs these stages (`pipeline/write.rs` has the steps of a run,
-//! `pipeline/stages` what is done for many layers at a time) over a window of
-//! layers that moves up the part, on any number of
-//! threads, which does not change the result. [`timings`] measures the stages,
-//! [`limits`] stops them when they take too much time or memory, [`files`]
-//! reads files, [`encoding`] reads text from bytes, [`units`] names units,
-//! [`sets`] joins what belongs together, and [`random`] makes numbers that look
-//! random.
+//! [`pipeline`] runs these stages over a window of layers that moves up the
+//! part, on any number of threads, which does not change the result.
+//! `pipeline/write.rs` has the steps of a run, `pipeline/stages` what is done
+//! for many layers at a time. [`timings`] measures the stages, [`limits`] stops
+//! them when they take too much time or memory, [`files`] reads files,
+//! [`encoding`] reads text from bytes, [`units`] names units, [`sets`] joins
+//! what belongs together, and [`random`] makes numbers that look random.
 //!
 //! The program around this library is the command line, `src/cli`. The crate
 //! `slicerprofile` reads profiles of other slicers for it. `CONTRIBUTING.md`

@@ -69,8 +69,8 @@ pub fn human_time(seconds: Seconds) -> String {
     }
 }
 
-/// Sine and cosine of an angle, exact at multiples of 90°: a part that is turned
-/// onto its side, or seen from one, keeps its planes along the axes.
+/// Sine and cosine of an angle, exact at multiples of 90°: a part that is
+/// turned onto its side, or seen from one, keeps its planes along the axes.
 pub(crate) fn sin_cos(degrees: Degrees) -> (f64, f64) {
     let turn = degrees.rem_euclid(360.0);
     match turn {

@@ -31,20 +31,20 @@ use std::path::Path;
 const ORDER: &[&[&str]] = &[
     &["units"],
     &["sets", "random"],
-    // Every reader of text files needs it.
+    // Every reader of text files needs `encoding`.
     &["encoding"],
     // Any loop may ask whether it is to go on.
     &["limits"],
-    // Reading a pipe may take long, so it asks `limits` as well.
+    // Reading a pipe may take long, so `files` asks `limits` as well.
     &["files"],
-    // A stopwatch for every stage; it knows none of them.
+    // `timings` is a stopwatch for every stage, and knows none of them.
     &["timings"],
-    // Plain geometry: it knows neither settings nor fields.
+    // `plane` is plain geometry. It knows neither settings nor fields.
     &["plane"],
     &["settings"],
     &["model"],
     &["layers"],
-    // It gives settings that are expressions their value at each place.
+    // `vary` gives settings that are expressions their value at each place.
     &["vary"],
     // Heights of layers may be an expression.
     &["heights"],
@@ -56,29 +56,31 @@ const ORDER: &[&[&str]] = &[
     &["resolution"],
     &["region"],
     &["walls", "fuzzy", "skin", "infill", "adhesion"],
-    // The parts to print, with their brims.
+    // `plate` has the parts to print, with their brims.
     &["plate"],
-    // What hangs, except for what the skin's bridges hold.
+    // `hang` finds what hangs, except for what the skin's bridges hold.
     &["hang"],
-    // What holds what hangs; skin says where bridges do.
+    // `support` holds what hangs. Skin says where bridges hold it.
     &["support"],
     // Where loops begin follows from the walls before fuzzy skin.
     &["seam"],
     &["order"],
-    // It only lays turns, which need no order.
+    // `spiral` only lays turns, which need no order.
     &["spiral"],
-    // It moves beads that have their order and their ends.
+    // `relief` moves beads that have their order and their ends.
     &["relief"],
     &["travel"],
-    // Archives with G-code: text in, bytes out, and back.
+    // `package` makes archives of G-code, and opens them.
     &["package"],
-    // The binary form of G-code. Whoever reads it also opens archives.
+    // `bgcode` has the binary form of G-code. Whoever reads it also opens
+    // archives.
     &["bgcode"],
-    // G-code of any slicer, back to moves. The clock of `pace` times them.
+    // `reader` makes moves of any slicer's G-code. The clock of `pace` times
+    // them.
     &["reader"],
     &["pace"],
     &["gcode", "report"],
-    // Is the G-code safe to run?
+    // `check` tells whether G-code is safe to run.
     &["check"],
     &["preview"],
     &["pipeline"],

@@ -1,6 +1,6 @@
-//! The same input gives the same bytes: on any number of threads, with either
-//! evaluator, however often, in whatever company, on a terminal or not, today
-//! or tomorrow, from any folder.
+//! The same input gives the same bytes: on any number of threads, however
+//! often, in whatever company, on a terminal or not, today or tomorrow, from
+//! any folder.
 //!
 //! `tests/texts/ranges.rs` shows it for ranges of layers.
 
@@ -12,8 +12,8 @@ use isoslice::model::Model;
 use isoslice::pipeline::{self, Options};
 use isoslice::settings::Settings;
 
-/// Coarse, so that all examples take seconds; with everything that passes from
-/// layer to layer.
+/// Settings so coarse that all examples take seconds, with everything that
+/// passes from layer to layer.
 const COARSE: [&str; 6] = [
     "sample_spacing=0.8",
     "accuracy=0.1",
@@ -99,8 +99,8 @@ examples! {
     weekend "weekend" "gcode.relative_e=true" "fuzzy.thickness=0.2",
 }
 
-/// In every layer above the middle something is wrong: it is the lowest one of
-/// them that is told of, not the one of the fastest thread.
+/// Something is wrong in every layer above the middle. The error names the
+/// lowest of these layers, not that of the fastest thread.
 #[test]
 fn an_error_is_the_same_on_any_number_of_threads() {
     let settings = common::settings(&["infill_density=expr: sqrt(20 - z)"]);
@@ -158,7 +158,8 @@ mod program {
         let first = run(&root.path().join("a"), &|_| {});
         let path = root.path().to_str().unwrap();
         assert!(!first.contains(path), "the path shows");
-        // Other folders, users, languages, times of the day.
+        // The second run has another folder, user, language and time of the
+        // day.
         let again = run(&root.path().join("a folder/deeper"), &|c| {
             c.env("TZ", "Pacific/Auckland")
                 .env("LANG", "de_DE.UTF-8")
@@ -212,8 +213,8 @@ mod program {
         super::assert_same(&plain, &on_terminal, "a terminal");
     }
 
-    /// Clock and date differ between two runs in any case; what they are
-    /// would show as digits of the year.
+    /// Clock and date differ between two runs in any case. If they were
+    /// written, they would show as digits of the year.
     #[test]
     fn a_later_run_is_the_same() {
         let root = tempfile::tempdir().unwrap();

@@ -1,7 +1,7 @@
-//! What goes wrong around a run: full disks, folders that cannot be written
-//! to, interruption, death. At the final name there is nothing, what was
-//! there before, or the whole output; inputs are never touched; the exit code
-//! is not 0; temporary files are gone.
+//! What goes wrong around a run: full disks, folders that cannot be written to,
+//! interruption, death. At the final name there is nothing, what was there
+//! before, or the whole output. Inputs are never touched, the exit code is not
+//! 0, and temporary files are gone.
 //!
 //! The real program is run and the fault really made. What a machine cannot
 //! do (mount, for one) is skipped with a message.
@@ -18,9 +18,9 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Sliced in a moment.
+/// A part that is sliced in a moment.
 const SMALL: &str = "max(sqrt(x*x + y*y) - 3.0, abs(z) - 3.0)";
-/// Takes a minute, more than any test waits.
+/// A part that takes a minute, more than any test waits.
 const LARGE: &str = "sqrt(x*x + y*y + z*z) - 90.0";
 /// What was at the final name before.
 const OLD: &str = "; an older print\n";
@@ -48,9 +48,10 @@ fn isoslice(folder: &Path) -> Command {
             .status();
         tried.is_ok_and(|status| status.success())
     });
-    let mut command = match helps {
-        true => Command::new("env"),
-        false => Command::new(program()),
+    let mut command = if *helps {
+        Command::new("env")
+    } else {
+        Command::new(program())
     };
     if *helps {
         command.arg(BY_DEFAULT).arg(program());
@@ -95,7 +96,7 @@ fn assert_fails(output: &Output, words: &str) {
 struct Mount(TempDir);
 
 impl Mount {
-    /// None if this user, or this machine, may not.
+    /// None if this user, or this machine, may not mount anything.
     fn new(options: &str) -> Option<Mount> {
         let folder = folder();
         let mounted = Command::new("mount")
@@ -144,7 +145,7 @@ fn a_full_disk_leaves_the_old_output() {
     assert_eq!(old, OLD);
 }
 
-/// Where nothing can be mounted a limit on the size of files has to do.
+/// Where nothing can be mounted, a limit on the size of files has to do.
 #[test]
 fn a_file_that_may_not_grow_is_not_there() {
     let models = folder();
@@ -160,7 +161,8 @@ fn a_file_that_may_not_grow_is_not_there() {
     assert_eq!(names(models.path()), ["ball.rhai"]);
 }
 
-/// However full the disk is, there are both files of a new part or none.
+/// However full the disk is, either both files of a new part are there, or
+/// none.
 #[test]
 fn a_new_part_is_there_or_not() {
     let mut seen = [false; 2];
@@ -310,7 +312,7 @@ fn an_output_that_is_an_input_is_refused_by_any_name() {
             assert_eq!(names(root), before, "{option} {target}");
         }
     }
-    // Read through a link as well.
+    // The model is known through a link as well.
     let output = isoslice(root)
         .args(["slice", "ball.rhai", "-o", "g", "--report", "g"])
         .output()
@@ -363,7 +365,7 @@ fn wait_for_work(folder: &Path, child: &mut Child) {
         assert_eq!(child.try_wait().unwrap(), None, "it has ended");
         std::thread::sleep(Duration::from_millis(10));
     }
-    // Into the slicing.
+    // By then the run is slicing.
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(child.try_wait().unwrap(), None, "it has ended");
 }
@@ -423,8 +425,8 @@ fn a_run_beyond_its_limits_cleans_up() {
     }
 }
 
-/// Killed at any moment, the final name is as before or complete; what is left
-/// besides can be told by its name.
+/// If a run is killed at any moment, the file of the final name is as before or
+/// complete. What is left besides can be told by its name.
 #[test]
 fn a_killed_run_leaves_no_half_file() {
     let folder = folder();
@@ -442,7 +444,8 @@ fn a_killed_run_leaves_no_half_file() {
     let whole = fs::read_to_string(root.join("part.gcode")).unwrap();
     fs::remove_file(root.join("part.gcode")).unwrap();
     let (mut absent, mut complete) = (0, 0);
-    // Spread evenly, by the golden ratio, over a little more than a run.
+    // The moments are spread evenly, by the golden ratio, over a little more
+    // than a run.
     for k in 0..40 {
         let share = (f64::from(k) * 0.618_034).fract() * 1.2;
         let mut child = run(root);
@@ -518,8 +521,9 @@ fn at_work_after(folder: &Path, orders: &str) -> Child {
     child
 }
 
-/// What `nohup`, and a shell that starts a job in the background, ask for holds;
-/// and what they do not ask for cleans up all the same.
+/// Signals that `nohup`, or a shell that starts a job in the background, lets a
+/// run ignore stay ignored. A run that other signals end cleans up all the
+/// same.
 #[test]
 fn a_signal_that_is_ignored_stays_so() {
     for (ignored, sent) in [("HUP", "TERM"), ("INT", "TERM"), ("INT", "HUP")] {
@@ -549,7 +553,7 @@ fn hung_up_is_ignored() -> bool {
     mask.is_some_and(|mask| mask & 1 != 0)
 }
 
-/// Signals that end whoever does not care for them leave nothing, either.
+/// Signals that end a program unless it handles them leave nothing, either.
 #[test]
 fn other_ways_to_be_ended_clean_up() {
     for name in ["QUIT", "USR1", "ALRM", "XCPU"] {
@@ -563,7 +567,7 @@ fn other_ways_to_be_ended_clean_up() {
     }
 }
 
-/// The signal that a limit on the size of files sends is not the end.
+/// The signal that a limit on the size of files sends does not end the run.
 #[test]
 fn a_file_that_grows_too_large_is_an_error() {
     let models = folder();
@@ -573,7 +577,7 @@ fn a_file_that_grows_too_large_is_an_error() {
     assert_eq!(names(models.path()), ["ball.rhai"]);
 }
 
-/// Rust's own runtime would have it written to /dev/null.
+/// Rust's own runtime would write the output to /dev/null.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_standard_output_that_is_closed_is_an_error() {
@@ -598,7 +602,8 @@ fn a_standard_output_that_is_closed_is_an_error() {
         let kept = run(arguments, ">/dev/null");
         assert!(kept.status.success(), "{arguments}: {kept:?}");
     }
-    // Nobody needs it where there is a file, nor the other streams.
+    // Standard output is not needed where there is a file, nor are other
+    // streams.
     for streams in [">&-", "2>&-", "<&-", "<&- >&- 2>&-"] {
         assert!(run("slice ball.rhai", streams).status.success());
         fs::remove_file(root.join("ball.gcode")).unwrap();
@@ -606,7 +611,8 @@ fn a_standard_output_that_is_closed_is_an_error() {
     }
 }
 
-/// However little address space there is, it is said, and nothing is aborted.
+/// However little address space there is, the error says so, and nothing is
+/// aborted.
 #[cfg(target_os = "linux")]
 #[test]
 fn too_little_address_space_is_said() {
@@ -631,7 +637,7 @@ fn too_little_address_space_is_said() {
     }
 }
 
-/// What is no file, or has no end, is refused soon, whatever it was to be.
+/// What is no file, or has no end, is refused soon, whatever it was given as.
 #[cfg(target_os = "linux")]
 #[test]
 fn endless_files_are_refused() {
@@ -709,7 +715,7 @@ fn a_pipe_does_not_outlast_the_limit() {
         assert_fails(&output, "--time-limit");
         assert_eq!(names(root), before, "{arguments}");
     }
-    // One that somebody does write to is as good as a file.
+    // A pipe that somebody does write to is as good as a file.
     let output = shell(
         root,
         "cat ball.rhai > pipe.rhai & exec \"$ISOSLICE\" info pipe.rhai",
@@ -739,7 +745,7 @@ fn profiles_do_not_inherit_for_ever() {
 fn reading_and_drawing_have_their_limits() {
     let folder = folder();
     let root = folder.path();
-    // Proven neither full nor empty until the smallest tile.
+    // This field is proved neither full nor empty down to the smallest tile.
     fs::write(
         root.join("dust.rhai"),
         "sin(x*900) + sin(y*900) + sin(z*900)",

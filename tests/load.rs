@@ -9,7 +9,7 @@ use isoslice::pipeline::{self, Options};
 use isoslice::settings::Settings;
 use std::sync::Mutex;
 
-/// One at a time: memory is the whole process's.
+/// Tests run one at a time, since memory is the whole process's.
 static ALONE: Mutex<()> = Mutex::new(());
 
 /// Memory of this process that is in use, where the system tells.
@@ -57,7 +57,7 @@ fn two_hundred_slices_in_a_row_keep_no_memory() {
     let mut first: Option<Vec<u8>> = None;
     let mut after_ten = 0;
     for round in 0..200 {
-        // All of it, from the text on.
+        // Each slice begins with the model's text.
         let (model, settings) = part();
         let gcode = slice(&model, &settings);
         assert!(gcode.len() > 10_000);

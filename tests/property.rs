@@ -147,9 +147,10 @@ fn wrong(spacing: f64, count: u32, seed: u64) -> Vec<String> {
 }
 
 /// Nobody knows these solids before the run draws them. A wrong outline is no
-/// failure yet: outlines may be wrong at [`RATE`]. The test fails by chance once
-/// in 100,000 runs at that rate, and never at the rate that `survey` finds. It
-/// notices a rate four times as high with a probability of more than 0.99.
+/// failure yet: outlines may be wrong at [`RATE`]. The test fails by chance
+/// once in 100,000 runs at that rate, and never at the rate that `survey`
+/// finds. It notices a rate four times as high with a probability of more than
+/// 0.99.
 #[test]
 fn outlines_of_fresh_solids_are_wrong_at_the_known_rate() {
     let each = FRESH / SPACINGS.len() as u32;

@@ -1,9 +1,9 @@
 //! Whether a part stands firmly enough on the bed for its height.
 //!
 //! ```text
-//!      ← pull      The nozzle drags at the top of what is printed. The moment
-//!      ┌┐          of this about the foot, pull × height, must be borne by what
-//!      ││          sticks to the bed.
+//!      ← pull      The nozzle pulls at the top of what is printed. What sticks
+//!      ┌┐          to the bed must bear the moment of this pull about the foot:
+//!      ││          pull × height.
 //!     ─┴┴─ foot
 //! ```
 //!
@@ -11,7 +11,8 @@
 //! a moment of bond × W, where W is the least section modulus of what lies on
 //! the bed: the second moment of area about an axis through the middle, over
 //! the distance of the farthest edge from that axis. For a square of side b
-//! that is b³/(6·√2), over its corners: twice as wide holds eight times as
+//! that is b³/(6·√2), over its corners. So a square twice as wide holds a part
+//! eight times as high.
 //! high.
 //!
 //! In: the outline of the first layer, and its brim. Out: its [`Foot`].

@@ -12,9 +12,9 @@ use crate::region::exposure::FillAreas;
 use crate::settings::{Settings, Varying};
 use crate::units::Mm2;
 
-/// Makes skin of the islands of sparse infill in which no line of `infill` lies,
-/// if they are small. Does nothing where the density varies, or the pattern is an
-/// expression: no spacing then tells which islands are small.
+/// Makes skin of the islands of sparse infill in which no line of `infill`
+/// lies, if they are small. Does nothing where the density varies, or the
+/// pattern is an expression: no spacing then tells which islands are small.
 pub(crate) fn fill_bare(
     areas: &mut FillAreas,
     infill: &[Bead],

@@ -4,9 +4,9 @@
 //! have in solid fill. Line i is there where the share to be filled is more
 //! than the line's threshold, 0.b₀b₁b₂… in binary where …b₂b₁b₀ are the digits
 //! of i (van der Corput 1935). Any share p then takes the share p of the lines,
-//! in gaps of which the widest is twice the narrowest. As the share grows, each
-//! line begins where its threshold is passed. No line moves, so there are no
-//! steps.
+//! and the widest gap between them is twice the narrowest. As the share grows,
+//! each line begins where its threshold is passed. No line moves, so there are
+//! no steps.
 //!
 //! ```text
 //!   0 ────────────────────────     share   ▁▁▂▂▃▃▄▄▅▅▆▆▇▇██

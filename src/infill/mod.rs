@@ -10,7 +10,7 @@
 //!
 //! The **density** is the pattern's: the volume of its beads over the volume of
 //! the area. The joins along the area's border are not part of it: they belong
-//! to the wall that they follow, and are as long as half of it.
+//! to the wall that they follow, and cover half of its length.
 //!
 //! The private trait `Pattern` says what a pattern has to do. CONTRIBUTING.md
 //! lists the other files that a new pattern touches.

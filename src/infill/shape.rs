@@ -1,4 +1,4 @@
-//! Infill that is an expression of one's own.
+//! Infill that is a user's own expression.
 //!
 //! ```text
 //!   surface: beads on f = 0       solid: f < 0 printed like a part
@@ -7,11 +7,11 @@
 //! ```
 //!
 //! An expression of x, y and z is a field, whose outlines in each layer are
-//! found as the part's own are, if less exactly. An expression that asks for d,
-//! the distance to the part's surface, is no field: it is sampled near the area
-//! that is to be filled, on a lattice of half a line's width whose nodes keep
-//! their places from layer to layer. Places where it is not a number are
-//! outside. Features thinner than the lattice may be missed.
+//! found as the part's own outlines are, but less exactly. An expression that
+//! asks for d, the distance to the part's surface, is no field. It is sampled
+//! near the area that is to be filled, on a lattice of half a line's width
+//! whose nodes keep their places from layer to layer. Places where it is not a
+//! number are outside. Features thinner than the lattice may be missed.
 
 use super::{InfillError, Layer, Site};
 use crate::bead::Stroke;

@@ -1,9 +1,9 @@
 //! Surfaces that repeat in all three directions, cut by the layer.
 //!
-//! A [`Surface`] is a function of the sines and cosines of x, y and z, one period
-//! to a cell, and its zero set is printed. Since it repeats, the lines of one cell
-//! are found, thinned, and copied. Lines that wind around the cell go on from copy
-//! to copy, and only copies near the area's border are cut.
+//! A [`Surface`] is a function of the sines and cosines of x, y and z, one
+//! period to a cell, and its zero set is printed. Since it repeats, the lines
+//! of one cell are found, thinned, and copied. Lines that wind around the cell
+//! go on from copy to copy, and only copies near the area's border are cut.
 //!
 //! **Density.** The length of the lines per area is c/cell. The constant c is a
 //! property of the surface, measured when the pattern is made, over heights
@@ -64,8 +64,8 @@ pub(super) struct Sheet {
     surface: Surface,
     /// Length of the lines per area, times the size of the cells.
     length: f64,
-    /// How much of the coarser surface gives a density, for densities from an
-    /// octave's to half of it, in even steps of the logarithm.
+    /// How much of the coarser surface gives a density, for densities from the
+    /// greatest of an octave to half of it, in even steps of the logarithm.
     mixtures: Vec<f64>,
     /// The nodes' angles.
     turns: Vec<Turn>,
@@ -141,8 +141,8 @@ impl Sheet {
         })
     }
 
-    /// The function with `coarse` of the surface with cells twice as large,
-    /// whose angles are `wide`.
+    /// The function of a mixture with the share `coarse` of the surface with
+    /// cells twice as large, whose angles are `wide`.
     fn mixture(&self, coarse: f64, wide: Angles) -> f64 {
         let fine = Angles {
             x: wide.x.double(),

@@ -6,8 +6,8 @@
 //!   ════════╝      one to the other: strokes and way lay what the strokes did.
 //! ```
 //!
-//! In: a layer's beads in print order. Out: the same, where some go on in the
-//! next one. What shows keeps its ends: outer walls and tops, and bridges,
+//! In: a layer's beads in print order. Out: these beads, of which some go on in
+//! the next one. What shows keeps its ends: outer walls and tops, and bridges,
 //! whose lines have to hang straight. A way stays off the outer walls: it comes
 //! no nearer to the outline than a wall beside them or than its ends do.
 
@@ -172,12 +172,7 @@ fn hidden(role: Role, settings: &Settings) -> bool {
 /// A bead's stroke, open, without a length of its end or its beginning.
 fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
     let open = bead.opened();
-    let share = length / open.length();
-    if last {
-        open.part(0.0, 1.0 - share)
-    } else {
-        open.part(share, 1.0)
-    }
+    open.shortened(last, length / open.length())
 }
 
 #[cfg(test)]

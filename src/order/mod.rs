@@ -2,7 +2,7 @@
 //!
 //! In: a layer's beads by kind, and where its seams may be. Out: the beads in
 //! print order, closed ones rotated to their seam, open ones turned so that
-//! travels are short. Islands are finished one at a time; within an island the
+//! travels are short. Islands are finished one at a time. Within an island the
 //! walls come first, then gap fill and sparse infill, then skin, each on a
 //! short tour (`tour`) that begins where the tour before ends.
 //!

@@ -1,5 +1,5 @@
-//! Orders lines that wait for others: each comes after those it waits for,
-//! otherwise the nearest end comes first.
+//! Orders lines that wait for others. Each comes after those that it waits for.
+//! Otherwise the nearest end comes first.
 
 use super::jobs::finish;
 use super::nearest::Nearest;

@@ -389,8 +389,8 @@ impl<'a> Pacer<'a> {
             return;
         }
         if self.xy.is_none_or(|at| at.distance(start) > SAME_PLACE) {
-            // The travel stage should have left a travel here. A straight travel
-            // is better than a bead drawn from the wrong place.
+            // The travel stage should have left a travel here. A straight
+            // travel is better than a bead drawn from the wrong place.
             self.travel(span, Travel::straight(start, false), out);
         }
         self.lifted = false;

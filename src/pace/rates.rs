@@ -1,5 +1,6 @@
 //! The rates that beads are printed at: speed, flow, width and fan, which may
 //! change along a bead.
+//!
 //! In: a bead. Out: the bead, or pieces of it that follow each other without a
 //! break, each with its rates. A setting that is an expression is evaluated
 //! along the bead every `STEP`, and the bead is cut where the value changes

@@ -1,13 +1,13 @@
 //! Arcs in place of many straight segments.
 //!
-//! In: a line of points, and a tolerance. Out: points on it, and how the way leads
-//! from each to the next: straight, or along an arc.
+//! In: a line of points, and a tolerance. Out: points on it, and how the way
+//! leads from each to the next: straight, or along an arc.
 //!
-//! Guarantees: the way begins and ends where the line does; each place where the
-//! line crosses the curve that it stands for ([`curve`]), and the middle
-//! between two of them, is within the tolerance of the way, and each of its
-//! corners within 2.5 times as much; no arc turns by more than 149° or has a
-//! radius of more than 2 m.
+//! Guarantees: the way begins and ends where the line does. Each place where
+//! the line crosses the curve that it stands for ([`curve`]), and the middle
+//! between two such places, is within the tolerance of the way. Each corner of
+//! the line is within 2.5 times the tolerance. No arc turns by more than 149°
+//! or has a radius of more than 2 m.
 //!
 //! Not guaranteed: that there are as few arcs as possible. Each arc is as long
 //! as it can be from the end of the arc before it.

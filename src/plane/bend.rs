@@ -1,12 +1,12 @@
 //! How an outline bends.
 //!
-//! In: a ring, with the area on its left. Out: places along it, each with the way
-//! out of the area and with the ring's curvature.
+//! In: a ring, with the area on its left. Out: places along it, each with the
+//! way out of the area and with the ring's curvature.
 //!
 //! The curvature of a polygon is in its corners. Here each corner's angle is
 //! spread evenly over half of the sides beside it, or over [`REACH`] if that is
-//! less, and the curvature at a place is the mean over [`REACH`] to both sides. A
-//! round outline of many corners then has the curvature of its circle, and a
+//! less, and the curvature at a place is the mean over [`REACH`] to both sides.
+//! A round outline of many corners then has the curvature of its circle, and a
 //! sharp corner counts as a bend.
 
 use super::Ring;
@@ -19,8 +19,8 @@ const REACH: Mm = 1.0;
 /// Greatest distance of two places along a ring.
 const STEP: Mm = 0.25;
 
-/// Greatest way of a sharp corner, as a multiple of the distance by which its
-/// sides move.
+/// Greatest way that a sharp corner moves, as a multiple of the distance by
+/// which its sides move.
 const MITRE: f64 = 2.0;
 
 /// A place on a ring.

@@ -58,8 +58,8 @@ pub(crate) struct Border<'a> {
     bounds: Rect,
 }
 
-/// Size of the cells of a border's grid, mm: those of a smooth outline have a
-/// few edges each.
+/// Size of the cells of a border's grid, mm. A cell has a few edges of a smooth
+/// outline.
 const CELL: Mm = 1.0;
 
 /// Two crossings of a segment closer than this, as a share of it, are one

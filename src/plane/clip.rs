@@ -1,8 +1,8 @@
 //! Booleans of areas, by the i_overlay library.
 //!
-//! Coordinates go through a grid of 10 nm (the library works in integers,
-//! which is what makes it robust); results are exact to that grid.
-//! Overlapping rings of an operand are merged (non-zero winding).
+//! Coordinates are rounded to a grid of 10 nm: the library works in integers,
+//! which makes it robust. Results are exact to that grid. Overlapping rings of
+//! an operand are merged (non-zero winding).
 //!
 //! Why not clipper2: its sweep touches every edge in a row at every vertex,
 //! which on a lattice with many covers takes several times as long.
@@ -96,9 +96,9 @@ fn halves(all: Rect) -> [Rect; 2] {
 
 /// What at least one of the covers leaves open, in one sweep.
 fn open(a: &Area, covers: &[&Area]) -> Area {
-    // Reversing a cover's rings and drawing a box around everything makes
-    // its complement; overlapping complements are united by the winding
-    // rule, so that the intersection of the covers is never built.
+    // Reversing a cover's rings and drawing a box around everything makes its
+    // complement. The winding rule unites overlapping complements, so that the
+    // intersection of the covers is never built.
     let frame = covers.iter().fold(a.bounds(), |r, c| r.union(c.bounds()));
     let (lo, hi) = (frame.min - 1.0, frame.max + 1.0);
     let border = vec![

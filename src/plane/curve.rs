@@ -7,13 +7,13 @@
 //!                           twice in each segment.
 //! ```
 //!
-//! In: a line. Out: points much nearer to the curve than its corners are, from
-//! which another line or an arc may be as far as the tolerance permits: those
-//! where it crosses the curve, and beside its corners and middles the points of
-//! the parabola through the crossings.
+//! In: a line. Out: points much nearer to the curve than the line's corners
+//! are. They are where the line crosses the curve and, beside corners and
+//! middles of segments, on the parabola through the crossings. Another line or
+//! an arc may be as far from these points as the tolerance permits.
 //!
-//! Guarantee: what turns by more than a curve does keeps its corner; an open
-//! line keeps its ends.
+//! Guarantees: a corner that turns by more than a curve does stays. An open line
+//! keeps its ends.
 
 use crate::units::Mm;
 use glam::DVec2;
@@ -25,11 +25,12 @@ const CROSSING: f64 = 0.211_324_865;
 // A chord of sagitta s is 2s/3 off at its ends and s/3 at its middle. The line
 // through both crossings beside a corner is 4 · CROSSING · s from that corner.
 
-/// How far the curve is from a corner, as a share of how far that line is.
+/// How far the curve is from a corner, as a share of how far the line through
+/// both crossings is.
 const AT_CORNER: f64 = 2.0 / 3.0 / (4.0 * CROSSING);
 
 /// How far the curve is from the middle of a segment, on the other side, as a
-/// share of how far that line is from a corner.
+/// share of how far the line through both crossings is from a corner.
 const AT_MIDDLE: f64 = 1.0 / 3.0 / (4.0 * CROSSING);
 
 /// A segment crosses the curve at least at this share of the usual way from its

@@ -8,6 +8,7 @@
 //! | [`clip`] | combines areas |
 //! | [`offset`] | grows and shrinks areas; [`trim`] helps it |
 //! | [`simplify`] | thins rings within a tolerance |
+//! | [`along`] | finds the point at a length along a line, and cuts the line there |
 //! | [`arc`] | puts arcs in the place of segments |
 //! | [`bend`] | tells how rings bend |
 //! | [`hatch`] | draws parallel lines across an area |
@@ -20,6 +21,7 @@
 //! A [`Solid`] is an area with its grid, and [`BoxTree`] tells which boxes meet
 //! another one. [`hull()`] is the convex ring around points.
 
+pub(crate) mod along;
 pub(crate) mod arc;
 pub(crate) mod bend;
 pub(crate) mod border;

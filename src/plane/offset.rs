@@ -18,9 +18,9 @@ use super::{Area, Rect, Ring, Solid, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
-/// The area grown by `distance` (shrunk, if negative). Corners that the
-/// border moves away from become arcs around the corner, within `tolerance`
-/// of the true distance; corners it moves into stay sharp.
+/// The area grown by `distance` (shrunk, if negative). Corners that the border
+/// moves away from become arcs around the corner, within `tolerance` of the
+/// true distance. Corners that the border moves into stay sharp.
 pub(crate) fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     let solid = Solid::of(area, distance.abs());
     offset_within(&solid, None, distance, tolerance)
@@ -72,8 +72,9 @@ pub(crate) fn offset_within(
     let slack = 1.02 * tolerance + 1e-6;
     let clearance = (distance.abs() - slack).max(0.0);
     // A ring no wider than twice the distance vanishes when its inside shrinks,
-    // and of a hardly wider one next to nothing is left. Turned inside out, or
-    // shrunk to a point, all its edges would cross all others.
+    // and next to nothing is left of a ring that is hardly wider. Turned inside
+    // out, or shrunk to a point, all edges of such a ring would cross all
+    // others.
     let vanishes = |ring: &Ring| {
         let bounds = Rect::around(ring);
         let inside_shrinks = (signed_area(ring) > 0.0) == (distance < 0.0);
@@ -314,8 +315,9 @@ impl Sides {
         self.all[i].room() >= 0.0
     }
 
-    /// A side without room between two corners that the border moves into
-    /// bounds nothing any more: its neighbours meet before they reach it.
+    /// Drops sides without room between two corners that the border moves into.
+    /// They bound nothing any more, since their neighbours meet before they
+    /// reach them.
     fn drop_vanishing(&mut self) {
         let mut left = self.all.len();
         let mut todo: Vec<usize> = (0..left).collect();

@@ -38,7 +38,7 @@ impl<'a> Solid<'a> {
         }
     }
 
-    /// The same solid without a grid.
+    /// This solid without its grid.
     pub(crate) fn plain(&self) -> Solid<'static> {
         Solid {
             area: Cow::Owned(self.area().clone()),

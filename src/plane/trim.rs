@@ -574,8 +574,8 @@ mod tests {
             .collect()
     }
 
-    /// Content that two discs of radius `r` have in common whose middles are
-    /// `apart`.
+    /// Content that two discs of radius `r` whose middles are `apart` have in
+    /// common.
     fn lens(r: f64, apart: f64) -> f64 {
         let half = (apart / (2.0 * r)).acos();
         2.0 * r * r * half - 0.5 * apart * (4.0 * r * r - apart * apart).sqrt()

@@ -136,7 +136,8 @@ impl<'a> Border<'a> {
         for ring in area.rings.iter().filter(|r| !r.is_empty()) {
             let first = border.next.len() as u32;
             let last = first + ring.len() as u32 - 1;
-            // A number that stands for no edge counts as that of the first edge.
+            // A number that stands for no edge counts as that of the first
+            // edge.
             border.next.extend(first + 1..=last);
             border.next.extend([first, first]);
             border.last.push(last);
@@ -383,9 +384,10 @@ impl<'a> Border<'a> {
         }
     }
 
-    /// The radius of the largest ball that touches the border at `p`, 0 if
-    /// there is none; and the ball, if it is smaller than all that matter and
-    /// touches the opposite side as well. `hint` is one from nearby.
+    /// The radius of the largest ball that touches the border at `p`, or 0 if
+    /// there is no such ball. With it comes the ball, if it is small enough to
+    /// matter and touches the opposite side as well. `hint` is a ball from
+    /// nearby.
     fn grow(
         &self,
         p: DVec2,

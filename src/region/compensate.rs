@@ -161,7 +161,8 @@ impl<'a> Compensation<'a> {
         }
     }
 
-    /// True if another layer's outline is surely changed as this one's would be.
+    /// True if another layer's outline is surely changed as this one's would
+    /// be.
     pub(crate) fn is_like(&self, other: &Compensation<'_>) -> bool {
         match (self.grow, other.grow) {
             (Grow::By(a), Grow::By(b)) => {
@@ -315,7 +316,7 @@ mod tests {
         }
     }
 
-    /// What `xy_compensation` asks for by a formula makes of an outline.
+    /// The outline that a formula for `xy_compensation` makes of an outline.
     fn by_formula(text: &str, outline: &Area) -> Result<Area, VaryError> {
         let value = Varying::Expression(text.to_owned());
         let growth = Growth {

@@ -16,7 +16,6 @@ use crate::plane::simplify::simplify_area;
 use crate::plane::{Area, Rect, Solid, edges, point_beside};
 use crate::settings::Settings;
 use crate::units::Mm;
-use glam::DVec2;
 
 /// How far borders between skin and sparse infill may be off, mm: nobody sees
 /// these borders, and a bead is much wider.
@@ -130,30 +129,6 @@ impl<'a> Islands<'a> {
     }
 }
 
-impl Islands<'_> {
-    /// True if a disc is found that is all in an island, and in all of the
-    /// covers; it is looked for at some places only.
-    fn hold_disc(&self, i: usize, radius: Mm, covers: &[&Solid<'_>]) -> bool {
-        /// Places along each side of the island's box.
-        const PLACES: u32 = 8;
-        let bounds = self.all[i].bounds();
-        let step = bounds.size() / f64::from(PLACES);
-        if step.min_element() * f64::from(PLACES) < 2.0 * radius {
-            return false;
-        }
-        let holds = |grid: &EdgeGrid, p: DVec2| {
-            grid.contains(p) && grid.clear(p, p, radius)
-        };
-        (0..PLACES * PLACES).any(|n| {
-            let at = DVec2::new((n % PLACES).into(), (n / PLACES).into());
-            let p = bounds.min + step * (at + 0.5);
-            holds(&self.grid, p)
-                && self.nest.around(p) == Some(i)
-                && covers.iter().all(|c| holds(c.grid(), p))
-        })
-    }
-}
-
 /// What a cover leaves open of an area; see [`not_covered_by_all`].
 pub(crate) fn open(area: &Area, cover: &Area) -> Area {
     not_covered_by_all(area, &[&near(area, cover)])
@@ -169,11 +144,10 @@ const TOUCH: Mm = 1e-4;
 
 /// Where the covers, together, leave each island open. `matters` tells whether
 /// it matters that a connected area is covered. If an area does not matter, its
-/// parts must not matter either. A disc of radius `disc` matters.
+/// parts must not matter either.
 pub(super) fn exposed(
     asked: &Islands<'_>,
     covers: &[&Solid<'_>],
-    disc: Mm,
     matters: impl Fn(&Area) -> bool,
 ) -> Vec<Exposed> {
     let touching: Vec<Vec<bool>> =
@@ -211,8 +185,7 @@ pub(super) fn exposed(
         let touching = sorted.iter().zip(&touching).filter(|(_, t)| t[i]);
         let near: Vec<Area> =
             touching.map(|(cover, _)| cover.near(&islands[i])).collect();
-        let any = || anything_matters(&islands[i], &near, &matters);
-        result[i] = if asked.hold_disc(i, disc, covers) || any() {
+        result[i] = if anything_matters(&islands[i], &near, &matters) {
             let near: Vec<&Area> = near.iter().collect();
             part(not_covered_by_all(&islands[i], &near))
         } else {
@@ -273,6 +246,7 @@ mod tests {
     use super::*;
     use crate::plane::clip::{difference, union};
     use crate::plane::shapes::{disc, rect};
+    use glam::DVec2;
 
     /// Places between the rough and the exact outline are where the rough one
     /// says, whoever is asked; without walls there are none.
@@ -313,7 +287,7 @@ mod tests {
             Exposed::Everywhere => 0.0,
         };
         let asked = Islands::new(islands);
-        let all = exposed(&asked, &covers, 0.6, |a| a.content() > 1.0);
+        let all = exposed(&asked, &covers, |a| a.content() > 1.0);
         all.iter().zip(islands).map(of).collect()
     }
 
@@ -361,7 +335,7 @@ mod tests {
             &rect(6.0, 6.0, 8.0, 8.0),
         );
         let cover = Solid::new(cover);
-        let all = exposed(&Islands::new(&[frame]), &[&cover], 1.0, |_| true);
+        let all = exposed(&Islands::new(&[frame]), &[&cover], |_| true);
         assert_eq!(all, [Exposed::Nowhere]);
     }
 

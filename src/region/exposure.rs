@@ -18,10 +18,10 @@
 //! Where layers differ in height, N and M are what fits into the skin's
 //! thickness there.
 //!
-//! Exposed areas grow a little into the sparse area, which anchors their
-//! lines and makes thin ones printable; what is then too narrow or too small
-//! for sparse infill becomes skin as well. Skin and sparse area together are
-//! the fill.
+//! Exposed areas grow a little into the sparse area, which anchors their lines
+//! and makes thin ones printable. What is then too narrow or too small for
+//! sparse infill becomes skin as well. Skin and sparse area together are the
+//! fill.
 
 use super::cover::{
     Covered, Exposed, Islands, TOLERANCE, by_island, exposed, near, open,
@@ -244,9 +244,7 @@ impl<'a> Exposure<'a> {
                 && !offset(part, -half, TOLERANCE).is_empty()
         };
         let asked = Islands::new(&islands);
-        let disc = (settings.skin_min_area / std::f64::consts::PI).sqrt();
-        let disc = disc.max(half) + 2.0 * TOLERANCE;
-        let mut exposed = exposed(&asked, covers, disc, matters);
+        let mut exposed = exposed(&asked, covers, matters);
         let outline = window.here.area();
         let number = window.number;
         for (side, shells, upwards) in [
@@ -459,8 +457,8 @@ fn less(area: &Area, islands: &[Area]) -> Area {
 
 /// Least width of sparse infill between walls, in its lines.
 const BETWEEN_WALLS: f64 = 1.0;
-/// Least width of sparse infill beside skin, in its lines. The lines that cross a
-/// narrower strip are stubs, and there are so few of them that skin above the
+/// Least width of sparse infill beside skin, in its lines. The lines that cross
+/// a narrower strip are stubs, and there are so few of them that skin above the
 /// strip would hang. Skin that is wider by such a strip has one more stroke.
 const BESIDE_SKIN: f64 = 2.0;
 
@@ -583,7 +581,7 @@ mod tests {
     fn slivers_of_sparse_area_become_skin() {
         let settings = Settings::default();
         let fill = rect(0.0, 0.0, 20.0, 20.0);
-        // Leaves a strip so wide once the skin has grown.
+        // This leaves a strip that is so wide once the skin has grown.
         let strip = |width: f64| {
             // Under a slope of 45° the layer beyond would recede by its height.
             let grows = settings.skin_overlap() + 0.2;

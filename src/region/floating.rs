@@ -2,8 +2,8 @@
 //! below.
 //!
 //! In: a layer's outline and the layer below. Out: each such island, and
-//! whether it is inside the part, with solid around it: what hangs from the
-//! roof of a cavity, where supports could not be taken out.
+//! whether it is inside the part, with solid around it. Such an island hangs
+//! from the roof of a cavity, out of which supports could not be taken.
 //!
 //! Not looked for: whether the cavity is closed above and below.
 

@@ -25,8 +25,8 @@ use glam::DVec2;
 const TURN: f64 = 1.75;
 /// Distance of ends that belong together, as a share of their mean width.
 const REACH: f64 = 0.75;
-/// Distance that joints keep from each other, as a share of their mean width: two
-/// joints that cross would lay twice what lies between them.
+/// Distance that joints keep from each other, as a share of their mean width:
+/// two joints that cross would lay twice what lies between them.
 const APART: f64 = 0.5;
 /// Length of the way across from one line to another, as a multiple of the
 /// distance between the two lines.
@@ -37,9 +37,10 @@ const CROSS_STEP: Mm = 0.1;
 const ROOMY: f64 = 0.8;
 /// Times that a way across may become half as gentle.
 const HALVES: usize = 3;
-/// Width of a slit between a way across and the border from which on the way
-/// does not move towards the border, mm: the border is that of another strip. Up to
-/// two thirds of this the slit is closed, beyond that less and less of it.
+/// Slits between a way across and the border that are as wide as this, mm, do
+/// not move the way towards the border: such a border is another strip's. Up to
+/// two thirds of this width the slit is closed, beyond that less and less of
+/// it.
 const SLIT: Mm = 0.15;
 /// Difference of two strokes' widths, as a share of the smaller one, from which
 /// one of them is a bead in the middle of a strip and the other one a wall.
@@ -51,8 +52,8 @@ const SHARE: f64 = 0.4;
 /// Distance at which an end stops short of another stroke's middle, as a share
 /// of that one's width: a little less than half, since the end is round.
 const STOP: f64 = 0.4;
-/// How far along a stroke a piece is from its end, as a multiple of the width, if
-/// the end can lie on that piece. Nearer pieces lead to the end.
+/// Least distance along a stroke, as a multiple of its width, between its end
+/// and a piece of it on which the end can lie. Nearer pieces lead to the end.
 const OWN: f64 = 3.0;
 /// Strokes whose ends lie on others are left out if what is left of them is
 /// shorter than this share of their width.
@@ -287,12 +288,7 @@ fn shorten(stroke: &mut Stroke, last: bool, length: Mm) {
     if length <= 0.0 || whole <= 0.0 {
         return;
     }
-    let share = (length / whole).min(SHARE);
-    *stroke = if last {
-        stroke.part(0.0, 1.0 - share)
-    } else {
-        stroke.part(share, 1.0)
-    };
+    *stroke = stroke.shortened(last, (length / whole).min(SHARE));
 }
 
 /// For each stroke, at its first and at its last point: the stroke in which it
@@ -439,8 +435,8 @@ fn stop_short(
     order.retain(|&i| !chains[i].stroke.closed);
     for &i in &order {
         crate::limits::check();
-        // How far a bead with its middle at `p`, at a distance along its stroke,
-        // lies on strokes.
+        // How far a bead with its middle at `p`, at a distance along its
+        // stroke, lies on strokes.
         let over = |lines: &[Line], p: DVec2, along: Mm| {
             let mut most: Mm = 0.0;
             grid.visit_edges_near(p, p, STOP * widest, |edge| {
@@ -587,7 +583,7 @@ impl Line {
         self.at.last().map_or(0.0, |at| at.0)
     }
 
-    /// The width on edge `k`, so far from its beginning; none where the stroke
+    /// The width on edge `k`, `along` mm from its beginning; 0 where the stroke
     /// is not laid any more.
     fn width(&self, k: usize, along: Mm) -> Mm {
         let (Some(&(from, w)), Some(&(to, v))) =

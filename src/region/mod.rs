@@ -11,9 +11,9 @@
 //!
 //! Where the part, or what the walls leave of it, is too thin for two walls
 //! side by side, one bead along its middle ([`ridge`]) takes their place, as
-//! wide as the place is thick; what is too thin even for that widens the
-//! walls beside it ([`mod@line`]). Extruded area per area of part stays the same.
-//! How many beads lie side by side is decided along whole ridges ([`thin`]), and
+//! wide as the place is thick. What is too thin even for that widens the walls
+//! beside it ([`mod@line`]). Extruded area per area of part stays the same. How
+//! many beads lie side by side is decided along whole ridges ([`thin`]), and
 //! strokes go on in one another where they meet ([`joints`]).
 
 mod ball;
@@ -100,8 +100,8 @@ pub(crate) struct Lay {
     /// Thickness below which there is no bead at all.
     pub least: Mm,
     /// By how much the bead of a thin place is wider than the place is thick.
-    /// Between other beads it may overlap their round ends; at the part's surface
-    /// it must not stick out.
+    /// Between other beads it may overlap their round ends; at the part's
+    /// surface it must not stick out.
     pub extra: Mm,
 }
 
@@ -109,8 +109,8 @@ impl Lay {
     /// The outermost wall.
     fn outer(height: Mm, settings: &Settings) -> Lay {
         let outer = settings.outer_wall_width();
-        // This is right for walls of equal width. A wall of another width begins
-        // half of its own spacing farther in.
+        // This is right for walls of equal width. A wall of another width
+        // begins half of its own spacing farther in.
         let half = 0.5 * spacing(outer, outer, height);
         let share = |percent: f64| outer * percent / 100.0;
         Lay {
@@ -123,25 +123,25 @@ impl Lay {
         }
     }
 
-    /// Thickness down to which a bead goes on into a tip: it is short, so it may
-    /// be narrower than lines are. A bead narrower than its height does not keep
-    /// its width.
+    /// Thickness down to which a bead goes on into a tip: it is short, so it
+    /// may be narrower than lines are. A bead narrower than its height does not
+    /// keep its width.
     fn tips(&self, height: Mm) -> Mm {
         /// Share of the least thickness of a line.
         const TIP: f64 = 0.7;
         (height - self.extra).max(TIP * self.least).min(self.least)
     }
 
-    /// Thickness down to which a post has a bead: a dab that is thinner does not
-    /// stick to what is below, unless lines are as thin.
+    /// Thickness down to which a post has a bead: a dab that is thinner does
+    /// not stick to what is below, unless lines are as thin.
     fn posts(&self, height: Mm) -> Mm {
         const DAB: Mm = 0.3;
         self.tips(height).max(DAB).min(self.least)
     }
 
     /// This wall in what other walls have left. The border of that area is off
-    /// by up to `tolerance` on each side, and a place that was planned for a bead
-    /// has to stay wide enough for it.
+    /// by up to `tolerance` on each side, and a place that was planned for a
+    /// bead has to stay wide enough for it.
     fn after(self, tolerance: Mm) -> Lay {
         Lay {
             least: (self.least - 2.0 * tolerance).max(0.0),
@@ -190,9 +190,9 @@ pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
     }
 }
 
-/// Size of a grid's cells: three times the mean length of the edges, within bounds
-/// (measured: smaller cells take longer to walk than they save edges, larger
-/// ones have too many of them).
+/// Size of a grid's cells: three times the mean length of the edges, within
+/// bounds (measured: smaller cells take longer to walk than they save edges,
+/// larger ones have too many of them).
 fn cell(area: &Area) -> Mm {
     let edges: usize = area.rings.iter().map(Vec::len).sum();
     (3.0 * area.perimeter() / edges.max(1) as f64).clamp(0.5, 1.0)
@@ -201,7 +201,8 @@ fn cell(area: &Area) -> Mm {
 /// An area and its ridges, as far as they matter to some walls.
 ///
 /// An area that has shrunk by d keeps its ridges where it was thicker than 2·d,
-/// and is thinner there by 2·d. So the ridges of the outline serve for all walls.
+/// and is thinner there by 2·d. So the ridges of the outline serve for all
+/// walls.
 struct Skeleton<'a> {
     solid: Solid<'a>,
     ridges: Vec<Ridge>,
@@ -350,8 +351,9 @@ pub(crate) fn support_walls(
     laid(outline, None, false, height, settings)
 }
 
-/// The walls of a part's outline, with [`Settings::top_walls`] of them around what
-/// the outline `above`, that of the next layer, leaves open, if it is given.
+/// The walls of a part's outline, with [`Settings::top_walls`] of them around
+/// what the outline `above`, that of the next layer, leaves open, if it is
+/// given.
 pub(crate) fn walls(
     outline: &Area,
     above: Option<&Area>,
@@ -457,8 +459,8 @@ fn laid(
                 }
                 None => walls,
             };
-            // Inside the last wall, beads of skin fill what the thinnest of them
-            // fits into.
+            // Inside the last wall, beads of skin fill what the thinnest of
+            // them fits into.
             let radius = match pair.get(k + 1) {
                 Some(wall) => wall.centre + settings.accuracy,
                 None => 0.5 * plans[next].least,
@@ -563,8 +565,8 @@ fn joined(
 }
 
 /// Walls whose centre lines are outlines of the expression offset by their
-/// depths: `areas`, outermost first, the fill's border last. In-plane
-/// millimetres only where the field is an in-plane distance.
+/// depths: `areas`, outermost first, the fill's border last. The depths are
+/// millimetres in the plane only where the field is an in-plane distance.
 pub(crate) fn field_walls(
     outline: &Area,
     mut areas: Vec<Area>,

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! In: a layer's solid. Out: as much of it as tells what it covers of an area.
-//! To look at all of its points for each of the areas would be quadratic, be
-//! they in many rings or in one.
+//! To look at all of its points for each of the areas would be quadratic,
+//! whether they are in many rings or in one.
 
 use crate::plane::clip::{crop, difference};
 use crate::plane::{Area, BoxTree, Rect, Ring};

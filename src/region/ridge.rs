@@ -155,7 +155,7 @@ impl Ridge {
             if above(a) != above(b) {
                 let t = (limit - a) / (b - a);
                 let p = self.points[i].lerp(self.points[j], t);
-                // A hair to each side, so that both know where they are.
+                // Each part ends with a thickness on its own side of the limit.
                 let hair = 1e-9 * limit;
                 let (end, begin) = if above(a) {
                     (limit + hair, limit)

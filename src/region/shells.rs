@@ -1,7 +1,7 @@
 //! How many layers a shell of a thickness has.
 //!
 //! Where layers are alike, or their number is set, the number is the same
-//! everywhere. Else it is what fits into the thickness, layer by layer.
+//! everywhere. Otherwise it is what fits into the thickness, layer by layer.
 
 use crate::layers::LayerSpan;
 use crate::units::Mm;

@@ -13,10 +13,10 @@
 //! its end is. On an island with slits, holes that are no wider than a slit are
 //! filled as well: where two slits cross, or where the edges of one touch.
 //!
-//! Guarantee: whatever is filled lies between edges that are nearer to each
-//! other than the limit, or is a hole that is hardly wider, lest a slit as wide
-//! as the limit become a row of holes. Elsewhere the outline is the same; on
-//! islands with slits it is within the tolerance.
+//! Guarantees: whatever is filled lies between edges that are nearer to each
+//! other than the limit, or is a hole that is hardly wider. Otherwise a slit as
+//! wide as the limit would become a row of holes. Elsewhere the outline does
+//! not change, except within the tolerance on islands with slits.
 
 use super::cover::{Covered, Islands};
 use crate::plane::clip::{union, unite};
@@ -47,8 +47,8 @@ const TIDY: f64 = 0.1;
 /// By how much a hole may be wider than a slit, in multiples of the tolerance.
 const HARDLY: f64 = 10.0;
 
-/// The places in which an outline's slits are filled, each a little larger
-/// than the slit: what is narrower than `width` between facing edges, but not the
+/// The places in which an outline's slits are filled, each a little larger than
+/// the slit: what is narrower than `width` between facing edges, but not the
 /// ends of notches. They reach into the area by `tolerance` at most.
 pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
     let grid = outline.grid();

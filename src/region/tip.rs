@@ -9,16 +9,16 @@
 //!                           the other.
 //! ```
 //!
-//! At a square end of a strip 2·r thick that adds √2·(r² − r²/4) for the
-//! branch and r² for the crossing, 2.06·r² in all: what is extruded for the
-//! end of 2·r², which the length up to c does not include.
+//! At a square end of a strip 2·r thick that adds √2·(r² − r²/4) for the branch
+//! and r² for the crossing, 2.06·r² in all. The end has a content of 2·r²,
+//! which the length up to c does not include.
 //!
 //! Where a strip ends in a point or a round tip, the bead goes on as far as the
 //! balls reach farther: a ridge ends where they touch two sides that are less
 //! than 120° apart, as it does not lead into corners.
 //!
-//! A post has no ridge but a point: a ring at a quarter of its thickness,
-//! half its thickness wide, has just its content.
+//! The ridge of a post is only a point. The post gets a ring at a quarter of
+//! its thickness, half its thickness wide, which has just its content.
 
 use super::ridge::Ridge;
 use super::{Lay, shrink};

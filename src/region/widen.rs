@@ -31,8 +31,8 @@ const MITRE: f64 = 2.0;
 /// when both its ends have moved.
 const AHEAD: f64 = 0.4;
 
-/// Share of a move that is left after each round in which places would pass each
-/// other.
+/// Share of a move that is left after each round in which places would pass
+/// each other.
 const LESS: f64 = 0.7;
 /// Moves smaller than this do not count, mm.
 const LEAST: Mm = 0.003;
@@ -68,8 +68,8 @@ impl Station {
 }
 
 /// The vector across a line to its left at one of its points. If a corner moves
-/// by this vector, both of its sides move by 1 mm. Sharp corners move no farther
-/// than [`MITRE`].
+/// by this vector, both of its sides move by 1 mm. Sharp corners move no
+/// farther than [`MITRE`].
 pub(super) fn across(line: &Stroke, k: usize) -> DVec2 {
     let n = line.points.len();
     let way = |from: usize| {
@@ -251,7 +251,7 @@ mod tests {
 
     #[test]
     fn lines_do_not_fold_over_in_a_corner() {
-        // A turn to the left: what is beside it moves towards each other.
+        // In a turn to the left, the places beside it move towards each other.
         let mut places = row(|_| Some(0.1));
         for (i, place) in places[50..].iter_mut().enumerate() {
             place.at = DVec2::new(5.0, 0.1 * i as f64);

@@ -1,16 +1,18 @@
 //! Resolution of paths: every stroke with as few points as its role permits.
 //!
-//! In: strokes, as exact as the geometry made them, and their roles. Out: the
-//! same strokes with fewer points.
+//! In: strokes, as exact as the geometry made them, and their roles. Out: these
+//! strokes with fewer points.
 //!
-//! Guarantees, of a stroke of a role whose tolerance is t ([`tolerance`]): each
-//! point of the input is within t of the output; the output lies on both sides
-//! of the input, so that rings hardly shrink; an open stroke keeps its ends;
-//! where the width varies, it is linear between the points that stay, to
-//! [`WIDTH`] of itself, and to t/2 on each edge of a stroke that shows; where it
-//! changes faster than a printer can follow, this holds for its mean. A stroke
-//! that shows and varies in width is off by up to 0.8 of `accuracy` once it is
-//! cut into pieces.
+//! Guarantees, of a stroke of a role whose tolerance is t ([`tolerance`]):
+//! - each point of the input is within t of the output;
+//! - the output lies on both sides of the input, so that rings hardly shrink;
+//! - an open stroke keeps its ends;
+//! - where the width varies, it is linear between the points that stay, to
+//!   [`WIDTH`] of itself, and to t/2 on each edge of a stroke that shows. Where
+//!   it changes faster than a printer can follow, this holds for its mean.
+//!
+//! A stroke that shows and varies in width is off by up to 0.8 of `accuracy`
+//! once it is cut into pieces.
 //!
 //! Not guaranteed: that strokes closer to each other than t do not touch.
 //!
@@ -28,8 +30,8 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Share of `accuracy` by which what shows is thinned. The outline has used most
-/// of it, and has few points already.
+/// Share of `accuracy` by which what shows is thinned. The outline has used
+/// most of it, and has few points already.
 const SHOWN: f64 = 0.3;
 
 /// Share of `path_accuracy` by which what lies beside the part is thinned.
@@ -50,8 +52,8 @@ const FILL: f64 = 1.5;
 const WIDTH: f64 = 0.015;
 
 /// Share of a role's tolerance by which strokes of varying width are thinned.
-/// Most of the thinning is left to the pieces of constant width that are made of
-/// them: a path that is thinned twice by as much as possible keeps too many
+/// Most of the thinning is left to the pieces of constant width that are made
+/// of them: a path that is thinned twice by as much as possible keeps too many
 /// points.
 const VARYING: f64 = 0.1;
 

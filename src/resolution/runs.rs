@@ -3,18 +3,23 @@
 //!
 //! In: a bead. Out: beads, each beginning where the one before ends.
 //!
-//! Guarantees: the cross-sections that are meant along a piece of a bead that
-//! shows differ by no more than twice [`AREA`] of the least of them, twice that in
-//! pieces of up to [`FEW`] widths, and its edges by no more than twice `edge`.
-//! Those of other beads may differ by more in pieces shorter than four times
-//! [`evened`]: where they change evenly, what is laid up to any place of such a
-//! piece is off by no more than [`AREA`] of what that length holds. A ramp may be
-//! so steep that a piece would be shorter than [`shortest`]: its edges are then
-//! off by more. Each piece has the mean of what is meant, so that no volume is
-//! lost; on a very steep ramp one that shows is wider than its narrow end by no
-//! more than [`STEEP`]. The middle of a piece is within `path` of the bead's. Each
-//! line is chosen as long as its width and the path permit together, lest it is
-//! cut once for its width and once for its path.
+//! Guarantees:
+//! - along a piece of a bead that shows, the cross-sections that are meant
+//!   differ by no more than twice [`AREA`] of the least of them, twice that in
+//!   pieces of up to [`FEW`] widths, and the edges by no more than twice
+//!   `edge`. A ramp may be so steep that a piece would be shorter than
+//!   [`shortest`]: its edges are then off by more;
+//! - the cross-sections of other beads may differ by more in pieces shorter
+//!   than four times [`evened`]. Where they change evenly, what is laid up to
+//!   any place of such a piece is off by no more than [`AREA`] of what that
+//!   length holds;
+//! - each piece has the mean of what is meant, so that no volume is lost. On a
+//!   very steep ramp a piece that shows is wider than its narrow end by no more
+//!   than [`STEEP`];
+//! - the middle of a piece is within `path` of the bead's.
+//!
+//! Each line is chosen as long as its width and the path permit together. It
+//! would otherwise be cut once for its width and once for its path.
 
 use crate::bead::{Bead, Role, Stroke, cross_section};
 use crate::plane::simplify::simplify_path;
@@ -31,12 +36,12 @@ const AREA: f64 = 0.03;
 const FEW: f64 = 3.0;
 
 /// A length over which what is laid too early or too late along a bead of this
-/// role may be made up for, mm. It counts for beads that do not show. At 60 mm/s
-/// 2 mm take 33 ms, and the pressure in a nozzle takes longer to change.
+/// role may be made up for, mm. It counts for beads that do not show. 2 mm take
+/// 33 ms at 60 mm/s, and the pressure in a nozzle takes longer to change.
 ///
-/// Inner walls lie against an outer wall, and have less: with 2 mm they come up to
-/// 0.07 mm too near to it where strips meet, with 0.8 mm 0.05 mm, and a gyroid
-/// ball takes a hundredth more moves.
+/// Inner walls lie against an outer wall, and have less: with 2 mm they come up
+/// to 0.07 mm too near to it where strips meet, with 0.8 mm 0.05 mm, and a
+/// gyroid ball takes a hundredth more moves.
 fn evened(role: Role) -> Mm {
     match role {
         Role::InnerWall => 0.8,
@@ -52,14 +57,15 @@ const ENDS: f64 = 1.0 / 3.0;
 /// the bead shows: it sticks out by half of that on each side.
 const STEEP: Mm = 0.025;
 
-/// Pieces of a role are not made shorter than this, mm. Of beads that show
-/// shorter pieces would be nearer to their edges, but would have to be printed
+/// Pieces of a role are not made shorter than this, mm. Shorter pieces of beads
+/// that show would be nearer to the beads' edges, but would have to be printed
 /// more slowly: at 0.05 mm a warped sheet takes a sixth longer than at 0.1 mm.
-/// Longer pieces of inner walls would lie on the wall beside them where strips meet,
-/// with the mean of a narrow and a wide place: with 0.6 mm, 1 % of a honeycomb's
-/// inner walls are 0.15 mm too near, with 0.2 mm 0.08 mm, and the pieces are as
-/// many. Of other beads it is what no printer can follow: at 60 mm/s 0.6 mm are
-/// 10 ms, and the pressure in a nozzle takes longer to change.
+/// Longer pieces of inner walls would lie on the wall beside them where strips
+/// meet, with the mean of a narrow and a wide place: with 0.6 mm, 1 % of a
+/// honeycomb's inner walls are 0.15 mm too near, with 0.2 mm 0.08 mm, and the
+/// pieces are as many. For other beads it is what no printer can follow:
+/// 0.6 mm are 10 ms at 60 mm/s, and the pressure in a nozzle takes longer to
+/// change.
 pub(super) fn shortest(role: Role) -> Mm {
     match role {
         role if role.shows() => 0.07,

@@ -9,6 +9,7 @@
 //! rounded counts as being as sharp as before. A corner lies at the weighted
 //! middle of its turning.
 
+use crate::plane::along::point_at;
 use crate::plane::path_length;
 use crate::units::Mm;
 use glam::DVec2;
@@ -32,7 +33,7 @@ const WAY: Mm = 0.4;
 /// Half the way over which turns are added up to a convex corner, which stays
 /// sharp, mm.
 const SHARP_WAY: Mm = 0.1;
-/// Mean of the weights over the way, with both halves of it.
+/// Twice the mean of the weights, for both halves of the way.
 const MEAN_WEIGHT: f64 = 16.0 / 15.0;
 
 /// A ring and how it turns.
@@ -162,16 +163,7 @@ impl<'a> Corners<'a> {
     fn at(&self, i: usize, offset: Mm) -> DVec2 {
         let n = self.ring.len();
         let step = if offset < 0.0 { n - 1 } else { 1 };
-        let (mut k, mut left) = (i, offset.abs());
-        for _ in 0..n {
-            let next = (k + step) % n;
-            let edge = self.ring[k].distance(self.ring[next]);
-            if left <= edge && edge > 0.0 {
-                return self.ring[k].lerp(self.ring[next], left / edge);
-            }
-            left -= edge;
-            k = next;
-        }
-        self.ring[i]
+        let line = (0..=n).map(|k| self.ring[(i + k * step) % n]);
+        point_at(line, offset.abs()).unwrap_or(self.ring[i])
     }
 }

@@ -27,6 +27,7 @@ mod scarf;
 
 use crate::bead::{Bead, Role};
 use crate::model::Place;
+use crate::plane::along::point_at;
 use crate::plane::grid::{EdgeGrid, nearest_on};
 use crate::plane::path_length;
 use crate::random::{mix, share};
@@ -209,16 +210,8 @@ fn random(ring: &[DVec2], [layer, number]: [usize; 2]) -> Option<DVec2> {
 
 /// The point of a ring at a length after its first point.
 fn along(ring: &[DVec2], length: Mm) -> Option<DVec2> {
-    let mut left = length;
-    for (i, &a) in ring.iter().enumerate() {
-        let b = ring[(i + 1) % ring.len()];
-        let edge = a.distance(b);
-        if left < edge {
-            return Some(a.lerp(b, left / edge));
-        }
-        left -= edge;
-    }
-    ring.first().copied()
+    let line = ring.iter().chain(ring.first()).copied();
+    point_at(line, length).or(ring.first().copied())
 }
 
 /// Where the seam of a ring is, given the point of it nearest to the seam of

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! In: a loop laid open, which goes on over its beginning. Out: its beads, one
-//! after the other: the ramp, the rest, and the way over the ramp. The points of
-//! the ramp and of the way over it have levels.
+//! after the other: the ramp, the rest, and the way over the ramp. The points
+//! of the ramp and of the way over it have levels.
 //!
 //! Guarantees: the ramp is as high at each place as the nozzle is above the
 //! layer below. The ramp and the way over it have together what the loop has

@@ -233,7 +233,8 @@ mod tests {
 
     #[test]
     fn lines_run_from_pillar_to_pillar() {
-        // The gap is wider than it is long: the free sides do not tempt.
+        // The gap is wider than it is long. Its free sides must not attract the
+        // lines.
         let settings = Settings::default();
         let deck = rect(0.0, 0.0, 30.0, 40.0);
         let pillars = joined(&[

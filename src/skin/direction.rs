@@ -2,8 +2,8 @@
 //!
 //! In: an area, and what a direction costs. Out: lines to judge a direction by,
 //! and the best direction. Near a corner any slanting line is short, so the
-//! shortest lines must not decide: what [`COMMON`] of the lines' length stays
-//! below does.
+//! shortest lines must not decide. A direction is judged by the value that the
+//! share [`COMMON`] of the lines' length stays below.
 
 use crate::plane::Area;
 use crate::plane::hatch::Lines;
@@ -38,8 +38,8 @@ pub(super) fn best(
     })
 }
 
-/// Lines in a direction all over an area: about `rows` of them, but no nearer to
-/// one another than half of `width`.
+/// Lines in a direction all over an area: about `rows` of them, but no nearer
+/// to one another than half of `width`.
 pub(super) fn rows(area: &Area, angle: Degrees, rows: f64, width: Mm) -> Lines {
     let along = DVec2::from_angle(angle.to_radians());
     let v = area.rings.iter().flatten().map(|p| along.perp().dot(*p));
@@ -54,8 +54,8 @@ pub(super) fn rows(area: &Area, angle: Degrees, rows: f64, width: Mm) -> Lines {
     }
 }
 
-/// The value that [`COMMON`] of the lines' length stays below. Each value comes
-/// with the length that has it.
+/// The value that the share [`COMMON`] of the lines' length stays below. Each
+/// value comes with the length that has it.
 pub(super) fn common(mut values: Vec<(Mm, Mm)>) -> Option<Mm> {
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: Mm = values.iter().map(|(_, length)| length).sum();

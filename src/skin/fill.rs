@@ -1,8 +1,8 @@
 //! Fills the inside of one skin's rings.
 //!
 //! In: an island of skin, how much its neighbours cover of it, and the sparse
-//! infill beside it. Out: its rings, and its fills by role, in print order: fills
-//! that are seen come last.
+//! infill beside it. Out: its rings, and its fills by role, in print order:
+//! fills that are seen come last.
 
 use super::bridge::{Bridge, bridges};
 use super::roles::Sides;

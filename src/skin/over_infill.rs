@@ -54,8 +54,8 @@ const ROWS: f64 = 64.0;
 /// Size of the cells of a grid of lines, mm.
 pub(crate) const CELL: Mm = 1.0;
 
-/// What bridges on bridges leave stays skin if a line of about so much of the usual
-/// width fits in, on both sides of its middle.
+/// What bridges on bridges leave stays skin if a line fits in that reaches this
+/// share of the usual width to both sides of its middle.
 const LEFT: f64 = 0.4;
 
 /// How far beyond a line's end something is looked for that holds the line, mm.
@@ -81,8 +81,8 @@ pub(crate) struct Under<'a> {
 pub(crate) struct Level {
     /// What the bridges' lines cover.
     area: Area,
-    /// What the lines were to cover. Below what they do not cover there is
-    /// nothing.
+    /// What the lines were to cover. Nothing lies below the part that they do
+    /// not cover.
     meant: Area,
     lines: Vec<Vec<DVec2>>,
     /// Number of layers of bridges that are to follow.
@@ -197,9 +197,9 @@ fn more_layers(way: Mm, settings: &Settings) -> u32 {
     }
 }
 
-/// The internal bridges of a layer over one kind of thing, if there are any. If
-/// that is bridges, `other` is where the layer has bridges already. What gets
-/// no line then stays skin, since it does not sag far. `more` gives the number
+/// The internal bridges of a layer over infill or over bridges, if there are
+/// any. Over bridges, `other` is where the layer has bridges already, and what
+/// gets no line stays skin, since it does not sag far. `more` gives the number
 /// of layers of bridges that are to follow, by the common way.
 fn on(
     over: Over<'_>,
@@ -389,8 +389,8 @@ impl Ground<'_> {
         if self.is_held(p, out) {
             return Some(at(p));
         }
-        // On from where a line of infill would hold it as it is, unless other
-        // skin is in the way.
+        // The line goes on from where a line of infill would hold its end as it
+        // is, unless other skin is in the way.
         let from = p - self.reach * out;
         let free = self.sparse.contains(p + BEYOND * out);
         if free && let Some(to) = self.next_hold(from, out) {

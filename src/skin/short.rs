@@ -8,7 +8,7 @@
 
 use crate::bead::{Role, Stroke};
 use crate::units::Mm;
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Pieces shorter than this go with what is beside them, mm.
@@ -25,7 +25,7 @@ pub(super) fn join_short(pieces: Vec<(Role, Stroke)>) -> Vec<(Role, Stroke)> {
         .map(|i| Reverse(runs.waiting(i)))
         .collect();
     while let Some(Reverse(next)) = waiting.pop() {
-        if next.length >= SHORT {
+        if f64::from_bits(next.length) >= SHORT {
             break;
         }
         crate::limits::check();
@@ -73,7 +73,7 @@ impl Runs {
     fn waiting(&self, first: usize) -> Waiting {
         let run = &self.all[first];
         Waiting {
-            length: run.length,
+            length: run.length.to_bits(),
             first,
             last: run.last.unwrap_or(first),
         }
@@ -131,34 +131,16 @@ impl Runs {
     }
 }
 
-/// A run as it was when it came to wait.
+/// A run as it was when it came to wait. The shortest one is the least, and of
+/// equally short ones the first one.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Waiting {
-    length: Mm,
+    /// The bits of the length. Lengths are not negative, so bits and lengths
+    /// have one order.
+    length: u64,
     first: usize,
     last: usize,
 }
-
-impl Ord for Waiting {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let by_length = self.length.total_cmp(&other.length);
-        let by_place = by_length.then(self.first.cmp(&other.first));
-        by_place.then(self.last.cmp(&other.last))
-    }
-}
-
-impl PartialOrd for Waiting {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Waiting {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Waiting {}
 
 #[cfg(test)]
 mod tests {

@@ -6,21 +6,21 @@
 //!
 //! A turn runs round the middle line of the layer's wall, and rises from the
 //! layer's bottom to its top. It begins as the wall of the layer below, and
-//! ends as that of its own: in between each point is moved along the wall's
-//! normal to where the part's surface is at the middle of the material below
-//! the nozzle. So every point of the wall is as exact as that of a flat layer,
-//! which is exact at its middle only.
+//! ends as that of its own layer. In between, each point is moved along the
+//! wall's normal to where the part's surface is at the middle of the material
+//! below the nozzle. So every point of the wall is as exact as the wall of a
+//! flat layer is at its middle.
 //!
 //! The first turn lies on a flat layer, and its height grows from nothing. The
 //! last one is followed by a flat turn whose height goes back to nothing, so
 //! that the wall ends level.
 //!
-//! Walls inside climb beside the outer one, each as far from the surface as its
-//! place among the walls. A layer's turns go from the inside out, so the nozzle
-//! goes down by a layer's height between two of them. What is beside it then is no
-//! higher, but for the end of the wall that it comes from, right behind it. So the
-//! flat turns at the end come after all turns
-//! that climb.
+//! Walls inside climb beside the outer one, each at the distance from the
+//! surface that its place among the walls gives it. A layer's turns go from the
+//! inside out, so the nozzle goes down by a layer's height between two of them.
+//! Nothing beside it is then higher, except for the end of the wall that it
+//! comes from, right behind it. So the flat turns at the end come after all
+//! turns that climb.
 //!
 //! Not guaranteed: that a wall follows a surface that moves by more than 1 mm
 //! from one layer to the next. It is laid as if the surface did not move.
@@ -77,7 +77,8 @@ impl<'a> Spiral<'a> {
     /// A spiral without turns.
     ///
     /// # Errors
-    /// If the field cannot be evaluated, or a skirt would stand beside the wall.
+    /// If the field cannot be evaluated, or a skirt would stand beside the
+    /// wall.
     pub(crate) fn new(
         model: &Model,
         settings: &'a Settings,
@@ -123,7 +124,7 @@ impl<'a> Spiral<'a> {
         self.holes |= outline.rings.len() > 1;
         let end = match self.ends.last().and_then(|below| below.first()) {
             Some(&below) => begin(ring, below)[0],
-            // At the back, where few look at it.
+            // The turn begins at the back, where few look at it.
             None => rear(ring),
         };
         // The walls inside end beside it.
@@ -159,7 +160,8 @@ impl<'a> Spiral<'a> {
         self.start_of(layer, 0)
     }
 
-    /// As [`Spiral::start`], of a wall.
+    /// Where the turn of a wall in a layer begins, if it goes on from one
+    /// below.
     fn start_of(&self, layer: usize, wall: usize) -> Option<DVec2> {
         let number = layer.checked_sub(self.first + 1)? + 1;
         self.ends.get(number)?.get(wall).copied()
@@ -319,8 +321,9 @@ impl<'a> Spiral<'a> {
         Ok(lines)
     }
 
-    /// The points moved as the part's surface moves that lies at a depth beside
-    /// them, from where it was to the height `middle` has for each of them.
+    /// The points, moved with the part's surface, which lies `depth` beside
+    /// them now. `middle` has for each point the height at which the surface is
+    /// looked for, by the point's share of the turn.
     fn moved(
         &self,
         points: &[Point],

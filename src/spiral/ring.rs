@@ -23,19 +23,19 @@ pub(super) struct Point {
 }
 
 impl Point {
-    /// How the point moves if the surface beside it moves so far.
+    /// How the point moves if the surface moves by `way` in its directions.
     pub(super) fn shift(&self, way: DVec2) -> DVec2 {
         let [a, b] = self.out;
         if a == b {
             return way.x * a;
         }
-        // It keeps its distance from both sides.
+        // The point keeps its distance from both sides.
         DMat2::from_cols(a, b).transpose().inverse() * way
     }
 }
 
-/// The first point of a ring that is farthest from all of some pieces: beside it
-/// there is none of them.
+/// The first point of a ring that is farthest from all of some pieces. None of
+/// them is beside it.
 pub(super) fn lonely(ring: &[DVec2], pieces: &[Ring]) -> DVec2 {
     let away = |p: &DVec2| {
         let to = pieces.iter().map(|piece| distance(*p, piece));
@@ -102,8 +102,8 @@ pub(super) fn rear(ring: &[DVec2]) -> DVec2 {
     ring.iter().max_by(by_y).copied().unwrap_or_default()
 }
 
-/// Greatest distance of a ring's points from another ring, of some of them; 0 if
-/// there is no other one.
+/// Greatest distance of some of a ring's points from another ring; 0 if that
+/// ring has no points.
 pub(super) fn farthest(ring: &[DVec2], from: &[DVec2]) -> Mm {
     /// Points that are looked at.
     const LOOKS: usize = 64;

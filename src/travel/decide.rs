@@ -27,6 +27,7 @@ use super::Ground;
 use super::cross::meets;
 use crate::bead::{Bead, Role};
 use crate::plane::Rect;
+use crate::plane::along::parted;
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::units::Mm;
@@ -192,32 +193,15 @@ impl<'a> Obstacles<'a> {
         points: impl Iterator<Item = DVec2>,
         middle: Mm,
     ) -> bool {
-        let mut left = self.width;
-        let mut before: Option<DVec2> = None;
-        let mut least = 0.0;
-        for p in points {
-            match before {
-                None => {
-                    let near =
-                        self.ground.outline.grid().nearest_edge(p, middle);
-                    let depth = near.map_or(middle, |(_, q)| p.distance(q));
-                    least = ROUNDED * depth;
-                }
-                Some(q) => {
-                    let length = q.distance(p);
-                    let end = q.lerp(p, (left / length).min(1.0));
-                    if !self.ground.outline.grid().clear(q, end, least) {
-                        return true;
-                    }
-                    left -= length;
-                    if left <= 0.0 {
-                        break;
-                    }
-                }
-            }
-            before = Some(p);
-        }
-        false
+        let [way, _] = parted(points, self.width);
+        let Some(&first) = way.first() else {
+            return false;
+        };
+        let grid = self.ground.outline.grid();
+        let near = grid.nearest_edge(first, middle);
+        let depth = near.map_or(middle, |(_, q)| first.distance(q));
+        let least = ROUNDED * depth;
+        way.windows(2).any(|p| !grid.clear(p[0], p[1], least))
     }
 
     /// True if the way crosses an inner wall. A way that leaves a wall towards
@@ -253,35 +237,11 @@ impl<'a> Obstacles<'a> {
 
 /// A way without its first and last `length` mm; empty if nothing is left.
 fn trimmed(points: &[DVec2], length: Mm) -> Vec<DVec2> {
-    let mut way = cut(points.iter().copied(), length);
+    let [_, mut way] = parted(points.iter().copied(), length);
     way.reverse();
-    let mut way = cut(way.into_iter(), length);
+    let [_, mut way] = parted(way, length);
     way.reverse();
     way
-}
-
-/// A way without its first `length` mm.
-fn cut(points: impl Iterator<Item = DVec2>, length: Mm) -> Vec<DVec2> {
-    let mut left = length;
-    let mut out: Vec<DVec2> = Vec::new();
-    let mut before: Option<DVec2> = None;
-    for p in points {
-        if let Some(q) = before
-            && out.is_empty()
-        {
-            let d = q.distance(p);
-            if d > left {
-                out.push(q.lerp(p, left / d));
-                out.push(p);
-            } else {
-                left -= d;
-            }
-        } else if before.is_some() {
-            out.push(p);
-        }
-        before = Some(p);
-    }
-    out
 }
 
 #[cfg(test)]

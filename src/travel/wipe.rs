@@ -6,6 +6,7 @@
 //! longer than its bead.
 
 use crate::bead::Bead;
+use crate::plane::along::parted;
 use crate::settings::Settings;
 use glam::DVec2;
 
@@ -19,39 +20,15 @@ pub(super) fn path(
     if retract.wipe <= 0.0 || retract.length <= 0.0 {
         return None;
     }
-    let mut way = Vec::new();
-    if bead.closed {
-        along(bead.path(), retract.wipe, &mut way)
+    let [mut way, _] = if bead.closed {
+        parted(bead.path(), retract.wipe)
     } else {
-        along(bead.points.iter().rev().copied(), retract.wipe, &mut way)
-    }
+        parted(bead.path().rev(), retract.wipe)
+    };
+    way.dedup();
+    let way: Vec<DVec2> = way.into_iter().skip(1).collect();
     let end = *way.last()?;
     Some((way, end))
-}
-
-/// Appends the first `left` mm of a path, without its first point.
-fn along(
-    path: impl Iterator<Item = DVec2>,
-    mut left: f64,
-    way: &mut Vec<DVec2>,
-) {
-    let mut at: Option<DVec2> = None;
-    for p in path {
-        if let Some(from) = at {
-            let step = from.distance(p);
-            if step >= left {
-                if step > 0.0 {
-                    way.push(from.lerp(p, left / step));
-                }
-                return;
-            }
-            left -= step;
-            if step > 0.0 {
-                way.push(p);
-            }
-        }
-        at = Some(p);
-    }
 }
 
 #[cfg(test)]

@@ -13,10 +13,10 @@
 //! levels unless it fills its layer.
 //!
 //! A wall goes on in the next layer where that has a wall at the same depth: so
-//! it does in upright faces and in steep ones. Elsewhere, at bottoms, below tops
-//! and at ledges, it begins at its layer's bottom or ends at its layer's top.
-//! Its volume goes with its height, so all layers together have as much as
-//! without.
+//! it does in upright faces and in steep ones. Elsewhere, at bottoms, below
+//! tops and at ledges, it begins at its layer's bottom or ends at its layer's
+//! top. Its volume goes with its height, so all layers together have as much
+//! plastic as without interlocking.
 //!
 //! The nozzle is lower than the layer's top while these walls are printed, so
 //! they have to be printed before what is beside them.

@@ -282,8 +282,8 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
     pieces
 }
 
-/// Lets pieces end at the bead's points that are near: a cut just beside one
-/// would cost a move of its own.
+/// Lets pieces end at the bead's points that are near: a cut just beside such a
+/// point would cost a move of its own.
 fn snap(pieces: &mut [Piece], bead: &Bead) {
     let near = SNAP * bead.width;
     for i in 1..pieces.len() {

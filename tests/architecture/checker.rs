@@ -140,11 +140,11 @@ fn circles_are_found_and_named() {
         let mut files = one_way;
         files[2].1 = back;
         assert_eq!(circles(&files), circle(["a", "b"]), "{back}");
-        // Past the folder's face.
+        // This path leads past the folder's face.
         files[1].1 = "use super::B;";
         assert_eq!(circles(&files), circle(["a", "b"]), "{back}");
     }
-    // A folder in it counts as one file.
+    // A folder in a folder counts as one file.
     let nested = [
         ("vary/mod.rs", ""),
         ("vary/a/mod.rs", ""),

@@ -13,7 +13,7 @@ pub type Module = Vec<String>;
 
 /// A file and the paths in it.
 pub struct Source {
-    /// Its name below `src`.
+    /// The file's name below `src`.
     pub name: String,
     pub module: Module,
     pub references: Vec<Reference>,
@@ -22,7 +22,8 @@ pub struct Source {
 pub struct Reference {
     pub line: usize,
     pub in_test: bool,
-    /// Whether it is (part of) a `use`, and the last name can be passed on.
+    /// Whether the path is (part of) a `use`, and its last name can be passed
+    /// on.
     pub is_use: bool,
     /// Whether the first name is a crate in [`CONFINED`].
     pub external: bool,

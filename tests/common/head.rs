@@ -14,7 +14,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// True if it lays a bead.
+    /// True if the step lays a bead.
     pub fn prints(&self) -> bool {
         self.fed > 0.0 && self.from.truncate() != self.to.truncate()
     }
@@ -37,7 +37,7 @@ impl Head {
         }
     }
 
-    /// What a line makes it do, if the line is a straight move.
+    /// What a line makes the head do, if the line is a straight move.
     pub fn step(&mut self, line: &str) -> Option<Step> {
         let words = line.strip_prefix("G1 ").or(line.strip_prefix("G0 "))?;
         let (from, mut fed) = (self.at, 0.0);

@@ -207,7 +207,7 @@ impl Example {
     fn read(file: &Path) -> Example {
         let text = std::fs::read_to_string(file).unwrap();
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
-        // As in .ci/run: the first such line is the one to follow.
+        // The first such line is the one to follow, as in .ci/run.
         let usage = text
             .lines()
             .filter_map(|line| line.strip_prefix("//"))
@@ -422,7 +422,7 @@ pub fn parse(text: &str) -> Vec<Layer> {
                     (false, _) => Kind::Prime,
                 };
                 let between = layers.is_empty() || role == "Custom";
-                // Out of the template the head comes before any role.
+                // When the head leaves the template, no role has been named.
                 let begins = layers.iter().all(|l| !l.has_printed());
                 if let Some(layer) = layers.last_mut()
                     && (!between || begins)

@@ -6,8 +6,8 @@
 use assert_cmd::Command;
 use std::path::Path;
 
-/// The program in `folder`, on a terminal of known width. Its profiles are in the
-/// folder `profiles` there, since whoever runs the tests may have some.
+/// The program in `folder`, on a terminal of known width. Its profiles are in
+/// the folder `profiles` there, since whoever runs the tests may have some.
 pub fn isoslice(folder: &(impl AsRef<Path> + ?Sized)) -> Command {
     let mut command = assert_cmd::cargo::cargo_bin_cmd!("isoslice");
     command

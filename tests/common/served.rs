@@ -42,7 +42,7 @@ impl Answer {
 }
 
 impl Watch {
-    /// Starts it in a folder, which also has the profiles and printers.
+    /// Starts the server in a folder, which also has the profiles and printers.
     pub fn start(folder: &Path, arguments: &[&str]) -> Watch {
         let mut child = Command::new(assert_cmd::cargo::cargo_bin!("isoslice"))
             .args(["watch", "--threads", "2"])

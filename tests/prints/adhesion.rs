@@ -6,7 +6,7 @@ use crate::common::{
 use glam::DVec2;
 use isoslice::pipeline::Summary;
 
-/// Coarse enough to be quick.
+/// Settings coarse enough to be quick.
 const COARSE: [&str; 4] = [
     "sample_spacing=0.3",
     "accuracy=0.02",
@@ -35,7 +35,7 @@ fn skirt(layer: &Layer) -> Vec<&Move> {
         .collect()
 }
 
-/// Its extent from the middle of the bed.
+/// The skirt's extent from the middle of the bed.
 fn extent(layer: &Layer) -> Option<DVec2> {
     let ends = skirt(layer).into_iter().map(|m| m.ends().1);
     let away = ends.map(|p| (p - DVec2::splat(110.0)).abs());

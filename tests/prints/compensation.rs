@@ -40,7 +40,7 @@ fn radii(layer: &Layer, role: &str) -> [f64; 4] {
 fn close(got: [f64; 4], [inner, outer]: [f64; 2]) {
     let exact = [inner, inner, outer, outer];
     for (got, exact) in got.into_iter().zip(exact) {
-        // What the G-code resolves, and the accuracy.
+        // The slack is what the G-code resolves, and the accuracy.
         assert!((got - exact).abs() < 0.006, "{got} is not {exact}");
     }
 }
@@ -72,8 +72,8 @@ fn walls_lie_where_the_compensation_puts_them() {
     }
 }
 
-/// The tube's hole becomes wider by 1 mm² over its radius, and its outside moves
-/// by what the formula says of z.
+/// The tube's hole becomes wider by 1 mm² over its radius, and its outside
+/// moves by what the formula says of z.
 #[test]
 fn a_formula_moves_each_outline_by_its_curvature() {
     let wall = 0.225;
@@ -125,7 +125,8 @@ fn a_skirt_of_several_layers_stands_on_itself() {
     let cone = "max(sqrt(x^2+y^2) - 10 - 2*z, abs(z - 1) - 1)";
     let printed = parse(&slice(&formula(cone, &settings), &settings, 2).0);
     let skirt = |layer: &Layer| radii(layer, "Skirt/Brim");
-    // Round the widest of the layers beside it, that from 0.6 to 0.8 mm.
+    // The skirt goes round the widest of the layers beside it, from 0.6 to 0.8
+    // mm.
     let exact = 10.0 + 2.0 * 0.7 + 4.0 + 0.225;
     for layer in &printed[..4] {
         let [_, _, least, most] = skirt(layer);
@@ -162,7 +163,7 @@ fn bodies_with_a_slit_between_them_are_one() {
         assert!((layers[2].length("External perimeter") - length).abs() < 0.1);
         length
     };
-    // From what the lattice hardly sees to what it sees well.
+    // The lattice hardly sees the first gap, and sees the last one well.
     for gap in [0.0, 0.002, 0.005, 0.01, 0.02, 0.038] {
         for degrees in [0.0, 7.0, 30.0] {
             let length = outer(&two_bodies(gap, degrees), &[]);

@@ -150,7 +150,7 @@ fn place(
     }
 }
 
-/// The place of a point, if everything within `margin` of it is the same.
+/// The place of a point, if all points within `margin` of it have that place.
 fn clear_place(
     f: fn(DVec3) -> f64,
     p: DVec2,
@@ -209,7 +209,8 @@ fn roles_are_exact(case: &Case, assignments: &[&str]) {
             let at = DVec2::new(f64::from(k % 60), f64::from(k / 60));
             let p = at * 0.83 - 25.0;
             let number = (i as i64, count);
-            // Beyond what skin reaches onto, and short pieces of its lines.
+            // The margin is more than skin reaches onto, and than short pieces
+            // of its lines.
             let Some(own) = clear_place(case.f, p, number, s, 2.4) else {
                 continue;
             };
@@ -386,14 +387,14 @@ fn bridges_run_from_pillar_to_pillar() {
             .prints()
             .filter(|m| m.role == BRIDGE && m.length() > 10.0)
             .collect();
-        // 20 mm less walls and ring, a line each.
+        // There is a line for each spacing in 20 mm less walls and ring.
         assert!(spans.len() > 40, "{degrees}: {}", spans.len());
         let reach = 8.0 + number(&s, "bridge_anchor");
         for m in spans {
             let (a, b) = m.ends();
             let d = (b - a).normalize();
             assert!(d.perp_dot(along).abs() < 0.02, "{degrees}: {d}");
-            // Over the gap, and anchored on both sides.
+            // The line runs over the gap, and is anchored on both sides.
             for p in [a, b] {
                 let u = (p - centre(&s)).dot(along).abs();
                 assert!(u > reach - 0.7 && u < reach + 0.1, "{degrees}: {u}");
@@ -540,7 +541,7 @@ fn shell(from: f64, to: f64, s: &Settings) -> f64 {
 
 #[test]
 fn shells_of_slopes_are_as_thick_as_asked_for() {
-    // Whatever the walls and the anchors of skin lines add to it.
+    // The shell is thick enough whatever walls and anchors of lines add to it.
     for own in [
         ["infill_density=5", "walls=2", "skin_overlap=0.6"],
         ["infill_density=5", "walls=1", "skin_overlap=0"],
@@ -567,7 +568,7 @@ fn shells_of_slopes_are_as_thick_as_asked_for() {
 fn what_hangs_in_a_cavity_is_told_with_its_place() {
     let s = settings(&[]);
     let told = |text: &str| slice(&formula(text, &s), &s, 2).1.warnings;
-    // A cavity that is an arch inside: nothing to tell.
+    // This cavity is an arch inside, so there is nothing to tell.
     let cavity = "max(max(max(abs(x)-10, abs(y)-10), abs(z-10)-10), \
                   5 - sqrt(x^2 + y^2 + (z-10)^2))";
     assert!(told(cavity).is_empty(), "{:?}", told(cavity));
@@ -580,11 +581,11 @@ fn what_hangs_in_a_cavity_is_told_with_its_place() {
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     assert!(warnings[0].contains("in a cavity"), "{warnings:?}");
     assert!(warnings[0].contains("z = 7.0 on the bed"), "{warnings:?}");
-    // The same outside.
+    // A drop hangs under a table, outside of any cavity.
     let table = "min(max(max(abs(x)-8, abs(y)-8), abs(z-9)-1), \
                  min(max(max(abs(x)-1, abs(y)-1), abs(z-5)-5), \
                  max(max(abs(x-7)-1, abs(y)-1), abs(z-6)-2)))";
-    // That is a matter of supports.
+    // Supports can take care of such a drop.
     let warnings = told(table);
     assert!(warnings[0].contains("begins on nothing"), "{warnings:?}");
     assert!(

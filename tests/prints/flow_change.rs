@@ -20,8 +20,8 @@ fn flow(m: &Move) -> (f64, f64) {
     (m.fed * filament_area(1.75) / time, time)
 }
 
-/// By how much the flow changes too fast at worst, mm³/s, how many changes there
-/// are, and how long it takes to print.
+/// By how much the flow changes too fast at worst, mm³/s, how many changes
+/// there are, and how long it takes to print.
 fn worst(text: &str, most: f64, more: &[&str]) -> (f64, usize, f64) {
     let limit = format!("filament.max_flow_change={most}");
     let mut all = vec![

@@ -50,7 +50,7 @@ macro_rules! assert_table {
 #[test]
 fn ball() {
     let settings = settings(&[
-        // One wall only, or the walls would be all there is of the skin.
+        // With more walls nothing would be left for the skin.
         "walls=1",
         "layer_height=1",
         "first_layer_height=1",

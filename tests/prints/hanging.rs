@@ -81,7 +81,7 @@ fn a_wall_hangs_from_the_angle_on() {
     let slope = |degrees: f64| degrees.to_radians().tan();
     near(leans.area, 20.0 * 20.0 * slope(60.0), 0.02);
     near(leans.reach, 20.0 * (slope(60.0) - slope(55.0)), 0.2);
-    // It is for the settings to say.
+    // The settings say which faces hold themselves.
     let better = run(&wall(60.0), &["support.angle=62"], "..", 1);
     assert_eq!(better.hanging, Hanging::default());
     assert_eq!(better.warnings, [""; 0]);
@@ -95,7 +95,7 @@ fn of_a_ball_its_lower_cap_hangs_and_its_foot_is_small() {
     let fine = ["accuracy=0.005"];
     let summary = run("sqrt(x^2 + y^2 + z^2) - 15", &fine, "..", 2);
     let leans = summary.hanging.leans;
-    // Where the slope is more than 55°, but for what lies on the bed.
+    // The ball leans by more than 55° there, except for what lies on the bed.
     let foot = std::f64::consts::PI * (15.0_f64.powi(2) - 14.9_f64.powi(2));
     let steep = 55.0_f64.to_radians().cos() * 15.0;
     near(
@@ -178,7 +178,7 @@ fn what_begins_on_nothing_counts_unless_it_is_a_tip() {
     near(begins.area, 16.0, 0.01);
     near(begins.first.unwrap().z, 2.0, 0.001);
     assert!(hanging(&pin(0.5)).begins.is_none());
-    // Thin, but it hangs down by 4 mm.
+    // This pin is thin, but it hangs down by 4 mm.
     let long = format!(
         "min({}, {})",
         block([-2.0, -2.0, 0.0], [2.0, 2.0, 6.0]),
@@ -202,7 +202,8 @@ fn a_pillar_is_too_high_for_its_foot_and_a_brim_helps() {
     assert!(told.contains("is 60.0 mm high"), "{told}");
     let brim = run(&pillar, &["brim.place=outer"], "..", 1);
     assert_eq!(brim.hanging.foot, None);
-    // Not of layers above, nor of what is as low as a cube or wide as a vase.
+    // Nothing is said of layers above, nor of a part as low as a cube or as
+    // wide as a vase.
     assert_eq!(run(&pillar, &[], "10..20", 1).hanging.foot, None);
     let cube = block([-5.0, -5.0, 0.0], [5.0, 5.0, 10.0]);
     assert_eq!(hanging(&cube), Hanging::default());
@@ -229,7 +230,7 @@ fn ranges_of_layers_tell_what_hangs_in_them() {
 #[test]
 fn no_example_hangs_but_the_whole_ball() {
     for example in common::examples() {
-        // Its head says so, and how to cut it flat.
+        // The example's head says so, and how to cut it flat.
         if example.name == "gyroid-ball" {
             continue;
         }

@@ -147,7 +147,7 @@ fn a_top_has_one_layer_across_the_infill() {
     // Lines of infill are 0.45/0.15 mm apart, less what they and what lies on
     // them is wide.
     assert!(longest < 0.45 / 0.15 - 0.45, "{longest}");
-    // They run across those of the layer below, and fill their plane.
+    // Bridges run across the lines of the layer below, and fill their plane.
     let along = |role: &str, layer: &[Step]| {
         let all = layer.iter().filter(|s| s.role == role);
         let longest = all.max_by(|a, b| {
@@ -239,7 +239,7 @@ fn over_sparse_infill_there_are_more_layers_each_across_the_other() {
             &["infill_density=15", "internal_bridge_layers=3"],
             &[16, 17, 18],
         ),
-        // As far apart as the lines of the first.
+        // A density of 8 % has lines as far apart as the first case.
         (&["infill_density=expr: 8"], &[16, 17]),
         (&["infill_density=expr: 15"], &[16]),
     ] {
@@ -252,7 +252,7 @@ fn over_sparse_infill_there_are_more_layers_each_across_the_other() {
         }
         let (_, free, lines) = judged(&layers);
         assert!(lines > 60 * expected.len() && free == 0, "{lines} {free}");
-        // Each of them fills its layer.
+        // Each layer of bridges fills its area.
         let laid = expected.iter().map(|&i| {
             let all = layers[i].iter().filter(|s| s.role == BRIDGE);
             all.map(|s| s.from.distance(s.to)).sum::<f64>()
@@ -262,7 +262,8 @@ fn over_sparse_infill_there_are_more_layers_each_across_the_other() {
             assert!((own / laid[0] - 1.0).abs() < 0.03, "{laid:?}");
         }
     }
-    // Also where skin grows from layer to layer, and where infill bends.
+    // Ends are held also where skin grows from layer to layer, and where infill
+    // bends.
     for infill in ["infill=rectilinear", "infill=gyroid", "infill=cubic"] {
         let layers = layers(DOME, &settings(&[infill, "infill_density=8"]));
         let (_, free, lines) = judged(&layers);

@@ -20,7 +20,7 @@ use std::sync::LazyLock;
 
 const COARSE: &[&str] = &[
     "bridge_max=25",
-    // The outlines are those of the field.
+    // The outlines to compare with are those of the field.
     "slit_closing=0",
     "layer_height=0.6",
     "first_layer_height=0.6",
@@ -30,7 +30,7 @@ const COARSE: &[&str] = &[
     "skin_width=0.9",
     "infill_width=0.9",
     "sample_spacing=0.2",
-    // So that there are hops to check.
+    // There have to be hops to check.
     "retract.z_hop=0.3",
 ];
 
@@ -42,7 +42,7 @@ struct Print {
     name: String,
     settings: Settings,
     spans: Vec<LayerSpan>,
-    /// On the bed.
+    /// The outlines, on the bed.
     outlines: Vec<Area>,
     text: String,
     layers: Vec<Layer>,
@@ -282,8 +282,8 @@ fn travels_that_leave_the_part_are_retracted() {
                     let outside = !edges.contains(a)
                         || !edges.contains(b)
                         || !edges.crossings(a, b).is_empty();
-                    // To leave the wall just printed is no crossing, nor
-                    // is to graze a corner that rounding has moved.
+                    // Leaving the wall just printed is no crossing, nor is
+                    // grazing a corner that rounding has moved.
                     let mut walls: Vec<f64> = walls.crossings(a, b);
                     walls.sort_by(f64::total_cmp);
                     walls.iter_mut().for_each(|t| *t *= whole);
@@ -428,7 +428,8 @@ fn walls_by_field_are_walls_by_distance_on_a_cylinder() {
         format!("max(sqrt(x^2 + y^2) - 9, abs(z - {height}) - {height})")
     };
     let both = both_ways(&cylinder("3"), &[]);
-    // Between the skins: near its ends the field measures in z.
+    // The layer is between the skins: near the part's ends the field measures
+    // in z.
     let middle = both[0].1.len() / 2;
     walls_are_the_same(&both, middle);
     // Layers of different heights, whose walls are at different distances.

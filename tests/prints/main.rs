@@ -1,5 +1,5 @@
-//! What is printed: parts are sliced whole, and their G-code is measured against
-//! what is known of the parts.
+//! What is printed: parts are sliced whole, and their G-code is measured
+//! against what is known of the parts.
 
 // A test that cannot go on should say so and stop.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]

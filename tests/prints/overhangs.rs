@@ -1,5 +1,5 @@
-//! Walls that hang over the layer below: their speed, fan and order, against how
-//! far a leaning cylinder's walls reach by its formula.
+//! Walls that hang over the layer below: their speed, fan and order, against
+//! how far a leaning cylinder's walls reach by its formula.
 
 use crate::common;
 use crate::common::{
@@ -88,15 +88,15 @@ fn walls_are_slower_the_farther_they_reach() {
             let (share, outer) = reach(middle(m, &layers, layer.z));
             let own = if outer { 40.0 } else { 60.0 };
             let (is, should) = (m.feed / 60.0, meant(share, own));
-            // Cut where it has changed by 5 %; a move may be 0.6 mm long, over
-            // which the reach changes by 3 % of the width.
+            // The wall is cut where its speed has changed by 5 %. A move may be
+            // 0.6 mm long, over which the reach changes by 3 % of the width.
             let slack = 0.05 * should + 2.0;
             assert!((is - should).abs() <= slack, "{is} {should} {share}");
             least = least.min(is);
             speeds.push((1000.0 * is).round() as i64);
         }
     }
-    // The farthest reaches 67 % of its width.
+    // The farthest wall reaches 67 % of its width.
     assert!((least - meant(0.667, 40.0)).abs() < 1.0, "{least}");
     // No threshold shows: many speeds, and no gap between them.
     speeds.sort_unstable();
@@ -149,12 +149,12 @@ fn turn(layer: &Layer) -> f64 {
 fn walls_that_hang_are_turned_round_on_every_other_layer() {
     let turned = upper(&sliced(LEANING, &["walls=1", "overhang_reverse=true"]));
     for (i, layer) in turned.iter().enumerate() {
-        // The first of them is layer 1.
+        // The first of these layers is layer 1.
         assert!(turn(layer) * if i % 2 == 0 { -1.0 } else { 1.0 } > 100.0);
     }
     let plain = upper(&sliced(LEANING, &["walls=1"]));
     assert!(plain.iter().all(|layer| turn(layer) > 100.0));
-    // They begin where they did, and end with a wipe inwards.
+    // Turned walls begin where the others do, and end with a wipe inwards.
     for (a, b) in turned.iter().zip(&plain) {
         let wipe = |layer: &Layer| {
             let last = layer.moves.iter().rposition(|m| m.kind == Kind::Print);

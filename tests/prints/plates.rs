@@ -235,7 +235,7 @@ fn ranges_and_threads_give_the_same_bytes() {
     }
     assert_eq!(body(&whole), joined);
     assert_eq!(summary.parts.len(), 2);
-    // The same again.
+    // Another run gives equal bytes.
     assert_eq!(whole, run(&plate, "..", 2).0);
 }
 
@@ -247,7 +247,7 @@ fn a_plate_longer_than_a_block_can_be_sliced_in_ranges() {
     let all = [
         wanted("pin", pin, 2, &plain),
         wanted("cone", cone, 2, &plain),
-        // It ends below the second block.
+        // The low part ends below the second block.
         wanted("low", CYLINDER, 1, &plain),
     ];
     let plate = Plate::new("p", &all, &plain).unwrap();
@@ -297,7 +297,7 @@ fn hosts_can_leave_out_each_part() {
     );
     for k in [1, 2, 3] {
         assert_eq!(lines(k, "M486 T"), ["M486 T3"]);
-        // In each of three layers.
+        // Each place is named in each of three layers.
         for place in 0..3 {
             let start = format!("M486 S{place}");
             let alone =
@@ -322,7 +322,8 @@ fn the_skirt_goes_round_all_and_each_part_has_its_brim() {
     let all = printed(&run(&plate, "1..2", 2).0);
     let skirt: Vec<_> = all.get(&(String::new(), 1)).unwrap().clone();
     assert!(!all.contains_key(&(String::new(), 2)));
-    // It is round the parts, and 6 mm away from what is nearest, the brim.
+    // The skirt is round the parts, and 6 mm away from what is nearest, the
+    // brim.
     let of_parts: Vec<DVec2> = all
         .iter()
         .filter(|((label, _), _)| !label.is_empty())

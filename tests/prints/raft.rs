@@ -9,7 +9,7 @@ use glam::DVec2;
 use isoslice::pipeline::{self, Options, SliceError, Summary};
 use isoslice::settings::Builder;
 
-/// Coarse enough to be quick.
+/// Settings coarse enough to be quick.
 const COARSE: [&str; 3] =
     ["sample_spacing=0.3", "accuracy=0.02", "layer_height=0.2"];
 /// A block of 20 mm with a hole, 6 mm high.
@@ -61,14 +61,14 @@ fn the_part_stands_on_its_raft_with_the_gap_between() {
     let of_part = layers[3..].iter().flat_map(roles);
     let supports = [SUPPORT, SUPPORT_INTERFACE];
     assert!(of_part.into_iter().all(|role| !supports.contains(&role)));
-    // It reaches 4 mm beyond the part, less half a line.
+    // The raft reaches 4 mm beyond the part, less half a line.
     for (layer, half) in [(0, 0.3), (1, 0.225), (2, 0.225)] {
         let [least, most] = bounds(&layers[layer], roles(&layers[layer])[0]);
         let side = 10.0 + 4.0 - half;
         let off = (most - least - 2.0 * side).abs().max_element();
         assert!(off < 0.06, "{layer}: {} for {side}", most - least);
     }
-    // The skirt goes round it.
+    // The skirt goes round the raft.
     let [least, most] = bounds(&layers[0], SKIRT);
     assert!((most - least).min_element() > 2.0 * (14.0 + 6.0));
     // Solid layers are solid, the first one is not.
@@ -103,7 +103,7 @@ fn a_raft_does_not_change_the_part() {
         assert!(moved.max_element() < 2e-3, "layer {k}");
         assert!((layer.fed() / other.fed() - 1.0).abs() < 0.03, "layer {k}");
     }
-    // Its underside is printed as a bridge.
+    // The part's underside is printed as a bridge.
     assert!(roles(&on_raft[2]).contains(&"Bridge infill"));
     assert!(!roles(&plain[0]).contains(&"Bridge infill"));
 }
@@ -115,7 +115,8 @@ fn supports_stand_on_the_raft() {
     assert_eq!(summary.warnings, Vec::<String>::new());
     let (plain, of_plain, _) = run(TEE, &set[1..]);
     assert_eq!(layers.len(), plain.len() + 3);
-    // The same posts, and the raft beneath all of them.
+    // The posts are those without a raft, and the raft lies beneath all of
+    // them.
     for k in [5, 20, 38] {
         let [a, b] = [&plain[k], &layers[k + 3]].map(|l| l.length(SUPPORT));
         assert!((a - b).abs() < 0.02 * a + 0.1, "layer {k}: {a} {b}");
@@ -124,7 +125,8 @@ fn supports_stand_on_the_raft() {
     let [from, to] = bounds(&layers[4], SUPPORT);
     assert!(low.cmplt(from - 2.5).all() && high.cmpgt(to + 2.5).all());
     assert!(summary.support_length > of_plain.support_length);
-    // They reach down to it: as much more as the air is high.
+    // The posts reach down to the raft, so they are higher by as much as the
+    // air is.
     let per_length = |layer: &Layer| {
         let of = layer.prints().filter(|m| m.role == SUPPORT);
         let (fed, length) =
@@ -156,7 +158,7 @@ fn a_part_on_its_tip_has_a_raft() {
             .zip([SUPPORT, SUPPORT_INTERFACE, SUPPORT_INTERFACE])
     {
         assert!(roles(layer).contains(&role), "{:?}", roles(layer));
-        // About 3 mm beyond the tip on all sides.
+        // The raft reaches about 3 mm beyond the tip on all sides.
         let [least, most] = bounds(layer, role);
         let size = most - least;
         assert!(size.cmpgt(DVec2::splat(5.0)).all(), "{size}");

@@ -24,7 +24,7 @@ impl Part {
         (self.top)(p.x, p.y, self.parameter)
     }
 
-    /// Its volume, from 2 million columns.
+    /// The part's volume, from 2 million columns.
     fn volume(&self) -> f64 {
         let step = 0.02;
         let mut volume = 0.0;
@@ -111,11 +111,11 @@ struct Step {
     top: f64,
     /// Width of the line, mm.
     width: f64,
-    /// True if it is in the last layer.
+    /// True if the move is in the last layer.
     last: bool,
-    /// True if it is of a support.
+    /// True if the move is of a support.
     support: bool,
-    /// True if no other move lies between it and the one before.
+    /// True if no other move lies between this move and the one before.
     goes_on: bool,
 }
 
@@ -214,7 +214,7 @@ fn bends(steps: &[Step]) -> Vec<DVec3> {
         .collect()
 }
 
-/// Those of the layer of a step.
+/// The bends in the layer of a step.
 fn in_layer(bends: &[DVec3], step: &Step) -> Vec<DVec3> {
     let own = bends.iter().filter(|b| b.z == step.top);
     own.copied().collect()
@@ -319,7 +319,7 @@ fn tops_lie_on_the_surface() {
             straight,
         } = distances(&part, &steps);
         assert!(own.len() > 10_000 && straight.len() > 5_000);
-        // Of the wedge of 15° none lie open.
+        // No strips of the wedge of 15° lie open.
         let has_strips = !(0.2..0.3).contains(&part.parameter);
         assert!(!has_strips || strips.len() > 100, "{name}");
         // `TOLERANCE`, the rounding of z and that of x and y.
@@ -342,8 +342,8 @@ fn tops_lie_on_the_surface() {
         } = distances(&part, &flat);
         // There the next layer's edge is half a layer above the strip.
         assert!(strips.is_empty() || rms(&strips) > 40.0, "{name}");
-        // Of a wedge of 25° only the middles of the outer walls lie open, all at
-        // one height.
+        // Of a wedge of 25° only the middles of the outer walls lie open, all
+        // at one height.
         assert!(rms(&off) > if part.parameter > 0.4 { 2.0 } else { 40.0 });
         assert!(flat.iter().all(|s| s.from.z == s.to.z));
     }
@@ -364,8 +364,8 @@ fn material(step: &Step) -> f64 {
 /// A part and the height of its underside.
 type Underside = (String, fn(DVec3) -> f64);
 
-/// A block of 40 by 20 mm whose underside rises from the bed's by an angle, or in
-/// waves.
+/// A block of 40 by 20 mm whose underside rises from the bed's by an angle, or
+/// in waves.
 fn undersides() -> [Underside; 3] {
     let block = |underside: &str| {
         format!(
@@ -486,7 +486,7 @@ fn tops_do_not_rise_into_the_gap_below_supports() {
             // The stem and what it covers.
             let covered = p.truncate().abs().max_element() < 3.5;
             if away < 0.05 {
-                // At its border the way up may begin.
+                // The way up may begin at the border of what the stem covers.
                 assert!(p.z < 3.02, "{p}");
                 below += usize::from(p.z < 3.001);
             } else if away > 2.0 && !covered {

@@ -93,7 +93,7 @@ fn seams_of_round_parts_are_straight_lines() {
         assert_steady(text, &["seam=rear"]);
         assert_steady(text, &["seam=expr: x - 2*y"]);
     }
-    // Off the axis, not a distance, leaning and growing.
+    // The oval is off the axis, leans and grows, and its field is no distance.
     let oval = "max(((x - 0.1*z)^2/300 + y^2/90 - 1 - 0.004*z), abs(z) - 30)";
     assert_steady(oval, &[]);
 }
@@ -148,7 +148,7 @@ fn rear_random_and_expressions_are_where_they_say() {
     for p in only_begins(&layers(CYLINDER, &["seam=expr: y"])) {
         assert!(p.distance(low) < 0.05, "{p}");
     }
-    // Turning with the height.
+    // This seam turns with the height.
     let seams =
         only_begins(&layers(CYLINDER, &["seam=expr: x*cos(z/9) + y*sin(z/9)"]));
     // Each wall is a polygon of more than a hundred corners. One that lies 1 µm
@@ -236,7 +236,7 @@ fn loops_end_in_a_wipe_inwards() {
                     continue;
                 }
                 ends += 1;
-                // Before anything is pulled back.
+                // The wipe comes before anything is pulled back.
                 let wipe = &pair[1];
                 if wipe.kind != Kind::Travel || wipe.length() > 0.41 {
                     continue;
@@ -286,7 +286,7 @@ fn seams_depend_neither_on_threads_nor_on_the_range() {
         let seam = format!("seam={seam}");
         let mut all = BARE.to_vec();
         all.extend([seam.as_str(), "seam_scarf=3", "fuzzy.thickness=0.1"]);
-        // What a file of some layers cannot tell.
+        // A file of some layers cannot tell how far the print has come.
         all.push("gcode.progress=off");
         let settings = settings(&all);
         let model = formula(twisted, &settings);
@@ -336,7 +336,7 @@ fn a_scarf_that_rises_lays_the_same_at_each_angle() {
             rises += usize::from(m.to.z > m.from.z);
             let (a, b) = m.ends();
             let middle = DVec2::splat(110.0);
-            // Short parts of it; the ramp grows along it.
+            // The scarf comes in short parts, and the ramp grows along it.
             let count = 200;
             for k in 0..count {
                 let t = (f64::from(k) + 0.5) / f64::from(count);

@@ -114,14 +114,14 @@ fn it_lays_what_fills_the_wall() {
         (WIDTH - HEIGHT * (1.0 - std::f64::consts::FRAC_PI_4)) * HEIGHT;
     let middle = 15.0 + 0.25 * (0.4 + 6.0) - 0.5 * WIDTH;
     let meant = section * (6.0 - 0.4) / HEIGHT * std::f64::consts::TAU * middle;
-    // The first turn and the last are lower than a bead that fills its share
-    // of the plane, half of the height on average: their round ends are smaller.
+    // The first turn and the last are lower than a bead that fills its share of
+    // the plane, half of the height on average: their round ends are smaller.
     let ends = 2.0 / 28.0 * 0.1;
     assert!((laid / meant - 1.0).abs() < ends, "{laid} {meant}");
 }
 
-/// Each of three walls of the cone is at its depth at each point's height, and the
-/// outer one has the volume that it has alone.
+/// Each of three walls of the cone is at its depth at each point's height, and
+/// the outer one has the volume that it has alone.
 #[test]
 fn walls_inside_climb_beside_the_outer_one() {
     let (alone, _) = cone(&[]);

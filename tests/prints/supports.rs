@@ -8,7 +8,7 @@ use glam::DVec2;
 use isoslice::pipeline::{self, Options, SliceError, Summary};
 use std::collections::BTreeMap;
 
-/// Coarse enough to be quick.
+/// Settings coarse enough to be quick.
 const COARSE: [&str; 3] =
     ["sample_spacing=0.3", "accuracy=0.02", "layer_height=0.2"];
 /// A stem of 8 mm, and from 10 mm on arms of 20 mm on both sides.
@@ -66,11 +66,12 @@ fn gaps_are_as_asked_for_whatever_the_layer_height() {
         // The arms begin at 10 mm.
         let top = tops.last().unwrap().0;
         assert!((10.0 - gap - top).abs() < 1e-9, "{gap}: {top}");
-        // Each lies on the one below, as high as a layer, but for the first.
+        // Each layer of a support is as high as others and lies on the one
+        // below, but for the first.
         let steps = tops.windows(2).map(|pair| pair[1].0 - pair[0].0);
         let uneven = steps.filter(|step| (step - 0.2).abs() > 1e-6).count();
         assert!(uneven <= 2, "{gap}: {uneven} of {}", tops.len());
-        // So the supports lose no more than they are lower.
+        // So the supports take about as much filament as with the usual gap.
         let share = filament(&tops) / whole;
         assert!((share - 1.0).abs() < 0.06, "{gap}: {share}");
     }
@@ -129,7 +130,7 @@ fn columns_go_straight_down() {
     // The posts are far inside; 49 layers lie under the gap below the arms.
     assert!(tree[0] < 22.0, "{}", tree[0]);
     assert_eq!((snug.len(), grid.len()), (49, 49));
-    // As far as the arms, and by squares of 4 mm.
+    // Snug supports reach as far as the arms, in squares of 4 mm.
     assert!(snug.iter().all(|x| (x - 24.0).abs() < 0.5), "{snug:?}");
     assert!(grid.iter().all(|x| (x - 28.0).abs() < 0.5), "{grid:?}");
     assert!(of_snug > 1.5 * of_tree && of_grid > of_snug);
@@ -191,7 +192,7 @@ fn a_formula_leaves_one_arm_of_a_tee_alone() {
     assert!(least > 4.0, "{least}");
     let most = all.iter().map(|p| p.x).fold(0.0, f64::max);
     assert!((23.5..26.0).contains(&most), "{most}");
-    // Both arms without it, one more than twice as far left.
+    // Without that setting both arms are held, also the one on the left.
     let (both, _) = run(TEE, &set[..1]);
     let least = supported(&both)
         .concat()
@@ -206,7 +207,7 @@ fn a_formula_asks_for_a_support_where_none_is_needed() {
     let (gcode, summary) = run(CHALICE, &["supports=auto"]);
     assert_eq!(summary.support_length, 0.0);
     assert_eq!(supported(&gcode).concat(), []);
-    // Between 10 and 12 mm, to the right.
+    // Supports are wanted between 10 and 12 mm, to the right.
     let wanted = "support.where=expr: min(x - 2, 1 - abs(z - 11))";
     let (gcode, summary) = run(CHALICE, &["supports=auto", wanted]);
     let layers = supported(&gcode);
@@ -243,7 +244,7 @@ fn forbidding_all_of_them_is_as_if_they_were_off() {
 
 #[test]
 fn a_formula_without_effect_or_value_is_told_of() {
-    // Neither positive nor negative where the part is.
+    // This expression is neither positive nor negative where the part is.
     let (_, summary) = run(
         TEE,
         &["supports=auto", "support.where=expr: max(x - 99, 0)"],
@@ -251,7 +252,7 @@ fn a_formula_without_effect_or_value_is_told_of() {
     let told = summary.warnings.join("\n");
     assert!(told.contains("support.where has no effect"), "{told}");
     assert!(summary.support_length > 0.0);
-    // Too steep for a support beside it.
+    // This column is too steep for a support beside it.
     let column = "max(max(abs(x) - 3 - z/3, abs(y) - 3), abs(z - 8) - 8)";
     let (_, summary) = run(column, &["supports=auto", "support.where=1"]);
     let told = summary.warnings.join("\n");
@@ -419,7 +420,7 @@ fn supports_of_a_tip_stay_out_of_it_with_wide_nozzles() {
         // Where the cone is about as thick as the narrowest bead of a tip.
         let thick = 2.0 * 0.268 * (first - 6.0);
         assert!(thick < 0.7 * nozzle + 0.1, "{nozzle}: {thick}");
-        // What holds it ends a gap below it.
+        // The support that holds the tip ends a gap below it.
         let below = support
             .iter()
             .filter(|(z, near, _)| *near < 1.2 && *z < first);
@@ -478,8 +479,8 @@ fn gaps_through_which_the_part_sags_are_told_of() {
 type Under<'a> = &'a dyn Fn(DVec2) -> Option<f64>;
 
 /// The air between the highest beads of supports and an underside, less
-/// `support.z_gap`, for each cell of a grid, where `under` gives a height. Lines of
-/// the dense layers lie nearer to each other than a cell is wide.
+/// `support.z_gap`, for each cell of a grid, where `under` gives a height.
+/// Lines of the dense layers lie nearer to each other than a cell is wide.
 fn airs(gcode: &str, under: Under<'_>) -> Vec<f64> {
     const CELL: f64 = 0.6;
     let middle = DVec2::splat(110.0);
@@ -527,14 +528,15 @@ fn tops_of_supports_follow_the_underside_if_they_are_to() {
         inside.then(|| plane(p))
     };
     let ball = "sqrt(x^2 + y^2 + (z - 26)^2) - 20";
-    // Up to a slope of 8°.
+    // The cap counts up to a slope of 8°.
     let cap = |p: DVec2| {
         let r = p.length();
         (r < 2.8).then(|| 26.0 - (400.0 - r * r).sqrt())
     };
     let parts: [(&str, Under<'_>); 2] = [(&slab, &inside), (ball, &cap)];
     for (part, under) in parts {
-        // The foot takes the part's middle along, which is that of its box.
+        // A second foot keeps the part's middle where it is: at that of its
+        // box.
         let part =
             format!("min({part}, min({foot}, {}))", foot.replace('+', "-"));
         let of = |shape: &str| {
@@ -546,7 +548,8 @@ fn tops_of_supports_follow_the_underside_if_they_are_to() {
         // What rises and falls is one layer to viewers.
         assert_eq!(layers, same);
         assert!(flat.len() > 80 && follow.len() > 80);
-        // Steps of half a layer to both sides, against none.
+        // A flat interface is off by up to half a layer, one that follows is
+        // not.
         let of = |airs: &[f64]| [0.5, 0.9].map(|q| quantile(airs, q));
         assert!(of(&flat)[1] > 0.05, "{:?}", of(&flat));
         assert!(of(&follow)[0] < 0.002, "{:?}", of(&follow));

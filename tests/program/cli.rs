@@ -120,7 +120,7 @@ fn negative_numbers_are_values() {
         .args(["--bounds", "-5,-5,-5:5,5,5", "--set", "skin_angle=-30"])
         .assert()
         .success();
-    // Off the bed, but understood.
+    // The part is off the bed, but the text is understood.
     isoslice(&folder())
         .args(["info", "-e", BALL, "--at", "-5,-10"])
         .assert()
@@ -491,7 +491,8 @@ fn pictures_of_an_earlier_longer_run_are_removed() {
     left.extend(foreign.map(String::from));
     left.sort();
     assert_eq!(pictures("2", &[]), left);
-    // A range replaces its own and leaves those of the part's other layers.
+    // A range replaces its own pictures and leaves those of the part's other
+    // layers.
     fs::remove_file(folder.path().join("pictures/layer-00001.svg")).unwrap();
     write(&folder, "pictures/layer-00002.svg", "old");
     left.remove(0);
@@ -826,7 +827,7 @@ fn settings_come_from_profiles_files_and_the_command_line_in_order() {
     assert!(line("density = 1.27 ").contains("shipped filaments/petg.toml"));
     assert!(line("loops = 2 ").ends_with(" # --set"));
     assert!(line("accuracy = 0.005 ").ends_with(" # default"));
-    // It can be fed back.
+    // What is printed can be read again.
     write(&folder, "all.toml", &effective);
     let plain = |args: &[&str]| stdout(isoslice(&folder).args(args));
     let fed_back = plain(&["settings", "--config", "all.toml"]);
@@ -874,7 +875,7 @@ fn a_profile_is_no_output() {
         .stderr(contains("is also an input and would be overwritten"));
 }
 
-/// Those that were read, whatever they were called by, and no others.
+/// Only files that were read are no outputs, whatever name they were read by.
 #[test]
 fn files_of_profiles_are_no_outputs() {
     let folder = folder();
@@ -931,7 +932,7 @@ fn the_time_is_written_if_it_is_asked_for() {
     assert_eq!(with.lines().next(), Some(line.as_str()));
     let behind = |text: &str| text.split_once('\n').unwrap().1.to_owned();
     assert_eq!(behind(&with), behind(&plain));
-    // Between when the clocks of this test's authors and readers were set.
+    // The year of a clock that is set is in this range.
     let now = text(None, &["--timestamp"]);
     let first = now.lines().next().unwrap();
     let year = first.strip_prefix(&format!("{name} on ")).unwrap();
@@ -1044,7 +1045,7 @@ fn standard_input_and_output_are_dashes() {
         .assert()
         .code(1)
         .stderr(starts_with("error: stdin"));
-    // As of files.
+    // Standard input has the limits that files have.
     for (format, megabytes) in [("rhai", 2), ("formula", 2), ("vm", 64)] {
         isoslice(&folder)
             .args(["info", "-", "--format", format])
@@ -1146,7 +1147,7 @@ fn every_template_slices_as_it_is() {
             .success();
         let script = read(&folder, "lamp.rhai");
         assert!(script.starts_with("// lamp: "), "{script}");
-        // What its head says to run.
+        // The command is the one in the script's head.
         let said = script
             .lines()
             .filter_map(|line| line.strip_prefix("//   isoslice "));
@@ -1156,7 +1157,8 @@ fn every_template_slices_as_it_is() {
                 .args(line.split_whitespace())
                 .assert()
                 .success()
-                // After 10 s, on a slow machine, it says that it is at work.
+                // On a slow machine the program says after 10 s that it is at
+                // work.
                 .stderr(
                     is_empty().or(starts_with("note: still at work")
                         .and(contains("\n").count(1))),
@@ -1234,7 +1236,7 @@ mod unix {
         };
         slice();
         assert_eq!(mode(&folder, "out.gcode"), mode(&folder, "new"));
-        // And of the file it replaces.
+        // A file that replaces another one has the other one's mode.
         let private = fs::Permissions::from_mode(0o640);
         fs::set_permissions(folder.path().join("out.gcode"), private).ok();
         slice();
@@ -1552,7 +1554,8 @@ fn a_part_of_which_nothing_is_printed_is_an_error() {
 fn layers_end_where_the_print_does() {
     let folder = folder();
     let cone = "max(sqrt(x^2 + y^2) - 10 + z, -z)";
-    // Nobody can know that before it is sliced: `info` says what is planned.
+    // Nobody can know that before the part is sliced: `info` says what is
+    // planned.
     isoslice(&folder)
         .args(["info", "-e", cone])
         .assert()
@@ -1577,7 +1580,7 @@ fn layers_end_where_the_print_does() {
     ] {
         assert!(text.lines().any(|l| l == line), "{line}");
     }
-    // A range knows it as well.
+    // A range's file says so as well.
     let (part, text_of_part) = slice("40..");
     assert_eq!(part["last_layer"], 49);
     assert!(text_of_part.contains("; layers 40 to 49 of 49\n"));
@@ -1585,7 +1588,7 @@ fn layers_end_where_the_print_does() {
         let from = text.find(";LAYER_CHANGE\n;Z:8\n").unwrap();
         text[from..text.find("; end of layers").unwrap()].to_owned()
     };
-    // The beginning of a range apart, as for any other.
+    // The beginning of a range is left out, as in any comparison of ranges.
     let from = |text: &str| text[text.find(";Z:9\n").unwrap()..].to_owned();
     assert_eq!(from(&layers(&text)), from(&layers(&text_of_part)));
 }
@@ -1611,8 +1614,8 @@ fn a_drawing_gets_a_height() {
         .stderr(contains("has a height of its own"));
 }
 
-/// Where it cannot be moved there, what is said of its digits comes first: the
-/// error names only what followed from them.
+/// Where the ball cannot be moved to the origin, the loss of digits is told
+/// first, and the error names only what followed from it.
 #[test]
 fn a_ball_that_lost_its_digits_is_said_to_have() {
     let folder = folder();
@@ -1623,7 +1626,7 @@ fn a_ball_that_lost_its_digits_is_said_to_have() {
         .stderr(starts_with("warning: the part lies 30 m from the origin"));
 }
 
-/// The text is that of a ball at the origin: f32 has the digits for it.
+/// The text is that of a ball at the origin, for which f32 has the digits.
 #[test]
 fn a_ball_thirty_metres_away_is_all_there() {
     let folder = folder();

@@ -162,7 +162,8 @@ fn a_configuration_of_prusaslicer_becomes_three_profiles() {
             "angle = 50",
         ],
     );
-    // It works at once, and the conditions in the start are decided.
+    // The imported profile works at once, and the conditions in its start are
+    // decided.
     let options = ["my-config"; 3];
     let gcode = output(
         dir.path(),
@@ -452,7 +453,7 @@ fn keys_are_lost_once_and_only_if_no_setting_is_made_of_them() {
         text.contains("# 3 keys became settings, 1 have no"),
         "{text}"
     );
-    // Two settings are made of this one.
+    // Two settings are made of this key.
     assert_eq!(said.matches("solid_infill_speed: ").count(), 1, "{said}");
     // Remarks are there although the profile goes to standard output.
     assert!(said.contains("retract.prime_speed was left out"), "{said}");

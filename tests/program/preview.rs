@@ -109,7 +109,8 @@ fn figures_of_our_own_files_agree_with_the_slicer() {
     let volume: f64 = s.roles.iter().map(|r| r.volume).sum();
     let expected = filament * filament_area(1.75);
     assert!((volume / expected - 1.0).abs() < 0.01, "{volume}");
-    // Estimated from the moves alone, with the accelerations of the file.
+    // The time is estimated from the moves alone, with the accelerations of the
+    // file.
     assert!(
         (s.time / s.said_time.unwrap() - 1.0).abs() < 0.05,
         "{}",
@@ -171,7 +172,7 @@ fn a_page_is_written_beside_the_file_and_is_the_same_each_time() {
         .write_html(&mut expected, "part.gcode")
         .unwrap();
     assert!(page.into_bytes() == expected);
-    // From standard input it has another name only.
+    // Read from standard input, the file differs in its name only.
     isoslice(&folder)
         .args(["preview", "-", "-o", "piped.html", "-q"])
         .pipe_stdin(folder.path().join("part.gcode"))

@@ -1,5 +1,6 @@
-//! `isoslice send` and `isoslice printers`, with a host that is as Moonraker is.
-//! What the clients do with hosts that misbehave is tested in src/cli/hosts/tests.rs.
+//! `isoslice send` and `isoslice printers`, with a host that is as Moonraker
+//! is. What the clients do with hosts that misbehave is tested in
+//! src/cli/hosts/tests.rs.
 
 use crate::program::isoslice;
 use crate::served::Watch;
@@ -155,12 +156,12 @@ fn from_a_model_to_the_printer() {
     assert_eq!(told, "part.gcode is being printed on shop\n");
     assert!(started());
 
-    // Made for another printer.
+    // This file is made for another printer.
     let other = [&slice[..], &["--printer", "prusa-xl"]].concat();
     works(folder, &other, "");
     fails(folder, &start, "made for another printer");
     works(folder, &[&start[..], &["--force"]].concat(), "");
-    // It does not say for which one.
+    // This file does not say for which printer it is made.
     works(folder, &slice, "");
     fails(folder, &start, "does not say for which printer it was made");
     works(folder, &[&start[..], &["--force"]].concat(), "");

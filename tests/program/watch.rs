@@ -73,7 +73,7 @@ fn changes_of_the_page_are_sliced() {
     let state = watch.done();
     assert!(state["fault"].is_null());
     assert_eq!(state["model"]["size"][0], 8.0);
-    // Settings that are watched.
+    // A watched file of settings may have a mistake.
     fs::write(folder.path().join("mine.toml"), "walls = 1000000\n").unwrap();
     let state = watch.state(|state| state["fault"].is_object());
     let text = state["fault"]["text"].as_str().unwrap();
@@ -88,8 +88,9 @@ fn changes_of_the_page_are_sliced() {
             && state["fault"].is_null()
             && state["model"]["parameters"][0]["name"] == "size"
     });
-    // Once it is back, it has the value that the page gave it. An editor that
-    // empties the file before it writes it takes the parameter away for a moment.
+    // Once the parameter is back, it has the value that the page gave it. An
+    // editor that empties the file before it writes it takes the parameter away
+    // for a moment.
     fs::write(folder.path().join("cup.rhai"), "").unwrap();
     watch.state(|state| state["fault"].is_object());
     fs::write(folder.path().join("cup.rhai"), CUP).unwrap();
@@ -108,7 +109,7 @@ fn the_layer_that_is_shown_comes_first() {
     fs::write(folder.path().join("rod.rhai"), script).unwrap();
     let watch = Watch::start(folder.path(), &["rod.rhai"]);
     assert!(watch.done()["glimpse"].is_null());
-    // Without a word of a layer there is none.
+    // If no layer is asked for, there is no glimpse.
     watch.post("change", r#"{"define": {"radius": "7"}}"#);
     let state = watch.state(|state| state["model"]["size"][0] == 14.0);
     assert!(state["glimpse"].is_null());
@@ -134,7 +135,7 @@ fn the_layer_that_is_shown_comes_first() {
     let end = moves.body.iter().position(|b| *b == b'\n').unwrap();
     let told: Value = serde_json::from_slice(&moves.body[..end]).unwrap();
     assert_eq!(told["z"].as_array().unwrap().len(), 1);
-    // All layers take its place.
+    // All layers take the glimpse's place.
     assert!(watch.done()["glimpse"].is_null());
     assert_eq!(watch.get("glimpse?revision=1").code, 404);
     for (body, code) in [
@@ -171,7 +172,7 @@ fn hostile_requests_get_nothing_and_break_nothing() {
         assert_eq!(answer.code, code, "{method} {path} {head}");
         assert!(!String::from_utf8_lossy(&answer.body).contains("SECRET"));
     }
-    // As after a name of another site was made to lead here.
+    // A name of another site may be made to lead here.
     let (secret, port) = (&watch.secret, watch.port);
     let rebound = format!(
         "GET /{secret}/state HTTP/1.1\r\nHost: evil.example:{port}\r\n\
@@ -209,7 +210,7 @@ fn hostile_requests_get_nothing_and_break_nothing() {
         let answer = watch.raw(&closing);
         assert!(answer.is_none_or(|a| a.code >= 400), "{:.20?}", bytes);
     }
-    // Nothing of that was a change.
+    // None of these requests was a change.
     let after = watch.done();
     assert_eq!(after["model"], before["model"]);
     assert_eq!(after["choice"], before["choice"]);
@@ -308,7 +309,7 @@ fn a_plate_file_and_its_models_are_watched() {
     let of_page = String::from_utf8(watch.get("settings.toml").body).unwrap();
     assert!(of_page.contains("walls = 3\n"), "{of_page}");
     watch.done();
-    // The script of a part.
+    // The script of a part changes.
     fs::write(file("cup.rhai"), CUP.replace("- 1)", "- 2)")).unwrap();
     watch.state(|state| {
         state["busy"].is_null() && state["model"]["size"][2] == 4.0
@@ -319,7 +320,7 @@ fn a_plate_file_and_its_models_are_watched() {
     assert!(excerpt.contains("2 | x - rr"), "{wrong}");
     fs::write(file("cup.rhai"), CUP).unwrap();
     watch.state(|state| state["fault"].is_null());
-    // The plate file.
+    // The plate file changes.
     fs::write(file("plate.toml"), plate("scael = 2")).unwrap();
     let wrong = watch.state(|state| state["fault"].is_object());
     let text = wrong["fault"]["text"].as_str().unwrap();

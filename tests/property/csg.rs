@@ -10,19 +10,19 @@ use proptest::prelude::*;
 pub enum Solid {
     Cuboid(DVec3),
     Ball(f64),
-    /// Upright, of a radius and half a height.
+    /// An upright cylinder, of a radius and half a height.
     Cylinder(f64, f64),
     Moved(Box<Solid>, DVec3),
-    /// Turned about an axis by an angle.
+    /// A solid turned about an axis by an angle.
     Turned(Box<Solid>, DVec3, f64),
     Union(Box<Solid>, Box<Solid>),
     Cut(Box<Solid>, Box<Solid>),
     Common(Box<Solid>, Box<Solid>),
     /// A union whose edge is rounded within a distance.
     Blend(Box<Solid>, Box<Solid>, f64),
-    /// The same solid in a field that jumps: −1 inside, 1 outside.
+    /// A solid in a field that jumps: −1 inside, 1 outside.
     Jump(Box<Solid>),
-    /// The same solid in a field that is no distance.
+    /// A solid in a field that is no distance.
     Scaled(Box<Solid>, f64),
 }
 

@@ -44,7 +44,7 @@ fn a_speed_follows_the_height_above_the_bed() {
 fn a_speed_that_differs_along_a_wall_does_not_cut_it() {
     let plain = print(&[]);
     let layers = print(&["speed.outer_wall=expr: 30 + 3*x"]);
-    // Moves that do not print are the same.
+    // Moves that do not print do not change.
     let travels = |layers: &[Layer]| -> Vec<usize> {
         let of = |l: &Layer| {
             l.moves.iter().filter(|m| m.kind == Kind::Travel).count()
@@ -56,7 +56,7 @@ fn a_speed_that_differs_along_a_wall_does_not_cut_it() {
         // The bed's middle is the model's origin.
         let x = 0.5 * (m.from.x + m.to.x) - 110.0;
         let wanted = 30.0 + 3.0 * x;
-        // Asked every millimetre, told within a per cent.
+        // The speed is asked for every millimetre, and told within a per cent.
         assert!(
             (m.feed / 60.0 - wanted).abs() < 1.6 + 0.01 * wanted,
             "{m:?}"
@@ -111,7 +111,7 @@ fn the_nozzle_cools_as_the_print_grows() {
             }
         }
     }
-    // 220 to 208, a degree at a time, each once.
+    // The temperatures go from 220 to 208, a degree at a time, each once.
     assert_eq!(told.len(), 13, "{told:?}");
 }
 
@@ -124,7 +124,7 @@ fn a_fan_that_varies_is_never_off_between_layers() {
     for layer in &layers[..layers.len() - 1] {
         assert!(!layer.contains("M107"), "{layer}");
     }
-    // Once a layer, but for bridges and overhangs.
+    // The fan is set once a layer, but for bridges and overhangs.
     let told = text.matches("M106").count();
     assert!(told >= layers.len() && told < 3 * layers.len(), "{told}");
 }
@@ -163,7 +163,7 @@ fn limits_hold_and_what_has_no_value_is_an_error() {
 
 #[test]
 fn fuzzy_walls_stay_within_their_thickness_and_grow_with_it() {
-    // From smooth at the bed to 0.4 mm at the top.
+    // Walls are smooth at the bed, and off by up to 0.4 mm at the top.
     let layers = print(&["fuzzy.thickness=expr: 0.4*z/12"]);
     let plain = print(&[]);
     let off = |layers: &[Layer], from: f64, to: f64| -> f64 {
@@ -181,7 +181,7 @@ fn fuzzy_walls_stay_within_their_thickness_and_grow_with_it() {
     let (low, high) = (off(&layers, 1.0, 2.0), off(&layers, 9.0, 11.0));
     assert!((0.02..0.08).contains(&low), "{low}");
     assert!((0.2..0.4).contains(&high), "{high}");
-    // By place, so always the same.
+    // The texture depends on the place, so it never changes.
     let again = print(&["fuzzy.thickness=expr: 0.4*z/12"]);
     assert_eq!(off(&again, 0.0, 12.0), off(&layers, 0.0, 12.0));
 }

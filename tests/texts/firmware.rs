@@ -8,7 +8,7 @@ use glam::DVec2;
 use isoslice::settings::Settings;
 use std::collections::BTreeSet;
 
-/// Coarse enough to be quick, with all that a firmware can be told.
+/// Settings coarse enough to be quick, with all that a firmware can be told.
 const ALL: [&str; 11] = [
     "sample_spacing=0.6",
     "accuracy=0.05",
@@ -132,7 +132,7 @@ fn each_example(
         accelerations(&gcode, &settings);
         look(name, &gcode, &settings);
     }
-    // A whole part, which tells how far it has come.
+    // A whole part tells how far it has come.
     let (model, settings) = ball(&all);
     let (gcode, _) = slice(&model, &settings, 2);
     assert_known(&gcode, known);
@@ -167,10 +167,12 @@ fn accelerations(gcode: &str, s: &Settings) {
                 (_, "External perimeter") => 600.0,
                 _ => number(s, "printer.acceleration"),
             };
-            let at = match prints {
-                true => own,
-                false if klipper => number(s, "printer.travel_acceleration"),
-                false => continue,
+            let at = if prints {
+                own
+            } else if klipper {
+                number(s, "printer.travel_acceleration")
+            } else {
+                continue;
             };
             assert_eq!(now, Some(at), "layer {layer}, {role}: {line}");
             seen.insert(at as u32);
@@ -277,7 +279,7 @@ fn bambu_firmware_knows_every_line() {
         assert_eq!(count(&format!("M991 S0 P{k}")), 1);
     }
     assert_eq!(count("; model label id: 1"), 1);
-    // The first of 64 bits.
+    // The label has the first of 64 bits.
     assert_eq!(count("M624 AQAAAAAAAAA="), layers);
     assert_eq!(count("M625"), layers);
     assert!(gcode.contains("\n; FEATURE: Outer wall\n"));
@@ -432,7 +434,7 @@ fn the_outline_for_klipper_is_the_parts() {
         let r = DVec2::new(x - 110.0, y - 110.0).length();
         assert!((7.9..=8.3).contains(&r), "{r}");
     }
-    // The skirt is not part of it.
+    // The skirt is not part of the label's outline.
     let first = gcode.split(";LAYER_CHANGE").nth(1).unwrap();
     let skirt = first.find(";TYPE:Skirt/Brim").unwrap();
     let start = first.find("EXCLUDE_OBJECT_START").unwrap();
@@ -476,8 +478,8 @@ fn progress_goes_from_nothing_to_all() {
     }
 }
 
-/// Files of ranges do not know the whole print's time: they have no such
-/// lines, and are the same but for them.
+/// Files of ranges do not know the whole print's time. They have no such lines,
+/// and do not differ otherwise.
 #[test]
 fn ranges_tell_no_progress_and_are_the_same_otherwise() {
     fn body(gcode: &str) -> String {
@@ -536,7 +538,7 @@ fn a_layer_template_may_do_what_it_likes() {
         assert!(a.iter().zip(&b).all(|(a, b)| {
             a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1.0)
         }));
-        // The fan is set again after it.
+        // The fan is set again after the template.
         let layers: Vec<&str> = gcode.split(";LAYER_CHANGE").collect();
         assert!(layers[5].contains("\nM106 S255\n"));
     }

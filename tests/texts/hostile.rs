@@ -10,8 +10,8 @@ use isoslice::pipeline::{self, Options};
 use isoslice::settings::{Builder, Settings, keys};
 use std::time::Duration;
 
-/// Far more than any of these needs, on any machine; one that needs more, or
-/// has no end, fails.
+/// Far more than any of these runs needs, on any machine. A run that needs
+/// more, or has no end, fails.
 fn watch() -> Watch {
     Watch::new(Limits {
         time: Some(Duration::from_secs(900)),
@@ -52,7 +52,7 @@ fn slice(
 /// What any G-code has to be, whatever it prints.
 #[track_caller]
 fn assert_valid(gcode: &str, settings: &Settings, what: &str) {
-    // Asserts that every number is one.
+    // The reader asserts that every number is one.
     let layers = common::parse(gcode);
     let lines: Vec<&str> = gcode.lines().collect();
     let mut prints = 0;
@@ -125,10 +125,10 @@ fn fields_without_a_value() {
     refused("sqrt(-1 - x^2)");
     refused("0/0");
     refused("ln(-1)");
-    // Where there is one, it is printed.
+    // A part is printed where the field has a value.
     prints("sqrt(x) + abs(y) - 2");
     prints("sqrt(x^2 + y^2) - 2 + sqrt(z)*0");
-    // A point without a value in the middle of what is solid.
+    // There is a point without a value in the middle of what is solid.
     prints("abs(x)/x*0 + sqrt(x^2 + y^2 + z^2) - 2.5");
     let _ = check("tan(x*100)*ln(y) - 1/z");
     let _ = check("asin(x) + acos(y)");
@@ -152,7 +152,7 @@ fn fields_that_are_constant() {
     refused("0*x");
     refused("x - x");
     refused("-1");
-    // Negative everywhere, which a formula cannot be seen to be.
+    // This formula is negative everywhere, which it does not show.
     prints("min(x, -100)");
 }
 
@@ -174,7 +174,7 @@ fn fields_of_any_scale() {
             let _ = check(&format!("{scale}*({part})"));
         }
     }
-    // These f32 holds.
+    // f32 holds these numbers.
     prints("1e30*(sqrt(x^2 + y^2 + z^2) - 2)");
     prints("1e-30*(sqrt(x^2 + y^2 + z^2) - 2)");
     // Coordinates beyond any bed.
@@ -198,8 +198,8 @@ fn islands_without_number() {
         min: DVec3::new(-1.0, -1.0, 0.0),
         max: DVec3::new(1.0, 1.0, 0.6),
     };
-    // 0.8 mm apart, then smaller than the lattice, and smaller than f32 tells
-    // apart.
+    // The waves are 0.8 mm apart, then finer than the lattice, and finer than
+    // f32 tells apart.
     for wave in ["7.854*", "31.4*", "1000*", "1e6*", "1e12*"] {
         for text in [
             format!("sin({wave}x)*sin({wave}y) + 0.2 + 0*z"),
@@ -250,7 +250,7 @@ fn fields_that_oscillate_finer_than_can_be_printed() {
         assert!(error.contains("too finely"), "{text}: {error}");
         assert!(error.contains("near x ="), "{text}: {error}");
     }
-    // The same whatever the lattice.
+    // The lattice makes no difference.
     for spacing in ["0.05", "0.3", "1"] {
         let spacing = format!("sample_spacing={spacing}");
         let settings = common::settings(&[&spacing, "slit_closing=0.05"]);
@@ -281,7 +281,7 @@ fn fine_lattices_are_printed() {
         cut("abs((x+50)%0.4 - 0.2) - 0.1"),
         // Forty blades that meet in the middle.
         "max(sin(40*atan2(y,x)), max(sqrt(x^2+y^2) - 6, abs(z) - 3))".into(),
-        // Sixty, and a hundred: what is too fine is a small share of them.
+        // Of sixty and of a hundred blades only a small share is too fine.
         "max(sin(60*atan2(y,x)), max(sqrt(x^2+y^2) - 9, abs(z) - 3))".into(),
         "max(sin(100*atan2(y,x)), max(sqrt(x^2+y^2) - 12, abs(z) - 1))".into(),
     ] {
@@ -305,8 +305,8 @@ fn parts_thinner_than_any_bead() {
     }
 }
 
-/// Each ends after a look at some places: all outlines of the first one would
-/// take many minutes.
+/// Each run ends after a look at some places. All outlines of the first part
+/// would take many minutes.
 #[test]
 fn parts_thinner_than_any_bead_nearly_everywhere() {
     let sheets = |k: &str, thick: f64, half: f64| {
@@ -316,7 +316,7 @@ fn parts_thinner_than_any_bead_nearly_everywhere() {
     let thin = [
         sheets("1", 0.05, 50.0),
         sheets("1", 0.004, 5.0),
-        // Hardly any node meets these.
+        // Hardly any node meets these sheets.
         sheets("6", 0.05, 6.0),
         "max(abs(mod(x + 50, 1) - 0.5) - 0.05, \
          max(max(abs(x), abs(y)) - 20, abs(z - 10) - 10))"
@@ -328,8 +328,8 @@ fn parts_thinner_than_any_bead_nearly_everywhere() {
         assert!(error.contains("next to nothing"), "{text}: {error}");
         assert!(error.contains("thin_min"), "{text}: {error}");
     }
-    // Thin at its top, thin in its lower half, half of it thin, and thin only
-    // because slits are left open.
+    // These parts are thin at the top, in the lower half, in half of their
+    // places, and only because slits are left open.
     let thick = [
         "max(max(abs(x), abs(y)) - min(8, 0.1 + max(0, 10 - z)), abs(z - 6) - 6)",
         "min(max(max(abs(x), abs(y)) - 0.1, abs(z - 2) - 2), \
@@ -361,7 +361,7 @@ fn a_plate_as_large_as_the_bed() {
     };
     let gcode = slice("z - 1", Some(bed), &settings).unwrap();
     assert_valid(&gcode, &settings, "a plate");
-    // Without bounds it goes on for ever.
+    // Without bounds this part goes on for ever.
     assert!(slice("z - 1", None, &settings).is_err());
     let larger = Bounds {
         max: DVec3::new(221.0, 220.0, 0.6),
@@ -390,7 +390,7 @@ fn check_setting(key: &str, value: f64) {
         .set(&what)
         .unwrap_or_else(|error| panic!("{what}: {error}"));
     let Ok((settings, _)) = builder.finish() else {
-        // At odds with another setting, which the error says.
+        // The value is at odds with another setting, which the error says.
         return;
     };
     let cube = "max(max(abs(x), abs(y)), abs(z)) - 2.5";
@@ -469,7 +469,7 @@ fn settings_beyond_their_ends_are_refused() {
             assert!(error.contains(key.name), "{given}: {error}");
             tested += 1;
         }
-        // The same from a file, where TOML has numbers that are none.
+        // Files of settings are judged alike. TOML has numbers that are none.
         for value in ["nan", "inf", "-inf", "1e308", "-1e308"] {
             let mut builder = Builder::new();
             let text = match key.name.split_once('.') {

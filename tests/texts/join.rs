@@ -1,5 +1,5 @@
-//! Files of ranges of layers make the file of a single run, whatever the firmware
-//! and the format; and what is no such set of files is refused.
+//! Files of ranges of layers make the file of a single run, whatever the
+//! firmware and the format; and what is no such set of files is refused.
 
 use crate::common;
 use crate::common::program::isoslice;
@@ -76,8 +76,8 @@ fn binary_files_with_pictures_of_every_format() {
     assert_joins(&plate_of(PART, &settings), Format::Binary);
 }
 
-/// The end template names what is known at the end only; firmware that feeds
-/// filament by itself; temperatures by height.
+/// The end template names what is known at the end only. The firmware retracts
+/// by itself, and temperatures depend on the height.
 #[test]
 fn totals_in_templates() {
     let settings = settings(&[
@@ -193,7 +193,7 @@ fn half_written_and_changed_files_are_refused() {
         let cut = second.len() - 1 - k;
         assert!(join(&[&first[..], &second[..cut]]).is_err(), "{cut}");
     }
-    // A digit, a letter or a line that is another one, anywhere.
+    // Anywhere a digit, a letter or a line is another one.
     let step = second.len() / 150;
     let end = second.len() - 400..second.len();
     for at in (0..second.len()).step_by(step).chain(end) {
@@ -209,7 +209,7 @@ fn half_written_and_changed_files_are_refused() {
     let more = text.clone() + "M117 done\n";
     let error = join(&[first.as_slice(), more.as_bytes()]).unwrap_err();
     assert!(matches!(error, JoinError::NoRange(_)), "{error}");
-    // Line ends of another system.
+    // The line ends are those of another system.
     let ends = text.replace('\n', "\r\n");
     assert!(join(&[first.as_slice(), ends.as_bytes()]).is_err());
 }
@@ -217,7 +217,7 @@ fn half_written_and_changed_files_are_refused() {
 #[test]
 fn ranges_begin_with_blocks_and_have_every_layer() {
     let settings = settings(&["sample_spacing=0.6", "layer_height=0.05"]);
-    // Wide below and thin above.
+    // This part is wide below and thin above.
     let part = "max(sqrt(x^2 + y^2) - 20 + 0.45*z, max(-z, z - 40))";
     let model: Model = common::formula(part, &settings);
     let plate = Plate::of(&model, &settings);
@@ -241,7 +241,7 @@ fn ranges_begin_with_blocks_and_have_every_layer() {
     assert_eq!(split(&plate, 20, Some(2)).unwrap().len(), 7);
 }
 
-/// As in docs/large-parts.md.
+/// The commands are those of docs/large-parts.md.
 #[test]
 fn on_the_command_line() {
     let folder = tempfile::tempdir().unwrap();

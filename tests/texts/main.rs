@@ -1,5 +1,5 @@
-//! What goes in and what comes out as text: models, settings, profiles and other
-//! slicers' files, and G-code as firmware and viewers read it.
+//! What goes in and what comes out as text: models, settings, profiles and
+//! other slicers' files, and G-code as firmware and viewers read it.
 
 // A test that cannot go on should say so and stop.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]

@@ -150,7 +150,7 @@ fn turned_cubes() {
     let cube = formula("max(abs(x), abs(y), abs(z)) - 10");
     let tree = turned(&cube, [0.0, 0.0, 45.0]);
     assert_bounds(&tree, [-r, -r, -10.0], [r, r, 10.0]);
-    // On its corner: the height is the cube's diagonal.
+    // The cube stands on its corner, so its height is its diagonal.
     let tree = turned(&cube, [45.0, -(0.5f64.sqrt()).atan().to_degrees(), 0.0]);
     let h = 10.0 * 3f64.sqrt();
     let found = exact_box(&tree);
@@ -343,7 +343,7 @@ fn shared_faces_of_differences_do_not_count() {
 
 #[test]
 fn fields_that_are_nan_in_places() {
-    // NaN for x < 0, which is outside.
+    // The field is NaN for x < 0, which counts as outside.
     assert_formula(
         "max(sqrt(x) - 2, abs(y) - 1, abs(z) - 1)",
         [0.0, -1.0, -1.0],
@@ -354,7 +354,7 @@ fn fields_that_are_nan_in_places() {
         [-10.0, -30.0, -30.0],
         [0.0, 30.0, 30.0],
     );
-    // Infinite at the origin.
+    // This field is infinite at the origin.
     assert_formula("1 - 1/(x^2+y^2+z^2)", [-1.0; 3], [1.0; 3]);
 }
 
@@ -466,7 +466,7 @@ fn given_bounds_cut_the_model() {
 fn a_model_rests_on_the_middle_of_the_bed() {
     let ball = formula("sqrt((x-3)^2+(y+4)^2+(z-50)^2) - 15");
     let model = place(&ball, &Placement::default(), PRINTER).unwrap();
-    // No scale, no rotation: the user's own expression.
+    // Without a scale or a rotation the expression is the user's own.
     assert!(model.tree.ptr_eq(&ball.tree));
     assert_eq!(model.offset.z, -35.0);
     assert_eq!(model.printed_bounds().centre().x, 110.0);
@@ -719,7 +719,7 @@ fn a_spiral_strip_is_as_large_as_its_last_turn() {
         (r * (TAU * turns).cos(), r * (TAU * turns).sin())
     });
     assert_box(&spiral.tree, [x0, y0, 0.0], [x1, y1, 10.0]);
-    // The same by a remainder, in a disc: what is cut off is round.
+    // This strip is made by a remainder, in a disc: what is cut off is round.
     let disc = script(
         "let r = sqrt(x*x + y*y);
          let u = r - 5.0 * atan2(y, x) / 6.283185307;
@@ -782,7 +782,8 @@ fn a_terrain_of_noise_is_as_high_as_its_summit() {
     for i in 0..=400 {
         for j in 0..=400 {
             let at = |i: i32| -2.0 + f64::from(i) * 0.01;
-            // From the side on which the cell is, not on its border.
+            // Values are taken on the side on which the cell is, not on its
+            // border.
             let (x, y) = (at(i) * (1.0 - 1e-6), at(j) * (1.0 - 1e-6));
             let h = context.eval_xyz(root, x as f32, y as f32, 0.0).unwrap();
             summit = summit.max(f64::from(h));
@@ -797,7 +798,7 @@ fn a_terrain_of_noise_is_as_high_as_its_summit() {
     );
 }
 
-/// Found within the default budget, which bounds the time.
+/// The bounds are found within the default budget, which bounds the time.
 #[test]
 fn twenty_thousand_balls_are_bounded() {
     let text = "
@@ -812,7 +813,7 @@ fn twenty_thousand_balls_are_bounded() {
     );
 }
 
-/// Poles, towers and powers: an answer without the whole budget.
+/// Poles, towers and powers are answered without the whole budget.
 #[test]
 fn tiny_formulas_are_answered_at_once() {
     let start = Instant::now();
@@ -833,7 +834,7 @@ fn tiny_formulas_are_answered_at_once() {
         let found = bounds_of(&formula(text).tree);
         eprintln!("{text}: {:?}, {found:?}", one.elapsed());
     }
-    // A hundred times what it takes on an idle machine.
+    // This is a hundred times what the search takes on an idle machine.
     assert!(start.elapsed().as_secs() < 40, "{:?}", start.elapsed());
 }
 
@@ -915,7 +916,7 @@ fn what_is_no_number_anywhere_says_so_and_why() {
         assert!(words.contains(why), "{text}: {words}");
         assert!(words.contains("NaN"), "{text}: {words}");
     }
-    // In places only: it may be why there is nothing.
+    // The field is NaN in places only, which may be why there is nothing.
     let half = advice(e("sqrt(x) + y^2 + z^2 + 1"));
     assert!(half.contains("nowhere negative"), "{half}");
     assert!(half.contains("the square root of -"), "{half}");
@@ -944,7 +945,7 @@ fn far_parts_are_moved_to_where_f32_has_digits() {
     assert!((drawn - model.bounds.centre()).length() < 1e-9);
     let printed = model.printed_bounds().centre();
     assert!((printed - DVec3::new(110.0, 110.0, 10.0)).length() < 1e-3);
-    // The same field, there and here, but for f32's steps.
+    // The field is equal there and here, but for f32's steps.
     let value = |tree: &Tree, p: DVec3| {
         let mut context = fidget::context::Context::new();
         let root = context.import(tree);
@@ -958,7 +959,7 @@ fn far_parts_are_moved_to_where_f32_has_digits() {
             (value(&far.tree, p + model.origin), value(&model.tree, p));
         assert!((there - here).abs() < 0.02, "{p}: {there} {here}");
     }
-    // Kept where it is, it is as far out as it was drawn.
+    // A part that is kept where it is stays as far out as it was drawn.
     let kept = Placement {
         keep_position: true,
         ..Placement::default()

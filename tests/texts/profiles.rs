@@ -303,7 +303,7 @@ fn an_example_slices_for_every_printer() {
         !p.is_another_nozzle() || p.name.starts_with("generic-marlin")
     });
     for printer in few {
-        // One has a bed of 80 °C.
+        // One of these printers has a bed of 80 °C.
         let (filament, bed, nozzle) = match &*printer.name {
             "bambu-a1-mini" => ("pla", "60", "215"),
             _ => ("petg", "85", "235"),
@@ -353,7 +353,7 @@ fn an_example_slices_for_every_printer() {
                 assert!(!gcode.contains(&line), "{name} has {unknown}");
             }
         }
-        // All on the bed.
+        // All moves are on the bed.
         for line in gcode.lines().filter(|l| l.starts_with("G1 ")) {
             for word in line.split_whitespace() {
                 let value = word.get(1..).and_then(|v| v.parse::<f64>().ok());
@@ -431,7 +431,8 @@ fn ones_own_profile_goes_before_and_may_start_from_the_shipped_one() {
     assert_eq!(listed.len(), count + 1);
 }
 
-/// It used to be unknown, and proposed as the name most like it.
+/// Such a name used to be unknown, and was itself proposed as the most similar
+/// one.
 #[test]
 fn a_profile_that_is_no_file_is_said_to_be_none() {
     let error = refused(&[("filaments/odd.toml/a.txt", "")], "odd");
@@ -450,7 +451,8 @@ fn a_profile_may_be_a_file_anywhere() {
     assert_eq!(cost_and_density(&filament), (1.0, 1.21));
 }
 
-/// As a path in a file does everywhere: from wherever it is read.
+/// A path in a profile starts from the profile's folder, from wherever it is
+/// read.
 #[test]
 fn a_path_in_a_profile_starts_from_its_folder() {
     let (folder, profiles) = folder(&[

@@ -58,7 +58,7 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
     assert!((filament - length).abs() < 1e-9 * length);
 }
 
-/// Coarse enough to be quick, with several slabs of layers.
+/// Settings coarse enough to be quick, with several slabs of layers.
 const COARSE: [&str; 3] =
     ["sample_spacing=0.6", "accuracy=0.05", "retract.z_hop=0.3"];
 
@@ -223,7 +223,8 @@ fn supports_of_a_tee_with(gap: &str) {
     assert_same_in_ranges(&model, &settings, &[3, 33, 52]);
 }
 
-/// So is the raft; ranges begin in it, with the part, and above.
+/// The raft is planned from the whole part, too. Ranges begin in it, with the
+/// part, and above.
 #[test]
 fn a_raft_under_a_tee() {
     let mut all = COARSE.to_vec();

@@ -184,7 +184,8 @@ fn lengths_follow_the_nozzle() {
         all.filter_map(|key| Some((key.name, key.length(&settings)?)))
             .collect::<BTreeMap<_, _>>()
     };
-    // Exactly: the G-code of defaults must not depend on how they are found.
+    // These are the exact values: the G-code of defaults must not depend on how
+    // they are found.
     let expected = [
         ("bottom_skin_width", 0.45),
         ("bottom_thickness", 0.6),
@@ -344,7 +345,7 @@ fn refusals_name_place_key_value_and_remedy() {
                 "layer_height = [0.2]",
                 "walls = 2\nwalls = 3",
                 "walls = ",
-                // The first in the file, not in the alphabet.
+                // The error is the first one in the file, not in the alphabet.
                 "walls = 'many'\naccuracy = 9",
             ]
             .map(|text| (text.to_owned(), refused(text))),

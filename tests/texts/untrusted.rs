@@ -34,7 +34,7 @@ fn assert_refused(text: &str, words: &str) {
     assert!(error.chars().count() < 1000, "{error}");
 }
 
-/// So many nested, or one after another.
+/// This many things are nested, or come one after another.
 const DEEP: usize = 100_000;
 
 #[test]
@@ -100,8 +100,9 @@ fn replacing_in_texts_works_as_ever() {
 
 #[test]
 fn single_operations_that_take_for_ever_are_not_waited_for() {
-    // Looking for a function by all mixtures of its arguments' types, which the
-    // engine's filter of names, whose seed is random, may or may not rule out.
+    // The engine may look for a function by all mixtures of its arguments'
+    // types. Its filter of names, whose seed is random, may or may not rule
+    // that out.
     let call = format!("f({}x)", "x,".repeat(DEEP));
     let error = refusal_within(1, &call);
     let refused = error.contains("1 s") || error.contains("no function f");
@@ -211,7 +212,7 @@ fn formulas_that_nest_without_end_are_refused() {
         format!("{}x{}", "sin(".repeat(n), ")".repeat(n)),
         format!("x{}", "^x".repeat(n)),
     ] {
-        // Refused or read: it must come back.
+        // The formula may be refused or read, but the call must come back.
         let _ = load(&formula(text), &[]);
     }
     let sum = format!("x{}", "+y".repeat(n));

@@ -14,7 +14,8 @@ impl Cell {
     }
 
     pub(crate) fn centre(&self) -> [f64; 3] {
-        // The ends are halved before they are added, so that no box overflows.
+        // The ends are halved before they are added, so that the sum does not
+        // overflow.
         std::array::from_fn(|i| 0.5 * self.lo[i] + 0.5 * self.hi[i])
     }
 

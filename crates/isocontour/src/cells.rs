@@ -14,8 +14,8 @@ const E: u8 = 1;
 const N: u8 = 2;
 const W: u8 = 3;
 
-/// Segments of each case. The ambiguous cases 5 and 10 are as if the cell's
-/// centre were outside.
+/// Segments of each case. In the ambiguous cases 5 and 10 the cell's centre
+/// counts as outside.
 pub(crate) const CASES: [&[(u8, u8)]; 16] = [
     &[],
     &[(S, W)],

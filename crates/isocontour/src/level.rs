@@ -116,7 +116,7 @@ fn chains(
     crossed: Vec<u32>,
     eval: &mut dyn FnMut(&[DVec2], &mut Vec<f64>),
 ) -> Vec<Curve> {
-    // Edges to which no other leads begin an open line. They come first.
+    // Edges to which no other edge leads begin an open line. They come first.
     let mut led = vec![false; next.len()];
     for &e in &crossed {
         led[next[e as usize] as usize] = true;

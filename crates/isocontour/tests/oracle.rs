@@ -205,12 +205,12 @@ struct Compared {
 /// - Rings: their number is equal. Where a neck or a slit is thinner than the
 ///   oracle's cells its nodes do not see it, and the field asks beside its own
 ///   nodes. There a lattice eight times as fine has to see it, too.
-/// - Content: the difference is the accuracy along the rings, what the oracle
-///   still loses, and one of its cells.
-/// - Length: the difference is the same sum. But cutting across corners costs
-///   the oracle more length than content, and whole cells of length at sharp
-///   tips, so our length may be greater by ten cells. It is not less, except
-///   for chords across curves.
+/// - Content: the difference is at most the accuracy along the rings, what the
+///   oracle still loses, and one of its cells.
+/// - Length: the difference is at most that sum, too. But cutting across
+///   corners costs the oracle more length than content, and whole cells of
+///   length at sharp tips, so our length may be greater by ten cells. It is not
+///   less, except for chords across curves.
 fn compare(
     name: &str,
     tree: &Tree,

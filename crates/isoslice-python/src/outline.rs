@@ -1,8 +1,8 @@
 //! Outlines of layers.
 //!
 //! In: a field, or a model on the printer, and heights. Out: for each height
-//! closed rings, as numbers in native order, x and y by turns, for Python to
-//! make lists or arrays of.
+//! closed rings, as numbers in native byte order, x and y in turn. Python makes
+//! lists or arrays of them.
 
 use crate::request::{Keywords, Request, bounds};
 use crate::value::Field as Given;

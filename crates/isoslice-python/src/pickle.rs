@@ -5,8 +5,8 @@
 //! twice is one step, so the field that is read again is the very same
 //! expression, and leads to the same bytes.
 //!
-//! Guaranteed: what is no such list of steps is an exception. Not guaranteed:
-//! that another version of isoslice reads them.
+//! Guaranteed: anything that is no such list of steps leads to an exception.
+//! Not guaranteed: that another version of isoslice reads the steps.
 
 use crate::operation::{binary_of, name_of, unary_of};
 use fidget::context::{Tree, TreeOp};

@@ -83,7 +83,7 @@ pub(crate) struct Sliced {
     /// Notes on what the settings lead to unasked, in sentences.
     #[pyo3(get)]
     notes: Vec<String>,
-    /// What is no number: tables by name, as JSON.
+    /// Results that are not numbers: tables by name, as JSON.
     tables: Value,
     #[serde(with = "crate::value::texts")]
     settings: Settings,
@@ -100,7 +100,7 @@ enum Gcode {
 }
 
 impl Gcode {
-    /// The bytes of nothing, until others take their place.
+    /// No bytes, until others take their place.
     fn nowhere() -> Gcode {
         Gcode::Stream(PathBuf::new())
     }
@@ -399,7 +399,7 @@ fn went(path: &Path) -> PyErr {
     ))
 }
 
-/// What is no number of a run's results.
+/// The results of a run that are not numbers.
 #[derive(Serialize)]
 struct Tables {
     roles: BTreeMap<&'static str, RoleSum>,
@@ -410,8 +410,8 @@ struct Tables {
     timings: BTreeMap<String, f64>,
 }
 
-/// Results as pickle has them: all but the G-code as JSON, then its bytes or its
-/// file, and whether that is a stream.
+/// Results as pickle has them: all but the G-code as JSON, then its bytes or
+/// its file, and whether that is a stream.
 type Pickled = (String, Option<Py<PyBytes>>, Option<PathBuf>, bool);
 
 /// Results that pickle has read.

@@ -11,7 +11,7 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 /// three.
 const DEEPEST: usize = 8;
 
-/// Texts of settings are G-code templates at most.
+/// The longest texts of settings are G-code templates.
 const LONGEST: usize = 1 << 20;
 
 /// A field f(x, y, z): negative inside the part, 0 on its surface. Lengths are

@@ -8,7 +8,8 @@ fn density_is_the_share_of_the_volume_in_beads() {
     for kind in InfillPattern::ALL {
         for density in [10.0, 15.0, 25.0, 60.0] {
             let settings = settings(kind, density);
-            // Off the walls, where the joins are, and over several cells.
+            // The window is off the walls, where the joins are, and spans
+            // several cells.
             let half = match kind {
                 InfillPattern::Concentric => 50.0,
                 _ => 43.0,
@@ -67,7 +68,7 @@ fn no_density_no_beads() {
 
 #[test]
 fn a_varying_density_is_met_everywhere() {
-    // From 10 % on the left to 60 % on the right.
+    // The density goes from 10 % on the left to 60 % on the right.
     let density = |x: f64| 35.0 + 0.6 * x;
     let area = square(48.0);
     let varied = |kind: &InfillPattern| pattern(*kind, false).can_vary();
@@ -131,7 +132,7 @@ fn density_by_the_distance_from_the_surface() {
         let at = |h: f64| share_at(&layers, DVec2::ZERO, DVec2::splat(h));
         let middle = at(20.0);
         assert!((middle / 10.0 - 1.0).abs() < 0.05, "{kind:?}: {middle}");
-        // Between 3 and 7 mm from the surface, along it.
+        // The strip runs along the surface, between 3 and 7 mm from it.
         let strip = |from: f64, to: f64| {
             let (lo, hi) = (50.0 - to, 50.0 - from);
             let inside = |h: f64| at(h) * h * h / 100.0;

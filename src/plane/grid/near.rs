@@ -95,8 +95,8 @@ impl EdgeGrid {
     }
 
     /// Calls `visit` with the number of every edge that meets the box from `lo`
-    /// to `hi`. It may name an edge more than once, and also edges of which only
-    /// the box around them meets it.
+    /// to `hi`. It may name an edge more than once, and also edges of which
+    /// only the box around them meets it.
     pub(crate) fn visit_box(
         &self,
         lo: DVec2,

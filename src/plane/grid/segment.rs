@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-/// True if the box around the segment from `c` to `d` meets the box from `lo` to
-/// `hi`.
+/// True if the box around the segment from `c` to `d` meets the box from `lo`
+/// to `hi`.
 #[inline]
 pub(super) fn box_meets(c: DVec2, d: DVec2, lo: DVec2, hi: DVec2) -> bool {
     (c.x <= hi.x || d.x <= hi.x)

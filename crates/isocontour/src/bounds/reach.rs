@@ -60,7 +60,7 @@ impl Search<'_> {
         let parts = self.narrow(program)?;
         let mut slack_mm = f64::INFINITY;
         // The tolerance is a share of the size, which the coarse region may
-        // overestimate. So there is another pass with what the first one found.
+        // overestimate. So the search is repeated with the size that it found.
         for _ in 0..3 {
             let before = self.region.largest_side();
             slack_mm = self.all_sides(&parts)?;
@@ -150,10 +150,10 @@ impl Search<'_> {
                 if c.reach <= known + tolerance {
                     break;
                 }
-                // The cut is below the part that is still to be decided, so
-                // that no box gets thinner than half the tolerance: over a
-                // rounded top whose height lies right at the cut, ever thinner
-                // boxes would follow.
+                // The cut lies half a tolerance below the part that is still to
+                // be decided, so that no box gets thinner than that. With a cut
+                // right at the height of a rounded top, ever thinner boxes
+                // would follow.
                 side.clip(&mut c.cell, known + 0.5 * tolerance);
             }
             if self.scratch.work > stop {

@@ -127,7 +127,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The error if the ranges tell too little. Perhaps there are no values.
+    /// The error if the ranges tell too little. The field may have no values at
+    /// all.
     pub(super) fn undecided(
         &mut self,
         side: Side,
@@ -327,12 +328,12 @@ impl<'a> Search<'a> {
     }
 
     /// Takes slabs off the sides of a region that is larger than any part, if
-    /// they are proved to be empty box by box. Where a model is twisted, a box far
-    /// out is proved to be empty only if it spans little of a turn. Returns true
-    /// if a slab was taken off.
+    /// they are proved to be empty box by box. Where a model is twisted, a box
+    /// far out is proved to be empty only if it spans little of a turn. Returns
+    /// true if a slab was taken off.
     fn shave(&mut self, program: &Program) -> bool {
-        /// Width of a region that is larger than any part. Smaller ones are left
-        /// to the search for the sides, which is quick there.
+        /// Width of a region that is larger than any part. Smaller ones are
+        /// left to the search for the sides, which is quick there.
         const LARGE: f64 = 2000.0;
         /// Share of the region's width that a slab has.
         const SLAB: f64 = 0.25;

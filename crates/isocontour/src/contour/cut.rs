@@ -1,16 +1,15 @@
 //! Cuts rings where they cross themselves or each other.
 //!
 //! ```text
-//! ```text
 //!    ──────╲ ╱──╲         Near a tip whose sides meet at a few degrees, the
 //!           ╳    tip      points found on them may lie on the wrong side of
 //!    ──────╱ ╲──╱         each other. The ring is led on at the crossing.
 //! ```
 //!
 //! At each crossing the lines change partners: each goes on where the other one
-//! would have gone on. Of the loops that result, those stay that have the part
-//! on their left and nothing on their right, by the rings' winding number. So
-//! rings that overlap become one, and what is turned inside out is dropped.
+//! would have gone on. A loop that results stays if it has the part on its left
+//! and nothing on its right, by the rings' winding number. So rings that
+//! overlap become one, and rings turned inside out are dropped.
 
 use super::buckets::Buckets;
 use super::link::Joined;
@@ -138,8 +137,8 @@ fn pieces(rings: &[Joined], on: &[On], points: &[DVec2]) -> Vec<Piece> {
 /// The closed loops that pieces make where they change partners at each
 /// crossing.
 fn loops(pieces: &[Piece], crossings: usize) -> Vec<Joined> {
-    // The sum of the two pieces that begin at a crossing gives each of them
-    // from the other one.
+    // For each crossing, the sum of the numbers of the two pieces that begin
+    // there. Less the number of one piece it is the number of the other.
     let mut begin = vec![0; crossings];
     for (n, piece) in pieces.iter().enumerate() {
         begin[piece.from] += n;

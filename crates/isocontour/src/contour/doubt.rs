@@ -1,11 +1,11 @@
 //! Finds the cells that may hide what their nodes do not show.
 //!
 //! ```text
-//!   f │ \                   /        Four nodes in a row, all outside. Carried
-//!     │   •               •          on as it comes from either side, the field
-//!     │     \           /            passes zero in between. There may be a
-//!     │       •       •              wall, a slit, an island or a hole that is
-//!   0 ┼─────────\───/────────        thinner than the lattice is wide.
+//!   f │ \                   /        Four nodes in a row are all outside. A
+//!     │   •               •          field that goes on as it comes from either
+//!     │     \           /            side passes zero in between. There may be
+//!     │       •       •              a wall, a slit, an island or a hole that
+//!   0 ┼─────────\───/────────        is thinner than the lattice is wide.
 //!     │           V
 //! ```
 //!

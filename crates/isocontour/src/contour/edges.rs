@@ -1,8 +1,8 @@
 //! The lattice edges that the outlines of a batch of leaves cross.
 //!
-//! An edge on the border of two leaves of the batch is found once. A bit tells
-//! for each node on which side of the outline it is; a row of a leaf is a
-//! number.
+//! An edge on the border of two leaves of the batch is found once. For each
+//! node a bit tells on which side of the outline it is. The bits of a row of
+//! nodes are one number.
 
 use super::link::NONE;
 use super::refine::Bracket;

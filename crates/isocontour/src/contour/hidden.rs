@@ -10,8 +10,8 @@
 //!   •─────╲─•───────•     the others divided until a sample in each says more.
 //! ```
 //!
-//! So a feature is found if it holds a disc as wide as the smallest feature:
-//! there is a sample in it.
+//! So a feature is found if it holds a disc as wide as the smallest feature,
+//! because such a disc holds a sample.
 //!
 //! Lattices that are hardly coarser than the smallest feature are not searched
 //! in this way, since the proofs would cost several times what the samples do,

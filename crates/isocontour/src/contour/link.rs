@@ -337,8 +337,8 @@ impl Chains {
         (edge, along, vertex, ends)
     }
 
-    /// Gives back the memory that was kept for more vertices: of a large layer
-    /// it may be as much as the rings take.
+    /// Gives back the memory that was kept for more vertices. In a large layer
+    /// that may be as much as the rings take.
     pub(super) fn shrink(&mut self) {
         self.links.shrink_to_fit();
         self.between.shrink_to_fit();

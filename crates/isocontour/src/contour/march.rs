@@ -75,8 +75,8 @@ impl Precision {
     }
 }
 
-/// How many times as steep on the outline as from node to node the field is,
-/// and in how many cells of a leaf, where it may wave between the nodes.
+/// The field may wave between the nodes of a leaf if it is this many times as
+/// steep on the outline as from node to node, in this many cells.
 const STEEP: f64 = 4.0;
 const STEEP_PLACES: usize = 4;
 

@@ -23,7 +23,7 @@
 //!
 //! The `contour` crate is the oracle of the tests, not the engine. It works on
 //! the whole grid with hash maps and nested vectors, and decides ambiguous
-//! cells by convention, where `march` visits sampled leaves only and asks the
+//! cells by convention. `march` visits sampled leaves only, and asks the field.
 //! field.
 
 mod buckets;
@@ -105,10 +105,10 @@ pub fn outlines(
     outlines_in_phases(field, z, &(0..z.len()), detail, &mut |_| {})
 }
 
-/// Does what [`outlines`] does for the layers at some of the heights only; the
-/// others get an empty outline. What is found of a layer does not depend on which
-/// others are asked for. It also tells when another phase begins, so that phases
-/// can be measured.
+/// Does what [`outlines`] does, but only for the layers at some of the heights.
+/// The others get an empty outline. What is found of a layer does not depend on
+/// which others are asked for. It also tells when another phase begins, so that
+/// phases can be measured.
 ///
 /// # Errors
 /// Those of [`outlines`], where only the layers that are asked for count.

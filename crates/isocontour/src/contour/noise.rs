@@ -29,7 +29,8 @@
 //! field that waves finely all over does so in nearly all of these leaves.
 //!
 //! The verdict depends on the slab's layers that are asked for and on nothing
-//! else. Not noticed: waves that the lattice's nodes all miss, which cost nothing.
+//! else. Waves that all nodes of the lattice miss are not noticed, and cost
+//! nothing.
 
 use super::samples::Samples;
 use crate::cells::Place;
@@ -53,16 +54,17 @@ const LINES: usize = 4;
 /// the line before: the golden section. Lines at even distances could all pass
 /// through a row of pins, or all between two.
 const UNEVEN: f64 = 0.618_033_988_749_895;
-/// If only the inside or only the outside is too thin, how wide the two may be
-/// on average, in smallest features. A single thin wall is not noise.
+/// Greatest width of inside and outside on average, in smallest features, at
+/// which a leaf is too fine if only one of the two is too thin. A single thin
+/// wall is not noise.
 const SPARSE: f64 = 2.0;
 /// Distance of the points along the lines, as a share of the smallest feature.
 const PITCH: f64 = 0.25;
 /// Distance of the points where the nodes hide something, as a share of the
 /// smallest feature.
 const CLOSE_PITCH: f64 = 1.0 / 16.0;
-/// Area of leaves that are too fine that is accepted in all layers of a slab
-/// together, whatever its share. Where 40 blades of a fan meet there are 6 mm²
+/// Area of leaves that are too fine, in all layers of a slab together, that is
+/// accepted whatever its share. Where 40 blades of a fan meet there are 6 mm²
 /// in each layer.
 const LET_PASS: Content = 200.0;
 /// Share of the leaves from which on a slab is refused.

@@ -108,9 +108,9 @@ impl Bracket {
     }
 
     /// True if the first step was the last one, given the field and its
-    /// gradient where the step began. It was if the slope gives about the step
-    /// that the chord gave, and if the step is so short that neither changes on
-    /// the way.
+    /// gradient where the step began. That is so if the slope gives about the
+    /// step that the chord gave, and if the step is so short that neither
+    /// changes on the way.
     fn arrives(&mut self, f: f64, gradient: DVec2) -> bool {
         if self.done {
             return !self.jumps();

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! A ring is too small if it is shorter than the smallest feature, or if it is
-//! thinner than the accuracy. Without a thin ring the outline is as accurate,
-//! and the ring only tells where the samples happened to be. Pieces that lie
-//! together count as one.
+//! thinner than the accuracy. Without a thin ring the outline is just as
+//! accurate, and the ring only tells where the samples happened to be. Pieces
+//! that lie together count as one.
 
 use super::Detail;
 use super::link::Joined;
@@ -34,7 +34,7 @@ fn is_small(ring: &[DVec2], detail: Detail) -> bool {
     content < least * steps && content < least * ring_length(ring)
 }
 
-/// Takes the rings out that are too small, and returns the number of places
+/// Takes out the rings that are too small, and returns the number of places
 /// where there were any.
 pub(super) fn leave_out(rings: &mut Vec<Joined>, detail: Detail) -> usize {
     let mut small: Vec<Ring> = Vec::new();

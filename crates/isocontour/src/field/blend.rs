@@ -24,8 +24,8 @@ use fidget::context::{
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Distance of exponents from which on one does not count: e⁻²⁰ is less than an
-/// eighth of the last bit of an `f32`.
+/// Difference of two exponents from which on the lesser power does not count:
+/// e⁻²⁰ is less than an eighth of the last bit of an `f32`.
 const APART: f32 = 20.0;
 /// This number's square is infinite, and so is its product with the least lead
 /// that occurs: e⁻²⁰ is compared at steps of 2·10⁻⁶. Infinity itself would turn

@@ -7,8 +7,8 @@
 //!
 //! ```text
 //!  slab of ≤ 32 layers           block of ≤ 8 layers       leaf, one layer
-//!  ┌──────────64 cells──┐  ───►  ┌──16 cells──┐   ───►     ┌─8─┐ 9 × 9
-//!  │ prove or simplify  │        │  the same  │            │   │ samples
+//!  ┌──────────64 cells──┐  ───►  ┌──32 cells──┐   ───►     ┌─8─┐ 9 × 9
+//!  │ prove or simplify  │        │  likewise  │            │   │ samples
 //!  └────────────────────┘        └────────────┘            └───┘
 //! ```
 //!

@@ -93,8 +93,8 @@ fn same(a: f64, b: f64, absolute: f64) -> bool {
 /// How much a function's value `v` moves with its operand. Where it moves much,
 /// the oracle's own operands have lost digits that its value shows.
 fn slope(name: &str, v: f64) -> f64 {
-    // No slope of the arcs is steeper, since differences to 1 are not told more
-    // exactly.
+    // f64 tells differences to 1 no more exactly than this, so no slope of the
+    // arcs is steeper.
     let steepest = f64::EPSILON.sqrt().recip();
     match name {
         "tan" => 1.0 + v * v,

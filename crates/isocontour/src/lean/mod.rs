@@ -20,11 +20,11 @@
 //! that of a screw along z does, a box on the face is looked at once for each
 //! side (`program::piece`).
 //!
-//! Guarantees: the result is deterministic, and the work is bounded. Some of
-//! the surface cannot be bounded, for lack of work or because f has a kink,
-//! jumps or is NaN. It counts as level (1), except within `tolerance` of a
-//! level face or of the box's top and bottom: no layer that ends there is wrong
-//! by more than that.
+//! Guarantees: the result is deterministic, and the work is bounded. Surface
+//! that cannot be bounded, for lack of work or because f has a kink, jumps or
+//! is NaN, counts as level (1). Within `tolerance` of a level face or of the
+//! box's top and bottom it does not count: no layer that ends there is wrong by
+//! more than that.
 //!
 //! Not guaranteed: level faces smaller than some 0.1 mm may be missed as such.
 //! The bounds hold all the same, and then count the face as level.
@@ -281,7 +281,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Looks at a cell. If it has to be cut, it is to do.
+    /// Looks at a cell, and notes it to be cut if it has to be.
     fn look(
         &mut self,
         cell: Cell,
@@ -431,7 +431,7 @@ impl Search<'_> {
         if in_plane > THIN {
             return Some(widest);
         }
-        // Only where a doubt may be forgiven is it worth being so exact.
+        // Such exactness is worth its work only where a doubt may be forgiven.
         let unknown = known.least < self.options.most;
         (unknown && z > 0.5 * self.options.tolerance).then_some(2)
     }

@@ -94,9 +94,9 @@ pub(crate) trait Component: Number {
     /// The derivative of `self`, the value of an operation that goes in steps.
     /// `a` and `b` are the derivatives of the operands.
     fn step(self, a: Self, b: Self) -> Self;
-    /// A term of the derivative of `self.atan2(x)`, added to the smooth part. It
-    /// is zero, or unknown where the angle may jump by a turn. `along` is the
-    /// derivative of `self`.
+    /// A term of the derivative of `self.atan2(x)`, added to the smooth part.
+    /// It is zero, or unknown where the angle may jump by a turn. `along` is
+    /// the derivative of `self`.
     fn leap(self, x: Self, along: Self) -> Self;
     /// The derivative of the remainder of `self` by `o`, whose derivatives are
     /// `a` and `b`.

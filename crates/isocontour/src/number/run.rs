@@ -15,11 +15,11 @@ pub(crate) enum Pick {
 /// Runs a tape on `N` numbers at a time. `input` fills in the numbers of an
 /// input, and `output` gets the result. `pick` gets the operands of every
 /// operation that passes one of them on, in the order of the operations. `v`
-/// are the registers: the tape's `slot_count` of them. `field::boxes` has the
-/// shortest calls.
+/// holds the registers, as many as the tape's `slot_count`. `field::boxes` has
+/// the shortest calls.
 ///
-/// The function is long, and is compiled once more for each type of its closures.
-/// So its callers take closures of their own by reference.
+/// The function is long, and is compiled once more for each type of its
+/// closures. So its callers take closures of their own by reference.
 #[inline(always)]
 pub(crate) fn run<T: Number, const N: usize>(
     tape: &RegTape,

@@ -38,8 +38,8 @@ pub fn simplify(ring: &[DVec2], tolerance: Length) -> Ring {
     simplify_but(ring, tolerance, |_| false)
 }
 
-/// The area whose rings have as few points as the tolerance permits, without the
-/// rings of which less than a triangle would be left.
+/// The area whose rings have as few points as the tolerance permits, without
+/// the rings of which less than a triangle would be left.
 pub fn simplify_area(area: &Area, tolerance: Length) -> Area {
     let rings = area.rings.iter().map(|ring| simplify(ring, tolerance));
     rings.filter(|ring| !ring.is_empty()).collect()
@@ -107,8 +107,9 @@ pub fn simplify_path(
     walk(path, closed, tolerance, fits, false)
 }
 
-/// As [`simplify_path`], of a path of which nothing but its points counts: edges
-/// may also meet between two of them, so that fewer are left.
+/// Does what [`simplify_path`] does for a path of which only the points count:
+/// edges may also meet between two of its points, so that fewer points are
+/// left.
 pub fn simplify_line(
     path: &[DVec2],
     closed: bool,

@@ -334,10 +334,10 @@ impl Program {
             .map_or(Vec::new(), |found| self.in_pieces(found))
     }
 
-    /// The program once for each side of the first `atan2` that jumps in the box
-    /// of the last `enclose` (of this program, with this scratch), if its jump
-    /// is at the same place at each z. Empty if there is none, or if more than
-    /// [`MOST_TURNS`] jump there: each doubles the number of programs.
+    /// The program once for each side of the first `atan2` that jumps in the
+    /// box of the last `enclose` (of this program, with this scratch), if its
+    /// jump is at the same place at each z. Empty if there is none, or if more
+    /// than [`MOST_TURNS`] jump there: each doubles the number of programs.
     pub(crate) fn by_upright_turns(&self, scratch: &Scratch) -> Vec<Self> {
         let upright = |step: &Step, a: &Slot, b: &Slot| match step {
             Step::Binary(BinaryOpcode::Atan, ..)
@@ -357,10 +357,10 @@ impl Program {
         self.in_pieces(first)
     }
 
-    /// The program once for each sector around the pole of `atan2` in the box of
-    /// the last `enclose` (of this program, with this scratch). Empty if there is
-    /// none. Empty, too, if there are several: the sectors of one tell little of
-    /// the others, and all together are too many.
+    /// The program once for each sector around the pole of `atan2` in the box
+    /// of the last `enclose` (of this program, with this scratch). Empty if
+    /// there is no pole. Empty, too, if there are several: the sectors of one
+    /// tell little of the others, and all together are too many.
     pub(crate) fn by_sectors(&self, scratch: &Scratch) -> Vec<Self> {
         let mut poles = self.dividing(scratch, piece::sectors_of);
         match (poles.next(), poles.next()) {
@@ -428,8 +428,8 @@ impl Program {
 
 /// Greatest number of steps that may stand for one piece only.
 const MOST_PIECES: usize = 16;
-/// Greatest number of `atan2` for whose jumps a program is looked at side by side
-/// in one box.
+/// Greatest number of `atan2` for whose jumps a program is looked at side by
+/// side in one box.
 const MOST_TURNS: usize = 2;
 
 /// The slots of a step's operands. If it has none, they are arbitrary.

@@ -7,9 +7,9 @@
 //! place of the operation, and the condition under which that piece is the true
 //! one. The condition rules out the part of the box on the other side.
 //!
-//! Around the pole of `atan2` all angles meet, and a range tells nothing either:
-//! there the pieces are sectors, in each of which the angle is known to a
-//! sixty-fourth of a turn.
+//! All angles meet around the pole of `atan2`, and a range tells nothing there,
+//! either. There the pieces are sectors, in each of which the angle is known to
+//! a sixty-fourth of a turn.
 
 use super::Step;
 use super::slot::Slot;

@@ -567,7 +567,8 @@ pub(super) fn support_interface_fan(given: &Given<'_>) -> Outcome {
     Outcome::of(speed.into_iter().collect())
 }
 
-/// The flows of supports, which OrcaSlicer uses only if flows are set one by one.
+/// The flows of supports, which OrcaSlicer uses only if flows are set one by
+/// one.
 pub(super) fn support_flow(given: &Given<'_>) -> Outcome {
     let mut out = Vec::new();
     if given.on("set_other_flow_ratios") {
@@ -866,8 +867,8 @@ pub(super) fn small_length(given: &Given<'_>) -> Outcome {
 
 pub(super) fn overhang_speed(given: &Given<'_>) -> Outcome {
     let (on, keys) = if given.slicer == Slicer::Prusa {
-        // The keys' names tell how much of a line lies on the layer below. They
-        // are off unless they are switched on.
+        // The keys' names tell how much of a line lies on the layer below. The
+        // speeds count only if they are switched on.
         let on = given.on("enable_dynamic_overhang_speeds");
         let keys = [
             "overhang_speed_3",
@@ -1002,7 +1003,8 @@ pub(super) fn support_angle(given: &Given<'_>) -> Outcome {
     }
 }
 
-/// OrcaSlicer advises a very large length to those who want no bridge supported.
+/// OrcaSlicer advises a very large length to those who want no bridge
+/// supported.
 pub(super) fn bridge_max(given: &Given<'_>) -> Outcome {
     const MOST: f64 = 1000.0;
     match number(given, &["max_bridge_length"]) {

@@ -7,11 +7,11 @@ use glam::DVec2;
 
 /// Half the width of the gates of a ring, as a share of the tolerance.
 pub(super) const GATE: f64 = 0.72;
-/// Half the width of the gates of a path, as a share of the tolerance. The corners
-/// of a path hardly move when they are fitted: the middles of its edges are then a
-/// little farther inside of a curve than the corners are outside of it. Wider gates
-/// save points, but half of a circle's path was then more than half of the tolerance
-/// beside it.
+/// Half the width of the gates of a path, as a share of the tolerance. The
+/// corners of a path hardly move when they are fitted: the middles of its edges
+/// are then a little farther inside a curve than the corners are outside it.
+/// Wider gates save points, but half of a circle's path was then more than half
+/// of the tolerance beside the circle.
 pub(super) const PATH_GATE: f64 = 0.7;
 /// Number of gates that are looked at together in the first try.
 const WINDOW: usize = 16;
@@ -164,10 +164,12 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
     /// The ends of the gate `k` as seen from a point. Both are one point where
     /// edges end. The last gate is the end of the path.
     fn gate(&self, k: usize, end: &Joint, from: DVec2) -> Gate {
-        let (p, to_left) = match k as f64 >= end.place {
-            true => (end.at, DVec2::ZERO),
-            false if (self.corner)(k) => (self.points.at(k), DVec2::ZERO),
-            false => (self.points.at(k), self.points.gate(k, self.half)),
+        let (p, to_left) = if k as f64 >= end.place {
+            (end.at, DVec2::ZERO)
+        } else if (self.corner)(k) {
+            (self.points.at(k), DVec2::ZERO)
+        } else {
+            (self.points.at(k), self.points.gate(k, self.half))
         };
         Gate {
             right: p - to_left - from,
