@@ -13,7 +13,8 @@
 //! turn first. Between two ends that lie beside each other both strokes are
 //! shortened, so that the way across is no steeper than about 25° where they
 //! are long enough, and there is as much material as before. An end that is
-//! left over is shortened until it lies on no stroke, its own included.
+//! left over is shortened until it lies on no stroke, its own included. A dab
+//! that lies nearly all on other strokes is left out.
 
 use crate::bead::Stroke;
 use crate::plane::grid::{EdgeGrid, nearest_on};
@@ -59,6 +60,13 @@ const OWN: f64 = 3.0;
 const STUB: f64 = 0.15;
 /// Greatest overlap of an end with a stroke that is left alone, mm.
 const SLACK: Mm = 0.005;
+/// A stroke shorter than this many of its widths is left out if less than
+/// [`NEW`] of its bead lies where no other bead does: a pit in the corner of a
+/// sheet is not worth a travel there and back.
+const DAB: f64 = 2.0;
+const NEW: f64 = 0.3;
+/// Places across a short bead at which it is looked at.
+const PLACES: u32 = 9;
 
 /// The space around a place for a bead with its middle there.
 #[derive(Clone, Copy)]
@@ -129,11 +137,13 @@ impl End {
 
 /// Joins the strokes whose ends meet: rings cut open and the beads of thin
 /// places. `room` tells how wide a bead may be that has its middle at a
-/// place, mm. Returns the strokes that are or have a piece of a ring, and
+/// place, mm, and `overlap` by how much that is more than what the beads around
+/// leave open. Returns the strokes that are or have a piece of a ring, and
 /// those that are beads of thin places all along.
 pub(super) fn join(
     rings: Vec<Stroke>,
     beads: Vec<Stroke>,
+    overlap: Mm,
     room: impl Fn(DVec2) -> Space,
 ) -> (Vec<Stroke>, Vec<Stroke>) {
     let count = rings.len();
@@ -160,7 +170,9 @@ pub(super) fn join(
     }
     let joined = links.chains(strokes, count, &room);
     let widest = ends.iter().map(|e| e.width).fold(0.0, f64::max);
-    let joined = stop_short(joined, widest);
+    // The middle of a bead that lies on those around by half has no room.
+    let taken = |p: DVec2| room(p).width <= overlap;
+    let joined = stop_short(joined, widest, taken);
     let (rings, beads): (Vec<_>, Vec<_>) =
         joined.into_iter().partition(|chain| chain.ring);
     let strokes = |all: Vec<Chain>| all.into_iter().map(|c| c.stroke).collect();
@@ -399,8 +411,13 @@ fn cross(
 }
 
 /// Shortens ends that lie on strokes, and leaves out strokes that lie on others
-/// all along. Of two strokes that lie on each other the shorter one yields.
-fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
+/// all along. Of two strokes that lie on each other the shorter one yields. Places
+/// that are `taken` lie under beads of other walls.
+fn stop_short(
+    chains: Vec<Chain>,
+    widest: Mm,
+    taken: impl Fn(DVec2) -> bool,
+) -> Vec<Chain> {
     let paths = chains.iter().map(|c| c.stroke.path());
     let grid = EdgeGrid::of_lines(paths, widest);
     let mut lines = Vec::with_capacity(chains.len());
@@ -415,8 +432,8 @@ fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
         let by_length = lines[i].length().total_cmp(&lines[j].length());
         by_length.then(i.cmp(&j))
     });
-    let open = order.into_iter().filter(|&i| !chains[i].stroke.closed);
-    for i in open {
+    order.retain(|&i| !chains[i].stroke.closed);
+    for &i in &order {
         crate::limits::check();
         // How far a bead with its middle at `p`, at a distance along its
         // stroke, lies on strokes.
@@ -464,6 +481,12 @@ fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
             (ends[0], length - ends[1])
         };
     }
+    for i in order {
+        let stroke = &chains[i].stroke;
+        if new_share(stroke, i, &lines, &grid, widest, &taken) < NEW {
+            lines[i].left = (0.0, 0.0);
+        }
+    }
     let mut all = Vec::with_capacity(chains.len());
     for (mut chain, line) in chains.into_iter().zip(lines) {
         let (from, to) = line.left;
@@ -477,6 +500,57 @@ fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
         all.push(chain);
     }
     all
+}
+
+/// The share of a dab, `stroke` number `i`, that lies on no other stroke and on
+/// no place that is `taken` by a bead around; 1 if the stroke is too long for a
+/// dab.
+fn new_share(
+    stroke: &Stroke,
+    i: usize,
+    lines: &[Line],
+    grid: &EdgeGrid,
+    widest: Mm,
+    taken: &impl Fn(DVec2) -> bool,
+) -> f64 {
+    let line = &lines[i];
+    let (from, to) = line.left;
+    let width = stroke.width;
+    if to <= from || to - from >= DAB * width {
+        return 1.0;
+    }
+    // Squares of a grid along the dab that its bead covers.
+    let radius = 0.5 * width;
+    let [a, b] = [from, to].map(|at| line.place(stroke, at));
+    let middle = line.place(stroke, 0.5 * (from + to));
+    let (low, high) = (a.min(b).min(middle), a.max(b).max(middle));
+    let step = width / f64::from(PLACES);
+    let (low, high) = (low - radius, high + radius);
+    let count = ((high - low) / step).ceil();
+    let (mut all, mut new) = (0_u32, 0_u32);
+    for k in 0..(count.x * count.y) as usize {
+        let k = k as f64;
+        let at = DVec2::new(k % count.x, (k / count.x).floor()) + 0.5;
+        let p = low + step * at;
+        let on_dab = [(a, middle), (middle, b)]
+            .iter()
+            .any(|&(a, b)| nearest_on(p, a, b).distance(p) <= radius);
+        if !on_dab {
+            continue;
+        }
+        all += 1;
+        let mut covered = taken(p);
+        grid.visit_edges_near(p, p, 0.5 * widest, |edge| {
+            let other = grid.owner(edge);
+            let (a, b) = grid.edge(edge);
+            let q = nearest_on(p, a, b);
+            let lies =
+                lines[other].width(edge - lines[other].first, q.distance(a));
+            covered |= other != i && p.distance(q) < 0.5 * lies;
+        });
+        new += u32::from(!covered);
+    }
+    f64::from(new) / f64::from(all.max(1))
 }
 
 /// A stroke's segments, and what is left of it.
@@ -577,7 +651,7 @@ mod tests {
     fn a_wide_bead_goes_on_in_one_of_two_walls() {
         let bead = line(&[(0.0, 0.0), (5.0, 0.0)], 0.84);
         let walls = [0.21, -0.21].map(|y| line(&[(5.1, y), (10.0, y)], 0.42));
-        let (rings, beads) = join(walls.to_vec(), vec![bead], anywhere);
+        let (rings, beads) = join(walls.to_vec(), vec![bead], 0.0, anywhere);
         assert_eq!((rings.len(), beads.len()), (2, 0));
         let longest = rings.iter().map(Stroke::length).fold(0.0, f64::max);
         assert!((longest - 10.1).abs() < 0.2, "{longest}");
@@ -612,7 +686,7 @@ mod tests {
                 out,
             }
         };
-        let (rings, _) = join(walls.to_vec(), vec![bead], room);
+        let (rings, _) = join(walls.to_vec(), vec![bead], 0.0, room);
         let through = rings
             .iter()
             .max_by(|a, b| a.length().total_cmp(&b.length()));
@@ -630,7 +704,7 @@ mod tests {
             let away = DVec2::from_angle(angle);
             Stroke::new(vec![0.05 * away, 6.0 * away], false, 0.6)
         });
-        let (rings, beads) = join(Vec::new(), arms.to_vec(), anywhere);
+        let (rings, beads) = join(Vec::new(), arms.to_vec(), 0.0, anywhere);
         assert_eq!((rings.len(), beads.len()), (0, 2));
         let mut lengths: Vec<f64> = beads.iter().map(Stroke::length).collect();
         lengths.sort_by(f64::total_cmp);
@@ -645,7 +719,7 @@ mod tests {
                 let away = DVec2::from(to);
                 Stroke::new(vec![0.05 * away, 6.0 * away], false, 0.6)
             });
-        let (_, beads) = join(Vec::new(), arms.to_vec(), anywhere);
+        let (_, beads) = join(Vec::new(), arms.to_vec(), 0.0, anywhere);
         assert_eq!(beads.len(), 3);
         let laid: f64 = beads.iter().map(content).sum();
         // The area of the cross is 4·6·0.6 − 0.6².
@@ -657,15 +731,34 @@ mod tests {
         // A lobe beside a bead of 0.6 mm: 0.21 mm of it are its own.
         let bead = line(&[(-1.0, 0.0), (1.0, 0.0)], 0.6);
         let lobe = line(&[(0.0, 0.05), (0.0, 0.45)], 0.5);
-        let (_, beads) = join(Vec::new(), vec![bead.clone(), lobe], anywhere);
+        let (_, beads) =
+            join(Vec::new(), vec![bead.clone(), lobe], 0.0, anywhere);
         let lengths: Vec<f64> = beads.iter().map(Stroke::length).collect();
         assert_eq!(lengths.len(), 2);
         assert!((lengths[1] - 0.21).abs() < 0.01, "{lengths:?}");
         // A stroke that reaches out by less than its round end covers does not
         // reach out.
         let lobe = line(&[(0.0, 0.05), (0.0, 0.3)], 0.5);
-        let (_, beads) = join(Vec::new(), vec![bead.clone(), lobe], anywhere);
+        let (_, beads) =
+            join(Vec::new(), vec![bead.clone(), lobe], 0.0, anywhere);
         assert_eq!(beads, [bead]);
+    }
+
+    /// A corner of two beads of 0.6 mm, and a dab on its outer side.
+    #[test]
+    fn a_dab_that_lies_on_others_is_left_out() {
+        let corner = line(&[(-4.0, -4.0), (0.0, 0.0), (-4.0, 4.0)], 0.6);
+        let laid = |from: f64| {
+            let dab = line(&[(from, -0.12), (from, 0.12)], 0.45);
+            // The border is 0.4 mm from the corner's middle.
+            let room = |p: DVec2| wide(2.0 * (0.4 - p.x));
+            join(Vec::new(), vec![corner.clone(), dab], 0.0, room)
+                .1
+                .len()
+        };
+        assert_eq!(laid(0.25), 1);
+        // This dab lies beside the corner.
+        assert_eq!(laid(-1.0), 2);
     }
 
     #[test]
@@ -675,14 +768,14 @@ mod tests {
             &[(0.0, 0.0), (8.0, 0.0), (8.0, 4.0), (3.0, 4.0), (3.0, 0.1)],
             0.5,
         );
-        let (_, beads) = join(Vec::new(), vec![bead.clone()], anywhere);
+        let (_, beads) = join(Vec::new(), vec![bead.clone()], 0.0, anywhere);
         let end = beads[0].points.last().unwrap();
         assert!((end.y - 0.2).abs() < 0.01, "{end}");
         assert_eq!(beads[0].points[0], DVec2::ZERO);
         // A tight bend is no loop.
         let bend =
             line(&[(0.0, 0.0), (1.0, 0.0), (1.0, 0.15), (0.4, 0.15)], 0.5);
-        let (_, beads) = join(Vec::new(), vec![bend.clone()], anywhere);
+        let (_, beads) = join(Vec::new(), vec![bend.clone()], 0.0, anywhere);
         assert_eq!(beads, [bend]);
     }
 
@@ -690,12 +783,13 @@ mod tests {
     fn of_two_strokes_on_one_track_one_stays() {
         let long = line(&[(0.0, 0.0), (8.0, 0.0)], 0.5);
         let short = line(&[(6.0, 0.04), (3.0, 0.06)], 0.5);
-        let (_, beads) = join(Vec::new(), vec![short, long.clone()], anywhere);
+        let (_, beads) =
+            join(Vec::new(), vec![short, long.clone()], 0.0, anywhere);
         assert_eq!(beads, [long]);
         // Half of this one has a track of its own.
         let half = line(&[(4.0, 0.05), (8.5, 0.05), (8.5, 6.0)], 0.5);
         let long = line(&[(0.0, 0.0), (9.0, 0.0), (20.0, 0.0)], 0.5);
-        let (_, beads) = join(Vec::new(), vec![half, long], anywhere);
+        let (_, beads) = join(Vec::new(), vec![half, long], 0.0, anywhere);
         assert_eq!(beads.len(), 2);
         let shorter = beads.iter().map(Stroke::length).fold(99.0, f64::min);
         assert!((shorter - 5.8).abs() < 0.05, "{shorter}");
@@ -707,7 +801,7 @@ mod tests {
         for longer in [0.0, 0.004] {
             let long = line(&[(0.0, 0.0), (4.0 + longer, 0.0)], 0.5);
             let back = line(&[(4.0, 0.0), (0.0, 0.0)], 0.5);
-            let (_, thin) = join(Vec::new(), vec![long, back], anywhere);
+            let (_, thin) = join(Vec::new(), vec![long, back], 0.0, anywhere);
             let length: Mm = thin.iter().map(Stroke::length).sum();
             assert!((length - 4.0).abs() < 0.01, "{thin:?}");
         }
@@ -718,7 +812,8 @@ mod tests {
         let pieces = [[0.0, 4.0], [4.3, 9.0]]
             .map(|[a, b]| line(&[(a, 0.0), (b, 0.0)], 0.5));
         let joined = |room: f64| {
-            let (_, beads) = join(Vec::new(), pieces.to_vec(), |_| wide(room));
+            let (_, beads) =
+                join(Vec::new(), pieces.to_vec(), 0.0, |_| wide(room));
             beads.len()
         };
         assert_eq!(joined(0.5), 1);
@@ -732,7 +827,7 @@ mod tests {
         let wall = line(&[(5.1, 0.21), (5.2, 0.21)], 0.42);
         // There is room where the ends meet, and none where they cross over.
         let room = |p: DVec2| wide(if p.x < 5.045 { -1.0 } else { 1.0 });
-        let (rings, _) = join(vec![wall], vec![bead], room);
+        let (rings, _) = join(vec![wall], vec![bead], 0.0, room);
         assert_eq!(rings.len(), 1);
         assert!(rings[0].widths.iter().all(|w| *w > 0.3));
     }
@@ -740,14 +835,14 @@ mod tests {
     #[test]
     fn strokes_of_no_points_or_one_do_no_harm() {
         let odd = || vec![line(&[], 0.4), line(&[(1.0, 1.0)], 0.4)];
-        join(odd(), odd(), anywhere);
+        join(odd(), odd(), 0.0, anywhere);
     }
 
     #[test]
     fn rings_that_meet_themselves_are_closed() {
         let most = |i: usize| DVec2::from_angle(i as f64 * 0.063) * 5.0;
         let ring = Stroke::new((0..100).map(most).collect(), false, 0.45);
-        let (rings, _) = join(vec![ring], Vec::new(), anywhere);
+        let (rings, _) = join(vec![ring], Vec::new(), 0.0, anywhere);
         assert!(rings[0].closed);
         assert!((rings[0].length() - 31.4).abs() < 0.1);
     }

@@ -560,7 +560,8 @@ fn joined(
             out: DVec2::ZERO,
         },
     };
-    joints::join(lines, thin, room)
+    // A bead around reaches half of `extra` farther than its own area.
+    joints::join(lines, thin, 2.0 * extra, room)
 }
 
 /// Walls whose centre lines are outlines of the expression offset by their
