@@ -744,21 +744,21 @@ mod tests {
         assert_eq!(beads, [bead]);
     }
 
-    /// A corner of two beads of 0.6 mm, and a dab on its outer side.
+    /// A corner of two beads of 0.9 mm, and a dab on its outer side.
     #[test]
     fn a_dab_that_lies_on_others_is_left_out() {
-        let corner = line(&[(-4.0, -4.0), (0.0, 0.0), (-4.0, 4.0)], 0.6);
+        let corner = line(&[(-4.0, -4.0), (0.0, 0.0), (-4.0, 4.0)], 0.9);
         let laid = |from: f64| {
             let dab = line(&[(from, -0.12), (from, 0.12)], 0.45);
-            // The border is 0.4 mm from the corner's middle.
-            let room = |p: DVec2| wide(2.0 * (0.4 - p.x));
+            // The border is 0.5 mm from the corner's middle.
+            let room = |p: DVec2| wide(2.0 * (0.5 - p.x));
             join(Vec::new(), vec![corner.clone(), dab], 0.0, room)
                 .1
                 .len()
         };
         assert_eq!(laid(0.25), 1);
-        // This dab lies beside the corner.
-        assert_eq!(laid(-1.0), 2);
+        // This dab lies between the two beads, where the corner is open.
+        assert_eq!(laid(-1.5), 2);
     }
 
     #[test]
