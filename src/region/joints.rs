@@ -756,8 +756,8 @@ mod tests {
                 .1
                 .len()
         };
-        assert_eq!(laid(0.25), 1);
-        // This dab lies between the two beads, where the corner is open.
+        assert_eq!(laid(0.37), 1);
+        // A dab between the two beads, where the corner is open, stays.
         assert_eq!(laid(-1.5), 2);
     }
 
