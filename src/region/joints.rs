@@ -138,12 +138,12 @@ impl End {
 /// Joins the strokes whose ends meet: rings cut open and the beads of thin
 /// places. `room` tells how wide a bead may be that has its middle at a
 /// place, mm, and `overlap` by how much that is more than what the beads around
-/// leave open. Returns the strokes that are or have a piece of a ring, and
+/// leave open; if there is none, dabs stay. Returns the strokes that are or have a piece of a ring, and
 /// those that are beads of thin places all along.
 pub(super) fn join(
     rings: Vec<Stroke>,
     beads: Vec<Stroke>,
-    overlap: Mm,
+    overlap: Option<Mm>,
     room: impl Fn(DVec2) -> Space,
 ) -> (Vec<Stroke>, Vec<Stroke>) {
     let count = rings.len();
@@ -170,8 +170,8 @@ pub(super) fn join(
     }
     let joined = links.chains(strokes, count, &room);
     let widest = ends.iter().map(|e| e.width).fold(0.0, f64::max);
-    // The middle of a bead that lies on those around by half has no room.
-    let taken = |p: DVec2| room(p).width <= overlap;
+    // Beads around lie where the middle of a bead that they touch has no room.
+    let taken = overlap.map(|most| move |p: DVec2| room(p).width <= most);
     let joined = stop_short(joined, widest, taken);
     let (rings, beads): (Vec<_>, Vec<_>) =
         joined.into_iter().partition(|chain| chain.ring);
@@ -411,12 +411,13 @@ fn cross(
 }
 
 /// Shortens ends that lie on strokes, and leaves out strokes that lie on others
-/// all along. Of two strokes that lie on each other the shorter one yields. Places
-/// that are `taken` lie under beads of other walls.
+/// all along. Of two strokes that lie on each other the shorter one yields. Dabs
+/// that lie nearly all on others are left out if it is known which places are
+/// `taken` by beads around.
 fn stop_short(
     chains: Vec<Chain>,
     widest: Mm,
-    taken: impl Fn(DVec2) -> bool,
+    taken: Option<impl Fn(DVec2) -> bool>,
 ) -> Vec<Chain> {
     let paths = chains.iter().map(|c| c.stroke.path());
     let grid = EdgeGrid::of_lines(paths, widest);
@@ -481,9 +482,12 @@ fn stop_short(
             (ends[0], length - ends[1])
         };
     }
-    for i in order {
+    let dabs = taken
+        .iter()
+        .flat_map(|taken| order.iter().map(move |i| (*i, taken)));
+    for (i, taken) in dabs {
         let stroke = &chains[i].stroke;
-        if new_share(stroke, i, &lines, &grid, widest, &taken) < NEW {
+        if new_share(stroke, i, &lines, &grid, widest, taken) < NEW {
             lines[i].left = (0.0, 0.0);
         }
     }
@@ -651,7 +655,7 @@ mod tests {
     fn a_wide_bead_goes_on_in_one_of_two_walls() {
         let bead = line(&[(0.0, 0.0), (5.0, 0.0)], 0.84);
         let walls = [0.21, -0.21].map(|y| line(&[(5.1, y), (10.0, y)], 0.42));
-        let (rings, beads) = join(walls.to_vec(), vec![bead], 0.0, anywhere);
+        let (rings, beads) = join(walls.to_vec(), vec![bead], None, anywhere);
         assert_eq!((rings.len(), beads.len()), (2, 0));
         let longest = rings.iter().map(Stroke::length).fold(0.0, f64::max);
         assert!((longest - 10.1).abs() < 0.2, "{longest}");
@@ -686,7 +690,7 @@ mod tests {
                 out,
             }
         };
-        let (rings, _) = join(walls.to_vec(), vec![bead], 0.0, room);
+        let (rings, _) = join(walls.to_vec(), vec![bead], None, room);
         let through = rings
             .iter()
             .max_by(|a, b| a.length().total_cmp(&b.length()));
@@ -704,7 +708,7 @@ mod tests {
             let away = DVec2::from_angle(angle);
             Stroke::new(vec![0.05 * away, 6.0 * away], false, 0.6)
         });
-        let (rings, beads) = join(Vec::new(), arms.to_vec(), 0.0, anywhere);
+        let (rings, beads) = join(Vec::new(), arms.to_vec(), None, anywhere);
         assert_eq!((rings.len(), beads.len()), (0, 2));
         let mut lengths: Vec<f64> = beads.iter().map(Stroke::length).collect();
         lengths.sort_by(f64::total_cmp);
@@ -719,7 +723,7 @@ mod tests {
                 let away = DVec2::from(to);
                 Stroke::new(vec![0.05 * away, 6.0 * away], false, 0.6)
             });
-        let (_, beads) = join(Vec::new(), arms.to_vec(), 0.0, anywhere);
+        let (_, beads) = join(Vec::new(), arms.to_vec(), None, anywhere);
         assert_eq!(beads.len(), 3);
         let laid: f64 = beads.iter().map(content).sum();
         // The area of the cross is 4·6·0.6 − 0.6².
@@ -732,7 +736,7 @@ mod tests {
         let bead = line(&[(-1.0, 0.0), (1.0, 0.0)], 0.6);
         let lobe = line(&[(0.0, 0.05), (0.0, 0.45)], 0.5);
         let (_, beads) =
-            join(Vec::new(), vec![bead.clone(), lobe], 0.0, anywhere);
+            join(Vec::new(), vec![bead.clone(), lobe], None, anywhere);
         let lengths: Vec<f64> = beads.iter().map(Stroke::length).collect();
         assert_eq!(lengths.len(), 2);
         assert!((lengths[1] - 0.21).abs() < 0.01, "{lengths:?}");
@@ -740,7 +744,7 @@ mod tests {
         // reach out.
         let lobe = line(&[(0.0, 0.05), (0.0, 0.3)], 0.5);
         let (_, beads) =
-            join(Vec::new(), vec![bead.clone(), lobe], 0.0, anywhere);
+            join(Vec::new(), vec![bead.clone(), lobe], None, anywhere);
         assert_eq!(beads, [bead]);
     }
 
@@ -752,7 +756,7 @@ mod tests {
             let dab = line(&[(from, -0.12), (from, 0.12)], 0.45);
             // The border is 0.5 mm from the corner's middle.
             let room = |p: DVec2| wide(2.0 * (0.5 - p.x));
-            join(Vec::new(), vec![corner.clone(), dab], 0.0, room)
+            join(Vec::new(), vec![corner.clone(), dab], Some(0.0), room)
                 .1
                 .len()
         };
@@ -768,14 +772,14 @@ mod tests {
             &[(0.0, 0.0), (8.0, 0.0), (8.0, 4.0), (3.0, 4.0), (3.0, 0.1)],
             0.5,
         );
-        let (_, beads) = join(Vec::new(), vec![bead.clone()], 0.0, anywhere);
+        let (_, beads) = join(Vec::new(), vec![bead.clone()], None, anywhere);
         let end = beads[0].points.last().unwrap();
         assert!((end.y - 0.2).abs() < 0.01, "{end}");
         assert_eq!(beads[0].points[0], DVec2::ZERO);
         // A tight bend is no loop.
         let bend =
             line(&[(0.0, 0.0), (1.0, 0.0), (1.0, 0.15), (0.4, 0.15)], 0.5);
-        let (_, beads) = join(Vec::new(), vec![bend.clone()], 0.0, anywhere);
+        let (_, beads) = join(Vec::new(), vec![bend.clone()], None, anywhere);
         assert_eq!(beads, [bend]);
     }
 
@@ -784,12 +788,12 @@ mod tests {
         let long = line(&[(0.0, 0.0), (8.0, 0.0)], 0.5);
         let short = line(&[(6.0, 0.04), (3.0, 0.06)], 0.5);
         let (_, beads) =
-            join(Vec::new(), vec![short, long.clone()], 0.0, anywhere);
+            join(Vec::new(), vec![short, long.clone()], None, anywhere);
         assert_eq!(beads, [long]);
         // Half of this one has a track of its own.
         let half = line(&[(4.0, 0.05), (8.5, 0.05), (8.5, 6.0)], 0.5);
         let long = line(&[(0.0, 0.0), (9.0, 0.0), (20.0, 0.0)], 0.5);
-        let (_, beads) = join(Vec::new(), vec![half, long], 0.0, anywhere);
+        let (_, beads) = join(Vec::new(), vec![half, long], None, anywhere);
         assert_eq!(beads.len(), 2);
         let shorter = beads.iter().map(Stroke::length).fold(99.0, f64::min);
         assert!((shorter - 5.8).abs() < 0.05, "{shorter}");
@@ -801,7 +805,7 @@ mod tests {
         for longer in [0.0, 0.004] {
             let long = line(&[(0.0, 0.0), (4.0 + longer, 0.0)], 0.5);
             let back = line(&[(4.0, 0.0), (0.0, 0.0)], 0.5);
-            let (_, thin) = join(Vec::new(), vec![long, back], 0.0, anywhere);
+            let (_, thin) = join(Vec::new(), vec![long, back], None, anywhere);
             let length: Mm = thin.iter().map(Stroke::length).sum();
             assert!((length - 4.0).abs() < 0.01, "{thin:?}");
         }
@@ -813,7 +817,7 @@ mod tests {
             .map(|[a, b]| line(&[(a, 0.0), (b, 0.0)], 0.5));
         let joined = |room: f64| {
             let (_, beads) =
-                join(Vec::new(), pieces.to_vec(), 0.0, |_| wide(room));
+                join(Vec::new(), pieces.to_vec(), None, |_| wide(room));
             beads.len()
         };
         assert_eq!(joined(0.5), 1);
@@ -827,7 +831,7 @@ mod tests {
         let wall = line(&[(5.1, 0.21), (5.2, 0.21)], 0.42);
         // There is room where the ends meet, and none where they cross over.
         let room = |p: DVec2| wide(if p.x < 5.045 { -1.0 } else { 1.0 });
-        let (rings, _) = join(vec![wall], vec![bead], 0.0, room);
+        let (rings, _) = join(vec![wall], vec![bead], None, room);
         assert_eq!(rings.len(), 1);
         assert!(rings[0].widths.iter().all(|w| *w > 0.3));
     }
@@ -835,14 +839,14 @@ mod tests {
     #[test]
     fn strokes_of_no_points_or_one_do_no_harm() {
         let odd = || vec![line(&[], 0.4), line(&[(1.0, 1.0)], 0.4)];
-        join(odd(), odd(), 0.0, anywhere);
+        join(odd(), odd(), None, anywhere);
     }
 
     #[test]
     fn rings_that_meet_themselves_are_closed() {
         let most = |i: usize| DVec2::from_angle(i as f64 * 0.063) * 5.0;
         let ring = Stroke::new((0..100).map(most).collect(), false, 0.45);
-        let (rings, _) = join(vec![ring], Vec::new(), 0.0, anywhere);
+        let (rings, _) = join(vec![ring], Vec::new(), None, anywhere);
         assert!(rings[0].closed);
         assert!((rings[0].length() - 31.4).abs() < 0.1);
     }

@@ -536,18 +536,21 @@ impl Walls {
         let lines = std::mem::take(&mut self.lines[k]);
         let thin = std::mem::take(&mut self.thin[k]);
         (self.lines[k], self.thin[k]) =
-            joined(lines, thin, solid, depth, extra);
+            joined(lines, thin, solid, depth, extra, false);
     }
 }
 
 /// Joins the ends of rings and of beads in thin places, which lie deeper than
-/// `depth` in a solid and reach `extra` beyond that together.
+/// `depth` in a solid and reach `extra` beyond that together. Unless `dabs` stay,
+/// those that lie nearly all on other beads are left out: skin that is seen needs
+/// them.
 fn joined(
     lines: Vec<Stroke>,
     thin: Vec<Stroke>,
     solid: &Solid<'_>,
     depth: Mm,
     extra: Mm,
+    dabs: bool,
 ) -> (Vec<Stroke>, Vec<Stroke>) {
     let far = depth + JOINT;
     let room = |p: DVec2| match solid.grid().nearest_edge(p, far) {
@@ -561,7 +564,8 @@ fn joined(
         },
     };
     // A bead around reaches half of `extra` farther than its own area.
-    joints::join(lines, thin, 2.0 * extra, room)
+    let overlap = (!dabs).then_some(2.0 * extra);
+    joints::join(lines, thin, overlap, room)
 }
 
 /// Walls whose centre lines are outlines of the expression offset by their

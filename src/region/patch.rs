@@ -60,6 +60,7 @@ pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
         &skeleton.solid,
         0.0,
         plan.extra,
+        true,
     );
     Patch {
         rings,
@@ -143,6 +144,7 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
                 &skeleton.solid,
                 depth,
                 plan.extra,
+                true,
             );
             strokes.extend(rings);
             strokes.extend(thin);

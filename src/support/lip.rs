@@ -68,7 +68,9 @@ fn is_lip(
     let lowest = spans.partition_point(|s| s.bottom < bottom - height);
     let highest = spans.partition_point(|s| s.bottom <= bottom + height);
     let layers = lowest.min(i - 1)..highest.max(i + 1);
-    if !few_are_near(island, &outlines[layers.start], lip) {
+    // The corner of a lip is as far away as its diagonal.
+    let farthest = std::f64::consts::SQRT_2 * lip;
+    if !few_are_near(island, &outlines[layers.start], farthest) {
         return false;
     }
     let around = island.bounds().grown(2.0 * lip);
