@@ -137,9 +137,10 @@ impl End {
 
 /// Joins the strokes whose ends meet: rings cut open and the beads of thin
 /// places. `room` tells how wide a bead may be that has its middle at a
-/// place, mm, and `overlap` by how much that is more than what the beads around
-/// leave open; if there is none, dabs stay. Returns the strokes that are or have a piece of a ring, and
-/// those that are beads of thin places all along.
+/// place, mm. A place counts as taken by beads around if no bead wider than
+/// `overlap`, mm, has room there; without that number dabs stay. Returns the
+/// strokes that are or have a piece of a ring, and those that are beads of thin
+/// places all along.
 pub(super) fn join(
     rings: Vec<Stroke>,
     beads: Vec<Stroke>,
@@ -486,6 +487,7 @@ fn stop_short(
         .iter()
         .flat_map(|taken| order.iter().map(move |i| (*i, taken)));
     for (i, taken) in dabs {
+        crate::limits::check();
         let stroke = &chains[i].stroke;
         if new_share(stroke, i, &lines, &grid, widest, taken) < NEW {
             lines[i].left = (0.0, 0.0);

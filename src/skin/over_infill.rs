@@ -23,8 +23,9 @@
 //! bead is far away, back to the last place that one holds. Beads count where
 //! they are laid, and not where an area says that there should be some. Not
 //! guaranteed: that lines fill all of the skin. One of which an end cannot be
-//! held is left out. The next layer then has bridges over its place, as over
-//! infill.
+//! held is left out, and the next layer lies over its place, with bridges unless
+//! it is seen. Where no line of a layer can be held, its skin stays as it is. The
+//! lowest layer of a block lies on what a rehearsal of the layer below finds.
 
 use super::bridge::shared;
 use super::direction::{across, best, common, fan, rows};
@@ -484,8 +485,8 @@ fn direction(under: Under<'_>, width: Mm) -> Option<(Mm, Degrees)> {
 /// The directions in which most of some infill's lines run.
 fn infill_directions(lines: &EdgeGrid, area: &Area) -> Vec<Degrees> {
     /// Directions that count as one, degrees.
-    const STEP: usize = 2;
-    const BINS: usize = 180 / STEP;
+    const BIN: usize = 2;
+    const BINS: usize = 180 / BIN;
     let bounds = area.bounds();
     let mut edges = Vec::new();
     lines.visit_box(bounds.min, bounds.max, |edge| edges.push(edge));
@@ -497,11 +498,11 @@ fn infill_directions(lines: &EdgeGrid, area: &Area) -> Vec<Degrees> {
         let (a, b) = lines.edge(edge);
         let angle = (b - a).to_angle().to_degrees();
         // Whole degrees lie in the middle of a bin.
-        let angle = (angle + 0.5 * STEP as f64).rem_euclid(180.0);
-        let bin = &mut bins[(angle as usize / STEP).min(BINS - 1)];
+        let angle = (angle + 0.5 * BIN as f64).rem_euclid(180.0);
+        let bin = &mut bins[(angle as usize / BIN).min(BINS - 1)];
         let length = a.distance(b);
         bin.0 += length;
-        bin.1 += length * (angle - 0.5 * STEP as f64);
+        bin.1 += length * (angle - 0.5 * BIN as f64);
     }
     let mut order: Vec<usize> =
         (0..BINS).filter(|&i| bins[i].0 > 0.0).collect();

@@ -73,7 +73,8 @@ impl Runs {
     fn waiting(&self, first: usize) -> Waiting {
         let run = &self.all[first];
         Waiting {
-            length: run.length.to_bits(),
+            // A sum of no lengths may be -0, whose bits are the greatest.
+            length: (run.length + 0.0).to_bits(),
             first,
             last: run.last.unwrap_or(first),
         }

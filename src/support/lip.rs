@@ -19,11 +19,13 @@
 //! But where supports are asked for, its underside is better with one.
 
 use super::TOLERANCE;
+use super::need::held;
 use super::parts::Parts;
-use crate::plane::clip::{crop, difference, intersection};
+use crate::plane::clip::{difference, intersection};
 use crate::plane::grid::nearest_on;
 use crate::plane::offset::offset;
 use crate::plane::{Area, edges};
+use crate::region::neighbour::Neighbour;
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
@@ -36,30 +38,34 @@ const CORNER: f64 = 1.0 - std::f64::consts::FRAC_PI_4;
 /// Width of the seam between a lip and what holds it, mm.
 const SEAM: Mm = 0.1;
 
-/// The part of `need`, what layer `i` does not hold by itself, that is no lip.
+/// The part of `need`, which is what of layer `i` the layer below does not hold,
+/// that is no lip. `outlines` are those of all layers.
 pub(super) fn without_lips(
     need: Area,
     i: usize,
     parts: Parts<'_>,
+    outlines: &[Neighbour<'_>],
     settings: &Settings,
 ) -> Area {
     if i == 0 || need.is_empty() {
         return need;
     }
-    crate::limits::check();
     let islands = need.islands().into_iter();
-    let rest = islands.filter(|area| !is_lip(area, i, parts, settings));
+    let rest =
+        islands.filter(|area| !is_lip(area, i, parts, outlines, settings));
     rest.collect()
 }
 
-/// True if an island of what layer `i` does not hold is a lip.
+/// True if an island of what of layer `i` the layer below does not hold is a lip.
 fn is_lip(
     island: &Area,
     i: usize,
     parts: Parts<'_>,
+    outlines: &[Neighbour<'_>],
     settings: &Settings,
 ) -> bool {
-    let (spans, outlines) = (parts.spans(), parts.outlines);
+    crate::limits::check();
+    let spans = parts.spans();
     let lip = settings.outer_wall_width();
     // A slope of `support.angle` gets twice as far as a lip in this height.
     let tan = settings.support.angle.to_radians().tan();
@@ -70,11 +76,13 @@ fn is_lip(
     let layers = lowest.min(i - 1)..highest.max(i + 1);
     // The corner of a lip is as far away as its diagonal.
     let farthest = std::f64::consts::SQRT_2 * lip;
-    if !few_are_near(island, &outlines[layers.start], farthest) {
+    let lowest = outlines[layers.start]
+        .within(island.bounds().grown(farthest + TOLERANCE));
+    if !few_are_near(island, &lowest, farthest) {
         return false;
     }
     let around = island.bounds().grown(2.0 * lip);
-    let near = |k: usize| crop(&outlines[k].rings, around);
+    let near = |k: usize| outlines[k].within(around);
     let reached = |k: usize| offset(&near(k), lip, TOLERANCE);
     let from_below = reached(i - 1);
     let beside = offset(island, lip, TOLERANCE);
@@ -89,7 +97,12 @@ fn is_lip(
     lies_in(island, &from_below)
         && (layers.start..i - 1).all(|k| lies_in(island, &reached(k)))
         && (i..layers.end).all(ends_here)
-        && is_held(island, i, parts, settings)
+        && is_held(
+            island,
+            [i, i - 1].map(|k| &outlines[k]),
+            held(spans[i].height(), settings),
+            settings,
+        )
 }
 
 /// True if some points of an area's rim are within `reach` of another area.
@@ -104,20 +117,18 @@ fn few_are_near(area: &Area, other: &Area, reach: Mm) -> bool {
     points.step_by(every).all(|&p| near(p))
 }
 
-/// True if an island of what layer `i` does not hold lies along what is held
-/// there: its length, by its content and the width of a lip, is no more than
-/// that of the seam between both.
+/// True if an island of a layer lies along what the layer below holds, which
+/// reaches as far as `held` beyond it: the island's length, by its content and the
+/// width of a lip, is no more than that of the seam between both.
 fn is_held(
     island: &Area,
-    i: usize,
-    parts: Parts<'_>,
+    [here, below]: [&Neighbour<'_>; 2],
+    held: Mm,
     settings: &Settings,
 ) -> bool {
     let seam = offset(island, SEAM, TOLERANCE);
-    let within = seam.bounds();
-    let [here, below] =
-        [i, i - 1].map(|k| crop(&parts.outlines[k].rings, within.grown(1.0)));
-    let held = settings.held(parts.spans()[i].height());
+    let around = seam.bounds().grown(held + 1.0);
+    let [here, below] = [here, below].map(|layer| layer.within(around));
     let held = offset(&below, held, TOLERANCE);
     let seam = intersection(&intersection(&seam, &here), &held);
     island.content() * SEAM <= seam.content() * settings.outer_wall_width()
@@ -149,7 +160,8 @@ mod tests {
             bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
         };
         let middle = outlines.len() / 2;
-        without_lips(need.clone(), middle, parts, &settings)
+        let outlines: Vec<_> = outlines.iter().map(Neighbour::new).collect();
+        without_lips(need.clone(), middle, parts, &outlines, &settings)
     }
 
     /// Layers whose right side is at `x(k)` in the k-th layer above the middle

@@ -100,7 +100,7 @@ pub(super) fn need(
 }
 
 /// How far a layer of some height holds what is above it.
-fn held(height: Mm, settings: &Settings) -> Mm {
+pub(super) fn held(height: Mm, settings: &Settings) -> Mm {
     settings.held(height) + SLACK * height
 }
 

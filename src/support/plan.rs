@@ -17,6 +17,7 @@ use crate::plane::clusters::clusters;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
 use crate::region::neighbour::Neighbour;
+use crate::region::neighbour::Neighbour;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec3;
@@ -177,9 +178,11 @@ fn needs(
     parts: Parts<'_>,
     settings: &Settings,
 ) -> [Vec<Area>; 2] {
+    let outlines: Vec<_> =
+        parts.outlines.par_iter().map(Neighbour::new).collect();
     let of_layer = |(i, found): (usize, Found)| {
         let Need { must, wanted } = found.need;
-        let must = without_lips(must, i, parts, settings);
+        let must = without_lips(must, i, parts, &outlines, settings);
         (union(&must, &wanted), must)
     };
     let layers = found.into_par_iter().enumerate();

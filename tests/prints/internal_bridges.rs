@@ -73,6 +73,8 @@ fn layers(formula: &str, settings: &Settings) -> Vec<Vec<Step>> {
 
 const BRIDGE: &str = "Internal Bridge";
 const INFILL: &str = "Sparse infill";
+/// The names of all walls end with this.
+const WALL: &str = " wall";
 
 /// Distance of a point from a move.
 fn distance(p: DVec2, step: &Step) -> f64 {
@@ -131,7 +133,7 @@ fn judged(layers: &[Vec<Step>]) -> (f64, usize, usize) {
         let infill = Cells::new(below.iter().filter(is_infill));
         // What is solid holds a line beside it as well as one on it.
         let solid = Cells::new(below.iter().filter(|s| !is_infill(s)));
-        let walls = own.iter().filter(|s| s.role != BRIDGE && !is_infill(s));
+        let walls = own.iter().filter(|s| s.role.ends_with(WALL));
         let walls = Cells::new(walls);
         let held = |p: DVec2| {
             infill.near(p, HALF)
