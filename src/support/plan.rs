@@ -17,7 +17,6 @@ use crate::plane::clusters::clusters;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
 use crate::region::neighbour::Neighbour;
-use crate::region::neighbour::Neighbour;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec3;
