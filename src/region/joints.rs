@@ -60,12 +60,12 @@ const OWN: f64 = 3.0;
 const STUB: f64 = 0.15;
 /// Greatest overlap of an end with a stroke that is left alone, mm.
 const SLACK: Mm = 0.005;
-/// A stroke shorter than this many of its widths is left out if less than
-/// [`NEW`] of its bead lies where no other bead does: a pit in the corner of a
-/// sheet is not worth a travel there and back.
+/// A stroke shorter than this many of its widths is a dab.
 const DAB: f64 = 2.0;
+/// A dab is left out if less than this share of it lies where no other bead does:
+/// a pit in the corner of a sheet is not worth a travel there and back.
 const NEW: f64 = 0.3;
-/// Places across a short bead at which it is looked at.
+/// Number of places across a dab at which the beads there are looked up.
 const PLACES: u32 = 9;
 
 /// The space around a place for a bead with its middle there.
@@ -137,10 +137,9 @@ impl End {
 
 /// Joins the strokes whose ends meet: rings cut open and the beads of thin
 /// places. `room` tells how wide a bead may be that has its middle at a
-/// place, mm. A place counts as taken by beads around if no bead wider than
-/// `overlap`, mm, has room there; without that number dabs stay. Returns the
-/// strokes that are or have a piece of a ring, and those that are beads of thin
-/// places all along.
+/// place, mm. Where there is no room for a bead wider than `overlap`, mm, the beads
+/// of other walls lie; without that number dabs stay. Returns the strokes that are
+/// or have a piece of a ring, and those that are beads of thin places all along.
 pub(super) fn join(
     rings: Vec<Stroke>,
     beads: Vec<Stroke>,
@@ -171,7 +170,6 @@ pub(super) fn join(
     }
     let joined = links.chains(strokes, count, &room);
     let widest = ends.iter().map(|e| e.width).fold(0.0, f64::max);
-    // Beads around lie where the middle of a bead that they touch has no room.
     let taken = overlap.map(|most| move |p: DVec2| room(p).width <= most);
     let joined = stop_short(joined, widest, taken);
     let (rings, beads): (Vec<_>, Vec<_>) =
@@ -413,8 +411,8 @@ fn cross(
 
 /// Shortens ends that lie on strokes, and leaves out strokes that lie on others
 /// all along. Of two strokes that lie on each other the shorter one yields. Dabs
-/// that lie nearly all on others are left out if it is known which places are
-/// `taken` by beads around.
+/// that lie nearly all on other beads are left out if `taken` is given, which tells
+/// where the beads of other walls lie.
 fn stop_short(
     chains: Vec<Chain>,
     widest: Mm,
@@ -508,8 +506,8 @@ fn stop_short(
     all
 }
 
-/// The share of a dab, `stroke` number `i`, that lies on no other stroke and on
-/// no place that is `taken` by a bead around; 1 if the stroke is too long for a
+/// The share of `stroke`, number `i`, that lies neither on another stroke nor where
+/// `taken` says that a bead of another wall lies; 1 if the stroke is too long for a
 /// dab.
 fn new_share(
     stroke: &Stroke,

@@ -541,9 +541,8 @@ impl Walls {
 }
 
 /// Joins the ends of rings and of beads in thin places, which lie deeper than
-/// `depth` in a solid and reach `extra` beyond that together. Unless `dabs` stay,
-/// those that lie nearly all on other beads are left out: skin that is seen needs
-/// them.
+/// `depth` in a solid and reach `extra` beyond that together. If `dabs` is true,
+/// dabs stay that lie nearly all on other beads, as skin that is seen needs them.
 fn joined(
     lines: Vec<Stroke>,
     thin: Vec<Stroke>,
@@ -563,7 +562,7 @@ fn joined(
             out: DVec2::ZERO,
         },
     };
-    // A bead around reaches half of `extra` farther than its own area.
+    // A bead of another wall reaches into this area by half of `extra`.
     let overlap = (!dabs).then_some(2.0 * extra);
     joints::join(lines, thin, overlap, room)
 }

@@ -15,8 +15,8 @@
 //! its layers sticks out as little. A lip is held along its length: what begins on
 //! nothing is none.
 //!
-//! A wider lip may hang without harm, and no warning tells of one of two lines.
-//! But where supports are asked for, its underside is better with one.
+//! A lip of up to two lines hangs without harm, and no warning names it. But where
+//! supports are asked for, the underside of such a lip is better with a support.
 
 use super::TOLERANCE;
 use super::need::held;
@@ -30,10 +30,12 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// So many points of an area are looked at before its whole is.
+/// Number of points of an area's rim that are tried before the whole area is
+/// compared, which takes longer.
 const POINTS: usize = 8;
-/// Content of a square's corner outside of the circle in it, as a share of the
-/// square of the circle's radius: the corner of a lip is as far out as that.
+/// Content of a square's corner outside of a quarter of a circle, as a share of the
+/// square of the radius. A lip has such a corner beyond what is as near as the
+/// lip's width.
 const CORNER: f64 = 1.0 - std::f64::consts::FRAC_PI_4;
 /// Width of the seam between a lip and what holds it, mm.
 const SEAM: Mm = 0.1;
@@ -76,9 +78,9 @@ fn is_lip(
     let layers = lowest.min(i - 1)..highest.max(i + 1);
     // The corner of a lip is as far away as its diagonal.
     let farthest = std::f64::consts::SQRT_2 * lip;
-    let lowest = outlines[layers.start]
+    let deep = outlines[layers.start]
         .within(island.bounds().grown(farthest + TOLERANCE));
-    if !few_are_near(island, &lowest, farthest) {
+    if !few_are_near(island, &deep, farthest) {
         return false;
     }
     let around = island.bounds().grown(2.0 * lip);
@@ -105,7 +107,7 @@ fn is_lip(
         )
 }
 
-/// True if some points of an area's rim are within `reach` of another area.
+/// True if [`POINTS`] points or so of an area's rim are within `reach` of another area.
 fn few_are_near(area: &Area, other: &Area, reach: Mm) -> bool {
     let points = area.rings.iter().flatten();
     let every = points.clone().count().div_ceil(POINTS).max(1);
