@@ -9,15 +9,18 @@
 //!   ──────────────────────
 //! ```
 //!
-//! In: a wall's lines, and those of the wall outside of it, which is on their
-//! right. Out: the wall's lines, which keep their spacing from the wall outside
-//! except where they would become too narrow.
+//! A bead in the middle of what two walls leave gives way on both sides.
+//!
+//! In: a wall's lines or beads, and the lines of the wall outside of them. Out:
+//! the lines, which keep their spacing from the wall outside except where they
+//! would become too narrow.
 
 use super::line::{RidgeIndex, moved};
 use super::ridge::Ridge;
 use super::widen::{HIDDEN, Station};
 use crate::bead::{Stroke, spacing};
 use crate::units::Mm;
+use glam::DVec2;
 
 /// Greatest overlap of walls side by side that is left alone, mm.
 const OVERLAP: Mm = 0.01;
@@ -25,8 +28,8 @@ const OVERLAP: Mm = 0.01;
 /// grown.
 const NARROWEST: f64 = 0.6;
 
-/// Narrows lines on their outer side where the walls `outside` of them, which are
-/// usually `width` wide, have grown wider. Lines are thinned to `tolerance`.
+/// Narrows lines beside the walls `outside` of them, which are usually `width`
+/// wide, where these have grown wider. Lines are thinned to `tolerance`.
 pub(super) fn give_way(
     lines: Vec<Stroke>,
     outside: &[Stroke],
@@ -43,7 +46,9 @@ pub(super) fn give_way(
     let own = own.chain(lines.iter().map(|l| l.width)).fold(0.0, f64::max);
     let reach = spacing(widest, own, height);
     let index = RidgeIndex::new(&wider, reach);
-    let narrowed = |line: Stroke| {
+    // One side of a line gives way after the other, as what lies beside it may
+    // have grown on both.
+    let narrowed = |line: Stroke, side: f64| {
         moved(
             line,
             &index,
@@ -51,12 +56,13 @@ pub(super) fn give_way(
             tolerance,
             HIDDEN,
             |p, across, width, near| {
-                let left = across.normalize_or_zero();
+                let inwards = side * across.normalize_or_zero();
+                let away = |q: DVec2| inwards.dot((p - q).normalize_or_zero());
                 let overlap = index
-                    .nearest_of(near, p, reach)
+                    .nearest_where(near, p, reach, |q| away(q) > 0.0)
                     .map(|(q, w)| {
                         let overlap = spacing(width, w, height) - p.distance(q);
-                        overlap * left.dot((p - q).normalize_or_zero())
+                        overlap * away(q)
                     })
                     .filter(|overlap| *overlap > OVERLAP)
                     .map(|overlap| overlap.min((1.0 - NARROWEST) * width));
@@ -64,13 +70,15 @@ pub(super) fn give_way(
                     at: p,
                     across,
                     width,
-                    moves: overlap.map(|overlap| 0.5 * overlap),
+                    moves: overlap.map(|overlap| 0.5 * side * overlap),
                     narrows: overlap.is_some(),
                 }
             },
         )
     };
-    lines.into_iter().map(narrowed).collect()
+    let [right, left] = [1.0, -1.0];
+    let both = |line| narrowed(narrowed(line, right), left);
+    lines.into_iter().map(both).collect()
 }
 
 /// The pieces of walls that are wider than `width`.
@@ -101,7 +109,6 @@ fn wider(walls: &[Stroke], width: Mm) -> Vec<Ridge> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
 
     const HEIGHT: Mm = 0.2;
     const WIDTH: Mm = 0.45;
@@ -145,6 +152,30 @@ mod tests {
             let meant = spacing(*w, outside.width_at(k.min(200)), HEIGHT);
             assert!((p.y - q.y - meant).abs() < OVERLAP + 1e-3, "{p}");
         }
+    }
+
+    #[test]
+    fn a_bead_between_two_walls_gives_way_to_both() {
+        let right = outside(0.55);
+        let between = inside();
+        let middle = between.points[0].y;
+        let mut left = right.clone();
+        left.points
+            .iter_mut()
+            .for_each(|p| p.y = 2.0 * middle - p.y);
+        let walls = [right, left];
+        let lines = give_way(vec![between], &walls, WIDTH, HEIGHT, 1e-4);
+        let line = &lines[0];
+        let narrowest = line.widths.iter().copied().fold(1.0, f64::min);
+        assert!((narrowest - 0.25).abs() < 0.002, "{narrowest}");
+        let beside = |x: f64| (x - 10.0).abs() < 2.0;
+        for (p, w) in line.points.iter().zip(&line.widths) {
+            if beside(p.x) {
+                assert!((p.y - middle).abs() < 0.002, "{p}");
+                assert!((w - 0.25).abs() < 0.002, "{p} {w}");
+            }
+        }
+        assert_eq!([line.width_at(0), line.points[0].y], [WIDTH, middle]);
     }
 
     /// A wall outside that is 0.15 mm wider at once, as beside the pocket of a

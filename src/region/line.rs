@@ -117,6 +117,24 @@ impl<'a> RidgeIndex<'a> {
         Some((q, self.thickness(edge, q)))
     }
 
+    /// Does what [`RidgeIndex::nearest_of`] does, but only points for which
+    /// `counts` is true are found.
+    pub(super) fn nearest_where(
+        &self,
+        segments: &[u32],
+        p: DVec2,
+        reach: Mm,
+        counts: impl Fn(DVec2) -> bool,
+    ) -> Option<(DVec2, Mm)> {
+        let mut best: Option<(DVec2, Mm)> = None;
+        for &segment in segments {
+            let limit = best.map_or(reach, |(q, _)| p.distance(q));
+            let found = self.nearest_of(&[segment], p, limit);
+            best = found.filter(|(q, _)| counts(*q)).or(best);
+        }
+        best
+    }
+
     /// The thickness at a place on a segment.
     fn thickness(&self, edge: usize, q: DVec2) -> Mm {
         let (i, k) = self.segments[edge];

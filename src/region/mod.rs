@@ -452,12 +452,13 @@ fn laid(
             // accuracy.
             let fine = 0.4 * settings.accuracy;
             let walls = absorb(walls, &slivers, away, fine);
-            let walls = match lines.last() {
+            let [walls, beads] = match lines.last() {
                 Some(outside) => {
                     let width = plans[lines.len() - 1].width;
-                    give_way(walls, outside, width, height, fine)
+                    [walls, beads]
+                        .map(|own| give_way(own, outside, width, height, fine))
                 }
-                None => walls,
+                None => [walls, beads],
             };
             // Inside the last wall, beads of skin fill what the thinnest of
             // them fits into.
