@@ -504,8 +504,9 @@ mod tests {
         let all = vec![pierced, rect(20.0, 0.0, 21.0, 1.0), far, tip(4.3)];
         assert_eq!(count(all), [4, 1]);
         // What stands in a hole is near to its border, or it is not.
-        let frame = difference(&rect(-9.0, -9.0, 9.0, 9.0), &left);
-        let inside = |gap: f64| rect(gap, 1.0, 3.0, 9.0);
+        let frame =
+            difference(&rect(-9.0, -9.0, 9.0, 9.0), &rect(0.0, 0.0, 4.0, 8.0));
+        let inside = |gap: f64| rect(gap, 1.0, 3.0, 7.0);
         assert_eq!(count(vec![frame.clone(), inside(0.5)]), [2, 1]);
         assert_eq!(count(vec![frame, inside(0.3)]), [3]);
     }
