@@ -1,10 +1,13 @@
-//! The walls of posts of support.
+//! The walls of posts of support, and of its other islands.
 //!
 //! A lattice has thousands of posts, which are discs of a few sizes. The wall
-//! of a size is laid once, around the origin, and moved to each of them.
+//! of a size is laid once, around the origin, and moved to each of them. The
+//! walls of another island are laid by themselves: columns have the same
+//! islands in many layers, and a wall that is hard to lay makes those of other
+//! islands no harder.
 
 use crate::bead::Bead;
-use crate::plane::{Area, Rect, signed_area};
+use crate::plane::{Area, Rect, Ring, signed_area};
 use crate::region::support_walls;
 use crate::settings::Settings;
 use crate::support::Disc;
@@ -12,13 +15,16 @@ use crate::units::Mm;
 use crate::walls;
 use glam::DVec2;
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// So many sizes are kept. Tall posts have another size in each layer.
 const SIZES: usize = 256;
+/// So many islands that are no posts are kept. They take some kilobytes each.
+const ISLANDS: usize = 1024;
 
 /// The walls around an area of support, and what they leave for lines.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Walled {
     pub beads: Vec<Bead>,
     pub fill: Area,
@@ -52,10 +58,14 @@ impl Walled {
 /// A size of post, and the bits of the layer's height.
 type Size = (Disc, u64);
 
-/// The walls of the sizes that have been met.
+/// The corners of an island's rings, and the layer's height, bit by bit.
+type Shape = (Vec<Vec<[u64; 2]>>, u64);
+
+/// The walls of the sizes and of the islands that have been met.
 #[derive(Debug, Default)]
 pub(super) struct Posts {
-    laid: Mutex<HashMap<Size, Arc<Walled>>>,
+    sizes: Mutex<HashMap<Size, Arc<Walled>>>,
+    islands: Mutex<HashMap<Shape, Arc<Walled>>>,
 }
 
 impl Posts {
@@ -67,36 +77,51 @@ impl Posts {
         settings: &Settings,
     ) -> Walled {
         let (discs, rest) = discs(area);
-        let mut all = Walled::new(&rest, height, settings);
+        let mut all = Walled::default();
+        for island in rest.islands() {
+            let ring = |ring: &Ring| {
+                let points = ring.iter();
+                points.map(|p| p.to_array().map(f64::to_bits)).collect()
+            };
+            let shape = island.rings.iter().map(ring).collect();
+            let lay = || Walled::new(&island, height, settings);
+            let walls =
+                kept(&self.islands, (shape, height.to_bits()), ISLANDS, lay);
+            all.add(&walls, DVec2::ZERO);
+        }
         for (disc, middle) in discs {
-            let walls = self.of_disc(disc, height, settings);
+            let lay = || {
+                let area = Area::from(disc.ring());
+                Walled::new(&area, height, settings)
+            };
+            let size = (disc, height.to_bits());
+            let walls = kept(&self.sizes, size, SIZES, lay);
             all.add(&walls, middle);
         }
         all
     }
+}
 
-    /// The walls of a disc around the origin.
-    fn of_disc(
-        &self,
-        disc: Disc,
-        height: Mm,
-        settings: &Settings,
-    ) -> Arc<Walled> {
-        let laid = || self.laid.lock().unwrap_or_else(PoisonError::into_inner);
-        let size = (disc, height.to_bits());
-        if let Some(walls) = laid().get(&size) {
-            return walls.clone();
-        }
-        let area = Area::from(disc.ring());
-        let walls = Arc::new(Walled::new(&area, height, settings));
-        let mut laid = laid();
-        // What is forgotten is laid again, and comes out the same.
-        if laid.len() >= SIZES {
-            laid.clear();
-        }
-        laid.insert(size, walls.clone());
-        walls
+/// What is kept for a key, or else what `lay` gives, which is kept then. No more
+/// than `most` are kept.
+fn kept<K: Eq + Hash>(
+    all: &Mutex<HashMap<K, Arc<Walled>>>,
+    key: K,
+    most: usize,
+    lay: impl FnOnce() -> Walled,
+) -> Arc<Walled> {
+    let all = || all.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(walls) = all().get(&key) {
+        return walls.clone();
     }
+    let walls = Arc::new(lay());
+    let mut all = all();
+    // What is forgotten is laid again, and comes out the same.
+    if all.len() >= most {
+        all.clear();
+    }
+    all.insert(key, walls.clone());
+    walls
 }
 
 /// The islands of an area that are discs without holes, with their middles, and
@@ -124,6 +149,7 @@ fn discs(area: &Area) -> (Vec<(Disc, DVec2)>, Area) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::rect;
     use crate::plane::shapes::{circle, moved};
 
     #[test]
@@ -145,7 +171,29 @@ mod tests {
                 assert!(a.points.iter().all(near), "{a:?} {b:?}");
             }
         }
-        assert_eq!(posts.laid.lock().unwrap().len(), 1);
+        assert_eq!(posts.sizes.lock().unwrap().len(), 1);
+    }
+
+    #[test]
+    fn islands_of_one_shape_and_place_are_laid_once() {
+        let settings = Settings::default();
+        let posts = Posts::default();
+        let of = |x: f64| rect(x, 0.0, x + 3.0, 2.0);
+        let both: Area = [of(0.0), of(9.0)].into_iter().collect();
+        let count = || posts.islands.lock().unwrap().len();
+        let first = posts.walled(&both, 0.2, &settings);
+        assert_eq!(count(), 2);
+        let second = posts.walled(&of(9.0), 0.2, &settings);
+        assert_eq!((count(), second.beads.len()), (2, 2));
+        let points = |beads: &[Bead]| -> Vec<Vec<DVec2>> {
+            beads.iter().map(|bead| bead.points.clone()).collect()
+        };
+        assert_eq!(points(&first.beads[2..]), points(&second.beads));
+        assert_eq!(first.fill.rings[1], second.fill.rings[0]);
+        // Another layer height, and another place.
+        posts.walled(&of(9.0), 0.3, &settings);
+        posts.walled(&of(9.5), 0.2, &settings);
+        assert_eq!(count(), 4);
     }
 
     #[test]

@@ -121,6 +121,9 @@ pub(crate) fn offset_within(
         turned.push((signed_area(ring) > 0.0) != (signed_area(&m) > 0.0));
         rings.push(m);
     }
+    if states.iter().all(|s| *s == State::Covered) {
+        return Area::EMPTY;
+    }
     let clear = states.iter().all(|s| *s == State::Clear);
     if clear && !turned.contains(&true) {
         return Area { rings };

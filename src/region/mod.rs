@@ -178,7 +178,8 @@ pub(crate) struct Laid {
 /// Lays one wall along the border of an area.
 pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
     let counts = Counts::new(&[lay], None);
-    let skeleton = Skeleton::new(area, counts.limit(), tolerance);
+    let solid = Solid::of(area, cell(area));
+    let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
     let nodes = skeleton.ends(counts.limit());
     let thin = skeleton.thin_places(&counts, &nodes);
     let rings = skeleton.shrunk(lay.centre, tolerance);
@@ -204,19 +205,19 @@ fn cell(area: &Area) -> Mm {
 /// and is thinner there by 2·d. So the ridges of the outline serve for all
 /// walls.
 struct Skeleton<'a> {
-    solid: Solid<'a>,
+    solid: &'a Solid<'a>,
     ridges: Vec<Ridge>,
     /// Distances by which the area's edges can move inwards.
     room: Room,
 }
 
 impl<'a> Skeleton<'a> {
-    fn new(area: &'a Area, limit: Mm, tolerance: Mm) -> Skeleton<'a> {
-        let solid = Solid::of(area, cell(area));
-        let (mut ridges, room) = if area.is_empty() || limit <= 0.0 {
+    fn new(solid: &'a Solid<'a>, limit: Mm, tolerance: Mm) -> Skeleton<'a> {
+        let empty = solid.area().is_empty() || limit <= 0.0;
+        let (mut ridges, room) = if empty {
             (Vec::new(), Room::default())
         } else {
-            ridges(&solid, limit, tolerance)
+            ridges(solid, limit, tolerance)
         };
         // A post's ridge is a point.
         ridges.retain(|r| r.length() > 0.25 * r.thickest());
@@ -244,7 +245,7 @@ impl<'a> Skeleton<'a> {
     /// The area shrunk by `distance` and thinned.
     fn shrunk(&self, distance: Mm, tolerance: Mm) -> Area {
         let room = Some(&self.room);
-        let shrunk = offset_within(&self.solid, room, -distance, tolerance);
+        let shrunk = offset_within(self.solid, room, -distance, tolerance);
         simplify_area(&shrunk, tolerance)
     }
 
@@ -393,6 +394,7 @@ fn laid(
         .collect();
     let count = plans.len();
     plans.push(Lay::inside(settings.skin_width(), height, settings));
+    let whole = Solid::of(outline, cell(outline));
     let mut area = outline.clone();
     let mut lines: Vec<Vec<Stroke>> = Vec::new();
     let mut thin = Vec::new();
@@ -421,8 +423,14 @@ fn laid(
             *begins = begins.after(2.0 * tolerance);
         }
         let counts = Counts::new(&pair, Some(plans[next]));
-        let skeleton = Skeleton::new(&area, counts.limit(), settings.accuracy);
-        let solid = &skeleton.solid;
+        let own;
+        let solid = if first == 0 {
+            &whole
+        } else {
+            own = Solid::of(&area, cell(&area));
+            &own
+        };
+        let skeleton = Skeleton::new(solid, counts.limit(), settings.accuracy);
         let nodes = skeleton.ends(counts.limit());
         let places = skeleton.thin_places(&counts, &nodes);
         let mut depth = 0.0;
@@ -502,10 +510,9 @@ fn laid(
     }
     let mut walls = Walls::of(outline, lines, thin, area, height, settings);
     walls.divided = divided.is_some();
-    let solid = Solid::of(outline, cell(outline));
     for (k, plan) in plans[..count].iter().enumerate() {
         let depth = walls.depths[k] - plan.centre;
-        walls.join(k, &solid, depth, plan.extra);
+        walls.join(k, &whole, depth, plan.extra);
     }
     walls
 }

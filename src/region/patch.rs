@@ -15,9 +15,9 @@
 use super::line::{RidgeIndex, absorb, cut};
 use super::ridge::Ridge;
 use super::thin::Counts;
-use super::{Lay, Skeleton, joined, shrink};
+use super::{Lay, Skeleton, cell, joined, shrink};
 use crate::bead::Stroke;
-use crate::plane::Area;
+use crate::plane::{Area, Solid};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -44,7 +44,8 @@ const SLACK: Mm = 0.02;
 /// Lays the beads around a solid area.
 pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let counts = Counts::new(&[plan, plan], None);
-    let skeleton = Skeleton::new(area, counts.limit(), tolerance);
+    let solid = Solid::of(area, cell(area));
+    let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
     let nodes = skeleton.ends(counts.limit());
     let places = skeleton.thin_places(&counts, &nodes);
     let whole = skeleton.shrunk(plan.centre, tolerance);
@@ -57,7 +58,7 @@ pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let (rings, thin) = joined(
         absorb(rings, &slivers, away, tolerance),
         thin.map(|r| r.stroke(plan.extra)).collect(),
-        &skeleton.solid,
+        skeleton.solid,
         0.0,
         plan.extra,
         true,
@@ -129,7 +130,8 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
     loop {
         crate::limits::check();
         // Two rings at a time, as walls.
-        let skeleton = Skeleton::new(&area, counts.limit(), tolerance);
+        let solid = Solid::of(&area, cell(&area));
+        let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
         let nodes = skeleton.ends(counts.limit());
         let places = skeleton.thin_places(&counts, &nodes);
         let mut depth = 0.0;
@@ -141,7 +143,7 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
             let (rings, thin) = joined(
                 absorb(rings, &slivers, away, tolerance),
                 beads.iter().map(|r| r.stroke(plan.extra)).collect(),
-                &skeleton.solid,
+                skeleton.solid,
                 depth,
                 plan.extra,
                 true,

@@ -20,12 +20,14 @@ use super::disc::disc;
 use super::parts::Parts;
 use super::room::{Foot, Room, Size};
 use super::settle::stands;
+use super::survey::thinned;
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, intersection, union, unite};
 use crate::plane::grid::nearest_on;
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, Rect, Ring, edges, signed_area};
+use crate::sets::Sets;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
@@ -145,16 +147,9 @@ impl Branch {
             };
         }
         let whole = self.core.content().max(1e-9);
-        let wide = offset(&self.core, step.size().core, TOLERANCE);
-        let wide = wide.islands();
-        let mut pieces = vec![Area::EMPTY; wide.len()];
-        for island in islands {
-            let at = island.rings[0][0];
-            if let Some(k) = wide.iter().position(|w| w.contains(at)) {
-                pieces[k].rings.extend(island.rings);
-            }
-        }
-        pieces.retain(|piece| !piece.is_empty());
+        // What is printed of islands nearer to each other than this is one.
+        let reach = 2.0 * (step.size().core - TOLERANCE);
+        let pieces = groups(islands, reach);
         let piece = |core: Area| Branch {
             held: self.held * core.content() / whole,
             core,
@@ -190,12 +185,23 @@ impl Branch {
             false => {
                 let rings = self.core.rings.iter();
                 let pulled = rings.map(|r| pulled_in(r, middle, step.lean));
-                unite(&pulled.collect())
+                let pulled: Area = pulled.collect();
+                // Points that move towards the middle do not overtake each
+                // other if they go around it.
+                if goes_around(&self.core, middle) {
+                    pulled
+                } else {
+                    unite(&pulled)
+                }
             }
         };
         let bounds = pulled.bounds().union(self.core.bounds());
         let near = bounds.grown(step.lean + 5.0 * TOLERANCE);
-        let blocked = step.room.blocked(step.layer, self.foot, near);
+        let blocked = if step.room.meets(step.layer, self.foot, &pulled) {
+            step.room.blocked(step.layer, self.foot, near)
+        } else {
+            Area::EMPTY
+        };
         if blocked.is_empty() {
             // A column would drift if it were thinned in every layer.
             if !self.is_column() {
@@ -222,7 +228,7 @@ impl Branch {
         let lost = if lost.is_empty() || !self.can_land(step) {
             lost
         } else {
-            difference(&lost, &self.landing(step, near))
+            difference(&lost, &self.landing(step, lost.bounds()))
         };
         if core.is_empty() || lost.content() > 0.01 * SPECK {
             let aside = offset(&lost, reach, TOLERANCE);
@@ -320,7 +326,7 @@ impl Branch {
         let middle = self.middle();
         let points = self.core.rings.iter().flatten();
         let far = points.map(|p| p.distance(middle)).fold(0.0, f64::max);
-        let all = || offset(&self.core, size.core, TOLERANCE);
+        let all = || thinned(offset(&self.core, size.core, TOLERANCE));
         // A post covers its core. What is wider needs the post in its middle only
         // where it has come down to a neck.
         let wide = (far + size.core > post).then(all);
@@ -342,6 +348,57 @@ impl Branch {
         let taken = step.room.taken(step.layer, near);
         union(&wide.unwrap_or_else(all), &difference(&disc, &taken))
     }
+}
+
+/// Islands, of which those nearer to each other than `reach`, directly or
+/// through others, are put together.
+fn groups(islands: Vec<Area>, reach: Mm) -> Vec<Area> {
+    let bounds: Vec<Rect> =
+        islands.iter().map(|i| i.bounds().grown(reach)).collect();
+    // The nearest places of two islands are a corner and a side.
+    let comes_near = |a: usize, b: usize| {
+        let rings = || islands[b].rings.iter();
+        let sides = rings().flat_map(|ring| edges(ring));
+        let sides =
+            sides.filter(|(p, q)| Rect::around(&[*p, *q]).meets(bounds[a]));
+        let sides: Vec<_> = sides.collect();
+        let corners = islands[a].rings.iter().flatten();
+        corners.filter(|c| bounds[b].contains(**c)).any(|&c| {
+            sides
+                .iter()
+                .any(|&(p, q)| nearest_on(c, p, q).distance(c) < reach)
+        })
+    };
+    let mut sets = Sets::new(islands.len());
+    for a in 0..islands.len() {
+        for b in a + 1..islands.len() {
+            if bounds[a].meets(bounds[b])
+                && (comes_near(a, b) || comes_near(b, a))
+            {
+                sets.join(a, b);
+            }
+        }
+    }
+    let mut groups = vec![Area::EMPTY; islands.len()];
+    for (k, island) in islands.into_iter().enumerate() {
+        groups[sets.of(k)].rings.extend(island.rings);
+    }
+    groups.retain(|group| !group.is_empty());
+    groups
+}
+
+/// True if an area is one ring that goes around a point, so that every way from
+/// there outwards crosses it once.
+fn goes_around(area: &Area, middle: DVec2) -> bool {
+    let [ring] = &area.rings[..] else {
+        return false;
+    };
+    let mut turn = 0.0;
+    edges(ring).all(|(a, b)| {
+        let (a, b) = (a - middle, b - middle);
+        turn += a.angle_to(b);
+        a.perp_dot(b) > 0.0
+    }) && turn < 1.5 * std::f64::consts::TAU
 }
 
 /// The largest island of an area.
@@ -414,4 +471,66 @@ fn finely(core: Area) -> Area {
         (all_in > 1e-6).then_some(ring)
     };
     core.rings.into_iter().filter_map(fine).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::{rect, shapes};
+
+    #[test]
+    fn islands_are_put_together_if_a_corner_comes_near_to_a_side() {
+        let left = rect(0.0, 0.0, 4.0, 10.0);
+        // A corner that points at the middle of the left square's side.
+        let tip = |x: f64| {
+            let corners = [(x, 5.0), (x + 2.0, 4.0), (x + 2.0, 6.0)];
+            Area::from(corners.map(DVec2::from).to_vec())
+        };
+        let count = |all: Vec<Area>| {
+            let found = groups(all, 0.4);
+            found.iter().map(|g| g.rings.len()).collect::<Vec<_>>()
+        };
+        for all in
+            [vec![left.clone(), tip(4.39)], vec![tip(4.39), left.clone()]]
+        {
+            assert_eq!(count(all), [2]);
+        }
+        assert_eq!(count(vec![left.clone(), tip(4.41)]), [1, 1]);
+        // Two that are far from each other are one with the one between them,
+        // and one of them has a hole.
+        let hole = rect(1.0, 1.0, 3.0, 3.0);
+        let pierced = difference(&left, &hole);
+        let far = rect(6.5, 0.0, 8.0, 10.0);
+        let all = vec![pierced, rect(20.0, 0.0, 21.0, 1.0), far, tip(4.3)];
+        assert_eq!(count(all), [4, 1]);
+        // What stands in a hole is near to its border, or it is not.
+        let frame =
+            difference(&rect(-9.0, -9.0, 9.0, 9.0), &rect(0.0, 0.0, 4.0, 8.0));
+        let inside = |gap: f64| rect(gap, 1.0, 3.0, 7.0);
+        assert_eq!(count(vec![frame.clone(), inside(0.5)]), [2, 1]);
+        assert_eq!(count(vec![frame, inside(0.3)]), [3]);
+    }
+
+    #[test]
+    fn pulled_points_overtake_no_other_if_the_ring_goes_around_the_middle() {
+        let oval = shapes::circle(3.0, 40).into_iter();
+        let oval: Ring = oval.map(|p| p * DVec2::new(2.0, 0.5)).collect();
+        let middle = DVec2::new(0.3, 0.1);
+        assert!(goes_around(&Area::from(oval.clone()), middle));
+        for by in [0.2, 1.0, 5.0] {
+            let pulled = Area::from(pulled_in(&oval, middle, by));
+            let united = unite(&pulled);
+            assert_eq!(united.rings.len(), 1);
+            assert!((united.content() - pulled.content()).abs() < 1e-3);
+        }
+        // From outside, in a bay, with a hole, and with two rings.
+        assert!(!goes_around(&Area::from(oval), DVec2::new(9.0, 0.0)));
+        let bay =
+            difference(&rect(0.0, 0.0, 9.0, 9.0), &rect(2.0, 2.0, 7.0, 9.0));
+        assert!(!goes_around(&bay, DVec2::new(4.5, 1.0)));
+        let frame =
+            difference(&rect(0.0, 0.0, 9.0, 9.0), &rect(2.0, 2.0, 7.0, 7.0));
+        assert!(!goes_around(&frame, DVec2::new(4.5, 4.5)));
+        assert!(!goes_around(&Area::EMPTY, DVec2::ZERO));
+    }
 }

@@ -21,14 +21,15 @@ const BESIDE: Mm = 0.05;
 /// An island of support.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
-    /// The whole island.
-    pub all: Area,
     /// The box around it.
     pub bounds: Rect,
     /// Where it is sparse.
     pub body: Area,
     /// Where it is dense, because something is right above.
     pub interface: Area,
+    /// The whole island, unless it is only sparse or only dense. Most islands
+    /// are, and all of a part's are kept for a while.
+    whole: Area,
 }
 
 /// The islands of support in each layer. `areas` are what the branches have,
@@ -101,11 +102,23 @@ impl Piece {
     fn new(all: Area, tops: &[&Area], settings: &Settings) -> Piece {
         let bounds = all.bounds();
         let [body, interface] = split(&all, bounds, tops, settings);
+        let both = !body.is_empty() && !interface.is_empty();
         Piece {
-            all,
             bounds,
             body,
             interface,
+            whole: if both { all } else { Area::EMPTY },
+        }
+    }
+
+    /// The whole island.
+    pub(super) fn all(&self) -> &Area {
+        if self.interface.is_empty() {
+            &self.body
+        } else if self.body.is_empty() {
+            &self.interface
+        } else {
+            &self.whole
         }
     }
 }
@@ -120,15 +133,26 @@ fn split(
     settings: &Settings,
 ) -> [Area; 2] {
     let near = tops.iter().map(|top| crop(&top.rings, bounds));
-    let above: Area = near.collect();
+    let near: Area = near.collect();
+    if near.is_empty() {
+        return [island.clone(), Area::EMPTY];
+    }
+    let above = unite(&near);
     let rest = difference(island, &above);
     if island.content() - rest.content() <= SPECK {
         return [island.clone(), Area::EMPTY];
     }
+    if rest.content() <= SPECK {
+        return [Area::EMPTY, island.clone()];
+    }
     let half = settings.infill_width();
     let core = offset(&rest, -half, TOLERANCE);
-    let wide = offset(&core, half + TOLERANCE, TOLERANCE);
-    let wide = intersection(&rest, &wide);
+    let wide = if core.is_empty() {
+        core
+    } else {
+        let wide = offset(&core, half + TOLERANCE, TOLERANCE);
+        intersection(&rest, &wide)
+    };
     let body = if rest.content() - wide.content() > SPECK {
         let beside = offset(&above, 2.0 * half, TOLERANCE);
         union(&wide, &difference(&rest, &beside))
@@ -188,7 +212,7 @@ mod tests {
         let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];
         let found = pieces(parts, &none, areas, &Settings::default());
         let content =
-            |j: usize| found[j].iter().map(|p| p.all.content()).sum::<f64>();
+            |j: usize| found[j].iter().map(|p| p.all().content()).sum::<f64>();
         assert_eq!([content(0), content(2)], [36.0; 2]);
         let cut = (4.0 + BESIDE) * (0.2 + 2.0 * BESIDE);
         assert!((content(1) - (36.0 - cut)).abs() < 0.01, "{}", content(1));

@@ -24,12 +24,11 @@ use super::parts::Parts;
 use super::survey::thinned;
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect, Solid};
+use crate::plane::{Area, Rect, Solid, edges};
 use crate::settings::{Settings, Supports};
 use crate::units::Mm;
 use glam::DVec2;
 use rayon::prelude::*;
-use std::borrow::Cow;
 
 /// How thick branches are.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +52,6 @@ impl Size {
 
 /// Where the lowest layers have no place for supports.
 pub(super) struct Room<'a> {
-    parts: Parts<'a>,
     settings: &'a Settings,
     /// By layer, what is too near to the part for the middle of a branch.
     tight: Vec<Solid<'static>>,
@@ -78,20 +76,17 @@ pub(super) enum Foot {
 impl<'a> Room<'a> {
     /// The room in the lowest `count` layers.
     pub(super) fn new(
-        parts: Parts<'a>,
+        parts: Parts<'_>,
         count: usize,
         settings: &'a Settings,
     ) -> Room<'a> {
-        let core = Size::new(settings).core + TOLERANCE;
-        let everywhere = |_: &Area| None;
         // Each outline is beside several layers of supports.
-        let grown = |outline: &Area| offset(outline, beside(core), TOLERANCE);
+        let beside = BESIDE + TOLERANCE + margin(settings);
+        let grown = |outline: &Area| offset(outline, beside, TOLERANCE);
         let grown: Vec<Area> = parts.outlines.par_iter().map(grown).collect();
-        let beside = |k: usize| Cow::Borrowed(&grown[k]);
         let tight: Vec<Area> = (0..count)
             .into_par_iter()
-            .map(|j| taken(parts, j, core, everywhere, beside, settings))
-            .map(thinned)
+            .map(|j| thinned(tight(parts, j, &grown, settings)))
             .collect();
         drop(grown);
         let closed = || no_way_down(parts, &tight, settings, |_| None);
@@ -108,7 +103,6 @@ impl<'a> Room<'a> {
             areas.into_iter().map(Solid::new).collect::<Vec<_>>()
         };
         Room {
-            parts,
             settings,
             tight: solids(tight),
             closed: solids(closed),
@@ -159,17 +153,13 @@ impl<'a> Room<'a> {
         !grid.contains(at) && grid.nearest_within(at, around).is_none()
     }
 
-    /// The part in layer `j`, and what is too near to it, within a box.
+    /// The part in layer `j`, and what is too near to it, within a box. Notches
+    /// count as too near if no branch has room in them.
     pub(super) fn taken(&self, j: usize, within: Rect) -> Area {
-        let reach = self.settings.support.xy_gap + 1.0;
-        let near = within.grown(reach);
-        let nearby = |area: &Area| Some(crop(&area.rings, near));
-        let grown = |k: usize| {
-            let outline = crop(&self.parts.outlines[k].rings, near);
-            Cow::Owned(offset(&outline, beside(0.0), TOLERANCE))
-        };
-        let all = taken(self.parts, j, 0.0, nearby, grown, self.settings);
-        crop(&all.rings, within)
+        let margin = margin(self.settings);
+        let near = within.grown(3.0 * margin);
+        let tight = crop(&self.tight[j].area().rings, near);
+        crop(&offset(&tight, -margin, TOLERANCE).rings, within)
     }
 
     /// Splits an area of layer `j` in two: from the first one the middle of a
@@ -196,6 +186,28 @@ impl<'a> Room<'a> {
         } else {
             crop(&all.area().rings, within)
         }
+    }
+
+    /// True if some of an area is no place for the middle of a branch that
+    /// stands on `foot` in layer `j`.
+    pub(super) fn meets(&self, j: usize, foot: Foot, area: &Area) -> bool {
+        let Some(&first) = area.rings.first().and_then(|r| r.first()) else {
+            return false;
+        };
+        let grid = self.of(foot)[j].grid();
+        let Rect { min, max } = area.bounds();
+        // Far from borders all of it is in such a place, or nothing.
+        if !grid.meets(Rect::new(min, max)) {
+            return grid.contains(first);
+        }
+        let mut edges = area.rings.iter().flat_map(|ring| edges(ring));
+        let mut meets = false;
+        grid.visit_box(min, max, |edge| {
+            meets |= !meets && area.contains(grid.edge(edge).0);
+        });
+        meets
+            || grid.contains(first)
+            || edges.any(|(a, b)| !grid.crossings(a, b).is_empty())
     }
 
     /// True if nothing is between two points of layer `j` that a branch which
@@ -257,22 +269,18 @@ fn no_way_down(
 /// below it, as far as the gaps in z reach, mm.
 const BESIDE: Mm = 0.05;
 
-/// [`BESIDE`] for the middle of something that reaches `margin` to all sides,
-/// with the tolerance of the offsets.
-fn beside(margin: Mm) -> Mm {
-    BESIDE + TOLERANCE + margin
+/// How far the middle of a branch is from its side, with the tolerance of the
+/// offsets.
+fn margin(settings: &Settings) -> Mm {
+    Size::new(settings).core + TOLERANCE
 }
 
-/// Where layer `j` has no place for the middle of something that reaches
-/// `margin` to all sides: in the part, and too near to it. `within` gives the
-/// part of an outline that matters, unless all of it does. `grown` gives that
-/// of a layer's outline, grown by [`beside`].
-fn taken<'a>(
+/// Where layer `j` has no place for the middle of a branch: in the part, and too
+/// near to it. `grown` are the outlines, grown by [`BESIDE`] and [`margin`].
+fn tight(
     parts: Parts<'_>,
     j: usize,
-    margin: Mm,
-    within: impl Fn(&Area) -> Option<Area>,
-    grown: impl Fn(usize) -> Cow<'a, Area>,
+    grown: &[Area],
     settings: &Settings,
 ) -> Area {
     crate::limits::check();
@@ -283,11 +291,9 @@ fn taken<'a>(
         ..
     } = parts;
     let section = &sections[j];
-    let here = within(section);
-    let here = here.as_ref().unwrap_or(section);
     // The tolerances of later offsets may take some of the gap.
-    let gap = settings.support.xy_gap + 2.0 * TOLERANCE + margin;
-    let area = offset(here, gap, TOLERANCE);
+    let gap = settings.support.xy_gap + 2.0 * TOLERANCE + margin(settings);
+    let area = offset(section, gap, TOLERANCE);
     // The layers beside it, and those within the gaps above and below.
     let level = heights.beside(j);
     let first = level.start.min(heights.gap_below(j).start + 1);
@@ -296,7 +302,7 @@ fn taken<'a>(
     let mut others = (first..level.end)
         .chain(above)
         .filter(|&k| outlines[k] != *section)
-        .map(grown)
+        .map(|k| &grown[k])
         .filter(|area| !area.is_empty())
         .peekable();
     if others.peek().is_none() {
@@ -307,4 +313,53 @@ fn taken<'a>(
         rings.extend_from_slice(&other.rings);
     }
     unite(&Area { rings })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layers::LayerSpan;
+    use crate::plane::rect;
+    use crate::support::heights::Heights;
+
+    #[test]
+    fn a_branch_keeps_the_gap_from_walls_and_stays_out_of_thin_notches() {
+        let settings = Settings::default();
+        let span = |index| LayerSpan {
+            index,
+            bottom: 0.2 * index as f64,
+            top: 0.2 * (index + 1) as f64,
+        };
+        let heights = Heights::new((0..4).map(span).collect(), &settings);
+        // Two walls, and a slot of 1 mm between them.
+        let walls = Area::from_iter([
+            rect(-10.0, -10.0, 0.0, 10.0),
+            rect(1.0, -10.0, 10.0, 10.0),
+        ]);
+        let outlines = vec![walls; 4];
+        let none = vec![Area::EMPTY; 4];
+        let parts = Parts {
+            heights: &heights,
+            outlines: &outlines,
+            ends: &none,
+            sections: &outlines,
+            bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
+        };
+        let room = Room::new(parts, 4, &settings);
+        let gap = settings.support.xy_gap + 2.0 * TOLERANCE;
+        let beside = rect(10.0, -1.0, 12.0, 1.0);
+        let taken = room.taken(1, beside.bounds()).content();
+        assert!((taken - 2.0 * gap).abs() < 0.03, "{taken}");
+        let slot = room.taken(1, rect(0.0, -1.0, 1.0, 1.0).bounds());
+        assert!((slot.content() - 2.0).abs() < 1e-3, "{}", slot.content());
+        // What lies beside it, what reaches into it, what is in it, and what is
+        // around it.
+        let meets = |area: &Area| room.meets(1, Foot::Bed, area);
+        let near = 10.0 + gap + margin(&settings);
+        assert!(!meets(&rect(near + 0.05, -1.0, 13.0, 1.0)));
+        assert!(meets(&rect(near - 0.05, -1.0, 13.0, 1.0)));
+        assert!(meets(&rect(3.0, 3.0, 4.0, 4.0)));
+        assert!(meets(&rect(-20.0, -20.0, 20.0, 20.0)));
+        assert!(!meets(&Area::EMPTY));
+    }
 }

@@ -44,19 +44,19 @@ pub(super) fn settled(
             let on_support = below.as_ref().is_none_or(|below| {
                 let near =
                     below.iter().filter(|b| b.bounds.meets(piece.bounds));
-                rests_on(&piece.all, near.flat_map(|b| &b.all.rings))
+                rests_on(piece.all(), near.flat_map(|b| &b.all().rings))
             });
             if !on_support {
                 // Supports from the plate do not stand on the part.
                 if settings.supports != Supports::Auto
-                    || !stands(&piece.all, j, parts)
+                    || !stands(piece.all(), j, parts)
                 {
                     continue;
                 }
                 let deeper = parts.heights.deeper(j);
                 if deeper > 0.0 {
                     slice.deeper = deeper;
-                    slice.standing.rings.extend_from_slice(&piece.all.rings);
+                    slice.standing.rings.extend_from_slice(&piece.all().rings);
                 }
             }
             slice.body.rings.extend_from_slice(&piece.body.rings);
