@@ -73,7 +73,8 @@ pub(super) fn grow(
     let Some(bounds) = all.reduce(Rect::union) else {
         return Vec::new();
     };
-    let cells = Cells::new(bounds);
+    // Supports reach beyond what they hold.
+    let cells = Cells::new(bounds.grown(Size::new(settings).post));
     let below = parts.outlines.iter().take(count);
     let mut solids: Vec<Solid> = below.map(|o| Solid::of(o, GRID)).collect();
     let mut areas = vec![Area::EMPTY; count];
@@ -127,10 +128,8 @@ fn united(area: &Area) -> Area {
 /// An area of supports without its small holes, except around the part.
 fn without_pores(mut area: Area, step: Step<'_>) -> Area {
     area.rings.retain(|ring| {
-        let content = signed_area(ring);
-        content > 0.0
-            || content < -PORE
-            || !step.room.taken(step.layer, Rect::around(ring)).is_empty()
+        let is_pore = (-PORE..0.0).contains(&signed_area(ring));
+        !is_pore || !step.room.taken(step.layer, Rect::around(ring)).is_empty()
     });
     area
 }
@@ -182,10 +181,11 @@ fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
         step.room.split(&core, step.layer)
     };
     let [to_bed, to_part] = within(need, size.beyond);
-    // Below a steep face of thin layers the part takes the place right below,
-    // and only the outer edge of the face can be held.
+    // Beside a steep part the place right below a face may be taken, and only
+    // the outer edge of the face can be held.
     let all = union(&to_bed, &to_part);
-    let lost = difference(need, &offset(&all, size.beyond, TOLERANCE));
+    let held = offset(&all, size.beyond, TOLERANCE);
+    let is_lost = |island: &Area| !difference(island, &held).is_empty();
     // A point that begins in the air is held by a whole post.
     let begins = |island: &Area| {
         let around = island.bounds().grown(size.post);
@@ -195,8 +195,8 @@ fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
         island.bounds().size().max_element() < 2.0 * size.beyond
             && begins(island)
     };
-    let points: Area = need.islands().into_iter().filter(point).collect();
-    let whole = union(&lost, &points);
+    let islands = need.islands().into_iter();
+    let whole: Area = islands.filter(|i| is_lost(i) || point(i)).collect();
     if whole.is_empty() {
         return [to_bed, to_part];
     }
@@ -300,7 +300,10 @@ fn is_near(
 /// Joins a new branch with one of the same cell that it touches. If there is
 /// none, the new branch stays as it is.
 fn attach(branches: &mut Vec<Branch>, new: Branch, step: Step<'_>) {
-    let reach = 2.0 * Size::new(step.settings).apart();
+    let size = Size::new(step.settings);
+    // The post below a point keeps its place.
+    let is_point = new.core.bounds().size().max_element() < 2.0 * size.post;
+    let reach = 2.0 * if is_point { size.core } else { size.apart() };
     let around = offset(&new.core, reach, TOLERANCE);
     let bounds = around.bounds();
     let touched = branches.iter_mut().find(|branch| {
