@@ -113,9 +113,8 @@ impl Branch {
         rings.extend(other.core.rings);
         self.core = unite(&Area { rings });
         if self.core.islands().len() > 1 {
-            // The beads of the islands overlap, so what is between them is
-            // printed.
-            let size = step.size().core;
+            // What is between the islands is printed.
+            let size = step.size().apart();
             let wide = offset(&self.core, size, TOLERANCE);
             let between = offset(&wide, -size, TOLERANCE);
             let near = between.bounds();

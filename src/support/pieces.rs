@@ -160,11 +160,12 @@ fn split(
         wide
     };
     let body = joined(printable(body));
-    let interface = if body.is_empty() {
-        island.clone()
-    } else {
-        joined(printable(difference(island, &body)))
-    };
+    if body.is_empty() {
+        return [body, island.clone()];
+    }
+    // A speck that is left out would be a pore, with a wall around it.
+    let interface = joined(printable(difference(island, &body)));
+    let body = joined(printable(difference(island, &interface)));
     [body, interface]
 }
 

@@ -225,16 +225,23 @@ mod tests {
     }
 
     fn plan(outlines: &[Area], supports: Supports) -> Plan {
-        let settings = settings(supports);
-        let spans = spans(outlines.len());
+        planned(outlines, spans(outlines.len()), &settings(supports))
+    }
+
+    /// The plan for layers of some heights.
+    fn planned(
+        outlines: &[Area],
+        spans: Vec<LayerSpan>,
+        settings: &Settings,
+    ) -> Plan {
         let asked = Asked {
             wishes: None,
-            settings: &settings,
+            settings,
         };
         let layers = spans.iter().copied().zip(outlines);
         let survey = Survey::new(layers, asked).unwrap();
         let bed = Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0));
-        let heights = Heights::new(spans, &settings);
+        let heights = Heights::new(spans, settings);
         Plan::new(survey, None, heights, bed, asked)
     }
 
@@ -261,6 +268,60 @@ mod tests {
         }
         // It comes down to a post under each arm.
         assert!(all(&plan, 0).content() < 0.15 * top.content());
+    }
+
+    /// The layers of a body whose half is as wide as `x(z)` says.
+    fn body(x: impl Fn(Mm) -> Mm, spans: &[LayerSpan]) -> Vec<Area> {
+        let layer = |span: &LayerSpan| match x(span.sample_z()) {
+            x if x > 0.0 => rect(-x, -10.0, x, 10.0),
+            _ => Area::EMPTY,
+        };
+        spans.iter().map(layer).collect()
+    }
+
+    #[test]
+    fn a_roof_ends_within_half_a_line_beyond_what_needs_it() {
+        // A cylinder of 16 mm that lies 12 mm above the bed.
+        let x = |z: Mm| (64.0 - (z - 20.0).powi(2)).max(0.0).sqrt();
+        let spans = spans(140);
+        let outlines = body(x, &spans);
+        let plan = plan(&outlines, Supports::Auto);
+        let held = super::super::need::held(0.2, &Settings::default());
+        let leans = spans.windows(2).filter_map(|pair| {
+            let [below, here] = [0, 1].map(|k| x(pair[k].sample_z()));
+            (here - below > held).then_some(here)
+        });
+        let needs = leans.fold(0.0, f64::max);
+        assert!((4.0..5.0).contains(&needs), "{needs}");
+        let layers = (0..140).map(|j| all(&plan, j));
+        let layers = layers.filter(|area| !area.is_empty());
+        let wide = layers.map(|area| area.bounds().max.x).fold(0.0, f64::max);
+        let beyond = wide - needs;
+        let half = 0.5 * Settings::default().infill_width();
+        assert!((0.0..half + 0.05).contains(&beyond), "{beyond}");
+    }
+
+    #[test]
+    fn steep_faces_of_thin_layers_are_held() {
+        let span = |index| LayerSpan {
+            index,
+            bottom: 0.1 * index as f64,
+            top: 0.1 * (index + 1) as f64,
+        };
+        let spans: Vec<LayerSpan> = (0..100).map(span).collect();
+        for lean in [1.7, 2.0] {
+            let x = |z: Mm| 5.0 + lean * z;
+            let outlines = body(x, &spans);
+            let settings = settings(Supports::Auto);
+            let plan = planned(&outlines, spans.clone(), &settings);
+            for (i, span) in spans.iter().enumerate().skip(10) {
+                let [from, to] = [0.1, 0.0].map(|d| x(span.sample_z() - d));
+                let below = plan.heights.below(i).unwrap();
+                let face = rect(from, -9.0, to, 9.0);
+                let held = intersection(&all(&plan, below), &face);
+                assert!(held.content() > 0.0, "{lean}: {i}");
+            }
+        }
     }
 
     #[test]

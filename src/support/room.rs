@@ -37,6 +37,9 @@ pub(super) struct Size {
     pub core: Mm,
     /// Half the thickness of the thinnest post.
     pub post: Mm,
+    /// How far the top of a branch reaches beyond what it holds: a line fits
+    /// under a face of no width. More would touch faces that hold themselves.
+    pub beyond: Mm,
 }
 
 impl Size {
@@ -46,7 +49,14 @@ impl Size {
         Size {
             core: 0.45 * width,
             post: 1.1 * width,
+            beyond: 0.55 * width,
         }
+    }
+
+    /// Half the distance across which the cores of two branches grow together:
+    /// tops as wide as posts would overlap there.
+    pub(super) fn apart(self) -> Mm {
+        self.core + self.post - self.beyond
     }
 }
 

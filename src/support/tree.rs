@@ -16,10 +16,10 @@ use super::cells::{CELL, Cells};
 use super::parts::Parts;
 use super::room::{Foot, Room, Size};
 use super::{SPECK, TOLERANCE};
-use crate::plane::clip::{crop, difference, intersection, unite};
+use crate::plane::clip::{crop, difference, intersection, union, unite};
 use crate::plane::clusters::{Cluster, clusters};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect, Ring, Solid, point_beside};
+use crate::plane::{Area, Rect, Ring, Solid, point_beside, signed_area};
 use crate::settings::{Settings, SupportStyle, Supports};
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
@@ -46,6 +46,12 @@ const SQUARE: Mm = 4.0;
 /// A low face as large as this, mm², is held by a column: it would be cut into
 /// three cells or more, whose branches would still be wide on the bed.
 const WIDE: Mm2 = 3.0 * CELL * CELL;
+/// A face of any size that is not in one cell is held by a column if branches
+/// are drawn together by less than this share of a cell on each side.
+const LOW: f64 = 0.125;
+/// Holes in supports are filled up to this size, mm². A wall around a smaller hole
+/// would begin in the air between sparse lines, which are some 4 mm apart.
+const PORE: Mm2 = 8.0;
 
 /// The area of all branches in each of the lowest `count` layers. `needs` is
 /// what needs a support in each of the part's layers.
@@ -56,20 +62,19 @@ pub(super) fn grow(
     count: usize,
     settings: &Settings,
 ) -> Vec<Area> {
-    let size = Size::new(settings);
     let tan = settings.support.branch_angle.to_radians().tan();
-    let mut tops: Vec<Vec<(usize, Area)>> = vec![Vec::new(); count];
-    for (i, need) in needs.iter().enumerate().filter(|(_, n)| !n.is_empty()) {
+    let mut tops: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for (i, _) in needs.iter().enumerate().filter(|(_, n)| !n.is_empty()) {
         if let Some(j) = parts.heights.below(i) {
-            let core = offset(need, size.post - size.core, TOLERANCE);
-            tops[j].push((i, core));
+            tops[j].push(i);
         }
     }
-    let all = tops.iter().flatten().map(|(_, core)| core.bounds());
+    let all = tops.iter().flatten().map(|&i| needs[i].bounds());
     let Some(bounds) = all.reduce(Rect::union) else {
         return Vec::new();
     };
-    let cells = Cells::new(bounds);
+    // Supports reach beyond what they hold.
+    let cells = Cells::new(bounds.grown(Size::new(settings).post));
     let below = parts.outlines.iter().take(count);
     let mut solids: Vec<Solid> = below.map(|o| Solid::of(o, GRID)).collect();
     let mut areas = vec![Area::EMPTY; count];
@@ -90,9 +95,8 @@ pub(super) fn grow(
         branches = pieces.collect();
         gather(&mut branches, step);
         join(&mut branches, step);
-        for (i, core) in &std::mem::take(&mut tops[j]) {
-            let top = parts.spans()[*i].bottom;
-            for new in begun(core, top, step, &cells, &solids) {
+        for i in std::mem::take(&mut tops[j]) {
+            for new in begun(&needs[i], i, step, &cells, &solids) {
                 attach(&mut branches, new, step);
             }
         }
@@ -101,7 +105,7 @@ pub(super) fn grow(
             .for_each(|branch| branch.printed = branch.area(step));
         let rings = branches.iter().flat_map(|b| b.printed.rings.clone());
         let rings = rings.collect();
-        areas[j] = united(&Area { rings });
+        areas[j] = without_pores(united(&Area { rings }), step);
         // Grids take several times the memory of what they sort, and nothing
         // looks at layers above the branches again.
         room.release(j);
@@ -121,18 +125,30 @@ fn united(area: &Area) -> Area {
     all.collect()
 }
 
-/// The branches that begin in a layer under faces at the height `top`, whose
-/// cores lie in `core`.
+/// An area of supports without its small holes, except around the part.
+fn without_pores(mut area: Area, step: Step<'_>) -> Area {
+    area.rings.retain(|ring| {
+        let is_pore = (-PORE..0.0).contains(&signed_area(ring));
+        !is_pore || !step.room.taken(step.layer, Rect::around(ring)).is_empty()
+    });
+    area
+}
+
+/// The branches that begin in a layer to hold `need`, which is of the part's
+/// layer `i`.
 fn begun(
-    core: &Area,
-    top: Mm,
+    need: &Area,
+    i: usize,
     step: Step<'_>,
     cells: &Cells,
     solids: &[Solid<'_>],
 ) -> Vec<Branch> {
     let (layer, parts) = (step.layer, step.parts);
+    let top = parts.spans()[i].bottom;
     let anywhere = step.settings.supports == Supports::Auto;
-    let [to_bed, to_part] = step.room.split(core, layer);
+    // A need in the lowest layer has no place for supports below it.
+    let below = &parts.outlines[i - 1];
+    let [to_bed, to_part] = cores(need, below, step);
     let mut new = Vec::new();
     let mut add = |area: &Area, foot: Foot| {
         for (cell, core) in pieces(area, cells, foot, step) {
@@ -153,6 +169,39 @@ fn begun(
         add(&to_part, Foot::Part);
     }
     new
+}
+
+/// The cores of supports that begin in a layer to hold `need`, an area of a
+/// layer of the part. The layer below that one has the outline `below`. From the
+/// first core a way leads down to the bed, from the second one only to the part.
+fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
+    let size = Size::new(step.settings);
+    let within = |area: &Area, reach: Mm| {
+        let core = offset(area, reach - size.core, TOLERANCE);
+        step.room.split(&core, step.layer)
+    };
+    let [to_bed, to_part] = within(need, size.beyond);
+    // Beside a steep part the place right below a face may be taken, and only
+    // the outer edge of the face can be held.
+    let all = union(&to_bed, &to_part);
+    let held = offset(&all, size.beyond, TOLERANCE);
+    let is_lost = |island: &Area| !difference(island, &held).is_empty();
+    // A point that begins in the air is held by a whole post.
+    let begins = |island: &Area| {
+        let around = island.bounds().grown(size.post);
+        crop(&below.rings, around).is_empty()
+    };
+    let point = |island: &Area| {
+        island.bounds().size().max_element() < 2.0 * size.beyond
+            && begins(island)
+    };
+    let islands = need.islands().into_iter();
+    let whole: Area = islands.filter(|i| is_lost(i) || point(i)).collect();
+    if whole.is_empty() {
+        return [to_bed, to_part];
+    }
+    let [bed, part] = within(&whole, size.post);
+    [union(&to_bed, &bed), union(&to_part, &part)]
 }
 
 /// The pieces of an area, each for one branch, and their cells. A piece for a
@@ -178,16 +227,19 @@ fn pieces(
         }
         SupportStyle::Auto => {
             let bottom = step.parts.spans()[step.layer].bottom;
-            // Branches would still be wide when they reach the bed.
+            // How far a branch is drawn together on its way to the bed.
             let angle = step.settings.support.branch_angle;
-            let low = bottom * angle.to_radians().tan() < 0.5 * CELL;
-            let (wide, narrow): (Vec<Area>, Vec<Area>) = area
-                .islands()
-                .into_iter()
-                .partition(|island| low && island.content() > WIDE);
-            let narrow: Area = narrow.into_iter().collect();
-            let wide = wide.into_iter().map(|island| (None, island));
-            wide.chain(in_cells(&narrow)).collect()
+            let drawn = bottom * angle.to_radians().tan();
+            let is_column = |island: &Area| {
+                // Branches would still be wide when they reach the bed.
+                drawn < 0.5 * CELL && island.content() > WIDE
+                    || drawn < LOW * CELL && cells.cut(island).len() > 1
+            };
+            let (low, high): (Vec<Area>, Vec<Area>) =
+                area.islands().into_iter().partition(is_column);
+            let high: Area = high.into_iter().collect();
+            let low = low.into_iter().map(|island| (None, island));
+            low.chain(in_cells(&high)).collect()
         }
     }
 }
@@ -248,7 +300,10 @@ fn is_near(
 /// Joins a new branch with one of the same cell that it touches. If there is
 /// none, the new branch stays as it is.
 fn attach(branches: &mut Vec<Branch>, new: Branch, step: Step<'_>) {
-    let reach = 2.0 * Size::new(step.settings).core;
+    let size = Size::new(step.settings);
+    // The post below a point keeps its place.
+    let is_point = new.core.bounds().size().max_element() < 2.0 * size.post;
+    let reach = 2.0 * if is_point { size.core } else { size.apart() };
     let around = offset(&new.core, reach, TOLERANCE);
     let bounds = around.bounds();
     let touched = branches.iter_mut().find(|branch| {
