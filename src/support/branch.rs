@@ -20,7 +20,6 @@ use super::disc::disc;
 use super::parts::Parts;
 use super::room::{Foot, Room, Size};
 use super::settle::stands;
-use super::survey::thinned;
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, intersection, union, unite};
 use crate::plane::grid::nearest_on;
@@ -325,7 +324,7 @@ impl Branch {
         let middle = self.middle();
         let points = self.core.rings.iter().flatten();
         let far = points.map(|p| p.distance(middle)).fold(0.0, f64::max);
-        let all = || thinned(offset(&self.core, size.core, TOLERANCE));
+        let all = || offset(&self.core, size.core, TOLERANCE);
         // A post covers its core. What is wider needs the post in its middle only
         // where it has come down to a neck.
         let wide = (far + size.core > post).then(all);
