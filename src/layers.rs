@@ -33,6 +33,17 @@ impl LayerSpan {
     pub fn sample_z(&self) -> Mm {
         0.5 * (self.bottom + self.top)
     }
+
+    /// So many layers of one height, from the bed up.
+    #[cfg(test)]
+    pub(crate) fn stack(height: Mm, count: usize) -> Vec<LayerSpan> {
+        let span = |index| LayerSpan {
+            index,
+            bottom: height * index as f64,
+            top: height * (index + 1) as f64,
+        };
+        (0..count).map(span).collect()
+    }
 }
 
 /// Why layers cannot be planned.

@@ -9,7 +9,7 @@
 //!   ──────────────────────
 //! ```
 //!
-//! A bead in the middle of what two walls leave gives way on both sides.
+//! A bead that lies between two walls becomes narrower on both sides.
 //!
 //! In: a wall's lines or beads, and the lines of the wall outside of them. Out:
 //! the lines, which keep their spacing from the wall outside except where they
@@ -46,8 +46,8 @@ pub(super) fn give_way(
     let own = own.chain(lines.iter().map(|l| l.width)).fold(0.0, f64::max);
     let reach = spacing(widest, own, height);
     let index = RidgeIndex::new(&wider, reach);
-    // One side of a line gives way after the other, as what lies beside it may
-    // have grown on both.
+    // A line may lie between two walls that have grown, so that its left side
+    // gives way after its right side.
     let narrowed = |line: Stroke, side: f64| {
         moved(
             line,

@@ -117,8 +117,8 @@ impl<'a> RidgeIndex<'a> {
         Some((q, self.thickness(edge, q)))
     }
 
-    /// Does what [`RidgeIndex::nearest_of`] does, but only points for which
-    /// `counts` is true are found.
+    /// Does what [`RidgeIndex::nearest_of`] does, but only among segments for
+    /// whose nearest points `counts` is true.
     pub(super) fn nearest_where(
         &self,
         segments: &[u32],

@@ -479,7 +479,7 @@ mod tests {
     #[test]
     fn islands_are_put_together_if_a_corner_comes_near_to_a_side() {
         let left = rect(0.0, 0.0, 4.0, 10.0);
-        // A corner that points at the middle of the left square's side.
+        // A corner that points at the middle of the left rectangle's side.
         let tip = |x: f64| {
             let corners = [(x, 5.0), (x + 2.0, 4.0), (x + 2.0, 6.0)];
             Area::from(corners.map(DVec2::from).to_vec())

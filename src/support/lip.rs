@@ -147,12 +147,7 @@ mod tests {
     /// What is left of `need` in the middle one of some layers.
     fn left(need: &Area, outlines: &[Area]) -> Area {
         let settings = Settings::default();
-        let span = |index| LayerSpan {
-            index,
-            bottom: 0.2 * index as f64,
-            top: 0.2 * (index + 1) as f64,
-        };
-        let spans = (0..outlines.len()).map(span).collect();
+        let spans = LayerSpan::stack(0.2, outlines.len());
         let heights = Heights::new(spans, &settings);
         let parts = Parts {
             heights: &heights,

@@ -187,13 +187,7 @@ mod tests {
     use crate::plane::rect;
 
     fn heights() -> Heights {
-        let z = |i: usize| 0.2 * i as f64;
-        let span = |index| LayerSpan {
-            index,
-            bottom: z(index),
-            top: z(index + 1),
-        };
-        Heights::new((0..6).map(span).collect(), &Settings::default())
+        Heights::new(LayerSpan::stack(0.2, 6), &Settings::default())
     }
 
     #[test]

@@ -200,13 +200,7 @@ mod tests {
     use glam::DVec2;
 
     fn spans(count: usize) -> Vec<LayerSpan> {
-        let z = |i: usize| 0.2 * i as f64;
-        let span = |index| LayerSpan {
-            index,
-            bottom: z(index),
-            top: z(index + 1),
-        };
-        (0..count).map(span).collect()
+        LayerSpan::stack(0.2, count)
     }
 
     /// A T: a stem of 8 mm, and from 10 mm on arms of 20 mm on both sides.
@@ -303,12 +297,7 @@ mod tests {
 
     #[test]
     fn steep_faces_of_thin_layers_are_held() {
-        let span = |index| LayerSpan {
-            index,
-            bottom: 0.1 * index as f64,
-            top: 0.1 * (index + 1) as f64,
-        };
-        let spans: Vec<LayerSpan> = (0..100).map(span).collect();
+        let spans = LayerSpan::stack(0.1, 100);
         for lean in [1.7, 2.0] {
             let x = |z: Mm| 5.0 + lean * z;
             let outlines = body(x, &spans);

@@ -335,12 +335,7 @@ mod tests {
     #[test]
     fn a_branch_keeps_the_gap_from_walls_and_stays_out_of_thin_notches() {
         let settings = Settings::default();
-        let span = |index| LayerSpan {
-            index,
-            bottom: 0.2 * index as f64,
-            top: 0.2 * (index + 1) as f64,
-        };
-        let heights = Heights::new((0..4).map(span).collect(), &settings);
+        let heights = Heights::new(LayerSpan::stack(0.2, 4), &settings);
         // Two walls, and a slot of 1 mm between them.
         let walls = Area::from_iter([
             rect(-10.0, -10.0, 0.0, 10.0),

@@ -146,7 +146,7 @@ fn begun(
     let (layer, parts) = (step.layer, step.parts);
     let top = parts.spans()[i].bottom;
     let anywhere = step.settings.supports == Supports::Auto;
-    // A need in the lowest layer has no place for supports below it.
+    // The lowest layer needs no supports, since no layer is below it.
     let below = &parts.outlines[i - 1];
     let [to_bed, to_part] = cores(need, below, step);
     let mut new = Vec::new();
@@ -443,12 +443,7 @@ mod tests {
     /// What [`gather`] makes of branches over empty layers.
     fn gathered(branches: Vec<Branch>) -> Vec<Branch> {
         let settings = Settings::default();
-        let span = |index| LayerSpan {
-            index,
-            bottom: 0.2 * index as f64,
-            top: 0.2 * (index + 1) as f64,
-        };
-        let heights = Heights::new((0..4).map(span).collect(), &settings);
+        let heights = Heights::new(LayerSpan::stack(0.2, 4), &settings);
         let none = vec![Area::EMPTY; 4];
         let parts = Parts {
             heights: &heights,

@@ -233,8 +233,8 @@ fn a_macro_that_is_given_the_temperature_waits_for_it() {
 }
 
 /// Templates that repeat one piece up to the greatest length are translated or
-/// refused. A search that began anew at every piece
-/// would take minutes here: a test that is that slow has found one.
+/// refused. A search that began anew at every piece would take minutes here, so
+/// that a test as slow as that has found one.
 #[test]
 fn long_templates_are_translated_or_refused() {
     let many = |piece: &str| piece.repeat(900_000 / piece.len());
