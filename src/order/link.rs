@@ -7,9 +7,11 @@
 //! ```
 //!
 //! In: a layer's beads in print order. Out: these beads, of which some go on in
-//! the next one. What shows keeps its ends: outer walls and tops, and bridges,
-//! whose lines have to hang straight. A way stays off the outer walls: it comes
-//! no nearer to the outline than a wall beside them or than its ends do.
+//! the next one. Tops keep their ends, and so do bridges, whose lines have to
+//! hang straight. An outer wall keeps its whole length: where a way leads from
+//! its end or to it, the hidden stroke at the other end of the way gives some of
+//! what the way lays. A way stays off the outer walls: it comes no nearer to the
+//! outline than a wall beside them or than its ends do.
 
 use super::jobs;
 use crate::bead::{Bead, Role, Stroke, narrowest, spacing};
@@ -20,9 +22,16 @@ use glam::DVec2;
 
 /// Longest way from a stroke to the next, in widths.
 const REACH: f64 = 3.4;
-/// How far a way may lead back along a stroke, in widths: it lies on what has
-/// just been printed, or soon will be.
+/// How far a way may lead back along a hidden stroke, in widths: it lies on what
+/// has just been printed, or soon will be.
 const BACK: f64 = 2.5;
+/// How far a way may lead back along an outer wall, in widths.
+const BESIDE: f64 = 1.5;
+/// Longest gap between walls that point at each other, in widths.
+const GAP: f64 = 2.0;
+/// Walls point at each other where a way leads on along both of them by more
+/// than this share of its length.
+const FACING: f64 = 0.5;
 /// Share of a stroke that may be taken from one of its ends.
 const SHARE: f64 = 0.4;
 /// Share of what a way between walls lays that has to be taken from the walls,
@@ -31,6 +40,9 @@ const WALLS: f64 = 0.99;
 /// Share of what a way between a skin's strokes lays that has to be taken from
 /// the strokes, which leave corners open.
 const SKINS: f64 = 0.5;
+/// Share of what a way at an outer wall lays that is taken from the hidden
+/// stroke. The rest fills the corner where the wall ends.
+const CORNERS: f64 = 0.5;
 /// Slack in distances from the outline, mm.
 const SLACK: Mm = 0.03;
 /// Number of rounds in which the lengths are found. They depend on each other.
@@ -48,14 +60,18 @@ pub(crate) fn linked(
     for mut bead in beads {
         crate::limits::check();
         if let Some(before) = out.last_mut()
-            && hidden(before.role, settings)
-            && hidden(bead.role, settings)
-            && !(before.sunk || bead.sunk)
+            && may_go_on(before, &bead, settings)
             && let Some(link) = Link::between(before, &bead)
             && link.is_free(solid, outer)
         {
-            before.stroke = shortened(before, true, link.taken[0]);
-            bead.stroke = shortened(&bead, false, link.taken[1]);
+            for (bead, last, taken) in [
+                (&mut *before, true, link.taken[0]),
+                (&mut bead, false, link.taken[1]),
+            ] {
+                if taken > 0.0 {
+                    bead.stroke = shortened(bead, last, taken);
+                }
+            }
             let way = link.bead(before, &bead);
             out.extend(way);
         }
@@ -80,45 +96,47 @@ impl Link {
     /// The way between two beads, if it is short, and if they are long enough
     /// to make up for what it lays.
     fn between(before: &Bead, after: &Bead) -> Option<Link> {
-        let (a, b) = (jobs::end(before)?, *after.points.first()?);
-        let last = if before.closed {
-            0
-        } else {
-            before.points.len() - 1
-        };
-        let mean = 0.5 * (before.width_at(last) + after.width_at(0));
-        let mut way = a.distance(b);
+        let ends = [End::of(before, true)?, End::of(after, false)?];
+        let [a, b] = &ends;
+        let mut way = a.at.distance(b.at);
+        let mean = 0.5 * (a.width() + b.width());
         // Strokes may end in a point.
         let wide = mean.max(0.5 * (before.width + after.width));
-        let short = way > 0.0 && way <= REACH * wide;
-        if !short || back([before, after], [a, b])? > BACK * wide {
+        if way <= 0.0 || way > REACH * wide {
+            return None;
+        }
+        let (back, ahead) = (a.back(b.at)?, b.back(a.at)?);
+        if back > a.most_back() * wide || ahead > b.most_back() * wide {
             return None;
         }
         let own = spacing(mean, mean, after.height);
         let share = narrowest(after.height).min(own);
-        let most = [before, after].map(|bead| SHARE * bead.length());
-        let (mut from, mut to) = (a, b);
-        let mut taken = [0.0; 2];
+        let mut link = Link {
+            from: a.at,
+            to: b.at,
+            width: mean - (own - share),
+            taken: [0.0; 2],
+        };
+        let walls = is_wall(role(before, after));
+        if walls && back.max(ahead) < -FACING * way {
+            // The way fills the gap between the walls.
+            return (way <= GAP * wide).then_some(link);
+        }
+        let most = [a.gives(), b.gives()];
+        let beside = before.role.shows() || after.role.shows();
+        let part = if beside { CORNERS } else { 1.0 };
         let mut all = 0.0;
         for _ in 0..ROUNDS {
-            all = way * share / own;
+            all = part * way * share / own;
             let half = most[0].min(0.5 * all);
-            taken[1] = most[1].min(all - half);
-            taken[0] = most[0].min(all - taken[1]);
-            from = before.place(true, taken[0])?;
-            to = after.place(false, taken[1])?;
-            way = from.distance(to);
+            link.taken[1] = most[1].min(all - half);
+            link.taken[0] = most[0].min(all - link.taken[1]);
+            link.from = before.place(true, link.taken[0])?;
+            link.to = after.place(false, link.taken[1])?;
+            way = link.from.distance(link.to);
         }
-        let enough = match before.role {
-            Role::InnerWall | Role::GapFill => WALLS,
-            _ => SKINS,
-        };
-        (taken[0] + taken[1] >= enough * all).then_some(Link {
-            from,
-            to,
-            width: mean - (own - share),
-            taken,
-        })
+        let enough = if walls { WALLS } else { SKINS };
+        (link.taken[0] + link.taken[1] >= enough * all).then_some(link)
     }
 
     /// True if the way stays off the outer walls.
@@ -137,26 +155,87 @@ impl Link {
     /// The way as a bead between two that have been shortened. Between walls
     /// the way is no wall.
     fn bead(&self, before: &Bead, after: &Bead) -> Option<Bead> {
-        let ends = vec![*before.points.last()?, *after.points.first()?];
-        let role = match before.role {
-            Role::InnerWall => Role::GapFill,
-            role => role,
-        };
+        let ends = vec![jobs::end(before)?, *after.points.first()?];
+        let role = role(before, after);
+        let role = if is_wall(role) { Role::GapFill } else { role };
         let stroke = Stroke::new(ends, false, self.width);
         Some(Bead::new(role, stroke, after.height))
     }
 }
 
-/// Length by which the way from the end of one bead to the beginning of another
-/// leads back along either of them.
-fn back([before, after]: [&Bead; 2], [from, to]: [DVec2; 2]) -> Option<Mm> {
-    let ahead = |bead: &Bead, last: bool, end: DVec2| {
-        let far = bead.width.min(SHARE * bead.length());
-        Some((end - bead.place(last, far)?).normalize_or_zero())
-    };
-    let way = to - from;
-    let (out, into) = (ahead(before, true, from)?, ahead(after, false, to)?);
-    Some(way.dot(into).max(-way.dot(out)))
+/// The end of a bead, or its beginning.
+struct End<'a> {
+    bead: &'a Bead,
+    last: bool,
+    at: DVec2,
+}
+
+impl End<'_> {
+    fn of(bead: &Bead, last: bool) -> Option<End<'_>> {
+        let at = if last {
+            jobs::end(bead)?
+        } else {
+            *bead.points.first()?
+        };
+        Some(End { bead, last, at })
+    }
+
+    fn width(&self) -> Mm {
+        let open = self.last && !self.bead.closed;
+        let last = self.bead.points.len() - 1;
+        self.bead.width_at(if open { last } else { 0 })
+    }
+
+    /// Length by which the straight way to a place leads back along the bead;
+    /// negative where it leads on.
+    fn back(&self, place: DVec2) -> Option<Mm> {
+        let far = self.bead.width.min(SHARE * self.bead.length());
+        let ahead = self.at - self.bead.place(self.last, far)?;
+        Some((self.at - place).dot(ahead.normalize_or_zero()))
+    }
+
+    /// How far a way may lead back along the bead, in widths.
+    fn most_back(&self) -> f64 {
+        if self.bead.role.shows() { BESIDE } else { BACK }
+    }
+
+    /// Length that may be taken from here: what shows gives nothing.
+    fn gives(&self) -> Mm {
+        if self.bead.role.shows() {
+            0.0
+        } else {
+            SHARE * self.bead.length()
+        }
+    }
+}
+
+/// True if a way may lead from one bead to the next: nobody sees where they end,
+/// or one of them is an outer wall that ends inside the part. An open wall ends
+/// where others meet it. A closed one ends at its seam; a way may lead from
+/// there into the gap behind it, unless the seam is a gap or a scarf.
+fn may_go_on(before: &Bead, after: &Bead, settings: &Settings) -> bool {
+    let hides = |bead: &Bead| hidden(bead.role, settings);
+    let open = |bead: &Bead| bead.role == Role::OuterWall && !bead.closed;
+    let whole = settings.seam_gap <= 0.0 && settings.seam_scarf <= 0.0;
+    let seam = before.role == Role::OuterWall && before.closed && whole;
+    let may = hides(before) && (hides(after) || open(after))
+        || open(before) && hides(after)
+        || seam && after.role == Role::GapFill;
+    may && !(before.sunk || after.sunk)
+}
+
+/// Role of the first of two beads that does not show.
+fn role(before: &Bead, after: &Bead) -> Role {
+    if before.role.shows() {
+        after.role
+    } else {
+        before.role
+    }
+}
+
+/// True for strokes of walls that are hidden.
+fn is_wall(role: Role) -> bool {
+    matches!(role, Role::InnerWall | Role::GapFill)
 }
 
 /// True if nobody sees where a bead of this role ends. In a gap that is asked

@@ -59,10 +59,17 @@ pub(crate) fn endings(
     settings: &Settings,
 ) -> Vec<Ended> {
     let rises = settings.scarf_rises() && !first;
-    let finish = |bead: Bead| -> Vec<Ended> {
+    let mut beads = beads.into_iter().peekable();
+    let mut out = Vec::with_capacity(beads.len());
+    while let Some(bead) = beads.next() {
+        // A way that leads from a seam into the part is as good as a wipe.
+        let goes_on = beads
+            .peek()
+            .is_some_and(|next| next.points.first() == bead.points.first());
         let meant = bead.closed && bead.role == Role::OuterWall;
         if !meant || bead.points.len() < 3 {
-            return vec![bead.into()];
+            out.push(bead.into());
+            continue;
         }
         let length = bead.length();
         // At least half of a loop stays as it is.
@@ -83,13 +90,14 @@ pub(crate) fn endings(
         };
         let mut all: Vec<Ended> = beads.into_iter().map(Ended::from).collect();
         if settings.seam_wipe > 0.0
+            && !goes_on
             && let Some(last) = all.last_mut()
         {
             last.wipe = inwards(&last.bead, settings, solid);
         }
-        all
-    };
-    beads.into_iter().flat_map(finish).collect()
+        out.extend(all);
+    }
+    out
 }
 
 /// The beads, with walls cut where they begin or cease to hang over what holds
