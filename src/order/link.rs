@@ -363,7 +363,6 @@ mod tests {
         assert!(pair(Role::InternalSkin, Role::BottomSkin, 1.4));
         assert!(!pair(inner, inner, 1.6));
         let shows = [
-            Role::OuterWall,
             Role::Overhang,
             Role::TopSkin,
             Role::Bridge,
@@ -375,6 +374,88 @@ mod tests {
             assert!(!pair(inner, role, 0.4), "{role:?}");
             assert!(!pair(role, inner, 0.4), "{role:?}");
         }
+        let outer = Role::OuterWall;
+        assert!(!pair(outer, outer, 0.4));
+    }
+
+    /// What a way of the narrowest width lays, mm².
+    fn laid_by(way: &Bead) -> f64 {
+        way.length() * spacing(way.width, way.width, HEIGHT)
+    }
+
+    #[test]
+    fn an_outer_wall_stays_whole_where_a_way_leads_from_it() {
+        let outer = line(Role::OuterWall, &[(0.0, 0.0), (5.0, 0.0)]);
+        let inner = line(Role::InnerWall, &[(5.2, 0.5), (0.0, 0.5)]);
+        let check = |both: [Bead; 2], whole: usize| {
+            let found = linked_inside(&both);
+            assert_eq!(strokes(&found), 1);
+            assert_eq!(found[2 * whole], both[whole]);
+            assert_eq!(found[1].role, Role::GapFill);
+            // The other stroke gives a half of what the way lays.
+            let more = laid(&found) - laid(&both);
+            let half = 0.5 * laid_by(&found[1]);
+            assert!((more - half).abs() < 1e-3, "{more} {half}");
+        };
+        check([outer.clone(), inner.clone()], 0);
+        let turned = |bead: &Bead| {
+            let mut bead = bead.clone();
+            bead.reverse();
+            bead
+        };
+        check([turned(&inner), turned(&outer)], 1);
+        // A way that leads far back along the wall would lie on it.
+        let far = line(Role::InnerWall, &[(4.2, 0.5), (0.0, 0.5)]);
+        assert_eq!(linked_inside(&[outer.clone(), far]).len(), 2);
+        let far = line(Role::InnerWall, &[(4.4, 0.5), (0.0, 0.5)]);
+        assert_eq!(linked_inside(&[outer, far]).len(), 3);
+    }
+
+    #[test]
+    fn a_way_leads_from_a_seam_into_the_gap_behind_it() {
+        let points = rect(-5.0, -5.0, 5.0, 5.0).rings.remove(0);
+        let stroke = Stroke::new(points, true, WIDTH);
+        let mut wall = Bead::new(Role::OuterWall, stroke, HEIGHT);
+        let corner = DVec2::splat(-5.0);
+        let seam = wall.points.iter().position(|p| *p == corner);
+        wall.begin_at(seam.unwrap());
+        let gap = line(Role::GapFill, &[(-4.6, -4.6), (4.6, -4.6)]);
+        let outline = rect(-5.225, -5.225, 5.225, 5.225);
+        let solid = EdgeGrid::new(&outline, 1.0);
+        let both = [wall, gap];
+        let found = linked_in(&solid, &both);
+        assert_eq!(found.len(), 3);
+        assert_eq!(found[0], both[0]);
+        assert_eq!(found[1].points[0], corner);
+        assert_eq!(found[1].points[1], found[2].points[0]);
+        // No way leads from a seam that is a gap or a scarf, nor to a seam.
+        let apart = Settings {
+            seam_gap: 0.1,
+            ..Settings::default()
+        };
+        assert_eq!(linked(both.to_vec(), &solid, &apart), both);
+        let back = [both[1].clone(), both[0].clone()];
+        assert_eq!(linked_in(&solid, &back), back);
+    }
+
+    #[test]
+    fn a_way_fills_the_gap_between_walls_that_point_at_each_other() {
+        let role = Role::GapFill;
+        let pair = |gap: f64| {
+            let both = [
+                line(role, &[(0.0, 0.0), (5.0, 0.0)]),
+                line(role, &[(5.0 + gap, 0.0), (9.0, 0.0)]),
+            ];
+            (linked_inside(&both), both)
+        };
+        let (found, both) = pair(0.8);
+        assert_eq!((found.len(), strokes(&found)), (3, 1));
+        assert_eq!([&found[0], &found[2]], [&both[0], &both[1]]);
+        let more = laid(&found) - laid(&both);
+        assert!((more - laid_by(&found[1])).abs() < 1e-9, "{more}");
+        assert!((found[1].length() - 0.8).abs() < 1e-9);
+        let (found, both) = pair(1.0);
+        assert_eq!(found, both);
     }
 
     #[test]

@@ -331,6 +331,23 @@ mod tests {
     }
 
     #[test]
+    fn a_way_that_leads_from_the_seam_takes_the_place_of_a_wipe() {
+        let area = Area::from(square_ring(10.0));
+        let grid = EdgeGrid::new(&area, 1.0);
+        let first = wall(9.775);
+        let way = |from: DVec2| {
+            let points = vec![from, DVec2::splat(-9.3)];
+            Bead::new(Role::GapFill, Stroke::new(points, false, 0.2), 0.2)
+        };
+        let wipes = |from: DVec2| {
+            let beads = vec![first.clone(), way(from)];
+            endings(beads, &grid, false, &settings(0.0, 0.0, 0.3))[0].wipe
+        };
+        assert_eq!(wipes(first.points[0]), None);
+        assert!(wipes(DVec2::splat(-9.0)).is_some());
+    }
+
+    #[test]
     fn a_wipe_does_not_cross_a_slot() {
         // A wall 0.45 mm thick, a slot of 0.1 mm, and a block.
         let mut area = crate::plane::rect(-10.0, -10.0, -9.55, 10.0);
