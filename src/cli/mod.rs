@@ -104,7 +104,7 @@ enum Command {
     Check(check::CheckArgs),
     /// Show a model's bounds, size, layers and parameters
     Info(Box<info::InfoArgs>),
-    /// Draw a shaded picture of a model, as PNG
+    /// Draw a shaded picture of a model and its supports, as PNG
     Render(Box<render::RenderArgs>),
     /// Send G-code to a printer: OctoPrint, Moonraker (Klipper), PrusaLink
     Send(send::SendArgs),

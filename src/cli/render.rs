@@ -1,4 +1,5 @@
-//! `isoslice render`: draws a model straight from its function.
+//! `isoslice render`: draws a model straight from its function, and its
+//! supports.
 
 use super::args::{FORMULA, Gathered, ModelArgs, STDIN, SettingsSource};
 use super::limits::{LimitArgs, ThreadArgs, watched};
@@ -7,8 +8,9 @@ use super::plates::{self, PlateArgs};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
+use isoslice::Plate;
 use isoslice::limits;
-use isoslice::model::Model;
+use isoslice::pipeline::supports;
 use isoslice::preview::View;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +19,7 @@ Examples:
   isoslice render part.rhai
   isoslice render plate.toml
   isoslice render part.rhai -o part.png --pixels 800x600 --view front
+  isoslice render part.rhai --set supports=auto
   isoslice render part.rhai --azimuth 30 --elevation 20 --background none
   isoslice render -e 'sqrt(x^2+y^2+z^2) - 15' -o - > ball.png";
 
@@ -124,7 +127,14 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
         );
     }
     let mut output = output::create(&path, &args.model.inputs(&gathered))?;
-    let model = args.subject(&gathered)?;
+    let plate = args.plate(&gathered)?;
+    let model = plate.whole().with_context(|| {
+        format!(
+            "the expressions of all parts of {} are too large together to be \
+             drawn; draw the models one by one",
+            plate.name
+        )
+    })?;
     terminal::warn(&model.warnings);
     let view = View {
         azimuth: args.azimuth.unwrap_or(args.view.azimuth),
@@ -132,10 +142,11 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
     };
     let pool = args.threads.workers()?;
     let behind = args.background.colour();
+    let standing = supports(&plate, args.threads.count())
+        .with_context(|| format!("cannot plan supports of {}", plate.name))?;
+    let draw = || view.draw(&model, &standing, args.pixels, behind);
     let png = pool
-        .install(|| {
-            limits::doing("picture", || view.draw(&model, args.pixels, behind))
-        })
+        .install(|| limits::doing("picture", draw))
         .with_context(|| format!("cannot draw {}", model.name))?;
     output.put(&png)?;
     Ok(output.finish()?)
@@ -149,22 +160,17 @@ fn path_is_png(path: &Path) -> bool {
 
 impl RenderArgs {
     /// What is to be drawn: the model, or everything on a plate.
-    fn subject(&self, gathered: &Gathered) -> anyhow::Result<Model> {
+    fn plate(&self, gathered: &Gathered) -> anyhow::Result<Plate> {
         let alone = PlateArgs::default();
         let sets = &self.settings.set;
         let file = plates::file(&self.model, &alone, gathered, sets)?;
         if file.is_none() {
-            return self.model.load(&gathered.settings);
+            let model = self.model.load(&gathered.settings)?;
+            return Ok(Plate::of(&model, &gathered.settings));
         }
         let job = alone.job(&self.model, file, &gathered.settings)?;
         terminal::warn(&job.warnings);
-        job.plate.whole().with_context(|| {
-            format!(
-                "the expressions of all parts of {} are too large together to \
-                 be drawn; draw the models one by one",
-                job.plate.name
-            )
-        })
+        Ok(job.plate)
     }
 
     fn output_path(&self) -> PathBuf {

@@ -114,21 +114,13 @@ impl<'a> Planned<'a> {
         pool: &ThreadPool,
     ) -> Result<(), SliceError> {
         let Base {
-            around,
-            fills,
-            raft_fills,
-            ..
+            around, raft_fills, ..
         } = base;
-        let Planned {
-            part,
-            ref mut stages,
-            spans,
-        } = *self;
+        let (part, spans) = (self.part, self.spans);
         let settings = &part.settings;
-        stages.plan_spiral(pool, spans)?;
-        if settings.supports != Supports::Off && !settings.spiral {
-            stages.plan_supports(pool, spans, around, fills, part.room())?;
-        }
+        self.stages.plan_spiral(pool, spans)?;
+        self.plan_supports(base, pool)?;
+        let stages = &mut self.stages;
         stages.plan_raft(spans, around, raft_fills, part.room())?;
         if settings.draft_shield == DraftShield::Off {
             stages.plan_skirt(spans)
@@ -137,6 +129,28 @@ impl<'a> Planned<'a> {
             stages.plan_shield(spans, &outline);
             Ok(())
         }
+    }
+}
+
+/// True if a part is to have supports where it needs some.
+pub(super) fn has_supports(part: &Part) -> bool {
+    part.settings.supports != Supports::Off && !part.settings.spiral
+}
+
+impl<'a> Planned<'a> {
+    /// Plans the part's supports, if it is to have some.
+    pub(super) fn plan_supports(
+        &mut self,
+        base: &'a Base<'a>,
+        pool: &ThreadPool,
+    ) -> Result<(), SliceError> {
+        if !has_supports(self.part) {
+            return Ok(());
+        }
+        let Base { around, fills, .. } = base;
+        let room = self.part.room();
+        self.stages
+            .plan_supports(pool, self.spans, around, fills, room)
     }
 }
 

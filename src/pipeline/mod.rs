@@ -34,6 +34,7 @@
 //! | `stages` | what can be done for many layers at a time |
 //! | `raft` | layers between the bed and the part |
 //! | `supported` | the supports of a part, layer by layer |
+//! | `standing` | the supports of a plate, for its picture |
 //! | `sound` | notices early that next to nothing can be printed |
 //! | `supply` | runs `stages` for a window of layers, with internal bridges, ahead of those that are written |
 //! | `part`, `ways` | what is done in order for each part |
@@ -65,6 +66,7 @@ mod skirt;
 mod sound;
 mod split;
 mod stages;
+mod standing;
 mod start;
 mod summary;
 mod supply;
@@ -79,6 +81,7 @@ use isocontour::SLAB;
 pub use options::Options;
 pub use run::{slice, slice_plate};
 pub use split::{Share, split};
+pub use standing::supports;
 pub use summary::{PartSummary, Summary};
 
 /// Number of layers whose seams and travels depend on each other. At a block's

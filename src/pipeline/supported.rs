@@ -208,6 +208,15 @@ impl<'a> Supported<'a> {
         })
     }
 
+    /// What all supports fill: from where to where above the bed, or above the
+    /// air over a raft, and the area.
+    pub(super) fn slabs(&self) -> impl Iterator<Item = (LayerSpan, Area)> + '_ {
+        let heights = &self.plan.heights;
+        (0..heights.spans().len()).filter_map(|layer| {
+            Some((heights.span(layer)?, self.plan.slice(layer)?.area()))
+        })
+    }
+
     /// The top of a layer's supports, if the layer can have some. `follows` is
     /// true if it follows the underside above.
     pub(super) fn top(&self, span: &LayerSpan, follows: bool) -> Option<Top> {

@@ -1,7 +1,7 @@
 //! Pictures of what will be printed.
 //!
-//! `picture` draws the part itself: `raster` finds the visible surface, `shade`
-//! lights it, and `image` holds the pixels. `svg` draws a layer, and `folder`
+//! `picture` draws the part itself: `raster` finds the visible surface, `slabs`
+//! puts supports in front of it, `shade` lights it, and `image` holds the pixels. `svg` draws a layer, and `folder`
 //! keeps the pictures of a run together. `html` makes an interactive page from
 //! any G-code that [`crate::reader`] reads: `toolpath` gathers its moves and
 //! their times, and `pack` makes them small.
@@ -13,6 +13,7 @@ mod pack;
 mod picture;
 mod raster;
 mod shade;
+mod slabs;
 mod svg;
 mod toolpath;
 mod view;
@@ -22,6 +23,7 @@ pub use html::live_html;
 pub(crate) use picture::thumbnails;
 pub use raster::PictureError;
 pub(crate) use raster::outline_from_above;
+pub use slabs::Slabs;
 pub(crate) use svg::layer_svg;
 pub use toolpath::{Toolpath, ToolpathError};
 pub use view::View;

@@ -8,6 +8,7 @@
 use super::image::{Picture, Rows, png_by_rows};
 use super::raster::{PictureError, Subject};
 use super::shade::{KEY_FROM, shade};
+use super::slabs::{NONE, Slabs};
 use super::view::View;
 use crate::contour::FieldError;
 use crate::model::Model;
@@ -42,8 +43,8 @@ const AFFORDABLE: u64 = 6_000_000_000;
 const COARSER: [f64; 3] = [1.0, 0.5, 0.25];
 
 impl View {
-    /// Draws a model, as a PNG file, in front of a colour (sRGB) or nothing.
-    /// `size` is in pixels.
+    /// Draws a model and its supports, as a PNG file, in front of a colour
+    /// (sRGB) or nothing. `size` is in pixels.
     ///
     /// # Errors
     /// If fidget refuses the model's expression, or a side is too large for
@@ -51,16 +52,18 @@ impl View {
     pub fn draw(
         self,
         model: &Model,
+        supports: &Slabs,
         size: [usize; 2],
         behind: Option<[u8; 3]>,
     ) -> Result<Vec<u8>, PictureError> {
         let longest = size[0].max(size[1]);
         let block = if longest <= SMOOTHED { SMOOTH } else { 1 };
-        in_blocks(model, self, size, behind, (block, MAP))
+        let subject = || Subject::new(model, supports, self);
+        in_blocks(subject, size, behind, (block, MAP))
     }
 
-    /// Does what [`View::draw`] does in a fraction of the time. Edges are
-    /// rough.
+    /// Draws a model without supports in a fraction of the time that
+    /// [`View::draw`] takes. Edges are rough.
     ///
     /// # Errors
     /// Those of [`View::draw`].
@@ -70,29 +73,29 @@ impl View {
         size: [usize; 2],
         behind: Option<[u8; 3]>,
     ) -> Result<Vec<u8>, PictureError> {
-        in_blocks(model, self, size, behind, (1, ROUGH_MAP))
+        let subject = || Subject::new(model, &NONE, self);
+        in_blocks(subject, size, behind, (1, ROUGH_MAP))
     }
 }
 
 /// Draws a picture, each pixel of which is made of `block` × `block` samples,
 /// with shadows of `map` samples each.
-fn in_blocks(
-    model: &Model,
-    view: View,
+fn in_blocks<'a>(
+    subject: impl FnOnce() -> Result<Subject<'a>, PictureError>,
     size: [usize; 2],
     behind: Option<[u8; 3]>,
     fineness: (usize, f64),
 ) -> Result<Vec<u8>, PictureError> {
     let size = size.map(|n| n.max(1));
     png_by_rows(size, behind, |rows| {
-        drawn(&Subject::new(model, view)?, size, fineness, rows)
+        drawn(&subject()?, size, fineness, rows)
     })
 }
 
 /// Hands over the picture some rows at a time. Each pixel is made of a block of
 /// `block` × `block` samples.
 fn drawn(
-    subject: &Subject,
+    subject: &Subject<'_>,
     [width, height]: [usize; 2],
     (block, map): (usize, f64),
     each: &mut Rows<'_>,

@@ -6,6 +6,7 @@
 //! Details thinner than the distance between samples may be missed. The result
 //! does not depend on the number of threads.
 
+use super::slabs::{NONE, Slabs};
 use super::view::View;
 use crate::limits::{self, Watched};
 use crate::model::{Bounds, Model};
@@ -51,6 +52,8 @@ pub(super) struct Seen {
     pub depths: Vec<f32>,
     /// Normals, of length 1, along right, up and towards the viewer.
     pub normals: Vec<Vec3>,
+    /// For each pixel whether it shows a support; empty if there are none.
+    pub supports: Vec<bool>,
     /// Position of the first pixel of the first row at depth 0, mm.
     origin: DVec3,
     /// Side of a pixel.
@@ -67,6 +70,94 @@ impl Seen {
         self.origin + self.axes * at * self.pixel
     }
 
+    /// The column, row and depth of a position, mm.
+    fn at(&self, place: DVec3) -> DVec3 {
+        let down = DVec3::new(1.0, -1.0, 1.0);
+        self.axes.transpose() * (place - self.origin) / self.pixel * down
+    }
+
+    /// The pixels of a flat polygon, whose rings are positions in mm. A pixel is
+    /// inside if a ring winds round its middle an odd number of times. `normal`
+    /// is that of the polygon's plane, and does not lie across the view.
+    pub(super) fn face(&self, rings: &[Vec<DVec3>], normal: DVec3) -> Face {
+        let rings: Vec<Vec<DVec3>> = rings
+            .iter()
+            .map(|ring| ring.iter().map(|p| self.at(*p)).collect())
+            .collect();
+        let normal = self.axes.transpose() * normal;
+        let mut face = Face {
+            normal: normal.as_vec3(),
+            spans: Vec::new(),
+        };
+        let all = || rings.iter().flatten();
+        let Some(&base) = all().next() else {
+            return face;
+        };
+        let low = all().map(|p| p.y).fold(f64::INFINITY, f64::min);
+        let high = all().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
+        // Of each row the columns at which the border crosses its middle line.
+        let rows =
+            low.ceil().max(0.0)..(high.floor() + 1.0).min(self.height as f64);
+        let mut crossed =
+            vec![Vec::new(); (rows.end - rows.start).max(0.0) as usize];
+        for ring in &rings {
+            for (k, &a) in ring.iter().enumerate() {
+                let b = ring[(k + 1) % ring.len()];
+                let (from, to) = if a.y < b.y { (a, b) } else { (b, a) };
+                let first = (from.y.ceil() - rows.start).max(0.0) as usize;
+                for (j, row) in crossed.iter_mut().enumerate().skip(first) {
+                    let y = rows.start + j as f64;
+                    if y >= to.y {
+                        break;
+                    }
+                    let share = (y - from.y) / (to.y - from.y);
+                    row.push(from.x + share * (to.x - from.x));
+                }
+            }
+        }
+        // The depth rises along a row and down the rows. Rows count downwards.
+        let rise = DVec2::new(-normal.x, normal.y) / normal.z;
+        for (j, row) in crossed.iter_mut().enumerate() {
+            row.sort_by(f64::total_cmp);
+            let y = rows.start + j as f64;
+            for pair in row.chunks_exact(2) {
+                let first = pair[0].ceil().max(0.0);
+                let end = pair[1].ceil().min(self.width as f64);
+                if first < end {
+                    let from_base = DVec2::new(first, y) - base.truncate();
+                    face.spans.push(Span {
+                        first: y as usize * self.width + first as usize,
+                        count: (end - first) as usize,
+                        depth: (base.z + rise.dot(from_base)) as f32,
+                        rise: rise.x as f32,
+                    });
+                }
+            }
+        }
+        face
+    }
+
+    /// Draws a face of a support where nothing is nearer to the viewer.
+    pub(super) fn cover(&mut self, face: &Face) {
+        self.supports.resize(self.depths.len(), false);
+        for span in &face.spans {
+            for k in 0..span.count {
+                let (at, depth) =
+                    (span.first + k, span.depth + k as f32 * span.rise);
+                if depth > self.depths[at] {
+                    self.depths[at] = depth;
+                    self.normals[at] = face.normal;
+                    self.supports[at] = true;
+                }
+            }
+        }
+    }
+
+    /// True if a pixel shows a support.
+    pub(super) fn is_support(&self, pixel: usize) -> bool {
+        self.supports.get(pixel) == Some(&true)
+    }
+
     /// The map from a place's column, row and depth to those in another view: a
     /// matrix and an offset.
     pub(super) fn to(&self, other: &Seen) -> (DMat3, DVec3) {
@@ -78,6 +169,23 @@ impl Seen {
     }
 }
 
+/// The pixels of a flat face.
+pub(super) struct Face {
+    /// The face's normal, along right, up and towards the viewer.
+    normal: Vec3,
+    spans: Vec<Span>,
+}
+
+/// Pixels of a face in a row.
+struct Span {
+    /// The first pixel's number, row by row.
+    first: usize,
+    count: usize,
+    /// Depth of the first pixel, and its rise from each pixel to the next.
+    depth: f32,
+    rise: f32,
+}
+
 /// Pixels of the first, coarse view along its longer side.
 const COARSE: usize = 128;
 /// Free border, as a share of the picture.
@@ -87,11 +195,14 @@ const DEEPEST: f64 = 4.0;
 /// Greatest number of pixels of a light's view along its longer side.
 const LONGEST_MAP: f64 = 4096.0;
 
-/// A part that is viewed.
-pub(super) struct Subject {
+/// A part that is viewed, and its supports.
+pub(super) struct Subject<'a> {
     sight: Arc<Sight>,
+    supports: &'a Slabs,
+    /// Way from the bed's coordinates to the model's.
+    from_bed: DVec3,
     axes: DMat3,
-    /// The part's box.
+    /// The box of part and supports.
     bounds: Bounds,
     /// Half of the box along the view's axes.
     half: DVec3,
@@ -109,10 +220,32 @@ struct Frame {
     step: Mm,
 }
 
-impl Subject {
-    /// `model`, as it will be printed, seen from `view`.
-    pub(super) fn new(model: &Model, view: View) -> Result<Self, PictureError> {
-        Subject::at_most(u64::MAX, model, view)
+impl<'a> Subject<'a> {
+    /// `model`, as it will be printed, with its supports, seen from `view`.
+    pub(super) fn new(
+        model: &Model,
+        supports: &'a Slabs,
+        view: View,
+    ) -> Result<Self, PictureError> {
+        let mut subject = Subject::at_most(u64::MAX, model, view)?;
+        if let Some(box_of) = supports.bounds() {
+            let all = [
+                subject.bounds,
+                Bounds {
+                    min: box_of.min + subject.from_bed,
+                    max: box_of.max + subject.from_bed,
+                },
+            ];
+            let bounds = Bounds {
+                min: all[0].min.min(all[1].min),
+                max: all[0].max.max(all[1].max),
+            };
+            subject = Subject {
+                supports,
+                ..subject.of(view.axes(), bounds)
+            };
+        }
+        Ok(subject)
     }
 
     /// Does what [`Subject::new`] does, but sampling fails once it has taken
@@ -133,19 +266,28 @@ impl Subject {
         let sight = Sight::new(&tree)?
             .at_most(operations)
             .with_cancel(limits::Watch::hook());
-        let sight = Arc::new(sight);
-        Ok(Subject::of(sight, view.axes(), bounds))
+        let subject = Subject {
+            sight: Arc::new(sight),
+            supports: &NONE,
+            from_bed: -model.offset,
+            axes: view.axes(),
+            bounds,
+            half: DVec3::ZERO,
+        };
+        Ok(subject.of(view.axes(), bounds))
     }
 
-    /// The part within a box, seen along some axes.
-    fn of(sight: Arc<Sight>, axes: DMat3, bounds: Bounds) -> Subject {
+    /// The subject within a box, seen along some axes.
+    fn of(&self, axes: DMat3, bounds: Bounds) -> Subject<'a> {
         let corner = |i: i32| {
             let side = |k| if i >> k & 1 == 0 { -0.5 } else { 0.5 };
             let corner = bounds.size() * DVec3::new(side(0), side(1), side(2));
             (axes.transpose() * corner).abs()
         };
         Subject {
-            sight,
+            sight: self.sight.clone(),
+            supports: self.supports,
+            from_bed: self.from_bed,
             axes,
             bounds,
             half: (0..8).map(corner).fold(DVec3::ZERO, DVec3::max),
@@ -162,7 +304,7 @@ impl Subject {
         let towards = (self.axes * light).normalize();
         let (right, up) = towards.any_orthonormal_pair();
         let axes = DMat3::from_cols(right, up, towards);
-        let lit = Subject::of(self.sight.clone(), axes, self.bounds);
+        let lit = self.of(axes, self.bounds);
         let widest = 2.0 * lit.half.x.max(lit.half.y).max(MIN_EXTENT);
         let longest = (widest / pixel).ceil().clamp(1.0, LONGEST_MAP);
         let seen = lit.look(lit.whole(longest as usize))?;
@@ -269,15 +411,18 @@ impl Subject {
             normals.extend(row.iter().map(normal));
         });
         looked.watched()?;
-        Ok(Seen {
+        let mut seen = Seen {
             width,
             height,
             depths,
             normals,
+            supports: Vec::new(),
             origin,
             pixel: frame.pixel,
             axes: self.axes,
-        })
+        };
+        self.supports.draw(self.from_bed, &mut seen);
+        Ok(seen)
     }
 }
 
@@ -300,7 +445,7 @@ pub(crate) fn outline_from_above(
     // The ring is half a pixel outside.
     const PIXELS: usize = 100;
     let view = View::of(-90.0, 90.0);
-    let subject = Subject::new(model, view)?;
+    let subject = Subject::new(model, &NONE, view)?;
     let frame = subject.whole(PIXELS);
     let seen = subject.look(frame)?;
     let printed = model.printed_bounds();
@@ -332,7 +477,7 @@ mod tests {
 
     fn seen(formula: &str, view: View, size: [usize; 2]) -> Seen {
         let subject =
-            Subject::new(&placed(formula, &Placement::default()), view);
+            Subject::new(&placed(formula, &Placement::default()), &NONE, view);
         subject.unwrap().fitted(size[0], size[1]).unwrap()
     }
 
@@ -422,7 +567,7 @@ mod tests {
         let part = placed(formula, &Placement::default());
         let look = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let subject = Subject::new(&part, View::ISO).unwrap();
+            let subject = Subject::new(&part, &NONE, View::ISO).unwrap();
             let pool = pool.build().unwrap();
             pool.install(|| subject.fitted(150, 100)).unwrap()
         };
@@ -440,7 +585,7 @@ mod tests {
         let formula = "sqrt((x - 50)^2 + (y - 50)^2 + z^2) - 10";
         let part = placed(formula, &placement);
         let front = View::of(-90.0, 0.0);
-        let seen = Subject::new(&part, front).unwrap().fitted(200, 200);
+        let seen = Subject::new(&part, &NONE, front).unwrap().fitted(200, 200);
         let [left, right, top, bottom] = extent(&seen.unwrap());
         assert!((right - left).abs_diff(2 * (bottom - top)) <= 3);
     }

@@ -19,6 +19,8 @@ use std::ops::Range;
 
 /// Colour of the material, linear.
 const MATERIAL: Vec3 = Vec3::new(0.80, 0.25, 0.045);
+/// Colour of supports, linear.
+const SUPPORT: Vec3 = Vec3::new(0.30, 0.42, 0.50);
 /// Light from above and from below, linear.
 const SKY: Vec3 = Vec3::new(0.46, 0.51, 0.60);
 const GROUND: Vec3 = Vec3::new(0.20, 0.17, 0.16);
@@ -269,7 +271,12 @@ impl<'a> Light<'a> {
         for x in (first..=last).filter(|x| is_part(&row.z[*x])) {
             let share = row.hidden[x] / DIRECTIONS as f32 * 1.6;
             let open = 1.0 - DARKEST * share.min(1.0);
-            let colour = self.colour(normals[x], open, lit(x));
+            let material = if self.seen.is_support(y * width + x) {
+                SUPPORT
+            } else {
+                MATERIAL
+            };
+            let colour = self.colour(material, normals[x], open, lit(x));
             if let Some(pixel) = out.get_mut(x / block) {
                 pixel[0] += colour.x;
                 pixel[1] += colour.y;
@@ -279,15 +286,15 @@ impl<'a> Light<'a> {
         }
     }
 
-    /// The colour of a surface that sees a share of the sky and has a share
+    /// The colour of a material's surface that sees a share of the sky and has a share
     /// of the key light.
-    fn colour(&self, n: Vec3, open: f32, lit: f32) -> Vec3 {
+    fn colour(&self, material: Vec3, n: Vec3, open: f32, lit: f32) -> Vec3 {
         let above = 0.5 + 0.5 * n.dot(self.up);
         let key = n.dot(self.key).max(0.0) * lit;
         let fill = n.dot(self.fill).max(0.0);
         let sky = GROUND.lerp(SKY, above) * open;
         let gloss = n.dot(self.half_way).max(0.0).powi(NARROW) * lit;
-        MATERIAL * (sky + KEY * key + FILL * fill) + KEY * GLOSS * gloss
+        material * (sky + KEY * key + FILL * fill) + KEY * GLOSS * gloss
     }
 
     /// The depths at a look's distance from some pixels of row `y`, and which
@@ -348,6 +355,7 @@ impl<'a> Light<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::slabs::NONE;
     use super::*;
     use crate::model::{Placement, placed};
     use crate::preview::raster::Subject;
@@ -371,7 +379,7 @@ mod tests {
         for scale in ["1", "1000", "0.001", "exp(z/4)", "(2 + sin(5*x))"] {
             let formula = format!("({PARTS}) * {scale}");
             let model = placed(&formula, &Placement::default());
-            let subject = Subject::new(&model, View::ISO).unwrap();
+            let subject = Subject::new(&model, &NONE, View::ISO).unwrap();
             let seen = subject.fitted(300, 240).unwrap();
             let light = KEY_FROM.normalize().as_dvec3();
             let lit = subject.seen_by(light, 1.5 * seen.pixel).unwrap();

@@ -1298,6 +1298,18 @@ fn render_draws_a_picture() {
         .assert()
         .success();
     assert!(output.get_output().stdout == first);
+    // With its supports the ball looks different, on any number of threads.
+    let supported = |threads: &str| {
+        let output = isoslice(&folder)
+            .args(["render", "ball.rhai", "--pixels", "60x40", "-o", "-"])
+            .args(["--set", "supports=auto", "--threads", threads])
+            .assert()
+            .success();
+        output.get_output().stdout.clone()
+    };
+    let with = supported("1");
+    assert!(with != first);
+    assert!(with == supported("2"));
     isoslice(&folder)
         .args(["render", "-e", "x^2 + y^2 + z^2 - 9", "--view", "top"])
         .args(["--elevation", "80", "--background", "#102030"])

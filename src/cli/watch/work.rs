@@ -20,7 +20,7 @@ use isoslice::limits::{Limits, Reason, Stopped, Watch, doing};
 use isoslice::model::Model;
 use isoslice::pipeline::{self, Options, Summary};
 use isoslice::plate::Plate;
-use isoslice::preview::{Toolpath, View};
+use isoslice::preview::{Slabs, Toolpath};
 use isoslice::reader::Reader;
 use isoslice::settings::keys;
 use serde::Serialize;
@@ -259,10 +259,12 @@ pub(super) fn draw_within(
 ) -> anyhow::Result<Vec<u8>> {
     watch.run(|| {
         let pool = threads.workers()?;
-        let draw = if look.rough { View::sketch } else { View::draw };
-        let drawn = pool.install(|| {
-            doing("picture", || draw(look.view, model, look.size, None))
-        });
+        let (view, size) = (look.view, look.size);
+        let draw = || match look.rough {
+            true => view.sketch(model, size, None),
+            false => view.draw(model, &Slabs::default(), size, None),
+        };
+        let drawn = pool.install(|| doing("picture", draw));
         drawn.with_context(|| format!("cannot draw {}", model.name))
     })?
 }

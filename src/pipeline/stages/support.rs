@@ -85,6 +85,11 @@ impl<'a> Stages<'a> {
         Ok(())
     }
 
+    /// The supports, once they are planned.
+    pub(in crate::pipeline) fn supports(&self) -> Option<&Supported<'a>> {
+        self.support.as_ref()
+    }
+
     /// The part at half the height of each layer's supports, where that is not
     /// half the height of the layer.
     fn sections(

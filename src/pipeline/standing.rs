@@ -1,0 +1,49 @@
+//! The supports of a plate, for its picture.
+
+use super::SliceError;
+use super::job::{Base, has_supports};
+use super::options::Options;
+use super::start::{layers_of, pool};
+use crate::plate::Plate;
+use crate::preview::Slabs;
+
+/// Plans the supports of the parts on a plate that are to have some, on `threads`
+/// threads or all of the machine's, and returns what they fill.
+///
+/// # Errors
+/// If there are no layers, or they cannot be evaluated.
+pub fn supports(
+    plate: &Plate,
+    threads: Option<usize>,
+) -> Result<Slabs, SliceError> {
+    let mut slabs = Slabs::default();
+    if !plate.parts.iter().any(has_supports) {
+        return Ok(slabs);
+    }
+    let pool = pool(threads)?;
+    let plate = &plate.raised()?;
+    let spans = pool.install(|| layers_of(plate))?.0;
+    let parts = plate.parts.iter().zip(&spans);
+    for (part, spans) in parts.filter(|(part, _)| has_supports(part)) {
+        let base = Base::new(part, spans);
+        let all = 0..spans.len();
+        let planned = base.stages(&all, &Options::default(), &pool);
+        let planned = planned.and_then(|mut planned| {
+            planned.plan_supports(&base, &pool)?;
+            Ok(planned)
+        });
+        let planned = planned.map_err(|e| plate.named(part, e))?;
+        let Some(support) = planned.stages.supports() else {
+            continue;
+        };
+        for place in &part.places {
+            let way = part.model.offset.truncate() + place.shift;
+            for (span, area) in support.slabs() {
+                let mut moved = area;
+                moved.rings.iter_mut().flatten().for_each(|p| *p += way);
+                slabs.add([span.bottom, span.top], moved);
+            }
+        }
+    }
+    Ok(slabs)
+}
