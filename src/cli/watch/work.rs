@@ -260,9 +260,12 @@ pub(super) fn draw_within(
     watch.run(|| {
         let pool = threads.workers()?;
         let (view, size) = (look.view, look.size);
-        let draw = || match look.rough {
-            true => view.sketch(model, size, None),
-            false => view.draw(model, &Slabs::default(), size, None),
+        let draw = || {
+            if look.rough {
+                view.sketch(model, size, None)
+            } else {
+                view.draw(model, &Slabs::default(), size, None)
+            }
         };
         let drawn = pool.install(|| doing("picture", draw));
         drawn.with_context(|| format!("cannot draw {}", model.name))
