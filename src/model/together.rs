@@ -34,14 +34,8 @@ pub(crate) fn together<'a>(
         let (x, y, z) = Tree::axes();
         let at = by.as_vec3();
         trees.push(model.tree.remap_xyz(x - at.x, y - at.y, z - at.z));
-        let (min, max) = (model.bounds.min + by, model.bounds.max + by);
-        bounds = Some(match bounds {
-            Some(all) => Bounds {
-                min: all.min.min(min),
-                max: all.max.max(max),
-            },
-            None => Bounds { min, max },
-        });
+        let own = model.bounds.moved(by);
+        bounds = Some(bounds.map_or(own, |all| all.with(own)));
     }
     // Models are joined in pairs, so that the expression is not deep.
     while trees.len() > 1 {

@@ -266,16 +266,9 @@ impl Plate {
         let shifts = self.shifts().into_iter();
         let boxes = shifts.map(|(k, shift)| {
             let bounds = self.parts[k].model.printed_bounds();
-            let shift = shift.extend(0.0);
-            Bounds {
-                min: bounds.min + shift,
-                max: bounds.max + shift,
-            }
+            bounds.moved(shift.extend(0.0))
         });
-        boxes.reduce(|a, b| Bounds {
-            min: a.min.min(b.min),
-            max: a.max.max(b.max),
-        })
+        boxes.reduce(Bounds::with)
     }
 }
 

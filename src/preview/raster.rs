@@ -6,7 +6,7 @@
 //! Details thinner than the distance between samples may be missed. The result
 //! does not depend on the number of threads.
 
-use super::slabs::{NONE, Slabs};
+use super::slabs::{Face, NONE, Slab, Slabs};
 use super::view::View;
 use crate::limits::{self, Watched};
 use crate::model::{Bounds, Model};
@@ -15,6 +15,7 @@ use crate::units::Mm;
 use fidget::context::Tree;
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use isocontour::{FieldError, Grid, Hit, Sight};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Why there is no picture.
@@ -76,16 +77,15 @@ impl Seen {
         self.axes.transpose() * (place - self.origin) / self.pixel * down
     }
 
-    /// The pixels of a flat polygon, whose rings are positions in mm. A pixel is
-    /// inside if a ring winds round its middle an odd number of times. `normal`
-    /// is that of the polygon's plane, and does not lie across the view.
-    pub(super) fn face(&self, rings: &[Vec<DVec3>], normal: DVec3) -> Face {
-        let rings: Vec<Vec<DVec3>> = rings
+    /// The pixels of a face: those whose middles lie in it.
+    fn pixels(&self, face: &Face) -> Pixels {
+        let rings: Vec<Vec<DVec3>> = face
+            .rings
             .iter()
             .map(|ring| ring.iter().map(|p| self.at(*p)).collect())
             .collect();
-        let normal = self.axes.transpose() * normal;
-        let mut face = Face {
+        let normal = self.axes.transpose() * face.normal;
+        let mut face = Pixels {
             normal: normal.as_vec3(),
             spans: Vec::new(),
         };
@@ -137,9 +137,24 @@ impl Seen {
         face
     }
 
-    /// Draws a face of a support where nothing is nearer to the viewer.
-    pub(super) fn cover(&mut self, face: &Face) {
-        self.supports.resize(self.depths.len(), false);
+    /// Draws supports, moved by `way`, where nothing is nearer to the viewer.
+    fn draw(&mut self, supports: &Slabs, way: DVec3) {
+        if !supports.is_empty() {
+            self.supports.resize(self.depths.len(), false);
+        }
+        let towards = self.axes.z_axis;
+        for slabs in supports.chunks() {
+            crate::limits::check();
+            let of = |slab: &Slab| -> Vec<Pixels> {
+                let faces = slab.faces(way, towards);
+                faces.iter().map(|face| self.pixels(face)).collect()
+            };
+            let all: Vec<Vec<Pixels>> = slabs.par_iter().map(of).collect();
+            all.iter().flatten().for_each(|face| self.cover(face));
+        }
+    }
+
+    fn cover(&mut self, face: &Pixels) {
         for span in &face.spans {
             for k in 0..span.count {
                 let (at, depth) =
@@ -170,7 +185,7 @@ impl Seen {
 }
 
 /// The pixels of a flat face.
-pub(super) struct Face {
+struct Pixels {
     /// The face's normal, along right, up and towards the viewer.
     normal: Vec3,
     spans: Vec<Span>,
@@ -228,21 +243,11 @@ impl<'a> Subject<'a> {
         view: View,
     ) -> Result<Self, PictureError> {
         let mut subject = Subject::at_most(u64::MAX, model, view)?;
-        if let Some(box_of) = supports.bounds() {
-            let all = [
-                subject.bounds,
-                Bounds {
-                    min: box_of.min + subject.from_bed,
-                    max: box_of.max + subject.from_bed,
-                },
-            ];
-            let bounds = Bounds {
-                min: all[0].min.min(all[1].min),
-                max: all[0].max.max(all[1].max),
-            };
+        if let Some(standing) = supports.bounds() {
+            let standing = standing.moved(subject.from_bed);
             subject = Subject {
                 supports,
-                ..subject.of(view.axes(), bounds)
+                ..subject.of(view.axes(), subject.bounds.with(standing))
             };
         }
         Ok(subject)
@@ -421,7 +426,7 @@ impl<'a> Subject<'a> {
             pixel: frame.pixel,
             axes: self.axes,
         };
-        self.supports.draw(self.from_bed, &mut seen);
+        seen.draw(self.supports, self.from_bed);
         Ok(seen)
     }
 }

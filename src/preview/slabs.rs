@@ -1,16 +1,12 @@
 //! Supports in the picture of a part: slabs, one upon the other.
 //!
-//! In: the areas of supports, layer by layer. Out: their faces, in the depths
-//! and normals of a view. Each face is a flat polygon: the top or the bottom of
-//! a slab, or one of its sides. A pixel shows it if the pixel's middle lies in
-//! it and nothing is nearer to the viewer.
+//! In: the areas of supports, layer by layer. Out: their faces, which are flat
+//! polygons: the top or the bottom of a slab, and its sides.
 
-use super::raster::{Face, Seen};
 use crate::model::Bounds;
 use crate::plane::{Area, Ring, edges};
 use crate::units::Mm;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// The supports of the parts on a plate, as they stand on the bed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,7 +14,7 @@ pub struct Slabs(Vec<Slab>);
 
 /// Supports between two heights.
 #[derive(Clone, Debug, PartialEq)]
-struct Slab {
+pub(super) struct Slab {
     bottom: Mm,
     top: Mm,
     area: Area,
@@ -49,31 +45,30 @@ impl Slabs {
                 max: all.max.extend(slab.top),
             }
         };
-        self.0.iter().map(of).reduce(|a, b| Bounds {
-            min: a.min.min(b.min),
-            max: a.max.max(b.max),
-        })
+        self.0.iter().map(of).reduce(Bounds::with)
     }
 
-    /// Draws the supports, moved by `way`, in front of what is behind them.
-    pub(super) fn draw(&self, way: DVec3, seen: &mut Seen) {
+    /// The supports, some slabs at a time.
+    pub(super) fn chunks(&self) -> std::slice::Chunks<'_, Slab> {
         /// Slabs whose faces are kept at a time, since they take memory.
         const AT_ONCE: usize = 64;
-        for some in self.0.chunks(AT_ONCE) {
-            crate::limits::check();
-            let faces = some.par_iter().map(|slab| slab.faces(way, seen));
-            let faces: Vec<Vec<Face>> = faces.collect();
-            for face in faces.iter().flatten() {
-                seen.cover(face);
-            }
-        }
+        self.0.chunks(AT_ONCE)
     }
 }
 
+/// A flat polygon of a slab's surface.
+pub(super) struct Face {
+    /// Rings of positions, mm. A place is inside if they wind round it an odd
+    /// number of times.
+    pub rings: Vec<Vec<DVec3>>,
+    /// The normal, of length 1, away from the slab.
+    pub normal: DVec3,
+}
+
 impl Slab {
-    /// The faces that the viewer can see, moved by `way`.
-    fn faces(&self, way: DVec3, seen: &Seen) -> Vec<Face> {
-        let towards = seen.axes.z_axis;
+    /// The faces, moved by `way`, that a viewer in the direction `towards` may
+    /// see.
+    pub(super) fn faces(&self, way: DVec3, towards: DVec3) -> Vec<Face> {
         let corner = |p: DVec2, z: Mm| p.extend(z) + way;
         let mut faces = Vec::new();
         if towards.z != 0.0 {
@@ -85,8 +80,10 @@ impl Slab {
             let at_height = |ring: &Ring| -> Vec<DVec3> {
                 ring.iter().map(|p| corner(*p, z)).collect()
             };
-            let rings: Vec<_> = self.area.rings.iter().map(at_height).collect();
-            faces.push(seen.face(&rings, DVec3::Z * towards.z.signum()));
+            faces.push(Face {
+                rings: self.area.rings.iter().map(at_height).collect(),
+                normal: DVec3::Z * towards.z.signum(),
+            });
         }
         for (a, b) in self.area.rings.iter().flat_map(|ring| edges(ring)) {
             // Outer rings are counter-clockwise, holes clockwise.
@@ -98,7 +95,10 @@ impl Slab {
                     corner(b, self.top),
                     corner(a, self.top),
                 ];
-                faces.push(seen.face(&[side], out.extend(0.0)));
+                faces.push(Face {
+                    rings: vec![side],
+                    normal: out.extend(0.0),
+                });
             }
         }
         faces
@@ -107,7 +107,7 @@ impl Slab {
 
 #[cfg(test)]
 mod tests {
-    use super::super::raster::{Subject, is_part};
+    use super::super::raster::{Seen, Subject, is_part};
     use super::super::view::View;
     use super::*;
     use crate::model::{Placement, placed};

@@ -60,6 +60,22 @@ impl Bounds {
         Rect::new(self.min.truncate(), self.max.truncate())
     }
 
+    /// The box moved by a vector.
+    pub fn moved(self, by: DVec3) -> Bounds {
+        Bounds {
+            min: self.min + by,
+            max: self.max + by,
+        }
+    }
+
+    /// The least box around this one and another.
+    pub fn with(self, other: Bounds) -> Bounds {
+        Bounds {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
     /// The middle.
     pub fn centre(&self) -> DVec3 {
         0.5 * (self.min + self.max)
