@@ -32,16 +32,20 @@ pub(super) struct Piece {
     whole: Area,
 }
 
-/// The islands of support in each layer. `areas` are what the branches have,
-/// `needs` what they hold.
+/// The islands of support in each layer. `areas` are what the branches and the
+/// pads have, `needs` what they hold.
 pub(super) fn pieces(
     parts: Parts<'_>,
     needs: &[Area],
     areas: Vec<Area>,
+    pads: &Area,
     settings: &Settings,
 ) -> Vec<Vec<Piece>> {
     let roof = settings.support.interface_layers as usize;
-    let tops = tops(parts.heights, needs, areas.len(), settings);
+    let mut tops = tops(parts.heights, needs, areas.len(), settings);
+    if let Some(lowest) = tops.first_mut() {
+        *lowest = union(lowest, pads);
+    }
     let of_layer = |(j, all): (usize, Area)| {
         crate::limits::check();
         if all.is_empty() || parts.heights.span(j).is_none() {
@@ -205,7 +209,9 @@ mod tests {
             bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
         };
         let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];
-        let found = pieces(parts, &none, areas, &Settings::default());
+        let no_pads = Area::EMPTY;
+        let settings = Settings::default();
+        let found = pieces(parts, &none, areas, &no_pads, &settings);
         let content =
             |j: usize| found[j].iter().map(|p| p.all().content()).sum::<f64>();
         assert_eq!([content(0), content(2)], [36.0; 2]);

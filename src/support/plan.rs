@@ -5,6 +5,7 @@ use super::cavity::{Enclosed, enclosed};
 use super::heights::Heights;
 use super::lip::without_lips;
 use super::need::Need;
+use super::pad::pads;
 use super::parts::Parts;
 use super::pieces::pieces;
 use super::room::Room;
@@ -41,6 +42,8 @@ pub(crate) struct Unheld {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
     slices: Vec<Slice>,
+    /// What in the first layer touches the part above it.
+    pads: Area,
     /// The heights of its layers.
     pub heights: Heights,
     /// What needs a support and has none.
@@ -72,8 +75,11 @@ impl Plan {
         let idle = wished && !survey.found.iter().any(|found| found.wished);
         let forbidden = survey.found.iter().any(|found| found.forbidden);
         let found = std::mem::take(&mut survey.found);
-        let ends = survey.ends();
-        let outlines = survey.outlines;
+        let Survey {
+            outlines,
+            unprinted: ends,
+            ..
+        } = survey;
         let parts = Parts {
             heights: &heights,
             outlines: &outlines,
@@ -90,9 +96,15 @@ impl Plan {
             };
         };
         let room = Room::new(parts, highest, settings);
-        let areas = grow(parts, &needs, room, highest, settings);
-        let pieces = pieces(parts, &needs, areas, settings);
+        let mut areas = grow(parts, &needs, room, highest, settings);
+        let pads = pads(parts, &needs, settings);
+        if !pads.is_empty() {
+            areas.resize(areas.len().max(1), Area::EMPTY);
+            areas[0] = union(&areas[0], &pads);
+        }
+        let pieces = pieces(parts, &needs, areas, &pads, settings);
         let mut plan = Plan {
+            pads,
             slices: settled(parts, pieces, settings),
             idle,
             ..Plan::default()
@@ -112,6 +124,17 @@ impl Plan {
     /// The support in a layer, if there is any.
     pub(crate) fn slice(&self, layer: usize) -> Option<&Slice> {
         self.slices.get(layer).filter(|slice| !slice.is_empty())
+    }
+
+    /// The area of the supports that hold a layer. Their tops are a gap below it,
+    /// except for pads.
+    pub(crate) fn under(&self, layer: usize) -> Option<Area> {
+        match self.heights.below(layer) {
+            Some(below) => self.slice(below).map(Slice::area),
+            None => {
+                (layer > 0 && !self.pads.is_empty()).then(|| self.pads.clone())
+            }
+        }
     }
 
     /// The part of `needs` that has no support.
@@ -134,7 +157,8 @@ impl Plan {
             if top.is_none() && parts.spans()[i].bottom < OVER_BED {
                 return Area::EMPTY;
             }
-            let Some(slice) = top.and_then(|top| self.slice(top)) else {
+            // A pad has no gap.
+            let Some(slice) = self.slice(top.unwrap_or(0)) else {
                 return need.clone();
             };
             let here = slice.body.rings.iter().chain(&slice.interface.rings);
