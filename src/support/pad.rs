@@ -16,15 +16,14 @@
 
 use super::TOLERANCE;
 use super::parts::Parts;
-use crate::plane::clip::{difference, intersection, union};
+use super::room::Size;
+use crate::plane::clip::{difference, intersection, union, unite};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Solid};
 use crate::region::floating::floating;
 use crate::settings::Settings;
 use crate::units::Mm;
 
-/// How far a pad reaches beyond what it holds, mm: as far as the foot of a post.
-const BEYOND: Mm = 1.0;
 /// Distance in the plane of a pad from what hangs over the bed beside it, mm.
 const BESIDE: Mm = 0.05;
 
@@ -35,7 +34,9 @@ pub(super) fn pads(
     settings: &Settings,
 ) -> Area {
     let outlines = parts.outlines;
-    let (mut held, mut others) = (Area::EMPTY, Area::EMPTY);
+    let mut held = Area::EMPTY;
+    // What sticks out over what begins below it is no obstacle.
+    let mut others = Area::EMPTY;
     for i in parts.heights.low() {
         let begins = if needs[i].is_empty() {
             Area::EMPTY
@@ -43,14 +44,18 @@ pub(super) fn pads(
             begins(&outlines[i - 1], &outlines[i], &needs[i])
         };
         held = union(&held, &begins);
-        others = union(&others, &difference(&outlines[i], &held));
+        let apart = outlines[i].islands().into_iter();
+        let apart = apart.filter(|i| intersection(i, &held).is_empty());
+        others.rings.extend(apart.flat_map(|island| island.rings));
     }
     if held.is_empty() {
         return held;
     }
     let apart = settings.support.xy_gap + TOLERANCE;
-    let near = [(&outlines[0], apart), (&others, BESIDE)];
-    let all = offset(&held, BEYOND, TOLERANCE);
+    let near = [(&outlines[0], apart), (&unite(&others), BESIDE)];
+    // A pad is as wide as a post.
+    let beyond = Size::new(settings).post;
+    let all = offset(&held, beyond, TOLERANCE);
     near.into_iter().fold(all, |pad, (other, gap)| {
         difference(&pad, &offset(other, gap, TOLERANCE))
     })
@@ -70,8 +75,9 @@ mod tests {
     use crate::layers::LayerSpan;
     use crate::plane::rect;
     use crate::support::heights::Heights;
+    use crate::units::Mm2;
 
-    /// Content of the pads below a stack of layers, all of which need support.
+    /// Content of the pads below a stack of layers, all of which need a support.
     fn pad(height: Mm, outlines: &[Area]) -> f64 {
         let settings = Settings::default();
         let spans = LayerSpan::stack(height, outlines.len());
@@ -86,15 +92,26 @@ mod tests {
         pads(parts, outlines, &settings).content()
     }
 
+    /// Content of what lies within reach of the pad of a rectangle.
+    fn around(wide: Mm, high: Mm) -> Mm2 {
+        let beyond = Size::new(&Settings::default()).post;
+        let round = std::f64::consts::PI * beyond * beyond;
+        wide * high + 2.0 * (wide + high) * beyond + round
+    }
+
     #[test]
     fn a_pad_holds_what_begins_too_near_to_the_bed_for_a_gap() {
         let (none, edge) = (Area::EMPTY, rect(0.0, 0.0, 10.0, 0.4));
-        let round = std::f64::consts::PI * BEYOND * BEYOND;
-        let exact = 10.0 * 0.4 + 2.0 * 10.4 * BEYOND + round;
         let found = pad(0.2, &[none.clone(), edge.clone(), edge.clone()]);
+        let exact = around(10.0, 0.4);
         assert!((found - exact).abs() < 0.05, "{found} {exact}");
         // The gap fits below the layer above.
         assert_eq!(pad(0.2, &[none.clone(), none.clone(), edge.clone()]), 0.0);
+        // In thinner layers it does not, nor below what sticks out there.
+        let wider = rect(-0.3, -0.3, 10.3, 0.7);
+        let layers = [none.clone(), none.clone(), edge.clone(), wider];
+        let found = pad(0.1, &layers);
+        assert!((found - exact).abs() < 0.05, "{found} {exact}");
         // What stands on the bed, or sticks out over that, needs no pad.
         let wide = rect(0.0, 0.0, 10.0, 3.0);
         assert_eq!(pad(0.2, &[edge, wide.clone(), wide]), 0.0);
@@ -102,19 +119,26 @@ mod tests {
 
     #[test]
     fn a_pad_keeps_away_from_what_else_is_near_to_the_bed() {
+        let settings = Settings::default();
         let edge = rect(0.0, 0.0, 10.0, 0.4);
+        // The space between the edge and what is beside it, and half a pad.
+        let rest = |space: Mm| {
+            let beyond = Size::new(&settings).post;
+            let half = 0.5 * (around(10.0, 0.4) - 0.4 * (10.0 + 2.0 * beyond));
+            half + (10.0 + 2.0 * beyond) * (0.4 + space)
+        };
         // A block on the bed, and one that leans over the bed.
-        let block = rect(0.0, 0.8, 10.0, 5.0);
+        let gap = settings.support.xy_gap + TOLERANCE;
+        let block = rect(-9.0, 0.4 + gap + 0.2, 19.0, 5.0);
         let both = union(&edge, &block);
         let found = pad(0.2, &[block.clone(), both.clone(), both.clone()]);
-        let gap = Settings::default().support.xy_gap + TOLERANCE;
-        let below = 0.8 - gap;
-        let quarters = 0.5 * std::f64::consts::PI * BEYOND * BEYOND;
-        let exact = 12.0 * below + 10.0 * BEYOND + quarters;
+        let exact = rest(0.2);
         assert!((found - exact).abs() < 0.05, "{found} {exact}");
-        let leans = rect(0.0, 2.0, 10.0, 5.0);
+        let leans = rect(-9.0, 3.0, 19.0, 5.0);
+        let over = rect(-9.0, 0.7, 19.0, 5.0);
+        let both = union(&edge, &over);
         let found = pad(0.2, &[leans, both.clone(), both]);
-        let exact = 12.0 * (0.8 - BESIDE) + 10.0 * BEYOND + quarters;
-        assert!((found - exact).abs() < 0.1, "{found} {exact}");
+        let exact = rest(0.3 - BESIDE);
+        assert!((found - exact).abs() < 0.05, "{found} {exact}");
     }
 }
