@@ -31,6 +31,9 @@ const FIRST: f64 = 0.6;
 /// Supports in another layer would be too thin below this share of the layer's
 /// height: the layer has none.
 const LEAST: f64 = 0.4;
+/// What begins on nothing may sag by less than this before it lies on a support
+/// that is nearer than `support.z_gap`, mm.
+const SAG: Mm = 0.3;
 
 /// The heights of a part's layers and of their supports.
 #[derive(Clone, Debug, Default)]
@@ -130,10 +133,12 @@ impl Heights {
         Some(own)
     }
 
-    /// The layers above the bed that are so near to it that no supports end
-    /// `support.z_gap` below them.
+    /// The layers above the first that are so near to the bed that no supports end
+    /// `support.z_gap` below them, and that supports in the first layer hold all
+    /// the same.
     pub(super) fn low(&self) -> Range<usize> {
-        let highest = self.tops.first().map_or(0.0, |t| t + self.gap_top);
+        let air = self.gap_top.min(SAG);
+        let highest = self.tops.first().map_or(0.0, |top| top + air);
         let is_low = |span: &LayerSpan| span.bottom < highest - ROUNDED;
         1..self.spans.partition_point(is_low).max(1)
     }
@@ -246,6 +251,26 @@ mod tests {
                 let below = span.bottom - heights.deeper(j) - on.top;
                 assert!((below - gap).abs() < 1e-9, "{gap}: {below} under {j}");
             }
+        }
+    }
+
+    #[test]
+    fn right_above_the_bed_nothing_stands_on_the_part() {
+        let cases = [
+            (0.2, 2, 1..2),
+            (0.15, 3, 1..2),
+            (0.5, 4, 1..2),
+            (3.0, 17, 1..3),
+        ];
+        for (gap, from, low) in cases {
+            let heights = heights(uniform(), gap);
+            let stands = |j| heights.stands_on(j).is_some();
+            let first = (0..20).find(|&j| stands(j));
+            assert_eq!(first, Some(from), "{gap}");
+            assert!((0..from).all(|j| heights.in_gap(j) == (0..j)));
+            assert!((0..from).all(|j| heights.gap_below(j).is_empty()));
+            assert_eq!(heights.low(), low, "{gap}");
+            assert!(low.clone().all(|i| heights.below(i).is_none()));
         }
     }
 

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// Distance of supports from those ends of the part that are too thin to be
 /// printed, mm: the round ends of lines reach beyond the area of the supports.
-const BESIDE: Mm = 0.15;
+const BESIDE: Mm = 0.12;
 /// The same in the first layer if it has pads, which have no such ends, and hold
 /// nothing unless they are nearer to the part than a line is wide.
 const BESIDE_PAD: Mm = 0.05;

@@ -189,17 +189,22 @@ fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
     let all = union(&to_bed, &to_part);
     let held = offset(&all, size.beyond, TOLERANCE);
     let lost = difference(need, &held);
-    // A point that begins in the air is held by a whole post.
+    // A point or an edge that begins in the air is held by a whole post, or by a
+    // roof as wide: below it supports leave out what is too thin to be printed.
     let begins = |island: &Area| {
         let around = island.bounds().grown(size.post);
-        crop(&below.rings, around).is_empty()
+        let near = crop(&below.rings, around);
+        near.is_empty() || {
+            let around = offset(island, size.post, TOLERANCE);
+            intersection(&near, &around).is_empty()
+        }
     };
-    let is_point = |island: &Area| {
-        island.bounds().size().max_element() < 2.0 * size.beyond
-            && begins(island)
+    let is_thin = |island: &Area| {
+        island.bounds().size().min_element() < 2.0 * size.beyond
+            || offset(island, -size.beyond, TOLERANCE).is_empty()
     };
     let islands = need.islands().into_iter();
-    let points: Area = islands.filter(is_point).collect();
+    let points: Area = islands.filter(|i| begins(i) && is_thin(i)).collect();
     let whole = if lost.is_empty() {
         points
     } else {
