@@ -260,7 +260,7 @@ mod tests {
             (0.2, 2, 1..2),
             (0.15, 3, 1..2),
             (0.5, 4, 1..2),
-            (3.0, 17, 1..3),
+            (3.0, 16, 1..3),
         ];
         for (gap, from, low) in cases {
             let heights = heights(uniform(), gap);
