@@ -176,8 +176,7 @@ impl<'a> Supported<'a> {
     /// it.
     pub(super) fn under(&self, layer: usize) -> Option<Area> {
         let layer = layer.checked_sub(self.raft)?;
-        let below = self.plan.heights.below(layer)?;
-        self.plan.slice(below).map(Slice::area)
+        self.plan.under(layer)
     }
 
     /// Where supports stand on a layer: their bottoms are a gap above.
@@ -185,9 +184,9 @@ impl<'a> Supported<'a> {
         let layer = span.index.checked_sub(self.raft)?;
         let heights = &self.plan.heights;
         let above = (layer + 1..heights.spans().len())
-            .map(|j| (j, heights.gap_below(j).start))
-            .take_while(|(_, on)| *on <= layer);
-        let standing = above.filter(|(_, on)| *on == layer);
+            .map(|j| (j, heights.stands_on(j)))
+            .take_while(|(_, on)| on.is_none_or(|on| on <= layer));
+        let standing = above.filter(|(_, on)| *on == Some(layer));
         let slices = standing.filter_map(|(j, _)| self.plan.slice(j));
         slices.map(Slice::area).reduce(|a, b| union(&a, &b))
     }

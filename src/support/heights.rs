@@ -31,6 +31,9 @@ const FIRST: f64 = 0.6;
 /// Supports in another layer would be too thin below this share of the layer's
 /// height: the layer has none.
 const LEAST: f64 = 0.4;
+/// What begins on nothing may sag by less than this before it lies on a support
+/// that is nearer than `support.z_gap`, mm.
+const SAG: Mm = 0.3;
 
 /// The heights of a part's layers and of their supports.
 #[derive(Clone, Debug, Default)]
@@ -130,23 +133,44 @@ impl Heights {
         Some(own)
     }
 
-    /// The layers below layer `j`, from the one on which a support in layer `j`
-    /// stands. The top of that layer is at least `support.z_gap_bottom` below
-    /// the support; in the others the part keeps away from the support.
-    pub(crate) fn gap_below(&self, j: usize) -> Range<usize> {
+    /// The layers above the first that are so near to the bed that no supports end
+    /// `support.z_gap` below them, and that supports in the first layer hold all
+    /// the same.
+    pub(super) fn low(&self) -> Range<usize> {
+        let air = self.gap_top.min(SAG);
+        let highest = self.tops.first().map_or(0.0, |top| top + air);
+        let is_low = |span: &LayerSpan| span.bottom < highest - ROUNDED;
+        1..self.spans.partition_point(is_low).max(1)
+    }
+
+    /// The layer of the part on which a support in layer `j` can stand: the
+    /// highest one whose top is at least `support.z_gap_bottom` below that
+    /// support. There is none right above the bed.
+    pub(crate) fn stands_on(&self, j: usize) -> Option<usize> {
+        self.in_gap(j).start.checked_sub(1)
+    }
+
+    /// The layers below layer `j` that are in the gap between a support in layer
+    /// `j` and what it stands on, so that the part keeps away from the support.
+    pub(super) fn in_gap(&self, j: usize) -> Range<usize> {
         let lowest = self.bottom(j) - self.gap_bottom + ROUNDED;
-        let on = self.spans[..j].partition_point(|span| span.top <= lowest);
-        on.saturating_sub(1)..j
+        self.spans[..j].partition_point(|span| span.top <= lowest)..j
+    }
+
+    /// The layers below layer `j`, from the one on which a support in layer `j`
+    /// stands. There are none if it cannot stand on the part.
+    pub(super) fn gap_below(&self, j: usize) -> Range<usize> {
+        self.stands_on(j).unwrap_or(j)..j
     }
 
     /// By how much beads in layer `j` that stand on the part reach farther down
     /// than other beads, so that no more than `support.z_gap_bottom` is left
     /// below them.
     pub(super) fn deeper(&self, j: usize) -> Mm {
-        let Some(on) = self.spans[..j].get(self.gap_below(j).start) else {
+        let Some(on) = self.stands_on(j) else {
             return 0.0;
         };
-        let air = self.bottom(j) - self.gap_bottom - on.top;
+        let air = self.bottom(j) - self.gap_bottom - self.spans[on].top;
         let room = self.most - (self.tops[j] - self.bottom(j));
         let deeper = air.min(room);
         if deeper > ROUNDED { deeper } else { 0.0 }
@@ -223,10 +247,30 @@ mod tests {
                 assert!((span.height() - 0.2).abs() < 1e-9);
                 last = span.top;
                 // Below a support that stands on the part as well.
-                let on = heights.spans()[heights.gap_below(j).start];
+                let on = heights.spans()[heights.stands_on(j).unwrap()];
                 let below = span.bottom - heights.deeper(j) - on.top;
                 assert!((below - gap).abs() < 1e-9, "{gap}: {below} under {j}");
             }
+        }
+    }
+
+    #[test]
+    fn right_above_the_bed_nothing_stands_on_the_part() {
+        let cases = [
+            (0.2, 2, 1..2),
+            (0.15, 3, 1..2),
+            (0.5, 4, 1..2),
+            (3.0, 16, 1..3),
+        ];
+        for (gap, from, low) in cases {
+            let heights = heights(uniform(), gap);
+            let stands = |j| heights.stands_on(j).is_some();
+            let first = (0..20).find(|&j| stands(j));
+            assert_eq!(first, Some(from), "{gap}");
+            assert!((0..from).all(|j| heights.in_gap(j) == (0..j)));
+            assert!((0..from).all(|j| heights.gap_below(j).is_empty()));
+            assert_eq!(heights.low(), low, "{gap}");
+            assert!(low.clone().all(|i| heights.below(i).is_none()));
         }
     }
 

@@ -21,6 +21,7 @@
 //!    to the bed past the part.
 //! 3. [`tree`] lets branches grow from the top down: each is drawn together by
 //!    `support.branch_angle` until it is a post, and posts that can meet do.
+//!    [`pad`] holds what begins so near to the bed that no gap fits below it.
 //! 4. [`pieces`] splits the islands of support into sparse and dense parts, and
 //!    [`settle`] takes out, from the bottom up, those that rest on nothing.
 //! 5. [`cavity`] tells which of them nobody can take out.
@@ -45,6 +46,7 @@ mod disc;
 mod heights;
 mod lip;
 mod need;
+mod pad;
 mod parts;
 mod pieces;
 mod plan;

@@ -15,8 +15,11 @@ use crate::units::Mm;
 use rayon::prelude::*;
 
 /// Distance of supports from those ends of the part that are too thin to be
-/// printed, mm.
-const BESIDE: Mm = 0.05;
+/// printed, mm: the round ends of lines reach beyond the area of the supports.
+const BESIDE: Mm = 0.12;
+/// The same in the first layer if it has pads, which have no such ends, and hold
+/// nothing unless they are nearer to the part than a line is wide.
+const BESIDE_PAD: Mm = 0.05;
 
 /// An island of support.
 #[derive(Clone, Debug)]
@@ -32,22 +35,30 @@ pub(super) struct Piece {
     whole: Area,
 }
 
-/// The islands of support in each layer. `areas` are what the branches have,
-/// `needs` what they hold.
+/// The islands of support in each layer. `areas` are what the branches and the
+/// pads have, `needs` what they hold.
 pub(super) fn pieces(
     parts: Parts<'_>,
     needs: &[Area],
     areas: Vec<Area>,
+    pads: &Area,
     settings: &Settings,
 ) -> Vec<Vec<Piece>> {
     let roof = settings.support.interface_layers as usize;
-    let tops = tops(parts.heights, needs, areas.len(), settings);
+    let mut tops = tops(parts.heights, needs, areas.len(), settings);
+    if let Some(lowest) = tops.first_mut() {
+        *lowest = union(lowest, pads);
+    }
     let of_layer = |(j, all): (usize, Area)| {
         crate::limits::check();
         if all.is_empty() || parts.heights.span(j).is_none() {
             return Vec::new();
         }
-        let all = without_ends(on_bed(all, parts.bed), parts, j);
+        let apart = match j {
+            0 if !pads.is_empty() => BESIDE_PAD,
+            _ => BESIDE,
+        };
+        let all = without_ends(on_bed(all, parts.bed), parts, j, apart);
         let above: Vec<&Area> = tops.iter().skip(j).take(roof).collect();
         printable(all)
             .map(|island| Piece::new(island, &above, settings))
@@ -85,16 +96,16 @@ fn on_bed(all: Area, bed: Rect) -> Area {
     unite(&crop(&all.rings, bed))
 }
 
-/// The supports of layer `j` without what is too near to the ends of the part
-/// that are too thin to be printed.
-fn without_ends(all: Area, parts: Parts<'_>, j: usize) -> Area {
+/// The supports of layer `j` without what is nearer than `apart` to the ends of the
+/// part that are too thin to be printed.
+fn without_ends(all: Area, parts: Parts<'_>, j: usize, apart: Mm) -> Area {
     let ends = parts.ends[parts.heights.beside(j)].iter();
     let ends: Vec<_> = ends.flat_map(|e| e.rings.clone()).collect();
     if ends.is_empty() {
         return all;
     }
     let ends = unite(&Area { rings: ends });
-    difference(&all, &offset(&ends, BESIDE, TOLERANCE))
+    difference(&all, &offset(&ends, apart, TOLERANCE))
 }
 
 impl Piece {
@@ -205,11 +216,14 @@ mod tests {
             bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
         };
         let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];
-        let found = pieces(parts, &none, areas, &Settings::default());
+        let no_pads = Area::EMPTY;
+        let settings = Settings::default();
+        let found = pieces(parts, &none, areas, &no_pads, &settings);
         let content =
             |j: usize| found[j].iter().map(|p| p.all().content()).sum::<f64>();
         assert_eq!([content(0), content(2)], [36.0; 2]);
-        let cut = (4.0 + BESIDE) * (0.2 + 2.0 * BESIDE);
+        let round = std::f64::consts::PI * BESIDE * BESIDE / 2.0;
+        let cut = 4.0 * (0.2 + 2.0 * BESIDE) + 0.2 * BESIDE + round;
         assert!((content(1) - (36.0 - cut)).abs() < 0.01, "{}", content(1));
     }
 

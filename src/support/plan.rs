@@ -5,6 +5,7 @@ use super::cavity::{Enclosed, enclosed};
 use super::heights::Heights;
 use super::lip::without_lips;
 use super::need::Need;
+use super::pad::pads;
 use super::parts::Parts;
 use super::pieces::pieces;
 use super::room::Room;
@@ -41,6 +42,8 @@ pub(crate) struct Unheld {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
     slices: Vec<Slice>,
+    /// What in the first layer touches the part above it.
+    pads: Area,
     /// The heights of its layers.
     pub heights: Heights,
     /// What needs a support and has none.
@@ -72,8 +75,11 @@ impl Plan {
         let idle = wished && !survey.found.iter().any(|found| found.wished);
         let forbidden = survey.found.iter().any(|found| found.forbidden);
         let found = std::mem::take(&mut survey.found);
-        let ends = survey.ends();
-        let outlines = survey.outlines;
+        let Survey {
+            outlines,
+            unprinted: ends,
+            ..
+        } = survey;
         let parts = Parts {
             heights: &heights,
             outlines: &outlines,
@@ -90,9 +96,15 @@ impl Plan {
             };
         };
         let room = Room::new(parts, highest, settings);
-        let areas = grow(parts, &needs, room, highest, settings);
-        let pieces = pieces(parts, &needs, areas, settings);
+        let mut areas = grow(parts, &needs, room, highest, settings);
+        let pads = pads(parts, &needs, settings);
+        if !pads.is_empty() {
+            areas.resize(areas.len().max(1), Area::EMPTY);
+            areas[0] = union(&areas[0], &pads);
+        }
+        let pieces = pieces(parts, &needs, areas, &pads, settings);
         let mut plan = Plan {
+            pads,
             slices: settled(parts, pieces, settings),
             idle,
             ..Plan::default()
@@ -112,6 +124,19 @@ impl Plan {
     /// The support in a layer, if there is any.
     pub(crate) fn slice(&self, layer: usize) -> Option<&Slice> {
         self.slices.get(layer).filter(|slice| !slice.is_empty())
+    }
+
+    /// The area of the supports that hold a layer. Their tops are a gap below it,
+    /// except for pads.
+    pub(crate) fn under(&self, layer: usize) -> Option<Area> {
+        match self.heights.below(layer) {
+            Some(below) => self.slice(below).map(Slice::area),
+            None if self.pads.is_empty() => None,
+            None => {
+                let is_low = self.heights.low().contains(&layer);
+                is_low.then(|| self.pads.clone())
+            }
+        }
     }
 
     /// The part of `needs` that has no support.
@@ -134,11 +159,14 @@ impl Plan {
             if top.is_none() && parts.spans()[i].bottom < OVER_BED {
                 return Area::EMPTY;
             }
-            let Some(slice) = top.and_then(|top| self.slice(top)) else {
-                return need.clone();
+            let here: Area = match top.map(|top| self.slice(top)) {
+                Some(Some(slice)) => {
+                    let all = [&slice.body, &slice.interface].into_iter();
+                    all.flat_map(|area| &area.rings).cloned().collect()
+                }
+                None if parts.heights.low().contains(&i) => self.pads.clone(),
+                _ => return need.clone(),
             };
-            let here = slice.body.rings.iter().chain(&slice.interface.rings);
-            let here: Area = here.cloned().collect();
             let here = Neighbour::new(&here);
             let lost = clusters(need).into_iter().map(|need| {
                 let around = need.bounds.grown(near + TOLERANCE);
@@ -296,6 +324,76 @@ mod tests {
     }
 
     #[test]
+    fn a_roof_is_wider_only_where_the_part_is_in_its_way() {
+        let plan = plan(&tee(), Supports::Auto);
+        let top = all(&plan, 48);
+        let beyond = |from: Mm, to: Mm| {
+            let here = rect(from, -9.0, to, 9.0);
+            intersection(&top, &here).bounds().max.y - 6.0
+        };
+        let size = super::super::room::Size::new(&Settings::default());
+        let [near, far] = [beyond(4.4, 4.8), beyond(12.0, 20.0)];
+        assert!((near - size.post).abs() < 0.05, "{near}");
+        assert!((far - size.beyond).abs() < 0.05, "{far}");
+    }
+
+    /// The layers of a wedge that stands on its edge, which is in the layer
+    /// `first`.
+    fn wedge(first: usize) -> impl Fn(usize) -> Area {
+        move |i| match i.checked_sub(first) {
+            Some(k) => {
+                let half = 0.1 * (k as Mm + 0.5);
+                rect(-8.0, -half, 8.0, half)
+            }
+            None => Area::EMPTY,
+        }
+    }
+
+    #[test]
+    fn supports_of_an_edge_leave_out_what_is_too_thin_to_be_printed() {
+        let of = wedge(30);
+        let outlines: Vec<Area> = (0..50).map(&of).collect();
+        let plan = plan(&outlines, Supports::Auto);
+        assert_eq!(plan.unheld.area, 0.0);
+        // The first line fits into layer 31. Its support is in layer 29, and
+        // nothing of the part is there.
+        let roof = all(&plan, 29);
+        assert!(roof.contains(DVec2::ZERO) && all(&plan, 30).is_empty());
+        // A line that is wider begins two layers above the edge.
+        let settings = Settings {
+            thin_min: 100.0,
+            ..settings(Supports::Auto)
+        };
+        let plan = planned(&outlines, spans(50), &settings);
+        let roof = all(&plan, 30);
+        let edge = offset(&of(30), 0.1, 1e-3);
+        assert!(intersection(&roof, &edge).is_empty());
+        for side in [-1.0, 1.0] {
+            let beside = rect(-8.0, 0.2 * side - 0.02, 8.0, 0.2 * side + 0.02);
+            let held = intersection(&roof, &beside).content();
+            assert!(held > 0.95 * beside.content(), "{held}");
+        }
+    }
+
+    #[test]
+    fn an_edge_on_the_bed_stands_on_a_pad_that_is_not_in_the_part() {
+        let of = wedge(0);
+        let outlines: Vec<Area> = (0..20).map(&of).collect();
+        for supports in [Supports::Auto, Supports::Plate] {
+            let plan = plan(&outlines, supports);
+            assert_eq!(plan.unheld.area, 0.0);
+            let pad = all(&plan, 0);
+            assert!(intersection(&pad, &of(0)).is_empty());
+            // The line in the layer above lies on both sides of the edge.
+            let under = intersection(&pad, &of(1)).content();
+            let exact = 16.0 * (0.3 - 0.1 - 2.0 * 0.05);
+            assert!((under - exact).abs() < 0.1, "{under}");
+            assert!(plan.under(1).is_some() && all(&plan, 1).is_empty());
+            assert!(plan.under(0).is_none());
+        }
+    }
+
+    #[test]
     fn steep_faces_of_thin_layers_are_held() {
         let spans = LayerSpan::stack(0.1, 100);
         for lean in [1.7, 2.0] {
@@ -366,9 +464,13 @@ mod tests {
         let plan = plan(&outlines, Supports::Auto);
         // A line of 0.27 mm fits where it is 0.3 mm wide, in layer 33.
         assert!(all(&plan, 32).is_empty());
-        for j in 0..32 {
+        for j in 0..31 {
             assert!(all(&plan, j).contains(DVec2::ZERO), "layer {j}");
         }
+        // The tip in layer 31 has no room for a line, nor for the support.
+        let top = all(&plan, 31);
+        assert!(intersection(&top, &tip(31)).is_empty());
+        assert!(top.contains(DVec2::new(0.4, 0.0)));
         assert_eq!(plan.unheld.area, 0.0);
     }
 

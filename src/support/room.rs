@@ -101,8 +101,8 @@ impl<'a> Room<'a> {
         drop(grown);
         let closed = || no_way_down(parts, &tight, settings, |_| None);
         let on_part = |j: usize| {
-            let on = parts.heights.gap_below(j).start;
-            (on < j).then(|| offset(&parts.outlines[on], ASTRIDE, TOLERANCE))
+            let on = parts.heights.stands_on(j)?;
+            Some(offset(&parts.outlines[on], ASTRIDE, TOLERANCE))
         };
         let dead = || match settings.supports {
             Supports::Auto => no_way_down(parts, &tight, settings, on_part),
@@ -306,7 +306,7 @@ fn tight(
     let area = offset(section, gap, TOLERANCE);
     // The layers beside it, and those within the gaps above and below.
     let level = heights.beside(j);
-    let first = level.start.min(heights.gap_below(j).start + 1);
+    let first = level.start.min(heights.in_gap(j).start);
     let above = (level.end..outlines.len())
         .take_while(|&i| heights.below(i).is_none_or(|top| top < j));
     let mut others = (first..level.end)

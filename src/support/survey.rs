@@ -11,7 +11,7 @@ use super::printed::Printed;
 use super::wish::{Wish, Wishes};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
-use crate::plane::clip::{crop, difference, intersection};
+use crate::plane::clip::difference;
 use crate::plane::simplify::simplify_area;
 use crate::settings::Settings;
 use crate::units::Mm;
@@ -69,7 +69,7 @@ pub(crate) struct Survey {
     /// thin to be printed.
     pub(super) outlines: Vec<Area>,
     /// What of each outline is not printed, since no line fits into it.
-    unprinted: Vec<Area>,
+    pub(super) unprinted: Vec<Area>,
     /// What is found of each layer. Nothing is found of the slab's first layer
     /// until [`Survey::append`] brings it together with the layer below.
     pub(super) found: Vec<Found>,
@@ -145,26 +145,6 @@ impl Survey {
             self.unprinted[layer].rings.extend(thin.rings);
         }
     }
-
-    /// By layer, ends that are too thin to be printed but lie on something
-    /// that is. Points in which the part begins are left out, since supports
-    /// may take their place.
-    pub(super) fn ends(&mut self) -> Vec<Area> {
-        let mut ends = std::mem::take(&mut self.unprinted);
-        let mut below = Area::EMPTY;
-        for (end, outline) in ends.iter_mut().zip(&self.outlines) {
-            if !end.is_empty() {
-                let islands = end.islands().into_iter().filter(|island| {
-                    let near = crop(&below.rings, island.bounds());
-                    !intersection(island, &near).is_empty()
-                });
-                end.rings = islands.flat_map(|i| i.rings).collect();
-            }
-            below = outline.clone();
-            below.rings.extend_from_slice(&end.rings);
-        }
-        ends
-    }
 }
 
 /// The outline of a layer of some height, as coarse as supports ask for,
@@ -181,27 +161,4 @@ pub(super) fn thinned(area: Area) -> Area {
     // It is kept for long, and its rings have room for the points left out.
     thinned.rings.iter_mut().for_each(Vec::shrink_to_fit);
     thinned
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plane::rect;
-
-    #[test]
-    fn thin_ends_lie_on_what_is_printed_and_points_in_the_air_do_not() {
-        let block = rect(0.0, 0.0, 5.0, 5.0);
-        let spike = rect(4.0, 2.0, 8.0, 2.2);
-        let point = rect(20.0, 0.0, 20.1, 0.1);
-        let both = Area::from_iter([spike.clone(), point]);
-        let mut survey = Survey {
-            outlines: vec![block.clone(), block, Area::EMPTY, Area::EMPTY],
-            unprinted: vec![Area::EMPTY, both.clone(), both, Area::EMPTY],
-            ..Survey::default()
-        };
-        let ends = survey.ends();
-        let none = Area::EMPTY;
-        // The spike goes on above the layer in which it begins.
-        assert_eq!(ends, [none.clone(), spike.clone(), spike, none]);
-    }
 }

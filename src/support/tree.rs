@@ -49,6 +49,9 @@ const WIDE: Mm2 = 3.0 * CELL * CELL;
 /// A face of any size that is not in one cell is held by a column if branches
 /// are drawn together by less than this share of a cell on each side.
 const LOW: f64 = 0.125;
+/// Where the part is in the way right below some of a face, its roof is wider as
+/// far around that as so many posts' halves.
+const AROUND: f64 = 2.0;
 /// Holes in supports are filled up to this size, mm². A wall around a smaller hole
 /// would begin in the air between sparse lines, which are some 4 mm apart.
 const PORE: Mm2 = 8.0;
@@ -185,18 +188,29 @@ fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
     // the outer edge of the face can be held.
     let all = union(&to_bed, &to_part);
     let held = offset(&all, size.beyond, TOLERANCE);
-    let is_lost = |island: &Area| !difference(island, &held).is_empty();
-    // A point that begins in the air is held by a whole post.
+    let lost = difference(need, &held);
+    // A point or an edge that begins in the air is held by a whole post, or by a
+    // roof as wide: below it supports leave out what is too thin to be printed.
     let begins = |island: &Area| {
         let around = island.bounds().grown(size.post);
-        crop(&below.rings, around).is_empty()
+        let near = crop(&below.rings, around);
+        near.is_empty() || {
+            let around = offset(island, size.post, TOLERANCE);
+            intersection(&near, &around).is_empty()
+        }
     };
-    let point = |island: &Area| {
-        island.bounds().size().max_element() < 2.0 * size.beyond
-            && begins(island)
+    let is_thin = |island: &Area| {
+        island.bounds().size().min_element() < 2.0 * size.beyond
+            || offset(island, -size.beyond, TOLERANCE).is_empty()
     };
     let islands = need.islands().into_iter();
-    let whole: Area = islands.filter(|i| is_lost(i) || point(i)).collect();
+    let points: Area = islands.filter(|i| begins(i) && is_thin(i)).collect();
+    let whole = if lost.is_empty() {
+        points
+    } else {
+        let near = offset(&lost, AROUND * size.post, TOLERANCE);
+        union(&points, &intersection(need, &near))
+    };
     if whole.is_empty() {
         return [to_bed, to_part];
     }

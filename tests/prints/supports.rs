@@ -455,6 +455,57 @@ fn supports_of_a_tip_stay_out_of_it_with_wide_nozzles() {
 }
 
 #[test]
+fn an_edge_in_the_air_or_on_the_bed_is_held_from_both_sides() {
+    // Wedges of 28° and of 90° that stand on their edges, one of them below the arms
+    // of a T.
+    let hung = format!(
+        "min({TEE}, max(max(abs(x - 14) - 0.25*(z - 4), abs(y) - 5), z - 11))"
+    );
+    let stands = "max(max(abs(x) - z, abs(y) - 5), z - 3)";
+    let wedges = [(&*hung, 14.0, 4.0, 0.25), (stands, 0.0, 0.0, 1.0)];
+    for (text, x, edge, slope) in wedges {
+        let (gcode, _) = run(text, &["supports=auto"]);
+        let middle = DVec2::new(110.0 + x, 110.0);
+        // By height: where lines cross the middle, from which side to which.
+        let (mut support, mut part) = (Vec::new(), Vec::new());
+        for layer in parse(&gcode) {
+            for m in layer.prints() {
+                let (a, b) = m.ends();
+                let [a, b] = [a - middle, b - middle];
+                if a.y * b.y > 0.0 || a.x.abs().max(b.x.abs()) > 2.0 {
+                    continue;
+                }
+                let (at, half) = (0.5 * (a.x + b.x), 0.5 * m.width);
+                let line = (m.to.z, at - half, at + half);
+                let is_support = [SUPPORT, SUPPORT_INTERFACE].contains(&m.role);
+                let list = if is_support { &mut support } else { &mut part };
+                list.push(line);
+            }
+        }
+        let first = part.iter().map(|l| l.0).fold(f64::INFINITY, f64::min);
+        assert!(first > edge + 0.2, "{edge}: {first}");
+        // No support is in the wedge, be it printed there or not.
+        for (z, from, to) in &support {
+            let half = slope * (z - 0.1 - edge);
+            let is_free = half < 0.0 || *from > half || *to < -half;
+            assert!(is_free, "{edge}: {from} to {to} at {z}");
+        }
+        // The first line lies above supports on both sides.
+        let gap = if edge > 0.0 { 0.2 } else { 0.0 };
+        let top = first - 0.2 - gap;
+        let below = support.iter().filter(|l| (l.0 - top).abs() < 1e-6);
+        let below: Vec<_> = below.collect();
+        let away = |p: f64| {
+            let off = |l: &&(f64, f64, f64)| (l.1 - p).max(p - l.2).max(0.0);
+            below.iter().map(off).fold(f64::INFINITY, f64::min)
+        };
+        let line = part.iter().find(|l| l.0 == first).unwrap();
+        let far = [line.1, line.2].map(away);
+        assert!(far.iter().all(|far| *far < 0.1), "{edge}: {far:?}");
+    }
+}
+
+#[test]
 fn what_is_forbidden_or_has_no_room_is_told_of() {
     let warnings = |set: &[&str]| {
         let (gcode, summary) = run(TEE, &[&["supports=auto"], set].concat());
