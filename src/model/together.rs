@@ -35,7 +35,7 @@ pub(crate) fn together<'a>(
         let at = by.as_vec3();
         trees.push(model.tree.remap_xyz(x - at.x, y - at.y, z - at.z));
         let own = model.bounds.moved(by);
-        bounds = Some(bounds.map_or(own, |all| all.with(own)));
+        bounds = Some(bounds.map_or(own, |all| all.union(own)));
     }
     // Models are joined in pairs, so that the expression is not deep.
     while trees.len() > 1 {

@@ -268,7 +268,7 @@ impl Plate {
             let bounds = self.parts[k].model.printed_bounds();
             bounds.moved(shift.extend(0.0))
         });
-        boxes.reduce(Bounds::with)
+        boxes.reduce(Bounds::union)
     }
 }
 

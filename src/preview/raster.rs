@@ -247,7 +247,7 @@ impl<'a> Subject<'a> {
             let standing = standing.moved(subject.from_bed);
             subject = Subject {
                 supports,
-                ..subject.of(view.axes(), subject.bounds.with(standing))
+                ..subject.of(view.axes(), subject.bounds.union(standing))
             };
         }
         Ok(subject)

@@ -45,7 +45,7 @@ impl Slabs {
                 max: all.max.extend(slab.top),
             }
         };
-        self.0.iter().map(of).reduce(Bounds::with)
+        self.0.iter().map(of).reduce(Bounds::union)
     }
 
     /// The supports, some slabs at a time.

@@ -69,7 +69,7 @@ impl Bounds {
     }
 
     /// The least box around this one and another.
-    pub fn with(self, other: Bounds) -> Bounds {
+    pub fn union(self, other: Bounds) -> Bounds {
         Bounds {
             min: self.min.min(other.min),
             max: self.max.max(other.max),
