@@ -142,8 +142,14 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
     };
     let pool = args.threads.workers()?;
     let behind = args.background.colour();
-    let standing = supports(&plate, args.threads.count())
-        .with_context(|| format!("cannot plan supports of {}", plate.name))?;
+    let standing =
+        supports(&plate, args.threads.count()).with_context(|| {
+            format!(
+                "cannot plan the supports of {}; --set supports=off draws it \
+                 without them",
+                plate.name
+            )
+        })?;
     let draw = || view.draw(&model, &standing, args.pixels, behind);
     let png = pool
         .install(|| limits::doing("picture", draw))

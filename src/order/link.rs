@@ -19,6 +19,7 @@ use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
+use std::cell::OnceCell;
 
 /// Longest way from a stroke to the next, in widths.
 const REACH: f64 = 3.4;
@@ -57,13 +58,23 @@ pub(crate) fn linked(
 ) -> Vec<Bead> {
     let outer = settings.outer_wall_width();
     let mut out: Vec<Bead> = Vec::with_capacity(beads.len());
-    for mut bead in beads {
+    let mut rest = beads.into_iter();
+    // All lines, once a way that fills a gap asks what crosses the gap.
+    let grid = OnceCell::new();
+    while let Some(mut bead) = rest.next() {
         crate::limits::check();
-        if let Some(before) = out.last_mut()
-            && may_go_on(before, &bead, settings)
-            && let Some(link) = Link::between(before, &bead)
-            && link.is_free(solid, outer)
-        {
+        let link = out
+            .last()
+            .filter(|before| may_go_on(before, &bead, settings))
+            .and_then(|before| Link::between(before, &bead))
+            .filter(|link| link.is_free(solid, outer))
+            .filter(|link| {
+                let all = || out.iter().chain([&bead]).chain(rest.as_slice());
+                let lines =
+                    || EdgeGrid::of_lines(all().map(|b| b.path()), outer);
+                !link.fills || !link.crosses(grid.get_or_init(lines))
+            });
+        if let (Some(before), Some(link)) = (out.last_mut(), link) {
             for (bead, last, taken) in [
                 (&mut *before, true, link.taken[0]),
                 (&mut bead, false, link.taken[1]),
@@ -90,6 +101,8 @@ struct Link {
     /// Lengths that are taken from the end of the first bead and from the
     /// beginning of the second one.
     taken: [Mm; 2],
+    /// True if the way fills a gap between two beads that point at each other.
+    fills: bool,
 }
 
 impl Link {
@@ -116,11 +129,13 @@ impl Link {
             to: b.at,
             width: mean - (own - share),
             taken: [0.0; 2],
+            fills: false,
         };
         let walls = is_wall(role(before, after));
         if walls && back.max(ahead) < -FACING * way {
-            // The way fills the gap between the walls.
-            return (way <= GAP * wide).then_some(link);
+            link.fills = true;
+            let fits = own >= narrowest(after.height);
+            return (fits && way <= GAP * wide).then_some(link);
         }
         let most = [a.gives(), b.gives()];
         let beside = before.role.shows() || after.role.shows();
@@ -139,17 +154,28 @@ impl Link {
         (link.taken[0] + link.taken[1] >= enough * all).then_some(link)
     }
 
-    /// True if the way stays off the outer walls.
+    /// True if the way comes no nearer to the outline than a wall beside the
+    /// outer walls, or than the nearer one of its ends.
     fn is_free(&self, solid: &EdgeGrid, outer: Mm) -> bool {
         let inside = outer + 0.5 * self.width;
         let depth = |p: DVec2| {
             let near = solid.nearest_edge(p, inside);
             near.map_or(inside, |(_, q)| p.distance(q))
         };
-        let least = depth(self.from).min(depth(self.to)) - SLACK;
+        let least = (depth(self.from).min(depth(self.to)) - SLACK).max(SLACK);
         let mut free = true;
         solid.visit_edges_near(self.from, self.to, least, |_| free = false);
         free
+    }
+
+    /// True if the way crosses a line. Where strips cross, one bead goes through,
+    /// and those that it interrupts point at each other from its sides.
+    fn crosses(&self, lines: &EdgeGrid) -> bool {
+        let (from, to) = (self.from, self.to);
+        let (from, to) = (from.lerp(to, 0.01), to.lerp(from, 0.01));
+        let mut crosses = false;
+        lines.visit_crossed(from, to, |_, _| crosses = true);
+        crosses
     }
 
     /// The way as a bead between two that have been shortened. Between walls
@@ -429,11 +455,14 @@ mod tests {
         assert_eq!(found[1].points[0], corner);
         assert_eq!(found[1].points[1], found[2].points[0]);
         // No way leads from a seam that is a gap or a scarf, nor to a seam.
-        let apart = Settings {
-            seam_gap: 0.1,
-            ..Settings::default()
-        };
-        assert_eq!(linked(both.to_vec(), &solid, &apart), both);
+        for (seam_gap, seam_scarf) in [(0.1, 0.0), (0.0, 5.0)] {
+            let apart = Settings {
+                seam_gap,
+                seam_scarf,
+                ..Settings::default()
+            };
+            assert_eq!(linked(both.to_vec(), &solid, &apart), both);
+        }
         let back = [both[1].clone(), both[0].clone()];
         assert_eq!(linked_in(&solid, &back), back);
     }
@@ -456,6 +485,14 @@ mod tests {
         assert!((found[1].length() - 0.8).abs() < 1e-9);
         let (found, both) = pair(1.0);
         assert_eq!(found, both);
+        // A bead that goes through between them fills the gap already,
+        // whether it comes before them or after.
+        let (_, [a, b]) = pair(0.8);
+        let through = line(role, &[(5.4, -2.0), (5.4, 2.0)]);
+        for beads in [[&through, &a, &b], [&a, &b, &through]] {
+            let beads = beads.map(Bead::clone);
+            assert_eq!(linked_inside(&beads), beads);
+        }
     }
 
     #[test]

@@ -11,7 +11,8 @@ use crate::preview::Slabs;
 /// threads or all of the machine's, and returns what they fill.
 ///
 /// # Errors
-/// If there are no layers, or they cannot be evaluated.
+/// If the plate cannot be sliced: there are no layers, next to nothing can be
+/// printed, a part is too high on its raft, or an expression has no value.
 pub fn supports(
     plate: &Plate,
     threads: Option<usize>,
@@ -36,10 +37,11 @@ pub fn supports(
         let Some(support) = planned.stages.supports() else {
             continue;
         };
+        let own: Vec<_> = support.slabs().collect();
         for place in &part.places {
             let way = part.model.offset.truncate() + place.shift;
-            for (span, area) in support.slabs() {
-                let mut moved = area;
+            for (span, area) in &own {
+                let mut moved = area.clone();
                 moved.rings.iter_mut().flatten().for_each(|p| *p += way);
                 slabs.add([span.bottom, span.top], moved);
             }

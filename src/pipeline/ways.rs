@@ -150,13 +150,15 @@ impl<'a> PartTravel<'a> {
             if written {
                 let of_part = beads.iter().filter(|b| b.bead.role.is_part());
                 let count = of_part.count();
+                let on_support = beads.iter().any(|b| b.bead.role.is_support());
                 let support = beads.iter().map(|b| &b.bead);
                 let support = support.filter(|b| b.role.is_support());
                 self.tally.support +=
                     support.map(|b| b.area() * b.length()).sum::<f64>();
                 self.beads += count;
                 if index >= self.settings.raft_layers() {
-                    self.tally.add(&layer, gap, count == 0);
+                    // What is too thin to print may stand on supports.
+                    self.tally.add(&layer, gap, count == 0 && !on_support);
                 }
             }
             let mut path = connect(

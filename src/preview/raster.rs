@@ -1,7 +1,8 @@
-//! Finds the visible surface of a part: depths and normals, from the field.
+//! Finds the visible surface of a part and its supports: depths and normals.
 //!
-//! In: a placed model, a view, a size. Out: for each pixel how far the part
-//! reaches towards the viewer, and where its surface faces.
+//! In: a placed model, the faces of its supports, a view, a size. Out: for each
+//! pixel how far part and supports reach towards the viewer, and where their
+//! surface faces. The part's surface comes from the field.
 //!
 //! Details thinner than the distance between samples may be missed. The result
 //! does not depend on the number of threads.
@@ -36,10 +37,10 @@ pub enum PictureError {
     Jpg(#[from] jpeg_encoder::EncodingError),
 }
 
-/// What is seen beside the part is infinitely far behind it.
+/// What is seen beside the part and its supports is infinitely far behind them.
 pub(super) const BESIDE: f32 = f32::NEG_INFINITY;
 
-/// True for the depth of a pixel that shows the part.
+/// True for the depth of a pixel that shows the part or its supports.
 pub(super) fn is_part(depth: &f32) -> bool {
     *depth != BESIDE
 }
@@ -87,14 +88,17 @@ impl Seen {
         let normal = self.axes.transpose() * face.normal;
         let mut face = Pixels {
             normal: normal.as_vec3(),
+            range: [0.0; 2],
             spans: Vec::new(),
         };
         let all = || rings.iter().flatten();
         let Some(&base) = all().next() else {
             return face;
         };
-        let low = all().map(|p| p.y).fold(f64::INFINITY, f64::min);
-        let high = all().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
+        let least = all().fold(base, |a, p| a.min(*p));
+        let most = all().fold(base, |a, p| a.max(*p));
+        face.range = [least.z as f32, most.z as f32];
+        let (low, high) = (least.y, most.y);
         // Of each row the columns at which the border crosses its middle line.
         let rows =
             low.ceil().max(0.0)..(high.floor() + 1.0).min(self.height as f64);
@@ -157,8 +161,12 @@ impl Seen {
     fn cover(&mut self, face: &Pixels) {
         for span in &face.spans {
             for k in 0..span.count {
-                let (at, depth) =
-                    (span.first + k, span.depth + k as f32 * span.rise);
+                // The depth of a face that is seen nearly edge-on rises
+                // steeply.
+                let at = span.first + k;
+                let [low, high] = face.range;
+                let depth = span.depth + k as f32 * span.rise;
+                let depth = depth.max(low).min(high);
                 if depth > self.depths[at] {
                     self.depths[at] = depth;
                     self.normals[at] = face.normal;
@@ -188,6 +196,8 @@ impl Seen {
 struct Pixels {
     /// The face's normal, along right, up and towards the viewer.
     normal: Vec3,
+    /// The face's least and greatest depth, pixels.
+    range: [f32; 2],
     spans: Vec<Span>,
 }
 
@@ -253,8 +263,8 @@ impl<'a> Subject<'a> {
         Ok(subject)
     }
 
-    /// Does what [`Subject::new`] does, but sampling fails once it has taken
-    /// `most` operations.
+    /// `model` without supports. Sampling fails once it has taken so many
+    /// `operations`.
     pub(super) fn at_most(
         operations: u64,
         model: &Model,

@@ -1,9 +1,10 @@
 //! Lights the visible surface.
 //!
 //! In: depths and normals, and depths as seen from the key light. Out: colours
-//! of a warm material under a bright sky, with a key light from the upper left,
-//! its shadows, and less light in corners. The corners (ambient occlusion)
-//! follow from the depths only, so surfaces hidden from the viewer make none.
+//! of a warm material, or of grey-blue supports, under a bright sky, with a key
+//! light from the upper left, its shadows, and less light in corners. The corners
+//! (ambient occlusion) follow from the depths only, so surfaces hidden from the
+//! viewer make none.
 //!
 //! A place that the light does not see is in shadow (Williams 1978, Casting
 //! curved shadows on curved surfaces). The light's view has coarse pixels. Each

@@ -63,9 +63,10 @@ pub(crate) fn endings(
     let mut out = Vec::with_capacity(beads.len());
     while let Some(bead) = beads.next() {
         // A way that leads from a seam into the part is as good as a wipe.
-        let goes_on = beads
-            .peek()
-            .is_some_and(|next| next.points.first() == bead.points.first());
+        let goes_on = beads.peek().is_some_and(|next| {
+            next.role == Role::GapFill
+                && next.points.first() == bead.points.first()
+        });
         let meant = bead.closed && bead.role == Role::OuterWall;
         if !meant || bead.points.len() < 3 {
             out.push(bead.into());

@@ -31,8 +31,8 @@ const FIRST: f64 = 0.6;
 /// Supports in another layer would be too thin below this share of the layer's
 /// height: the layer has none.
 const LEAST: f64 = 0.4;
-/// What begins on nothing may sag by less than this before it lies on a support
-/// that is nearer than `support.z_gap`, mm.
+/// Greatest distance of a pad from the layer that it holds, mm, unless
+/// `support.z_gap` is less: the layer sags by that much.
 const SAG: Mm = 0.3;
 
 /// The heights of a part's layers and of their supports.

@@ -1,15 +1,17 @@
-//! Pads: supports on the bed that touch what begins right above it.
+//! Pads: supports on the bed below what begins right above it.
 //!
 //! ```text
 //!        ╲      ╱
 //!         ╲    ╱         the layers of a part that stands on its edge
-//!       ┌──╲  ╱──┐       pad: as high as the first layer, without a gap
+//!       ┌──╲  ╱──┐       pad: a support in the first layer
 //! ──────┴──────────┴──
 //! ```
 //!
 //! A part that meets the bed in a point or in an edge is too thin for a line in
 //! the first layer, so the layer above begins on nothing. A support with its gap
 //! does not fit below that layer. Without a pad the part would stand on the air.
+//! The pad ends right below the layer, or less than `support.z_gap` below it,
+//! where layers are thin or that gap is no whole number of layers.
 //!
 //! In: what needs supports. Out: the area of pads in the first layer. It keeps
 //! away from whatever else of the part is so near to the bed.

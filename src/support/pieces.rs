@@ -17,8 +17,9 @@ use rayon::prelude::*;
 /// Distance of supports from those ends of the part that are too thin to be
 /// printed, mm: the round ends of lines reach beyond the area of the supports.
 const BESIDE: Mm = 0.12;
-/// The same in the first layer if it has pads, which have no such ends, and hold
-/// nothing unless they are nearer to the part than a line is wide.
+/// That distance for all supports in the first layer, if it has pads. A pad is
+/// printed along the edge that it holds, so no line ends there. At a greater
+/// distance the edge's first line would not lie on it.
 const BESIDE_PAD: Mm = 0.05;
 
 /// An island of support.
@@ -46,7 +47,9 @@ pub(super) fn pieces(
 ) -> Vec<Vec<Piece>> {
     let roof = settings.support.interface_layers as usize;
     let mut tops = tops(parts.heights, needs, areas.len(), settings);
-    if let Some(lowest) = tops.first_mut() {
+    if let Some(lowest) = tops.first_mut()
+        && !pads.is_empty()
+    {
         *lowest = union(lowest, pads);
     }
     let of_layer = |(j, all): (usize, Area)| {

@@ -13,7 +13,7 @@ use super::settle::settled;
 use super::slice::Slice;
 use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
-use crate::plane::clip::{difference, union, unite};
+use crate::plane::clip::{difference, intersection, union, unite};
 use crate::plane::clusters::clusters;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
@@ -42,7 +42,7 @@ pub(crate) struct Unheld {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
     slices: Vec<Slice>,
-    /// What in the first layer touches the part above it.
+    /// What in the first layer holds what begins less than a gap above it.
     pads: Area,
     /// The heights of its layers.
     pub heights: Heights,
@@ -103,9 +103,15 @@ impl Plan {
             areas[0] = union(&areas[0], &pads);
         }
         let pieces = pieces(parts, &needs, areas, &pads, settings);
+        let slices = settled(parts, pieces, settings);
+        let lowest = slices.first().map_or(Area::EMPTY, Slice::area);
         let mut plan = Plan {
-            pads,
-            slices: settled(parts, pieces, settings),
+            pads: if pads.is_empty() {
+                pads
+            } else {
+                intersection(&pads, &lowest)
+            },
+            slices,
             idle,
             ..Plan::default()
         };

@@ -49,8 +49,8 @@ const WIDE: Mm2 = 3.0 * CELL * CELL;
 /// A face of any size that is not in one cell is held by a column if branches
 /// are drawn together by less than this share of a cell on each side.
 const LOW: f64 = 0.125;
-/// Where the part is in the way right below some of a face, its roof is wider as
-/// far around that as so many posts' halves.
+/// Where the part is in the way right below some of a face, the roof is wider
+/// there and around it, up to so many times [`Size::post`].
 const AROUND: f64 = 2.0;
 /// Holes in supports are filled up to this size, mm². A wall around a smaller hole
 /// would begin in the air between sparse lines, which are some 4 mm apart.
@@ -204,7 +204,7 @@ fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
             || offset(island, -size.beyond, TOLERANCE).is_empty()
     };
     let islands = need.islands().into_iter();
-    let points: Area = islands.filter(|i| begins(i) && is_thin(i)).collect();
+    let points: Area = islands.filter(|i| is_thin(i) && begins(i)).collect();
     let whole = if lost.is_empty() {
         points
     } else {
