@@ -97,6 +97,11 @@ impl<'a> Base<'a> {
     }
 }
 
+/// True if a part is to have supports where it needs some.
+pub(super) fn has_supports(part: &Part) -> bool {
+    part.settings.supports != Supports::Off && !part.settings.spiral
+}
+
 /// A part whose layers can be made.
 pub(super) struct Planned<'a> {
     pub part: &'a Part,
@@ -106,6 +111,21 @@ pub(super) struct Planned<'a> {
 }
 
 impl<'a> Planned<'a> {
+    /// Plans the part's supports, if it is to have some.
+    pub(super) fn plan_supports(
+        &mut self,
+        base: &'a Base<'a>,
+        pool: &ThreadPool,
+    ) -> Result<(), SliceError> {
+        if !has_supports(self.part) {
+            return Ok(());
+        }
+        let Base { around, fills, .. } = base;
+        let room = self.part.room();
+        self.stages
+            .plan_supports(pool, self.spans, around, fills, room)
+    }
+
     /// Plans what needs all of the part at once. `base` is what the part's
     /// stages were made of.
     fn plan(
@@ -129,28 +149,6 @@ impl<'a> Planned<'a> {
             stages.plan_shield(spans, &outline);
             Ok(())
         }
-    }
-}
-
-/// True if a part is to have supports where it needs some.
-pub(super) fn has_supports(part: &Part) -> bool {
-    part.settings.supports != Supports::Off && !part.settings.spiral
-}
-
-impl<'a> Planned<'a> {
-    /// Plans the part's supports, if it is to have some.
-    pub(super) fn plan_supports(
-        &mut self,
-        base: &'a Base<'a>,
-        pool: &ThreadPool,
-    ) -> Result<(), SliceError> {
-        if !has_supports(self.part) {
-            return Ok(());
-        }
-        let Base { around, fills, .. } = base;
-        let room = self.part.room();
-        self.stages
-            .plan_supports(pool, self.spans, around, fills, room)
     }
 }
 

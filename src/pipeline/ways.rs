@@ -150,15 +150,17 @@ impl<'a> PartTravel<'a> {
             if written {
                 let of_part = beads.iter().filter(|b| b.bead.role.is_part());
                 let count = of_part.count();
-                let on_support = beads.iter().any(|b| b.bead.role.is_support());
-                let support = beads.iter().map(|b| &b.bead);
-                let support = support.filter(|b| b.role.is_support());
+                let beads = beads.iter().map(|b| &b.bead);
+                let mut support =
+                    beads.filter(|b| b.role.is_support()).peekable();
+                let first = index == self.settings.raft_layers();
+                let on_pads = first && support.peek().is_some();
                 self.tally.support +=
                     support.map(|b| b.area() * b.length()).sum::<f64>();
                 self.beads += count;
                 if index >= self.settings.raft_layers() {
-                    // What is too thin to print may stand on supports.
-                    self.tally.add(&layer, gap, count == 0 && !on_support);
+                    // What begins above an empty first layer stands on supports.
+                    self.tally.add(&layer, gap, count == 0 && !on_pads);
                 }
             }
             let mut path = connect(

@@ -1,9 +1,9 @@
 //! Pictures of what will be printed.
 //!
-//! `picture` draws the part itself: `raster` finds the visible surface of the
-//! part and of the supports, whose faces come from `slabs`, `shade` lights it, and
-//! `image` holds the pixels. `svg` draws a layer, and `folder`
-//! keeps the pictures of a run together. `html` makes an interactive page from
+//! `picture` draws the part and its supports: `raster` finds the visible surface,
+//! `slabs` has the faces of supports, `shade` lights the surface, and `image` holds
+//! the pixels. `svg` draws a layer, and `folder` keeps the pictures of a run
+//! together. `html` makes an interactive page from
 //! any G-code that [`crate::reader`] reads: `toolpath` gathers its moves and
 //! their times, and `pack` makes them small.
 

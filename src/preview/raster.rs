@@ -86,18 +86,18 @@ impl Seen {
             .map(|ring| ring.iter().map(|p| self.at(*p)).collect())
             .collect();
         let normal = self.axes.transpose() * face.normal;
-        let mut face = Pixels {
+        let mut pixels = Pixels {
             normal: normal.as_vec3(),
             range: [0.0; 2],
             spans: Vec::new(),
         };
         let all = || rings.iter().flatten();
         let Some(&base) = all().next() else {
-            return face;
+            return pixels;
         };
         let least = all().fold(base, |a, p| a.min(*p));
         let most = all().fold(base, |a, p| a.max(*p));
-        face.range = [least.z as f32, most.z as f32];
+        pixels.range = [least.z as f32, most.z as f32];
         let (low, high) = (least.y, most.y);
         // Of each row the columns at which the border crosses its middle line.
         let rows =
@@ -129,7 +129,7 @@ impl Seen {
                 let end = pair[1].ceil().min(self.width as f64);
                 if first < end {
                     let from_base = DVec2::new(first, y) - base.truncate();
-                    face.spans.push(Span {
+                    pixels.spans.push(Span {
                         first: y as usize * self.width + first as usize,
                         count: (end - first) as usize,
                         depth: (base.z + rise.dot(from_base)) as f32,
@@ -138,7 +138,7 @@ impl Seen {
                 }
             }
         }
-        face
+        pixels
     }
 
     /// Draws supports, moved by `way`, where nothing is nearer to the viewer.

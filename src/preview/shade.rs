@@ -287,8 +287,8 @@ impl<'a> Light<'a> {
         }
     }
 
-    /// The colour of a material's surface that sees a share of the sky and has a share
-    /// of the key light.
+    /// The colour of a material's surface that sees a share of the sky and has
+    /// a share of the key light.
     fn colour(&self, material: Vec3, n: Vec3, open: f32, lit: f32) -> Vec3 {
         let above = 0.5 + 0.5 * n.dot(self.up);
         let key = n.dot(self.key).max(0.0) * lit;

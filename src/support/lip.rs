@@ -149,13 +149,7 @@ mod tests {
         let settings = Settings::default();
         let spans = LayerSpan::stack(0.2, outlines.len());
         let heights = Heights::new(spans, &settings);
-        let parts = Parts {
-            heights: &heights,
-            outlines,
-            ends: &[],
-            sections: outlines,
-            bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
-        };
+        let parts = Parts::in_layers(&heights, outlines, &[]);
         let middle = outlines.len() / 2;
         let outlines: Vec<_> = outlines.iter().map(Neighbour::new).collect();
         without_lips(need.clone(), middle, parts, &outlines, &settings)

@@ -84,13 +84,7 @@ mod tests {
         let settings = Settings::default();
         let spans = LayerSpan::stack(height, outlines.len());
         let heights = Heights::new(spans, &settings);
-        let parts = Parts {
-            heights: &heights,
-            outlines,
-            ends: &[],
-            sections: outlines,
-            bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
-        };
+        let parts = Parts::in_layers(&heights, outlines, &[]);
         pads(parts, outlines, &settings).content()
     }
 

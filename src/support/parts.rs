@@ -21,6 +21,23 @@ pub(super) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
+    /// Layers whose supports have the same heights, in the middle of a bed of
+    /// 100 mm.
+    #[cfg(test)]
+    pub(super) fn in_layers(
+        heights: &'a Heights,
+        outlines: &'a [Area],
+        ends: &'a [Area],
+    ) -> Parts<'a> {
+        Parts {
+            heights,
+            outlines,
+            ends,
+            sections: outlines,
+            bed: crate::plane::rect(-50.0, -50.0, 50.0, 50.0).bounds(),
+        }
+    }
+
     /// The layers.
     pub(super) fn spans(self) -> &'a [LayerSpan] {
         self.heights.spans()

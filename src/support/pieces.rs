@@ -211,13 +211,7 @@ mod tests {
         let mut ends = none.clone();
         ends[1] = rect(-5.0, -0.1, 1.0, 0.1);
         let heights = heights();
-        let parts = Parts {
-            heights: &heights,
-            outlines: &none,
-            ends: &ends,
-            sections: &none,
-            bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
-        };
+        let parts = Parts::in_layers(&heights, &none, &ends);
         let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];
         let no_pads = Area::EMPTY;
         let settings = Settings::default();

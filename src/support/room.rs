@@ -343,13 +343,7 @@ mod tests {
         ]);
         let outlines = vec![walls; 4];
         let none = vec![Area::EMPTY; 4];
-        let parts = Parts {
-            heights: &heights,
-            outlines: &outlines,
-            ends: &none,
-            sections: &outlines,
-            bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
-        };
+        let parts = Parts::in_layers(&heights, &outlines, &none);
         let room = Room::new(parts, 4, &settings);
         let gap = settings.support.xy_gap + 2.0 * TOLERANCE;
         let beside = rect(10.0, -1.0, 12.0, 1.0);

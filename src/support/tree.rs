@@ -459,13 +459,7 @@ mod tests {
         let settings = Settings::default();
         let heights = Heights::new(LayerSpan::stack(0.2, 4), &settings);
         let none = vec![Area::EMPTY; 4];
-        let parts = Parts {
-            heights: &heights,
-            outlines: &none,
-            ends: &none,
-            sections: &none,
-            bed: rect(-50.0, -50.0, 50.0, 50.0).bounds(),
-        };
+        let parts = Parts::in_layers(&heights, &none, &none);
         let room = Room::new(parts, 4, &settings);
         let step = Step {
             layer: 2,

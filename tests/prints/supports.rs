@@ -626,3 +626,23 @@ fn tops_of_supports_follow_the_underside_if_they_are_to() {
         assert!(of(&follow)[1] < 0.003, "{:?}", of(&follow));
     }
 }
+
+#[test]
+fn an_empty_layer_is_told_of_unless_it_is_the_first_with_a_pad_in_it() {
+    let told = |text: &str, supports: &str| {
+        let warnings = run(text, &[supports]).1.warnings;
+        warnings.iter().any(|w| w.contains("nothing to print"))
+    };
+    let stands = "max(max(abs(x) - z, abs(y) - 5), z - 3)";
+    assert!(told(stands, "supports=off"));
+    assert!(!told(stands, "supports=auto"));
+    // A plate on a neck that is too thin to print, held by supports.
+    let block = |half: f64, from: f64, to: f64| {
+        let (middle, high) = (0.5 * (from + to), 0.5 * (to - from));
+        format!("max(max(abs(x), abs(y)) - {half}, abs(z - {middle}) - {high})")
+    };
+    let [foot, neck] = [block(5.0, 0.0, 3.0), block(0.05, 2.9, 3.5)];
+    let plate = block(9.0, 3.4, 5.0);
+    let necked = format!("min(min({foot}, {neck}), {plate})");
+    assert!(told(&necked, "supports=auto"));
+}
