@@ -125,6 +125,20 @@ impl Piece {
         }
     }
 
+    /// The part of the island that lies in an area.
+    pub(super) fn within(&self, area: &Area) -> Piece {
+        let within = |own: &Area| match own.is_empty() {
+            true => Area::EMPTY,
+            false => intersection(own, area),
+        };
+        Piece {
+            bounds: area.bounds(),
+            body: within(&self.body),
+            interface: within(&self.interface),
+            whole: within(&self.whole),
+        }
+    }
+
     /// The whole island.
     pub(super) fn all(&self) -> &Area {
         if self.interface.is_empty() {
