@@ -127,10 +127,7 @@ impl Piece {
 
     /// The part of the island that lies in an area.
     pub(super) fn within(&self, area: &Area) -> Piece {
-        let within = |own: &Area| match own.is_empty() {
-            true => Area::EMPTY,
-            false => intersection(own, area),
-        };
+        let within = |own: &Area| intersection(own, area);
         Piece {
             bounds: area.bounds(),
             body: within(&self.body),

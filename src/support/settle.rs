@@ -158,7 +158,10 @@ fn common(a: &Area, b: &Area, within: Rect) -> Mm2 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::heights::Heights;
+    use super::super::pieces::pieces;
     use super::*;
+    use crate::layers::LayerSpan;
     use crate::plane::rect;
 
     #[test]
@@ -182,5 +185,41 @@ mod tests {
         }
         assert_eq!(rests(&roof, &rect(19.0, 19.0, 20.0, 19.4)), (true, false));
         assert!(!rests(&roof, &Area::EMPTY).0);
+    }
+
+    #[test]
+    fn the_lowest_layer_on_a_slope_is_above_the_highest_step_alone() {
+        let settings = Settings {
+            supports: Supports::Auto,
+            ..Settings::default()
+        };
+        let heights = Heights::new(LayerSpan::stack(0.2, 8), &settings);
+        // Steps of 0.4 mm. A support in layer 4 stands on layer 2, which ends
+        // at x = 0.
+        let step = |k: i32| rect(-9.0, -9.0, 0.4 * f64::from(2 - k), 9.0);
+        let outlines: Vec<Area> = (0..8).map(step).collect();
+        let none = vec![Area::EMPTY; 8];
+        let parts = Parts::in_layers(&heights, &outlines, &none);
+        assert_eq!(heights.stands_on(4), Some(2));
+        let settled = |x: f64| -> Vec<f64> {
+            let post = rect(x, -0.6, x + 1.2, 0.6);
+            let of = |j: usize| if j < 4 { Area::EMPTY } else { post.clone() };
+            let areas = (0..8).map(of).collect();
+            let pads = Area::EMPTY;
+            let all = pieces(parts, &none, areas, &pads, &settings);
+            let slices = super::settled(parts, all, &settings).into_iter();
+            slices.map(|slice| slice.area().content()).collect()
+        };
+        let near = |found: &[f64], wanted: [f64; 3]| {
+            let pairs = found[3..6].iter().zip(wanted);
+            let far = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(far < 1e-3, "{found:?} {wanted:?}");
+        };
+        near(&settled(-0.6), [0.0, 0.72, 1.44]);
+        // All of it is above that step, or too little for a line.
+        near(&settled(-1.3), [0.0, 1.44, 1.44]);
+        near(&settled(-0.15), [0.0, 1.44, 1.44]);
+        // Nothing to stand on.
+        near(&settled(0.0), [0.0, 0.0, 0.0]);
     }
 }
