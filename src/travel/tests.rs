@@ -152,7 +152,7 @@ fn ways_of_no_point_and_of_one() {
 }
 
 /// Two supports, one on each side of a part of 20 × 20 mm, are joined by a way
-/// round it that neither touches the part nor retracts.
+/// round it that neither touches the part nor retracts. The layer below sticks out.
 #[test]
 fn between_supports_the_way_leads_round_the_part() {
     let part = Part::square();
@@ -163,6 +163,9 @@ fn between_supports_the_way_leads_round_the_part() {
     let (left, right) = (bounds.min.x - 3.0, bounds.max.x + 3.0);
     let both = union(&support(left), &support(right));
     let both = Solid::new(both);
+    let wider = bounds.grown(1.0);
+    let wider = rect(wider.min.x, wider.min.y, wider.max.x, wider.max.y);
+    let wider = Solid::new(wider);
     let way = |settings: &Settings| {
         let bead = |x: f64| {
             let points = vec![DVec2::new(x, y), DVec2::new(x, y + 0.5)];
@@ -171,7 +174,7 @@ fn between_supports_the_way_leads_round_the_part() {
         };
         let ground = Ground {
             support: Some(&both),
-            below: None,
+            below: Some(&wider),
             outline: &outline,
             sparse: &Solid::new(Area::EMPTY),
             border: 0.8,
