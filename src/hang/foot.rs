@@ -13,9 +13,9 @@
 //! the distance of the farthest edge from that axis. For a square of side b
 //! that is b³/(6·√2), over its corners. So a square twice as wide holds a part
 //! eight times as high.
-//! high.
 //!
-//! In: the outline of the first layer, and its brim. Out: its [`Foot`].
+//! In: the outline of the first layer, its brim, and the pads on which the layers
+//! right above it lie. Out: its [`Foot`].
 //!
 //! Not known: the bed, the material, and how strongly the nozzle pulls. This
 //! module takes round figures for them. A part that is higher than they allow
@@ -39,7 +39,7 @@ const AXES: u32 = 36;
 /// What a part stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foot {
-    /// Content of what lies on the bed, brim included.
+    /// Content of what lies on the bed, brim and pads included.
     pub area: Mm2,
     /// Greatest height that the foot holds.
     pub holds: Mm,
@@ -91,24 +91,22 @@ impl Moments {
 }
 
 impl Foot {
-    /// The foot of a part whose first layer, `height` high, has this outline;
-    /// none if nothing lies on the bed.
+    /// The foot of a part whose first layer, `height` high, has this outline,
+    /// and stands on these pads beside it; none if nothing lies on the bed.
     pub fn new(
         outline: &Area,
+        pads: &Area,
         height: Mm,
         settings: &Settings,
     ) -> Option<Foot> {
-        let origin = *outline.rings.first()?.first()?;
+        let rings = || outline.rings.iter().chain(&pads.rings);
+        let origin = *rings().next()?.first()?;
         let mut moments = Moments::default();
-        for (a, b) in outline.rings.iter().flat_map(|r| edges(r)) {
+        for (a, b) in rings().flat_map(|r| edges(r)) {
             moments.triangle(a - origin, b - origin);
         }
-        let mut rim: Vec<(DVec2, Mm)> = outline
-            .rings
-            .iter()
-            .flatten()
-            .map(|p| (*p - origin, 0.0))
-            .collect();
+        let mut rim: Vec<(DVec2, Mm)> =
+            rings().flatten().map(|p| (*p - origin, 0.0)).collect();
         for bead in brim(outline, height, settings) {
             let half = 0.5 * bead.width;
             for (a, b) in edges(&bead.points) {
@@ -144,7 +142,9 @@ mod tests {
     use crate::settings::{Brim, BrimPlace};
 
     fn holds(outline: &Area) -> Mm {
-        Foot::new(outline, 0.2, &Settings::default()).unwrap().holds
+        Foot::new(outline, &Area::EMPTY, 0.2, &Settings::default())
+            .unwrap()
+            .holds
     }
 
     #[test]
@@ -163,7 +163,29 @@ mod tests {
         legs.rings.extend(rect(20.0, 0.0, 23.0, 3.0).rings);
         let found = holds(&legs);
         assert!(found < 2.5 * 9.001 && found > square(3.0), "{found}");
-        assert_eq!(Foot::new(&Area::EMPTY, 0.2, &Settings::default()), None);
+        let none = &Area::EMPTY;
+        assert_eq!(Foot::new(none, none, 0.2, &Settings::default()), None);
+    }
+
+    #[test]
+    fn pads_on_both_sides_of_an_edge_count() {
+        let settings = Settings::default();
+        let pads = Area::from_iter([
+            rect(-9.0, -1.0, 9.0, -0.4),
+            rect(-9.0, 0.4, 9.0, 1.0),
+        ]);
+        let edge = rect(-9.0, -0.1, 9.0, 0.1);
+        let foot = |outline: &Area, pads: &Area| {
+            Foot::new(outline, pads, 0.2, &settings).unwrap()
+        };
+        let [none, alone] = [&Area::EMPTY, &edge].map(|o| foot(o, &pads));
+        assert!((none.area - 21.6).abs() < 1e-9, "{none:?}");
+        assert!((alone.area - 25.2).abs() < 1e-9, "{alone:?}");
+        // Two strips that fall straight to a side hold as one of their width
+        // would, less the gap in the middle: b·(h³ − g³)/(6·h).
+        let exact = 2.5 * 18.0 * (8.0 - 0.8_f64.powi(3)) / 12.0;
+        assert!((0.5..=1.001).contains(&(none.holds / exact)), "{none:?}");
+        assert!(none.holds > 50.0 * foot(&edge, &Area::EMPTY).holds);
     }
 
     #[test]
@@ -180,7 +202,7 @@ mod tests {
             },
             ..Settings::default()
         };
-        let foot = Foot::new(&pin, 0.2, &wide).unwrap();
+        let foot = Foot::new(&pin, &Area::EMPTY, 0.2, &wide).unwrap();
         // A brim of 5 mm makes 13 mm of 3 mm, round at the corners.
         let square = 2.5 * 13.0_f64.powi(3) / 6.0;
         assert!((0.4..1.05).contains(&(foot.holds / square)), "{foot:?}");

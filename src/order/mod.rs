@@ -11,6 +11,7 @@
 //! | `islands` | which island and which outer wall a bead belongs to |
 //! | `island` | the way through one island |
 //! | `jobs` | what is printed in one go, and where it may begin |
+//! | `supports` | the order of supports, and when they are printed |
 //! | `sweep` | lines that wait for one another |
 //! | `tour` | the order of any stops |
 //! | `begin` | where a closed bead begins |
@@ -24,6 +25,7 @@ mod jobs;
 mod link;
 mod near_ends;
 mod nearest;
+mod supports;
 mod sweep;
 mod tour;
 
@@ -41,6 +43,7 @@ use glam::DVec2;
 use island::print_island;
 use islands::{Island, grid_of, islands};
 pub(crate) use link::linked;
+pub(crate) use supports::supports_last;
 use tour::{Stop, tour};
 
 /// The beads of a layer.
@@ -50,8 +53,7 @@ pub(crate) struct LayerBeads {
     pub skirt: Vec<Bead>,
     /// Supports.
     pub support: Vec<Bead>,
-    /// True if supports are printed after the part. If layers take turns in
-    /// this, the nozzle changes between part and supports once in a layer.
+    /// True if supports are printed after the part.
     pub support_last: bool,
     /// Closed beads of the walls.
     pub walls: Vec<Bead>,
@@ -123,15 +125,15 @@ pub(crate) fn order(
         }
         jobs::finish(bead, &mut head.at, &mut out);
     }
-    let support = std::mem::take(&mut beads.support).into_iter();
-    let support: Vec<_> = support.map(|b| (0, jobs::Job::of(b))).collect();
+    let support = std::mem::take(&mut beads.support);
     let (first, last) = if beads.support_last {
         (Vec::new(), support)
     } else {
         (support, Vec::new())
     };
-    jobs::print(first, &mut head.at, None, &mut out);
-    let mut islands = islands(context.outline, beads);
+    let outline = context.outline;
+    supports::print(first, outline, &mut head.at, &mut out);
+    let mut islands = islands(outline, beads);
     head.seams = place_seams(&mut islands, &head.seams);
     let mut stops = Vec::new();
     let mut left = Vec::new();
@@ -156,7 +158,7 @@ pub(crate) fn order(
             print_island(island, &mut head.at, to, context, settings, &mut out);
         }
     }
-    jobs::print(last, &mut head.at, None, &mut out);
+    supports::print(last, outline, &mut head.at, &mut out);
     out
 }
 

@@ -9,14 +9,14 @@
 use super::hanging::Follow;
 use super::job::Planned;
 use super::layer::{Filled, Layer, Ready};
-use super::supported::Top;
+use super::supported::{Supported, Top};
 use crate::adhesion::{keep_on_bed, without_ears};
 use crate::hang::foot::Foot;
 use crate::hang::{self, Hanging, Look};
 use crate::infill::standing;
 use crate::layers::LayerSpan;
 use crate::order::{self, Head, linked, order};
-use crate::plane::Solid;
+use crate::plane::{Area, Solid};
 use crate::plate::Part;
 use crate::report::LayerFigures;
 use crate::seam::ending::{Ended, cut, endings};
@@ -48,6 +48,8 @@ pub(super) struct PartOrder<'a> {
     timings: &'a Timings,
     warnings: Vec<String>,
     hanging: hang::Tracker,
+    /// The pads on which the part stands, unless there are none.
+    pads: Option<&'a Area>,
     /// What the part stands on, if its first layer is written.
     foot: Option<Foot>,
 }
@@ -92,6 +94,7 @@ impl<'a> PartOrder<'a> {
             timings: &stages.timings,
             warnings: Vec::new(),
             hanging: hang::Tracker::default(),
+            pads: stages.support().map(Supported::pads),
             foot: None,
         }
     }
@@ -205,7 +208,10 @@ impl<'a> PartOrder<'a> {
         self.timings
             .time(Stage::Hang, || follow.layer(tracker, layer, look));
         if span.index == 0 && written && self.settings.raft_layers() == 0 {
-            self.foot = Foot::new(layer.area(), span.height(), self.settings);
+            let none = Area::EMPTY;
+            let pads = self.pads.unwrap_or(&none);
+            let (outline, height) = (layer.area(), span.height());
+            self.foot = Foot::new(outline, pads, height, self.settings);
         }
     }
 

@@ -179,6 +179,11 @@ impl<'a> Supported<'a> {
         self.plan.under(layer)
     }
 
+    /// What in the first layer holds the part without a gap.
+    pub(super) fn pads(&self) -> &Area {
+        self.plan.pads()
+    }
+
     /// Where supports stand on a layer: their bottoms are a gap above.
     pub(super) fn on_top(&self, span: &LayerSpan) -> Option<Area> {
         let layer = span.index.checked_sub(self.raft)?;

@@ -170,6 +170,7 @@ impl<'a> PartTravel<'a> {
                     outline: &layer.outline,
                     sparse: &sparse,
                     support: supported.as_ref(),
+                    below: below.map(|below| &*below.outline),
                     border,
                     above: above.map(Layer::area),
                 },

@@ -24,8 +24,9 @@
 //! they are laid, and not where an area says that there should be some. Not
 //! guaranteed: that lines fill all of the skin. One of which an end cannot be
 //! held is left out, and the next layer lies over its place, with bridges unless
-//! it is seen. Where no line of a layer can be held, its skin stays as it is. The
-//! lowest layer of a block lies on what a rehearsal of the layer below finds.
+//! it is seen. A place over infill in which no line at all can be held stays skin,
+//! whatever else the layer has. The lowest layer of a block lies on what a
+//! rehearsal of the layer below finds.
 
 use super::bridge::shared;
 use super::direction::{across, best, common, fan, rows};
@@ -231,12 +232,12 @@ fn on(
         offset(&gap, anchor, TOLERANCE)
     });
     let grown: Vec<Area> = grown.collect();
-    let (parts, skin) = shared(over.skin, &grown);
+    let (mut parts, mut skin) = shared(over.skin, &grown);
     let ground = Ground::new(over, under, FARTHEST * way + width, settings);
     let space = spacing(width, width, over.height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
-    for part in &parts {
+    parts.retain(|part| {
         crate::limits::check();
         let lines = Lines {
             angle,
@@ -263,17 +264,21 @@ fn on(
                 ));
             }
         }
-        if !beads.is_empty() {
-            patches.push(Patch {
-                rings: Vec::new(),
-                fills: vec![Fill {
-                    lines: beads,
-                    after: Vec::new(),
-                    one_way: Vec::new(),
-                }],
-            });
+        if beads.is_empty() {
+            // The place stays skin, as if there were no other place.
+            skin = union(&skin, part);
+            return false;
         }
-    }
+        patches.push(Patch {
+            rings: Vec::new(),
+            fills: vec![Fill {
+                lines: beads,
+                after: Vec::new(),
+                one_way: Vec::new(),
+            }],
+        });
+        true
+    });
     if patches.is_empty() {
         return None;
     }
@@ -527,4 +532,59 @@ fn common_way(under: Under<'_>, angle: Degrees, width: Mm) -> Option<Mm> {
         ways.extend(all.map(|way| (way, way)));
     }
     common(ways)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::rect;
+
+    /// What is left of the skin of a layer with skin in some places, over infill
+    /// whose lines are at these x; and how many patches of bridges the layer has.
+    fn skin_left(places: &[Area], lines: &[f64]) -> (f64, usize) {
+        let settings = Settings::default();
+        let all = Area::from_iter([rect(-30.0, -30.0, 30.0, 30.0)]);
+        let skin: Area = places.iter().cloned().collect();
+        let sparse = difference(&all, &skin);
+        let solid = Solid::new(all);
+        let line = |x: &f64| [DVec2::new(*x, -30.0), DVec2::new(*x, 30.0)];
+        let lines = EdgeGrid::of_lines(lines.iter().map(line), CELL);
+        let over = Over {
+            skin: &skin,
+            sparse: &sparse,
+            walls: &[],
+            above: Face {
+                outline: &solid,
+                rough: &solid,
+            },
+            height: 0.2,
+        };
+        let under = Under {
+            area: &solid,
+            lines: &lines,
+            shell: &[],
+        };
+        match bridged(over, under, &[], &settings) {
+            Some(found) => {
+                assert!(found.left.is_empty());
+                (found.skin.content(), found.patches.len())
+            }
+            None => (skin.content(), 0),
+        }
+    }
+
+    #[test]
+    fn skin_over_no_infill_stays_whatever_else_the_layer_bridges() {
+        let held = rect(-20.0, -4.0, -12.0, 4.0);
+        let alone = rect(12.0, -4.0, 20.0, 4.0);
+        let lines = [-26.0, -24.0, -22.0, -20.0, -18.0, -16.0, -14.0, -12.0];
+        let (left, patches) = skin_left(std::slice::from_ref(&held), &lines);
+        assert_eq!(patches, 1);
+        assert!(left < 0.01, "{left}");
+        let (left, patches) = skin_left(std::slice::from_ref(&alone), &lines);
+        assert_eq!((left, patches), (64.0, 0));
+        let (left, patches) = skin_left(&[held, alone], &lines);
+        assert_eq!(patches, 1);
+        assert!((left - 64.0).abs() < 0.01, "{left}");
+    }
 }

@@ -125,6 +125,17 @@ impl Piece {
         }
     }
 
+    /// The part of the island that lies in an area.
+    pub(super) fn within(&self, area: &Area) -> Piece {
+        let within = |own: &Area| intersection(own, area);
+        Piece {
+            bounds: area.bounds(),
+            body: within(&self.body),
+            interface: within(&self.interface),
+            whole: within(&self.whole),
+        }
+    }
+
     /// The whole island.
     pub(super) fn all(&self) -> &Area {
         if self.interface.is_empty() {

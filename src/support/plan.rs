@@ -132,6 +132,11 @@ impl Plan {
         self.slices.get(layer).filter(|slice| !slice.is_empty())
     }
 
+    /// What in the first layer holds what begins less than a gap above it.
+    pub(crate) fn pads(&self) -> &Area {
+        &self.pads
+    }
+
     /// The area of the supports that hold a layer. Their tops are a gap below it,
     /// except for pads.
     pub(crate) fn under(&self, layer: usize) -> Option<Area> {

@@ -3,11 +3,20 @@
 //! In: the islands of support in each layer. Out: those that stay. An island
 //! stays if it rests on an island below it that stays, or, where supports may
 //! stand there, on the part. So no support begins in the air.
+//!
+//! ```text
+//!       ▒▒▒▒▒▒▒
+//!       ▒▒▒▒         The lowest layer of a support on a slope is only above the
+//!     ┌──────        highest step: all of it is `support.z_gap_bottom` above the
+//!     │    └──       part, and the next layers hang over the lower steps.
+//! ```
 
 use super::parts::Parts;
 use super::pieces::Piece;
 use super::slice::Slice;
-use crate::plane::clip::{crop, intersection};
+use super::{SPECK, TOLERANCE};
+use crate::plane::clip::{crop, intersection, unite};
+use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Ring};
 use crate::settings::{Settings, Supports};
 use crate::units::Mm2;
@@ -25,22 +34,23 @@ const SPREAD: DVec2 = DVec2::new(0.754_877_666, 0.569_840_291);
 /// The supports of each layer: the islands that rest on something.
 pub(super) fn settled(
     parts: Parts<'_>,
-    layers: Vec<Vec<Piece>>,
+    mut layers: Vec<Vec<Piece>>,
     settings: &Settings,
 ) -> Vec<Slice> {
     let mut slices = Vec::with_capacity(layers.len());
     // The supports in the layer below. There is no such layer below the first
     // one that can have supports.
     let mut below: Option<Vec<Piece>> = None;
-    for (j, pieces) in layers.into_iter().enumerate() {
+    for j in 0..layers.len() {
         crate::limits::check();
+        let pieces = std::mem::take(&mut layers[j]);
         let mut slice = Slice::default();
         if parts.heights.span(j).is_none() {
             slices.push(slice);
             continue;
         }
         let mut stays = Vec::with_capacity(pieces.len());
-        for piece in pieces {
+        for mut piece in pieces {
             let on_support = below.as_ref().is_none_or(|below| {
                 let near =
                     below.iter().filter(|b| b.bounds.meets(piece.bounds));
@@ -52,6 +62,12 @@ pub(super) fn settled(
                     || !stands(piece.all(), j, parts)
                 {
                     continue;
+                }
+                let mut higher = j + 1..layers.len();
+                let next = higher.find(|&k| parts.heights.span(k).is_some());
+                let above = next.map_or(&[][..], |k| &layers[k]);
+                if let Some(step) = on_step(&piece, j, above, parts, settings) {
+                    piece = step;
                 }
                 let deeper = parts.heights.deeper(j);
                 if deeper > 0.0 {
@@ -80,6 +96,31 @@ pub(super) fn stands(island: &Area, j: usize, parts: Parts<'_>) -> bool {
     below.any(|k| rests_on(island, &parts.outlines[k].rings))
 }
 
+/// The part of an island of layer `j`, which stands on the part, that is above the
+/// highest step of it; nothing if that is all of the island, or is too little to
+/// stand on. `above` are the islands of the next layer.
+fn on_step(
+    piece: &Piece,
+    j: usize,
+    above: &[Piece],
+    parts: Parts<'_>,
+    settings: &Settings,
+) -> Option<Piece> {
+    let all = piece.all();
+    let on = &parts.outlines[parts.heights.stands_on(j)?];
+    let over = intersection(all, &unite(&crop(&on.rings, piece.bounds)));
+    let half = 0.5 * settings.thinnest_line();
+    let wide = |island: &Area| !offset(island, -half, TOLERANCE).is_empty();
+    let step: Area = over.islands().into_iter().filter(wide).collect();
+    let stands = all.content() - step.content() > SPECK
+        && step.content() > least(all)
+        && above.iter().all(|piece| {
+            let above = piece.all();
+            !rests_on(above, &all.rings) || rests_on(above, &step.rings)
+        });
+    stands.then(|| piece.within(&step))
+}
+
 /// True if enough of an island lies on an area of these rings.
 fn rests_on<'a>(
     island: &Area,
@@ -90,10 +131,15 @@ fn rests_on<'a>(
     if under.is_empty() {
         return false;
     }
-    let least = (REST.0 * island.content()).min(REST.1);
+    let least = least(island);
     // A few points mostly decide, and take much less time.
     common(island, &under, bounds) > 2.0 * least
         || intersection(island, &under).content() >= least
+}
+
+/// The least part of an island that has to rest on something.
+fn least(island: &Area) -> Mm2 {
+    (REST.0 * island.content()).min(REST.1)
 }
 
 /// Estimates how much two areas have in common within a box, by points spread
@@ -112,7 +158,10 @@ fn common(a: &Area, b: &Area, within: Rect) -> Mm2 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::heights::Heights;
+    use super::super::pieces::pieces;
     use super::*;
+    use crate::layers::LayerSpan;
     use crate::plane::rect;
 
     #[test]
@@ -136,5 +185,41 @@ mod tests {
         }
         assert_eq!(rests(&roof, &rect(19.0, 19.0, 20.0, 19.4)), (true, false));
         assert!(!rests(&roof, &Area::EMPTY).0);
+    }
+
+    #[test]
+    fn the_lowest_layer_on_a_slope_is_above_the_highest_step_alone() {
+        let settings = Settings {
+            supports: Supports::Auto,
+            ..Settings::default()
+        };
+        let heights = Heights::new(LayerSpan::stack(0.2, 8), &settings);
+        // Steps of 0.4 mm. A support in layer 4 stands on layer 2, which ends
+        // at x = 0.
+        let step = |k: i32| rect(-9.0, -9.0, 0.4 * f64::from(2 - k), 9.0);
+        let outlines: Vec<Area> = (0..8).map(step).collect();
+        let none = vec![Area::EMPTY; 8];
+        let parts = Parts::in_layers(&heights, &outlines, &none);
+        assert_eq!(heights.stands_on(4), Some(2));
+        let settled = |x: f64| -> Vec<f64> {
+            let post = rect(x, -0.6, x + 1.2, 0.6);
+            let of = |j: usize| if j < 4 { Area::EMPTY } else { post.clone() };
+            let areas = (0..8).map(of).collect();
+            let pads = Area::EMPTY;
+            let all = pieces(parts, &none, areas, &pads, &settings);
+            let slices = super::settled(parts, all, &settings).into_iter();
+            slices.map(|slice| slice.area().content()).collect()
+        };
+        let near = |found: &[f64], wanted: [f64; 3]| {
+            let pairs = found[3..6].iter().zip(wanted);
+            let far = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(far < 1e-3, "{found:?} {wanted:?}");
+        };
+        near(&settled(-0.6), [0.0, 0.72, 1.44]);
+        // All of it is above that step, or too little for a line.
+        near(&settled(-1.3), [0.0, 1.44, 1.44]);
+        near(&settled(-0.15), [0.0, 1.44, 1.44]);
+        // Nothing to stand on.
+        near(&settled(0.0), [0.0, 0.0, 0.0]);
     }
 }

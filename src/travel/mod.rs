@@ -126,6 +126,8 @@ pub(crate) struct Ground<'a> {
     pub sparse: &'a Solid<'a>,
     /// Where the layer has supports; ooze does not matter there.
     pub support: Option<&'a Solid<'a>>,
+    /// The outline of the layer below, if there is one.
+    pub below: Option<&'a Solid<'a>>,
     /// Depth below the outline at which the walls end.
     pub border: Mm,
     /// The outline of the layer above, if there is one.

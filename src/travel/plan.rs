@@ -4,7 +4,8 @@
 //! The first of these ways that will do is taken:
 //!
 //! 1. straight, if the way is too short for a retraction, or hidden;
-//! 2. from support to support, round the part;
+//! 2. from support to support, round the part, or over it where this layer will
+//!    cover it;
 //! 3. over sparse infill, which hides the way;
 //! 4. inside the island, round its holes and notches, if the straight way leads
 //!    over what shows;
@@ -66,6 +67,8 @@ impl Cover {
 /// Finds the travels of a layer.
 pub(super) struct Planner<'a> {
     ground: Ground<'a>,
+    /// Number of beads that are printed before the layer's first one of the part.
+    before_part: usize,
     obstacles: Obstacles<'a>,
     comb: Comb<'a>,
     /// Ways over sparse infill.
@@ -90,8 +93,10 @@ impl<'a> Planner<'a> {
         settings: &'a Settings,
     ) -> Planner<'a> {
         let clearance = ground.border.max(settings.outer_wall_width());
+        let first = beads.iter().position(of_part);
         Planner {
             ground,
+            before_part: first.unwrap_or(beads.len()),
             obstacles: Obstacles::new(beads, ground, settings),
             comb: Comb::new(Cow::Borrowed(ground.outline), clearance),
             sparse: OnceCell::new(),
@@ -116,15 +121,14 @@ impl<'a> Planner<'a> {
         if a.distance(b) < settings.retract.min_travel {
             return Travel::straight(b, false);
         }
-        let inside = before.is_some_and(of_part);
-        let mut travel = self.way(a, b, inside, next);
+        let mut travel = self.way(a, b, before, next);
         if !travel.retract {
             return travel;
         }
         let wiped = before.and_then(|bead| wipe::path(bead, settings));
         if let Some((wipe, end)) = wiped {
             // The travel begins where the wipe has ended.
-            travel = self.way(end, b, inside, next);
+            travel = self.way(end, b, before, next);
             travel.retract = true;
             travel.prime = 0.0;
             travel.wipe = wipe;
@@ -134,13 +138,20 @@ impl<'a> Planner<'a> {
         travel
     }
 
-    fn way(&self, a: DVec2, b: DVec2, inside: bool, next: usize) -> Travel {
-        if let Some(way) = self.between_supports(a, b) {
+    fn way(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        before: Option<&Bead>,
+        next: usize,
+    ) -> Travel {
+        if let Some(way) = self.between_supports(a, b, before, next) {
             return Travel {
                 points: way[1..].to_vec(),
                 ..Travel::default()
             };
         }
+        let inside = before.is_some_and(of_part);
         if !inside && !self.ground.outline.grid().contains(a) {
             return Travel::straight(b, true);
         }
@@ -269,28 +280,64 @@ impl<'a> Planner<'a> {
         self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
     }
 
-    /// The way from support to support beside the part, with both points, if
-    /// there is one that is not too long.
-    fn between_supports(&self, a: DVec2, b: DVec2) -> Option<Vec<DVec2>> {
+    /// The way from support to support, with both points, if there is one that is
+    /// not too long. A skirt is thrown away like a support.
+    fn between_supports(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        before: Option<&Bead>,
+        next: usize,
+    ) -> Option<Vec<DVec2>> {
         let retract = &self.settings.retract;
         let support = self.ground.support.filter(|_| retract.when_crossing)?;
-        let both = [a, b].iter().all(|p| support.grid().contains(*p));
+        let support = support.grid();
+        let from = support.contains(a) || before.is_some_and(|b| !of_part(b));
         let part = self.ground.outline.grid();
-        if !both || part.contains(a) {
+        if !from || !support.contains(b) || part.contains(a) {
             return None;
         }
-        let mut way = vec![a];
-        if !part.crossings(a, b).is_empty() {
-            let longest = a.distance(b) + self.settings.travel.max_detour;
-            let beside = self.beside.get_or_init(|| self.air());
-            let round = beside.way(a, b, longest)?;
-            way.extend(round);
+        let longest = (BETWEEN_SUPPORTS * retract.max_unretracted)
+            .min(a.distance(b) + self.settings.travel.max_detour);
+        let fits = |way: &Vec<DVec2>| path_length(way, false) <= longest;
+        let round = || {
+            let mut way = vec![a];
+            if !part.crossings(a, b).is_empty() {
+                let beside = self.beside.get_or_init(|| self.air());
+                way.extend(beside.way(a, b, longest)?);
+            }
+            way.push(b);
+            Some(way)
+        };
+        let over = || self.is_covered_later(a, b, next).then(|| vec![a, b]);
+        round().filter(fits).or_else(|| over().filter(fits))
+    }
+
+    /// True if nothing of the part is printed yet in this layer, and the way
+    /// straight to the start of the `next`th bead leads over no place of the layer
+    /// below that is seen from above. What oozes there lies under this layer. Small
+    /// supports that stand apart would else retract the same filament again and
+    /// again, which grinds it.
+    fn is_covered_later(&self, a: DVec2, b: DVec2, next: usize) -> bool {
+        if next >= self.before_part {
+            return false;
         }
-        way.push(b);
-        let longest = BETWEEN_SUPPORTS * retract.max_unretracted;
-        let longest =
-            longest.min(a.distance(b) + self.settings.travel.max_detour);
-        (path_length(&way, false) <= longest).then_some(way)
+        let Some(below) = self.ground.below else {
+            return true;
+        };
+        let (here, below) = (self.ground.outline.grid(), below.grid());
+        let mut ends = here.crossings(a, b);
+        ends.extend(below.crossings(a, b));
+        ends.extend([0.0, 1.0]);
+        ends.sort_by(f64::total_cmp);
+        // A step that is narrower than a line stays free: what oozes spans it.
+        let step = self.settings.outer_wall_width() / a.distance(b).max(1e-9);
+        ends.windows(2).all(|ends| {
+            let middle = a.lerp(b, ends[0].midpoint(ends[1]));
+            ends[1] - ends[0] < step
+                || here.contains(middle)
+                || !below.contains(middle)
+        })
     }
 
     /// Ways beside the part: inside a frame around the layer, in which the part

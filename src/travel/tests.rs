@@ -96,6 +96,7 @@ impl Part {
     fn on_ground<T>(&self, act: impl FnOnce(Ground<'_>) -> T) -> T {
         act(Ground {
             support: None,
+            below: None,
             outline: &Solid::of(&self.outline, 1.0),
             sparse: &Solid::of(&self.sparse, 1.0),
             border: wall_depths(0.2, &self.settings).1,
@@ -151,7 +152,7 @@ fn ways_of_no_point_and_of_one() {
 }
 
 /// Two supports, one on each side of a part of 20 × 20 mm, are joined by a way
-/// round it that neither touches the part nor retracts.
+/// round it that neither touches the part nor retracts. The layer below sticks out.
 #[test]
 fn between_supports_the_way_leads_round_the_part() {
     let part = Part::square();
@@ -162,6 +163,9 @@ fn between_supports_the_way_leads_round_the_part() {
     let (left, right) = (bounds.min.x - 3.0, bounds.max.x + 3.0);
     let both = union(&support(left), &support(right));
     let both = Solid::new(both);
+    let wider = bounds.grown(1.0);
+    let wider = rect(wider.min.x, wider.min.y, wider.max.x, wider.max.y);
+    let wider = Solid::new(wider);
     let way = |settings: &Settings| {
         let bead = |x: f64| {
             let points = vec![DVec2::new(x, y), DVec2::new(x, y + 0.5)];
@@ -170,6 +174,7 @@ fn between_supports_the_way_leads_round_the_part() {
         };
         let ground = Ground {
             support: Some(&both),
+            below: Some(&wider),
             outline: &outline,
             sparse: &Solid::new(Area::EMPTY),
             border: 0.8,
@@ -198,6 +203,58 @@ fn between_supports_the_way_leads_round_the_part() {
     let mut settings = part.settings.clone();
     settings.retract.when_crossing = false;
     assert!(way(&settings).retract);
+}
+
+/// A square part of 20 mm lies between two supports, farther than a detour may
+/// lead. Before the part the nozzle goes straight from one to the other, and
+/// retracts where the way would lead over what the layer below shows.
+#[test]
+fn between_supports_the_way_leads_over_what_is_not_printed_yet() {
+    let part = Part::square().with(|s| s.travel.max_detour = 1.0);
+    let outline = Solid::of(&part.outline, 1.0);
+    let support = |x: f64| rect(x - 1.0, 9.0, x + 1.0, 12.0);
+    let both = Solid::new(union(&support(-3.0), &support(23.0)));
+    let line = |role: Role, x: f64| {
+        let points = vec![DVec2::new(x, 10.0), DVec2::new(x, 10.5)];
+        Ended::from(Bead::new(role, Stroke::new(points, false, 0.4), 0.2))
+    };
+    let retracts = |beads: Vec<Ended>, below: Option<Area>| {
+        let below = below.map(Solid::new);
+        let ground = Ground {
+            support: Some(&both),
+            below: below.as_ref(),
+            outline: &outline,
+            sparse: &Solid::new(Area::EMPTY),
+            border: 0.8,
+            above: None,
+        };
+        let s = &part.settings;
+        let path = connect(SPAN, beads, ground, None, DVec2::ZERO, s);
+        let mut travels = path.moves.into_iter().filter_map(|m| match m {
+            Move::Travel(travel) => Some(travel.retract),
+            Move::Print(_) => None,
+        });
+        travels.next_back().unwrap()
+    };
+    let [left, right] = [-3.0, 23.0].map(|x| line(Role::Support, x));
+    let supports = vec![left.clone(), right.clone()];
+    // Layers below that are covered, but for a step narrower than a line.
+    for wider in [-1.0, 0.0, 0.4] {
+        let below = rect(-wider, 0.0, 20.0 + wider, 20.0);
+        assert!(!retracts(supports.clone(), Some(below)), "{wider}");
+    }
+    assert!(!retracts(supports.clone(), None));
+    // A wider step would show the ooze.
+    let below = rect(-1.0, 0.0, 21.0, 20.0);
+    assert!(retracts(supports, Some(below)));
+    // What is printed already is crossed with a retraction.
+    let wall = line(Role::OuterWall, 19.0);
+    assert!(retracts(vec![wall, left.clone(), right.clone()], None));
+    // A skirt is as good as a support.
+    let skirt = line(Role::Skirt, -6.0);
+    assert!(!retracts(vec![skirt, left], None));
+    let wall = line(Role::OuterWall, 19.0);
+    assert!(retracts(vec![wall, right], None));
 }
 
 #[test]

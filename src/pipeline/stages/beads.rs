@@ -3,7 +3,7 @@
 use super::Stages;
 use crate::bead::{Bead, Role};
 use crate::infill::{self, InfillError};
-use crate::order::LayerBeads;
+use crate::order::{LayerBeads, supports_last};
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::{Inside, Layer, faces, window};
 use crate::plane::Area;
@@ -74,9 +74,11 @@ impl Stages<'_> {
                 fuzzy.apply(&mut walls, number, span.sample_z(), solid)
             })?;
         }
+        let support = self.support_beads(span)?;
+        let support_last = supports_last(number, outline.area(), &support);
         let mut beads = LayerBeads {
-            support: self.support_beads(span)?,
-            support_last: !number.is_multiple_of(2),
+            support,
+            support_last,
             skirt,
             turns: Vec::new(),
             walls,

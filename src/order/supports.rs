@@ -1,0 +1,125 @@
+//! The order of a layer's supports, and whether they are printed before the part
+//! or after it.
+//!
+//! In: a layer's outline and the beads of its supports. Out: their order, and true
+//! if they are printed after the part.
+//!
+//! If layers take turns, the nozzle changes between part and supports once in a
+//! layer. But a way between supports that the part keeps apart leads over walls, and
+//! retracts if these are printed already. Many small supports in the holes of a part
+//! would retract one piece of filament again and again, which grinds it. Such
+//! supports are printed first in each layer, those of one hole in turn.
+
+use super::jobs::{self, Job};
+use crate::bead::Bead;
+use crate::plane::Area;
+use crate::plane::nest::Nest;
+use glam::DVec2;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Supports in so many places may come last: with two places, two layers retract
+/// three times, and four times if supports come first in both.
+const PLACES: usize = 2;
+
+/// True if the supports of a layer with this number and outline come last.
+pub(crate) fn supports_last(
+    number: usize,
+    outline: &Area,
+    supports: &[Bead],
+) -> bool {
+    if number.is_multiple_of(2) {
+        return false;
+    }
+    let places: BTreeSet<_> = places(outline, supports).into_iter().collect();
+    places.len() <= PLACES
+}
+
+/// The place of the air beside the part in which each support begins. Two points
+/// are in one place if the same ring is the smallest one around both.
+fn places(outline: &Area, supports: &[Bead]) -> Vec<Option<usize>> {
+    let nest = Nest::new(outline.rings.iter());
+    let starts = supports.iter().map(start);
+    starts.map(|start| nest.around(start)).collect()
+}
+
+/// Where a bead begins.
+fn start(bead: &Bead) -> DVec2 {
+    bead.points.first().copied().unwrap_or_default()
+}
+
+/// Prints supports, in one place of the air beside the part after another, from
+/// where the head is.
+pub(super) fn print(
+    supports: Vec<Bead>,
+    outline: &Area,
+    at: &mut Option<DVec2>,
+    out: &mut Vec<Bead>,
+) {
+    let places = places(outline, &supports);
+    let near = at.and_then(|at| {
+        let far = |k: &usize| start(&supports[*k]).distance_squared(at);
+        (0..supports.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
+    });
+    let mut stages = BTreeMap::new();
+    for place in near.map(|k| places[k]).into_iter().chain(places.clone()) {
+        let next = stages.len() as u32;
+        stages.entry(place).or_insert(next);
+    }
+    let jobs = supports.into_iter().zip(places);
+    let jobs = jobs.map(|(bead, place)| (stages[&place], Job::of(bead)));
+    jobs::print(jobs.collect(), at, None, out);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bead::{Role, Stroke};
+    use crate::plane::{Ring, rect};
+
+    /// A support of 1 mm at x.
+    fn support(x: f64) -> Bead {
+        let points = vec![DVec2::new(x, 5.0), DVec2::new(x, 6.0)];
+        Bead::new(Role::Support, Stroke::new(points, false, 0.45), 0.2)
+    }
+
+    /// A plate of 30 mm with three holes in a row.
+    fn plate() -> Area {
+        let hole = |x: f64| -> Ring {
+            let mut area = rect(x - 2.0, 3.0, x + 2.0, 8.0);
+            area.rings[0].reverse();
+            area.rings.remove(0)
+        };
+        let mut outline = rect(0.0, 0.0, 30.0, 10.0);
+        outline.rings.extend([hole(5.0), hole(15.0), hole(25.0)]);
+        outline
+    }
+
+    #[test]
+    fn supports_that_the_part_keeps_apart_are_printed_first() {
+        let outline = plate();
+        let last = |number: usize, at: &[f64]| {
+            let beads: Vec<Bead> = at.iter().map(|&x| support(x)).collect();
+            supports_last(number, &outline, &beads)
+        };
+        // All beside the part, or in one or two holes: layers take turns.
+        for at in [&[-3.0, -4.0][..], &[4.5, 5.5], &[5.0, 14.0, 15.0, 4.0]] {
+            assert!(last(3, at) && !last(4, at), "{at:?}");
+        }
+        for at in [&[5.0, 15.0, 25.0][..], &[-3.0, 5.0, 15.0]] {
+            assert!(!last(3, at) && !last(4, at), "{at:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_in_one_hole_is_printed_in_turn() {
+        let at = [3.5, 13.5, 16.5, 6.5, 15.0, 5.0];
+        let beads: Vec<Bead> = at.iter().map(|&x| support(x)).collect();
+        for (from, first) in [(0.0, 5.0), (12.0, 15.0), (30.0, 15.0)] {
+            let (mut head, mut out) = (Some(DVec2::new(from, 5.0)), Vec::new());
+            print(beads.clone(), &plate(), &mut head, &mut out);
+            let holes = out.iter().map(|bead| (bead.points[0].x - first).abs());
+            let holes: Vec<bool> = holes.map(|d| d < 4.0).collect();
+            assert_eq!(holes, [true, true, true, false, false, false]);
+        }
+    }
+}
