@@ -9,8 +9,10 @@
 //!   pieces of up to [`FEW`] widths, and the edges by no more than twice
 //!   `edge`. A ramp may be so steep that a piece would be shorter than
 //!   [`shortest`]: its edges are then off by more;
-//! - in the last [`TIP`] before an open end of a bead that shows, edges may be
-//!   off by [`TIP_EDGE`] more where its width changes steeply;
+//! - in the tip of a bead that shows, the last [`TIP`] before an end that is thin,
+//!   cross-sections and edges may differ by more where the width changes steeply:
+//!   edges by [`TIP_EDGE`] more, and in pieces of up to [`TIP_SHORTEST`] by a
+//!   quarter of [`TIP_STEP`];
 //! - the cross-sections of other beads may differ by more in pieces shorter
 //!   than four times [`evened`]. Where they change evenly, what is laid up to
 //!   any place of such a piece is off by no more than [`AREA`] of what that
@@ -42,10 +44,11 @@ const FEW: f64 = 3.0;
 /// 50 ms at 60 mm/s, and the pressure in a nozzle takes longer to change.
 ///
 /// Inner walls lie against an outer wall, and have less: on a gyroid ball 1 % of
-/// them are off by 0.040 mm or more with 0.8 mm, by 0.029 mm with 0.5 mm.
+/// them are off by 0.029 mm or more with 0.5 mm, which takes a hundredth more moves,
+/// by 0.040 mm with 0.8 mm.
 fn evened(role: Role) -> Mm {
     match role {
-        Role::InnerWall => 0.5,
+        Role::InnerWall => 0.7,
         _ => 3.0,
     }
 }
@@ -58,22 +61,29 @@ const ENDS: f64 = 1.0 / 3.0;
 /// the bead shows: it sticks out by half of that on each side.
 const STEEP: Mm = 0.025;
 
-/// Length of the tip at an open end of a bead that shows, mm.
+/// Length of the tip before a thin end of a bead that shows, mm.
 const TIP: Mm = 1.0;
+
+/// An end is thin if it is narrower than this share of its bead's mean width.
+const THIN_END: f64 = 0.8;
 
 /// A tip is steep where its width changes by more than this share of its
 /// length. A printer cannot lay such a ramp: at 40 mm/s it takes less than 25 ms,
 /// and the pressure in a nozzle takes longer to change. Pieces as fine as
-/// elsewhere only have to be printed more slowly: without this rule lattices
-/// take up to a tenth more moves, and a twentieth more time.
+/// elsewhere only have to be printed more slowly: without this rule a gyroid ball
+/// takes a hundredth more moves.
 const STEEP_TIP: f64 = 0.1;
 
 /// By how much more the edges of a steep tip may be off, mm.
 const TIP_EDGE: Mm = 0.005;
 
-/// The pieces of a steep tip are not made shorter than this, mm. With 0.14 mm
-/// its edges are up to 0.06 mm off, with this 0.05 mm.
+/// The pieces of a steep tip are not made shorter than this, mm, unless their
+/// widths would differ by more than [`TIP_STEP`].
 const TIP_SHORTEST: Mm = 0.12;
+
+/// Greatest difference of the widths that are meant along a piece of a steep tip
+/// that [`TIP_SHORTEST`] keeps from being cut, mm.
+const TIP_STEP: Mm = 0.08;
 
 /// Pieces of a role are not made shorter than this, mm. Shorter pieces of beads
 /// that show would be nearer to the beads' edges, but would have to be printed
@@ -200,39 +210,41 @@ impl Slack {
 
     /// True if a stretch may have one width, or is too short to be divided.
     fn takes(&self, all: &Stretch) -> bool {
-        let (more, short) = self.steep(all);
-        let slack = self.at(all.low, all.length) + more;
+        let (slack, short) = self.along(all, all.length);
         all.high - all.low <= 2.0 * slack || all.length < short
     }
 
-    /// How much more the width of this stretch may be off where it is a steep
-    /// tip, and its shortest piece.
-    fn steep(&self, all: &Stretch) -> (Mm, Mm) {
-        let steep = all.high - all.low > STEEP_TIP * all.length;
-        if self.most.is_some() && all.tip && steep {
-            (2.0 * TIP_EDGE, TIP_SHORTEST)
-        } else {
-            (0.0, self.short)
+    /// Greatest error of the width of a piece of this length along a stretch, and
+    /// the length below which it is not cut.
+    fn along(&self, all: &Stretch, length: Mm) -> (Mm, Mm) {
+        let slack = self.at(all.low, length);
+        let step = all.high - all.low;
+        let steep = all.tip && step > STEEP_TIP * all.length;
+        match self.most {
+            Some(_) if steep => {
+                let slope = step / all.length.max(f64::MIN_POSITIVE);
+                let short = (TIP_STEP / slope).min(TIP_SHORTEST);
+                (slack + 2.0 * TIP_EDGE, short.max(self.short))
+            }
+            _ => (slack, self.short),
         }
     }
 
     /// Number of parts into which a ramp is cut, so that pieces can end in it.
     fn parts(&self, ramp: &Stretch) -> usize {
-        let (more, shortest) = self.steep(ramp);
-        let parts = |slack: Mm, short: Mm| {
-            let all = (ramp.high - ramp.low) / (2.0 * (slack + more));
+        let parts = |(slack, short): (Mm, Mm)| {
+            let all = (ramp.high - ramp.low) / (2.0 * slack);
             let most = (ramp.length / short).floor();
             all.ceil().min(most).max(1.0)
         };
-        let long = self.at(ramp.low, f64::INFINITY);
+        let (long, short) = self.along(ramp, f64::INFINITY);
         let count = match self.most {
-            None => parts(long, ENDS * self.short),
+            None => parts((long, ENDS * short)),
             // Parts may be so short that they have more slack.
             Some(_) => {
-                let short = self.at(ramp.low, 0.0);
-                let count = parts(short, shortest);
+                let count = parts(self.along(ramp, 0.0));
                 if ramp.length / count > FEW * ramp.low {
-                    parts(long, shortest)
+                    parts((long, short))
                 } else {
                     count
                 }
@@ -257,11 +269,14 @@ pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
     let mut points = vec![bead.points[0]];
     let mut parts: Vec<Stretch> = Vec::new();
     let (length, mut done) = (bead.length(), 0.0);
+    let thin = [0, bead.points.len() - 1]
+        .map(|end| !bead.closed && bead.width_at(end) < THIN_END * bead.width);
     for (i, (a, b)) in bead.segments().enumerate() {
         let widths = [bead.width_at(i), bead.width_at(i + 1)];
         let before = done;
         done += a.distance(b);
-        let tip = !bead.closed && (before < TIP || length - done < TIP);
+        let tip =
+            (thin[0] && done <= TIP) || (thin[1] && length - before <= TIP);
         let ramp = Stretch::ramp([a, b], widths, tip);
         // Without a length the width jumps.
         if ramp.length <= 0.0 {
@@ -303,8 +318,8 @@ pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
         if bead.role.shows() {
             // The wide end of a steep ramp lies under the round end of the
             // piece beside it, so the narrow end matters.
-            let slack = slack.at(all.low, all.length).max(STEEP);
-            width = width.min(all.low + slack);
+            let slack = slack.along(&all, all.length).0;
+            width = width.min(all.low + slack.max(STEEP));
         }
         let mut stroke = Stroke::new(points, false, width);
         stroke.levels = level.repeat(stroke.points.len());
@@ -332,7 +347,7 @@ mod tests {
         for (role, edge, least, most) in [
             (Role::OuterWall, 0.008, 10, 21),
             (Role::OuterWall, 0.002, 45, 55),
-            (Role::InnerWall, 0.001, 8, 12),
+            (Role::InnerWall, 0.001, 6, 10),
         ] {
             let pieces = pieces_within(bead(role), edge, 0.0);
             let n = pieces.len();
@@ -440,7 +455,7 @@ mod tests {
         // From 0.5 mm down to 0.3 mm within 0.8 mm, in the middle or at the end.
         let meant = |x: Mm| 0.5 - 0.25 * (x - 3.0).clamp(0.0, 0.8);
         let cut = |end: Mm| {
-            let points = [0.0, 3.0, 3.8, end].map(|x| DVec2::X * x);
+            let points = [0.0, 3.0, end.min(3.8), end].map(|x| DVec2::X * x);
             let mut stroke = Stroke::new(points.to_vec(), false, 0.5);
             stroke.widths = points.iter().map(|p| meant(p.x)).collect();
             pieces_within(Bead::new(Role::OuterWall, stroke, 0.2), 0.005, 0.0)
@@ -453,11 +468,14 @@ mod tests {
             off.fold(0.0, f64::max)
         };
         let (tip, ramp) = (cut(3.8), cut(6.0));
-        assert!(tip.len() < ramp.len(), "{} {}", tip.len(), ramp.len());
-        let shortest = tip.iter().map(|p| p.length()).fold(1.0, f64::min);
-        assert!(shortest >= TIP_SHORTEST, "{shortest}");
+        let of_ramp = ramp.iter().filter(|p| p.points[0].x < 3.79).count();
+        assert!(tip.len() < of_ramp, "{} {of_ramp}", tip.len());
         assert!(edges(&ramp) <= 0.0051, "{}", edges(&ramp));
         assert!(edges(&tip) <= 0.005 + TIP_EDGE + 1e-4, "{}", edges(&tip));
+        // An end that is not thin is no tip.
+        let wide = cut(3.4);
+        let last = |pieces: &[Bead]| pieces[pieces.len() - 1].length();
+        assert!(last(&wide) < 0.7 * last(&tip), "{}", last(&wide));
         // What the pieces hold is what is meant.
         let held: Mm2 = tip.iter().map(|p| p.width * p.length()).sum();
         assert!((held - 3.0 * 0.5 - 0.8 * 0.4).abs() < 1e-9, "{held}");
