@@ -15,7 +15,7 @@
 //! eight times as high.
 //!
 //! In: the outline of the first layer, its brim, and the pads on which the layers
-//! right above it lie. Out: its [`Foot`].
+//! right above it lie. Out: its [`Foot`]. Where the brim meets a pad, the pad counts.
 //!
 //! Not known: the bed, the material, and how strongly the nozzle pulls. This
 //! module takes round figures for them. A part that is higher than they allow
@@ -110,6 +110,9 @@ impl Foot {
         for bead in brim(outline, height, settings) {
             let half = 0.5 * bead.width;
             for (a, b) in edges(&bead.points) {
+                if pads.contains(a.midpoint(b)) {
+                    continue;
+                }
                 let (a, b) = (a - origin, b - origin);
                 moments.point(a.midpoint(b), a.distance(b) * bead.width);
                 rim.push((a, half));
@@ -206,5 +209,14 @@ mod tests {
         // A brim of 5 mm makes 13 mm of 3 mm, round at the corners.
         let square = 2.5 * 13.0_f64.powi(3) / 6.0;
         assert!((0.4..1.05).contains(&(foot.holds / square)), "{foot:?}");
+        // Pads in the place of the brim count once.
+        let mut pads = rect(-9.0, -9.0, 12.0, 12.0);
+        pads.rings.extend(pin.rings.iter().map(|ring| {
+            let mut hole = ring.clone();
+            hole.reverse();
+            hole
+        }));
+        let foot = Foot::new(&pin, &pads, 0.2, &wide).unwrap();
+        assert!((foot.area - 441.0).abs() < 1e-6, "{foot:?}");
     }
 }

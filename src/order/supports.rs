@@ -8,9 +8,11 @@
 //! layer. But a way between supports that the part keeps apart leads over walls, and
 //! retracts if these are printed already. Many small supports in the holes of a part
 //! would retract one piece of filament again and again, which grinds it. Such
-//! supports are printed first in each layer, those of one hole in turn.
+//! supports are printed first in each layer, those of one hole in turn, and the
+//! holes on a short way.
 
 use super::jobs::{self, Job};
+use super::tour::{Stop, tour};
 use crate::bead::Bead;
 use crate::plane::Area;
 use crate::plane::nest::Nest;
@@ -47,8 +49,8 @@ fn start(bead: &Bead) -> DVec2 {
     bead.points.first().copied().unwrap_or_default()
 }
 
-/// Prints supports, in one place of the air beside the part after another, from
-/// where the head is.
+/// Prints supports, in one place of the air beside the part after another, on a
+/// short way from where the head is.
 pub(super) fn print(
     supports: Vec<Bead>,
     outline: &Area,
@@ -56,15 +58,25 @@ pub(super) fn print(
     out: &mut Vec<Bead>,
 ) {
     let places = places(outline, &supports);
-    let near = at.and_then(|at| {
-        let far = |k: &usize| start(&supports[*k]).distance_squared(at);
-        (0..supports.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
-    });
-    let mut stages = BTreeMap::new();
-    for place in near.map(|k| places[k]).into_iter().chain(places.clone()) {
-        let next = stages.len() as u32;
-        stages.entry(place).or_insert(next);
+    // The number of beads in each place, and the sum of their starts.
+    let mut sums: BTreeMap<_, (f64, DVec2)> = BTreeMap::new();
+    for (bead, place) in supports.iter().zip(&places) {
+        let sum = sums.entry(*place).or_default();
+        sum.0 += 1.0;
+        sum.1 += start(bead);
     }
+    let stops = sums.values().map(|(count, sum)| Stop {
+        from: sum / count,
+        to: sum / count,
+        turns: false,
+        stage: 0,
+    });
+    let stops: Vec<Stop> = stops.collect();
+    let mut stages = vec![0; stops.len()];
+    for (stage, visit) in (0..).zip(tour(&stops, *at, None)) {
+        stages[visit.stop] = stage;
+    }
+    let stages: BTreeMap<_, u32> = sums.into_keys().zip(stages).collect();
     let jobs = supports.into_iter().zip(places);
     let jobs = jobs.map(|(bead, place)| (stages[&place], Job::of(bead)));
     jobs::print(jobs.collect(), at, None, out);
@@ -82,15 +94,15 @@ mod tests {
         Bead::new(Role::Support, Stroke::new(points, false, 0.45), 0.2)
     }
 
-    /// A plate of 30 mm with three holes in a row.
+    /// A plate of 40 mm with four holes in a row.
     fn plate() -> Area {
         let hole = |x: f64| -> Ring {
             let mut area = rect(x - 2.0, 3.0, x + 2.0, 8.0);
             area.rings[0].reverse();
             area.rings.remove(0)
         };
-        let mut outline = rect(0.0, 0.0, 30.0, 10.0);
-        outline.rings.extend([hole(5.0), hole(15.0), hole(25.0)]);
+        let mut outline = rect(0.0, 0.0, 40.0, 10.0);
+        outline.rings.extend([5.0, 15.0, 25.0, 35.0].map(hole));
         outline
     }
 
@@ -120,6 +132,22 @@ mod tests {
             let holes = out.iter().map(|bead| (bead.points[0].x - first).abs());
             let holes: Vec<bool> = holes.map(|d| d < 4.0).collect();
             assert_eq!(holes, [true, true, true, false, false, false]);
+        }
+    }
+
+    #[test]
+    fn holes_are_taken_on_a_short_way_whatever_the_order_of_their_supports() {
+        let mut wanted = [5.0, 15.0, 25.0, 35.0];
+        for from in [0.0, 40.0] {
+            for at in [[25.0, 5.0, 35.0, 15.0], [15.0, 35.0, 5.0, 25.0]] {
+                let beads = at.iter().map(|&x| support(x)).collect();
+                let mut head = Some(DVec2::new(from, 5.0));
+                let mut out = Vec::new();
+                print(beads, &plate(), &mut head, &mut out);
+                let found: Vec<_> = out.iter().map(|b| b.points[0].x).collect();
+                assert_eq!(found, wanted, "{from} {at:?}");
+            }
+            wanted.reverse();
         }
     }
 }

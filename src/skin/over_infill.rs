@@ -232,11 +232,13 @@ fn on(
         offset(&gap, anchor, TOLERANCE)
     });
     let grown: Vec<Area> = grown.collect();
-    let (mut parts, mut skin) = shared(over.skin, &grown);
+    let (mut parts, skin) = shared(over.skin, &grown);
     let ground = Ground::new(over, under, FARTHEST * way + width, settings);
     let space = spacing(width, width, over.height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
+    // Places that stay skin, as if there were no other places.
+    let mut refused = Area::EMPTY;
     parts.retain(|part| {
         crate::limits::check();
         let lines = Lines {
@@ -265,8 +267,7 @@ fn on(
             }
         }
         if beads.is_empty() {
-            // The place stays skin, as if there were no other place.
-            skin = union(&skin, part);
+            refused.rings.extend_from_slice(&part.rings);
             return false;
         }
         patches.push(Patch {
@@ -282,6 +283,11 @@ fn on(
     if patches.is_empty() {
         return None;
     }
+    let skin = if refused.is_empty() {
+        skin
+    } else {
+        union(&skin, &unite(&refused))
+    };
     // Lines beside one another end at one line of infill: the strips between
     // them, thinner than a line, are no place for infill.
     let taken = offset(&unite(&taken), 0.5 * space, TOLERANCE);

@@ -10,12 +10,16 @@
 //!     ┌──────        highest step: all of it is `support.z_gap_bottom` above the
 //!     │    └──       part, and the next layers hang over the lower steps.
 //! ```
+//!
+//! So it is where that step is wide enough to stand on, and carries all that lies
+//! on the island. What the next layer of supports does not cover stays, since it
+//! may be right below a face of the part.
 
 use super::parts::Parts;
 use super::pieces::Piece;
 use super::slice::Slice;
 use super::{SPECK, TOLERANCE};
-use crate::plane::clip::{crop, intersection, unite};
+use crate::plane::clip::{crop, difference, intersection, union, unite};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Ring};
 use crate::settings::{Settings, Supports};
@@ -25,6 +29,9 @@ use glam::DVec2;
 /// Least part of an island that has to rest on something: this share of the
 /// island, or this area if that is less.
 const REST: (f64, Mm2) = (0.1, 0.3);
+/// Least part of an island that has to be above the highest step of a slope if
+/// that step is to carry the island alone.
+const STEP: f64 = 1.0 / 3.0;
 /// Number of points at which two areas are compared.
 const POINTS: u32 = 24;
 /// Points are spread by these shares of a box from one to the next, so that no
@@ -96,9 +103,10 @@ pub(super) fn stands(island: &Area, j: usize, parts: Parts<'_>) -> bool {
     below.any(|k| rests_on(island, &parts.outlines[k].rings))
 }
 
-/// The part of an island of layer `j`, which stands on the part, that is above the
-/// highest step of it; nothing if that is all of the island, or is too little to
-/// stand on. `above` are the islands of the next layer.
+/// An island of layer `j`, which stands on the part, without what is above the
+/// lower steps of the part and below `above`, the islands of the next layer; nothing
+/// if it stays whole: if nothing is to be left out, or the highest step is too
+/// little to stand on, or does not carry alone what lies on the island.
 fn on_step(
     piece: &Piece,
     j: usize,
@@ -112,13 +120,31 @@ fn on_step(
     let half = 0.5 * settings.thinnest_line();
     let wide = |island: &Area| !offset(island, -half, TOLERANCE).is_empty();
     let step: Area = over.islands().into_iter().filter(wide).collect();
-    let stands = all.content() - step.content() > SPECK
-        && step.content() > least(all)
-        && above.iter().all(|piece| {
-            let above = piece.all();
-            !rests_on(above, &all.rings) || rests_on(above, &step.rings)
-        });
-    stands.then(|| piece.within(&step))
+    if step.content() <= least(all).max(STEP * all.content()) {
+        return None;
+    }
+    let above = above.iter().filter(|a| a.bounds.meets(piece.bounds));
+    let carried = |above: &Area| {
+        rests_on(above, &step.rings)
+            || intersection(above, all).content() <= SPECK
+    };
+    if !above.clone().all(|above| carried(above.all())) {
+        return None;
+    }
+    let above = unite(&crop(above.flat_map(|a| &a.all().rings), piece.bounds));
+    // Of a post that leans, each layer reaches a little beyond the next one. No line
+    // fits in there, and no face is near.
+    let rest = difference(all, &above).islands().into_iter();
+    let rest = rest.filter(|rest| {
+        wide(rest) || intersection(rest, &piece.interface).content() > SPECK
+    });
+    let kept = union(&step, &rest.collect());
+    // What is left beside the step must not begin in the air.
+    let held = |island: &Area| {
+        rests_on(island, &step.rings) || stands(island, j, parts)
+    };
+    let cut = all.content() - kept.content() > SPECK;
+    (cut && kept.islands().iter().all(held)).then(|| piece.within(&kept))
 }
 
 /// True if enough of an island lies on an area of these rings.
@@ -201,15 +227,23 @@ mod tests {
         let none = vec![Area::EMPTY; 8];
         let parts = Parts::in_layers(&heights, &outlines, &none);
         assert_eq!(heights.stands_on(4), Some(2));
-        let settled = |x: f64| -> Vec<f64> {
-            let post = rect(x, -0.6, x + 1.2, 0.6);
-            let of = |j: usize| if j < 4 { Area::EMPTY } else { post.clone() };
+        // Layers 4 and on have supports; layer 5 has only those in `next`, and the
+        // layers above it none if that is empty.
+        let settled_below = |post: &Area, next: &Area| -> Vec<f64> {
+            let of = |j: usize| match j {
+                4 => post.clone(),
+                5 => next.clone(),
+                6.. if !next.is_empty() => post.clone(),
+                _ => Area::EMPTY,
+            };
             let areas = (0..8).map(of).collect();
             let pads = Area::EMPTY;
             let all = pieces(parts, &none, areas, &pads, &settings);
             let slices = super::settled(parts, all, &settings).into_iter();
             slices.map(|slice| slice.area().content()).collect()
         };
+        let post = |x: f64| rect(x, -0.6, x + 1.2, 0.6);
+        let settled = |x: f64| settled_below(&post(x), &post(x));
         let near = |found: &[f64], wanted: [f64; 3]| {
             let pairs = found[3..6].iter().zip(wanted);
             let far = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -221,5 +255,18 @@ mod tests {
         near(&settled(-0.15), [0.0, 1.44, 1.44]);
         // Nothing to stand on.
         near(&settled(0.0), [0.0, 0.0, 0.0]);
+        // That step carries a third of the island, or less.
+        near(&settled(-0.42), [0.0, 0.504, 1.44]);
+        near(&settled(-0.38), [0.0, 1.44, 1.44]);
+        // A face is right above all of the layer, or above a corner of it.
+        let below = |next: &Area| settled_below(&post(-0.6), next);
+        near(&below(&Area::EMPTY), [0.0, 1.44, 0.0]);
+        near(&below(&rect(-0.6, -0.6, 0.6, 0.2)), [0.0, 0.96, 0.96]);
+        // The post leans.
+        near(&below(&rect(-0.7, -0.6, 0.5, 0.6)), [0.0, 0.72, 1.44]);
+        // What is right below a face would begin in the air.
+        near(&below(&rect(-0.6, -0.6, 0.3, 0.6)), [0.0, 1.44, 1.08]);
+        // An island above lies beside the step, on what would be left out.
+        near(&below(&rect(0.1, -0.6, 0.6, 0.6)), [0.0, 1.44, 0.6]);
     }
 }

@@ -4,8 +4,8 @@
 //! The first of these ways that will do is taken:
 //!
 //! 1. straight, if the way is too short for a retraction, or hidden;
-//! 2. from support to support, round the part, or over it where this layer will
-//!    cover it;
+//! 2. from support to support, straight over the part where this layer will cover
+//!    what oozes, or else round the part;
 //! 3. over sparse infill, which hides the way;
 //! 4. inside the island, round its holes and notches, if the straight way leads
 //!    over what shows;
@@ -299,45 +299,40 @@ impl<'a> Planner<'a> {
         }
         let longest = (BETWEEN_SUPPORTS * retract.max_unretracted)
             .min(a.distance(b) + self.settings.travel.max_detour);
-        let fits = |way: &Vec<DVec2>| path_length(way, false) <= longest;
-        let round = || {
-            let mut way = vec![a];
-            if !part.crossings(a, b).is_empty() {
-                let beside = self.beside.get_or_init(|| self.air());
-                way.extend(beside.way(a, b, longest)?);
-            }
-            way.push(b);
-            Some(way)
-        };
-        let over = || self.is_covered_later(a, b, next).then(|| vec![a, b]);
-        round().filter(fits).or_else(|| over().filter(fits))
+        let mut way = vec![a];
+        if !part.crossings(a, b).is_empty()
+            && !self.is_covered_later(a, b, next)
+        {
+            let beside = self.beside.get_or_init(|| self.air());
+            way.extend(beside.way(a, b, longest)?);
+        }
+        way.push(b);
+        (path_length(&way, false) <= longest).then_some(way)
     }
 
     /// True if nothing of the part is printed yet in this layer, and the way
-    /// straight to the start of the `next`th bead leads over no place of the layer
-    /// below that is seen from above. What oozes there lies under this layer. Small
-    /// supports that stand apart would else retract the same filament again and
-    /// again, which grinds it.
+    /// straight to the start of the `next`th bead leads over the part only where
+    /// this layer lies on the layer below. What oozes there lies between the two.
+    /// Elsewhere it would be seen on a top of the layer below, or on an underside of
+    /// this one. Small supports that stand apart would else retract the same
+    /// filament again and again, which grinds it.
     fn is_covered_later(&self, a: DVec2, b: DVec2, next: usize) -> bool {
-        if next >= self.before_part {
+        let below = self.ground.below.filter(|_| next < self.before_part);
+        let Some(below) = below else {
             return false;
-        }
-        let Some(below) = self.ground.below else {
-            return true;
         };
         let (here, below) = (self.ground.outline.grid(), below.grid());
         let mut ends = here.crossings(a, b);
         ends.extend(below.crossings(a, b));
         ends.extend([0.0, 1.0]);
         ends.sort_by(f64::total_cmp);
-        // A step that is narrower than a line stays free: what oozes spans it.
-        let step = self.settings.outer_wall_width() / a.distance(b).max(1e-9);
-        ends.windows(2).all(|ends| {
+        let seen = ends.windows(2).filter(|ends| {
             let middle = a.lerp(b, ends[0].midpoint(ends[1]));
-            ends[1] - ends[0] < step
-                || here.contains(middle)
-                || !below.contains(middle)
-        })
+            here.contains(middle) != below.contains(middle)
+        });
+        let seen: f64 = seen.map(|ends| ends[1] - ends[0]).sum();
+        // Steps that are narrower than a line stay free: what oozes spans them.
+        seen * a.distance(b) <= self.settings.outer_wall_width()
     }
 
     /// Ways beside the part: inside a frame around the layer, in which the part

@@ -238,23 +238,29 @@ fn between_supports_the_way_leads_over_what_is_not_printed_yet() {
     };
     let [left, right] = [-3.0, 23.0].map(|x| line(Role::Support, x));
     let supports = vec![left.clone(), right.clone()];
-    // Layers below that are covered, but for a step narrower than a line.
-    for wider in [-1.0, 0.0, 0.4] {
-        let below = rect(-wider, 0.0, 20.0 + wider, 20.0);
-        assert!(!retracts(supports.clone(), Some(below)), "{wider}");
+    // The layer below is wider or narrower by a step on each side. Both steps
+    // together are narrower than a line, or show the ooze on a top or an underside.
+    let step = 0.5 * part.settings.outer_wall_width();
+    let steps = [0.0, 0.9 * step, 1.1 * step, 1.0];
+    for (step, shows) in steps.into_iter().zip([false, false, true, true]) {
+        for wider in [-step, step] {
+            let below = rect(-wider, 0.0, 20.0 + wider, 20.0);
+            let retracts = retracts(supports.clone(), Some(below));
+            assert_eq!(retracts, shows, "{wider}");
+        }
     }
-    assert!(!retracts(supports.clone(), None));
-    // A wider step would show the ooze.
-    let below = rect(-1.0, 0.0, 21.0, 20.0);
-    assert!(retracts(supports, Some(below)));
+    // On the bed it would show as well.
+    assert!(retracts(supports, None));
+    let below = || Some(rect(0.0, 0.0, 20.0, 20.0));
     // What is printed already is crossed with a retraction.
     let wall = line(Role::OuterWall, 19.0);
-    assert!(retracts(vec![wall, left.clone(), right.clone()], None));
+    let beads = vec![wall, left.clone(), right.clone()];
+    assert!(retracts(beads, below()));
     // A skirt is as good as a support.
     let skirt = line(Role::Skirt, -6.0);
     assert!(!retracts(vec![skirt, left], None));
     let wall = line(Role::OuterWall, 19.0);
-    assert!(retracts(vec![wall, right], None));
+    assert!(retracts(vec![wall, right], below()));
 }
 
 #[test]
