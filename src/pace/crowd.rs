@@ -15,9 +15,9 @@ use crate::units::{Mm, MmPerSec, PerSec};
 use glam::DVec2;
 
 /// Moves over which the rate is a mean. The smallest buffer, Marlin's, holds 16;
-/// some of them are always on their way. With 8 an eighth of a gyroid ball's
-/// moves come faster than the printer takes them, one after another, with 3 a
-/// tenth, and the print takes 0.3 % longer.
+/// some of them are always on their way. With 3 moves instead of 8, a fifth fewer
+/// of a gyroid ball's moves come faster than the printer takes them, and the print
+/// takes 0.3 % longer.
 const TOGETHER: usize = 3;
 
 /// Speeds are steps of this share of what was asked for, so that they change
