@@ -9,10 +9,6 @@
 //!   pieces of up to [`FEW`] widths, and the edges by no more than twice
 //!   `edge`. A ramp may be so steep that a piece would be shorter than
 //!   [`shortest`]: its edges are then off by more;
-//! - in the tip of a bead that shows, the last [`TIP`] before an end that is thin,
-//!   cross-sections and edges may differ by more where the width changes steeply:
-//!   edges by [`TIP_EDGE`] more, and in pieces of up to [`TIP_SHORTEST`] by a
-//!   quarter of [`TIP_STEP`];
 //! - the cross-sections of other beads may differ by more in pieces shorter
 //!   than four times [`evened`]. Where they change evenly, what is laid up to
 //!   any place of such a piece is off by no more than [`AREA`] of what that
@@ -44,12 +40,12 @@ const FEW: f64 = 3.0;
 /// 50 ms at 60 mm/s, and the pressure in a nozzle takes longer to change.
 ///
 /// Inner walls lie against an outer wall, and have less: on a gyroid ball 1 % of
-/// them are off by 0.040 mm or more with 0.8 mm, by 0.036 mm with 0.7 mm and by
-/// 0.029 mm with 0.5 mm. From 0.7 to 0.5 mm it takes 2 % more moves, and the width
-/// changes 8 % more often.
+/// them are off by 0.041 mm or more with 0.8 mm, by 0.037 mm with 0.72 mm and by
+/// 0.029 mm with 0.5 mm. From 0.72 to 0.5 mm it takes 2 % more moves, and the
+/// width changes 8 % more often.
 fn evened(role: Role) -> Mm {
     match role {
-        Role::InnerWall => 0.7,
+        Role::InnerWall => 0.72,
         _ => 3.0,
     }
 }
@@ -61,30 +57,6 @@ const ENDS: f64 = 1.0 / 3.0;
 /// By how much a piece of a steep ramp may be wider than its narrow end, mm, if
 /// the bead shows: it sticks out by half of that on each side.
 const STEEP: Mm = 0.025;
-
-/// Length of the tip before a thin end of a bead that shows, mm.
-const TIP: Mm = 1.0;
-
-/// An end is thin if it is narrower than this share of its bead's mean width.
-const THIN_END: f64 = 0.8;
-
-/// A tip is steep where its width changes by more than this share of its
-/// length. A printer cannot lay such a ramp: at 40 mm/s it takes less than 25 ms,
-/// and the pressure in a nozzle takes longer to change. Pieces as fine as
-/// elsewhere only have to be printed more slowly: without this rule a gyroid ball
-/// takes a hundredth more moves.
-const STEEP_TIP: f64 = 0.1;
-
-/// By how much more the edges of a steep tip may be off, mm.
-const TIP_EDGE: Mm = 0.005;
-
-/// The pieces of a steep tip are not made shorter than this, mm, unless their
-/// widths would differ by more than [`TIP_STEP`].
-const TIP_SHORTEST: Mm = 0.12;
-
-/// Greatest difference of the widths that are meant along a piece of a steep tip
-/// that [`TIP_SHORTEST`] keeps from being cut, mm.
-const TIP_STEP: Mm = 0.08;
 
 /// Pieces of a role are not made shorter than this, mm. Shorter pieces of beads
 /// that show would be nearer to the beads' edges, but would have to be printed
@@ -112,20 +84,17 @@ struct Stretch {
     length: Mm,
     /// Content of the stretch.
     content: Mm2,
-    /// True if all of it lies in a [`TIP`].
-    tip: bool,
 }
 
 impl Stretch {
-    /// A straight ramp from a place and a width to others, in a tip or not.
-    fn ramp([a, b]: [DVec2; 2], [from, to]: [Mm; 2], tip: bool) -> Stretch {
+    /// A straight ramp from a place and a width to others.
+    fn ramp([a, b]: [DVec2; 2], [from, to]: [Mm; 2]) -> Stretch {
         let length = a.distance(b);
         Stretch {
             low: from.min(to),
             high: from.max(to),
             length,
             content: 0.5 * (from + to) * length,
-            tip,
         }
     }
 
@@ -142,7 +111,6 @@ impl Stretch {
             high,
             length: self.length + other.length,
             content: self.content + other.content,
-            tip: self.tip && other.tip,
         }
     }
 
@@ -211,41 +179,26 @@ impl Slack {
 
     /// True if a stretch may have one width, or is too short to be divided.
     fn takes(&self, all: &Stretch) -> bool {
-        let (slack, short) = self.along(all, all.length);
-        all.high - all.low <= 2.0 * slack || all.length < short
-    }
-
-    /// Greatest error of the width of a piece of this length along a stretch, and
-    /// the length below which it is not cut.
-    fn along(&self, all: &Stretch, length: Mm) -> (Mm, Mm) {
-        let slack = self.at(all.low, length);
-        let step = all.high - all.low;
-        let steep = all.tip && step > STEEP_TIP * all.length;
-        match self.most {
-            Some(_) if steep => {
-                let slope = step / all.length.max(f64::MIN_POSITIVE);
-                let short = (TIP_STEP / slope).min(TIP_SHORTEST);
-                (slack + 2.0 * TIP_EDGE, short.max(self.short))
-            }
-            _ => (slack, self.short),
-        }
+        let slack = self.at(all.low, all.length);
+        all.high - all.low <= 2.0 * slack || all.length < self.short
     }
 
     /// Number of parts into which a ramp is cut, so that pieces can end in it.
     fn parts(&self, ramp: &Stretch) -> usize {
-        let parts = |(slack, short): (Mm, Mm)| {
+        let parts = |slack: Mm, short: Mm| {
             let all = (ramp.high - ramp.low) / (2.0 * slack);
             let most = (ramp.length / short).floor();
             all.ceil().min(most).max(1.0)
         };
-        let (long, short) = self.along(ramp, f64::INFINITY);
+        let long = self.at(ramp.low, f64::INFINITY);
         let count = match self.most {
-            None => parts((long, ENDS * short)),
+            None => parts(long, ENDS * self.short),
             // Parts may be so short that they have more slack.
             Some(_) => {
-                let count = parts(self.along(ramp, 0.0));
+                let short = self.at(ramp.low, 0.0);
+                let count = parts(short, self.short);
                 if ramp.length / count > FEW * ramp.low {
-                    parts((long, short))
+                    parts(long, self.short)
                 } else {
                     count
                 }
@@ -269,16 +222,9 @@ pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
     // The bead in parts, each from a point to the next one.
     let mut points = vec![bead.points[0]];
     let mut parts: Vec<Stretch> = Vec::new();
-    let (length, mut done) = (bead.length(), 0.0);
-    let thin = [0, bead.points.len() - 1]
-        .map(|end| !bead.closed && bead.width_at(end) < THIN_END * bead.width);
     for (i, (a, b)) in bead.segments().enumerate() {
         let widths = [bead.width_at(i), bead.width_at(i + 1)];
-        let before = done;
-        done += a.distance(b);
-        let tip =
-            (thin[0] && done <= TIP) || (thin[1] && length - before <= TIP);
-        let ramp = Stretch::ramp([a, b], widths, tip);
+        let ramp = Stretch::ramp([a, b], widths);
         // Without a length the width jumps.
         if ramp.length <= 0.0 {
             continue;
@@ -288,7 +234,7 @@ pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
             let [s, t] = [k, k + 1].map(|k| k as f64 / count as f64);
             let width = |t: f64| widths[0] + t * (widths[1] - widths[0]);
             let ends = [a.lerp(b, s), a.lerp(b, t)];
-            parts.push(Stretch::ramp(ends, [width(s), width(t)], tip));
+            parts.push(Stretch::ramp(ends, [width(s), width(t)]));
             points.push(ends[1]);
         }
     }
@@ -319,8 +265,8 @@ pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
         if bead.role.shows() {
             // The wide end of a steep ramp lies under the round end of the
             // piece beside it, so the narrow end matters.
-            let slack = slack.along(&all, all.length).0;
-            width = width.min(all.low + slack.max(STEEP));
+            let slack = slack.at(all.low, all.length).max(STEEP);
+            width = width.min(all.low + slack);
         }
         let mut stroke = Stroke::new(points, false, width);
         stroke.levels = level.repeat(stroke.points.len());
@@ -449,37 +395,6 @@ mod tests {
         let inner = nearest(Role::InnerWall);
         let gap = nearest(Role::GapFill);
         assert!(inner < 0.09 && gap > inner + 0.01, "{inner} {gap}");
-    }
-
-    #[test]
-    fn a_steep_tip_is_coarser_than_a_ramp_elsewhere() {
-        // From 0.5 mm down to 0.3 mm within 0.8 mm, in the middle or at the end.
-        let meant = |x: Mm| 0.5 - 0.25 * (x - 3.0).clamp(0.0, 0.8);
-        let cut = |end: Mm| {
-            let points = [0.0, 3.0, end.min(3.8), end].map(|x| DVec2::X * x);
-            let mut stroke = Stroke::new(points.to_vec(), false, 0.5);
-            stroke.widths = points.iter().map(|p| meant(p.x)).collect();
-            pieces_within(Bead::new(Role::OuterWall, stroke, 0.2), 0.005, 0.0)
-        };
-        let edges = |pieces: &[Bead]| {
-            let off = pieces.iter().flat_map(|p| {
-                let ends = [p.points[0].x, p.path().last().unwrap().x];
-                ends.map(|x| 0.5 * (p.width - meant(x)).abs())
-            });
-            off.fold(0.0, f64::max)
-        };
-        let (tip, ramp) = (cut(3.8), cut(6.0));
-        let of_ramp = ramp.iter().filter(|p| p.points[0].x < 3.79).count();
-        assert!(tip.len() < of_ramp, "{} {of_ramp}", tip.len());
-        assert!(edges(&ramp) <= 0.0051, "{}", edges(&ramp));
-        assert!(edges(&tip) <= 0.005 + TIP_EDGE + 1e-4, "{}", edges(&tip));
-        // An end that is not thin is no tip.
-        let wide = cut(3.4);
-        let last = |pieces: &[Bead]| pieces[pieces.len() - 1].length();
-        assert!(last(&wide) < 0.7 * last(&tip), "{}", last(&wide));
-        // What the pieces hold is what is meant.
-        let held: Mm2 = tip.iter().map(|p| p.width * p.length()).sum();
-        assert!((held - 3.0 * 0.5 - 0.8 * 0.4).abs() < 1e-9, "{held}");
     }
 
     #[test]
