@@ -12,7 +12,8 @@
 //! Where the part, or what the walls leave of it, is too thin for two walls
 //! side by side, one bead along its middle ([`ridge`]) takes their place, as
 //! wide as the place is thick. What is too thin even for that widens the walls
-//! beside it ([`mod@line`]). Extruded area per area of part stays the same. How
+//! beside it ([`mod@line`]), and so does an even strip that is too thin for a
+//! whole line ([`shared`]). Extruded area per area of part stays the same. How
 //! many beads lie side by side is decided along whole ridges ([`thin`]), and
 //! strokes go on in one another where they meet ([`joints`]).
 
@@ -30,6 +31,7 @@ pub(crate) mod patch;
 mod pocket;
 pub(crate) mod ridge;
 mod run;
+mod shared;
 mod shells;
 pub(crate) mod slit;
 mod thin;
@@ -51,8 +53,10 @@ use joints::Space;
 use line::{absorb, cut};
 use pocket::Left;
 use ridge::{Ridge, ridges};
+use shared::Sharing;
 use std::collections::HashSet;
 use thin::Counts;
+use widen::{HIDDEN, SEEN};
 
 /// Share of `accuracy` for the outline, and for an offset of it. A polygon's
 /// corners lie as far outside of a curve as the middles of its edges lie
@@ -433,6 +437,25 @@ fn laid(
         let skeleton = Skeleton::new(solid, counts.limit(), settings.accuracy);
         let nodes = skeleton.ends(counts.limit());
         let places = skeleton.thin_places(&counts, &nodes);
+        // The border of the filled area is not seen, so it may be coarser.
+        let left = if next == count {
+            settings.accuracy
+        } else {
+            tolerance
+        };
+        let depth = pair.iter().map(|plan| plan.inner).sum();
+        let rest = skeleton.shrunk(depth, left);
+        let sharing = Sharing::new(&pair[pair.len() - 1], &plans[next]);
+        // The outer wall is seen. Walls of supports are as thin as can be. Wide
+        // closed walls that follow the surface would end higher or lower than
+        // they begin, by up to 0.03 mm.
+        let shares =
+            next == count && count > 1 && seen && settings.contour_z.is(0.0);
+        let strips = if shares {
+            sharing.strips(&rest, settings.accuracy)
+        } else {
+            Vec::new()
+        };
         let mut depth = 0.0;
         for (k, plan) in pair.iter().enumerate() {
             // Only the outer wall is seen.
@@ -454,12 +477,17 @@ fn laid(
                 );
             }
             depth += plan.inner;
-            let slivers = places.slivers(2 * k + 2, depth);
+            let mut slivers = places.slivers(2 * k + 2, depth);
+            let mut slope = SEEN;
+            if k + 1 == pair.len() && !strips.is_empty() {
+                slivers.extend(sharing.shares(&strips));
+                slope = HIDDEN;
+            }
             let away = plan.inner - plan.centre;
             // The ridges that the widths follow are found to a share of the
             // accuracy.
             let fine = 0.4 * settings.accuracy;
-            let walls = absorb(walls, &slivers, away, fine);
+            let walls = absorb(walls, &slivers, away, fine, slope);
             let [walls, beads] = match lines.last() {
                 Some(outside) => {
                     let width = plans[lines.len() - 1].width;
@@ -491,13 +519,7 @@ fn laid(
             });
             thin.push(beads);
         }
-        // The border of the filled area is not seen, so it may be coarser.
-        let left = if next == count {
-            settings.accuracy
-        } else {
-            tolerance
-        };
-        area = skeleton.shrunk(depth, left);
+        area = sharing.without(&rest, &strips);
         if let Some(above) = above.filter(|_| next == around_tops) {
             divided = divide(&area, above);
             if let Some(divided) = &divided {

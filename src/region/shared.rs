@@ -1,0 +1,574 @@
+//! Even strips of what the walls leave, which the walls beside them take in.
+//!
+//! ```text
+//!   ━━━━━━━━━━━━━━━━━━━━━━   A part of 2 mm has room for four lines and a
+//!   ══════════════════════   narrow bead. Where it is as thick over some
+//!   ┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄   length, the inner walls on both sides become
+//!   ══════════════════════   wider and share the place of the bead: four
+//!   ━━━━━━━━━━━━━━━━━━━━━━   strokes take less time than five.
+//! ```
+//!
+//! Only strips of even thickness are shared. Where the thickness changes, a
+//! narrow bead does so more quickly than walls on both sides of it, and wall
+//! and bead would take turns along a lattice's struts.
+//!
+//! In: the area that the walls leave, and how its lines are laid. Out: the
+//! strips that are shared, as ridges, and what is left without them.
+
+use super::Lay;
+use super::ridge::{Ridge, ridges};
+use super::widen::across;
+use super::{cell, shrink};
+use crate::bead::Stroke;
+use crate::plane::clip::difference;
+use crate::plane::{Area, Solid, edges};
+use crate::units::{Mm, Mm2};
+use glam::DVec2;
+
+/// Length over which a strip has to be even, in lines.
+const LONG: f64 = 10.0;
+/// By how much its thickness may vary over this length, in lines.
+const EVEN: f64 = 0.1;
+/// Longest place between even ones at which the thickness may differ, in lines:
+/// as in a corner.
+const CORNER: f64 = 5.0;
+/// By how much a strip may pass its bound if it is below it elsewhere, so that
+/// a thickness that drifts does not chop beads.
+const STAY: f64 = 1.12;
+/// Thickness below which a strip is none, in lines.
+const NOTHING: f64 = 0.1;
+/// Distance of the places at which a strip is looked at, in lines.
+const STEP: f64 = 0.5;
+/// Distance of the places at which strips are looked for, in lines.
+const LOOK: f64 = 2.0;
+/// Distance by which the area of a strip is larger than the strip on each side,
+/// mm: the borders of what is left are thinned.
+const SLACK: Mm = 0.02;
+/// Pieces of what is left are looked at if they are smaller than this, mm²:
+/// some are remains that no bead fits into.
+const SMALL: Mm2 = 1.0;
+
+/// What is shared, as thicknesses.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sharing {
+    /// Width of a line.
+    line: Mm,
+    /// Thickness below which the walls take everything in anyway.
+    taken: Mm,
+    /// Thickness up to which a strip is shared: a whole line does not fit.
+    whole: Mm,
+    /// Thickness that two walls can take in before they are too wide.
+    most: Mm,
+}
+
+impl Sharing {
+    /// What two sides of a wall share before `line` fits between them.
+    pub(super) fn new(wall: &Lay, line: &Lay) -> Sharing {
+        let most = 2.0 * (wall.limit + wall.extra - wall.width);
+        Sharing {
+            line: line.width,
+            taken: line.least,
+            whole: line.inner.min(most),
+            most,
+        }
+    }
+
+    /// The greatest thickness at which an even strip goes on.
+    fn stays(&self) -> Mm {
+        (STAY * self.whole).min(self.most)
+    }
+
+    /// The greatest thickness of a corner. What the walls cannot take in there
+    /// is less than a tenth of them.
+    fn corner(&self) -> Mm {
+        STAY * self.most
+    }
+
+    /// The strips of an area that are shared.
+    pub(super) fn strips(&self, area: &Area, tolerance: Mm) -> Vec<Ridge> {
+        if area.is_empty() || self.whole <= self.taken {
+            return Vec::new();
+        }
+        let solid = Solid::of(area, cell(area));
+        if !self.may_have_strips(&solid) {
+            return Vec::new();
+        }
+        let (all, _) = ridges(&solid, self.corner(), tolerance);
+        let strips = all.iter().flat_map(|ridge| self.even(ridge));
+        strips.filter(|s| s.thickest() > self.taken).collect()
+    }
+
+    /// What the walls beside strips take in of them.
+    pub(super) fn shares(&self, strips: &[Ridge]) -> Vec<Ridge> {
+        let mut shares = strips.to_vec();
+        let all = shares.iter_mut().flat_map(|s| &mut s.thickness);
+        all.for_each(|t| *t = t.min(self.most));
+        shares
+    }
+
+    /// False if an area has no strips. A few places along the border tell: the
+    /// area of a lattice has many ridges, which take long to find.
+    fn may_have_strips(&self, solid: &Solid<'_>) -> bool {
+        // Without the places at which a strip begins and ends.
+        let long = (LONG - 2.0 * LOOK) * self.line;
+        let even = EVEN * self.line + SLACK;
+        solid.area().rings.iter().any(|ring| {
+            crate::limits::check();
+            // The length of an even stretch, and its thicknesses.
+            let mut stretch = None;
+            let mut next = 0.0;
+            // A stretch may go on at the ring's beginning.
+            let twice = edges(ring).chain(edges(ring));
+            let mut at = 0.0;
+            for (a, b) in twice {
+                let length = a.distance(b);
+                let left = (b - a).perp().normalize_or_zero();
+                while next < at + length {
+                    let p = a.lerp(b, (next - at) / length);
+                    let (begin, low, high) =
+                        stretch.unwrap_or((next, f64::INFINITY, 0.0));
+                    stretch = self.thickness(p, left, solid).map(|t| {
+                        let (low, high) = (t.min(low), t.max(high));
+                        if high - low <= even {
+                            (begin, low, high)
+                        } else {
+                            (next, t, t)
+                        }
+                    });
+                    if stretch.is_some_and(|s| next - s.0 >= long) {
+                        return true;
+                    }
+                    next += LOOK * self.line;
+                }
+                at += length;
+            }
+            false
+        })
+    }
+
+    /// The thickness of an area at a place on its border, if it is that of a
+    /// strip. The area is to the `left`.
+    fn thickness(
+        &self,
+        p: DVec2,
+        left: DVec2,
+        solid: &Solid<'_>,
+    ) -> Option<Mm> {
+        let most = self.stays() + SLACK;
+        // From here the other side of a strip is nearer than this one.
+        let other = p + most * left;
+        let (_, q) = solid.grid().nearest_edge(other, most - SLACK)?;
+        let t = (q - p).dot(left);
+        (SLACK..=most).contains(&t).then_some(t)
+    }
+
+    /// The strips along a ridge.
+    fn even(&self, ridge: &Ridge) -> Vec<Ridge> {
+        let mut places = places(ridge, STEP * self.line);
+        self.mark(&mut places, ridge.closed);
+        // The places of a closed line begin where a strip does.
+        let n = places.len();
+        let begins =
+            |k: &usize| places[*k].even && !places[(*k + n - 1) % n].even;
+        if ridge.closed
+            && let Some(first) = (0..n).find(begins)
+        {
+            places.rotate_left(first);
+        }
+        self.bridge(&mut places, ridge.closed);
+        if places.iter().all(|p| p.even) {
+            let sure = places.iter().any(|p| p.sure);
+            let all = sure.then(|| strip(&places, ridge.closed));
+            return all.into_iter().collect();
+        }
+        if ridge.closed
+            && let Some(first) = places.iter().position(|p| !p.even)
+        {
+            places.rotate_left(first);
+        }
+        let pieces = places.chunk_by(|a, b| a.even == b.even);
+        pieces
+            .filter(|all| all[0].even && all.iter().any(|p| p.sure))
+            .map(|all| strip(all, false))
+            .collect()
+    }
+
+    /// Marks the places of stretches that are long and even.
+    fn mark(&self, places: &mut [Place], closed: bool) {
+        let n = places.len();
+        let range = NOTHING * self.line..=self.stays();
+        for first in 0..n {
+            let mut length = 0.0;
+            let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+            let end = if closed { first + n } else { n };
+            for k in first..end {
+                let place = places[k % n];
+                low = low.min(place.thickness);
+                high = high.max(place.thickness);
+                if !range.contains(&place.thickness)
+                    || high - low > EVEN * self.line
+                {
+                    break;
+                }
+                if k > first {
+                    length += place.at.distance(places[(k - 1) % n].at);
+                }
+                if length >= LONG * self.line {
+                    for j in first..=k {
+                        places[j % n].even = true;
+                        places[j % n].sure |= high <= self.whole;
+                    }
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Marks short places between even ones, if walls can take them in. A
+    /// closed line begins with an even place.
+    fn bridge(&self, places: &mut [Place], closed: bool) {
+        let n = places.len();
+        let range = NOTHING * self.line..=self.corner();
+        let mut first = 0;
+        while first < n {
+            let even = places[first].even;
+            let same = places[first..].iter().take_while(|p| p.even == even);
+            let next = first + same.count();
+            let between = first > 0 && (next < n || closed);
+            if !even && between {
+                let gap = first - 1..next;
+                let length: Mm = gap
+                    .map(|k| places[k].at.distance(places[(k + 1) % n].at))
+                    .sum();
+                let gap = &mut places[first..next];
+                if length <= CORNER * self.line
+                    && gap.iter().all(|p| range.contains(&p.thickness))
+                {
+                    gap.iter_mut().for_each(|p| p.even = true);
+                }
+            }
+            first = next;
+        }
+    }
+
+    /// What is left of an area without its strips.
+    pub(super) fn without(&self, area: &Area, strips: &[Ridge]) -> Area {
+        if strips.is_empty() {
+            return area.clone();
+        }
+        let taken = strips.iter().flat_map(borders).collect();
+        let prints = |part: &Area| {
+            part.content() > SMALL
+                || !shrink(part, 0.5 * self.taken, SLACK).is_empty()
+        };
+        let left = difference(area, &taken).islands();
+        let left = left.into_iter().filter(prints);
+        left.flat_map(|part| part.rings).collect()
+    }
+}
+
+/// A place on a ridge.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    at: DVec2,
+    thickness: Mm,
+    /// True in a strip.
+    even: bool,
+    /// True where the strip alone would be shared.
+    sure: bool,
+}
+
+/// Places along a ridge that are no farther than `step` from each other.
+fn places(ridge: &Ridge, step: Mm) -> Vec<Place> {
+    let n = ridge.points.len();
+    let segments = if ridge.closed { n } else { n.saturating_sub(1) };
+    let place = |at, thickness| Place {
+        at,
+        thickness,
+        even: false,
+        sure: false,
+    };
+    let mut places = Vec::new();
+    for k in 0..segments {
+        let next = (k + 1) % n;
+        let (a, b) = (ridge.points[k], ridge.points[next]);
+        let (v, w) = (ridge.thickness[k], ridge.thickness[next]);
+        let count = (a.distance(b) / step).ceil().clamp(1.0, 1e6);
+        places.extend((0..count as usize).map(|i| {
+            let t = i as f64 / count;
+            place(a.lerp(b, t), v + t * (w - v))
+        }));
+    }
+    if !ridge.closed
+        && let (Some(p), Some(t)) =
+            (ridge.points.last(), ridge.thickness.last())
+    {
+        places.push(place(*p, *t));
+    }
+    places
+}
+
+/// A strip through places.
+fn strip(places: &[Place], closed: bool) -> Ridge {
+    Ridge {
+        points: places.iter().map(|p| p.at).collect(),
+        thickness: places.iter().map(|p| p.thickness).collect(),
+        closed,
+    }
+}
+
+/// The border of a strip: one ring, or two if the strip is closed.
+fn borders(strip: &Ridge) -> Vec<Vec<DVec2>> {
+    let way = Stroke::new(strip.points.clone(), strip.closed, 0.0);
+    let side = |sign: f64| -> Vec<DVec2> {
+        let all = strip.points.iter().zip(&strip.thickness).enumerate();
+        all.map(|(k, (p, t))| *p + sign * (0.5 * t + SLACK) * across(&way, k))
+            .collect()
+    };
+    let (left, mut right) = (side(1.0), side(-1.0));
+    right.reverse();
+    if strip.closed {
+        return vec![left, right];
+    }
+    right.extend(left);
+    vec![right]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bead::{cross_section, spacing};
+    use crate::plane::shapes::{circle, rect};
+    use crate::region::patch::concentric;
+    use crate::region::{Walls, walls};
+    use crate::settings::Settings;
+    use std::f64::consts::{PI, TAU};
+
+    const HEIGHT: Mm = 0.2;
+    const WIDTH: Mm = 0.45;
+    /// Radius of the middle of a ring.
+    const RADIUS: Mm = 30.0;
+
+    /// A ring whose thickness depends on the angle.
+    fn ring(thickness: impl Fn(f64) -> Mm) -> Area {
+        let n = 4000;
+        let side = |sign: f64| -> Vec<DVec2> {
+            let angles = (0..n).map(|k| TAU * f64::from(k) / f64::from(n));
+            let radius = |a: f64| RADIUS + sign * 0.5 * thickness(a);
+            angles.map(|a| DVec2::from_angle(a) * radius(a)).collect()
+        };
+        let mut inside = side(-1.0);
+        inside.reverse();
+        Area::from_iter([side(1.0), inside])
+    }
+
+    fn laid(part: &Area) -> Walls {
+        walls(part, None, HEIGHT, &Settings::default())
+    }
+
+    /// Radius and width of the strokes at an angle, from inside.
+    fn across_ring(strokes: &[&Stroke], angle: f64) -> Vec<(Mm, Mm)> {
+        let (out, left) = (DVec2::from_angle(angle), DVec2::from_angle(angle));
+        let left = left.perp();
+        let mut found = Vec::new();
+        for stroke in strokes {
+            for (k, (a, b)) in stroke.segments().enumerate() {
+                let (v, w) = (a.dot(left), b.dot(left));
+                if (v >= 0.0) != (w >= 0.0) && a.dot(out) > 0.0 {
+                    let t = v / (v - w);
+                    let widths = [k, k + 1].map(|i| stroke.width_at(i));
+                    let width = widths[0] + t * (widths[1] - widths[0]);
+                    found.push((a.lerp(b, t).dot(out), width));
+                }
+            }
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found
+    }
+
+    fn all(walls: &Walls) -> Vec<&Stroke> {
+        walls.lines.iter().chain(&walls.thin).flatten().collect()
+    }
+
+    /// Thickness up to which so many strokes lie side by side: two outer walls,
+    /// two inner ones, and rings that fill the rest.
+    fn most_of(strokes: usize) -> Mm {
+        let own = spacing(WIDTH, WIDTH, HEIGHT);
+        let extra = WIDTH - own;
+        let outer = WIDTH + own;
+        let (least, limit) = (0.6 * WIDTH - extra, 1.8 * WIDTH - extra);
+        match strokes {
+            0 | 1 => 1.8 * WIDTH,
+            2 => outer + least,
+            3 => outer + limit,
+            // What a whole line does not fit into is shared.
+            4 => outer + 3.0 * own,
+            n if n % 2 == 1 => outer + (n - 3) as f64 * own + limit,
+            n => outer + (n - 2) as f64 * own + least,
+        }
+    }
+
+    /// A strip of each thickness has just as many strokes as it should, and they
+    /// fill it exactly.
+    #[test]
+    fn strips_of_known_thickness_are_filled() {
+        let settings = Settings::default();
+        let plan = Lay::inside(WIDTH, HEIGHT, &settings);
+        for step in 0..=62 {
+            let thick = 0.9 + 0.05 * f64::from(step);
+            let walls = laid(&ring(|_| thick));
+            let fill = concentric(&walls.fill, plan, 0.001);
+            let strokes: Vec<&Stroke> =
+                all(&walls).into_iter().chain(&fill).collect();
+            let expected = (1..).find(|n| thick <= most_of(*n)).unwrap_or(0);
+            for angle in [0.1, 1.3, 2.9, 4.4] {
+                let found = across_ring(&strokes, angle);
+                assert_eq!(found.len(), expected, "{thick:.2}: {found:?}");
+                let section = |&(_, w): &(Mm, Mm)| cross_section(w, HEIGHT);
+                let laid: f64 = found.iter().map(section).sum();
+                // The surface's two round edges stay open.
+                let edges = HEIGHT * HEIGHT * (1.0 - 0.25 * PI);
+                let share = laid / (thick * HEIGHT - edges);
+                // Walls may overlap by 0.03 mm before they become narrower.
+                let more = if expected == 4 { 0.03 / thick } else { 0.0 };
+                let range = 0.995..1.005 + more;
+                assert!(range.contains(&share), "{thick:.2}: {share}");
+                for pair in found.windows(2) {
+                    let own: f64 = pair.iter().map(section).sum();
+                    let room = HEIGHT * (pair[1].0 - pair[0].0);
+                    assert!(0.5 * own / room < 1.1, "{thick:.2}: {found:?}");
+                }
+                // No wall is wider than a bead in a thin place.
+                let widest = found.iter().map(|f| f.1).fold(0.0, f64::max);
+                assert!(widest < 1.8 * WIDTH + 0.002, "{thick:.2}: {widest}");
+            }
+        }
+    }
+
+    /// The number of strokes all around a ring, and how often it changes.
+    fn numbers(part: &Area) -> (Vec<usize>, usize) {
+        let walls = laid(part);
+        let plan = Lay::inside(WIDTH, HEIGHT, &Settings::default());
+        let fill = concentric(&walls.fill, plan, 0.005);
+        let strokes: Vec<&Stroke> =
+            all(&walls).into_iter().chain(&fill).collect();
+        let angles = (0..900).map(|k| 0.001 + TAU * f64::from(k) / 900.0);
+        let found: Vec<usize> =
+            angles.map(|a| across_ring(&strokes, a).len()).collect();
+        let n = found.len();
+        let changes = (0..n).filter(|&k| found[k] != found[(k + 1) % n]);
+        let changes = changes.count();
+        (found, changes)
+    }
+
+    #[test]
+    fn a_thickness_that_drifts_changes_the_number_once() {
+        let bound = most_of(4);
+        // It wavers below the bound, quickly, and about it, slowly.
+        for (times, by, below) in [(60.0, 0.015, 0.02), (5.0, 0.04, 0.01)] {
+            let part = ring(|a| bound - below + by * (times * a).sin());
+            let (found, changes) = numbers(&part);
+            assert_eq!((found[0], changes), (4, 0), "{times}");
+        }
+        // It wavers about the bound so quickly that no long strip is below it.
+        let part = ring(|a| bound + 0.015 * (60.0 * a).sin());
+        assert_eq!(numbers(&part).1, 0);
+        // It drifts across the bound: there is one change each way.
+        let (found, changes) = numbers(&ring(|a| bound + 0.15 * a.sin()));
+        assert_eq!(changes, 2);
+        assert!(found.contains(&4) && found.contains(&5));
+        // Above the bound all around, nothing is shared.
+        let (found, changes) = numbers(&ring(|_| bound + 0.02));
+        assert_eq!((found[0], changes), (5, 0));
+    }
+
+    #[test]
+    fn only_even_strips_are_shared() {
+        let settings = Settings::default();
+        let plan = Lay::inside(WIDTH, HEIGHT, &settings);
+        let sharing = Sharing::new(&plan, &plan);
+        let strips = |part: &Area| sharing.strips(part, 0.005);
+        let length = |part: &Area| -> f64 {
+            strips(part).iter().map(Ridge::length).sum()
+        };
+        // The whole of a ring; what is left of it is nothing.
+        let even = ring(|_| 0.33);
+        let found = strips(&even);
+        assert_eq!(found.len(), 1);
+        assert!(found[0].closed);
+        assert!((found[0].length() - TAU * RADIUS).abs() < 0.1);
+        assert!(sharing.without(&even, &found).is_empty());
+        // A twelfth of it is thick, and stays.
+        let part = ring(|a| if a < TAU / 12.0 { 2.0 } else { 0.33 });
+        let found = strips(&part);
+        assert_eq!(found.len(), 1);
+        let arc = TAU * RADIUS * 11.0 / 12.0;
+        assert!((found[0].length() - arc).abs() < 1.5, "{found:?}");
+        let left = sharing.without(&part, &found).content();
+        assert!((left - TAU * RADIUS / 6.0).abs() < 1.0, "{left}");
+        // As on a gyroid: the thickness changes by a tenth of a line in 2 mm.
+        assert_eq!(length(&ring(|a| 0.33 + 0.06 * (20.0 * a).sin())), 0.0);
+        // Too thin, too thick, too short.
+        assert_eq!(length(&ring(|_| 0.2)), 0.0);
+        assert_eq!(length(&ring(|_| 0.42)), 0.0);
+        assert_eq!(length(&rect(0.0, 0.0, 4.0, 0.33)), 0.0);
+        assert!((length(&rect(0.0, 0.0, 8.0, 0.33)) - 7.7).abs() < 0.3);
+        assert_eq!(length(&Area::from(circle(5.0, 400))), 0.0);
+        // A wedge, as between the sides of a star's arm.
+        let wedge = [(0.0, 0.0), (20.0, -2.0), (20.0, 2.0)].map(DVec2::from);
+        assert_eq!(length(&Area::from(wedge.to_vec())), 0.0);
+    }
+
+    /// Of a frame's four lines and a little more the inner walls take all, in
+    /// corners as well.
+    #[test]
+    fn the_corners_of_a_frame_are_shared() {
+        let four = most_of(4) - spacing(WIDTH, WIDTH, HEIGHT);
+        let frame = |thick: f64| {
+            let inside = rect(thick, thick, 30.0 - thick, 20.0 - thick);
+            let part = difference(&rect(0.0, 0.0, 30.0, 20.0), &inside);
+            (laid(&part), part)
+        };
+        for more in [0.25, 0.3, 0.35] {
+            let (walls, part) = frame(four + more);
+            assert!(walls.fill.is_empty(), "{more}: {:?}", walls.fill);
+            assert!(walls.thin.iter().all(Vec::is_empty), "{more}");
+            assert_eq!(walls.lines.iter().map(Vec::len).sum::<usize>(), 4);
+            assert!(walls.gap < 0.01 * part.content(), "{more}: {}", walls.gap);
+            // The outer walls are as wide as ever, the inner ones no wider than
+            // a bead in a thin place.
+            assert!(walls.lines[0].iter().all(|l| l.widths.is_empty()));
+            let widths = || walls.lines[1].iter().flat_map(|l| &l.widths);
+            let widest = widths().copied().fold(0.0, f64::max);
+            assert!(widest < 1.8 * WIDTH + 0.002, "{more}: {widest}");
+            let meant = WIDTH + 0.5 * more;
+            let usual = widths().filter(|w| (*w - meant).abs() < 0.005);
+            assert!(usual.count() >= 8, "{more}: {:?}", walls.lines[1]);
+        }
+        let (walls, _) = frame(four + WIDTH);
+        assert!((walls.fill.content() - WIDTH * 92.0).abs() < 1.0);
+    }
+
+    #[test]
+    fn nothing_is_shared_where_walls_have_to_be_narrow_or_follow_faces() {
+        let part = ring(|_| 2.0);
+        let rest = |settings: Settings| {
+            walls(&part, None, HEIGHT, &settings).fill.content()
+        };
+        let usual = Settings::default();
+        assert_eq!(rest(usual.clone()), 0.0);
+        let narrow = Settings {
+            thin_max: 100.0,
+            ..usual.clone()
+        };
+        assert!(rest(narrow) > 50.0);
+        let follows = Settings {
+            contour_z: 100.0.into(),
+            ..usual.clone()
+        };
+        assert!(rest(follows) > 50.0);
+        // One wall is seen.
+        let one = Settings { walls: 1, ..usual };
+        assert!(rest(one) > 50.0);
+    }
+}
