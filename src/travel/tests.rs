@@ -238,19 +238,24 @@ fn between_supports_the_way_leads_over_what_is_not_printed_yet() {
     };
     let [left, right] = [-3.0, 23.0].map(|x| line(Role::Support, x));
     let supports = vec![left.clone(), right.clone()];
-    // The layer below is wider or narrower by a step on each side. Both steps
-    // together are narrower than a line, or show the ooze on a top or an underside.
-    let step = 0.5 * part.settings.outer_wall_width();
-    let steps = [0.0, 0.9 * step, 1.1 * step, 1.0];
-    for (step, shows) in steps.into_iter().zip([false, false, true, true]) {
-        for wider in [-step, step] {
-            let below = rect(-wider, 0.0, 20.0 + wider, 20.0);
-            let retracts = retracts(supports.clone(), Some(below));
-            assert_eq!(retracts, shows, "{wider}");
-        }
-    }
-    // On the bed it would show as well.
-    assert!(retracts(supports, None));
+    // The layer below is wider by a step on each side, and both steps together are
+    // tops that are narrower than a line, or it is narrower, and each step is an
+    // underside of up to two lines.
+    let line = part.settings.outer_wall_width();
+    let retracts_over = |wider: f64| {
+        let below = rect(-wider, 0.0, 20.0 + wider, 20.0);
+        retracts(supports.clone(), Some(below))
+    };
+    assert_eq!(
+        [0.0, 0.45, 0.55, 2.0].map(|n| retracts_over(n * line)),
+        [false, false, true, true]
+    );
+    assert_eq!(
+        [0.45, 0.9, 1.9, 2.1].map(|n| retracts_over(-n * line)),
+        [false, false, false, true]
+    );
+    // The first layer covers the bed as far as it reaches.
+    assert!(!retracts(supports, None));
     let below = || Some(rect(0.0, 0.0, 20.0, 20.0));
     // What is printed already is crossed with a retraction.
     let wall = line(Role::OuterWall, 19.0);
