@@ -14,45 +14,29 @@
 use super::jobs::{self, Job};
 use super::tour::{Stop, tour};
 use crate::bead::Bead;
+use crate::plane::Area;
 use crate::plane::nest::Nest;
-use crate::plane::{Area, Solid};
 use glam::DVec2;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Supports may come last if the part is in the way between no more of them than
-/// this: then two layers retract three times, and four times if supports come first
-/// in both.
-const WAYS: usize = 1;
+/// Supports in so many places may come last: with two places, two layers retract
+/// three times, and four times if supports come first in both.
+const PLACES: usize = 2;
 
 /// True if the supports of a layer with this number and outline come last.
 pub(crate) fn supports_last(
     number: usize,
-    outline: &Solid<'_>,
+    outline: &Area,
     supports: &[Bead],
 ) -> bool {
-    if number.is_multiple_of(2) || supports.is_empty() {
-        return false;
-    }
-    let mut in_order = Vec::with_capacity(supports.len());
-    print(supports.to_vec(), outline.area(), &mut None, &mut in_order);
-    !apart(outline, in_order.iter())
+    !number.is_multiple_of(2) && !apart(outline, supports)
 }
 
-/// True if the part, if it is printed before the supports, is in the way between
-/// many supports, which are in print order. So it is printed after them in each
-/// layer.
-pub(crate) fn apart<'b>(
-    outline: &Solid<'_>,
-    supports: impl Iterator<Item = &'b Bead>,
-) -> bool {
-    let mut ended = None;
-    let ways = supports.filter(|bead| {
-        let from = std::mem::replace(&mut ended, jobs::end(bead));
-        from.zip(bead.points.first()).is_some_and(|(from, to)| {
-            !outline.grid().crossings(from, *to).is_empty()
-        })
-    });
-    ways.take(WAYS + 1).count() > WAYS
+/// True if the part keeps supports apart in many places, so that it is printed
+/// after them in each layer.
+pub(crate) fn apart(outline: &Area, supports: &[Bead]) -> bool {
+    let places: BTreeSet<_> = places(outline, supports).into_iter().collect();
+    places.len() > PLACES
 }
 
 /// The place of the air beside the part in which each support begins. Two points
@@ -125,53 +109,20 @@ mod tests {
         outline
     }
 
-    /// Whether supports come last in the layers 3 and 4.
-    fn last(outline: &Area, at: &[(f64, f64)]) -> [bool; 2] {
-        let beads = at.iter().map(|&(x, y)| Bead {
-            points: vec![DVec2::new(x, y), DVec2::new(x, y + 0.5)],
-            ..support(x)
-        });
-        let beads: Vec<Bead> = beads.collect();
-        let outline = Solid::of(outline, 1.0);
-        [3, 4].map(|number| supports_last(number, &outline, &beads))
-    }
-
     #[test]
     fn supports_that_the_part_keeps_apart_are_printed_first() {
+        let outline = plate();
+        let last = |number: usize, at: &[f64]| {
+            let beads: Vec<Bead> = at.iter().map(|&x| support(x)).collect();
+            supports_last(number, &outline, &beads)
+        };
         // All beside the part, or in one or two holes: layers take turns.
         for at in [&[-3.0, -4.0][..], &[4.5, 5.5], &[5.0, 14.0, 15.0, 4.0]] {
-            let at: Vec<_> = at.iter().map(|&x| (x, 5.0)).collect();
-            assert_eq!(last(&plate(), &at), [true, false], "{at:?}");
+            assert!(last(3, at) && !last(4, at), "{at:?}");
         }
         for at in [&[5.0, 15.0, 25.0][..], &[-3.0, 5.0, 15.0]] {
-            let at: Vec<_> = at.iter().map(|&x| (x, 5.0)).collect();
-            assert_eq!(last(&plate(), &at), [false; 2], "{at:?}");
+            assert!(!last(3, at) && !last(4, at), "{at:?}");
         }
-        assert_eq!(last(&plate(), &[]), [false; 2]);
-    }
-
-    #[test]
-    fn supports_in_and_around_a_room_with_a_door_are_printed_first() {
-        // Three walls are 2 mm thick. The fourth side is open.
-        let room = Area::from(
-            [
-                (0.0, 0.0),
-                (2.0, 0.0),
-                (2.0, 18.0),
-                (18.0, 18.0),
-                (18.0, 0.0),
-                (20.0, 0.0),
-                (20.0, 20.0),
-                (0.0, 20.0),
-            ]
-            .map(DVec2::from)
-            .to_vec(),
-        );
-        let [inside, back] = [(10.0, 15.0), (10.0, 22.0)];
-        let [left, right] = [(-2.0, 10.0), (22.0, 10.0)];
-        assert_eq!(last(&room, &[inside, (10.0, -3.0)]), [true, false]);
-        assert_eq!(last(&room, &[inside, back]), [true, false]);
-        assert_eq!(last(&room, &[inside, back, left, right]), [false; 2]);
     }
 
     #[test]

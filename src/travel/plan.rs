@@ -85,8 +85,6 @@ pub(super) struct Planner<'a> {
     covered: OnceCell<Comb<'a>>,
     /// Ways beside the part.
     beside: OnceCell<Comb<'a>>,
-    /// True if the part keeps many of the layer's supports apart.
-    apart: OnceCell<bool>,
     /// How far travels keep from the outline where they can. At this distance a
     /// travel is inside all walls.
     clearance: Mm,
@@ -111,7 +109,6 @@ impl<'a> Planner<'a> {
             sparse: OnceCell::new(),
             covered: OnceCell::new(),
             beside: OnceCell::new(),
-            apart: OnceCell::new(),
             clearance,
             cover: Cover::new(&ground, settings),
             settings,
@@ -328,15 +325,16 @@ impl<'a> Planner<'a> {
     fn into_part(&self, a: DVec2, b: DVec2, next: usize) -> bool {
         let retract = &self.settings.retract;
         let apart = || {
-            let support = self.obstacles.beads()[..next].iter();
-            let support = support.filter(|bead| bead.role.is_support());
-            apart(self.ground.outline, support)
+            let beads = self.obstacles.beads()[..next].iter();
+            let supports = beads.filter(|bead| bead.role.is_support());
+            let supports: Vec<Bead> = supports.cloned().collect();
+            apart(self.ground.outline.area(), &supports)
         };
         retract.when_crossing
             && next == self.before_part
             && a.distance(b) <= retract.max_unretracted
-            && *self.apart.get_or_init(apart)
             && self.is_covered_later(a, b, next)
+            && apart()
     }
 
     /// True if nothing of the part is printed yet in this layer, and the way

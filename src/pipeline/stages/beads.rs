@@ -75,7 +75,7 @@ impl Stages<'_> {
             })?;
         }
         let support = self.support_beads(span)?;
-        let support_last = supports_last(number, outline, &support);
+        let support_last = supports_last(number, outline.area(), &support);
         let mut beads = LayerBeads {
             support,
             support_last,
