@@ -36,9 +36,11 @@ pub(crate) fn supports_last(
     supports: &[Bead],
     low: bool,
 ) -> bool {
-    !number.is_multiple_of(2)
-        && !apart(outline.area(), supports)
-        && !(low && supports.iter().any(|bead| is_near(outline, bead)))
+    let runs_into = || supports.iter().any(|bead| is_near(outline, bead));
+    let first = number.is_multiple_of(2)
+        || apart(outline.area(), supports)
+        || low && runs_into();
+    !first
 }
 
 /// True if a bead comes nearer to the part than [`NEAR`].

@@ -160,7 +160,7 @@ impl<'a> Planner<'a> {
         }
         let inside = before.is_some_and(of_part);
         if !inside && !self.ground.outline.grid().contains(a) {
-            let retract = !self.into_part(a, b, next);
+            let retract = !self.hidden_way_in(a, b, next);
             return Travel::straight(b, retract);
         }
         let direct = [a, b];
@@ -322,7 +322,7 @@ impl<'a> Planner<'a> {
     /// what oozes, and belongs to a layer with many supports that the part keeps
     /// apart. Such layers retract on the way to their first support, and elsewhere
     /// if they must.
-    fn into_part(&self, a: DVec2, b: DVec2, next: usize) -> bool {
+    fn hidden_way_in(&self, a: DVec2, b: DVec2, next: usize) -> bool {
         let retract = &self.settings.retract;
         let apart = || {
             let beads = self.obstacles.beads()[..next].iter();
