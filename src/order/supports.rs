@@ -14,8 +14,9 @@
 use super::jobs::{self, Job};
 use super::tour::{Stop, tour};
 use crate::bead::Bead;
-use crate::plane::Area;
 use crate::plane::nest::Nest;
+use crate::plane::{Area, Solid};
+use crate::units::Mm;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,17 +24,37 @@ use std::collections::{BTreeMap, BTreeSet};
 /// three times, and four times if supports come first in both.
 const PLACES: usize = 2;
 
-/// True if the supports of a layer with this number and outline come last.
+/// Supports that end below the top of their layer come first if they are nearer than
+/// this to the part, mm: else the nozzle would run into what is printed already.
+const NEAR: Mm = 0.1;
+
+/// True if the supports of a layer with this number and outline come last. `low` is
+/// true if they end below the top of the layer.
 pub(crate) fn supports_last(
     number: usize,
-    outline: &Area,
+    outline: &Solid<'_>,
     supports: &[Bead],
+    low: bool,
 ) -> bool {
-    if number.is_multiple_of(2) {
-        return false;
-    }
+    let runs_into = || supports.iter().any(|bead| is_near(outline, bead));
+    let first = number.is_multiple_of(2)
+        || apart(outline.area(), supports)
+        || low && runs_into();
+    !first
+}
+
+/// True if a bead comes nearer to the part than [`NEAR`].
+fn is_near(outline: &Solid<'_>, bead: &Bead) -> bool {
+    let near = 0.5 * bead.width + NEAR;
+    bead.segments()
+        .any(|(a, b)| !outline.grid().clear(a, b, near))
+}
+
+/// True if the part keeps supports apart in many places, so that it is printed
+/// after them in each layer.
+pub(crate) fn apart(outline: &Area, supports: &[Bead]) -> bool {
     let places: BTreeSet<_> = places(outline, supports).into_iter().collect();
-    places.len() <= PLACES
+    places.len() > PLACES
 }
 
 /// The place of the air beside the part in which each support begins. Two points
@@ -108,10 +129,11 @@ mod tests {
 
     #[test]
     fn supports_that_the_part_keeps_apart_are_printed_first() {
-        let outline = plate();
+        let plate = plate();
+        let outline = Solid::of(&plate, 1.0);
         let last = |number: usize, at: &[f64]| {
             let beads: Vec<Bead> = at.iter().map(|&x| support(x)).collect();
-            supports_last(number, &outline, &beads)
+            supports_last(number, &outline, &beads, false)
         };
         // All beside the part, or in one or two holes: layers take turns.
         for at in [&[-3.0, -4.0][..], &[4.5, 5.5], &[5.0, 14.0, 15.0, 4.0]] {
@@ -120,6 +142,18 @@ mod tests {
         for at in [&[5.0, 15.0, 25.0][..], &[-3.0, 5.0, 15.0]] {
             assert!(!last(3, at) && !last(4, at), "{at:?}");
         }
+    }
+
+    #[test]
+    fn low_supports_right_beside_the_part_are_printed_first() {
+        let outline = rect(0.0, 0.0, 40.0, 10.0);
+        let outline = Solid::of(&outline, 1.0);
+        let last = |apart: f64, low: bool| {
+            let beads = [support(-0.225 - apart)];
+            supports_last(3, &outline, &beads, low)
+        };
+        assert!(last(0.05, false) && last(0.15, false) && last(0.15, true));
+        assert!(!last(0.05, true));
     }
 
     #[test]

@@ -260,10 +260,10 @@ impl<'a> Supported<'a> {
             let deeper = match span.index == self.raft {
                 // Supports stand on the raft, so they reach down to it.
                 true => self.gap,
-                false if slice.deeper > 0.0 && standing() => slice.deeper,
+                false if slice.deeper != 0.0 && standing() => slice.deeper,
                 false => 0.0,
             };
-            if deeper > 0.0 {
+            if deeper != 0.0 {
                 // Lines of the usual width are wide enough for that height.
                 // Lines that fit into a thin place may not be.
                 let most = Settings::FLAT * bead.width;

@@ -291,7 +291,10 @@ impl Branch {
         let Parts {
             heights, outlines, ..
         } = step.parts;
-        let below = heights.gap_below(step.layer);
+        // A post that ends there begins in the layer above.
+        let above = heights.stands_on(step.layer + 1);
+        let mut below = heights.gap_below(step.layer);
+        below.end = below.end.max(above.map_or(0, |on| on + 1));
         let below = below.map(|k| crop(&outlines[k].rings, within));
         let below = below.reduce(|a, b| union(&a, &b));
         offset(&below.unwrap_or_default(), size.core, TOLERANCE)

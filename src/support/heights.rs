@@ -31,6 +31,8 @@ const FIRST: f64 = 0.6;
 /// Supports in another layer would be too thin below this share of the layer's
 /// height: the layer has none.
 const LEAST: f64 = 0.4;
+/// A gap below a support is as asked for if it is wider by no more than this, mm.
+const SLOPPY: Mm = 0.02;
 /// Greatest distance of a pad from the layer that it holds, mm, unless
 /// `support.z_gap` is less: the layer sags by that much.
 const SAG: Mm = 0.3;
@@ -145,7 +147,8 @@ impl Heights {
 
     /// The layer of the part on which a support in layer `j` can stand: the
     /// highest one whose top is at least `support.z_gap_bottom` below that
-    /// support. There is none right above the bed.
+    /// support, or the layer above it if thinner beads leave that gap more exactly.
+    /// There is none right above the bed.
     pub(crate) fn stands_on(&self, j: usize) -> Option<usize> {
         self.in_gap(j).start.checked_sub(1)
     }
@@ -154,7 +157,8 @@ impl Heights {
     /// `j` and what it stands on, so that the part keeps away from the support.
     pub(super) fn in_gap(&self, j: usize) -> Range<usize> {
         let lowest = self.bottom(j) - self.gap_bottom + ROUNDED;
-        self.spans[..j].partition_point(|span| span.top <= lowest)..j
+        let usual = self.spans[..j].partition_point(|span| span.top <= lowest);
+        usual + usize::from(self.is_thinner(j, usual))..j
     }
 
     /// The layers below layer `j`, from the one on which a support in layer `j`
@@ -163,17 +167,40 @@ impl Heights {
         self.stands_on(j).unwrap_or(j)..j
     }
 
+    /// True if beads in layer `j` that stand on the layer of the part with the
+    /// number `above` are thinner than others, and leave `support.z_gap_bottom`
+    /// below them. On the layer below it, the highest beads would leave more.
+    fn is_thinner(&self, j: usize, above: usize) -> bool {
+        let Some(on) = above.checked_sub(1) else {
+            return false;
+        };
+        let most = self.most.max(self.tops[j] - self.bottom(j));
+        let height =
+            |k: usize| self.tops[j] - self.gap_bottom - self.spans[k].top;
+        above < j
+            && height(on) > most + SLOPPY
+            && self.spans[above].top <= self.bottom(j) + ROUNDED
+            && height(above) >= LEAST * self.spans[j].height()
+    }
+
+    /// The layer of the part that is less than `support.z_gap_bottom` below usual
+    /// beads in layer `j`, while those that stand on it are thinner.
+    pub(super) fn stands_close(&self, j: usize) -> Option<usize> {
+        self.stands_on(j).filter(|_| self.deeper(j) < 0.0)
+    }
+
     /// By how much beads in layer `j` that stand on the part reach farther down
-    /// than other beads, so that no more than `support.z_gap_bottom` is left
-    /// below them.
+    /// than other beads, so that `support.z_gap_bottom` is left below them, or a
+    /// little more if they would be too high. It is less than 0 if they reach less
+    /// far down.
     pub(super) fn deeper(&self, j: usize) -> Mm {
         let Some(on) = self.stands_on(j) else {
             return 0.0;
         };
         let air = self.bottom(j) - self.gap_bottom - self.spans[on].top;
         let room = self.most - (self.tops[j] - self.bottom(j));
-        let deeper = air.min(room);
-        if deeper > ROUNDED { deeper } else { 0.0 }
+        let deeper = air.min(room.max(0.0));
+        if deeper.abs() > ROUNDED { deeper } else { 0.0 }
     }
 
     /// The layers of the part that lie beside supports in layer `j`.
@@ -251,6 +278,32 @@ mod tests {
                 let below = span.bottom - heights.deeper(j) - on.top;
                 assert!((below - gap).abs() < 1e-9, "{gap}: {below} under {j}");
             }
+        }
+    }
+
+    #[test]
+    fn thin_beads_stand_on_the_part_where_high_ones_would_be_too_high() {
+        // Layers of 0.3 mm, in which beads are up to 0.4 mm high.
+        let heights = heights(layers([0.3; 40]), 0.2);
+        for j in 4..35 {
+            let span = heights.span(j).unwrap();
+            let on = heights.stands_on(j).unwrap();
+            assert_eq!(heights.stands_close(j), Some(on));
+            let bottom = span.bottom - heights.deeper(j);
+            let air = bottom - heights.spans()[on].top;
+            assert!((air - 0.2).abs() < 1e-9, "{air} under {j}");
+            assert!((span.top - bottom - 0.2).abs() < 1e-9);
+            // Layers above that one are beside the support.
+            assert_eq!(heights.in_gap(j).start, on + 1);
+            assert_eq!(heights.beside(j).start, on + 1);
+        }
+        // Beads of 0.3 mm, and deeper ones of up to 0.4 mm, leave the gap.
+        for gap in [0.3, 0.25] {
+            let heights = super::tests::heights(layers([0.3; 40]), gap);
+            assert!(
+                (0..40).all(|j| heights.stands_close(j).is_none()),
+                "{gap}"
+            );
         }
     }
 

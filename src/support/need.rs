@@ -37,8 +37,9 @@ const SPECK: Mm = 0.15;
 const LINES: f64 = 400.0;
 /// Greatest angle between a rim and a line that runs along it.
 const ALONG: Degrees = 30.0;
-/// A line that runs along a rim comes nearer to it by no more than this, mm.
-/// The wall beside the rim, which keeps its distance, would end elsewhere.
+/// A line that runs along a rim comes nearer to it, and its ends are farther away
+/// than its middle, by no more than this, mm. The wall beside the rim, which keeps
+/// its distance, would lie elsewhere.
 const DRIFT: Mm = 0.1;
 
 /// What of a layer gets a support.
@@ -184,8 +185,9 @@ struct Rim<'a> {
 
 impl Rim<'_> {
     /// True if a wall is printed in the middle of a line and is no bridge there.
-    /// Such a wall runs across the line, or its own middle is in `below` or no
-    /// farther from it than `held`: then only its outer edge hangs in the air.
+    /// Such a wall runs across the line, or bends away from it as the rim does, or
+    /// its own middle is in `below` or no farther from it than `held`: then only its
+    /// outer edge hangs in the air.
     fn is_wall(&self, line: Segment, below: &EdgeGrid, held: Mm) -> bool {
         let of_outline = || EdgeGrid::new(self.outline, self.walls);
         let grid = self.grid.get_or_init(of_outline);
@@ -197,10 +199,15 @@ impl Rim<'_> {
         let along = (b - a).normalize_or_zero();
         let way = line.to - line.from;
         let [on, off] = [along.dot(way), along.perp_dot(way)].map(f64::abs);
-        let number = (middle.distance(at) / self.width).floor();
+        let depth = middle.distance(at);
+        let number = (depth / self.width).floor();
         let wall = at + (number + 0.5) * self.width * along.perp();
+        let near = depth + DRIFT;
+        let bends = |end: DVec2| grid.nearest_edge(end, near).is_none();
         on < ALONG.to_radians().cos() * way.length()
             || off > DRIFT
+            || bends(line.from)
+            || bends(line.to)
             || below.contains(wall)
             || below.nearest_edge(wall, held).is_some()
     }
@@ -348,6 +355,27 @@ mod tests {
         let exact = difference(&here, &offset(&below, held, 1e-3)).content();
         let found = of(&here, &below).content();
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
+    }
+
+    #[test]
+    fn a_wall_that_turns_round_the_end_of_a_slot_is_no_bridge() {
+        // The slot, whose end is round, is shorter by 0.6 mm in the layer above.
+        let plate = rect(-10.0, -5.0, 10.0, 5.0);
+        let slot = |end: f64| {
+            let turn = |k: i32| {
+                let angle = f64::from(k) * std::f64::consts::PI / 40.0;
+                DVec2::new(end - 0.5 * angle.sin(), 0.5 * angle.cos())
+            };
+            let open = [(9.0, -0.5), (9.0, 0.5)].map(DVec2::from);
+            let ring: Ring = (0..=40).map(turn).chain(open).collect();
+            difference(&plate, &unite(&Area::from(ring)))
+        };
+        let (here, below) = (slot(0.6), slot(0.0));
+        let held = held(0.2, &Settings::default());
+        let exact = difference(&here, &offset(&below, held, 1e-3)).content();
+        let found = of(&here, &below).content();
+        assert!(exact > 0.05, "{exact}");
+        assert!((found - exact).abs() < 0.03, "{found}, {exact}");
     }
 
     #[test]

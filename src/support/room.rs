@@ -201,22 +201,21 @@ impl<'a> Room<'a> {
     /// True if some of an area is no place for the middle of a branch that
     /// stands on `foot` in layer `j`.
     pub(super) fn meets(&self, j: usize, foot: Foot, area: &Area) -> bool {
-        let Some(&first) = area.rings.first().and_then(|r| r.first()) else {
-            return false;
-        };
+        let mut firsts = area.rings.iter().filter_map(|ring| ring.first());
         let grid = self.of(foot)[j].grid();
         let Rect { min, max } = area.bounds();
         // Far from borders all of it is in such a place, or nothing.
         if !grid.meets(Rect::new(min, max)) {
-            return grid.contains(first);
+            return firsts.next().is_some_and(|&first| grid.contains(first));
         }
         let mut edges = area.rings.iter().flat_map(|ring| edges(ring));
         let mut meets = false;
         grid.visit_box(min, max, |edge| {
             meets |= !meets && area.contains(grid.edge(edge).0);
         });
+        // One island may lie inside such a place, and another one outside.
         meets
-            || grid.contains(first)
+            || firsts.any(|&first| grid.contains(first))
             || edges.any(|(a, b)| !grid.crossings(a, b).is_empty())
     }
 
@@ -277,7 +276,7 @@ fn no_way_down(
 
 /// Distance in the plane of a support from the part in the layers above and
 /// below it, as far as the gaps in z reach, mm.
-const BESIDE: Mm = 0.05;
+pub(super) const BESIDE: Mm = 0.05;
 
 /// How far the middle of a branch is from its side, with the tolerance of the
 /// offsets.
@@ -359,6 +358,10 @@ mod tests {
         assert!(meets(&rect(near - 0.05, -1.0, 13.0, 1.0)));
         assert!(meets(&rect(3.0, 3.0, 4.0, 4.0)));
         assert!(meets(&rect(-20.0, -20.0, 20.0, 20.0)));
+        // An island beside it, with one in it or without.
+        let far = rect(near + 1.0, -1.0, near + 2.0, 1.0);
+        let inner = rect(3.0, 3.0, 4.0, 4.0);
+        assert!(!meets(&far) && meets(&Area::from_iter([far, inner])));
         assert!(!meets(&Area::EMPTY));
     }
 }

@@ -17,11 +17,13 @@
 
 use super::parts::Parts;
 use super::pieces::Piece;
+use super::room::BESIDE;
 use super::slice::Slice;
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, intersection, union, unite};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Ring};
+use crate::region::neighbour::Neighbour;
 use crate::settings::{Settings, Supports};
 use crate::units::Mm2;
 use glam::DVec2;
@@ -56,14 +58,22 @@ pub(super) fn settled(
             slices.push(slice);
             continue;
         }
-        let mut stays = Vec::with_capacity(pieces.len());
-        for mut piece in pieces {
-            let on_support = below.as_ref().is_none_or(|below| {
+        let on_support = |piece: &Piece| {
+            below.as_ref().is_none_or(|below| {
                 let near =
                     below.iter().filter(|b| b.bounds.meets(piece.bounds));
                 rests_on(piece.all(), near.flat_map(|b| &b.all().rings))
-            });
-            if !on_support {
+            })
+        };
+        let close = parts.heights.stands_close(j);
+        let close = close.map(|on| Neighbour::new(&parts.outlines[on]));
+        let apart = |piece: Piece| match &close {
+            Some(on) if on_support(&piece) => without_close(piece, on),
+            _ => vec![piece],
+        };
+        let mut stays = Vec::with_capacity(pieces.len());
+        for mut piece in pieces.into_iter().flat_map(apart) {
+            if !on_support(&piece) {
                 // Supports from the plate do not stand on the part.
                 if settings.supports != Supports::Auto
                     || !stands(piece.all(), j, parts)
@@ -77,7 +87,7 @@ pub(super) fn settled(
                     piece = step;
                 }
                 let deeper = parts.heights.deeper(j);
-                if deeper > 0.0 {
+                if deeper != 0.0 {
                     slice.deeper = deeper;
                     slice.standing.rings.extend_from_slice(&piece.all().rings);
                 }
@@ -93,6 +103,22 @@ pub(super) fn settled(
         slices.push(slice);
     }
     slices
+}
+
+/// A piece that rests on supports, parted from what lies over `close`, a layer of the
+/// part that is too near below for beads of the usual height.
+fn without_close(piece: Piece, close: &Neighbour<'_>) -> Vec<Piece> {
+    let near = close.within(piece.bounds.grown(2.0 * BESIDE));
+    if near.is_empty() {
+        return vec![piece];
+    }
+    let close = offset(&near, BESIDE, TOLERANCE);
+    let [over, rest] = [intersection, difference].map(|of| {
+        let islands = of(piece.all(), &close).islands().into_iter();
+        islands.filter(|i| i.content() > SPECK).collect::<Vec<_>>()
+    });
+    let all = over.iter().chain(&rest);
+    all.map(|island| piece.within(island)).collect()
 }
 
 /// True if an island of support in layer `j` has enough of the part below it to
@@ -211,6 +237,54 @@ mod tests {
         }
         assert_eq!(rests(&roof, &rect(19.0, 19.0, 20.0, 19.4)), (true, false));
         assert!(!rests(&roof, &Area::EMPTY).0);
+    }
+
+    #[test]
+    fn thin_beads_stand_on_the_part_beside_supports_that_go_on_down() {
+        let settings = Settings {
+            supports: Supports::Auto,
+            ..Settings::default()
+        };
+        // A block of three layers of 0.3 mm ends at x = 0. A support of 4 mm, half
+        // over the block, begins in layer 4, 0.1 mm above it. The gap is 0.2 mm.
+        let heights = Heights::new(LayerSpan::stack(0.3, 8), &settings);
+        assert_eq!(heights.stands_close(4), Some(2));
+        let block = |k: usize| match k {
+            0..3 => rect(-9.0, -9.0, 0.0, 9.0),
+            _ => Area::EMPTY,
+        };
+        let outlines: Vec<Area> = (0..8).map(block).collect();
+        let none = vec![Area::EMPTY; 8];
+        let parts = Parts::in_layers(&heights, &outlines, &none);
+        let of = |j: usize| match j {
+            0..4 => rect(0.5, -2.0, 2.0, 2.0),
+            4 | 5 => rect(-2.0, -2.0, 2.0, 2.0),
+            _ => Area::EMPTY,
+        };
+        let areas = (0..8).map(of).collect();
+        let all = pieces(parts, &none, areas, &Area::EMPTY, &settings);
+        let slices = settled(parts, all, &settings);
+        let [lower, upper] = [&slices[4], &slices[5]];
+        assert!((lower.deeper + 0.1).abs() < 1e-9, "{}", lower.deeper);
+        let standing = lower.standing.content();
+        assert!((standing - 8.0).abs() < 0.01, "{standing}");
+        let beside = 4.0 * (2.0 - BESIDE);
+        assert!((lower.area().content() - 8.0 - beside).abs() < 0.02);
+        // Supports from the plate keep off the block.
+        let all = pieces(
+            parts,
+            &none,
+            (0..8).map(of).collect(),
+            &Area::EMPTY,
+            &settings,
+        );
+        let plate = Settings {
+            supports: Supports::Plate,
+            ..settings
+        };
+        let lower = settled(parts, all, &plate)[4].area();
+        assert!((lower.content() - beside).abs() < 0.01);
+        assert!(upper.standing.is_empty() && upper.deeper == 0.0);
     }
 
     #[test]

@@ -12,9 +12,10 @@ pub(crate) struct Slice {
     /// The area with dense lines, because something is right above it.
     pub interface: Area,
     /// The islands that stand on the part, if their beads reach farther down
-    /// than others.
+    /// than others, or less far.
     pub standing: Area,
-    /// How much farther down the beads of [`Slice::standing`] reach, mm.
+    /// How much farther down the beads of [`Slice::standing`] reach, mm. It is less
+    /// than 0 if they reach less far.
     pub deeper: Mm,
 }
 

@@ -81,6 +81,11 @@ impl<'a> Obstacles<'a> {
         }
     }
 
+    /// The layer's beads, in print order.
+    pub(super) fn beads(&self) -> &'a [Bead] {
+        self.beads
+    }
+
     /// True if every part of the way through `points` lies over sparse infill,
     /// except for a line's width at either end. It is true for no points, and
     /// for one point over sparse infill.

@@ -5,7 +5,8 @@
 //!
 //! 1. straight, if the way is too short for a retraction, or hidden;
 //! 2. from support to support, straight over the part where this layer will cover
-//!    what oozes, or else round the part;
+//!    what oozes, or else round the part; so too from one of many supports to the
+//!    part's first bead;
 //! 3. over sparse infill, which hides the way;
 //! 4. inside the island, round its holes and notches, if the straight way leads
 //!    over what shows;
@@ -16,6 +17,7 @@ use super::comb::Comb;
 use super::decide::Obstacles;
 use super::{Ground, Travel, gate, of_part, wipe};
 use crate::bead::Bead;
+use crate::order::apart;
 use crate::plane::clip::intersection;
 use crate::plane::{Area, Solid, path_length};
 use crate::settings::{Combing, Hidden, HopWhen, Settings};
@@ -37,6 +39,11 @@ const MUCH_INFILL: f64 = 0.25;
 /// `retract.max_unretracted`. What oozes there is broken off with the supports,
 /// and what is missing then is missing in a support.
 const BETWEEN_SUPPORTS: f64 = 2.0;
+
+/// An underside may get what oozes on a way across it if it is no wider than so
+/// many lines. It is the underside of the outermost walls then, and a support
+/// below it takes off what hangs down.
+const UNDERSIDE: f64 = 2.0;
 
 /// What hides travels in a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,7 +160,8 @@ impl<'a> Planner<'a> {
         }
         let inside = before.is_some_and(of_part);
         if !inside && !self.ground.outline.grid().contains(a) {
-            return Travel::straight(b, true);
+            let retract = !self.hidden_way_in(a, b, next);
+            return Travel::straight(b, retract);
         }
         let direct = [a, b];
         if self.hidden(&direct, next) {
@@ -310,29 +318,57 @@ impl<'a> Planner<'a> {
         (path_length(&way, false) <= longest).then_some(way)
     }
 
+    /// True if a way leads straight from supports to the part's first bead, hides
+    /// what oozes, and belongs to a layer with many supports that the part keeps
+    /// apart. Such layers retract on the way to their first support, and elsewhere
+    /// if they must.
+    fn hidden_way_in(&self, a: DVec2, b: DVec2, next: usize) -> bool {
+        let retract = &self.settings.retract;
+        let apart = || {
+            let beads = self.obstacles.beads()[..next].iter();
+            let supports = beads.filter(|bead| bead.role.is_support());
+            let supports: Vec<Bead> = supports.cloned().collect();
+            apart(self.ground.outline.area(), &supports)
+        };
+        retract.when_crossing
+            && next == self.before_part
+            && a.distance(b) <= retract.max_unretracted
+            && self.is_covered_later(a, b, next)
+            && apart()
+    }
+
     /// True if nothing of the part is printed yet in this layer, and the way
     /// straight to the start of the `next`th bead leads over the part only where
-    /// this layer lies on the layer below. What oozes there lies between the two.
-    /// Elsewhere it would be seen on a top of the layer below, or on an underside of
-    /// this one. Small supports that stand apart would else retract the same
-    /// filament again and again, which grinds it.
+    /// this layer lies on the bed or on the layer below. What oozes there lies
+    /// between the two. Elsewhere it would be seen on a top of the layer below, or
+    /// on an underside of this one. Small supports that stand apart would else
+    /// retract the same filament again and again, which grinds it.
     fn is_covered_later(&self, a: DVec2, b: DVec2, next: usize) -> bool {
-        let below = self.ground.below.filter(|_| next < self.before_part);
-        let Some(below) = below else {
+        if next > self.before_part {
             return false;
+        }
+        let Some(below) = self.ground.below else {
+            return true;
         };
         let (here, below) = (self.ground.outline.grid(), below.grid());
         let mut ends = here.crossings(a, b);
         ends.extend(below.crossings(a, b));
         ends.extend([0.0, 1.0]);
         ends.sort_by(f64::total_cmp);
-        let seen = ends.windows(2).filter(|ends| {
+        let way = a.distance(b);
+        let (mut tops, mut widest) = (0.0, 0.0_f64);
+        for ends in ends.windows(2) {
             let middle = a.lerp(b, ends[0].midpoint(ends[1]));
-            here.contains(middle) != below.contains(middle)
-        });
-        let seen: f64 = seen.map(|ends| ends[1] - ends[0]).sum();
-        // Steps that are narrower than a line stay free: what oozes spans them.
-        seen * a.distance(b) <= self.settings.outer_wall_width()
+            let length = way * (ends[1] - ends[0]);
+            match (here.contains(middle), below.contains(middle)) {
+                (false, true) => tops += length,
+                (true, false) => widest = widest.max(length),
+                _ => {}
+            }
+        }
+        // Tops that are narrower than a line stay free: what oozes spans them.
+        let line = self.settings.outer_wall_width();
+        tops <= line && widest <= UNDERSIDE * line
     }
 
     /// Ways beside the part: inside a frame around the layer, in which the part

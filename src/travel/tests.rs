@@ -1,7 +1,7 @@
 use super::*;
 use crate::bead::Role;
 use crate::bead::Stroke;
-use crate::plane::clip::union;
+use crate::plane::clip::{difference, union};
 use crate::plane::shapes::rect;
 use crate::region::wall_depths;
 use crate::settings::{Combing, Hidden, HopWhen};
@@ -238,19 +238,24 @@ fn between_supports_the_way_leads_over_what_is_not_printed_yet() {
     };
     let [left, right] = [-3.0, 23.0].map(|x| line(Role::Support, x));
     let supports = vec![left.clone(), right.clone()];
-    // The layer below is wider or narrower by a step on each side. Both steps
-    // together are narrower than a line, or show the ooze on a top or an underside.
-    let step = 0.5 * part.settings.outer_wall_width();
-    let steps = [0.0, 0.9 * step, 1.1 * step, 1.0];
-    for (step, shows) in steps.into_iter().zip([false, false, true, true]) {
-        for wider in [-step, step] {
-            let below = rect(-wider, 0.0, 20.0 + wider, 20.0);
-            let retracts = retracts(supports.clone(), Some(below));
-            assert_eq!(retracts, shows, "{wider}");
-        }
-    }
-    // On the bed it would show as well.
-    assert!(retracts(supports, None));
+    // The layer below is wider by a step on each side, and both steps together are
+    // tops that are narrower than a line, or it is narrower, and each step is an
+    // underside of up to two lines.
+    let width = part.settings.outer_wall_width();
+    let retracts_over = |wider: f64| {
+        let below = rect(-wider, 0.0, 20.0 + wider, 20.0);
+        retracts(supports.clone(), Some(below))
+    };
+    assert_eq!(
+        [0.0, 0.45, 0.55, 2.0].map(|n| retracts_over(n * width)),
+        [false, false, true, true]
+    );
+    assert_eq!(
+        [0.45, 0.9, 1.9, 2.1].map(|n| retracts_over(-n * width)),
+        [false, false, false, true]
+    );
+    // The first layer covers the bed as far as it reaches.
+    assert!(!retracts(supports, None));
     let below = || Some(rect(0.0, 0.0, 20.0, 20.0));
     // What is printed already is crossed with a retraction.
     let wall = line(Role::OuterWall, 19.0);
@@ -261,6 +266,48 @@ fn between_supports_the_way_leads_over_what_is_not_printed_yet() {
     assert!(!retracts(vec![skirt, left], None));
     let wall = line(Role::OuterWall, 19.0);
     assert!(retracts(vec![wall, right], below()));
+}
+
+/// Supports beside a plate and in two of its holes. From the last one the nozzle
+/// goes to the plate's first bead.
+#[test]
+fn from_many_supports_the_way_leads_into_the_part_without_a_retraction() {
+    let settings = Settings::default();
+    let plate = rect(0.0, 0.0, 40.0, 10.0);
+    let hole = |x: f64| rect(x - 1.5, 3.0, x + 1.5, 8.0);
+    let pierced = difference(&plate, &union(&hole(5.5), &hole(21.5)));
+    let outline = Solid::of(&pierced, 1.0);
+    let at = [-3.0, 5.5, 21.5];
+    let support = at.map(|x| rect(x - 1.0, 4.0, x + 1.0, 7.0));
+    let support = Solid::new(support.into_iter().collect());
+    let line = |role: Role, x: f64| {
+        let points = vec![DVec2::new(x, 5.0), DVec2::new(x, 5.5)];
+        Ended::from(Bead::new(role, Stroke::new(points, false, 0.4), 0.2))
+    };
+    let retracts = |at: &[f64], to: f64, below: &Area| {
+        let below = Solid::new(below.clone());
+        let ground = Ground {
+            support: Some(&support),
+            below: Some(&below),
+            outline: &outline,
+            sparse: &Solid::new(Area::EMPTY),
+            border: 0.8,
+            above: None,
+        };
+        let mut beads: Vec<Ended> =
+            at.iter().map(|&x| line(Role::Support, x)).collect();
+        beads.push(line(Role::InnerWall, to));
+        let path = connect(SPAN, beads, ground, None, DVec2::ZERO, &settings);
+        let mut travels = path.moves.into_iter().filter_map(|m| match m {
+            Move::Travel(travel) => Some(travel.retract),
+            Move::Print(_) => None,
+        });
+        travels.next_back().unwrap()
+    };
+    assert!(!retracts(&at, 25.0, &pierced));
+    // From two places, and over a top of the layer below.
+    assert!(retracts(&at[1..], 25.0, &pierced));
+    assert!(retracts(&at, 25.0, &plate));
 }
 
 #[test]

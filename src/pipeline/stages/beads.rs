@@ -75,7 +75,8 @@ impl Stages<'_> {
             })?;
         }
         let support = self.support_beads(span)?;
-        let support_last = supports_last(number, outline.area(), &support);
+        let low = self.has_low_supports(span);
+        let support_last = supports_last(number, outline, &support, low);
         let mut beads = LayerBeads {
             support,
             support_last,

@@ -26,6 +26,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// part's height. Outlines beyond that are found a second time.
 const KNOWN: usize = 800_000;
 
+/// Heights closer than this differ by rounding only, mm.
+const ROUNDED: Mm = 1e-6;
+
 impl<'a> Stages<'a> {
     /// Plans the supports of the whole part, `spans`. `fills` are the settings
     /// by which supports and their dense tops are filled. `room` is the part of
@@ -191,6 +194,12 @@ impl<'a> Stages<'a> {
     ) -> Option<Top> {
         let follows = self.settings.supports_follow();
         self.support()?.top(span, follows)
+    }
+
+    /// True if a layer's supports end below its top.
+    pub(super) fn has_low_supports(&self, span: &LayerSpan) -> bool {
+        let top = self.support().and_then(|support| support.top(span, false));
+        top.is_some_and(|top| top.span.top < span.top - ROUNDED)
     }
 
     /// Where supports stand on a layer, if its beads follow the surface.
