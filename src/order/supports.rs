@@ -1,8 +1,8 @@
 //! The order of a layer's supports, and whether they are printed before the part
 //! or after it.
 //!
-//! In: a layer's outline and the beads of its supports. Out: their order, and true
-//! if they are printed after the part.
+//! In: a layer's outline, the beads of its supports, and whether these end below the
+//! layer's top. Out: their order, and true if they are printed after the part.
 //!
 //! If layers take turns, the nozzle changes between part and supports once in a
 //! layer. But a way between supports that the part keeps apart leads over walls, and
@@ -24,30 +24,23 @@ use std::collections::{BTreeMap, BTreeSet};
 /// three times, and four times if supports come first in both.
 const PLACES: usize = 2;
 
-/// Supports that end below the top of their layer come first if they are nearer than
-/// this to the part, mm: else the nozzle would run into what is printed already.
-const NEAR: Mm = 0.1;
-
-/// True if the supports of a layer with this number and outline come last. `low` is
-/// true if they end below the top of the layer.
+/// True if the supports of a layer with this number and outline come last. Those that
+/// end below the top of the layer come first if the nozzle would run into the part
+/// otherwise: `low` is the radius of the nozzle's flat end in such a layer.
 pub(crate) fn supports_last(
     number: usize,
     outline: &Solid<'_>,
     supports: &[Bead],
-    low: bool,
+    low: Option<Mm>,
 ) -> bool {
-    let runs_into = || supports.iter().any(|bead| is_near(outline, bead));
+    let runs_into = |radius: Mm| {
+        let mut ways = supports.iter().flat_map(|bead| bead.segments());
+        ways.any(|(a, b)| !outline.grid().clear(a, b, radius))
+    };
     let first = number.is_multiple_of(2)
         || apart(outline.area(), supports)
-        || low && runs_into();
+        || low.is_some_and(runs_into);
     !first
-}
-
-/// True if a bead comes nearer to the part than [`NEAR`].
-fn is_near(outline: &Solid<'_>, bead: &Bead) -> bool {
-    let near = 0.5 * bead.width + NEAR;
-    bead.segments()
-        .any(|(a, b)| !outline.grid().clear(a, b, near))
 }
 
 /// True if the part keeps supports apart in many places, so that it is printed
@@ -133,7 +126,7 @@ mod tests {
         let outline = Solid::of(&plate, 1.0);
         let last = |number: usize, at: &[f64]| {
             let beads: Vec<Bead> = at.iter().map(|&x| support(x)).collect();
-            supports_last(number, &outline, &beads, false)
+            supports_last(number, &outline, &beads, None)
         };
         // All beside the part, or in one or two holes: layers take turns.
         for at in [&[-3.0, -4.0][..], &[4.5, 5.5], &[5.0, 14.0, 15.0, 4.0]] {
@@ -145,15 +138,14 @@ mod tests {
     }
 
     #[test]
-    fn low_supports_right_beside_the_part_are_printed_first() {
+    fn low_supports_come_first_if_the_nozzle_would_run_into_the_part() {
         let outline = rect(0.0, 0.0, 40.0, 10.0);
         let outline = Solid::of(&outline, 1.0);
-        let last = |apart: f64, low: bool| {
-            let beads = [support(-0.225 - apart)];
-            supports_last(3, &outline, &beads, low)
+        let last = |x: f64, low: Option<f64>| {
+            supports_last(3, &outline, &[support(x)], low)
         };
-        assert!(last(0.05, false) && last(0.15, false) && last(0.15, true));
-        assert!(!last(0.05, true));
+        assert!(last(-0.49, None) && last(-0.51, None));
+        assert!(last(-0.51, Some(0.5)) && !last(-0.49, Some(0.5)));
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! in, each taking half.
 
 use super::ridge::Ridge;
-use super::widen::{Station, across, widened};
+use super::widen::{SEEN, Station, across, widened};
 use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, edges};
@@ -298,14 +298,12 @@ pub(super) fn cut(
 }
 
 /// Widens the lines beside slivers. `away` is the distance of the lines from
-/// the border of the area that has the slivers as its ridges, `slope` the
-/// greatest change of a line's width along its way.
+/// the border of the area that has the slivers as its ridges.
 pub(super) fn absorb(
     lines: Vec<Stroke>,
     slivers: &[Ridge],
     away: Mm,
     tolerance: Mm,
-    slope: f64,
 ) -> Vec<Stroke> {
     if slivers.is_empty() {
         return lines;
@@ -315,7 +313,7 @@ pub(super) fn absorb(
     let index = RidgeIndex::new(slivers, reach);
     lines
         .into_iter()
-        .map(|line| widen(line, &index, away, [reach, tolerance, slope]))
+        .map(|line| widen(line, &index, away, reach, tolerance))
         .collect()
 }
 
@@ -323,10 +321,11 @@ fn widen(
     line: Stroke,
     index: &RidgeIndex<'_>,
     away: Mm,
-    [reach, tolerance, slope]: [f64; 3],
+    reach: Mm,
+    tolerance: Mm,
 ) -> Stroke {
     let width = line.width;
-    let station = |p: DVec2, across: DVec2, _, near: &[u32]| {
+    moved(line, index, reach, tolerance, SEEN, |p, across, _, near| {
         let sliver = index
             .nearest_of(near, p, reach)
             .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
@@ -341,8 +340,7 @@ fn widen(
                 .map(|(q, t)| 0.25 * t * left.dot((q - p).normalize_or_zero())),
             narrows: sliver.is_some_and(|(_, t)| t < 0.0),
         }
-    };
-    moved(line, index, reach, tolerance, slope, station)
+    })
 }
 
 /// Moves the places of a line that ridges come near to. `station` gets a place,
@@ -440,7 +438,7 @@ mod tests {
         let lines = cut(&walls, &[], 0.2, 0.45);
         // A sliver 0.2 thick in the middle: the walls are 0.2 from it.
         let sliver = ridge(&[(5.0, 0.0), (15.0, 0.0)], 0.2);
-        let lines = absorb(lines, &[sliver], 0.2, 0.005, 0.25);
+        let lines = absorb(lines, &[sliver], 0.2, 0.005);
         let line = &lines[0];
         assert!(line.closed);
         let middle = line

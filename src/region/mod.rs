@@ -56,7 +56,6 @@ use ridge::{Ridge, ridges};
 use shared::Sharing;
 use std::collections::HashSet;
 use thin::Counts;
-use widen::{HIDDEN, SEEN};
 
 /// Share of `accuracy` for the outline, and for an offset of it. A polygon's
 /// corners lie as far outside of a curve as the middles of its edges lie
@@ -445,14 +444,16 @@ fn laid(
         };
         let depth = pair.iter().map(|plan| plan.inner).sum();
         let rest = skeleton.shrunk(depth, left);
-        let sharing = Sharing::new(&pair[pair.len() - 1], &plans[next]);
-        // The outer wall is seen. Walls of supports are as thin as can be. Wide
-        // closed walls that follow the surface would end higher or lower than
-        // they begin, by up to 0.03 mm.
-        let shares =
+        let accuracy = settings.accuracy;
+        let sharing =
+            Sharing::new(&pair[pair.len() - 1], &plans[next], accuracy);
+        // The outer wall is seen. Walls of supports are as thin as can be. Where
+        // beads follow the surface, a wide closed wall would end up to 0.03 mm
+        // higher or lower than it begins.
+        let shared =
             next == count && count > 1 && seen && settings.contour_z.is(0.0);
-        let strips = if shares {
-            sharing.strips(&rest, settings.accuracy)
+        let strips = if shared {
+            sharing.strips(&rest, accuracy)
         } else {
             Vec::new()
         };
@@ -478,16 +479,14 @@ fn laid(
             }
             depth += plan.inner;
             let mut slivers = places.slivers(2 * k + 2, depth);
-            let mut slope = SEEN;
-            if k + 1 == pair.len() && !strips.is_empty() {
+            if k + 1 == pair.len() {
                 slivers.extend(sharing.shares(&strips));
-                slope = HIDDEN;
             }
             let away = plan.inner - plan.centre;
             // The ridges that the widths follow are found to a share of the
             // accuracy.
             let fine = 0.4 * settings.accuracy;
-            let walls = absorb(walls, &slivers, away, fine, slope);
+            let walls = absorb(walls, &slivers, away, fine);
             let [walls, beads] = match lines.last() {
                 Some(outside) => {
                     let width = plans[lines.len() - 1].width;
@@ -519,7 +518,7 @@ fn laid(
             });
             thin.push(beads);
         }
-        area = sharing.without(&rest, &strips);
+        area = sharing.without(rest, &strips);
         if let Some(above) = above.filter(|_| next == around_tops) {
             divided = divide(&area, above);
             if let Some(divided) = &divided {

@@ -15,7 +15,6 @@
 use super::line::{RidgeIndex, absorb, cut};
 use super::ridge::Ridge;
 use super::thin::Counts;
-use super::widen::SEEN;
 use super::{Lay, Skeleton, cell, joined, shrink};
 use crate::bead::Stroke;
 use crate::plane::{Area, Solid};
@@ -57,7 +56,7 @@ pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let away = plan.inner - plan.centre;
     let thin = single.iter().chain(&core);
     let (rings, thin) = joined(
-        absorb(rings, &slivers, away, tolerance, SEEN),
+        absorb(rings, &slivers, away, tolerance),
         thin.map(|r| r.stroke(plan.extra)).collect(),
         skeleton.solid,
         0.0,
@@ -142,7 +141,7 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
             let rings = cut(&rings, &beads, plan.centre, plan.width);
             let slivers = places.beads(2 * k + 2, depth + plan.inner);
             let (rings, thin) = joined(
-                absorb(rings, &slivers, away, tolerance, SEEN),
+                absorb(rings, &slivers, away, tolerance),
                 beads.iter().map(|r| r.stroke(plan.extra)).collect(),
                 skeleton.solid,
                 depth,

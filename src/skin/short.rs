@@ -13,10 +13,9 @@ use std::collections::BinaryHeap;
 
 /// Pieces shorter than this go with what is beside them, mm.
 const SHORT: Mm = 1.0;
-/// Hidden pieces shorter than this do so, too. On a line of its own a machine
-/// gets no faster over such a length than on the line beside it, and each turn
-/// between such lines takes as long as some of them (measured on a floor with
-/// walls of 2 mm around it: 10 s of 70 s for the layer).
+/// Hidden pieces shorter than this, mm, do so, too. Over so short a line a machine
+/// does not reach its speed, and the way to each such line takes time as well: on a
+/// floor with walls of 2 mm around it, 10 s of 70 s for the layer.
 const SHORT_HIDDEN: Mm = 4.0;
 
 /// Length below which a piece of a role goes with what is beside it.

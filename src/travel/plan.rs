@@ -41,8 +41,8 @@ const MUCH_INFILL: f64 = 0.25;
 const BETWEEN_SUPPORTS: f64 = 2.0;
 
 /// An underside may get what oozes on a way across it if it is no wider than so
-/// many lines. It is the underside of the outermost walls then, and a support
-/// below it takes off what hangs down.
+/// many lines. It is the underside of the outermost walls then, which is rough beside
+/// supports anyway.
 const UNDERSIDE: f64 = 2.0;
 
 /// What hides travels in a layer.
@@ -340,9 +340,10 @@ impl<'a> Planner<'a> {
     /// True if nothing of the part is printed yet in this layer, and the way
     /// straight to the start of the `next`th bead leads over the part only where
     /// this layer lies on the bed or on the layer below. What oozes there lies
-    /// between the two. Elsewhere it would be seen on a top of the layer below, or
-    /// on an underside of this one. Small supports that stand apart would else
-    /// retract the same filament again and again, which grinds it.
+    /// between the two; on the bed it shows, as on every way inside a first layer.
+    /// Elsewhere it would be seen on a top of the layer below, or on an underside of
+    /// this one. Small supports that stand apart would else retract the same filament
+    /// again and again, which grinds it.
     fn is_covered_later(&self, a: DVec2, b: DVec2, next: usize) -> bool {
         if next > self.before_part {
             return false;

@@ -75,7 +75,8 @@ impl Stages<'_> {
             })?;
         }
         let support = self.support_beads(span)?;
-        let low = self.has_low_supports(span);
+        let radius = 0.5 * self.settings.nozzle_flat();
+        let low = self.has_low_supports(span).then_some(radius);
         let support_last = supports_last(number, outline, &support, low);
         let mut beads = LayerBeads {
             support,
