@@ -38,24 +38,29 @@ pub(crate) fn supports_last(
         ways.any(|(a, b)| !outline.grid().clear(a, b, radius))
     };
     let first = number.is_multiple_of(2)
-        || apart(outline.area(), supports)
+        || apart(outline.area(), supports.iter())
         || low.is_some_and(runs_into);
     !first
 }
 
 /// True if the part keeps supports apart in many places, so that it is printed
 /// after them in each layer.
-pub(crate) fn apart(outline: &Area, supports: &[Bead]) -> bool {
+pub(crate) fn apart<'a>(
+    outline: &Area,
+    supports: impl Iterator<Item = &'a Bead>,
+) -> bool {
     let places: BTreeSet<_> = places(outline, supports).into_iter().collect();
     places.len() > PLACES
 }
 
 /// The place of the air beside the part in which each support begins. Two points
 /// are in one place if the same ring is the smallest one around both.
-fn places(outline: &Area, supports: &[Bead]) -> Vec<Option<usize>> {
+fn places<'a>(
+    outline: &Area,
+    supports: impl Iterator<Item = &'a Bead>,
+) -> Vec<Option<usize>> {
     let nest = Nest::new(outline.rings.iter());
-    let starts = supports.iter().map(start);
-    starts.map(|start| nest.around(start)).collect()
+    supports.map(|bead| nest.around(start(bead))).collect()
 }
 
 /// Where a bead begins.
@@ -71,7 +76,7 @@ pub(super) fn print(
     at: &mut Option<DVec2>,
     out: &mut Vec<Bead>,
 ) {
-    let places = places(outline, &supports);
+    let places = places(outline, supports.iter());
     // The number of beads in each place, and the sum of their starts.
     let mut sums: BTreeMap<_, (f64, DVec2)> = BTreeMap::new();
     for (bead, place) in supports.iter().zip(&places) {

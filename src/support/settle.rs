@@ -263,7 +263,7 @@ mod tests {
         };
         let areas = (0..8).map(of).collect();
         let all = pieces(parts, &none, areas, &Area::EMPTY, &settings);
-        let slices = settled(parts, all, &settings);
+        let slices = settled(parts, all.clone(), &settings);
         let [lower, upper] = [&slices[4], &slices[5]];
         assert!((lower.deeper + 0.1).abs() < 1e-9, "{}", lower.deeper);
         let standing = lower.standing.content();
@@ -271,13 +271,6 @@ mod tests {
         let beside = 4.0 * (2.0 - BESIDE);
         assert!((lower.area().content() - 8.0 - beside).abs() < 0.02);
         // Supports from the plate keep off the block.
-        let all = pieces(
-            parts,
-            &none,
-            (0..8).map(of).collect(),
-            &Area::EMPTY,
-            &settings,
-        );
         let plate = Settings {
             supports: Supports::Plate,
             ..settings

@@ -327,8 +327,7 @@ impl<'a> Planner<'a> {
         let apart = || {
             let beads = self.obstacles.beads()[..next].iter();
             let supports = beads.filter(|bead| bead.role.is_support());
-            let supports: Vec<Bead> = supports.cloned().collect();
-            apart(self.ground.outline.area(), &supports)
+            apart(self.ground.outline.area(), supports)
         };
         retract.when_crossing
             && next == self.before_part
