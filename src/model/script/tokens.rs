@@ -55,7 +55,7 @@ impl Reader {
             }
             // These are parts of an operand.
             Token::Identifier(..)
-            | Token::This
+            | Token::Reserved(..)
             | Token::Unit
             | Token::Period
             | Token::Elvis
