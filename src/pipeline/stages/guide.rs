@@ -29,9 +29,9 @@ impl Stages<'_> {
         // Some at a time, since a layer may take megabytes.
         for some in looks.chunks(pool.current_num_threads()) {
             limits::check();
-            let pair = |&i: &usize| match guide.is_first(i) {
-                true => self.only(spans, i..i + 2),
-                false => self.only(spans, i - 1..i + 1),
+            let pair = |&i: &usize| {
+                let from = i - usize::from(!guide.is_first(i));
+                self.only(spans, from..from + 2)
             };
             let made: Vec<Result<Vec<Layer>, SliceError>> =
                 pool.install(|| some.par_iter().map(pair).collect());
