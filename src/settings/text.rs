@@ -125,8 +125,11 @@ fn advice(line: &str, group: &str) -> String {
         return String::new();
     };
     let text = value.trim_matches(|c| matches!(c, '"' | '\''));
-    if key.takes(text) {
+    if !value.starts_with('"') && !text.is_empty() && key.takes(text) {
         return format!("; write {name} = {}", text.to_owned().to_toml());
+    }
+    if !value.starts_with(char::is_alphabetic) {
+        return String::new();
     }
     let hint = foreign::value(key, Raw::Text(text));
     format!("; {name} is {}{hint}", key.expected())
