@@ -211,7 +211,7 @@ fn the_way_round_does_not_depend_on_what_is_worth_a_retraction() {
 }
 
 /// A top skin of lines to and fro, and the way from its end back over it, or away
-/// from it. A wall that nothing covers is a top, too.
+/// from it. Whatever nothing covers is a top, too.
 #[test]
 fn what_stays_in_sight_is_crossed_with_a_retraction() {
     let mut part = Part::square().with(|s| s.retract.hidden = Hidden::Covered);
@@ -231,8 +231,8 @@ fn what_stays_in_sight_is_crossed_with_a_retraction() {
     let covered = Some(part.outline.clone());
     for (above, role, retracts) in [
         (&covered, Role::TopSkin, true),
-        (&covered, Role::InnerWall, false),
-        (&None, Role::InnerWall, true),
+        (&covered, Role::InternalSkin, false),
+        (&None, Role::InternalSkin, true),
         (&None, Role::SparseInfill, false),
     ] {
         part.above.clone_from(above);
@@ -425,7 +425,7 @@ fn a_layer_with_little_infill_hides_travels_inside_its_outer_walls() {
             settings: part.settings.clone(),
             outline: part.outline.clone(),
             sparse: part.sparse.clone(),
-            above: None,
+            above: Some(part.outline.clone()),
             walls: part.walls.clone(),
         };
         part.settings.retract.hidden = hidden;
