@@ -217,7 +217,7 @@ impl<'a> PartOrder<'a> {
 
     /// Forgets what the layers below have passed on, so that what follows
     /// depends on nothing but the part. Returns where the head is, on the bed,
-    /// if the part knows it all the same.
+    /// if the part knows it all the same and stands in one place.
     pub(super) fn restart(&mut self, span: &LayerSpan) -> Option<DVec2> {
         // A climbing wall begins where the turn below ends.
         let at = self.spiral.and_then(|spiral| spiral.start(span.index));
@@ -225,7 +225,10 @@ impl<'a> PartOrder<'a> {
             at,
             ..Head::default()
         };
-        at.map(|at| at + self.offset)
+        match *self.part.places {
+            [ref place] => at.map(|at| at + self.offset + place.shift),
+            _ => None,
+        }
     }
 
     /// What the user should know, what hangs in the part, and what it stands on.

@@ -241,7 +241,7 @@ fn a_raft_under_a_tee() {
 
 /// What the layers below have told the machine, a range's head tells it.
 #[test]
-fn a_range_alone_has_its_fan_and_acceleration() {
+fn a_range_alone_has_its_fan_acceleration_and_speed() {
     let mut all = COARSE.to_vec();
     all.extend(["gcode.flavour=klipper", "acceleration.outer_wall=700"]);
     let settings = common::settings(&all);
@@ -253,10 +253,9 @@ fn a_range_alone_has_its_fan_and_acceleration() {
     assert!(!head("..").contains("M106"));
     let above = head("30..33");
     assert!(above.contains("\nM106 S255\n"), "{above}");
-    assert!(
-        above.lines().last().unwrap().starts_with("M204 S"),
-        "{above}"
-    );
+    let last: Vec<&str> = above.lines().rev().take(2).collect();
+    assert!(last[1].starts_with("M204 S"), "{above}");
+    assert!(last[0].starts_with("G1 F"), "{above}");
 }
 
 #[test]
