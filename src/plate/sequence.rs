@@ -110,7 +110,7 @@ impl Arrangement {
         let Some(head) = head else {
             return all;
         };
-        let (mut high, mut supported, mut under) = (false, false, 0);
+        let (mut high, mut supported, mut above) = (false, false, 0);
         for (part, count) in parts {
             high |= part.top() > head.free_below;
             supported |= part.settings.supports != Supports::Off;
