@@ -221,11 +221,11 @@ fn what_stays_in_sight_is_crossed_with_a_retraction() {
         let skin = bead(role, &lines);
         let next = bead(Role::InternalSkin, &[to, (to.0, to.1 + 0.5)]);
         let path = part.path(vec![skin, next], DVec2::ZERO);
-        let travels = path.moves.iter().filter_map(|step| match step {
+        let mut travels = path.moves.iter().filter_map(|step| match step {
             Move::Travel(travel) => Some(travel.retract),
             Move::Print(_) => None,
         });
-        travels.last().unwrap()
+        travels.next_back().unwrap()
     };
     let (back, away) = ((13.0, 4.0), (5.0, 9.0));
     let covered = Some(part.outline.clone());
