@@ -4,6 +4,9 @@
 //! outer rings counter-clockwise, holes clockwise, as polygons within
 //! `accuracy` of the field's zero set.
 //!
+//! Where a plane itself does not tell inside from outside (`blind`), what is
+//! just above it or just below it does.
+//!
 //! The lattice only finds the topology (`edges`, `march`). The vertices are
 //! then moved along their lattice edges onto f = 0 (`refine`), and the outline
 //! is followed between them where it bends or has a corner (`trace`). Some
@@ -26,6 +29,7 @@
 //! cells by convention. `march` visits sampled leaves only, and asks the field.
 //! field.
 
+mod blind;
 mod buckets;
 mod cut;
 mod divide;
@@ -44,6 +48,7 @@ mod untangle;
 use crate::Length;
 use crate::field::{Batch, Field, FieldError, LEAF, Leaf, NODES};
 use crate::plane::Area;
+use blind::Blind;
 use link::Chains;
 use march::{Marcher, Precision};
 use std::ops::Range;
@@ -119,6 +124,61 @@ pub fn outlines_in_phases(
     detail: Detail,
     begins: &mut dyn FnMut(Phase),
 ) -> Result<Vec<Outline>, FieldError> {
+    let all = Some(Blind::Face);
+    let mut found = look(field, z, needed, detail, all, begins)?;
+    for (layer, blind) in found.blind.iter().enumerate() {
+        if let Some(blind) = *blind {
+            let z = z[layer];
+            let stand_in = stand_in(field, z, blind, detail, begins)?;
+            found.outlines[layer] = stand_in;
+        }
+    }
+    Ok(found.outlines)
+}
+
+/// The outline at a height at which the field is blind, by the fields that
+/// stand in for it.
+fn stand_in(
+    field: &Field,
+    z: Length,
+    mut blind: Blind,
+    detail: Detail,
+    begins: &mut dyn FnMut(Phase),
+) -> Result<Outline, FieldError> {
+    let mut look = |field: &Field, judge| {
+        look(field, &[z], &(0..1), detail, judge, begins)
+    };
+    let field = field.beside()?;
+    let mut found = Found::default();
+    if blind < Blind::Void {
+        found = look(field, Some(Blind::Void))?;
+        blind = found.blind.first().copied().flatten().unwrap_or(blind);
+    }
+    if blind == Blind::Void {
+        found = look(field.without_zeros()?, None)?;
+    }
+    Ok(found.outlines.pop().unwrap_or_default())
+}
+
+/// What a look at some layers found.
+#[derive(Default)]
+struct Found {
+    /// The layers' outlines. Those of blind planes are empty.
+    outlines: Vec<Outline>,
+    /// For each layer why its plane is blind.
+    blind: Vec<Option<Blind>>,
+}
+
+/// Looks at layers for the first time. Planes are judged by whether they are as
+/// blind as `judge`, or more so; by default they are not judged.
+fn look(
+    field: &Field,
+    z: &[Length],
+    needed: &Range<usize>,
+    detail: Detail,
+    judge: Option<Blind>,
+    begins: &mut dyn FnMut(Phase),
+) -> Result<Found, FieldError> {
     let mut layers: Vec<Chains> = z.iter().map(|_| Chains::default()).collect();
     let precision = Precision {
         chord: CHORD_SHARE * detail.accuracy,
@@ -126,15 +186,22 @@ pub fn outlines_in_phases(
     };
     let mut marcher = Marcher::new(field.lattice(), z, precision);
     begins(Phase::Sampling);
-    field.slab(z, &mut |batch: Batch<'_>| {
+    field.slab(z, &mut |mut batch: Batch<'_>| {
         begins(Phase::Tracing);
+        if let Some(least) = judge {
+            marcher.judge_planes(&mut batch, needed, least)?;
+        }
+        let is_needed = |leaf: &Leaf| {
+            needed.contains(&leaf.layer)
+                && marcher.blind()[leaf.layer].is_none()
+        };
         let (mut leaves, mut values) = (Vec::new(), Vec::new());
-        if batch.leaves.iter().all(|leaf| needed.contains(&leaf.layer)) {
+        if batch.leaves.iter().all(is_needed) {
             marcher.march(batch, &mut layers)?;
         } else {
             let of_leaf = batch.values.chunks_exact(NODES * NODES);
             for (leaf, sampled) in batch.leaves.iter().zip(of_leaf) {
-                if needed.contains(&leaf.layer) {
+                if is_needed(leaf) {
                     leaves.push(*leaf);
                     values.extend_from_slice(sampled);
                 }
@@ -150,8 +217,13 @@ pub fn outlines_in_phases(
         Ok(())
     })?;
     marcher.finish()?;
+    let blind = marcher.blind().to_vec();
+    for (chains, _) in layers.iter_mut().zip(&blind).filter(|l| l.1.is_some()) {
+        *chains = Chains::default();
+    }
     begins(Phase::Closing);
-    close(field, z, detail, layers, marcher)
+    let outlines = close(field, z, detail, layers, marcher)?;
+    Ok(Found { outlines, blind })
 }
 
 /// Joins the layers' pieces into rings, sampling what is missing.

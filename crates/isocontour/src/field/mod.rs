@@ -51,6 +51,7 @@ use fidget::context::{Context, Tree};
 use fidget::eval::{Function, MathFunction};
 use fidget::vm::VmFunction;
 use split::Split;
+use std::sync::OnceLock;
 
 /// Cells along a leaf's side.
 pub const LEAF: usize = 8;
@@ -125,7 +126,7 @@ pub struct Leaf {
 }
 
 /// Evaluates the field at any points within one lattice cell of a batch of
-/// leaves, at the heights of their layers.
+/// leaves, at the heights of their layers or next to them ([`apart`]).
 pub trait Sampler {
     /// Writes field values at the points to `out`.
     ///
@@ -166,11 +167,26 @@ pub struct Batch<'a> {
 /// What a caller does with a batch.
 pub type Visit<'a> = dyn FnMut(Batch<'_>) -> Result<(), FieldError> + 'a;
 
+/// How far from a plane the field is asked where the plane itself does not tell
+/// inside from outside. The two heights differ by enough digits of `f32` for
+/// the roundings of an expression, and by too little to be seen in an outline:
+/// 10⁻⁴, or above 100 a millionth of the height.
+pub fn apart(z: f32) -> f32 {
+    (NEAR * z.abs()).max(APART)
+}
+
+const APART: f32 = 1e-4;
+const NEAR: f32 = 1e-6;
+
 /// A model's expression on a lattice over its box.
 pub struct Field {
+    tree: Tree,
     lattice: Lattice,
     engine: Engine,
     cancel: Cancel,
+    /// The field that stands in for this one in planes in which it does not
+    /// tell inside from outside.
+    other: OnceLock<Box<Field>>,
 }
 
 impl Field {
@@ -185,11 +201,15 @@ impl Field {
         bounds: Rect,
         spacing: Length,
     ) -> Result<Field, FieldError> {
-        let lattice = Lattice::over(bounds, spacing)?;
         let tree = match depth {
             0.0 => tree.clone(),
             _ => tree.clone() + depth as f32,
         };
+        Field::on(tree, Lattice::over(bounds, spacing)?)
+    }
+
+    /// The field `tree` on a lattice.
+    fn on(tree: Tree, lattice: Lattice) -> Result<Field, FieldError> {
         let mut ctx = Context::new();
         let root = ctx.import(&tree);
         let root = blend::branched(&mut ctx, root);
@@ -200,10 +220,54 @@ impl Field {
         let plane = Plane::new(Split::new(&ctx, root)?, &lattice);
         let engine = Engine::new(plane)?;
         Ok(Field {
+            tree,
             lattice,
             engine,
             cancel: Cancel::NEVER,
+            other: OnceLock::new(),
         })
+    }
+
+    /// The field that is negative where this one is just above the plane or
+    /// just below it.
+    ///
+    /// # Errors
+    /// If fidget refuses the expression, which is a bug.
+    pub(crate) fn beside(&self) -> Result<&Field, FieldError> {
+        self.other(|tree| {
+            let (x, y, z) = Tree::axes();
+            let apart = (z.abs() * NEAR).max(APART);
+            let at = |z: Tree| tree.remap_xyz(x.clone(), y.clone(), z);
+            at(z.clone() - apart.clone()).min(at(z + apart))
+        })
+    }
+
+    /// The field that jumps to a great value where this one is 0.
+    ///
+    /// # Errors
+    /// If fidget refuses the expression, which is a bug.
+    pub(crate) fn without_zeros(&self) -> Result<&Field, FieldError> {
+        /// Greater than any value beside it.
+        const GREAT: f32 = 1e30;
+        self.other(|tree| tree.clone() + tree.not() * GREAT)
+    }
+
+    /// The field that stands in for this one. It is made when it is needed.
+    fn other(
+        &self,
+        make: impl Fn(&Tree) -> Tree,
+    ) -> Result<&Field, FieldError> {
+        if self.other.get().is_none() {
+            let tree = make(&self.tree);
+            let made = Field::on(tree, self.lattice.clone())?;
+            let made = made.with_cancel(self.cancel.clone());
+            // Another thread may have made it in the meantime.
+            let _ = self.other.set(Box::new(made));
+        }
+        self.other
+            .get()
+            .map(|other| &**other)
+            .ok_or_else(|| bug("no field"))
     }
 
     /// Lets `cancel` stop work on the field.

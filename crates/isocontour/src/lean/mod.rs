@@ -115,6 +115,9 @@ const DONE_BINS: f64 = 2.0;
 const THIN: Length = 0.02;
 /// Share of a bound that is slack.
 const SLACK: f64 = 0.04;
+/// How far above and below a level face it is asked what is solid, as a share
+/// of the height and of 1.
+const STEP: f64 = 1e-7;
 /// Distance below which two faces are one.
 const SAME: Length = 1e-5;
 
@@ -141,8 +144,10 @@ pub fn lean(
         bottom,
         found: vec![options.enough; count],
         faces: Vec::new(),
+        joints: Vec::new(),
         doubts: Vec::new(),
         scratch: Scratch::sharp(),
+        aside: Scratch::sharp(),
     };
     let whole = Cell {
         lo: bounds.min.to_array().map(|v| v - margin),
@@ -173,9 +178,14 @@ struct Search<'a> {
     bottom: Length,
     found: Vec<f64>,
     faces: Vec<Length>,
+    /// Heights of level faces that two bodies share, which are none of the
+    /// whole.
+    joints: Vec<Length>,
     /// Heights between which something was not proved, each with its bound.
     doubts: Vec<([Length; 2], f64)>,
     scratch: Scratch,
+    /// Memory for looks at other cells than the one that is looked at.
+    aside: Scratch,
 }
 
 /// A cell to be cut.
@@ -290,7 +300,7 @@ impl Search<'_> {
         todo: &mut BinaryHeap<Open>,
     ) {
         let f = program.enclose(&cell, &mut self.scratch);
-        let outside = f.range.is_empty() || f.range.lo > 0.0;
+        let outside = f.range.is_empty() || f.range.lo >= 0.0;
         if outside || (f.range.hi < 0.0 && !f.range.nan) {
             return;
         }
@@ -357,16 +367,39 @@ impl Search<'_> {
                 return true;
             }
             // The face is a part of f = 0 if f changes its sign there.
-            let step = 1e-7 * (1.0 + z.abs());
-            let [below, above] = [z - step, z + step].map(|z| {
+            let step = STEP * (1.0 + z.abs());
+            let [below, at, above] = [z - step, z, z + step].map(|z| {
                 program.beside(surface, [x, y, z], &mut self.scratch)[0]
             });
             let real = (below < 0.0) != (above < 0.0);
             if real {
                 self.faces.push(z);
             }
+            // Two bodies meet where f is negative on both sides of its zero.
+            let joint = at.abs() < 0.5 * below.max(above).abs();
+            if !real && below < 0.0 && joint {
+                if !self.joints.iter().any(|j| (j - z).abs() <= SAME) {
+                    self.joints.push(z);
+                }
+                return self.is_joint(cell, program, z);
+            }
             real
         })
+    }
+
+    /// True if, all over a cell, it is solid just below the height `z` and just
+    /// above it.
+    fn is_joint(&mut self, cell: &Cell, program: &Program, z: Length) -> bool {
+        let step = STEP * (1.0 + z.abs());
+        let before = self.aside.work;
+        let solid = [z - step, z + step].iter().all(|&z| {
+            let mut slab = *cell;
+            (slab.lo[2], slab.hi[2]) = (z, z);
+            let f = program.enclose(&slab, &mut self.aside).range;
+            f.hi < 0.0 && !f.nan
+        });
+        self.scratch.work += self.aside.work - before;
+        solid
     }
 
     /// True if a level surface may be in a cell although it has one sign at the
@@ -438,14 +471,16 @@ impl Search<'_> {
 
     fn finish(mut self, top: Length) -> Lean {
         self.faces.sort_by(f64::total_cmp);
+        let mut level = [self.faces.as_slice(), &self.joints].concat();
+        level.sort_by(f64::total_cmp);
         let tolerance = self.options.tolerance;
         let ends = [self.bottom, top];
         let mut unproved = vec![false; self.found.len()];
         for ([lo, hi], most) in std::mem::take(&mut self.doubts) {
             let beside =
                 |face: Length| lo >= face - tolerance && hi <= face + tolerance;
-            let at = self.faces.partition_point(|f| *f < lo - tolerance);
-            let mut near = self.faces[at..].iter().take(2).chain(&ends);
+            let at = level.partition_point(|f| *f < lo - tolerance);
+            let mut near = level[at..].iter().take(2).chain(&ends);
             if near.any(|f| beside(*f)) {
                 continue;
             }
