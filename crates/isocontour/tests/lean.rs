@@ -117,6 +117,31 @@ fn level_faces_that_two_bodies_share_are_none() {
     assert_eq!(found.unproved, 0.0);
 }
 
+/// The share of a part's work that one of its pieces gets suffices for a cut
+/// all across the piece.
+#[test]
+fn a_cut_takes_little_work() {
+    let [x, y, z] = axes();
+    let side = (x.abs() - 6.0).max(y.abs() - 5.0);
+    let block = side.max((z.clone() - 3.0).abs() - 3.0);
+    let cut = z - 4.5;
+    let halves = block.max(cut.clone()).min(block.max(-cut));
+    let bounds = Bounds {
+        min: DVec3::new(-6.0, -5.0, 0.0),
+        max: DVec3::new(6.0, 5.0, 6.0),
+    };
+    let options = LeanOptions {
+        bin: 0.0125,
+        enough: 0.33,
+        most: 1.0,
+        tolerance: 0.005,
+        bins: (340, 380),
+        max_work: 1_900_000,
+    };
+    let found = lean(&halves, &bounds, &options, &Cancel::default()).unwrap();
+    assert_eq!((found.unproved, found.faces), (0.0, vec![]));
+}
+
 #[test]
 fn a_cone_is_alike_at_all_heights_but_its_tip() {
     let [x, y, z] = axes();

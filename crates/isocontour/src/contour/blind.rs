@@ -24,12 +24,36 @@ use glam::DVec2;
 use std::ops::Range;
 
 /// Why the field in a plane does not tell inside from outside.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Blind {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Blind {
     /// A level face lies in the plane.
-    Face,
+    pub face: bool,
     /// The field is 0 all over a part of space.
-    Void,
+    pub void: bool,
+}
+
+impl Blind {
+    /// The plane is not blind.
+    pub(super) const NOT: Blind = Blind {
+        face: false,
+        void: false,
+    };
+
+    /// All reasons of two.
+    pub(super) fn or(self, other: Blind) -> Blind {
+        Blind {
+            face: self.face || other.face,
+            void: self.void || other.void,
+        }
+    }
+
+    /// The reasons of one that another one has, too.
+    pub(super) fn and(self, other: Blind) -> Blind {
+        Blind {
+            face: self.face && other.face,
+            void: self.void && other.void,
+        }
+    }
 }
 
 /// Greatest value of a node that is next to nothing, as a share of the greatest
@@ -74,21 +98,20 @@ fn suspects(values: &[f32]) -> impl Iterator<Item = usize> {
 }
 
 /// What a node with the value `f` says of its plane, given the field beside it.
-fn judge(f: f32, beside: [f32; 6]) -> Option<Blind> {
+fn judge(f: f32, beside: [f32; 6]) -> Blind {
     let [west, east, south, north, below, above] = beside;
-    if f == 0.0 && beside.iter().all(|f| *f == 0.0) {
-        return Some(Blind::Void);
-    }
+    let void = f == 0.0 && beside.iter().all(|f| *f == 0.0);
     let change = |all: &[f32]| {
         let sizes = all.iter().map(|g| (g - f).abs());
         sizes.fold(0.0, f32::max)
     };
     let level = change(&[west, east, south, north]) <= change(&[below, above]);
     let solid = below < 0.0 || above < 0.0;
-    (level && (f == 0.0 || solid != (f < 0.0))).then_some(Blind::Face)
+    let face = !void && level && (f == 0.0 || solid != (f < 0.0));
+    Blind { face, void }
 }
 
-/// The layers of a batch whose planes are blind, of those that are needed. A
+/// Why the planes of a batch's layers are blind, of those that are needed. A
 /// layer may be named several times.
 pub(super) fn judge_planes(
     batch: &mut Batch<'_>,
@@ -124,15 +147,18 @@ pub(super) fn judge_planes(
     batch.sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
     let beside = s.values.as_chunks().0;
     let judged = nodes.iter().zip(beside);
-    let blind = |(&(layer, f), beside): (&(usize, f32), &[f32; 6])| {
-        judge(f, *beside).map(|blind| (layer, blind))
-    };
-    Ok(judged.filter_map(blind).collect())
+    let judged = judged.map(|(&(layer, f), beside)| (layer, judge(f, *beside)));
+    Ok(judged.collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const FACE: Blind = Blind {
+        face: true,
+        void: false,
+    };
 
     #[test]
     fn leaning_surfaces_through_a_node_are_not_blind() {
@@ -140,7 +166,7 @@ mod tests {
         // along z.
         let beside = |lean: f32| BESIDE.map(|[x, _, z]| 1e-4 * (lean * x + z));
         for (lean, blind) in
-            [(1.0, None), (0.02, None), (0.005, Some(Blind::Face))]
+            [(1.0, Blind::NOT), (0.02, Blind::NOT), (0.005, FACE)]
         {
             assert_eq!(judge(0.0, beside(lean)), blind, "{lean}");
         }
@@ -149,14 +175,18 @@ mod tests {
     #[test]
     fn faces_are_told_from_voids() {
         let shared = [0.0, 0.0, 0.0, 0.0, -1e-4, -1e-4];
-        assert_eq!(judge(0.0, shared), Some(Blind::Face));
-        assert_eq!(judge(0.0, [0.0; 6]), Some(Blind::Void));
+        assert_eq!(judge(0.0, shared), FACE);
+        let void = Blind {
+            face: false,
+            void: true,
+        };
+        assert_eq!(judge(0.0, [0.0; 6]), void);
         // A film of no thickness, which is a rounding error.
         let film = [-1e-7, 0.0, -1e-7, 0.0, 1e-4, 1e-4];
-        assert_eq!(judge(-1e-7, film), Some(Blind::Face));
+        assert_eq!(judge(-1e-7, film), FACE);
         // Solid above and below, and in the plane.
         let solid = [-1e-7, 0.0, -1e-7, 0.0, -1e-4, -1e-4];
-        assert_eq!(judge(-1e-7, solid), None);
+        assert_eq!(judge(-1e-7, solid), Blind::NOT);
     }
 
     #[test]

@@ -93,7 +93,7 @@ pub(super) struct Marcher<'a> {
     z: Vec<f32>,
     nan: Vec<usize>,
     /// For each layer, why its plane is blind.
-    blind: Vec<Option<Blind>>,
+    blind: Vec<Blind>,
     noise: Noise,
     edges: Edges,
     /// Where the outlines cross the edges.
@@ -118,7 +118,7 @@ impl<'a> Marcher<'a> {
             precision,
             z: z.iter().map(|&z| z as f32).collect(),
             nan: vec![0; z.len()],
-            blind: vec![None; z.len()],
+            blind: vec![Blind::NOT; z.len()],
             noise: Noise::new(precision.smallest),
             edges: Edges::default(),
             vertices: Vec::new(),
@@ -134,31 +134,29 @@ impl<'a> Marcher<'a> {
         self.nan.clone()
     }
 
-    /// Judges whether the planes of a batch's layers are as blind as `least`,
-    /// or more so, where layers are needed.
+    /// Judges whether the planes of a batch's layers are blind, where layers
+    /// are needed. Only the reasons in `heeded` count.
     pub(super) fn judge_planes(
         &mut self,
         batch: &mut Batch<'_>,
         needed: &Range<usize>,
-        least: Blind,
+        heeded: Blind,
     ) -> Result<(), FieldError> {
-        let found = judge_planes(
-            batch,
-            needed,
-            &self.z,
-            self.lattice,
-            &mut self.scratch,
-        )?;
-        for (layer, blind) in found {
-            if blind >= least {
-                self.blind[layer] = self.blind[layer].max(Some(blind));
-            }
+        if heeded == Blind::NOT {
+            return Ok(());
+        }
+        let (z, lattice) = (&self.z, self.lattice);
+        let scratch = &mut self.scratch;
+        let judged = judge_planes(batch, needed, z, lattice, scratch)?;
+        for (layer, blind) in judged {
+            let known = &mut self.blind[layer];
+            *known = known.or(blind.and(heeded));
         }
         Ok(())
     }
 
     /// Why the planes of the layers are blind, as far as they have been judged.
-    pub(super) fn blind(&self) -> &[Option<Blind>] {
+    pub(super) fn blind(&self) -> &[Blind] {
         &self.blind
     }
 

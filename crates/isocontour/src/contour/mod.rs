@@ -124,59 +124,52 @@ pub fn outlines_in_phases(
     detail: Detail,
     begins: &mut dyn FnMut(Phase),
 ) -> Result<Vec<Outline>, FieldError> {
-    let all = Some(Blind::Face);
-    let mut found = look(field, z, needed, detail, all, begins)?;
-    for (layer, blind) in found.blind.iter().enumerate() {
-        if let Some(blind) = *blind {
-            let z = z[layer];
-            let stand_in = stand_in(field, z, blind, detail, begins)?;
-            found.outlines[layer] = stand_in;
+    let [face, void, both] = [(true, false), (false, true), (true, true)]
+        .map(|(face, void)| Blind { face, void });
+    let mut found = look(field, z, needed, detail, both, begins)?;
+    // Other fields stand in for a field where it is blind. A look at what is
+    // above a face and below it may find that there is a void as well.
+    for blind in [face, void, both] {
+        let is_so = |k: &usize| found.blind[*k] == blind;
+        let layers: Vec<usize> = (0..z.len()).filter(is_so).collect();
+        if layers.is_empty() {
+            continue;
+        }
+        let mut stand_in = field;
+        if blind.face {
+            stand_in = stand_in.beside()?;
+        }
+        if blind.void {
+            stand_in = stand_in.without_zeros()?;
+        }
+        let heeded = if blind.void { Blind::NOT } else { void };
+        let z: Vec<Length> = layers.iter().map(|&k| z[k]).collect();
+        let again = look(stand_in, &z, &(0..z.len()), detail, heeded, begins)?;
+        let again = again.outlines.into_iter().zip(again.blind);
+        for (k, (outline, more)) in layers.into_iter().zip(again) {
+            found.outlines[k] = outline;
+            found.blind[k] = blind.or(more);
         }
     }
     Ok(found.outlines)
 }
 
-/// The outline at a height at which the field is blind, by the fields that
-/// stand in for it.
-fn stand_in(
-    field: &Field,
-    z: Length,
-    mut blind: Blind,
-    detail: Detail,
-    begins: &mut dyn FnMut(Phase),
-) -> Result<Outline, FieldError> {
-    let mut look = |field: &Field, judge| {
-        look(field, &[z], &(0..1), detail, judge, begins)
-    };
-    let field = field.beside()?;
-    let mut found = Found::default();
-    if blind < Blind::Void {
-        found = look(field, Some(Blind::Void))?;
-        blind = found.blind.first().copied().flatten().unwrap_or(blind);
-    }
-    if blind == Blind::Void {
-        found = look(field.without_zeros()?, None)?;
-    }
-    Ok(found.outlines.pop().unwrap_or_default())
-}
-
 /// What a look at some layers found.
-#[derive(Default)]
 struct Found {
     /// The layers' outlines. Those of blind planes are empty.
     outlines: Vec<Outline>,
     /// For each layer why its plane is blind.
-    blind: Vec<Option<Blind>>,
+    blind: Vec<Blind>,
 }
 
-/// Looks at layers for the first time. Planes are judged by whether they are as
-/// blind as `judge`, or more so; by default they are not judged.
+/// Looks at layers. Their planes are judged by whether they are blind for the
+/// reasons in `heeded`.
 fn look(
     field: &Field,
     z: &[Length],
     needed: &Range<usize>,
     detail: Detail,
-    judge: Option<Blind>,
+    heeded: Blind,
     begins: &mut dyn FnMut(Phase),
 ) -> Result<Found, FieldError> {
     let mut layers: Vec<Chains> = z.iter().map(|_| Chains::default()).collect();
@@ -188,12 +181,10 @@ fn look(
     begins(Phase::Sampling);
     field.slab(z, &mut |mut batch: Batch<'_>| {
         begins(Phase::Tracing);
-        if let Some(least) = judge {
-            marcher.judge_planes(&mut batch, needed, least)?;
-        }
+        marcher.judge_planes(&mut batch, needed, heeded)?;
         let is_needed = |leaf: &Leaf| {
             needed.contains(&leaf.layer)
-                && marcher.blind()[leaf.layer].is_none()
+                && marcher.blind()[leaf.layer] == Blind::NOT
         };
         let (mut leaves, mut values) = (Vec::new(), Vec::new());
         if batch.leaves.iter().all(is_needed) {
@@ -218,8 +209,10 @@ fn look(
     })?;
     marcher.finish()?;
     let blind = marcher.blind().to_vec();
-    for (chains, _) in layers.iter_mut().zip(&blind).filter(|l| l.1.is_some()) {
-        *chains = Chains::default();
+    for (chains, blind) in layers.iter_mut().zip(&blind) {
+        if *blind != Blind::NOT {
+            *chains = Chains::default();
+        }
     }
     begins(Phase::Closing);
     let outlines = close(field, z, detail, layers, marcher)?;

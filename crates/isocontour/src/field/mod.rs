@@ -184,9 +184,10 @@ pub struct Field {
     lattice: Lattice,
     engine: Engine,
     cancel: Cancel,
-    /// The field that stands in for this one in planes in which it does not
-    /// tell inside from outside.
-    other: OnceLock<Box<Field>>,
+    /// The fields that stand in for this one in planes in which it does not
+    /// tell inside from outside, once they have been asked for.
+    beside: OnceLock<Box<Field>>,
+    without_zeros: OnceLock<Box<Field>>,
 }
 
 impl Field {
@@ -224,7 +225,8 @@ impl Field {
             lattice,
             engine,
             cancel: Cancel::NEVER,
-            other: OnceLock::new(),
+            beside: OnceLock::new(),
+            without_zeros: OnceLock::new(),
         })
     }
 
@@ -234,7 +236,7 @@ impl Field {
     /// # Errors
     /// If fidget refuses the expression, which is a bug.
     pub(crate) fn beside(&self) -> Result<&Field, FieldError> {
-        self.other(|tree| {
+        self.other(&self.beside, |tree| {
             let (x, y, z) = Tree::axes();
             let apart = (z.abs() * NEAR).max(APART);
             let at = |z: Tree| tree.remap_xyz(x.clone(), y.clone(), z);
@@ -242,32 +244,30 @@ impl Field {
         })
     }
 
-    /// The field that jumps to a great value where this one is 0.
+    /// The field that is infinite where this one is 0.
     ///
     /// # Errors
     /// If fidget refuses the expression, which is a bug.
     pub(crate) fn without_zeros(&self) -> Result<&Field, FieldError> {
-        /// Greater than any value beside it.
+        /// The square of this number is infinite.
         const GREAT: f32 = 1e30;
-        self.other(|tree| tree.clone() + tree.not() * GREAT)
+        self.other(&self.without_zeros, |tree| {
+            tree.clone() + tree.not() * GREAT * GREAT
+        })
     }
 
-    /// The field that stands in for this one. It is made when it is needed.
-    fn other(
+    /// The field that is kept in `place`. It is made when it is needed.
+    fn other<'a>(
         &self,
+        place: &'a OnceLock<Box<Field>>,
         make: impl Fn(&Tree) -> Tree,
-    ) -> Result<&Field, FieldError> {
-        if self.other.get().is_none() {
-            let tree = make(&self.tree);
-            let made = Field::on(tree, self.lattice.clone())?;
-            let made = made.with_cancel(self.cancel.clone());
-            // Another thread may have made it in the meantime.
-            let _ = self.other.set(Box::new(made));
+    ) -> Result<&'a Field, FieldError> {
+        if let Some(made) = place.get() {
+            return Ok(made);
         }
-        self.other
-            .get()
-            .map(|other| &**other)
-            .ok_or_else(|| bug("no field"))
+        let made = Field::on(make(&self.tree), self.lattice.clone())?;
+        let made = made.with_cancel(self.cancel.clone());
+        Ok(place.get_or_init(|| Box::new(made)))
     }
 
     /// Lets `cancel` stop work on the field.

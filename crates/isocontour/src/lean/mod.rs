@@ -26,8 +26,11 @@
 //! box's top and bottom it does not count: no layer that ends there is wrong by
 //! more than that.
 //!
+//! A level face that two bodies share does not show, and does not count.
+//!
 //! Not guaranteed: level faces smaller than some 0.1 mm may be missed as such.
-//! The bounds hold all the same, and then count the face as level.
+//! The bounds hold all the same, and then count the face as level. A ledge that
+//! is narrower than that, where two bodies share a face, may not count at all.
 
 mod slopes;
 
@@ -118,6 +121,9 @@ const SLACK: f64 = 0.04;
 /// How far above and below a level face it is asked what is solid, as a share
 /// of the height and of 1.
 const STEP: f64 = 1e-7;
+/// Width of a cell at the border of two bodies that share a level face, up to
+/// which the cell's corners tell whether the face shows in it.
+const NARROW: Length = 0.1;
 /// Distance below which two faces are one.
 const SAME: Length = 1e-5;
 
@@ -363,7 +369,10 @@ impl Search<'_> {
                 return cell.width(2) <= self.options.tolerance
                     || !self.reaches(cell, program, surface);
             };
-            if self.faces.iter().any(|f| (f - z).abs() <= SAME) {
+            let is_in = |all: &[Length]| {
+                all.iter().any(|other| (other - z).abs() <= SAME)
+            };
+            if is_in(&self.faces) {
                 return true;
             }
             // The face is a part of f = 0 if f changes its sign there.
@@ -371,33 +380,41 @@ impl Search<'_> {
             let [below, at, above] = [z - step, z, z + step].map(|z| {
                 program.beside(surface, [x, y, z], &mut self.scratch)[0]
             });
-            let real = (below < 0.0) != (above < 0.0);
-            if real {
+            if (below < 0.0) != (above < 0.0) {
                 self.faces.push(z);
+                return true;
             }
             // Two bodies meet where f is negative on both sides of its zero.
-            let joint = at.abs() < 0.5 * below.max(above).abs();
-            if !real && below < 0.0 && joint {
-                if !self.joints.iter().any(|j| (j - z).abs() <= SAME) {
-                    self.joints.push(z);
-                }
-                return self.is_joint(cell, program, z);
+            let meet = at.abs() < 0.5 * below.max(above).abs();
+            if below < 0.0 && meet && !is_in(&self.joints) {
+                self.joints.push(z);
             }
-            real
+            is_in(&self.joints) && self.is_joint(cell, program, z)
         })
     }
 
-    /// True if, all over a cell, it is solid just below the height `z` and just
-    /// above it.
+    /// True if f has one sign just below the height `z` and just above it, all
+    /// over a cell. That is proved only where both are inside. At the border a
+    /// cell that is narrower than [`NARROW`] is judged by its corners.
     fn is_joint(&mut self, cell: &Cell, program: &Program, z: Length) -> bool {
         let step = STEP * (1.0 + z.abs());
+        let sides = [z - step, z + step];
         let before = self.aside.work;
-        let solid = [z - step, z + step].iter().all(|&z| {
+        let mut solid = sides.iter().all(|&z| {
             let mut slab = *cell;
             (slab.lo[2], slab.hi[2]) = (z, z);
             let f = program.enclose(&slab, &mut self.aside).range;
             f.hi < 0.0 && !f.nan
         });
+        if !solid && cell.width(0).max(cell.width(1)) <= NARROW {
+            let corners = [cell.lo, cell.hi].map(|[x, y, _]| [x, y]);
+            solid = [0, 1, 2, 3].iter().all(|k| {
+                let (x, y) = (corners[k % 2][0], corners[k / 2][1]);
+                let [below, above] = sides
+                    .map(|z| program.value([x, y, z], &mut self.aside) < 0.0);
+                below == above
+            });
+        }
         self.scratch.work += self.aside.work - before;
         solid
     }
@@ -426,17 +443,21 @@ impl Search<'_> {
         surface: &Surface,
     ) -> Option<Length> {
         let [x, y, _] = cell.centre();
-        let mut side = |z: Length| {
-            program.beside(surface, [x, y, z], &mut self.scratch)[1] < 0.0
+        let mut at = |z: Length| {
+            program.beside(surface, [x, y, z], &mut self.scratch)[1]
         };
         let (mut lo, mut hi) = (cell.lo[2], cell.hi[2]);
-        let below = side(lo);
-        if side(hi) == below {
+        let ends = [at(lo), at(hi)];
+        if let Some(end) = ends.iter().position(|f| *f == 0.0) {
+            return Some([lo, hi][end]);
+        }
+        let [below, above] = ends.map(|f| f < 0.0);
+        if below == above {
             return None;
         }
         for _ in 0..60 {
             let middle = 0.5 * (lo + hi);
-            if side(middle) == below {
+            if (at(middle) < 0.0) == below {
                 lo = middle
             } else {
                 hi = middle
