@@ -26,3 +26,4 @@ mod seams;
 mod spiral;
 mod supports;
 mod top_walls;
+mod vases;
