@@ -29,6 +29,15 @@ pub(super) struct Slowing {
 }
 
 impl Slowing {
+    /// The greatest speed of outer walls, if `spared` is true, or of all others.
+    fn cap(&mut self, spared: bool) -> &mut MmPerSec {
+        if spared {
+            &mut self.outer
+        } else {
+            &mut self.others
+        }
+    }
+
     /// The slowed speed of a bead. `spared` is true for outer walls.
     pub(super) fn apply(&self, speed: MmPerSec, spared: bool) -> MmPerSec {
         speed.min(if spared { self.outer } else { self.others })
@@ -74,15 +83,10 @@ pub(super) fn slow_down(
         if fastest * slowest <= 1.0 || !slowest.is_finite() {
             continue;
         }
-        let at = |slowness: f64| match spared {
-            false => Slowing {
-                others: 1.0 / slowness,
-                ..slowing
-            },
-            true => Slowing {
-                outer: 1.0 / slowness,
-                ..slowing
-            },
+        let at = |slowness: f64| {
+            let mut slower = slowing;
+            *slower.cap(spared) = 1.0 / slowness;
+            slower
         };
         let (found, taken) = long_enough(
             (1.0 / fastest, time),
