@@ -145,7 +145,7 @@ impl Given {
 
     fn plane(&self, at: usize) -> Plane {
         match self.0.get(at) {
-            Some(Value::Plane(plane)) => plane.clone(),
+            Some(Value::Plane(plane)) => *plane,
             _ => Plane::YZ,
         }
     }
