@@ -79,7 +79,7 @@ mod tests {
             "speed.overhang_steps=25: 50%, 75: 12.5",
             "printer.bed_x=350",
             "printer.model=A \"B\" \\ µ",
-            "gcode.start=G28\n; a = \"b\"\tc\r\nM117 {{ layer_count }}\n\n",
+            "gcode.start=G28\n; a = \"b\"\tc\nM117 {{ layer_count }}\n\n",
             "gcode.thumbnails=16x16, 380x285/QOI",
         ] {
             builder.set(set).unwrap();
