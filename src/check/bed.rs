@@ -55,9 +55,10 @@ impl Checker<'_> {
         if sideways(step) || step.to.z >= step.from.z || !self.within(step) {
             return;
         }
-        // Beads side by side may differ in height, and share cells.
+        // Beads side by side may differ in height, and share cells. A scarf
+        // begins where the layer below ends.
         let cell = cell_of(step.to.truncate());
-        let tops = around(cell).filter_map(|near| self.ground.top(near));
+        let tops = around(cell).filter_map(|near| self.ground.below(near));
         let top = tops.fold(f64::INFINITY, f64::min);
         if top.is_infinite() {
             return;

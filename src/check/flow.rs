@@ -97,7 +97,8 @@ impl Flow {
             let cell = cell_of(at.truncate());
             // Files that say no heights may have supports between layers, whose
             // distance then is not the height of either.
-            let room = step.height.max(at.z - ground.below(cell));
+            let below = ground.below(cell).unwrap_or(0.0);
+            let room = step.height.max(at.z - below);
             self.cover(cell, volume, room);
         }
     }

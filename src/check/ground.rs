@@ -248,15 +248,10 @@ impl Ground {
         })
     }
 
-    /// The top of what is printed in a cell; none where nothing is.
-    pub(super) fn top(&self, cell: IVec2) -> Option<Mm> {
-        self.columns.at(cell).map(|seen| seen.top)
-    }
-
-    /// The top of the layers below in a cell, and otherwise the bed.
-    pub(super) fn below(&self, cell: IVec2) -> Mm {
+    /// The top of the layers below in a cell; none where they are the bed.
+    pub(super) fn below(&self, cell: IVec2) -> Option<Mm> {
         let seen = self.columns.at(cell).map(|seen| seen.below);
-        seen.filter(|below| below.is_finite()).unwrap_or(0.0)
+        seen.filter(|below| below.is_finite())
     }
 
     /// The first place where a travel leads through what is printed. A line's

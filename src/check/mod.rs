@@ -335,7 +335,7 @@ impl<'a> Checker<'a> {
         if matches!(step.role, Role::Ironing | Role::PrimeTower) {
             return;
         }
-        if let Some(line) = self.again.bead(step) {
+        if let Some(line) = self.again.bead(step, area, self.rules.nozzle) {
             self.verdict.add(Kind::Again, line, step.from, || {
                 format!(
                     "the same beads are laid again, at the same place and \

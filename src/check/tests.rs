@@ -5,6 +5,7 @@ use crate::settings::Builder;
 use crate::settings::Settings;
 
 mod heights;
+mod planted;
 
 const START: &str = "G28\nM109 S200\nM83\n;LAYER_CHANGE\n;Z:0.2\n\
                      G1 Z0.2 F600\n;TYPE:External perimeter\n\

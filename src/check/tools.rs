@@ -9,15 +9,25 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// What is known of the tools.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Tools {
-    /// A bit for each tool that was heated, or taken before anything was
-    /// printed.
+    /// A bit for the first tool, and for each that was heated, or taken before
+    /// anything was printed.
     known: u64,
     /// Other tools, with the line on which each was taken first.
     taken: BTreeMap<u32, u64>,
     /// True if the file is for several filaments.
     pub several: bool,
+}
+
+impl Default for Tools {
+    fn default() -> Self {
+        Tools {
+            known: bit(0),
+            taken: BTreeMap::new(),
+            several: false,
+        }
+    }
 }
 
 impl Tools {
