@@ -90,7 +90,7 @@ mod tests {
             _ => None,
         });
         moves
-            .filter_map(|step| again.bead(&step, 0.08, 0.4))
+            .filter_map(|step| again.bead(&step, area, 0.4))
             .collect()
     }
 
