@@ -1,8 +1,8 @@
 //! The rules about heights that need no cells: beads of the first layer lie on
 //! the bed, and nothing else leads the nozzle into what is printed.
 
-use super::cells::{around, cell_of};
-use super::ground::PLOUGH;
+use super::cells::cell_of;
+use super::rules::ROUNDING;
 use super::{Checker, Kind, place, sideways};
 use crate::reader::{Move, Role};
 use crate::units::{Mm, Mm2};
@@ -40,7 +40,7 @@ impl Checker<'_> {
         // strand.
         let strand = (area / FRAC_PI_4).sqrt().max(rules.nozzle);
         let air = z - step.height.min(strand);
-        if air > AIR + super::rules::ROUNDING {
+        if air > AIR + ROUNDING {
             self.verdict.add(Kind::OffBed, step.line, step.to, || {
                 format!(
                     "a bead of the first layer at z = {z:.3} has {air:.2} mm of \
@@ -55,16 +55,14 @@ impl Checker<'_> {
         if sideways(step) || step.to.z >= step.from.z || !self.within(step) {
             return;
         }
-        // Beads side by side may differ in height, and share cells. A scarf
-        // begins where the layer below ends.
+        // Only the layers below count: a scarf begins where they end.
         let cell = cell_of(step.to.truncate());
-        let tops = around(cell).filter_map(|near| self.ground.below(near));
-        let top = tops.fold(f64::INFINITY, f64::min);
-        if top.is_infinite() {
+        let Some(top) = self.ground.below(cell) else {
             return;
-        }
+        };
         let depth = top - step.to.z;
-        if depth <= PLOUGH {
+        // Beads side by side may differ in height, and share cells.
+        if depth < 0.5 * self.rules.nozzle {
             return;
         }
         let why = format!(
@@ -73,7 +71,7 @@ impl Checker<'_> {
             place(step.to)
         );
         // A nozzle's width is more than any layer. A smaller depth leaves a mark.
-        if depth > self.rules.nozzle {
+        if depth > self.rules.nozzle + ROUNDING {
             self.hold(Kind::Dive, "", step.line, step.to, why);
         } else {
             self.verdict.add(Kind::Low, step.line, step.to, || why);

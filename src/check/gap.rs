@@ -86,7 +86,8 @@ impl Gaps {
     /// Takes in the speed of a retracted travel.
     fn learn(&mut self, step: &Move) {
         let known = &mut self.retracted[of(step)];
-        if known.len() < SPEEDS && !known.contains(&step.speed) {
+        // A G0 is known without its speed, which beads may share.
+        if !step.rapid && known.len() < SPEEDS && !known.contains(&step.speed) {
             known.push(step.speed);
         }
     }

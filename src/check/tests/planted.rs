@@ -78,11 +78,11 @@ fn no_filament_is_pushed_in_place() {
 #[test]
 fn the_nozzle_does_not_go_down_into_the_print() {
     let dive = |z: f64| found(&format!("G1 Z{z} F600\nG1 Z0.4\nG1 F1800\n"));
-    assert_eq!(dive(0.1), [(Kind::Low, 1)]);
+    assert_eq!(dive(0.0), [(Kind::Low, 1)]);
     // A scarf begins within its layer.
     assert_eq!(dive(0.22), []);
     // Relative moves are followed.
-    let deep = "G91\nG1 Z-0.3 F600\nG1 Z0.3\nG90\nM83\nG1 F1800\n";
+    let deep = "G91\nG1 Z-0.4 F600\nG1 Z0.4\nG90\nM83\nG1 F1800\n";
     assert_eq!(found(deep), [(Kind::Low, 2)]);
     // More than the nozzle is wide is a fault.
     let tall: String = (4..12).map(|k| layer(0.2 * f64::from(k))).collect();
