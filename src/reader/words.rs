@@ -215,9 +215,10 @@ fn number(text: &[u8]) -> (Option<f64>, usize) {
     }
     // Digits below 2^53 are exact, and the quotient is then the double nearest
     // to the decimal number.
-    let size = match too_large {
-        true => LARGEST,
-        false => limited(digits as f64 / POWERS[decimals]),
+    let size = if too_large {
+        LARGEST
+    } else {
+        limited(digits as f64 / POWERS[decimals])
     };
     (Some(if negative { -size } else { size }), i)
 }

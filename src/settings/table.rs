@@ -81,9 +81,11 @@ impl Key {
                 self.range_with("%")
             ),
             (Kind::Number, unit) => {
-                format!(
-                    "a number from {range} (in {unit}, without quotes or unit)"
-                )
+                let from = match self.range {
+                    Some(Range { or_zero: true, .. }) => "",
+                    _ => "a number from ",
+                };
+                format!("{from}{range} (in {unit}, without quotes or unit)")
             }
             (Kind::Varying, unit) => format!(
                 "{range}{}{unit} or \"expr: ...\", a formula of x, y, z and {}",
