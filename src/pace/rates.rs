@@ -195,6 +195,7 @@ impl<'a> Rater<'a> {
                 .printer
                 .max_nozzle_temperature
                 .unwrap_or(f64::INFINITY),
+            or_zero: false,
         };
         Ok(self.temperature.at_height(span.top, range)?.round())
     }

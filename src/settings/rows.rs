@@ -423,28 +423,28 @@ table::settings! {
     /// own, printer.acceleration.
     acceleration: Acceleration {
         /// Acceleration of outer walls.
-        outer_wall: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        outer_wall: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of the walls behind the outer wall, and of the beads
         /// that fill gaps between walls.
-        inner_wall: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        inner_wall: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of sparse infill.
-        sparse_infill: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        sparse_infill: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of solid layers that are covered from both sides.
-        internal_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        internal_skin: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of skin that faces upwards, and of ironing.
-        top_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        top_skin: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of skin that faces downwards.
-        bottom_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        bottom_skin: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of bridges, internal ones as well.
-        bridge: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        bridge: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of walls that hang over the layer below.
-        overhang: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        overhang: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Greatest acceleration of everything printed on the first layer; 0
         /// for no limit.
-        first_layer: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        first_layer: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of moves that do not print; 0 takes
         /// printer.travel_acceleration.
-        travel: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        travel: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
     }
     /// Travels: the way between beads.
     travel: Travel {

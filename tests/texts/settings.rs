@@ -144,7 +144,13 @@ fn every_key_can_be_set_and_read_back() {
 fn every_number_outside_its_range_is_refused() {
     for key in keys() {
         let Some(range) = key.range else { continue };
-        for bad in [range.min - 1.0, range.max + 1.0] {
+        let low = range.min - 1.0;
+        let low = if range.contains(low) {
+            0.5 * range.min
+        } else {
+            low
+        };
+        for bad in [low, range.max + 1.0] {
             let message = refused_set(&[&format!("{}={bad}", key.name)]);
             assert!(message.contains("is out of range"), "{message}");
             assert!(message.contains(&key.allowed()), "{message}");
@@ -153,6 +159,30 @@ fn every_number_outside_its_range_is_refused() {
             let message = refused_set(&[&format!("{}={bad}", key.name)]);
             assert!(message.starts_with("--set: "), "{message}");
         }
+    }
+}
+
+/// Klipper refuses `M204 S0`, and 50 mm of filament at a time.
+#[test]
+fn klipper_refuses_nothing_that_settings_allow() {
+    assert_eq!(
+        refused_set(&["acceleration.outer_wall=0.00002"]),
+        "--set: acceleration.outer_wall = 0.00002 is out of range; use 0 or 1 \
+         to 100000 mm/s²"
+    );
+    for back in [
+        &["retract.length=50"][..],
+        &["retract.length=46", "retract.extra_prime=5"],
+        &["retract.length=50", "retract.firmware=true"],
+    ] {
+        let klipper = [back, &["gcode.flavour=klipper"]].concat();
+        let message = refused_set(&klipper);
+        assert!(message.contains("max_extrude_only_distance"), "{message}");
+        // No other firmware has such a limit.
+        let marlin = [back, &["gcode.flavour=marlin"]].concat();
+        let mut builder = Builder::new();
+        marlin.iter().for_each(|set| builder.set(set).unwrap());
+        assert!(builder.finish().is_ok());
     }
 }
 

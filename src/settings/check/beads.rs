@@ -17,10 +17,8 @@ pub(super) fn shares(s: &Settings) -> Result<(), Conflict> {
                 [key, "printer.nozzle_diameter"],
                 format!(
                     "{key} = {share}% of printer.nozzle_diameter = {nozzle} \
-                     mm is {} mm; {} to {} mm are allowed",
+                     mm is {} mm; {range} mm are allowed",
                     round(length),
-                    range.min,
-                    range.max,
                 ),
             ));
         }
