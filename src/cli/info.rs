@@ -156,7 +156,7 @@ pub(super) fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
         default: json(&of_model.default),
         kind: match json(&of_model.default) {
             serde_json::Value::Bool(_) => "boolean",
-            number if number.is_i64() => "integer",
+            _ if of_model.counts => "integer",
             _ => "number",
         },
         description: &of_model.description,

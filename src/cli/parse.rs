@@ -104,7 +104,13 @@ fn suggest_setting(error: &mut clap::Error) {
         ContextKind::InvalidSubcommand => {
             is_model(&given).then(|| format!("write isoslice slice {given}"))
         }
-        _ if given.starts_with('-') => tip(&given),
+        _ if given.starts_with('-') => {
+            let value = value_of(&given, std::env::args());
+            tip(&given, value.as_deref()).or_else(|| {
+                let similar = error.get(ContextKind::SuggestedArg).is_some();
+                (!similar).then(|| parameter(&given, value.as_deref()))?
+            })
+        }
         _ => stray(&given, &before),
     };
     let Some(tip) = tip else {
@@ -142,10 +148,42 @@ fn stray(given: &str, before: &str) -> Option<String> {
     })
 }
 
+/// The name of an option, without its value.
+fn name_of(given: &str) -> &str {
+    let name = given.trim_start_matches('-');
+    name.split_once('=').map_or(name, |(name, _)| name)
+}
+
+/// The value that was given to an unknown option.
+fn value_of(
+    given: &str,
+    arguments: impl Iterator<Item = String>,
+) -> Option<String> {
+    let name = name_of(given);
+    let mut after = arguments.skip_while(|argument| {
+        !argument.starts_with('-') || name_of(argument) != name
+    });
+    let option = after.next()?;
+    if let Some((_, value)) = option.split_once('=') {
+        return Some(value.to_owned());
+    }
+    let value = after.next()?;
+    let number = value.parse::<f64>().is_ok();
+    (number || !value.starts_with('-') && !is_model(&value)).then_some(value)
+}
+
+/// What to write if an option is meant for the script.
+fn parameter(given: &str, value: Option<&str>) -> Option<String> {
+    let name = name_of(given).replace('-', "_");
+    let value = value?;
+    given.starts_with("--").then(|| {
+        format!("if the script has such a parameter, write -D {name}={value}")
+    })
+}
+
 /// What to write instead of an option.
-fn tip(given: &str) -> Option<String> {
-    let name = given.trim_start_matches('-').split('=').next()?;
-    let name = name.to_lowercase().replace('_', "-");
+fn tip(given: &str, value: Option<&str>) -> Option<String> {
+    let name = name_of(given).to_lowercase().replace('_', "-");
     if let Some((_, instead)) = WORDS.iter().find(|(word, _)| *word == name) {
         return Some(if instead.starts_with('-') {
             format!("write {instead}")
@@ -164,6 +202,9 @@ fn tip(given: &str) -> Option<String> {
         })
         .take(3)
         .map(|key| {
+            if let Some(value) = value.filter(|v| !v.contains([' ', '"'])) {
+                return format!("--set {}={value}", key.name);
+            }
             let length = key.length(&Settings::default());
             let default =
                 length.map_or_else(|| key.default(), |mm| mm.to_string());
@@ -184,7 +225,7 @@ mod tests {
 
     #[test]
     fn settings_as_options_are_told_from_misspelt_options() {
-        let tip = |given| tip(given).unwrap_or_default();
+        let tip = |given: &str| tip(given, None).unwrap_or_default();
         assert!(tip("--layer-height").contains("--set layer_height=0.2"));
         assert!(tip("--walls=3").contains("--set walls=2"));
         assert!(tip("--supports").contains("supports=auto"));
@@ -192,6 +233,24 @@ mod tests {
         assert!(tip("--retract-length").contains("retract.length=0.8"));
         assert!(tip("--temperature").contains("nozzle_temperature"));
         assert!(tip("--repotr").is_empty());
+        let told = |words: &str| {
+            let all = words.split(' ').map(str::to_owned);
+            let given = words.split(' ').find(|word| word.starts_with("--"));
+            let given = given.unwrap();
+            let value = value_of(given, all);
+            super::tip(given, value.as_deref())
+                .or_else(|| parameter(given, value.as_deref()))
+                .unwrap_or_default()
+        };
+        let height = "it is a setting: write --set layer_height=0.1";
+        assert_eq!(told("slice a.rhai --layer-height 0.1"), height);
+        assert_eq!(told("slice a.rhai --layer-height=0.1"), height);
+        assert_eq!(told("slice --layer_height 0.1 a.rhai"), height);
+        let walls = "it is a setting: write --set walls=2";
+        assert_eq!(told("slice --walls a.rhai"), walls);
+        assert!(told("slice a.rhai --radius 12").contains("-D radius=12"));
+        assert!(told("slice a.rhai --top-x -3").contains("-D top_x=-3"));
+        assert!(told("slice a.rhai --radius").is_empty());
         let stray = |given, before| stray(given, before).unwrap_or_default();
         let told = stray("0.2", "layer_height");
         assert!(told.contains("--set layer_height=0.2,"), "{told}");

@@ -3,7 +3,8 @@
 //! In: what the script says of the parameter, `#{ min: 2, max: 20, step: 0.5 }`
 //! or `#{ choices: [3, 4, 6] }`. Out: whether a value is allowed, and the
 //! bounds in words and numbers for a user interface. The step is that of a
-//! slider, and does not bind values that are typed.
+//! slider, and does not bind values that are typed, but for this: a step of
+//! whole numbers from a whole default takes whole numbers only.
 
 use super::value::Value;
 use std::fmt;
@@ -82,6 +83,12 @@ impl Allowed {
             }
         }
         Ok(())
+    }
+
+    /// True if a parameter with this default takes whole numbers only.
+    pub(super) fn counts(&self, default: Value) -> bool {
+        let whole = self.step.is_some_and(|step| step.fract() == 0.0);
+        whole && matches!(default, Value::Int(_))
     }
 
     /// Tells whether the bounds fit together, and fit the default.

@@ -10,6 +10,7 @@
 //! | `script` | runs rhai scripts in a sandbox |
 //! | `vm` | reads fidget's text |
 //! | `formula` | reads one formula |
+//! | `functions`, `term` | what scripts, formulas and Python call by name |
 //! | `expression` | evaluates expressions of settings |
 //! | `param` | parameters of scripts, `-D name=value` |
 //! | `placement` | scale, rotation and place, by the box that [`isocontour::find_bounds`] finds |
@@ -27,12 +28,14 @@ mod allowed;
 mod error;
 mod expression;
 mod formula;
+mod functions;
 mod param;
 mod placement;
 mod power;
 mod probe;
 mod script;
 mod source;
+mod term;
 #[cfg(test)]
 mod testing;
 mod together;

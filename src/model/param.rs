@@ -3,7 +3,8 @@
 //!
 //! In: the definitions given by the user, and the calls made by the script.
 //! Out: the value of each call, the list of parameters, and an error for a
-//! definition that no call has asked for. A value has the type of its default.
+//! definition that no call has asked for. A value has the type of its default;
+//! numbers are of one type, unless the parameter counts (`Allowed`).
 
 use super::allowed::{Allowed, Said};
 use super::value::Value;
@@ -21,6 +22,8 @@ pub struct Parameter {
     pub description: String,
     /// What the parameter may be set to.
     pub allowed: Allowed,
+    /// It takes whole numbers only.
+    pub counts: bool,
 }
 
 /// Why a parameter has no value.
@@ -141,19 +144,22 @@ impl Table {
                 name: name.chars().take(64).collect(),
                 what,
             })?;
+        let counts = allowed.counts(default);
         let value = self
             .defines
             .iter()
             // The last of several definitions wins, as with other options.
             .rfind(|d| d.0 == name)
             .map(|(_, text)| {
-                default.parse_like(text).map_err(|expected| {
-                    ParamError::WrongType {
-                        name: name.to_owned(),
-                        value: text.clone(),
-                        expected,
-                        default: shown.clone(),
-                    }
+                let value = default.parse_like(text).and_then(|v| match v {
+                    Value::Float(_) if counts => Err("a whole number"),
+                    v => Ok(v),
+                });
+                value.map_err(|expected| ParamError::WrongType {
+                    name: name.to_owned(),
+                    value: text.clone(),
+                    expected,
+                    default: shown.clone(),
                 })
             })
             .transpose()?
@@ -196,6 +202,7 @@ impl Table {
             value: value.to_string(),
             description: description.to_owned(),
             allowed,
+            counts,
         };
         self.declared.push((parameter, value));
         Ok(value)
@@ -284,17 +291,41 @@ mod tests {
 
     #[test]
     fn wrong_types_name_the_parameter() {
+        let step = |v| vec![("step".to_owned(), Said::One(Value::Int(v)))];
         let mut t = table(&[("n", "2.5"), ("r", "inf"), ("b", "1")]);
-        for (name, default, words) in [
-            ("n", Value::Int(2), "a whole number"),
-            ("r", Value::Float(2.0), "a number"),
-            ("b", Value::Bool(true), "true or false"),
+        for (name, default, bounds, words) in [
+            ("n", Value::Int(2), step(1), "a whole number"),
+            ("n", Value::Int(2), step(5), "a whole number"),
+            ("r", Value::Float(2.0), vec![], "a number"),
+            ("r", Value::Int(2), vec![], "a number"),
+            ("b", Value::Bool(true), vec![], "true or false"),
         ] {
-            let error = t.declare(name, default, "", &[]).unwrap_err();
+            let error = t.declare(name, default, "", &bounds).unwrap_err();
             let error = error.to_string();
             assert!(error.contains(words), "{error}");
             assert!(error.contains(&format!("-D {name}=")), "{error}");
         }
+    }
+
+    #[test]
+    fn whole_defaults_take_fractions_unless_they_count() {
+        let half = |v| vec![("step".to_owned(), Said::One(Value::Float(v)))];
+        for (given, bounds, wanted) in [
+            ("12.5", vec![], Value::Float(12.5)),
+            ("12.5", half(0.5), Value::Float(12.5)),
+            ("12", vec![], Value::Int(12)),
+            ("12.0", half(1.0), Value::Int(12)),
+            ("1e2", vec![], Value::Int(100)),
+        ] {
+            let mut t = table(&[("n", given)]);
+            let value = t.declare("n", Value::Int(10), "", &bounds);
+            assert_eq!(value, Ok(wanted), "{given}");
+        }
+        let all = [Value::Int(2), Value::Float(2.5)];
+        let choices = [("choices".to_owned(), Said::Many(all.to_vec()))];
+        let mut t = table(&[("n", "2.5")]);
+        let value = t.declare("n", Value::Int(2), "", &choices);
+        assert_eq!(value, Ok(Value::Float(2.5)));
     }
 
     #[test]

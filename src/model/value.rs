@@ -1,5 +1,6 @@
 //! Values of parameters: whole numbers, numbers, and true or false.
 
+use super::functions::whole;
 use std::fmt;
 
 /// Value of a parameter.
@@ -23,19 +24,20 @@ impl fmt::Display for Value {
 }
 
 impl Value {
-    /// The text as a value of the type of `self`.
+    /// The text as a value for a parameter whose default is `self`. A default
+    /// that is a whole number takes fractions, too.
     pub(super) fn parse_like(self, text: &str) -> Result<Self, &'static str> {
         let text = text.trim();
+        let number = || {
+            let number = text.parse().ok().filter(|v: &f64| v.is_finite());
+            number.map(Self::Float).ok_or("a number")
+        };
         match self {
-            Self::Int(_) => {
-                text.parse().map(Self::Int).map_err(|_| "a whole number")
-            }
-            Self::Float(_) => text
-                .parse()
-                .ok()
-                .filter(|v: &f64| v.is_finite())
-                .map(Self::Float)
-                .ok_or("a number"),
+            Self::Int(_) => match text.parse() {
+                Ok(whole) => Ok(Self::Int(whole)),
+                Err(_) => number().map(Self::simple),
+            },
+            Self::Float(_) => number(),
             Self::Bool(_) => {
                 text.parse().map(Self::Bool).map_err(|_| "true or false")
             }
@@ -51,11 +53,20 @@ impl Value {
         }
     }
 
-    /// The value as a value of the type of `default`. Whole numbers may stand
-    /// for other numbers.
+    /// The value as a whole number, if it is one.
+    fn simple(self) -> Self {
+        match self {
+            Self::Float(v) => whole(v).map_or(self, Self::Int),
+            _ => self,
+        }
+    }
+
+    /// The value as a value for a parameter with this default. Whole numbers
+    /// may stand for other numbers, and other numbers for whole ones.
     pub(super) fn like(self, default: Self) -> Option<Self> {
         match (self, default) {
             (Self::Int(v), Self::Float(_)) => Some(Self::Float(v as f64)),
+            (Self::Float(_), Self::Int(_)) => Some(self.simple()),
             (Self::Int(_), Self::Int(_))
             | (Self::Float(_), Self::Float(_))
             | (Self::Bool(_), Self::Bool(_)) => Some(self),

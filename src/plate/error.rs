@@ -1,6 +1,6 @@
 //! Why there is no plate.
 
-use super::Plate;
+use super::{Plate, Wanted};
 use crate::model::{LoadError, PlaceError};
 use crate::settings::SettingsError;
 
@@ -207,7 +207,71 @@ pub enum PlateError {
         /// What is wrong, and what to write.
         message: String,
     },
+    /// Something is wrong with all parts of a plate file.
+    #[error("{file}: {error}")]
+    InFile {
+        /// The file's name.
+        file: String,
+        /// What is wrong.
+        error: Box<PlateError>,
+    },
     /// Settings in a plate file are wrong.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+}
+
+impl PlateError {
+    /// The error with the file and the line that asks for each part it names,
+    /// and with the file that it is about if it names none.
+    pub(super) fn located(mut self, wanted: &[Wanted]) -> PlateError {
+        let copies = wanted.iter().flat_map(|one| {
+            let most = one.copies.min(Plate::MOST_PARTS) as usize;
+            std::iter::repeat_n(one, most)
+        });
+        let copies: Vec<&Wanted> = copies.collect();
+        let names: Vec<String> =
+            copies.iter().map(|one| one.source.name()).collect();
+        let names = super::names(names.iter().map(String::as_str));
+        let locate = |part: &mut String| {
+            let at = names.iter().position(|name| name == part);
+            if let Some(line) = at.and_then(|at| copies[at].line()) {
+                *part = format!("{part} ({line})");
+            }
+        };
+        match &mut self {
+            PlateError::OffBed { name, .. } | PlateError::Full { name, .. } => {
+                locate(name);
+            }
+            PlateError::Overlap { first, second, .. }
+            | PlateError::TooNear {
+                first,
+                later: second,
+                ..
+            }
+            | PlateError::TooHigh {
+                first,
+                later: second,
+                ..
+            } => {
+                locate(first);
+                locate(second);
+            }
+            PlateError::Empty
+            | PlateError::TooMany { .. }
+            | PlateError::UnknownHead
+            | PlateError::ShieldOneByOne => {
+                let line = wanted.first().and_then(Wanted::line);
+                let file = line.and_then(|line| line.rsplit_once(':'));
+                if let Some((file, _)) = file {
+                    return PlateError::InFile {
+                        file: file.to_owned(),
+                        error: Box::new(self),
+                    };
+                }
+            }
+            // The others tell where the part is asked for.
+            _ => {}
+        }
+        self
+    }
 }

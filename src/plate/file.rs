@@ -106,7 +106,10 @@ impl PlateFile {
         };
         if parts.len() as u64 > Plate::MOST_PARTS {
             let count = parts.len() as u64;
-            return Err(PlateError::TooMany { count });
+            let at = parts.get(Plate::MOST_PARTS as usize);
+            let at = at.map_or(0, |part| part.span().start);
+            let error = PlateError::TooMany { count };
+            return Err(file.wrong(at, error.to_string()));
         }
         let mut wanted = Vec::new();
         let mut models = Vec::new();

@@ -142,6 +142,15 @@ impl Plate {
         wanted: &[Wanted],
         settings: &Settings,
     ) -> Result<Plate, PlateError> {
+        let plate = Self::made(name, wanted, settings);
+        plate.map_err(|error| error.located(wanted))
+    }
+
+    fn made(
+        name: &str,
+        wanted: &[Wanted],
+        settings: &Settings,
+    ) -> Result<Plate, PlateError> {
         let count = wanted
             .iter()
             .fold(0u64, |sum, w| sum.saturating_add(w.copies));
@@ -351,6 +360,12 @@ impl Wanted {
             return Err(PlateError::KeptPosition { asked: asked() });
         }
         Ok(())
+    }
+
+    /// The plate file and its line that ask for the copies, if one does.
+    fn line(&self) -> Option<&str> {
+        let model = format!(" ({})", self.source);
+        self.asked.strip_suffix(&model)
     }
 
     /// True if `self` and `other` are copies of one part.

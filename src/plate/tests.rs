@@ -66,3 +66,43 @@ fn what_a_plate_does_not_have_is_refused() {
     let full = error(&[wanted(LARGE, 30)]);
     assert!(full.contains("there is no place for part_"), "{full}");
 }
+
+#[test]
+fn errors_of_a_plate_file_tell_its_lines() {
+    let settings = Settings::default();
+    let in_file = |text: &str, copies, line| {
+        let one = wanted(text, copies);
+        let asked = format!("p.toml:{line} ({})", one.source);
+        Wanted { asked, ..one }
+    };
+    let error = |all: &[Wanted], settings: &Settings| {
+        Plate::new("p", all, settings)
+            .map(|_| ())
+            .unwrap_err()
+            .to_string()
+    };
+    let mut off = in_file(BALL, 1, 7);
+    off.at = Some((-50.0, 50.0));
+    let told = error(&[in_file(LARGE, 1, 3), off.clone()], &settings);
+    assert!(told.starts_with("part_2 (p.toml:7) would reach"), "{told}");
+    off.at = Some((50.0, 50.0));
+    let mut over = in_file(LARGE, 1, 3);
+    over.at = Some((55.0, 50.0));
+    let told = error(&[over, off], &settings);
+    assert!(
+        told.contains("part_1 (p.toml:3) and part_2 (p.toml:7)"),
+        "{told}"
+    );
+    let told = error(&[in_file(LARGE, 30, 4)], &settings);
+    assert!(told.contains("no place for part_"), "{told}");
+    assert!(told.contains("(p.toml:4), "), "{told}");
+    let told = error(&[in_file(BALL, 9999, 4)], &settings);
+    assert!(told.starts_with("p.toml: 9999 parts"), "{told}");
+    let mut builder = crate::settings::Builder::new();
+    builder.set("plate.sequence=one-by-one").unwrap();
+    let (alone, _) = builder.finish().unwrap();
+    let mut two = in_file(BALL, 2, 4);
+    two.settings = alone.clone();
+    let told = error(&[two], &alone);
+    assert!(told.starts_with("p.toml: plate.sequence"), "{told}");
+}

@@ -88,7 +88,7 @@ pub enum SettingsError {
         /// What the parser says.
         message: String,
         /// What to write instead, if that is known.
-        hint: &'static str,
+        hint: String,
     },
     /// An assignment without a key or an equals sign.
     #[error("--set {given}: write it as key=value, as in layer_height=0.15")]

@@ -41,6 +41,7 @@ mod check;
 mod derived;
 mod error;
 mod firmware;
+mod foreign;
 mod infill;
 mod profile;
 mod read;

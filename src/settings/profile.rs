@@ -367,6 +367,8 @@ fn suggestion(name: &str, mut names: Vec<String>) -> String {
     // Likeness below which suggestions are guesses that do not help.
     const ALIKE: f64 = 0.75;
     const MOST: usize = 3;
+    // More than the printers of one maker.
+    const MOST_PARTS_OF_NAMES: usize = 12;
     let wanted = name.to_lowercase().replace(['_', ' '], "-");
     let likeness = |known: &str| {
         // A part of a name ("mk4", "voron") is likelier than a misspelling.
@@ -379,8 +381,23 @@ fn suggestion(name: &str, mut names: Vec<String>) -> String {
     names.sort();
     names.dedup();
     names.retain(|known| likeness(known) >= ALIKE);
+    // A printer with another nozzle is named only if a nozzle is asked for.
+    let base = |name: &str| {
+        let nozzle = name.strip_suffix("-nozzle");
+        let base = nozzle.and_then(|name| name.rsplit_once('-'));
+        base.map(|(base, _)| base.to_owned())
+    };
+    if !wanted.contains("nozzle") {
+        let all = names.clone();
+        names.retain(|name| !base(name).is_some_and(|b| all.contains(&b)));
+    }
     names.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
-    names.truncate(MOST);
+    let parts = names.iter().filter(|name| likeness(name) == 1.0).count();
+    names.truncate(if parts > 0 {
+        parts.min(MOST_PARTS_OF_NAMES)
+    } else {
+        MOST
+    });
     if names.is_empty() {
         return "`isoslice profiles` lists them".to_owned();
     }

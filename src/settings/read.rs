@@ -5,6 +5,7 @@
 
 use super::check::{self, Conflict};
 use super::error::{GivenIn, GivenPlaces, SettingsError};
+use super::foreign;
 use super::profile::{Profile, Profiles};
 use super::shipped::ProfileKind;
 use super::table::{self, Key};
@@ -250,33 +251,13 @@ fn unknown(name: &str, place: GivenIn) -> SettingsError {
     }
 }
 
-/// Words of other slicers for settings whose names here are too different to be
-/// guessed.
-const FOREIGN: [(&str, &str); 6] = [
-    (
-        "line_width",
-        "outer_wall_width, inner_wall_width, skin_width or infill_width",
-    ),
-    (
-        "extrusion_width",
-        "outer_wall_width, inner_wall_width, skin_width or infill_width",
-    ),
-    ("perimeters", "walls"),
-    ("wall_loops", "walls"),
-    ("fill_density", "infill_density"),
-    (
-        "print_speed",
-        "speed.outer_wall, or another one of the group speed",
-    ),
-];
-
 fn hint(name: &str) -> String {
     if HEAD.contains(&name) {
         return "only profiles have it, which are named with --printer, \
                 --filament or --preset"
             .to_owned();
     }
-    if let Some((_, now)) = FOREIGN.iter().find(|(word, _)| *word == name) {
+    if let Some(now) = foreign::name(name) {
         return format!("did you mean {now}?");
     }
     let plural = format!("{name}s");
@@ -304,7 +285,9 @@ fn refusal(
         Refused::Type => SettingsError::WrongType {
             place,
             key: key.name.to_owned(),
-            expected: key.expected() + &elsewhere(key, raw),
+            expected: key.expected()
+                + &foreign::value(key, raw)
+                + &elsewhere(key, raw),
             value,
         },
         Refused::Range => SettingsError::OutOfRange {

@@ -7,7 +7,7 @@
 
 use super::Settings;
 use super::rows::{GROUPS, KEYS};
-use super::value::{Kind, Measure, Range, Value};
+use super::value::{Kind, Measure, Range, Raw, Value};
 
 /// One row of the table: a setting's name and all that is known about it.
 #[derive(Debug)]
@@ -200,6 +200,13 @@ impl Key {
         }
     }
 
+    /// True if the setting takes a text.
+    pub(super) fn takes(&self, text: &str) -> bool {
+        let mut settings = Settings::default();
+        let field = (self.field_mut)(&mut settings);
+        field.assign(Raw::Text(text), self.measure()).is_ok()
+    }
+
     pub(super) fn kind(&self) -> Kind {
         (self.field)(&Settings::default()).kind()
     }
@@ -255,20 +262,24 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
 }
 
 /// The names that have `name` as a part, in whole words, and as few other words
-/// as possible. They are in the table's order.
+/// as possible. They are in the table's order, and of the group that `name`
+/// has, if it has one.
 pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
     const MOST: usize = 4;
     let name = name.to_lowercase().replace('-', "_");
+    let (group, name) = name.split_once('.').unwrap_or(("", &name));
+    let of_group = |key: &&Key| group.is_empty() || key.group() == group;
     let besides = |key: &Key| {
         let (whole, part) = (format!("_{}_", key.leaf()), format!("_{name}_"));
         whole
             .contains(&part)
             .then(|| key.leaf().matches('_').count())
     };
-    let Some(least) = keys().iter().filter_map(besides).min() else {
+    let all = keys().iter().filter(of_group);
+    let Some(least) = all.clone().filter_map(besides).min() else {
         return Vec::new();
     };
-    let all = keys().iter().filter(|key| besides(key) == Some(least));
+    let all = all.filter(|key| besides(key) == Some(least));
     all.map(|key| key.name).take(MOST).collect()
 }
 

@@ -1,8 +1,9 @@
 //! A settings file as text: its TOML taken apart, with the line of each entry.
 
 use super::error::{GivenIn, SettingsError};
+use super::foreign;
 use super::table;
-use super::value::Raw;
+use super::value::{Raw, Value};
 use crate::files::{self, FileError, MAX_SETTINGS_BYTES};
 use std::ops::Range;
 use std::path::Path;
@@ -69,17 +70,16 @@ pub(super) fn parse<'a>(
         // An error without a span is about the whole file.
         let span = e.span().unwrap_or(0..0);
         let what = e.message().replace('\n', ", ");
-        let line = text.lines().nth(line_of(text, span.start) - 1);
+        let number = line_of(text, span.start);
+        let line = text.lines().nth(number - 1);
         SettingsError::NotToml {
             message: match line.map(str::trim).filter(|line| !line.is_empty()) {
                 Some(line) => format!("{what}, in `{}`", shortened(line)),
                 None => what,
             },
-            hint: if line.is_some_and(ends_in_unit) {
-                "; numbers have no unit, and texts have quotes"
-            } else {
-                ""
-            },
+            hint: line.map_or_else(String::new, |line| {
+                advice(line, &group_at(text, number))
+            }),
             place: place(span),
         }
     })
@@ -92,6 +92,47 @@ fn shortened(line: &str) -> String {
         Some((end, _)) => format!("{}…", &line[..end]),
         None => line.to_owned(),
     }
+}
+
+/// The group whose settings stand in a line.
+fn group_at(text: &str, line: usize) -> String {
+    let heads = text.lines().take(line).filter_map(|line| {
+        let name = line.trim().strip_prefix('[')?.split_once(']')?.0;
+        Some(format!("{}.", name.trim()))
+    });
+    heads.last().unwrap_or_default()
+}
+
+/// What to write instead of a line that is not TOML.
+fn advice(line: &str, group: &str) -> String {
+    if ends_in_unit(line) {
+        return "; numbers have no unit, and texts have quotes".to_owned();
+    }
+    let line = line.split('#').next().unwrap_or(line);
+    if let Some((name, value)) = line.split_once(':')
+        && table::find(&format!("{group}{}", name.trim())).is_some()
+    {
+        return format!("; write {} = {}", name.trim(), value.trim());
+    }
+    let Some((name, value)) = line.split_once('=') else {
+        return String::new();
+    };
+    let (name, value) = (name.trim(), value.trim());
+    if value.contains(',') && value.replace(',', ".").parse::<f64>().is_ok() {
+        return format!("; write {name} = {}", value.replace(',', "."));
+    }
+    let Some(key) = table::find(&format!("{group}{name}")) else {
+        return String::new();
+    };
+    let text = value.trim_matches(|c| matches!(c, '"' | '\''));
+    if !value.starts_with('"') && !text.is_empty() && key.takes(text) {
+        return format!("; write {name} = {}", text.to_owned().to_toml());
+    }
+    if !value.starts_with(char::is_alphabetic) {
+        return String::new();
+    }
+    let hint = foreign::value(key, Raw::Text(text));
+    format!("; {name} is {}{hint}", key.expected())
 }
 
 /// True for lines like `layer_height = 0.2mm` and `infill_density = 20%`.

@@ -67,7 +67,7 @@ impl Raw<'_> {
     pub(super) fn describe(&self) -> String {
         match self {
             Raw::Integer(i) => i.to_string(),
-            Raw::Float(x) => x.to_string(),
+            Raw::Float(x) => format!("{x:?}"),
             Raw::Bool(b) => b.to_string(),
             Raw::Text(s) => format!("{s:?}"),
             Raw::Word(s) | Raw::Huge(s) => (*s).to_owned(),

@@ -635,7 +635,10 @@ fn typical_mistakes_are_told_what_to_write() {
         ("slice ok.rhai --config unit.toml", "numbers have no unit"),
         ("slice ok.rhai --layers 99..", "ask for layers from 1 to 50"),
         ("slice ok.rhai --set infill_density=0.15", "write 15% if"),
-        ("slice text.rhai", "this is text, but a shape is wanted"),
+        (
+            "slice text.rhai",
+            "`-` works on shapes and numbers, not on a shape and a string",
+        ),
         ("slice python.rhai", "a function is fn name(a, b) { a + b }"),
         ("slice -e x2+y^2-9", "did you mean `x^2`?"),
         ("slice -e x^2+y²-9", "did you mean `y^2`?"),

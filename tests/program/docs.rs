@@ -117,12 +117,33 @@ fn links_lead_somewhere() {
     for page in pages().into_iter().chain([root.join("README.md")]) {
         let text = std::fs::read_to_string(&page).unwrap();
         for link in text.split("](").skip(1) {
-            let target = link.split([')', '#']).next().unwrap_or_default();
-            if target.is_empty() || target.contains("://") {
+            let link = link.split([')', ' ']).next().unwrap_or_default();
+            if link.contains("://") {
                 continue;
             }
-            let file = page.parent().unwrap().join(target);
+            let (target, heading) = link.split_once('#').unwrap_or((link, ""));
+            let file = match target {
+                "" => page.clone(),
+                _ => page.parent().unwrap().join(target),
+            };
             assert!(file.exists(), "{}: {target}", page.display());
+            if !heading.is_empty() {
+                let there = std::fs::read_to_string(&file).unwrap();
+                let heads = there.lines().filter(|line| line.starts_with('#'));
+                let found = heads.map(anchor).any(|head| head == heading);
+                assert!(found, "{}: {link}", page.display());
+            }
         }
     }
+}
+
+/// What a link says for a line that is a heading.
+fn anchor(heading: &str) -> String {
+    let words = heading.trim_start_matches('#').trim().to_lowercase();
+    let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    words
+        .chars()
+        .filter(kept)
+        .collect::<String>()
+        .replace(' ', "-")
 }

@@ -764,7 +764,7 @@ fn a_terrain_of_noise_is_as_high_as_its_summit() {
     let noise = "
         fn weight(ix, iy) {
             let fx = floor(x) + ix; let fy = floor(y) + iy;
-            let angle = rand(mix(fx, fy)) * 2.0 * PI;
+            let angle = rand(hash(fx, fy)) * 2.0 * PI;
             (x - fx) * cos(angle) + (y - fy) * sin(angle)
         }
         fn smooth(v) { let t = v - floor(v); t * t * (3.0 - 2.0 * t) }

@@ -1,7 +1,7 @@
 //! What Python does with a field, an `Expr`: operators, functions, values.
 
 use crate::error::plain;
-use crate::operation::{binary_of, name_of, unary_of};
+use crate::operation::name_of;
 use crate::pickle::{Step, steps, tree};
 use crate::request::loaded;
 use crate::value::{Expr, Field, arguments, from_json, parameters};
@@ -18,6 +18,9 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::fmt::Write as _;
+
+/// Python binds `^` weaker than `+`.
+const NO_POWER: &str = "`^` is no power in Python: write x**2";
 
 #[pymethods]
 impl Expr {
@@ -104,6 +107,14 @@ impl Expr {
 
     fn __rand__(&self, other: Field) -> Expr {
         other.0.max(self.tree.clone()).into()
+    }
+
+    fn __xor__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Expr> {
+        Err(PyTypeError::new_err(NO_POWER))
+    }
+
+    fn __rxor__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Expr> {
+        Err(PyTypeError::new_err(NO_POWER))
     }
 
     fn __neg__(&self) -> Expr {
@@ -264,6 +275,7 @@ pub(crate) fn unpickled_expr(
             value,
             description,
             allowed: Allowed::default(),
+            counts: false,
         });
     Ok(Expr {
         tree: tree(&steps)?,
@@ -281,39 +293,29 @@ fn operand(given: &Bound<'_, PyAny>) -> PyResult<Argument> {
 }
 
 fn power(base: Argument, exponent: Argument) -> PyResult<Expr> {
-    let tree = model::call("pow", vec![base, exponent]).map_err(plain)?;
-    Ok(tree.into())
+    match model::call("pow", vec![base, exponent]).map_err(plain)? {
+        Argument::Field(tree) => Ok(tree.into()),
+        _ => Err(PyTypeError::new_err("a power of numbers is no field")),
+    }
 }
 
-/// A function of one field, by its name.
-#[pyfunction]
-pub(crate) fn unary(name: &str, of: Field) -> PyResult<Expr> {
-    unary_of(name, &of.0)
-        .map(Expr::from)
-        .ok_or_else(|| none(name))
-}
-
-/// A function of two fields, by its name.
-#[pyfunction]
-pub(crate) fn binary(name: &str, a: Field, b: Field) -> PyResult<Expr> {
-    let made = binary_of(name, &a.0, &b.0);
-    made.map(Expr::from).ok_or_else(|| none(name))
-}
-
-fn none(name: &str) -> PyErr {
-    PyValueError::new_err(format!("no function {name}"))
-}
-
-/// Calls a function that scripts have: docs/shapes.md lists them.
+/// Calls a function that scripts have: docs/shapes.md and docs/functions.md list
+/// them. It makes a field, or a number of numbers alone.
 #[pyfunction]
 #[pyo3(signature = (name, *given, **named))]
-pub(crate) fn call(
+pub(crate) fn call<'py>(
+    py: Python<'py>,
     name: &str,
-    given: &Bound<'_, PyTuple>,
-    named: Option<&Bound<'_, PyDict>>,
-) -> PyResult<Expr> {
-    let tree = model::call(name, arguments(given, named)?).map_err(plain)?;
-    Ok(tree.into())
+    given: &Bound<'py, PyTuple>,
+    named: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let made = model::call(name, arguments(given, named)?).map_err(plain)?;
+    Ok(match made {
+        Argument::Field(tree) => Expr::from(tree).into_pyobject(py)?.into_any(),
+        Argument::Whole(whole) => whole.into_pyobject(py)?.into_any(),
+        Argument::Number(number) => number.into_pyobject(py)?.into_any(),
+        _ => return Err(PyTypeError::new_err("this function makes no field")),
+    })
 }
 
 /// Reads a model from a file, or from text of a kind.

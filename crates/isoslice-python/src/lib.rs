@@ -44,7 +44,7 @@ mod _native {
     #[pymodule_export]
     use crate::error::{Error, ModelError, SettingsError, SliceError, Stopped};
     #[pymodule_export]
-    use crate::expr::{binary, call, evaluate, load, unary, unpickled_expr};
+    use crate::expr::{call, evaluate, load, unpickled_expr};
     #[pymodule_export]
     use crate::list::{profiles, settings};
     #[pymodule_export]

@@ -1,4 +1,4 @@
-//! Operations on fields, by their names.
+//! fidget's operations on fields, by their names, which pickles have.
 
 use fidget::context::Tree;
 
@@ -19,14 +19,13 @@ pub(crate) fn unary_of(name: &str, f: &Tree) -> Option<Tree> {
         "acos" => f.acos(),
         "atan" => f.atan(),
         "exp" => f.exp(),
-        "log" | "ln" => f.ln(),
+        "ln" => f.ln(),
         "abs" => f.abs(),
         "floor" => f.floor(),
         "ceil" => f.ceil(),
         "round" => f.round(),
         "square" => f.square(),
         "recip" => f.recip(),
-        "sign" => f.compare(0.0),
         "not" => f.not(),
         "rand" => f.rand(),
         _ => return None,

@@ -210,6 +210,10 @@ pub(crate) fn assignments(
         let key: String = key.extract()?;
         let key = format!("{group}{key}");
         match value.cast::<PyDict>() {
+            // An empty group says nothing, but has to be a group.
+            Ok(inner) if inner.is_empty() && !is_group(&key) => {
+                found.push(format!("{key}={{}}"));
+            }
             Ok(inner) => {
                 assignments(inner, &format!("{key}."), depth + 1, found)?;
             }
@@ -220,6 +224,15 @@ pub(crate) fn assignments(
         }
     }
     Ok(())
+}
+
+fn is_group(name: &str) -> bool {
+    let group = |key: &isoslice::settings::Key| {
+        key.name
+            .strip_prefix(name)
+            .is_some_and(|rest| rest.starts_with('.'))
+    };
+    isoslice::settings::keys().iter().any(group)
 }
 
 /// Text as TOML has it. Escapes of JSON are escapes of TOML, and one character

@@ -87,6 +87,49 @@ def test_functions():
     assert iso.min(3, 2) == 2 and iso.mod(-1, 3) == 2 and iso.round(2.5) == 3
 
 
+def calls():
+    """The functions' names in docs/functions.md, each with its values' number."""
+    text = (ROOT / "docs" / "functions.md").read_text()
+    rows = [row for row in text.splitlines() if row.startswith("| `")]
+    for row in rows:
+        for name, values in re.findall(r"`(\w+)\(([^`]*)\)`", row.split("|")[1]):
+            yield name, len(values.split(","))
+
+
+def test_a_name_means_the_same_in_three_languages():
+    named = {"and": "logical_and", "or": "logical_or", "not": "logical_not"}
+    found = list(calls())
+    assert len(found) > 45, found
+    for name, count in found:
+        function = getattr(iso, named.get(name, name))
+        fields = ", ".join("xyz"[:count])
+        made = function(*(x, y, z)[:count])
+        formula = iso.formula(f"{name}({fields})")
+        script = iso.script(f"{name}({fields})")
+        for place in PLACES:
+            wanted = pytest.approx(formula(*place), rel=1e-5, abs=1e-5, nan_ok=True)
+            assert made(*place) == wanted, name
+            assert script(*place) == wanted, name
+            number = function(*place[:count])
+            assert isinstance(number, (int, float)), name
+            if name != "hash":
+                assert number == wanted, name
+    for name in ("pi", "tau", "e", "PI", "TAU", "E"):
+        wanted = pytest.approx(getattr(iso, name), rel=1e-6)
+        assert iso.formula(f"{name} + 0*x")(0, 0, 0) == wanted
+        assert iso.script(f"{name} + 0*x")(0, 0, 0) == wanted
+    for text in ("x^2 - 1", "-x**2", "2**-x**2", "7 / 2 + x", "x % 3 / 2"):
+        wanted = pytest.approx(iso.formula(text)(1.5, 0, 0), rel=1e-6)
+        assert iso.script(text)(1.5, 0, 0) == wanted, text
+        python = eval(text.replace("^", "**"), {"x": x})
+        assert python(1.5, 0, 0) == wanted, text
+    assert list(range(iso.floor(7 / 2))) == [0, 1, 2]
+    with pytest.raises(TypeError, match=r"x\*\*2"):
+        x ^ 2
+    with pytest.raises(TypeError, match=r"x\*\*2"):
+        2 ^ x
+
+
 def test_numpys_functions_work_on_fields():
     for name in (
         "sin cos tan arctan exp floor ceil sign square negative absolute "

@@ -20,9 +20,9 @@ def again(value):
 
 UNARY = (
     "sqrt sin cos tan asin acos atan exp log abs floor ceil round square "
-    "recip sign not rand"
+    "recip sign not rand tanh fract"
 ).split()
-BINARY = "min max atan2 mod compare and or".split()
+BINARY = "min max atan2 mod compare and or hash step".split()
 PLACES = [[0.3, -0.4, 0.9], [1.5, 2.5, -3.5], [-0.7, 0.1, 0.2]]
 
 
@@ -33,8 +33,8 @@ def same(a, b):
 
 
 def test_every_operation():
-    fields = [_native.unary(name, x + 0.1 * y) for name in UNARY]
-    fields += [_native.binary(name, x, y - 0.25) for name in BINARY]
+    fields = [_native.call(name, x + 0.1 * y) for name in UNARY]
+    fields += [_native.call(name, x, y - 0.25) for name in BINARY]
     fields += [x + y, x - y, x * y, x / y, -x, x, 3 * z, z // 2, z % 0.7]
     fields += [(x + y).remap(y, z, x * 2), (x**2 + z).move([1, 2, 3])]
     fields += [iso.box([0, 0, 0], [3, 4, 5]).rotate_z(30), iso.gyroid(cell=5, thickness=1)]

@@ -341,3 +341,16 @@ def test_what_makes_a_field():
     assert (iso.sphere(2) | Part())(0, 0, 0) == -6
     with pytest.raises(TypeError, match="__isoslice__"):
         iso.slice(NoPart())
+
+
+def test_empty_groups_and_impossible_shapes_are_errors():
+    ball = iso.sphere(5)
+    for settings, name in [
+        ({"speed": {"a": {}}}, "speed.a"),
+        ({"speeed": {}}, "speeed"),
+        ({"walls": {}}, "walls"),
+    ]:
+        with pytest.raises(iso.SettingsError, match=name):
+            iso.slice(ball, settings=settings)
+    with pytest.raises(iso.ModelError, match="radius must be a number above 0"):
+        iso.sphere(-1)

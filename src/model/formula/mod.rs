@@ -20,12 +20,11 @@ mod parser;
 #[cfg(test)]
 mod tests;
 mod token;
-mod value;
 
+use super::term::Term;
 use fidget::context::Tree;
 pub(super) use names::Name;
 use parser::parse;
-use value::Value;
 
 /// What is wrong with a text that is not a formula.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,8 +39,8 @@ pub struct FormulaError {
 /// Parses the formula of a shape.
 pub(crate) fn parse_formula(text: &str) -> Result<Tree, FormulaError> {
     match parse(text, None)? {
-        Value::Field(tree) => Ok(tree),
-        Value::Number(v) => Err(FormulaError {
+        Term::Field(tree) => Ok(tree),
+        Term::Number(v) => Err(FormulaError {
             column: 1,
             message: format!(
                 "the formula is the constant {v}; a shape needs at least \
@@ -58,5 +57,5 @@ pub(super) fn parse_with(
     name: Name,
     variable: Tree,
 ) -> Result<Tree, FormulaError> {
-    parse(text, Some((name, variable))).map(Value::tree)
+    parse(text, Some((name, variable))).map(Term::tree)
 }

@@ -1,10 +1,10 @@
 //! What names mean: coordinates, constants and functions.
 
 use super::FormulaError;
-use super::value::Value;
+use crate::model::functions::{FUNCTIONS, constant as number, function};
 use crate::model::param::nearest;
+use crate::model::term::Term;
 use fidget::context::Tree;
-use std::f64::consts;
 
 /// Names without parentheses in a model's formula.
 pub(super) const CONSTANTS: &[&str] = &["x", "y", "z", "pi", "e", "tau"];
@@ -37,80 +37,27 @@ impl Name {
     }
 }
 
-type Function1 = fn(Value) -> Value;
-type Function2 = fn(Value, Value) -> Value;
-
-/// Functions of one argument. `sign`, `not` and `rand` are not computed in
-/// advance: fidget's definitions decide.
-pub(super) const UNARY: [(&str, Function1); 20] = [
-    ("sqrt", |a| a.map(f64::sqrt, Tree::sqrt)),
-    ("sin", |a| a.map(f64::sin, Tree::sin)),
-    ("cos", |a| a.map(f64::cos, Tree::cos)),
-    ("tan", |a| a.map(f64::tan, Tree::tan)),
-    ("asin", |a| a.map(f64::asin, Tree::asin)),
-    ("acos", |a| a.map(f64::acos, Tree::acos)),
-    ("atan", |a| a.map(f64::atan, Tree::atan)),
-    ("exp", |a| a.map(f64::exp, Tree::exp)),
-    ("ln", |a| a.map(f64::ln, Tree::ln)),
-    ("log", |a| a.map(f64::ln, Tree::ln)),
-    ("abs", |a| a.map(f64::abs, Tree::abs)),
-    ("floor", |a| a.map(f64::floor, Tree::floor)),
-    ("ceil", |a| a.map(f64::ceil, Tree::ceil)),
-    ("round", |a| a.map(f64::round, Tree::round)),
-    ("square", |a| a.map(|v| v * v, Tree::square)),
-    ("sign", |a| Value::Field(a.tree().compare(0.0))),
-    ("not", |a| Value::Field(a.tree().not())),
-    ("recip", |a| a.map(f64::recip, Tree::recip)),
-    ("neg", negated),
-    ("rand", |a| Value::Field(a.tree().rand())),
-];
-
-/// Functions of two arguments. `min` and `max` take any number of arguments.
-pub(super) const BINARY: [(&str, Function2); 9] = [
-    ("min", |a, b| a.with(b, f64::min, |a, b| a.min(b))),
-    ("max", |a, b| a.with(b, f64::max, |a, b| a.max(b))),
-    ("atan2", |a, b| a.with(b, f64::atan2, |a, b| a.atan2(b))),
-    ("mod", Value::modulo),
-    ("pow", Value::raised),
-    ("compare", |a, b| Value::Field(a.tree().compare(b.tree()))),
-    ("and", |a, b| Value::Field(a.tree().and(b.tree()))),
-    ("or", |a, b| Value::Field(a.tree().or(b.tree()))),
-    ("mix", |a, b| Value::Field(a.tree().mix(b.tree()))),
-];
-
-/// The value with the opposite sign.
-pub(super) fn negated(a: Value) -> Value {
-    a.map(|v| -v, Tree::neg)
-}
-
-fn unary(name: &str) -> Option<Function1> {
-    UNARY.iter().find(|f| f.0 == name).map(|f| f.1)
-}
-
-fn binary(name: &str) -> Option<Function2> {
-    BINARY.iter().find(|f| f.0 == name).map(|f| f.1)
-}
-
 /// The value of a name without parentheses, if it is one of `known`.
 pub(super) fn constant(
     name: &str,
     column: usize,
     known: &[&str],
-) -> Result<Value, FormulaError> {
-    Ok(match name {
-        "x" => Value::Field(Tree::x()),
-        "y" => Value::Field(Tree::y()),
-        "z" => Value::Field(Tree::z()),
-        "pi" | "PI" | "\u{3c0}" => Value::Number(consts::PI),
-        "tau" | "TAU" => Value::Number(consts::TAU),
-        "e" | "E" => Value::Number(consts::E),
-        _ if unary(name).is_some() || binary(name).is_some() => {
-            return Err(FormulaError {
-                column,
-                message: format!("`{name}` is a function: write {name}(...)"),
-            });
-        }
-        _ => return unknown(name, column, known),
+) -> Result<Term, FormulaError> {
+    match name {
+        "x" => return Ok(Term::Field(Tree::x())),
+        "y" => return Ok(Term::Field(Tree::y())),
+        "z" => return Ok(Term::Field(Tree::z())),
+        _ => {}
+    }
+    if let Some(value) = number(name) {
+        return Ok(Term::Number(value));
+    }
+    let Some(called) = function(name) else {
+        return unknown(name, column, known);
+    };
+    Err(FormulaError {
+        column,
+        message: format!("`{name}` is a function: write {}", called.example),
     })
 }
 
@@ -131,7 +78,7 @@ fn unknown(
     name: &str,
     column: usize,
     known: &[&str],
-) -> Result<Value, FormulaError> {
+) -> Result<Term, FormulaError> {
     let meant = powers(name)
         .or_else(|| nearest(name, known.iter().copied()).map(str::to_owned))
         .map(|meant| format!("; did you mean `{meant}`?"))
@@ -148,36 +95,14 @@ fn unknown(
 /// The value of a name with parentheses.
 pub(super) fn call(
     name: &str,
-    arguments: Vec<Value>,
+    arguments: &[Term],
     column: usize,
-) -> Result<Value, FormulaError> {
-    let count = arguments.len();
-    let wrong = |wants: &str| {
-        Err(FormulaError {
+) -> Result<Term, FormulaError> {
+    if let Some(function) = function(name) {
+        return function.apply(arguments).map_err(|takes| FormulaError {
             column,
-            message: format!("`{name}` takes {wants}, not {count}"),
-        })
-    };
-    let mut arguments = arguments.into_iter();
-    if let Some(f) = unary(name) {
-        let (Some(a), None) = (arguments.next(), arguments.next()) else {
-            return wrong("1 argument");
-        };
-        return Ok(f(a));
-    }
-    if let Some(f) = binary(name) {
-        if name == "min" || name == "max" {
-            let Some(first) = arguments.next() else {
-                return wrong("1 or more arguments");
-            };
-            return Ok(arguments.fold(first, f));
-        }
-        let (Some(a), Some(b), None) =
-            (arguments.next(), arguments.next(), arguments.next())
-        else {
-            return wrong("2 arguments");
-        };
-        return Ok(f(a, b));
+            message: format!("{takes}: write {}", function.example),
+        });
     }
     if CONSTANTS.contains(&name) {
         return Err(FormulaError {
@@ -187,7 +112,6 @@ pub(super) fn call(
             ),
         });
     }
-    let (one, two) = (UNARY.iter().map(|f| f.0), BINARY.iter().map(|f| f.0));
-    let known: Vec<&str> = one.chain(two).collect();
+    let known: Vec<&str> = FUNCTIONS.iter().map(|f| f.name).collect();
     unknown(name, column, &known)
 }

@@ -1,9 +1,9 @@
 //! The grammar: one function per rule, and tokens in, values out.
 
 use super::FormulaError;
-use super::names::{CONSTANTS, Name, call, constant, negated};
+use super::names::{CONSTANTS, Name, call, constant};
 use super::token::{Token, tokens};
-use super::value::Value;
+use crate::model::term::Term;
 use fidget::context::Tree;
 
 /// Deepest nesting of parentheses, signs and powers.
@@ -13,9 +13,9 @@ const MAX_DEPTH: usize = 200;
 pub(super) fn parse(
     text: &str,
     fourth: Option<(Name, Tree)>,
-) -> Result<Value, FormulaError> {
+) -> Result<Term, FormulaError> {
     let mut parser = Parser {
-        tokens: tokens(text)?,
+        tokens: tokens(text, fourth.is_some())?,
         next: 0,
         end: text.chars().count() + 1,
         fourth,
@@ -79,32 +79,32 @@ impl Parser {
         }
     }
 
-    fn sum(&mut self, depth: usize) -> Result<Value, FormulaError> {
+    fn sum(&mut self, depth: usize) -> Result<Term, FormulaError> {
         let mut left = self.product(depth)?;
         while let Some(op) = self.take(&["+", "-"]) {
             let right = self.product(depth)?;
             left = match op {
-                "+" => left.with(right, |a, b| a + b, |a, b| a + b),
-                _ => left.with(right, |a, b| a - b, |a, b| a - b),
+                "+" => left + right,
+                _ => left - right,
             };
         }
         Ok(left)
     }
 
-    fn product(&mut self, depth: usize) -> Result<Value, FormulaError> {
+    fn product(&mut self, depth: usize) -> Result<Term, FormulaError> {
         let mut left = self.sign(depth)?;
         while let Some(op) = self.take(&["*", "/", "%"]) {
             let right = self.sign(depth)?;
             left = match op {
-                "*" => left.with(right, |a, b| a * b, |a, b| a * b),
-                "/" => left.with(right, |a, b| a / b, |a, b| a / b),
+                "*" => left * right,
+                "/" => left / right,
                 _ => left.modulo(right),
             };
         }
         Ok(left)
     }
 
-    fn sign(&mut self, depth: usize) -> Result<Value, FormulaError> {
+    fn sign(&mut self, depth: usize) -> Result<Term, FormulaError> {
         if depth > MAX_DEPTH {
             return self.error(format!(
                 "nested more than {MAX_DEPTH} deep; use a .rhai script with \
@@ -112,13 +112,13 @@ impl Parser {
             ));
         }
         match self.take(&["+", "-"]) {
-            Some("-") => Ok(negated(self.sign(depth + 1)?)),
+            Some("-") => Ok(-self.sign(depth + 1)?),
             Some(_) => self.sign(depth + 1),
             None => self.power(depth),
         }
     }
 
-    fn power(&mut self, depth: usize) -> Result<Value, FormulaError> {
+    fn power(&mut self, depth: usize) -> Result<Term, FormulaError> {
         let base = self.atom(depth)?;
         if self.take(&["^"]).is_none() {
             return Ok(base);
@@ -127,7 +127,7 @@ impl Parser {
         Ok(base.raised(exponent))
     }
 
-    fn atom(&mut self, depth: usize) -> Result<Value, FormulaError> {
+    fn atom(&mut self, depth: usize) -> Result<Term, FormulaError> {
         let column = self.column();
         let Some((token, _)) = self.tokens.get(self.next).cloned() else {
             return self.error("the formula ends too early".to_owned());
@@ -135,7 +135,7 @@ impl Parser {
         match token {
             Token::Number(v) => {
                 self.next += 1;
-                Ok(Value::Number(v))
+                Ok(Term::Number(v))
             }
             Token::Symbol("(") => {
                 self.next += 1;
@@ -151,7 +151,7 @@ impl Parser {
                 if self.take(&["("]).is_none() {
                     return match &self.fourth {
                         Some((fourth, tree)) if name == fourth.text() => {
-                            Ok(Value::Field(tree.clone()))
+                            Ok(Term::Field(tree.clone()))
                         }
                         Some((fourth, _)) => {
                             constant(&name, column, fourth.constants())
@@ -169,7 +169,7 @@ impl Parser {
                     }
                     self.close(column)?;
                 }
-                call(&name, arguments, column)
+                call(&name, &arguments, column)
             }
         }
     }

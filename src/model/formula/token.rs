@@ -20,7 +20,11 @@ impl std::fmt::Display for Token {
 }
 
 /// The tokens of a text, each with its column.
-pub(super) fn tokens(text: &str) -> Result<Vec<(Token, usize)>, FormulaError> {
+/// `of_setting` tells what the formula is for, which messages depend on.
+pub(super) fn tokens(
+    text: &str,
+    of_setting: bool,
+) -> Result<Vec<(Token, usize)>, FormulaError> {
     let chars: Vec<char> = text.chars().collect();
     let mut out = Vec::new();
     let mut i = 0;
@@ -85,6 +89,18 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, usize)>, FormulaError> {
                             "unexpected character `{}`{}",
                             other.escape_default(),
                             match other {
+                                '=' | '<' | '>' | '\u{2264}' | '\u{2265}'
+                                    if of_setting =>
+                                {
+                                    "; a formula does not compare: \
+                                     step(20, z) is 1 where z is at least 20, \
+                                     and 0 elsewhere"
+                                }
+                                '|' => {
+                                    "; write abs(z) for |z|, and min(f, g) for \
+                                     f | g"
+                                }
+                                '&' => "; write max(f, g) for f & g",
                                 '=' | '<' | '>' | '\u{2264}' | '\u{2265}' => {
                                     "; a formula is one value, negative inside \
                                      the part: write a - b for a < b or a = b"

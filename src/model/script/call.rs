@@ -4,6 +4,7 @@
 //! get. So a program has every shape that scripts have, with equal results and
 //! equal messages, and no list of its own.
 
+use super::bodies::Bodies;
 use super::error::{ScriptError, explain};
 use super::limits::{GO_ON, ScriptLimits};
 use super::shape::describe;
@@ -26,6 +27,17 @@ pub enum Argument {
 }
 
 impl Argument {
+    /// A script's number or field.
+    fn of_value(value: Dynamic) -> Option<Self> {
+        if let Ok(whole) = value.as_int() {
+            return Some(Argument::Whole(whole));
+        }
+        if let Ok(number) = value.as_float() {
+            return Some(Argument::Number(number));
+        }
+        value.try_cast::<Tree>().map(Argument::Field)
+    }
+
     /// The argument as a script has it.
     fn into_value(self) -> Dynamic {
         match self {
@@ -47,26 +59,31 @@ impl Argument {
     }
 }
 
-/// Calls a function of docs/shapes.md, or an operation on fields such as `pow`.
+/// Calls a function of docs/shapes.md or docs/functions.md. The result is a
+/// field or a number.
 ///
 /// ```
 /// use isoslice::model::{Argument, call};
 ///
 /// let ball = call("sphere", vec![Argument::Number(5.0)])?;
 /// let far = vec![Argument::Whole(20), Argument::Whole(0), Argument::Whole(0)];
-/// call("move", vec![Argument::Field(ball), Argument::List(far)])?;
+/// call("move", vec![ball, Argument::List(far)])?;
 /// # Ok::<(), isoslice::model::ScriptError>(())
 /// ```
 ///
 /// # Errors
 /// If there is no such function, or it does not take these arguments, in the
 /// words that a script's author reads, but without a line.
-pub fn call(name: &str, arguments: Vec<Argument>) -> Result<Tree, ScriptError> {
+pub fn call(
+    name: &str,
+    arguments: Vec<Argument>,
+) -> Result<Argument, ScriptError> {
     thread_local! {
         /// Making one takes as long as many calls.
         static ENGINE: Engine = engine(
             ScriptLimits::default().operations,
             &Arc::new(AtomicU8::new(GO_ON)),
+            &Bodies::default(),
         );
     }
     let failed = |message| ScriptError::Failed {
@@ -96,7 +113,7 @@ pub fn call(name: &str, arguments: Vec<Argument>) -> Result<Tree, ScriptError> {
     match result {
         Ok(value) => {
             let found = describe(&value);
-            value.try_cast::<Tree>().ok_or_else(|| {
+            Argument::of_value(value).ok_or_else(|| {
                 failed(format!("{name} makes {found}, and no shape"))
             })
         }
@@ -115,7 +132,10 @@ mod tests {
     use super::*;
     use fidget::context::Context;
 
-    fn value(tree: &Tree, x: f32, y: f32, z: f32) -> f32 {
+    fn value(made: &Argument, x: f32, y: f32, z: f32) -> f32 {
+        let Argument::Field(tree) = made else {
+            panic!("{made:?} is no field");
+        };
         let mut context = Context::new();
         let node = context.import(tree);
         context.eval_xyz(node, x, y, z).unwrap()
@@ -127,11 +147,14 @@ mod tests {
         let ball = call("sphere", vec![Argument::Named(radius)]).unwrap();
         assert_eq!(value(&ball, 4.0, 0.0, 0.0), 1.5);
         let at = [10, 0, 0].map(Argument::Whole).to_vec();
-        let moved =
-            call("move", vec![Argument::Field(ball), Argument::List(at)]);
+        let moved = call("move", vec![ball, Argument::List(at)]);
         assert_eq!(value(&moved.unwrap(), 4.0, 0.0, 0.0), 3.5);
         let cube = vec![Argument::Field(Tree::x()), Argument::Whole(3)];
         assert_eq!(value(&call("pow", cube).unwrap(), -2.0, 0.0, 0.0), -8.0);
+        let half = call("fract", vec![Argument::Number(2.5)]).unwrap();
+        assert!(matches!(half, Argument::Number(0.5)), "{half:?}");
+        let two = call("floor", vec![Argument::Number(2.5)]).unwrap();
+        assert!(matches!(two, Argument::Whole(2)), "{two:?}");
     }
 
     #[test]

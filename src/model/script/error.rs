@@ -142,14 +142,18 @@ pub(super) fn explain(
             )
         }
         EvalAltResult::ErrorMismatchDataType(wanted, found, _)
-            if wanted.contains("-compatible") =>
+            if wanted.ends_with("i64") && found.ends_with("f64") =>
         {
-            failed(format!(
-                "a shape does not take {}; give it its values by their \
-                 names, as in sphere(#{{ center: [0, 0, 0], radius: 5 }})",
-                suggest::plain_type(found)
-            ))
+            failed(
+                "here counts a whole number: write floor(…) or round(…), and \
+                 step: 1 for a parameter that counts"
+                    .to_owned(),
+            )
         }
+        EvalAltResult::ErrorFor(_) => failed(
+            "a loop goes over a range or an array: for i in 0..6 { … }"
+                .to_owned(),
+        ),
         EvalAltResult::ErrorMismatchDataType(wanted, found, _) => {
             failed(format!(
                 "this is {}, but {} is wanted: shapes are made of x, y, z \
@@ -160,6 +164,14 @@ pub(super) fn explain(
         }
         other => {
             let mut plain = rhai_message(other);
+            if suggest::looks_like_openscad(text) {
+                plain.push_str(
+                    "; this looks like OpenSCAD: here shapes are values, as in \
+                     difference(box([0, 0, 0], [10, 10, 10]), sphere(5)), and \
+                     docs/shapes.md lists them",
+                );
+                return failed(plain);
+            }
             for (symbol, remedy) in [
                 (
                     "Expecting ';'",
@@ -173,6 +185,7 @@ pub(super) fn explain(
                          before?"
                     },
                 ),
+                ("an iterable value", "; write for example for i in 0..6"),
                 ("'import'", "; models cannot import other files"),
                 ("'eval'", "; models cannot run text as code"),
             ] {

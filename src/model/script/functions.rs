@@ -1,12 +1,13 @@
-//! The functions that scripts have beside fidget's shapes: powers, `draw`,
-//! `param`.
+//! The functions that scripts have beside shapes and arithmetic: `draw`,
+//! `param`, `remap`, places.
 
-use super::shape::{Outcome, describe, shape};
+use super::shape::{Outcome, describe, number, shape, term};
 use crate::model::allowed::Said;
 use crate::model::param::{ParamError, Table};
-use crate::model::power::{power, power_of};
+use crate::model::term::Term;
 use crate::model::value::Value;
 use fidget::context::Tree;
+use fidget::shapes::types::{Vec2, Vec3};
 use rhai::{Dynamic, Engine, ImmutableString, Map};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -20,55 +21,6 @@ pub(super) struct Shared {
     /// What was wrong with a parameter. rhai itself keeps only the error's
     /// text.
     pub error: Option<ParamError>,
-}
-
-/// `**` and `pow` of fields; `^` is refused.
-pub(super) fn add_powers(engine: &mut Engine) {
-    for name in ["**", "pow"] {
-        engine
-            .register_fn(name, |a: Tree, b: i64| power(&a, b as f64))
-            .register_fn(name, |a: Tree, b: f64| power(&a, b))
-            .register_fn(name, |a: Tree, b: Tree| power_of(&a, &b))
-            .register_fn(name, |a: f64, b: Tree| {
-                power_of(&Tree::constant(a as f32), &b)
-            })
-            .register_fn(name, |a: i64, b: Tree| {
-                power_of(&Tree::constant(a as f32), &b)
-            });
-    }
-    engine
-        .register_fn("^", not_a_power::<Tree, i64>)
-        .register_fn("^", not_a_power::<Tree, f64>)
-        .register_fn("^", not_a_power::<Tree, Tree>)
-        .register_fn("^", not_a_power::<f64, Tree>)
-        .register_fn("^", not_a_power::<i64, Tree>);
-}
-
-fn not_a_power<A, B>(_: A, _: B) -> Outcome<Tree> {
-    const REMEDY: &str = "`^` is not a power in scripts (it would bind \
-                          weaker than `+`): write x ** 2 or square(x)";
-    Err(REMEDY.into())
-}
-
-/// Comparisons of fields, which are refused, since a script runs once, before
-/// any place is known.
-pub(super) fn add_comparisons(engine: &mut Engine) {
-    fn refused<A, B>(_: A, _: B) -> Outcome<bool> {
-        const REMEDY: &str = "a field cannot be compared: the script runs \
-            once, and x, y and z have no values yet. Write what `if` would \
-            do as a field: max(f, g) is where both are, min(f, g) where \
-            either is, max(f, -x) is f where x > 0, and compare(x, 0) is -1, \
-            0 or 1";
-        Err(REMEDY.into())
-    }
-    for operator in ["==", "!=", "<", ">", "<=", ">="] {
-        engine
-            .register_fn(operator, refused::<Tree, Tree>)
-            .register_fn(operator, refused::<Tree, i64>)
-            .register_fn(operator, refused::<Tree, f64>)
-            .register_fn(operator, refused::<i64, Tree>)
-            .register_fn(operator, refused::<f64, Tree>);
-    }
 }
 
 /// `draw(shape)`, which also takes an array of shapes.
@@ -157,6 +109,74 @@ pub(super) fn add_param(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
                  \"description\")"
             .into())
     });
+}
+
+/// `axes`, `remap`, and the places of fidget.
+pub(super) fn add_places(engine: &mut Engine) {
+    fidget::rhai::types::register(engine);
+    engine
+        .register_type_with_name::<Tree>("Tree")
+        .register_fn("to_string", |_: &mut Tree| "a shape".to_owned())
+        .register_fn("axes", || {
+            let (x, y, z) = Tree::axes();
+            let all = [("x", x), ("y", y), ("z", z)];
+            let all =
+                all.map(|(name, tree)| (name.into(), Dynamic::from(tree)));
+            all.into_iter().collect::<Map>()
+        })
+        .register_fn("remap", |f: Dynamic, x: Dynamic, y: Dynamic| {
+            remapped(&f, [&x, &y, &Dynamic::from(Tree::z())])
+        })
+        .register_fn(
+            "remap",
+            |f: Dynamic, x: Dynamic, y: Dynamic, z: Dynamic| {
+                remapped(&f, [&x, &y, &z])
+            },
+        )
+        .register_fn("vec2", |x: Dynamic, y: Dynamic| {
+            let [x, y] = coordinates("vec2", [&x, &y])?;
+            Outcome::Ok(Vec2 { x, y })
+        })
+        .register_fn("vec3", |x: Dynamic, y: Dynamic, z: Dynamic| {
+            let [x, y, z] = coordinates("vec3", [&x, &y, &z])?;
+            Outcome::Ok(Vec3 { x, y, z })
+        });
+}
+
+fn remapped(f: &Dynamic, to: [&Dynamic; 3]) -> Outcome<Tree> {
+    const HOW: &str = "write for example f.remap(x, y, z / 2)";
+    let f = shape(f).ok_or_else(|| {
+        format!("remap needs a shape, not {}; {HOW}", describe(f))
+    })?;
+    let field = |v: &Dynamic| {
+        term(v).map(Term::tree).ok_or_else(|| {
+            format!("remap does not take {}; {HOW}", describe(v))
+        })
+    };
+    let [x, y, z] = to;
+    Ok(f.remap_xyz(field(x)?, field(y)?, field(z)?))
+}
+
+/// The coordinates of a place.
+fn coordinates<const N: usize>(
+    name: &str,
+    given: [&Dynamic; N],
+) -> Outcome<[f32; N]> {
+    let mut all = [0.0; N];
+    for (to, from) in all.iter_mut().zip(given) {
+        *to = number(from).ok_or_else(|| {
+            let field = shape(from).map_or("", |_| {
+                ", as x, y and z are; length(x, y, z) is the distance from \
+                 the origin"
+            });
+            format!(
+                "{name} takes numbers, as in {name}({}), not {}{field}",
+                ["1", "2", "3"][..N.min(3)].join(", "),
+                describe(from)
+            )
+        })? as f32;
+    }
+    Ok(all)
 }
 
 /// A number, or true or false.

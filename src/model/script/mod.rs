@@ -3,14 +3,15 @@
 //! In: the text of a script and the `-D` definitions. Out: an expression tree
 //! and the script's parameters.
 //!
-//! The engine is fidget's, with all its shapes and transforms, and with
-//! additions: more shapes (`shapes`), `param`, `draw`, the power operator `**`
-//! (also `pow`), and limits. The model is the union of what is passed to
-//! `draw`. Without a `draw` it is the script's last value.
+//! The model is the union of what is passed to `draw`. Without a `draw` it is
+//! the script's last value.
 //!
-//! `^` is not a power here: rhai binds it weaker than `+`, so `2*x^2` would
-//! silently be (2x)². It is an error that says to write `**`. (rhai's `**`
-//! binds weaker than a sign before it: `-x ** 2` is (-x)², write `-(x ** 2)`.)
+//! | file | what scripts get from it |
+//! |---|---|
+//! | `named` | functions and constants, those of formulas |
+//! | `operators`, `tokens` | arithmetic, in which whole numbers are numbers and powers bind as in mathematics |
+//! | `shapes` | shapes and transforms |
+//! | `functions` | `draw`, `param`, places |
 //!
 //! Guarantees, for any script: there is no file, network, environment or clock,
 //! no `import` and no `eval`; operations, time, call depth, nesting and the
@@ -23,16 +24,20 @@
 //! its thread goes on until the operation is done, and so does the memory that
 //! the operation takes.
 
+mod bodies;
 mod call;
 mod error;
 mod functions;
 mod limits;
+mod named;
+mod operators;
 mod sandbox;
 mod shape;
 mod shapes;
 mod suggest;
 #[cfg(test)]
 mod tests;
+mod tokens;
 
 pub use call::{Argument, call};
 pub use error::ScriptError;
@@ -40,11 +45,14 @@ pub use limits::ScriptLimits;
 
 use super::param::{Parameter, Table};
 use crate::limits::{check, doing, resident_bytes};
+use bodies::Bodies;
 use cpu_time::ProcessTime;
 use error::explain;
 use fidget::context::Tree;
-use functions::{Shared, add_comparisons, add_draw, add_param, add_powers};
+use functions::{Shared, add_draw, add_param, add_places};
 use limits::{GO_ON, Stop};
+use named::add_names;
+use operators::add_operators;
 use rhai::{Dynamic, Engine};
 use sandbox::{add_limits, add_replace};
 use shape::{describe, shape, union};
@@ -53,6 +61,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use tokens::add_powers;
 
 /// Stack of the script's thread. It is reserved, but used only if a script
 /// nests to the limits (arrays of arrays are freed recursively: `MAX_ARRAY`
@@ -173,7 +182,7 @@ fn run_here(
         parameters: Table::new(defines),
         ..Shared::default()
     }));
-    let mut engine = engine(limits.operations, stop);
+    let mut engine = engine(limits.operations, stop, &Bodies::of_script());
     add_draw(&mut engine, &shared);
     add_param(&mut engine, &shared);
 
@@ -199,14 +208,17 @@ fn run_here(
     Ok(Script { tree, parameters })
 }
 
-/// fidget's interpreter with all functions that do nothing but make shapes. A
-/// script may take `most` operations.
-fn engine(most: u64, stop: &Arc<AtomicU8>) -> Engine {
-    let mut engine = fidget::rhai::engine();
+/// An interpreter with all functions that do nothing but make shapes. A script
+/// may take `most` operations.
+fn engine(most: u64, stop: &Arc<AtomicU8>, bodies: &Bodies) -> Engine {
+    let mut engine = Engine::new();
+    engine.set_fail_on_invalid_map_property(true);
     add_limits(&mut engine, most, stop.clone());
     add_replace(&mut engine);
-    add_shapes(&mut engine);
-    add_comparisons(&mut engine);
+    add_places(&mut engine);
+    add_names(&mut engine, bodies);
+    add_operators(&mut engine, bodies);
+    add_shapes(&mut engine, bodies);
     add_powers(&mut engine);
     engine
 }

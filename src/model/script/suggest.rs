@@ -1,62 +1,17 @@
 //! Suggests what was meant by a name that scripts do not have.
 
 use super::shapes;
+use crate::model::functions;
 use crate::model::param::nearest;
 
-/// Functions of fidget and of this program, each with a call that works.
+/// Functions of scripts alone, each with a call that works.
 const FUNCTIONS: &[(&str, &str)] = &[
-    ("sphere", "sphere(#{center: [0, 0, 0], radius: 10})"),
-    ("box", "box(#{lower: [0, 0, 0], upper: [30, 20, 10]})"),
-    ("circle", "circle(#{center: [0, 0], radius: 5})"),
-    ("rectangle", "rectangle([0, 0], [30, 20])"),
-    ("extrude_z", "extrude_z(circle(5), 0, 20)"),
-    ("loft_z", "loft_z(circle(5), circle(8), 0, 20)"),
-    ("union", "union(a, b)"),
-    ("intersection", "intersection(a, b)"),
-    ("difference", "difference(a, b)"),
-    ("inverse", "inverse(f)"),
-    ("blend", "blend(a, b, 3)"),
-    ("move", "f.move([10, 0, 0])"),
-    ("scale", "f.scale([1, 1, 2])"),
-    ("scale_uniform", "f.scale_uniform(2)"),
-    (
-        "rotate",
-        "f.rotate(#{axis: [1, 1, 0], angle: 30, center: [0, 0, 0]})",
-    ),
-    ("rotate_x", "f.rotate_x(90)"),
-    ("rotate_y", "f.rotate_y(90)"),
-    ("rotate_z", "f.rotate_z(90)"),
-    ("reflect", "f.reflect(\"yz\")"),
-    ("reflect_x", "f.reflect_x(0)"),
-    ("reflect_y", "f.reflect_y(0)"),
-    ("reflect_z", "f.reflect_z(0)"),
-    ("repeat_x", "f.repeat_x(#{radius: 5, offset: 0})"),
-    ("revolve_y", "f.revolve_z()"),
     ("remap", "f.remap(x, y, z / 2)"),
     ("draw", "draw(f)"),
     ("param", "param(\"radius\", 10.0, \"radius, mm\")"),
     ("axes", "axes()"),
     ("vec2", "vec2(1, 2)"),
     ("vec3", "vec3(1, 2, 3)"),
-    ("min", "min(f, g)"),
-    ("max", "max(f, g)"),
-    ("compare", "compare(f, g)"),
-    ("abs", "abs(x)"),
-    ("sqrt", "sqrt(x)"),
-    ("square", "square(x)"),
-    ("pow", "pow(x, 3)"),
-    ("sin", "sin(x)"),
-    ("cos", "cos(x)"),
-    ("tan", "tan(x)"),
-    ("asin", "asin(x)"),
-    ("acos", "acos(x)"),
-    ("atan", "atan(x)"),
-    ("atan2", "atan2(y, x)"),
-    ("exp", "exp(x)"),
-    ("ln", "ln(x)"),
-    ("floor", "floor(x)"),
-    ("ceil", "ceil(x)"),
-    ("round", "round(x)"),
 ];
 
 /// Words of other programs, each with its equivalent here.
@@ -95,20 +50,22 @@ const WORDS: &[(&str, &str)] = &[
     ("offset", "f.grow(1)"),
     ("onion", "f.shell(2)"),
     ("hull", "blend(a, b, 3), which is no hull but joins softly"),
-    ("length", "sqrt(x * x + y * y)"),
-    ("norm", "sqrt(x * x + y * y)"),
-    ("hypot", "sqrt(x * x + y * y)"),
-    ("clamp", "max(min(x, upper), lower)"),
-    ("mod", "x % 10"),
+    ("norm", "length(x, y)"),
     ("fmod", "x % 10"),
+    ("rem", "x % 10"),
     ("sqr", "square(x)"),
-    ("log", "ln(x)"),
-    ("if_", "compare(x, 0)"),
-    ("step", "(compare(x, 0) + 1) / 2"),
-    ("sign", "compare(x, 0)"),
-    ("fract", "x - floor(x)"),
-    ("mix", "a * (1 - t) + b * t"),
-    ("lerp", "a * (1 - t) + b * t"),
+    ("sq", "square(x)"),
+    ("power", "x ** 3"),
+    ("lerp", "mix(a, b, t)"),
+    ("saturate", "clamp(x, 0, 1)"),
+    ("if_", "step(0, x)"),
+    ("heaviside", "step(0, x)"),
+    ("frac", "fract(x)"),
+    ("ceiling", "ceil(x)"),
+    ("arcsin", "asin(x)"),
+    ("arccos", "acos(x)"),
+    ("arctan", "atan(x)"),
+    ("arctan2", "atan2(y, x)"),
 ];
 
 /// A call of a function of that name that works.
@@ -117,6 +74,14 @@ fn example(name: &str) -> Option<&'static str> {
     found
         .map(|(_, call)| *call)
         .or_else(|| shapes::example(name))
+        .or_else(|| functions::function(name).map(|f| f.example))
+}
+
+/// The names of all functions.
+fn names() -> impl Iterator<Item = &'static str> {
+    let own = FUNCTIONS.iter().map(|(name, _)| *name);
+    let named = functions::FUNCTIONS.iter().map(|f| f.name);
+    own.chain(shapes::names()).chain(named)
 }
 
 /// The advice about a function that does not exist, or does not take these
@@ -139,10 +104,8 @@ pub(super) fn function(signature: &str, own: &[String]) -> String {
     if own.iter().any(|n| n == name) {
         return format!("the script's {takes}");
     }
-    let known = FUNCTIONS.iter().map(|(known, _)| -> &str { known });
-    let known = known
-        .chain(shapes::names().map(|known| -> &str { known }))
-        .chain(own.iter().map(|n| &**n));
+    let known = names().map(|known| -> &str { known });
+    let known = known.chain(own.iter().map(|n| &**n));
     let word = WORDS.iter().find(|(word, _)| *word == name.to_lowercase());
     let hint = match (word, nearest(name, known)) {
         (Some((_, call)), _) => format!("write {call}"),
@@ -160,11 +123,9 @@ pub(super) fn function(signature: &str, own: &[String]) -> String {
 /// The advice about a variable that does not exist.
 pub(super) fn variable(name: &str, text: &str) -> String {
     let own = declared(text, &["let", "const"]);
-    let known = ["x", "y", "z", "PI", "TAU", "E"];
+    let known = ["x", "y", "z", "pi", "tau", "PI", "TAU"];
     let known = known.into_iter().chain(own.iter().map(|n| &**n));
     let hint = match name {
-        "pi" => "write PI".to_owned(),
-        "tau" => "write TAU".to_owned(),
         _ if example(name).is_some() => {
             format!("{name} is a function: write {name}(…)")
         }
@@ -176,7 +137,7 @@ pub(super) fn variable(name: &str, text: &str) -> String {
         _ => match nearest(name, known) {
             Some(near) => format!("did you mean {near}?"),
             None => format!(
-                "x, y, z and PI are there; declare others, as in let \
+                "x, y, z and pi are there; declare others, as in let \
                  {name} = 5;"
             ),
         },
@@ -228,4 +189,47 @@ pub(super) fn plain_type(name: &str) -> &'static str {
         }
         _ => "another value",
     }
+}
+
+/// True if a text that is no script may be one for OpenSCAD.
+pub(super) fn looks_like_openscad(text: &str) -> bool {
+    /// What only OpenSCAD has, without blanks.
+    const PARTS: &[&str] = &[
+        "union(){",
+        "difference(){",
+        "intersection(){",
+        "hull(){",
+        "minkowski(){",
+        "$fn",
+        "$fa",
+        "$fs",
+        ")cube(",
+        ")sphere(",
+        ")cylinder(",
+        ")circle(",
+        ")square(",
+        ")polygon(",
+        ")translate(",
+        ")rotate(",
+        ")linear_extrude(",
+        "sphere(r=",
+        "sphere(d=",
+        "circle(r=",
+        "circle(d=",
+        "cylinder(r=",
+        "cylinder(d=",
+        "cylinder(h=",
+        "(height=",
+        "center=true",
+    ];
+    // Nobody would read more of it.
+    const MOST: usize = 100_000;
+    let mut blank = text.chars().take(MOST).collect::<String>();
+    let module = blank.lines().any(|line| {
+        let line = line.trim_start();
+        line.starts_with("module ") || line.starts_with("use <")
+    });
+    blank.retain(|c| !c.is_whitespace());
+    let counts = blank.contains("for(") && blank.contains("=[");
+    module || counts || PARTS.iter().any(|part| blank.contains(part))
 }

@@ -60,10 +60,31 @@ fn powers() {
     assert_eq!(value("x.pow(3)", 2.0, 0.0, 0.0), 8.0);
     assert!((value("2.0 ** x", 3.0, 0.0, 0.0) - 8.0).abs() < 1e-5);
     assert_eq!(value("x + 2 ** 3", 1.0, 0.0, 0.0), 9.0);
-    // rhai has this rule; the module's head warns of it.
-    assert_eq!(value("-x ** 2", 3.0, 0.0, 0.0), 9.0);
-    assert!(error("x^2").contains("x ** 2"));
-    assert!(error("x + 2*y^2.0").contains("x ** 2"));
+    for (text, at_3) in [
+        ("x^2", 9.0),
+        ("1 + 2*x^2", 19.0),
+        ("2^3^2 + 0*x", 512.0),
+        ("-x ** 2", -9.0),
+        ("-x^2 + 1", -8.0),
+        ("(-x)^2", 9.0),
+        ("- -x^2", 9.0),
+        ("2 - -x^2", 11.0),
+        ("-(x)^2", -9.0),
+        ("-abs(x)^2 * 2", -18.0),
+        ("-x.abs() ** 2", -9.0),
+        ("0*x + -2^2", -4.0),
+        ("0*x - 2^2", -4.0),
+        ("max(-x^2, -(x^2 - 1), [-x^2][0])", -8.0),
+        ("2^-x^0", 0.5),
+        ("-x^2^1^1", f32::NAN),
+        ("let a = 3; a ^= 2; x * a", 27.0),
+    ] {
+        if at_3.is_nan() {
+            assert!(error(text).contains("write parentheses"), "{text}");
+        } else {
+            assert_eq!(value(text, 3.0, 0.0, 0.0), at_3, "{text}");
+        }
+    }
     // The script neither panics nor multiplies for ever.
     run("x ** -9223372036854775808").unwrap();
 }
@@ -83,7 +104,7 @@ fn errors_have_their_line() {
 #[test]
 fn parameters_are_set_and_listed() {
     let text = "let cell = param(\"cell\", 10.0, \"cell, mm\");
-                let n = param(\"n\", 3);
+                let n = param(\"n\", 3, #{ step: 1 });
                 let open = param(\"open\", true);
                 if open { x * cell * n } else { y }";
     let set = |d: &[(&str, &str)]| {
@@ -209,13 +230,22 @@ fn names_that_are_none_have_suggestions() {
         ("smooth_union(x, y, 3)", "write blend(a, b, 3)"),
         ("quux(5)", "docs/shapes.md"),
         ("sphere(\"a\")", "sphere"),
-        ("max(x)", "max does not take (a shape)"),
+        ("max(x, \"a\")", "max does not take a string; write"),
+        ("mix(x, y)", "write for example mix(a, b, t)"),
+        ("lerp(x, y, z)", "write mix(a, b, t)"),
         (
             "fn leg(a) { a } leg(x, y)",
             "the script's leg does not take",
         ),
         ("let radius = 5; x - raduis", "did you mean radius?"),
-        ("x - pi", "write PI"),
+        ("|z| - 3", "abs(z)"),
+        ("let a = [1]; sphere(a[0.5])", "write floor"),
+        ("for i in 0..5/2 { } x", "2.5 is none"),
+        ("for i in 5 { } x", "for i in 0..6"),
+        ("difference() {\n sphere(5);\n}", "looks like OpenSCAD"),
+        ("translate([1, 2, 3]) sphere(5);", "looks like OpenSCAD"),
+        ("module a() { sphere(5); }", "looks like OpenSCAD"),
+        ("$fn = 50; sphere(5);", "looks like OpenSCAD"),
         ("let r = 5; fn f() { x - r } f()", "pass it as an argument"),
         ("sphere", "sphere is a function"),
         ("if x > 0 { y } else { z }", "line 1"),
@@ -226,4 +256,88 @@ fn names_that_are_none_have_suggestions() {
         let e = error(text);
         assert!(e.contains(words), "{text}: {e}");
     }
+}
+
+/// Whole numbers are numbers, and count wherever they are whole.
+#[test]
+fn whole_numbers_divide_as_numbers() {
+    for (text, wanted) in [
+        ("3 / 2", 1.5),
+        ("1 / 3 * 3", 1.0),
+        ("let t = 7; t /= 2; t", 3.5),
+        ("let t = 7; t %= 4; t", 3.0),
+        ("let t = 2; t **= 3; t", 8.0),
+        ("2 ** -1", 0.5),
+        ("10 ** 9 * 4", 4e9),
+        ("-1 % 3", 2.0),
+        ("-1.5 % 1", 0.5),
+        ("7 % 4", 3.0),
+        ("[5, 6, 7][4 / 2]", 7.0),
+        ("[5, 6, 7][floor(5 / 2)]", 7.0),
+        ("let s = 0; for i in 0..6 / 2 { s += i; } s", 3.0),
+        ("let s = 0; for i in 0..=round(2.4) { s += i; } s", 3.0),
+        ("let s = 0; for i in 0..4.0 { s += i; } s", 6.0),
+        ("let s = 0; for i in range(0, 6, 2) { s += i / 4; } s", 1.5),
+        (
+            "let n = param(\"n\", 3); let s = 0; for i in 0..n { s += 1; } s",
+            3.0,
+        ),
+        ("switch 8 / 4 { 2 => 5, _ => 6 }", 5.0),
+        ("let a = [0, 0, 0, 0]; a.len / 8", 0.5),
+        ("if 3 / 2 > 1 { 1 } else { 0 }", 1.0),
+        (
+            "sqrt(16) + sin(0) + abs(-3) + min(4, 2) + max(1, 2.5)",
+            11.5,
+        ),
+        ("max(3, 7).sqrt() ** 2", 7.0),
+    ] {
+        let text = format!("let f = || {{ {text} }}; x + f.call()");
+        let found = value(&text, 0.0, 0.0, 0.0);
+        assert!((found - wanted as f32).abs() < 1e-4, "{text}: {found}");
+    }
+    assert!(error("x * (1 / 0)").contains("division by zero"));
+    assert!(error("x * (1 % 0)").contains("division by zero"));
+}
+
+/// Bodies are put together by words; fields are added and subtracted.
+#[test]
+fn operators_on_bodies() {
+    let at = |text: &str, x: f32| value(text, x, 0.0, 0.0);
+    assert_eq!(at("sphere(2) | sphere([5, 0, 0], 1)", 5.0), -1.0);
+    assert_eq!(at("sphere(2) & sphere([2, 0, 0], 2)", 0.0), 0.0);
+    assert_eq!(at("!sphere(2)", 0.0), 2.0);
+    for (text, words) in [
+        ("sphere(2) + sphere(3)", "write union(a, b) or a | b"),
+        ("sphere(2) - sphere(1)", "write difference(a, b)"),
+        (
+            "let p = sphere(2); p += box([0, 0, 0], [1, 1, 1]); p",
+            "union",
+        ),
+        (
+            "let p = sphere(2); p -= cylinder(1, 9); p",
+            "difference(a, b)",
+        ),
+        ("sphere(2).move([1, 0, 0]) - sphere(1)", "difference(a, b)"),
+        (
+            "union(sphere(2), sphere(3)) - sphere(1)",
+            "difference(a, b)",
+        ),
+        (
+            "(sphere(2) - 0.5) - min(sphere(1), sphere(2))",
+            "difference(a, b)",
+        ),
+        (
+            "(sphere(2) | sphere(1)) - (sphere(3) & sphere(1))",
+            "difference",
+        ),
+    ] {
+        let told = error(text).to_lowercase();
+        assert!(told.contains(words), "{text}: {told}");
+    }
+    // These are fields, or meant as such.
+    assert_eq!(at("sphere(2) - x", 1.0), -2.0);
+    assert_eq!(at("sphere(2) + 0.3 * sin(x)", 0.0), -2.0);
+    assert_eq!(at("0.5 * sphere(2) + 0.5 * sphere(4)", 0.0), -3.0);
+    assert_eq!(at("sphere(2) - 1 * sphere(4)", 0.0), 2.0);
+    assert_eq!(at("max(x, y) - min(y, z)", 1.0), 1.0);
 }

@@ -1,18 +1,18 @@
-"""The coordinates, and functions of fields and numbers.
+"""The coordinates, constants, and functions of fields and numbers.
 
-Functions of numbers alone are numbers. numpy's functions work on fields, too:
-numpy.sqrt(x) is isoslice.sqrt(x).
+Every function is the script's function of that name, so each name means the
+same in scripts, formulas and Python: docs/functions.md. Functions of numbers
+alone are numbers. numpy's functions work on fields, too: numpy.sqrt(x) is
+isoslice.sqrt(x).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import reduce
-from numbers import Real
-from typing import Any, TypeGuard, TypeVar, Union
+from typing import Any, TypeVar, Union
 
-from ._native import Expr, binary, load, unary
+from ._native import Expr, call, load
 
 Field = Union[Expr, int, float]
 #: A number makes a number, and a field a field.
@@ -22,174 +22,256 @@ x: Expr = load("formula", "x", "formula")
 y: Expr = load("formula", "y", "formula")
 z: Expr = load("formula", "z", "formula")
 
-
-def _is_number(value: Any) -> TypeGuard[float]:
-    return isinstance(value, Real) and not isinstance(value, bool)
-
-
-def _one(of_number: Callable[[float], float], name: str, f: F) -> F:
-    """A function of a number, or the function of a field with that name."""
-    if _is_number(f):
-        return of_number(f)  # type: ignore[return-value]
-    return unary(name, f)  # type: ignore[return-value]
+pi = PI = math.pi
+tau = TAU = math.tau
+e = E = math.e
 
 
 def sqrt(f: F) -> F:
-    """Square root; a field is NaN, which counts as outside, below 0."""
-    return _one(math.sqrt, "sqrt", f)
+    """Square root; NaN, which counts as outside, below 0."""
+    return call("sqrt", f)  # type: ignore[no-any-return]
 
 
-def sin(f: F) -> F:
-    """Sine of an angle in radians."""
-    return _one(math.sin, "sin", f)
-
-
-def cos(f: F) -> F:
-    """Cosine of an angle in radians."""
-    return _one(math.cos, "cos", f)
-
-
-def tan(f: F) -> F:
-    """Tangent of an angle in radians."""
-    return _one(math.tan, "tan", f)
-
-
-def asin(f: F) -> F:
-    """Angle in radians whose sine this is."""
-    return _one(math.asin, "asin", f)
-
-
-def acos(f: F) -> F:
-    """Angle in radians whose cosine this is."""
-    return _one(math.acos, "acos", f)
-
-
-def atan(f: F) -> F:
-    """Angle in radians whose tangent this is."""
-    return _one(math.atan, "atan", f)
-
-
-def atan2(f: Field, g: Field) -> Any:
-    """Angle in radians of the point (g, f), from -pi to pi."""
-    if _is_number(f) and _is_number(g):
-        return math.atan2(f, g)
-    return binary("atan2", f, g)
-
-
-def exp(f: F) -> F:
-    """e to the power of f."""
-    return _one(math.exp, "exp", f)
-
-
-def log(f: F) -> F:
-    """Natural logarithm."""
-    return _one(math.log, "log", f)
-
-
-def abs(f: F) -> F:
-    """Absolute value."""
-    return _one(math.fabs, "abs", f)
+def cbrt(f: F) -> F:
+    """Cube root."""
+    return call("cbrt", f)  # type: ignore[no-any-return]
 
 
 def square(f: F) -> F:
     """f times f."""
-    return _one(lambda v: v * v, "square", f)
+    return call("square", f)  # type: ignore[no-any-return]
 
 
-def recip(f: F) -> F:
-    """1 / f."""
-    return _one(lambda v: 1 / v, "recip", f)
+def exp(f: F) -> F:
+    """e to the power of f."""
+    return call("exp", f)  # type: ignore[no-any-return]
 
 
-def floor(f: F) -> F:
-    """The greatest whole number that is not above f."""
-    return _one(math.floor, "floor", f)
+def exp2(f: F) -> F:
+    """2 to the power of f."""
+    return call("exp2", f)  # type: ignore[no-any-return]
 
 
-def ceil(f: F) -> F:
-    """The least whole number that is not below f."""
-    return _one(math.ceil, "ceil", f)
+def ln(f: F) -> F:
+    """Natural logarithm."""
+    return call("ln", f)  # type: ignore[no-any-return]
 
 
-def round(f: F) -> F:
-    """The nearest whole number. Halves go away from 0."""
+def log(f: F) -> F:
+    """Natural logarithm."""
+    return call("log", f)  # type: ignore[no-any-return]
 
-    def of_number(v: float) -> float:
-        return math.copysign(math.floor(math.fabs(v) + 0.5), v)
 
-    return _one(of_number, "round", f)
+def log2(f: F) -> F:
+    """Logarithm to the base 2."""
+    return call("log2", f)  # type: ignore[no-any-return]
+
+
+def log10(f: F) -> F:
+    """Logarithm to the base 10."""
+    return call("log10", f)  # type: ignore[no-any-return]
+
+
+def sin(f: F) -> F:
+    """Sine of an angle in radians."""
+    return call("sin", f)  # type: ignore[no-any-return]
+
+
+def cos(f: F) -> F:
+    """Cosine of an angle in radians."""
+    return call("cos", f)  # type: ignore[no-any-return]
+
+
+def tan(f: F) -> F:
+    """Tangent of an angle in radians."""
+    return call("tan", f)  # type: ignore[no-any-return]
+
+
+def asin(f: F) -> F:
+    """Angle in radians whose sine this is."""
+    return call("asin", f)  # type: ignore[no-any-return]
+
+
+def acos(f: F) -> F:
+    """Angle in radians whose cosine this is."""
+    return call("acos", f)  # type: ignore[no-any-return]
+
+
+def atan(f: F) -> F:
+    """Angle in radians whose tangent this is."""
+    return call("atan", f)  # type: ignore[no-any-return]
+
+
+def sinh(f: F) -> F:
+    """Hyperbolic sine."""
+    return call("sinh", f)  # type: ignore[no-any-return]
+
+
+def cosh(f: F) -> F:
+    """Hyperbolic cosine."""
+    return call("cosh", f)  # type: ignore[no-any-return]
+
+
+def tanh(f: F) -> F:
+    """Hyperbolic tangent."""
+    return call("tanh", f)  # type: ignore[no-any-return]
+
+
+def degrees(f: F) -> F:
+    """An angle in degrees, of one in radians."""
+    return call("degrees", f)  # type: ignore[no-any-return]
+
+
+def radians(f: F) -> F:
+    """An angle in radians, of one in degrees."""
+    return call("radians", f)  # type: ignore[no-any-return]
+
+
+def abs(f: F) -> F:
+    """Absolute value."""
+    return call("abs", f)  # type: ignore[no-any-return]
 
 
 def sign(f: F) -> F:
     """-1, 0 or 1."""
-    return _one(lambda v: (v > 0) - (v < 0), "sign", f)
+    return call("sign", f)  # type: ignore[no-any-return]
 
 
-def rand(f: Field) -> Expr:
+def floor(f: F) -> F:
+    """The greatest whole number that is not above f."""
+    return call("floor", f)  # type: ignore[no-any-return]
+
+
+def ceil(f: F) -> F:
+    """The least whole number that is not below f."""
+    return call("ceil", f)  # type: ignore[no-any-return]
+
+
+def round(f: F) -> F:
+    """The nearest whole number. Halves go away from 0."""
+    return call("round", f)  # type: ignore[no-any-return]
+
+
+def trunc(f: F) -> F:
+    """The nearest whole number towards 0."""
+    return call("trunc", f)  # type: ignore[no-any-return]
+
+
+def fract(f: F) -> F:
+    """f less the greatest whole number that is not above it."""
+    return call("fract", f)  # type: ignore[no-any-return]
+
+
+def recip(f: F) -> F:
+    """1 / f."""
+    return call("recip", f)  # type: ignore[no-any-return]
+
+
+def neg(f: F) -> F:
+    """-f."""
+    return call("neg", f)  # type: ignore[no-any-return]
+
+
+def rand(f: F) -> F:
     """A number from 0 to 1 that looks like chance, and depends on f only."""
-    return unary("rand", f)
+    return call("rand", f)  # type: ignore[no-any-return]
 
 
-def compare(f: Field, g: Field) -> Any:
-    """-1 where f < g, 0 where they are equal, 1 where f > g."""
-    if _is_number(f) and _is_number(g):
-        return (f > g) - (f < g)
-    return binary("compare", f, g)
+def logical_not(f: F) -> F:
+    """1 where f is 0, else 0."""
+    return call("logical_not", f)  # type: ignore[no-any-return]
+
+
+def pow(f: Field, g: Field) -> Any:
+    """f to the power of g."""
+    return call("pow", f, g)
+
+
+def atan2(f: Field, g: Field) -> Any:
+    """Angle in radians of the point (g, f), from -pi to pi."""
+    return call("atan2", f, g)
 
 
 def mod(f: Field, g: Field) -> Any:
     """The remainder of f / g, which is not negative."""
-    if _is_number(f) and _is_number(g):
-        return f - math.fabs(g) * math.floor(f / math.fabs(g))
-    return binary("mod", f, g)
+    return call("mod", f, g)
 
 
-def logical_and(f: Field, g: Field) -> Expr:
+def compare(f: Field, g: Field) -> Any:
+    """-1 where f < g, 0 where they are equal, 1 where f > g."""
+    return call("compare", f, g)
+
+
+def logical_and(f: Field, g: Field) -> Any:
     """0 where f is 0, else g."""
-    return binary("and", f, g)
+    return call("logical_and", f, g)
 
 
-def logical_or(f: Field, g: Field) -> Expr:
+def logical_or(f: Field, g: Field) -> Any:
     """g where f is 0, else f."""
-    return binary("or", f, g)
+    return call("logical_or", f, g)
 
 
-def logical_not(f: Field) -> Expr:
-    """1 where f is 0, else 0."""
-    return unary("not", f)
+def hash(f: Field, g: Field) -> Any:
+    """Mixes two values into one, for rand."""
+    return call("hash", f, g)
+
+
+def clamp(f: Field, lowest: Field, highest: Field) -> Any:
+    """f, but not below the lowest and not above the highest value."""
+    return call("clamp", f, lowest, highest)
+
+
+def mix(f: Field, g: Field, t: Field) -> Any:
+    """f where t is 0, g where t is 1, and in proportion between."""
+    return call("mix", f, g, t)
+
+
+def step(edge: Field, f: Field) -> Any:
+    """0 where f is below the edge, else 1."""
+    return call("step", edge, f)
+
+
+def smoothstep(lowest: Field, highest: Field, f: Field) -> Any:
+    """0 below the lowest, 1 above the highest value of f, and without a kink
+    between."""
+    return call("smoothstep", lowest, highest, f)
 
 
 def min(first: Field, *others: Field) -> Any:
     """The least of fields and numbers: the union of parts."""
-    return reduce(_lesser, others, first)
+    return _folded("min", (first, *others))
 
 
 def max(first: Field, *others: Field) -> Any:
     """The greatest of fields and numbers: what parts have in common."""
-    return reduce(_greater, others, first)
+    return _folded("max", (first, *others))
 
 
-def _lesser(f: Field, g: Field) -> Any:
-    if _is_number(f) and _is_number(g):
-        return f if f <= g else g
-    return binary("min", f, g)
+def length(first: Field, *others: Field) -> Any:
+    """Root of the sum of the squares."""
+    return call("length", first, *others)
 
 
-def _greater(f: Field, g: Field) -> Any:
-    if _is_number(f) and _is_number(g):
-        return f if f >= g else g
-    return binary("max", f, g)
+hypot = length
+
+
+def _folded(name: str, values: tuple[Field, ...]) -> Any:
+    """A function of any number of values, some at a time."""
+    while len(values) > 8:
+        values = (call(name, *values[:8]), *values[8:])
+    return call(name, *values)
 
 
 # numpy's names for these functions. It looks them up on the elements of arrays
 # of objects, and asks __array_ufunc__ about everything else.
 _UFUNCS: dict[str, Callable[..., Any]] = {
-    "negative": lambda f: -f,
+    "negative": neg,
     "positive": lambda f: f,
     "absolute": abs,
     "fabs": abs,
     "sqrt": sqrt,
-    "cbrt": lambda f: sign(f) * exp(log(abs(f)) / 3),
+    "cbrt": cbrt,
     "square": square,
     "reciprocal": recip,
     "sin": sin,
@@ -198,22 +280,22 @@ _UFUNCS: dict[str, Callable[..., Any]] = {
     "arcsin": asin,
     "arccos": acos,
     "arctan": atan,
-    "sinh": lambda f: (exp(f) - exp(-f)) / 2,
-    "cosh": lambda f: (exp(f) + exp(-f)) / 2,
-    "tanh": lambda f: 1 - 2 / (exp(2 * f) + 1),
+    "sinh": sinh,
+    "cosh": cosh,
+    "tanh": tanh,
     "exp": exp,
-    "exp2": lambda f: exp(f * math.log(2)),
+    "exp2": exp2,
     "log": log,
-    "log2": lambda f: log(f) / math.log(2),
-    "log10": lambda f: log(f) / math.log(10),
+    "log2": log2,
+    "log10": log10,
     "floor": floor,
     "ceil": ceil,
     "rint": round,
     "sign": sign,
-    "degrees": lambda f: f * (180 / math.pi),
-    "rad2deg": lambda f: f * (180 / math.pi),
-    "radians": lambda f: f * (math.pi / 180),
-    "deg2rad": lambda f: f * (math.pi / 180),
+    "degrees": degrees,
+    "rad2deg": degrees,
+    "radians": radians,
+    "deg2rad": radians,
     "logical_not": logical_not,
     "add": lambda f, g: f + g,
     "subtract": lambda f, g: f - g,
@@ -229,7 +311,8 @@ _UFUNCS: dict[str, Callable[..., Any]] = {
     "fmin": min,
     "fmax": max,
     "arctan2": atan2,
-    "hypot": lambda f, g: sqrt(square(f) + square(g)),
+    "hypot": hypot,
+    "trunc": trunc,
     "logical_and": logical_and,
     "logical_or": logical_or,
     "bitwise_and": max,

@@ -218,6 +218,17 @@ def scale_uniform(self: Expr, factor: float) -> Expr:
     return call("scale_uniform", self, factor)
 
 
+def rotate(
+    self: Expr,
+    angle: float,
+    axis: Point = (0, 0, 1),
+    center: Point = _ORIGIN,
+) -> Expr:
+    """The shape turned about an axis, degrees, counter-clockwise seen from its
+    end."""
+    return call("rotate", self, angle=angle, axis=axis, center=center)
+
+
 def rotate_x(self: Expr, angle: float, center: Point = _ORIGIN) -> Expr:
     """The shape turned about x, degrees, counter-clockwise seen from x's end."""
     return call("rotate_x", self, angle=angle, center=center)
@@ -313,6 +324,7 @@ _METHODS: list[Callable[..., Expr]] = [
     move,
     scale,
     scale_uniform,
+    rotate,
     rotate_x,
     rotate_y,
     rotate_z,

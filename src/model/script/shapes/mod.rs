@@ -1,4 +1,4 @@
-//! Shapes and operations beside fidget's, called in the same way as fidget's.
+//! Shapes and operations: fidget's, and others.
 //!
 //! `cylinder(#{radius: 5, height: 20})` names its values; without names they
 //! are told apart by what they are (a place, a number, a shape) and numbers
@@ -10,16 +10,20 @@
 //! finite. Shapes whose row says `exact` are distances in mm.
 
 mod convex;
+mod fidgets;
+mod flush;
+mod read;
 mod rows;
 #[cfg(test)]
 mod tests;
 
-use super::shape::Outcome;
-use super::shape::{describe, shape};
+use super::bodies::Bodies;
+use super::shape::{Outcome, describe};
 use fidget::context::Tree;
+use fidget::shapes::types::{Axis, Plane};
 use glam::DVec3;
+use read::{may_be, read};
 use rhai::{Dynamic, Engine, Map, NativeCallContext};
-use rows::ROWS;
 use std::any::TypeId;
 
 /// What an argument is.
@@ -33,24 +37,38 @@ enum Kind {
     Number,
     /// A place, or three lengths: `[x, y]` or `[x, y, z]`.
     Place,
+    /// A place in the plane: `[x, y]`.
+    Spot,
+    /// Three numbers other than 0, of which the last may be left out.
+    Factors,
+    /// A direction: `"x"`, or a place.
+    Axis,
+    /// A plane: `"yz"`, or a direction.
+    Plane,
     /// A shape, or an array of shapes.
     Shape,
+    /// Any number of shapes.
+    Shapes,
     /// Places in the plane: `[[x, y], …]`.
     Points,
 }
 
 impl Kind {
-    fn is_number(self) -> bool {
-        matches!(self, Kind::Positive | Kind::Length | Kind::Number)
-    }
-
     fn wanted(self) -> &'static str {
         match self {
             Kind::Positive => "a number above 0",
             Kind::Length => "a number of 0 or more",
             Kind::Number => "a number",
             Kind::Place => "a place such as [0, 0, 10]",
+            Kind::Spot => "a place in the plane such as [0, 10]",
+            Kind::Factors => {
+                "three numbers such as [1, 1, 2], none of them 0 \
+                 (f.scale_uniform(2) takes one)"
+            }
+            Kind::Axis => "an axis such as \"z\" or [1, 1, 0]",
+            Kind::Plane => "a plane such as \"yz\" or [1, 0, 0]",
             Kind::Shape => "a shape",
+            Kind::Shapes => "shapes",
             Kind::Points => "three places or more, [[0, 0], [10, 0], [0, 5]]",
         }
     }
@@ -61,7 +79,10 @@ impl Kind {
 enum Value {
     Number(f64),
     Place(DVec3),
+    Axis(Axis),
+    Plane(Plane),
     Shape(Tree),
+    Shapes(Vec<Tree>),
     Points(Vec<[f64; 2]>),
 }
 
@@ -69,7 +90,8 @@ enum Value {
 struct Argument {
     name: &'static str,
     kind: Kind,
-    /// The default of a number. Places default to the origin.
+    /// The default of a number, which is that of each coordinate of a place.
+    /// Axes default to z and planes to yz, if there is a number here.
     default: Option<f64>,
 }
 
@@ -107,6 +129,27 @@ impl Given {
         }
     }
 
+    fn shapes(&self, at: usize) -> Vec<Tree> {
+        match self.0.get(at) {
+            Some(Value::Shapes(all)) => all.clone(),
+            _ => Vec::new(),
+        }
+    }
+
+    fn axis(&self, at: usize) -> Axis {
+        match self.0.get(at) {
+            Some(Value::Axis(axis)) => *axis,
+            _ => Axis::Z,
+        }
+    }
+
+    fn plane(&self, at: usize) -> Plane {
+        match self.0.get(at) {
+            Some(Value::Plane(plane)) => plane.clone(),
+            _ => Plane::YZ,
+        }
+    }
+
     fn points(&self, at: usize) -> &[[f64; 2]] {
         match self.0.get(at) {
             Some(Value::Points(points)) => points,
@@ -115,18 +158,40 @@ impl Given {
     }
 }
 
+/// Values of a call beyond which rhai does not look for a function that takes
+/// values of any kind.
+const MOST_VALUES: usize = 16;
+
+/// All shapes and operations.
+fn rows() -> impl Iterator<Item = &'static Row> {
+    fidgets::ROWS.iter().chain(rows::ROWS)
+}
+
 /// Makes the shapes known to scripts.
-pub(super) fn add_shapes(engine: &mut Engine) {
-    for row in ROWS {
-        for count in 1..=row.arguments.len() {
+pub(super) fn add_shapes(engine: &mut Engine, bodies: &Bodies) {
+    for row in rows() {
+        let many = row.arguments.iter().any(|a| a.kind == Kind::Shapes);
+        let most = if many {
+            MOST_VALUES
+        } else {
+            row.arguments.len()
+        };
+        for count in 1..=most {
             // The values may be of any type: they tell which call is meant.
             let types = vec![TypeId::of::<Dynamic>(); count];
+            let bodies = bodies.clone();
             engine.register_raw_fn(
                 row.name,
                 types,
                 move |_: NativeCallContext, given: &mut [&mut Dynamic]| {
                     let given = given.iter().map(|d| (**d).clone()).collect();
-                    call(row, given)
+                    let made = row.call(given).map_err(|why| {
+                        format!(
+                            "{}: {why}; write for example {}",
+                            row.name, row.example
+                        )
+                    })?;
+                    Outcome::Ok(bodies.mark(made))
                 },
             );
         }
@@ -135,143 +200,100 @@ pub(super) fn add_shapes(engine: &mut Engine) {
 
 /// A call of a function of this folder that works, for messages.
 pub(super) fn example(name: &str) -> Option<&'static str> {
-    let row = ROWS.iter().find(|row| row.name == name);
+    let row = rows().find(|row| row.name == name);
     row.map(|row| row.example)
 }
 
 /// The names of all shapes and operations.
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    ROWS.iter().map(|row| row.name)
+    rows().map(|row| row.name)
 }
 
-fn call(row: &Row, mut given: Vec<Dynamic>) -> Outcome<Tree> {
-    let wrong = |why: String| -> Outcome<Tree> {
-        Err(
-            format!("{}: {why}; write for example {}", row.name, row.example)
-                .into(),
-        )
-    };
-    let mut values: Vec<Option<Value>> = vec![None; row.arguments.len()];
-    // Names come last: a shape may stand before them.
-    let named = if given.last().is_some_and(Dynamic::is_map) {
-        given.pop().and_then(Dynamic::try_cast::<Map>)
-    } else {
-        None
-    };
-    for (name, value) in named.unwrap_or_default() {
-        let found = row.arguments.iter().position(|a| a.name == name.as_str());
-        let Some(at) = found else {
-            let all: Vec<_> = row.arguments.iter().map(|a| a.name).collect();
-            return wrong(format!(
-                "there is no {name:?}; there are {}",
-                all.join(", ")
-            ));
-        };
-        match read(row.arguments[at].kind, &value) {
-            Some(value) => values[at] = Some(value),
-            None => {
-                return wrong(format!(
-                    "{name} must be {}, not {}",
-                    row.arguments[at].kind.wanted(),
-                    describe(&value)
-                ));
-            }
+impl Row {
+    /// The shape, or what is wrong with the values.
+    fn call(&self, mut given: Vec<Dynamic>) -> Result<Tree, String> {
+        let mut values: Vec<Option<Value>> = vec![None; self.arguments.len()];
+        // Names come last: a shape may stand before them.
+        if given.last().is_some_and(Dynamic::is_map)
+            && let Some(named) = given.pop().and_then(Dynamic::try_cast::<Map>)
+        {
+            self.take_named(named, &mut values)?;
         }
-    }
-    for value in &given {
-        let free = row
-            .arguments
-            .iter()
-            .zip(&values)
-            .position(|(a, v)| v.is_none() && may_be(a.kind, value));
-        let Some(at) = free else {
-            return wrong(format!("it does not take {}", describe(value)));
-        };
-        let argument = &row.arguments[at];
-        match read(argument.kind, value) {
-            Some(value) => values[at] = Some(value),
-            None => {
-                return wrong(format!(
-                    "{} must be {}, not {}",
-                    argument.name,
-                    argument.kind.wanted(),
-                    describe(value)
-                ));
-            }
+        for value in &given {
+            self.take(value, &mut values)?;
         }
-    }
-    let mut all = Vec::with_capacity(values.len());
-    for (argument, value) in row.arguments.iter().zip(values) {
-        all.push(match (value, argument.default, argument.kind) {
-            (Some(value), ..) => value,
-            (None, Some(number), Kind::Place) => {
-                Value::Place(DVec3::splat(number))
-            }
-            (None, Some(number), _) => Value::Number(number),
-            (None, None, _) => {
-                return wrong(format!("{} is missing", argument.name));
-            }
+        let filled = self.arguments.iter().zip(values);
+        let filled = filled.map(|(argument, value)| {
+            value
+                .or_else(|| argument.default_value())
+                .ok_or_else(|| format!("{} is missing", argument.name))
         });
+        (self.build)(&Given(filled.collect::<Result<_, _>>()?))
     }
-    (row.build)(&Given(all)).or_else(wrong)
-}
 
-/// True if a value without a name is of this kind, whether or not it is
-/// allowed.
-fn may_be(kind: Kind, value: &Dynamic) -> bool {
-    let number = value.is_int() || value.is_float();
-    match kind {
-        Kind::Shape => !number && shape(value).is_some(),
-        Kind::Place => place(value).is_some(),
-        Kind::Points => value.is_array(),
-        _ => number,
+    fn take_named(
+        &self,
+        named: Map,
+        values: &mut [Option<Value>],
+    ) -> Result<(), String> {
+        for (name, given) in named {
+            let mut all = self.arguments.iter().zip(&mut *values);
+            let Some((argument, value)) = all.find(|(a, _)| a.name == name)
+            else {
+                let all: Vec<_> =
+                    self.arguments.iter().map(|a| a.name).collect();
+                return Err(format!(
+                    "there is no \"{name}\"; there are {}",
+                    all.join(", ")
+                ));
+            };
+            *value = Some(argument.read(&given)?);
+        }
+        Ok(())
     }
-}
 
-fn read(kind: Kind, value: &Dynamic) -> Option<Value> {
-    match kind {
-        Kind::Shape => shape(value).map(Value::Shape),
-        Kind::Place => place(value).map(Value::Place),
-        Kind::Points => points(value).map(Value::Points),
-        _ => number(value)
-            .map(Value::Number)
-            .filter(|v| match (kind, v) {
-                (Kind::Positive, Value::Number(n)) => *n > 0.0,
-                (Kind::Length, Value::Number(n)) => *n >= 0.0,
-                _ => kind.is_number(),
-            }),
-    }
-}
-
-fn number(value: &Dynamic) -> Option<f64> {
-    let number = match value.as_int() {
-        Ok(whole) => whole as f64,
-        Err(_) => value.as_float().ok()?,
-    };
-    // The field computes with f32.
-    (number as f32).is_finite().then_some(number)
-}
-
-fn place(value: &Dynamic) -> Option<DVec3> {
-    use fidget::shapes::types::{Vec2, Vec3};
-    if let Some(v) = value.clone().try_cast::<Vec3>() {
-        return Some(DVec3::new(v.x.into(), v.y.into(), v.z.into()));
-    }
-    if let Some(v) = value.clone().try_cast::<Vec2>() {
-        return Some(DVec3::new(v.x.into(), v.y.into(), 0.0));
-    }
-    let list = value.clone().try_cast::<rhai::Array>()?;
-    let numbers: Option<Vec<f64>> = list.iter().map(number).collect();
-    match numbers?.as_slice() {
-        [x, y] => Some(DVec3::new(*x, *y, 0.0)),
-        [x, y, z] => Some(DVec3::new(*x, *y, *z)),
-        _ => None,
+    /// Takes a value without a name: by its kind, and among equal kinds in
+    /// order.
+    fn take(
+        &self,
+        given: &Dynamic,
+        values: &mut [Option<Value>],
+    ) -> Result<(), String> {
+        let mut all = self.arguments.iter().zip(values);
+        let free = all.find(|(argument, value)| {
+            let free = value.is_none() || argument.kind == Kind::Shapes;
+            free && may_be(argument.kind, given)
+        });
+        let Some((argument, value)) = free else {
+            return Err(format!("it does not take {}", describe(given)));
+        };
+        match (value.as_mut(), argument.read(given)?) {
+            (Some(Value::Shapes(all)), Value::Shapes(more)) => all.extend(more),
+            (_, read) => *value = Some(read),
+        }
+        Ok(())
     }
 }
 
-fn points(value: &Dynamic) -> Option<Vec<[f64; 2]>> {
-    let list = value.clone().try_cast::<rhai::Array>()?;
-    let all = list.iter().map(|p| place(p).map(|p| [p.x, p.y]));
-    let all: Vec<_> = all.collect::<Option<_>>()?;
-    (all.len() >= 3).then_some(all)
+impl Argument {
+    fn read(&self, given: &Dynamic) -> Result<Value, String> {
+        read(self.kind, given).ok_or_else(|| {
+            format!(
+                "{} must be {}, not {}",
+                self.name,
+                self.kind.wanted(),
+                describe(given)
+            )
+        })
+    }
+
+    fn default_value(&self) -> Option<Value> {
+        let number = self.default?;
+        Some(match self.kind {
+            Kind::Place | Kind::Spot => Value::Place(DVec3::splat(number)),
+            Kind::Axis => Value::Axis(Axis::Z),
+            Kind::Plane => Value::Plane(Plane::YZ),
+            _ => Value::Number(number),
+        })
+    }
 }

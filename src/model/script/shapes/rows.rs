@@ -1,9 +1,11 @@
-//! The shapes and operations, one row each.
+//! The shapes and operations beside fidget's, one row each.
 
 use super::convex::{area, convex, corner, polygon};
+use super::flush::flush;
 use super::{Argument, Given, Kind, Row};
 use crate::model::script::shape::union;
 use fidget::context::Tree;
+use fidget::shapes::Blend;
 use std::f64::consts::TAU;
 
 /// Greatest number of copies that an array makes.
@@ -23,7 +25,7 @@ const fn argument(
     }
 }
 
-const fn positive(name: &'static str) -> Argument {
+pub(super) const fn positive(name: &'static str) -> Argument {
     argument(name, Kind::Positive, None)
 }
 
@@ -31,7 +33,10 @@ const fn length(name: &'static str, default: Option<f64>) -> Argument {
     argument(name, Kind::Length, default)
 }
 
-const fn number(name: &'static str, default: Option<f64>) -> Argument {
+pub(super) const fn number(
+    name: &'static str,
+    default: Option<f64>,
+) -> Argument {
     argument(name, Kind::Number, default)
 }
 
@@ -57,6 +62,8 @@ macro_rules! rows {
         }),*]
     };
 }
+
+pub(super) use rows;
 
 pub(super) const ROWS: &[Row] = rows![
     // These fields are distances.
@@ -179,7 +186,8 @@ pub(super) const ROWS: &[Row] = rows![
                 - g.number(1) as f32)
         };
     "rounded_rectangle" (
-        place("lower"), place("upper"), length("edge", None))
+        argument("lower", Kind::Spot, None),
+        argument("upper", Kind::Spot, None), length("edge", None))
         "rounded_rectangle(#{lower: [0, 0], upper: [30, 20], edge: 2})"
         |g| {
             let (lower, upper) = (g.place(0), g.place(1));
@@ -242,10 +250,13 @@ pub(super) const ROWS: &[Row] = rows![
                 + x.cos() * y.cos() * z.sin()
         }));
     // These are operations.
-    "blend_intersection" (shape("a"), shape("b"), positive("radius"))
+    "blend" (shape("a"), shape("b"), length("radius", None))
+        "blend(a, b, 3)"
+        |g| Ok(blend(g.shape(0), g.shape(1), g.number(2)));
+    "blend_intersection" (shape("a"), shape("b"), length("radius", None))
         "blend_intersection(a, b, 3)"
         |g| Ok(-blend(-g.shape(0), -g.shape(1), g.number(2)));
-    "blend_difference" (shape("shape"), shape("cutout"), positive("radius"))
+    "blend_difference" (shape("shape"), shape("cutout"), length("radius", None))
         "blend_difference(a, b, 3)"
         |g| Ok(-blend(-g.shape(0), g.shape(1), g.number(2)));
     "shell" (shape("shape"), positive("thickness"))
@@ -339,11 +350,13 @@ fn ring(x: &Tree, y: &Tree) -> Tree {
     (x.square() + y.square()).sqrt()
 }
 
-/// fidget's `blend`, whose documentation names its source.
+/// fidget's `blend`, whose documentation names its source, up to the faces that
+/// both have in common.
 fn blend(a: Tree, b: Tree, radius: f64) -> Tree {
-    let r = radius as f32;
-    let near = (Tree::constant(r) - (a.clone() - b.clone()).abs()).max(0.0);
-    a.min(b) - near.square() * (0.25 / r)
+    let faces = flush(&a, &b);
+    let radius = radius as f32;
+    let soft = Tree::from(Blend { a, b, radius });
+    faces.into_iter().fold(soft, |part, face| part.max(face))
 }
 
 /// A sheet of about the given thickness around the places where a function is

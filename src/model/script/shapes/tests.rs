@@ -222,7 +222,7 @@ fn operations_do_what_they_say() {
 
 #[test]
 fn every_example_works() {
-    for row in ROWS {
+    for row in rows() {
         let text = format!(
             "let f = sphere(3); let a = sphere(5); let b = sphere([4, 0, 0], \
              5); {}",
@@ -252,5 +252,178 @@ fn wrong_values_are_named() {
     ] {
         let e = tree(text).unwrap_err();
         assert!(e.contains(words), "{text}: {e}");
+    }
+}
+
+/// Shapes that are fidget's have the same promise as the others: a name, a
+/// value or a kind that is wrong has an error with a call that works.
+#[test]
+fn mistakes_in_fidgets_shapes_are_explained() {
+    for (text, words) in [
+        ("sphere(#{r: 10})", "no \"r\"; there are center, radius"),
+        ("sphere(-5)", "radius must be a number above 0"),
+        ("sphere(0)", "radius must be a number above 0"),
+        ("sphere(1/0.0)", "radius must be"),
+        ("circle(-5)", "radius must be a number above 0"),
+        ("circle([0, 0, 5], 2)", "a place in the plane"),
+        (
+            "box(#{size: [10, 20, 30]})",
+            "no \"size\"; there are lower, upper",
+        ),
+        ("box(#{lower: [0, 0, 0]})", "upper is missing"),
+        ("box([0, 0, 0], [10, 0, 10])", "upper must be above lower"),
+        ("rectangle([0, 0], [0, 5])", "upper must be above lower"),
+        ("sphere(10).scale(2)", "f.scale_uniform(2)"),
+        ("sphere(10).scale([1, 0, 1])", "none of them 0"),
+        (
+            "sphere(10).scale_uniform([1, 1, 2])",
+            "does not take [1, 1, 2]",
+        ),
+        ("sphere(10).scale_uniform(0)", "above 0"),
+        (
+            "sphere(10).move(#{x: 5})",
+            "no \"x\"; there are shape, offset",
+        ),
+        ("sphere(10).move(5)", "f.move([10, 0, 0])"),
+        ("sphere(10).rotate_x(\"90\")", "does not take a string"),
+        (
+            "sphere(10).rotate(#{axis: [0, 0, 0], angle: 3})",
+            "an axis such as",
+        ),
+        ("sphere(10).reflect(\"ab\")", "does not take a string"),
+        ("sphere(10).repeat_x(0)", "above 0"),
+        ("extrude_z(circle(5), 20, 0)", "upper must be above lower"),
+        ("extrude_z(circle(5), 20)", "upper is missing"),
+        (
+            "loft_z(circle(5), circle(3), 9, 9)",
+            "upper must be above lower",
+        ),
+        ("union(3, 4)", "does not take the number 3"),
+        ("difference(sphere(3))", "cutout is missing"),
+        ("blend(sphere(3), sphere(4), -1)", "a number of 0 or more"),
+        ("blend(sphere(3), 4)", "b is missing"),
+        ("inverse(3)", "does not take the number 3"),
+        ("sphere()", "write for example sphere(#{center"),
+        ("vec3(x, y, z)", "length(x, y, z)"),
+        ("vec2(1, y)", "vec2(1, 2)"),
+        (
+            "sphere(3).remap(x, y, \"z\")",
+            "remap does not take a string",
+        ),
+    ] {
+        let told = tree(text).unwrap_err();
+        assert!(told.starts_with("line 1"), "{text}: {told}");
+        assert!(told.contains(words), "{text}: {told}");
+    }
+}
+
+#[test]
+fn fidgets_shapes_take_their_values_in_every_way() {
+    let at = |text: &str, p: [f32; 3]| {
+        let mut context = Context::new();
+        let node = context.import(&tree(text).unwrap());
+        context.eval_xyz(node, p[0], p[1], p[2]).unwrap()
+    };
+    for (text, p, wanted) in [
+        ("sphere(3, [1, 2, 3])", [1.0, 2.0, 5.0], -1.0),
+        (
+            "sphere(#{radius: 3, center: [1, 2]})",
+            [1.0, 2.0, 2.0],
+            -1.0,
+        ),
+        ("circle([1, 2], 3)", [1.0, 2.0, 9.0], -3.0),
+        ("union(sphere(3))", [0.0; 3], -3.0),
+        ("union([sphere(3), sphere(4)], sphere(5))", [0.0; 3], -5.0),
+        ("union(#{input: [sphere(3), x]})", [1.0, 0.0, 0.0], -2.0),
+        ("intersection(sphere(3), x, y)", [1.0, 2.0, 0.0], 2.0),
+        ("difference(z, x, [y])", [-1.0, -2.0, -9.0], 2.0),
+        ("x.move([1, 2])", [3.0, 0.0, 0.0], 2.0),
+        ("z.scale([1, 1])", [0.0, 0.0, 3.0], 3.0),
+        ("x.rotate(90)", [1.0, 2.0, 3.0], 2.0),
+        ("z.rotate(\"x\", 90)", [1.0, 2.0, 3.0], -2.0),
+        ("z.rotate(#{axis: x, angle: 90})", [1.0, 2.0, 3.0], -2.0),
+        ("x.reflect(\"yz\")", [1.0, 2.0, 3.0], -1.0),
+        ("x.reflect_x()", [1.0, 2.0, 3.0], -1.0),
+        ("extrude_z(x, 0, 5)", [-9.0, 0.0, 6.0], 1.0),
+        ("blend(x, y, 0)", [1.0, 1.0, 0.0], 1.0),
+        ("blend(#{a: x, b: y, radius: 4})", [1.0, 1.0, 0.0], 0.0),
+        ("sphere([0, 2, 0], 1).repeat_y(5)", [0.0, -8.0, 0.0], -1.0),
+        (
+            "sphere([0, 0, 1], 1).repeat_z(5, 1)",
+            [0.0, 0.0, 21.0],
+            -1.0,
+        ),
+    ] {
+        let found = at(text, p);
+        assert!((found - wanted).abs() < 1e-4, "{text}: {found}");
+    }
+}
+
+/// A blend keeps the faces that both bodies have in common, and fills corners
+/// as much as it ever did.
+#[test]
+fn blends_keep_flush_faces() {
+    let plates = "let a = box([0, 0, 0], [40, 20, 4]); \
+                  let b = box([0, 0, 0], [4, 20, 30]); ";
+    let rounded = "let a = rounded_box([0, 0, 0], [40, 20, 4], 0); \
+                   let b = extrude_z(polygon([[0, 0], [4, 0], [4, 20], \
+                   [0, 20]]), 0, 30); ";
+    let formulas = "let a = max(max(abs(x - 20) - 20, abs(y - 10) - 10), \
+                    abs(z - 2) - 2); \
+                    let b = max(max(-x, x - 4), max(max(-y, y - 20), \
+                    max(-z, z - 30))); ";
+    for bodies in [plates, rounded, formulas] {
+        let field = |text: &str| {
+            let mut context = Context::new();
+            let node = context.import(&tree(text).unwrap());
+            move |x: f32, y: f32, z: f32| {
+                context.eval_xyz(node, x, y, z).unwrap()
+            }
+        };
+        let soft = field(&format!("{bodies} blend(a, b, 8)"));
+        // Near the bed, the back, and the sides, the faces are where they were.
+        for (x, y, z, wanted) in [
+            (2.0, 10.0, -0.5, 0.5),
+            (2.0, 10.0, 0.1, -0.1),
+            (-0.5, 10.0, 2.0, 0.5),
+            (0.1, 10.0, 2.0, -0.1),
+            (2.0, -0.5, 2.0, 0.5),
+            (5.0, 20.5, 5.0, 0.5),
+        ] {
+            let found = soft(x, y, z);
+            assert!((found - wanted).abs() < 1e-3, "{bodies}: {found}");
+        }
+        // The corner is filled: min + (8 - 0)² / 32 is 0 at 2 mm from both.
+        assert!(soft(5.9, 10.0, 5.9) < 0.0, "{bodies}");
+        assert!(soft(6.1, 10.0, 6.1) > 0.0, "{bodies}");
+        let turn = ".rotate(#{axis: [1, 2, 3], angle: 33}).move([5, 6, 7])";
+        let turned = field(&format!("{bodies} blend(a{turn}, b{turn}, 8)"));
+        let after = field(&format!("{bodies} blend(a, b, 8){turn}"));
+        for p in places() {
+            let [x, y, z] = p.to_array().map(|v| v as f32);
+            let (turned, after) = (turned(x, y, z), after(x, y, z));
+            assert!((turned - after).abs() < 1e-3, "{turned} {after} at {p}");
+        }
+    }
+}
+
+/// Bodies without common faces blend as fidget has it.
+#[test]
+fn blends_of_other_bodies_are_as_they_were() {
+    for (a, b) in [
+        ("sphere(10)", "sphere([8, 0, 0], 10)"),
+        ("z - 5", "x - 5"),
+        ("box([0, 0, 0], [20, 20, 4])", "sphere([10, 10, 4], 6)"),
+        ("box([0, 0, 0], [20, 20, 4])", "box([5, 5, -1], [9, 9, 9])"),
+        ("union(sphere(3), box([0, 0, 0], [9, 9, 4]))", "-z"),
+        ("abs(z) - 2", "3 - z"),
+    ] {
+        let blend = fidget::shapes::Blend {
+            a: tree(a).unwrap(),
+            b: tree(b).unwrap(),
+            radius: 5.0,
+        };
+        let blended = tree(&format!("blend({a}, {b}, 5)")).unwrap();
+        assert!(blended == Tree::from(blend), "{a}, {b}");
     }
 }
