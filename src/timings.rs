@@ -7,11 +7,33 @@
 use crate::limits;
 use crate::stopwatch::Stopwatch;
 use crate::units::Seconds;
+use cpu_time::ThreadTime;
+use rayon::ThreadPool;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Does work that alone keeps a pool busy, and tells the processor time that all
+/// of the pool's threads take for it.
+pub(crate) fn of_pool<T: Send>(
+    pool: &ThreadPool,
+    work: impl FnOnce() -> T + Send,
+) -> (T, Seconds) {
+    let clocks = || {
+        pool.broadcast(|_| {
+            let clock = ThreadTime::try_now();
+            clock.map_or(0.0, |now| now.as_duration().as_secs_f64())
+        })
+    };
+    let before = clocks();
+    let made = pool.install(work);
+    let times = clocks().into_iter().zip(before);
+    (made, times.map(|(after, before)| after - before).sum())
+}
 
 /// A stage of the pipeline, with its name in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
+    /// Heights of layers that follow the surface.
+    Heights,
     /// Pictures for the file's head.
     Picture,
     /// Proofs and samples of the field.
@@ -20,7 +42,7 @@ pub enum Stage {
     Contour,
     /// Offsets of the outlines.
     Walls,
-    /// Exposure and the beads of the skin, and beads on the surface above them.
+    /// Exposure and the beads of the skin.
     Skin,
     /// Sparse infill.
     Infill,
@@ -30,6 +52,8 @@ pub enum Stage {
     Support,
     /// Order and seams.
     Order,
+    /// Beads on the surface above or below them.
+    Relief,
     /// Travels.
     Travel,
     /// Speeds and print time.
@@ -44,7 +68,8 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the pipeline.
-    pub const ALL: [Stage; 14] = [
+    pub const ALL: [Stage; 16] = [
+        Stage::Heights,
         Stage::Picture,
         Stage::Field,
         Stage::Contour,
@@ -54,6 +79,7 @@ impl Stage {
         Stage::Hang,
         Stage::Support,
         Stage::Order,
+        Stage::Relief,
         Stage::Travel,
         Stage::Pace,
         Stage::Gcode,
@@ -64,6 +90,7 @@ impl Stage {
     /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
+            Stage::Heights => "heights",
             Stage::Picture => "picture",
             Stage::Field => "field",
             Stage::Contour => "contour",
@@ -73,6 +100,7 @@ impl Stage {
             Stage::Hang => "hanging",
             Stage::Support => "support",
             Stage::Order => "order",
+            Stage::Relief => "contour_z",
             Stage::Travel => "travel",
             Stage::Pace => "pace",
             Stage::Gcode => "gcode",

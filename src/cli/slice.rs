@@ -11,11 +11,12 @@ use super::{complete, plain, printers, send, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
 use clap_complete::engine::ArgValueCompleter;
+use cpu_time::ProcessTime;
 use isoslice::Format;
 use isoslice::files::Output;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
-use isoslice::pipeline::{self, Options};
+use isoslice::pipeline::{self, Options, Summary};
 use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -152,6 +153,8 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let format = format_of(&path)?;
     let report = args.report_output(&output, &path, &inputs)?;
     let job = args.plate.job(&args.model, file, &gathered.settings)?;
+    // So far there was nothing else to do than to read and to place models.
+    let bounds = processor_time();
     let (plate, settings) = (&job.plate, &job.plate.settings);
     // These warnings may explain why the models cannot be sliced.
     let told = job.warnings.iter().cloned();
@@ -214,7 +217,8 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         settings,
         summary: &summary,
         took: started.elapsed(),
-        timings: args.timings || terminal::wants_timings(),
+        timings: (args.timings || terminal::wants_timings())
+            .then(|| times(&summary, bounds)),
     };
     let text = if args.json {
         let warnings = [gathered.warnings, before, of_print].concat();
@@ -281,6 +285,24 @@ impl SliceArgs {
         }
         Ok(Some(output::create(path, inputs)?))
     }
+}
+
+/// Processor time of the process so far, s; 0 on a system that does not tell
+/// it.
+fn processor_time() -> f64 {
+    let time = ProcessTime::try_now();
+    time.map_or(0.0, |time| time.as_duration().as_secs_f64())
+}
+
+/// Where the processor time went, by stage: the whole of it. `bounds` is what
+/// reading and placing the models took.
+fn times(summary: &Summary, bounds: f64) -> Vec<(&'static str, f64)> {
+    let mut rows = vec![("bounds", bounds)];
+    let stages = summary.timings.iter();
+    rows.extend(stages.map(|(stage, time)| (stage.name(), *time)));
+    let told: f64 = rows.iter().map(|row| row.1).sum();
+    rows.push(("other", (processor_time() - told).max(0.0)));
+    rows
 }
 
 /// The time now, or SOURCE_DATE_EPOCH.

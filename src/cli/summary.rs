@@ -5,7 +5,6 @@ use super::output::is_stream;
 use super::plain;
 use glam::DVec3;
 use isoslice::Figures;
-use isoslice::Stage;
 use isoslice::check::{Finding, Kind, Verdict};
 use isoslice::human_time;
 use isoslice::pipeline::{PartSummary, Summary};
@@ -24,8 +23,8 @@ pub(super) struct Sums<'a> {
     pub(super) settings: &'a Settings,
     pub(super) summary: &'a Summary,
     pub(super) took: Duration,
-    /// True if the summary tells where the processor time went.
-    pub(super) timings: bool,
+    /// Where the processor time went, if the summary tells it.
+    pub(super) timings: Option<Vec<(&'static str, f64)>>,
 }
 
 impl Sums<'_> {
@@ -41,7 +40,6 @@ impl Sums<'_> {
     ) -> serde_json::Result<String> {
         let summary = self.summary;
         let p99 = |figures: Option<Figures>| figures.map(|f| f.p99);
-        let of_stage = |(stage, s): &(Stage, f64)| (stage.name(), *s);
         let text = serde_json::to_string_pretty(&Json {
             model: self.model,
             output: self.output.display().to_string(),
@@ -59,6 +57,7 @@ impl Sums<'_> {
             left_out: summary.dropped_rings,
             printing_moves: summary.printing_moves,
             slowed_moves: summary.slowed_moves,
+            time_lost_s: &summary.time_lost,
             gaps_mm2: summary.unfilled_area,
             area_mm2: summary.solid_area,
             checked: summary.verdict.is_some(),
@@ -72,7 +71,8 @@ impl Sums<'_> {
             took_s: self.took.as_secs_f64(),
             timings_s: self
                 .timings
-                .then(|| summary.timings.iter().map(of_stage).collect()),
+                .as_ref()
+                .map(|rows| rows.iter().copied().collect()),
         })?;
         Ok(plain::json(&text) + "\n")
     }
@@ -97,6 +97,7 @@ struct Json<'a> {
     left_out: usize,
     printing_moves: usize,
     slowed_moves: usize,
+    time_lost_s: &'a BTreeMap<&'static str, f64>,
     gaps_mm2: f64,
     area_mm2: f64,
     checked: bool,
@@ -223,6 +224,43 @@ fn describe_hanging(
     Ok(())
 }
 
+/// The lines of the summary about what makes the print take longer than at the
+/// speeds that the settings ask for.
+fn describe_lost(
+    sums: &Sums<'_>,
+    text: &mut String,
+) -> Result<(), std::fmt::Error> {
+    /// Share of the print's time from which a cause is worth a line.
+    const SHARE: f64 = 0.05;
+    let summary = sums.summary;
+    let moves = sums.settings.max_moves_per_second();
+    let causes = [
+        ("cooling", "cooling (cooling.min_layer_time)".to_owned()),
+        ("flow", "the hot end's flow (filament.max_flow)".to_owned()),
+        (
+            "moves",
+            format!(
+                "short moves, of which the printer takes {moves} a second \
+                 (printer.max_moves_per_second)"
+            ),
+        ),
+        (
+            "acceleration",
+            "acceleration (printer.acceleration)".to_owned(),
+        ),
+    ];
+    let mut title = "  of it lost  ";
+    for (cause, what) in causes {
+        let lost = summary.time_lost.get(cause).copied().unwrap_or(0.0);
+        if lost > SHARE * summary.time {
+            let title = std::mem::replace(&mut title, "              ");
+            let share = 100.0 * lost / summary.time;
+            writeln!(text, "{title}{share:.0} % to {what}")?;
+        }
+    }
+    Ok(())
+}
+
 /// The number of islands that begin in the air, and where the first of them
 /// begins.
 fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
@@ -285,6 +323,7 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     }
     describe_parts(summary, &mut text)?;
     writeln!(text, "  print time  {}", human_time(summary.time))?;
+    describe_lost(sums, &mut text)?;
     write!(
         text,
         "  filament    {:.2} m, {:.1} g",
@@ -327,15 +366,6 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
         }
         writeln!(text, " (99 % of the points measured)")?;
     }
-    if summary.slowed_moves > 0 {
-        writeln!(
-            text,
-            "  slowed      {:.1} % of the moves, as the printer takes {} a \
-             second (printer.max_moves_per_second)",
-            100.0 * summary.slowed_moves as f64 / summary.printing_moves as f64,
-            sums.settings.max_moves_per_second()
-        )?;
-    }
     if summary.dropped_rings > 0 {
         writeln!(
             text,
@@ -377,10 +407,8 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
         }
     }
     writeln!(text, "  took        {:.1} s", sums.took.as_secs_f64())?;
-    if sums.timings {
-        for (stage, seconds) in &summary.timings {
-            writeln!(text, "    {:<9} {seconds:8.2} s", stage.name())?;
-        }
+    for (stage, seconds) in sums.timings.iter().flatten() {
+        writeln!(text, "    {stage:<9} {seconds:8.2} s")?;
     }
     Ok(text)
 }

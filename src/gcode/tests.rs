@@ -616,6 +616,7 @@ fn what_is_no_number_is_an_error() {
             time: 1.0,
             printing: 0,
             slowed: 0,
+            lost: std::collections::BTreeMap::new(),
             amounts: Default::default(),
         };
         let error = writer.layer(&paced);

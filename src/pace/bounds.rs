@@ -25,13 +25,13 @@ pub(super) fn speed_limit(
     }
 }
 
-/// Speed of a bead before cooling: the least of the speed that its rates ask
-/// for, the speed that the filament's flow allows, and the printer's greatest.
+/// Two speeds of a bead before cooling: the lesser of the speed that its rates
+/// ask for and the printer's greatest, and what of it the filament's flow allows.
 pub(super) fn print_speed(
     settings: &Settings,
     bead: &Bead,
     rates: &Rates,
-) -> MmPerSec {
+) -> [MmPerSec; 2] {
     let area = bead.area() * rates.flow;
     let printer = &settings.printer;
     let speed = rates
@@ -39,9 +39,9 @@ pub(super) fn print_speed(
         .min(printer.max_speed)
         .min(printer.max_speed_z / steepest(bead));
     if area > 0.0 && settings.filament.max_flow > 0.0 {
-        speed.min(settings.filament.max_flow / area)
+        [speed, speed.min(settings.filament.max_flow / area)]
     } else {
-        speed
+        [speed; 2]
     }
 }
 

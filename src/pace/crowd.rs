@@ -8,6 +8,7 @@
 //! printer's. One short move among long ones is no reason to slow down, since
 //! firmware keeps moves in a buffer.
 
+use super::moves::Cause;
 use super::rates::Rates;
 use crate::bead::{Bead, Stroke};
 use crate::plane::arc::Turn;
@@ -32,6 +33,9 @@ pub(super) struct Rated {
     /// bead has no arcs.
     pub turns: Vec<Option<Turn>>,
     pub rates: Rates,
+    /// The speed asked for, and what has made it less so far.
+    pub wanted: MmPerSec,
+    pub by: Option<Cause>,
 }
 
 impl Rated {
@@ -43,13 +47,16 @@ impl Rated {
         })
     }
 
-    /// The part of the bead that the moves `from` to `to` make up, at a speed.
-    pub(super) fn part(
-        &self,
-        from: usize,
-        to: usize,
-        speed: MmPerSec,
-    ) -> Rated {
+    /// Lowers the speed for a cause.
+    pub(super) fn slow(&mut self, speed: MmPerSec, cause: Cause) {
+        if speed < self.rates.speed {
+            self.rates.speed = speed;
+            self.by = Some(cause);
+        }
+    }
+
+    /// The part of the bead that the moves `from` to `to` make up.
+    pub(super) fn part(&self, from: usize, to: usize) -> Rated {
         let path = self.bead.path().skip(from).take(to - from + 1);
         let points: Vec<DVec2> = path.collect();
         let mut stroke = Stroke::new(points, false, self.bead.width);
@@ -62,10 +69,7 @@ impl Rated {
                 ..self.bead
             },
             turns: self.turns.get(from..to).unwrap_or(&[]).to_vec(),
-            rates: Rates {
-                speed,
-                ..self.rates
-            },
+            ..*self
         }
     }
 
@@ -108,9 +112,8 @@ impl Rated {
     }
 }
 
-/// The beads at speeds that ask for at most `most` moves a second, and how many
-/// of their moves had to be slowed.
-pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> (Vec<Rated>, usize) {
+/// The beads at speeds that ask for at most `most` moves a second.
+pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> Vec<Rated> {
     let lengths: Vec<Mm> = chain.iter().flat_map(Rated::lengths).collect();
     let together = TOGETHER.min(lengths.len()).max(1);
     let fastest = chain.iter().map(|r| r.rates.speed).fold(0.0, f64::max);
@@ -119,7 +122,7 @@ pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> (Vec<Rated>, usize) {
         .map(|moves| most * moves.iter().sum::<Mm>() / together as f64)
         .collect();
     if limits.iter().all(|limit| *limit >= fastest) {
-        return (chain, 0);
+        return chain;
     }
     // Each move is in several windows.
     let limit = |i: usize| {
@@ -128,7 +131,7 @@ pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> (Vec<Rated>, usize) {
         windows.copied().fold(f64::INFINITY, f64::min)
     };
     let mut out = Vec::with_capacity(chain.len());
-    let (mut done, mut count) = (0, 0);
+    let mut done = 0;
     for rated in chain {
         let asked = rated.rates.speed;
         let n = rated.lengths().count();
@@ -144,19 +147,18 @@ pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> (Vec<Rated>, usize) {
             if to < n && speed(to) == here {
                 continue;
             }
-            if here < asked {
-                count += to - from;
-            }
             out.push(if to - from == n && here == asked {
                 rated.clone()
             } else {
-                rated.part(from, to, here)
+                let mut part = rated.part(from, to);
+                part.slow(here, Cause::Moves);
+                part
             });
             from = to;
         }
         done += n;
     }
-    (out, count)
+    out
 }
 
 #[cfg(test)]
@@ -178,6 +180,8 @@ mod tests {
                 flow: 1.0,
                 fan: 0.0,
             },
+            wanted: speed,
+            by: None,
         }
     }
 
@@ -187,11 +191,13 @@ mod tests {
         steps.extend([0.1; 20]);
         steps.extend([2.0; 10]);
         let whole: Mm = steps.iter().sum();
-        let (out, count) = slowed(vec![rated(&steps, 50.0)], 100.0);
+        let out = slowed(vec![rated(&steps, 50.0)], 100.0);
         let speeds: Vec<f64> = out.iter().map(|r| r.rates.speed).collect();
         assert_eq!((speeds[0], speeds[speeds.len() - 1]), (50.0, 50.0));
         let least = speeds.iter().fold(f64::INFINITY, |a, b| a.min(*b));
         assert_eq!(least, 10.0);
+        let slow = out.iter().filter(|r| r.by == Some(Cause::Moves));
+        let count: usize = slow.map(|r| r.lengths().count()).sum();
         assert!((20..40).contains(&count), "{count}");
         let length: Mm = out.iter().map(|r| r.bead.length()).sum();
         assert!((length - whole).abs() < 1e-9);
@@ -212,10 +218,10 @@ mod tests {
     #[test]
     fn long_moves_and_a_short_one_among_them_stay() {
         for steps in [&[5.0, 5.0][..], &[5.0, 0.1, 5.0, 5.0][..]] {
-            let (out, count) = slowed(vec![rated(steps, 50.0)], 100.0);
-            assert_eq!((out.len(), count), (1, 0));
+            let out = slowed(vec![rated(steps, 50.0)], 100.0);
+            assert_eq!((out.len(), out[0].by), (1, None));
             assert_eq!(out[0].rates.speed, 50.0);
         }
-        assert_eq!(slowed(Vec::new(), 100.0).1, 0);
+        assert!(slowed(Vec::new(), 100.0).is_empty());
     }
 }

@@ -18,6 +18,7 @@
 //! slows some beads down to `cooling.min_speed` and others less.
 
 use super::crowd::Rated;
+use super::moves::Cause;
 use crate::units::{Mm, Mm2, Mm3PerSec, Mm3PerSec2, MmPerSec, Seconds};
 
 /// Duration of a step, s: at usual speeds a step is 1 to 2 mm long.
@@ -58,7 +59,7 @@ impl One {
     ) -> (One, Option<One>) {
         let slow = |one: One| {
             let mut one = one;
-            one.rated.rates.speed = speed;
+            one.rated.slow(speed, Cause::Flow);
             one
         };
         if way > self.length - SHORTEST {
@@ -99,7 +100,7 @@ pub(super) fn evened(chain: Vec<Rated>, most: Mm3PerSec2) -> Vec<Rated> {
             };
             moves.push(One {
                 of,
-                rated: rated.part(i, i + 1, rated.rates.speed),
+                rated: rated.part(i, i + 1),
                 length,
                 area: area * rated.rates.flow,
             });
@@ -186,6 +187,8 @@ mod tests {
                 flow: 1.0,
                 fan: 0.0,
             },
+            wanted: speed,
+            by: None,
         }
     }
 

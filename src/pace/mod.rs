@@ -10,8 +10,8 @@
 //!   short closed wall, than the hot end melts (`filament.max_flow`), and than
 //!   the firmware takes its moves (`printer.max_moves_per_second`). Along a
 //!   stroke the flow changes no faster than `filament.max_flow_change`. If the
-//!   layer would take less than `cooling.min_layer_time` the bead is slower,
-//!   down to `cooling.min_speed`;
+//!   layer would take less than `cooling.min_layer_time` beads are slower,
+//!   down to `cooling.min_speed`: the fastest first, and outer walls last;
 //! - the fan runs faster on layers that take little time, and comes up in steps
 //!   above the layers without it;
 //! - a retraction is primed before the next bead, at the latest at the layer's
@@ -43,7 +43,7 @@ mod moves;
 pub(crate) mod rates;
 mod slowing;
 
-pub(crate) use moves::{Amount, OfPart, PacedLayer, PacedMove};
+pub(crate) use moves::{Amount, Cause, OfPart, PacedLayer, PacedMove};
 
 use crate::bead::{Bead, Role, Stroke};
 use crate::layers::LayerSpan;
@@ -119,9 +119,31 @@ pub(crate) struct Pacer<'a> {
     lifted: bool,
     /// The fan's speed as last set in the layer.
     fan: Percent,
-    /// The layer's beads so far: role, length, filament, and the segments of
-    /// `motion`.
-    printed: Vec<(Role, Amount, Range<usize>)>,
+    /// The layer's beads so far.
+    printed: Vec<Printed>,
+}
+
+/// A bead of the layer.
+struct Printed {
+    role: Role,
+    /// Length and filament.
+    amount: Amount,
+    /// The segments of `motion`.
+    segments: Range<usize>,
+    /// Number of the bead's moves.
+    moves: usize,
+    /// The speed asked for, and what has made it less before cooling.
+    wanted: MmPerSec,
+    by: Option<Cause>,
+}
+
+/// What a layer's beads amount to.
+#[derive(Default)]
+struct Sums {
+    amounts: BTreeMap<Role, Amount>,
+    printing: usize,
+    slowed: usize,
+    lost: BTreeMap<Cause, Seconds>,
 }
 
 impl<'a> Pacer<'a> {
@@ -175,12 +197,9 @@ impl<'a> Pacer<'a> {
         let count: usize = stretches.iter().map(|s| s.moves.len()).sum();
         let mut out = Vec::with_capacity(count + 8);
         let mut parts = Vec::with_capacity(stretches.len());
-        let (mut printing, mut slow) = (0, 0);
         for stretch in stretches {
             let (place, first) = (stretch.place, out.len());
-            let (printed, slowed) = self.stretch(&span, stretch, &mut out)?;
-            printing += printed;
-            slow += slowed;
+            self.stretch(&span, stretch, &mut out)?;
             let moves = first..out.len();
             parts.push(OfPart { place, moves });
         }
@@ -209,15 +228,15 @@ impl<'a> Pacer<'a> {
         let fan_at = |asked| fan_speed(asked, span.index, time, self.settings);
         for step in &mut out {
             match step {
-                PacedMove::Print { speed, .. } => {
-                    *speed = slowing.apply(*speed);
+                PacedMove::Print { bead, speed, .. } => {
+                    *speed = slowing.apply(*speed, is_spared(bead));
                 }
                 PacedMove::Fan(speed) => *speed = fan_at(*speed),
                 _ => {}
             }
         }
         fan = fan_at(fan);
-        let amounts = self.amounts(slowing);
+        let sums = self.sums(slowing);
         Ok(PacedLayer {
             span,
             before: 0,
@@ -226,46 +245,67 @@ impl<'a> Pacer<'a> {
             fan,
             nozzle_temperature: whole.temperature(&span)?,
             time,
-            printing,
-            slowed: slow,
-            amounts,
+            printing: sums.printing,
+            slowed: sums.slowed,
+            lost: sums.lost,
+            amounts: sums.amounts,
         })
     }
 
     /// What the layer's beads amount to, as they are slowed.
-    fn amounts(&mut self, slowing: Slowing) -> BTreeMap<Role, Amount> {
+    fn sums(&mut self, slowing: Slowing) -> Sums {
         let times: Vec<Seconds> = slowing.times(&mut self.motion).collect();
-        let mut amounts: BTreeMap<Role, Amount> = BTreeMap::new();
-        for (role, amount, segments) in &self.printed {
-            let of_bead = times.get(segments.clone()).unwrap_or_default();
-            let sum = amounts.entry(*role).or_default();
-            sum.time += of_bead.iter().sum::<Seconds>();
-            sum.length += amount.length;
-            sum.filament += amount.filament;
+        let segments = self.motion.segments();
+        let cruising = segments.iter().map(|s| s.length / slowing.speed(s));
+        let more = times.iter().sum::<Seconds>() - cruising.sum::<Seconds>();
+        let mut sums = Sums::default();
+        sums.lost.insert(Cause::Acceleration, more.max(0.0));
+        for printed in &self.printed {
+            let of_bead = times.get(printed.segments.clone());
+            let sum = sums.amounts.entry(printed.role).or_default();
+            sum.time += of_bead.unwrap_or_default().iter().sum::<Seconds>();
+            sum.length += printed.amount.length;
+            sum.filament += printed.amount.filament;
+            let of_bead = segments.get(printed.segments.clone());
+            let of_bead = of_bead.unwrap_or_default();
+            let cools = of_bead.iter().any(|s| slowing.speed(s) < s.speed);
+            let cause = if cools {
+                Some(Cause::Cooling)
+            } else {
+                printed.by
+            };
+            sums.printing += printed.moves;
+            if cause == Some(Cause::Moves) {
+                sums.slowed += printed.moves;
+            }
+            let Some(cause) = cause else { continue };
+            let lost = of_bead.iter().map(|s| {
+                let speed = slowing.speed(s);
+                s.length / speed - s.length / printed.wanted.max(speed)
+            });
+            *sums.lost.entry(cause).or_default() += lost.sum::<Seconds>();
         }
-        amounts
+        sums
     }
 
-    /// Paces a stretch of a layer, and tells how many moves print, and how many
-    /// of these had to be slowed.
+    /// Paces a stretch of a layer.
     fn stretch(
         &mut self,
         span: &LayerSpan,
         stretch: Stretch<'a, '_>,
         out: &mut Vec<PacedMove>,
-    ) -> Result<(usize, usize), VaryError> {
+    ) -> Result<(), VaryError> {
         let Stretch {
             moves, rater, site, ..
         } = stretch;
         self.settings = rater.settings();
         // Beads that follow each other without a travel.
         let mut chain = Vec::new();
-        let (mut printing, mut slow) = (0, 0);
         for step in moves {
             crate::limits::check();
             match step {
                 Move::Travel(travel) => {
-                    slow += self.print_all(span, &mut chain, out);
+                    self.print_all(span, &mut chain, out);
                     self.travel(span, travel, out);
                 }
                 Move::Print(bead) => {
@@ -273,17 +313,18 @@ impl<'a> Pacer<'a> {
                     let pieces = rater.pieces(bead, span, site)?;
                     for (piece, mut rates) in pieces {
                         rates.speed = rates.speed.min(limit);
-                        rates.speed =
+                        let [wanted, speed] =
                             print_speed(self.settings, &piece, &rates);
-                        let rated = self.with_arcs(piece, rates);
-                        printing += rated.bead.segments().count();
+                        rates.speed = wanted;
+                        let mut rated = self.with_arcs(piece, rates);
+                        rated.slow(speed, Cause::Flow);
                         chain.push(rated);
                     }
                 }
             }
         }
-        slow += self.print_all(span, &mut chain, out);
-        Ok((printing, slow))
+        self.print_all(span, &mut chain, out);
+        Ok(())
     }
 
     fn travel(
@@ -350,6 +391,8 @@ impl<'a> Pacer<'a> {
         let mut rated = Rated {
             bead,
             turns: Vec::new(),
+            wanted: rates.speed,
+            by: None,
             rates,
         };
         // An arc is flat.
@@ -364,20 +407,18 @@ impl<'a> Pacer<'a> {
         rated
     }
 
-    /// Prints beads that follow each other without a travel, and tells how many
-    /// of their moves had to be slowed.
+    /// Prints beads that follow each other without a travel.
     fn print_all(
         &mut self,
         span: &LayerSpan,
         chain: &mut Vec<Rated>,
         out: &mut Vec<PacedMove>,
-    ) -> usize {
+    ) {
         let most = self.settings.max_moves_per_second();
-        let (beads, count) = slowed(std::mem::take(chain), most);
+        let beads = slowed(std::mem::take(chain), most);
         for rated in evened(beads, self.settings.filament.max_flow_change) {
             self.print(span, rated, out);
         }
-        count
     }
 
     fn print(
@@ -386,7 +427,13 @@ impl<'a> Pacer<'a> {
         rated: Rated,
         out: &mut Vec<PacedMove>,
     ) {
-        let Rated { bead, turns, rates } = rated;
+        let Rated {
+            bead,
+            turns,
+            rates,
+            wanted,
+            by,
+        } = rated;
         let settings = self.settings;
         let Some(&start) = bead.points.first() else {
             return;
@@ -442,7 +489,17 @@ impl<'a> Pacer<'a> {
             }
         }
         let segments = first..self.motion.segments().len();
-        self.printed.push((bead.role, amount, segments));
+        if is_spared(&bead) {
+            self.motion.spare(segments.clone());
+        }
+        self.printed.push(Printed {
+            role: bead.role,
+            amount,
+            segments,
+            moves: bead.segments().count(),
+            wanted,
+            by,
+        });
         self.on_slope = !bead.levels.is_empty();
         let rises = bead.levels.iter().map(|l| l.rise);
         self.raised = rises.fold(self.raised, f64::max);
@@ -572,6 +629,15 @@ impl<'a> Pacer<'a> {
         }
         self.z = Some(z);
         out.push(PacedMove::Lift { z, speed });
+    }
+}
+
+/// True for a bead that gives way last if a layer is slowed: an outer wall.
+fn is_spared(bead: &Bead) -> bool {
+    match bead.role {
+        Role::OuterWall => true,
+        Role::Overhang => !bead.inner,
+        _ => false,
     }
 }
 

@@ -70,6 +70,31 @@ pub(crate) enum PacedMove {
     Fan(Percent),
 }
 
+/// What takes time that the settings' speeds would not take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Cause {
+    /// A layer has to take its time (`cooling.min_layer_time`).
+    Cooling,
+    /// The hot end melts no more (`filament.max_flow`), or not so suddenly.
+    Flow,
+    /// The printer takes no more moves (`printer.max_moves_per_second`).
+    Moves,
+    /// The machine speeds up and slows down.
+    Acceleration,
+}
+
+impl Cause {
+    /// Name in summaries.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Cause::Cooling => "cooling",
+            Cause::Flow => "flow",
+            Cause::Moves => "moves",
+            Cause::Acceleration => "acceleration",
+        }
+    }
+}
+
 /// What some beads amount to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Amount {
@@ -109,9 +134,13 @@ pub(crate) struct PacedLayer {
     /// How long the layer takes.
     pub time: Seconds,
     /// The number of moves that print, and how many of them are slower than
-    /// asked for, since the printer takes only so many in a second.
+    /// asked for, since the printer takes only so many in a second, and for no
+    /// stronger reason.
     pub printing: usize,
     pub slowed: usize,
+    /// Time that the layer takes longer than at the speeds asked for. Where
+    /// several causes slow a bead, the strongest one counts.
+    pub lost: BTreeMap<Cause, Seconds>,
     /// What the beads of each role amount to.
     pub amounts: BTreeMap<Role, Amount>,
 }

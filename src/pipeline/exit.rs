@@ -23,7 +23,7 @@ use crate::limits;
 use crate::pace::{PacedLayer, PacedMove};
 use crate::report::{self, RoleSum};
 use crate::timings::{Stage, Timings};
-use crate::units::{Mm, Mm3};
+use crate::units::{Mm, Mm3, Seconds};
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::io;
@@ -55,6 +55,8 @@ struct Text<'a, 'w> {
     timings: &'a Timings,
     printing: usize,
     slowed: usize,
+    /// Time lost, by its cause.
+    lost: BTreeMap<&'static str, Seconds>,
     /// Volume extruded at each place.
     extruded: Vec<Mm3>,
     /// What the beads of each role amount to.
@@ -83,6 +85,8 @@ pub(super) struct Done {
     /// The number of moves that print, and how many of them had to be slowed.
     pub printing: usize,
     pub slowed: usize,
+    /// Time lost, by its cause.
+    pub lost: BTreeMap<&'static str, Seconds>,
     /// Volume extruded at each place.
     pub extruded: Vec<Mm3>,
     /// What the beads of each role amount to.
@@ -122,6 +126,7 @@ impl<'a, 'w> Exit<'a, 'w> {
                 timings: job.stopwatch(),
                 printing: 0,
                 slowed: 0,
+                lost: BTreeMap::new(),
                 extruded: vec![0.0; job.plate.shifts().len()],
                 roles: BTreeMap::new(),
             },
@@ -200,6 +205,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             parts: parts.map(|(order, ways)| ways.finish(order)).collect(),
             printing: text.printing,
             slowed: text.slowed,
+            lost: text.lost,
             extruded: text.extruded,
             warnings: self.pacing.warnings,
             roles: text.roles,
@@ -303,6 +309,9 @@ impl Text<'_, '_> {
         if written {
             self.printing += paced.printing;
             self.slowed += paced.slowed;
+            for (cause, time) in &paced.lost {
+                *self.lost.entry(cause.name()).or_default() += time;
+            }
             self.count(paced);
             for (role, amount) in &paced.amounts {
                 let sum = self.roles.entry(role.name()).or_default();

@@ -10,7 +10,8 @@ use crate::layers::LayerRange;
 use crate::model::Model;
 use crate::plate::Plate;
 use crate::settings::Settings;
-use crate::timings::Stage;
+use crate::timings::{self, Stage};
+use crate::units::Seconds;
 use std::io;
 
 /// Slices a placed model and writes its G-code.
@@ -41,7 +42,8 @@ pub fn slice_plate(
     let pool = pool(options.threads)?;
     let on_bed = plate;
     let plate = &plate.raised()?;
-    let (spans, steps) = pool.install(|| layers_of(plate))?;
+    let (planned, planning) = timings::of_pool(&pool, || layers_of(plate));
+    let (spans, steps) = planned?;
     let tallest = spans.iter().max_by_key(|spans| spans.len());
     let all = tallest.map_or(&[][..], |spans| spans.as_slice());
     let layers = options.indices(all)?;
@@ -69,6 +71,7 @@ pub fn slice_plate(
     };
     let mut summary = write(&run, out, &mut copy)?;
     summary.steps = steps;
+    add_time(&mut summary, Stage::Heights, planning);
     if let Some(report) = &mut summary.report {
         report.steps = steps;
         report.roles = summary.roles.clone();
@@ -95,6 +98,14 @@ fn refuse(plate: &Plate, options: &Options<'_>) -> Result<(), SliceError> {
     Ok(())
 }
 
+/// Adds processor time to a stage's.
+fn add_time(summary: &mut Summary, stage: Stage, time: Seconds) {
+    let mut all = summary.timings.iter_mut();
+    if let Some((_, sum)) = all.find(|(s, _)| *s == stage) {
+        *sum += time;
+    }
+}
+
 /// Adds the verdict on the G-code to a summary.
 ///
 /// # Errors
@@ -105,10 +116,7 @@ fn judge(checker: Alongside, summary: &mut Summary) -> Result<(), SliceError> {
         let faults = verdict.sentences("", Severity::Fault);
         return Err(SliceError::Unsafe(faults));
     }
-    let check = summary.timings.iter_mut().find(|(s, _)| *s == Stage::Check);
-    if let Some((_, seconds)) = check {
-        *seconds += time;
-    }
+    add_time(summary, Stage::Check, time);
     // The summary tells of islands in the air. Printers that heat in their
     // macros are as they should be. Whoever calls a macro knows what it is, and
     // whoever wrote a template was told of its lines.

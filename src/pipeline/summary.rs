@@ -47,8 +47,13 @@ pub struct Summary {
     /// Number of moves that print.
     pub printing_moves: usize,
     /// Number of moves that are slower than asked for, because the printer
-    /// takes only so many in a second.
+    /// takes only so many in a second, and for no stronger reason.
     pub slowed_moves: usize,
+    /// Time that the print takes longer than at the speeds asked for, by its
+    /// cause: `cooling`, `flow` of the hot end, `moves` that the printer takes,
+    /// and `acceleration`. Where several causes slow a bead, the strongest one
+    /// counts.
+    pub time_lost: BTreeMap<&'static str, Seconds>,
     /// Islands and holes left out because they are smaller than a quarter of
     /// the outer wall's width.
     pub dropped_rings: usize,
@@ -114,6 +119,7 @@ impl Summary {
             solid_area: 0.0,
             printing_moves: done.printing,
             slowed_moves: done.slowed,
+            time_lost: done.lost,
             dropped_rings: 0,
             hanging: Hanging::default(),
             outline_error: None,

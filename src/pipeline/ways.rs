@@ -135,7 +135,7 @@ impl<'a> PartTravel<'a> {
         } else {
             beads
         };
-        let beads = self.timings.time(Stage::Skin, || {
+        let beads = self.timings.time(Stage::Relief, || {
             let under_support = under_support.as_ref();
             let beads =
                 self.on_surface(beads, &layer, [below, above], under_support)?;

@@ -126,7 +126,8 @@ fn exits<'a>(
     let exit = |(planned, base): (&'a Planned<'a>, &'a Base<'a>)| {
         let Planned { part, spans, .. } = *planned;
         let relief = [Relief::new, Relief::of_supports].map(|relief| {
-            relief(&part.model, &part.settings, &base.around, pool)
+            let timings = &planned.stages.timings;
+            relief(&part.model, &part.settings, &base.around, pool, timings)
                 .map_err(|e| job.plate.named(part, e.into()))
         });
         let [relief, under] = relief;

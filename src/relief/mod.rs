@@ -61,6 +61,7 @@ use crate::plane::grid::EdgeGrid;
 use crate::resolution::pieces;
 use crate::seam::ending::Ended;
 use crate::settings::{Settings, Varying};
+use crate::timings::{Stage, Timings};
 use crate::units::{Degrees, Mm, Mm2};
 use crate::vary::{Quantity, Surroundings, VaryError};
 use chain::{Chain, Stop};
@@ -108,6 +109,7 @@ pub(crate) struct Relief<'a> {
     bed: Mm,
     /// What looks for the surface.
     pool: &'a ThreadPool,
+    timings: &'a Timings,
 }
 
 /// Whose beads follow a surface.
@@ -179,6 +181,7 @@ impl<'a> Relief<'a> {
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
         pool: &'a ThreadPool,
+        timings: &'a Timings,
     ) -> Result<Option<Relief<'a>>, ReliefError> {
         let strength = Quantity::new("contour_z", &settings.contour_z)?;
         if strength.constant() == Some(0.0) || settings.spiral {
@@ -192,6 +195,7 @@ impl<'a> Relief<'a> {
             around,
             bed: -model.offset.z,
             pool,
+            timings,
         }))
     }
 
@@ -205,6 +209,7 @@ impl<'a> Relief<'a> {
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
         pool: &'a ThreadPool,
+        timings: &'a Timings,
     ) -> Result<Option<Relief<'a>>, ReliefError> {
         if !settings.supports_follow() {
             return Ok(None);
@@ -218,6 +223,7 @@ impl<'a> Relief<'a> {
             around,
             bed: -model.offset.z,
             pool,
+            timings,
         }))
     }
 
@@ -284,6 +290,7 @@ impl<'a> Relief<'a> {
         }
         let led = |(path, follows): (Vec<Ended>, bool)| {
             if follows {
+                let _lap = self.timings.begin(Stage::Relief);
                 self.chain(path, site, facing)
             } else {
                 Ok(path)

@@ -1003,6 +1003,9 @@ fn info_and_summary_speak_json() {
     assert!(told["outline_p99_um"].as_f64().unwrap() < 5.0);
     assert!(told["filament_cost"].is_null());
     assert!(told.get("timings_s").is_none());
+    for cause in ["cooling", "acceleration"] {
+        assert!(told["time_lost_s"][cause].as_f64().unwrap() >= 0.0);
+    }
     let warnings = told["warnings"].as_array().unwrap();
     assert!(
         warnings[0].as_str().unwrap().contains("0.8 ×"),

@@ -38,6 +38,7 @@ use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds};
 use glam::{DVec3, DVec4};
 use planner::Leg;
 use ramps::Ramps;
+use std::ops::Range;
 
 /// Length below which a move does not count, mm: 0.001 of what the G-code
 /// resolves, so that no division by a length overflows.
@@ -87,6 +88,8 @@ pub(crate) struct Segment {
     gentle: MmPerSec2,
     /// True if the move prints and may be slowed for cooling.
     pub prints: bool,
+    /// True if the move is slowed only when all others are.
+    pub spared: bool,
 }
 
 /// A chain of moves from rest to rest.
@@ -138,6 +141,15 @@ impl Motion {
     /// The moves so far.
     pub(crate) fn segments(&self) -> &[Segment] {
         &self.segments
+    }
+
+    /// Lets some of the moves give way last if moves have to be slowed.
+    pub(crate) fn spare(&mut self, which: Range<usize>) {
+        for segment in
+            self.segments.iter_mut().take(which.end).skip(which.start)
+        {
+            segment.spared = true;
+        }
     }
 
     /// Adds a move of the head by `step` that feeds `filament` mm of filament
@@ -211,6 +223,7 @@ impl Motion {
             acceleration,
             gentle: self.limits.planner.gentle(leg.told).min(acceleration),
             prints: leg.prints,
+            spared: false,
         });
         self.last = Some(leg);
     }
