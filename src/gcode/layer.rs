@@ -5,9 +5,10 @@ use super::placeholders::Moment;
 use super::progress::Clock;
 use super::{FULL, WIDTH, WriteError, Writer, XYZ, comments, flavour, scan};
 use crate::bead::{Bead, Role};
-use crate::pace::{OfPart, PacedLayer, PacedMove};
+use crate::pace::{APPROACH, OfPart, PacedLayer, PacedMove};
 use crate::settings::Comments;
 use crate::units::{MICRON, Mm};
+use glam::DVec2;
 use std::io::Write;
 use std::ops::Range;
 
@@ -107,9 +108,22 @@ impl<W: Write> Writer<'_, W> {
         layer.parts.iter().filter_map(around).collect()
     }
 
-    /// Tells the machine what the layers below tell it, if those layers are in
-    /// another file.
-    pub(super) fn catch_up(&mut self) {
+    /// Brings the machine to where the layers below leave it, and tells it what
+    /// they tell it, if those layers are in another file. `layer` is the first
+    /// one of this file.
+    pub(super) fn catch_up(
+        &mut self,
+        layer: &PacedLayer,
+    ) -> Result<(), WriteError> {
+        let (feed, acceleration) = (self.feed.take(), self.acceleration);
+        let approach = self.approach(layer);
+        self.time_approach(approach.as_ref().map_or(&*layer.moves, |a| &a[..]));
+        if let Some(way) = approach {
+            // The machine is where the file's head leaves it.
+            (self.xy, self.z) = (None, None);
+            way.iter().try_for_each(|step| self.step(step))?;
+        }
+        (self.feed, self.acceleration) = (feed, acceleration);
         let flavour = self.settings.gcode.flavour;
         if let Some(pwm) = self.fan.filter(|&pwm| pwm > 0) {
             self.line(&flavour::fan(flavour, pwm));
@@ -117,6 +131,32 @@ impl<W: Write> Writer<'_, W> {
         if let Some(count) = self.acceleration {
             self.tell_acceleration(count);
         }
+        if let Some(feed) = self.feed {
+            self.line(&format!("G1 F{feed}"));
+        }
+        Ok(())
+    }
+
+    /// The way to where the layers below leave the head, from above, if a layer
+    /// goes on there without a travel.
+    fn approach(&self, layer: &PacedLayer) -> Option<[PacedMove; 3]> {
+        let first = layer.moves.iter().find(|step| {
+            use PacedMove::{Print, Travel};
+            matches!(step, Travel { .. } | Print { .. })
+        });
+        let goes_on = matches!(first, Some(PacedMove::Print { .. }));
+        let ((x, y), z) = self.xy.zip(self.z).filter(|_| goes_on)?;
+        let at = DVec2::new(x as f64, y as f64) * MICRON;
+        let z = z as f64 * MICRON;
+        let lift = |z| PacedMove::Lift {
+            z,
+            speed: self.settings.printer.max_speed_z,
+        };
+        let travel = PacedMove::Travel {
+            points: vec![at],
+            speed: self.settings.travel_speed(),
+        };
+        Some([lift(z + APPROACH), travel, lift(z)])
     }
 
     /// Writes the comments that mark the beginning of a layer.
@@ -163,8 +203,8 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
-    /// Writes the user's own lines for a layer. The machine may be anywhere,
-    /// and in any mode, after them.
+    /// Writes the user's own lines for a layer. The machine may be in any mode
+    /// after them, and anywhere if they may move it.
     pub(super) fn layer_template(
         &mut self,
         layer: &PacedLayer,
@@ -181,8 +221,10 @@ impl<W: Write> Writer<'_, W> {
         if scan::may_change_modes(&lines) {
             self.modes();
         }
-        self.xy = None;
-        self.z = None;
+        if scan::may_move(&lines) {
+            self.xy = None;
+            self.z = None;
+        }
         self.feed = None;
         self.fan = None;
         self.acceleration = None;

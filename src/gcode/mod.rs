@@ -366,8 +366,7 @@ impl<'a, W: Write> Writer<'a, W> {
     ) -> Result<(), WriteError> {
         let before = self.filament.exact + self.extra;
         if self.totals.layers == 0 {
-            self.catch_up();
-            self.time_approach(layer);
+            self.catch_up(layer)?;
             if let Some(record) = &mut self.record {
                 let end = record.at(self.buffer.len());
                 let head = &mut record.manifest.head;
@@ -409,11 +408,27 @@ impl<'a, W: Write> Writer<'a, W> {
     }
 
     /// Forgets what the machine has been told, as if the next layer were
-    /// written by a run of its own. The filament must be primed. The filament's
-    /// position loses up to half a unit of its last decimal.
-    pub(crate) fn restart(&mut self) {
-        self.xy = None;
-        self.z = None;
+    /// written by a run of its own. `head` is where the head is, if each run
+    /// knows that. The filament must be primed. The filament's position loses
+    /// up to half a unit of its last decimal.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub(crate) fn restart(
+        &mut self,
+        head: Option<DVec3>,
+    ) -> Result<(), WriteError> {
+        let count = |what, at| self.count(what, at, XYZ);
+        let place = head.map(|p| {
+            Ok::<_, WriteError>([
+                count("x", p.x)?,
+                count("y", p.y)?,
+                count("z", p.z)?,
+            ])
+        });
+        let place = place.transpose()?;
+        self.xy = place.map(|[x, y, _]| (x, y));
+        self.z = place.map(|[_, _, z]| z);
         self.feed = None;
         self.fan = None;
         // A constant temperature need not be told again.
@@ -425,6 +440,7 @@ impl<'a, W: Write> Writer<'a, W> {
             relative: self.filament.relative,
             ..Filament::default()
         };
+        Ok(())
     }
 
     /// Ends the file: retracts, turns the fan off, writes the end template and

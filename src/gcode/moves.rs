@@ -90,9 +90,12 @@ impl<W: Write> Writer<'_, W> {
         };
         let area = filament(bead.area());
         let mut path = bead.path();
-        // If the head is at the first point, this line is left out.
         if let Some(start) = path.next() {
-            self.go(start, speed, None)?;
+            self.begin_at(
+                start,
+                self.top + bead.rise(0).unwrap_or(0.0),
+                speed,
+            )?;
         }
         for (i, p) in path.enumerate() {
             if let Some(rise) = bead.rise(i + 1) {
@@ -106,6 +109,27 @@ impl<W: Write> Writer<'_, W> {
             }
         }
         Ok(())
+    }
+
+    /// Brings the head to where a bead begins. It is there, unless a template
+    /// may have moved it. Then z comes last, so that the head comes from above
+    /// if the template has raised it.
+    fn begin_at(
+        &mut self,
+        start: DVec2,
+        z: Mm,
+        speed: MmPerSec,
+    ) -> Result<(), WriteError> {
+        if self.z.is_some() {
+            // Rounding may put one place on both sides of a step.
+            let near = |at: DVec2| at.distance(start) <= 2.0 * MICRON;
+            return match self.xy.map(|(x, y)| DVec2::new(x as f64, y as f64)) {
+                Some(at) if near(at * MICRON) => Ok(()),
+                _ => self.go(start, speed, None),
+            };
+        }
+        self.go(start, self.settings.travel_speed(), None)?;
+        self.lift(z, self.settings.printer.max_speed_z)
     }
 
     /// Goes to a point in space, feeding `filament` mm for each mm.

@@ -52,18 +52,19 @@ pub(super) fn heating(
     found
 }
 
+/// Klipper's commands that only show or remember something.
+const TELL: [&str; 6] = [
+    "RESPOND",
+    "SET_DISPLAY_TEXT",
+    "SET_GCODE_VARIABLE",
+    "SET_PRINT_STATS_INFO",
+    "SAVE_VARIABLE",
+    "ACTION_RESPOND_INFO",
+];
+
 /// What a named command does with a temperature that it is given. Klipper's own
 /// commands are known; any other is a macro of the printer.
 fn of_macro(name: &str) -> Heating {
-    /// Commands that only show or remember a temperature.
-    const TELL: [&str; 6] = [
-        "RESPOND",
-        "SET_DISPLAY_TEXT",
-        "SET_GCODE_VARIABLE",
-        "SET_PRINT_STATS_INFO",
-        "SAVE_VARIABLE",
-        "ACTION_RESPOND_INFO",
-    ];
     let is = |other: &str| name.eq_ignore_ascii_case(other);
     if TELL.iter().any(|t| is(t)) {
         Heating::Not
@@ -83,6 +84,41 @@ pub(super) fn may_change_modes(rendered: &str) -> bool {
         .lines()
         .filter_map(command)
         .any(|c| is_macro(c) || MODES.iter().any(|m| c.eq_ignore_ascii_case(m)))
+}
+
+/// Commands that leave the head and the zero of its axes where they are: they
+/// wait, show, beep, take a picture, heat, cool, or set modes and limits.
+const STILL: [&str; 49] = [
+    "G4", "G20", "G21", "G90", "G91", "M17", "M31", "M42", "M73", "M75", "M76",
+    "M77", "M82", "M83", "M104", "M105", "M106", "M107", "M108", "M109",
+    "M114", "M115", "M116", "M117", "M118", "M140", "M141", "M150", "M155",
+    "M190", "M191", "M201", "M203", "M204", "M205", "M207", "M220", "M221",
+    "M240", "M300", "M355", "M400", "M486", "M566", "M572", "M593", "M900",
+    "M907", "M971",
+];
+
+/// True if a filled-in template may leave the head at another place. Whatever
+/// is not known to leave it alone may move it.
+pub(super) fn may_move(rendered: &str) -> bool {
+    rendered.lines().any(|line| {
+        let Some(name) = command(line) else {
+            return false;
+        };
+        let is = |other: &&str| name.eq_ignore_ascii_case(other);
+        let still = match name.to_ascii_uppercase().as_str() {
+            // These are about the filament or the speed alone.
+            "G0" | "G1" | "G92" => {
+                let words = line.split(';').next().unwrap_or("");
+                let has = |letters: &str| {
+                    let all = words.chars().map(|c| c.to_ascii_uppercase());
+                    all.clone().any(|c| letters.contains(c))
+                };
+                has("EF") && !has("XYZUVWABC")
+            }
+            _ => STILL.iter().chain(&TELL).any(is),
+        };
+        !still
+    })
 }
 
 /// The first word of a line, if it is not in a comment.
@@ -119,6 +155,32 @@ mod tests {
         assert!(!may_change_modes("G28 ; G91\nG1 Z5"));
         assert!(may_change_modes("G28\n g91\nG1 Z5\nG90"));
         assert!(may_change_modes("START_PRINT"));
+    }
+
+    #[test]
+    fn what_may_move_the_head_is_recognised() {
+        for still in [
+            "; G1 X5",
+            "M117 G1 X5",
+            "g92 e0",
+            "G1 E-0.5 F1800\nM106 S80",
+            "SET_DISPLAY_TEXT MSG=\"layer 3\"\n\nM73 P4 ; X",
+        ] {
+            assert!(!may_move(still), "{still}");
+        }
+        for moves in [
+            "G91\nG1 Z5\nG90",
+            "G0X3",
+            "G28",
+            "G92",
+            "G92 E0 Z1",
+            "TIMELAPSE_TAKE_FRAME",
+            "M600",
+            "M240\nm125",
+            "T1",
+        ] {
+            assert!(may_move(moves), "{moves}");
+        }
     }
 
     #[test]

@@ -6,9 +6,9 @@
 
 use super::number::text;
 use super::{E, Writer, XYZ, flavour};
+use crate::pace::PacedMove;
 use crate::pace::clock::time_of;
 use crate::pace::motion::{Limits, Motion};
-use crate::pace::{PacedLayer, PacedMove};
 use crate::settings::Settings;
 use crate::units::{MICRON, Seconds};
 use std::io::Write;
@@ -21,15 +21,16 @@ impl<W: Write> Writer<'_, W> {
         self.start = at;
     }
 
-    /// Adds the time of the way from the head's end to the first layer. This
+    /// Adds the time of the way from the head's end to the first bead of some
+    /// moves, or as far as they go without a bead. This
     /// time is no part of that layer's: a layer's speeds depend on its time,
     /// and must not depend on the layer at which a file begins.
-    pub(super) fn time_approach(&mut self, layer: &PacedLayer) {
+    pub(super) fn time_approach(&mut self, moves: &[PacedMove]) {
         let settings = self.settings;
         let acceleration = settings.travel_acceleration();
         let mut motion = Motion::new(Limits::new(settings), acceleration);
         let mut at = self.start;
-        for step in &layer.moves {
+        for step in moves {
             let (way, speed) = match step {
                 PacedMove::Lift { z, speed } => {
                     (vec![at.truncate().extend(*z)], *speed)

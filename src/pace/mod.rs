@@ -69,11 +69,14 @@ use std::ops::Range;
 
 /// Height above the first layer at which the head comes from where the start
 /// template left it, mm. It clears what start templates leave on the bed.
-const APPROACH: Mm = 2.0;
+pub(crate) const APPROACH: Mm = 2.0;
 
-/// Distance below which two points are one place: 0.1 of what the G-code
-/// resolves.
-const SAME_PLACE: Mm = 0.1 * MICRON;
+/// Distance up to which two points are one place: what the G-code resolves. A
+/// move between such points would stop the head for nothing.
+const SAME_PLACE: Mm = MICRON;
+
+/// Difference up to which two heights are one: 0.1 of what the G-code resolves.
+const SAME_HEIGHT: Mm = 0.1 * MICRON;
 
 /// Speed of a wipe as a share of that of travels. It is slower because it
 /// touches what has just been printed.
@@ -297,7 +300,10 @@ impl<'a> Pacer<'a> {
             prime,
             clear,
         } = travel;
-        if points.is_empty() {
+        // Without a retraction, no way is left of one that goes nowhere.
+        let stays = |at: DVec2| points.iter().all(|p| near(at, *p));
+        let nowhere = !retract && clear.is_none();
+        if points.is_empty() || nowhere && self.xy.is_some_and(stays) {
             return;
         }
         let settings = self.settings;
@@ -388,7 +394,7 @@ impl<'a> Pacer<'a> {
         if bead.points.len() < 2 {
             return;
         }
-        if self.xy.is_none_or(|at| at.distance(start) > SAME_PLACE) {
+        if !self.xy.is_some_and(|at| near(at, start)) {
             // The travel stage should have left a travel here. A straight
             // travel is better than a bead drawn from the wrong place.
             self.travel(span, Travel::straight(start, false), out);
@@ -550,7 +556,7 @@ impl<'a> Pacer<'a> {
 
     /// Moves to `z`, if the head is not there.
     fn lift(&mut self, z: Mm, out: &mut Vec<PacedMove>) {
-        if self.z.is_some_and(|at| (at - z).abs() <= SAME_PLACE) {
+        if self.z.is_some_and(|at| (at - z).abs() <= SAME_HEIGHT) {
             return;
         }
         let printer = &self.settings.printer;
@@ -567,6 +573,11 @@ impl<'a> Pacer<'a> {
         self.z = Some(z);
         out.push(PacedMove::Lift { z, speed });
     }
+}
+
+/// True if two points are one place.
+fn near(a: DVec2, b: DVec2) -> bool {
+    a.distance(b) <= SAME_PLACE
 }
 
 /// A coordinate as the G-code has it, in units of its last decimal.

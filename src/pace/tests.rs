@@ -2,7 +2,7 @@
 
 use super::slowing::LAYER_TIME_TOLERANCE;
 use super::*;
-use crate::bead::{Role, Stroke, cross_section};
+use crate::bead::{Level, Role, Stroke, cross_section};
 use crate::settings::{Flavour, Varying};
 use crate::travel::LayerPath;
 
@@ -464,11 +464,41 @@ fn z_rises_before_an_unretracted_travel() {
     let mut pacer = Pacer::plain(&s);
     pacer.paced(layer(0, vec![square(Role::OuterWall, 10.0)]));
     let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
-    path.moves[0] = Move::Travel(Travel::straight(DVec2::splat(50.0), false));
+    let back = DVec2::splat(50.0);
+    let mut travel = Travel::straight(back, false);
+    travel.points.insert(0, DVec2::splat(60.0));
+    path.moves[0] = Move::Travel(travel);
     let l = pacer.paced(path);
     assert!(matches!(l.moves[0], PacedMove::Lift { z, .. } if z == 0.4));
     assert!(matches!(l.moves[1], PacedMove::Travel { .. }));
     assert!(matches!(l.moves[2], PacedMove::Print { .. }));
+}
+
+/// A bead that begins within what the file resolves of where a rising one ends
+/// goes on without a stop.
+#[test]
+fn beads_that_meet_but_for_rounding_are_one_way() {
+    let s = Settings::default();
+    let rising = |from: f64, to: f64| {
+        let points = [from, to].map(|x| DVec2::new(x, 5.0)).to_vec();
+        let mut stroke = Stroke::new(points, false, 0.45);
+        stroke.levels =
+            [-0.1, 0.0].map(|rise| Level { rise, extra: 0.0 }).to_vec();
+        Bead::new(Role::OuterWall, stroke, 0.2)
+    };
+    for (gap, stops) in [(4e-4, false), (9e-4, false), (4e-3, true)] {
+        let mut pacer = Pacer::plain(&s);
+        let there = DVec2::new(20.0 + gap, 5.0);
+        let mut path = layer(1, vec![rising(0.0, 20.0)]);
+        path.moves
+            .push(Move::Travel(Travel::straight(there, false)));
+        let mut next = rising(there.x, 40.0);
+        next.levels[0].rise = 0.0;
+        path.moves.push(Move::Print(next));
+        let moves = pacer.paced(path).moves;
+        let last = &moves[moves.len() - 2];
+        assert_eq!(!matches!(last, PacedMove::Print { .. }), stops, "{gap}");
+    }
 }
 
 #[test]

@@ -64,10 +64,16 @@ struct Text<'a, 'w> {
 /// A layer of the plate between two steps.
 struct OnWay<T> {
     span: LayerSpan,
-    /// If a block begins: where the head is, on the bed, for each part that
-    /// knows.
-    restart: Option<Vec<Option<DVec2>>>,
+    /// If a block begins.
+    restart: Option<Restart>,
     what: T,
+}
+
+/// The beginning of a block, where all is forgotten that layers pass on.
+#[derive(Clone, Copy)]
+struct Restart {
+    /// Where the head is, on the bed, if every run knows that.
+    head: Option<DVec2>,
 }
 
 /// The results of a plate.
@@ -150,8 +156,8 @@ impl<'a, 'w> Exit<'a, 'w> {
                 restart,
                 what,
             } = layer?;
-            if restart.is_some() {
-                text.writer.restart();
+            if let Some(Restart { head }) = restart {
+                text.writer.restart(head.map(|p| p.extend(span.bottom)))?;
             }
             let written = text.layers.contains(&span.index);
             text.layer(&what, written)?;
@@ -210,8 +216,14 @@ fn in_order(
 ) -> OnWay<Vec<(usize, Ordered)>> {
     let OnPlate { span, parts: ready } = layer;
     let block = span.index > 0 && span.index.is_multiple_of(BLOCK);
-    let restart = block
-        .then(|| parts.iter_mut().map(|part| part.restart(&span)).collect());
+    let restart = block.then(|| {
+        let heads = parts.iter_mut().map(|part| part.restart(&span));
+        let heads: Vec<Option<DVec2>> = heads.collect();
+        match *heads {
+            [head] => Restart { head },
+            _ => Restart { head: None },
+        }
+    });
     let ready = ready.into_iter();
     let what = ready.map(|(k, ready)| (k, parts[k].layer(ready))).collect();
     OnWay {
@@ -231,8 +243,8 @@ fn paced(
         restart,
         what,
     } = layer;
-    if let Some(heads) = &restart {
-        pacing.restart(heads, &span);
+    if let Some(Restart { head }) = restart {
+        pacing.restart(head, &span);
     }
     let of_part = |part| {
         let mut all = what.iter();

@@ -259,16 +259,10 @@ impl<'a> Pacing<'a> {
 
     /// Forgets what the layers below have passed on, so that what follows
     /// depends on nothing but the plate. This costs a travel from wherever the
-    /// head is. `heads` is where it is on the bed, for each part that knows.
-    pub(super) fn restart(
-        &mut self,
-        heads: &[Option<DVec2>],
-        span: &LayerSpan,
-    ) {
-        let alone = self.places.len() == 1;
-        let place = heads.first().copied().flatten().filter(|_| alone);
+    /// head is, unless that is known: `head` is on the bed.
+    pub(super) fn restart(&mut self, head: Option<DVec2>, span: &LayerSpan) {
         self.last = None;
         self.at = None;
-        self.pacer.restart(place, span.bottom);
+        self.pacer.restart(head, span.bottom);
     }
 }

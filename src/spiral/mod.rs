@@ -11,9 +11,9 @@
 //! below the nozzle. So every point of the wall is as exact as the wall of a
 //! flat layer is at its middle.
 //!
-//! The first turn lies on a flat layer, and its height grows from nothing. The
-//! last one is followed by a flat turn whose height goes back to nothing, so
-//! that the wall ends level.
+//! The first turn lies on a flat layer, and its height grows from next to
+//! nothing. The last one is followed by a flat turn whose height goes back to
+//! that, so that the wall ends level.
 //!
 //! Walls inside climb beside the outer one, each at the distance from the
 //! surface that its place among the walls gives it. A layer's turns go from the
@@ -41,6 +41,11 @@ use crate::settings::{Settings, THICKNESS_SLACK};
 use crate::units::Mm;
 use glam::DVec2;
 use ring::{Point, begin, farthest, lonely, points, rear};
+
+/// Height from which and to which turns grow and shrink, mm. It is next to
+/// nothing, but even a step of 0.03 mm feeds what the G-code resolves, so that
+/// no step of a turn is without filament.
+const LEAST: Mm = 0.005;
 
 /// The wall of a part, turn by turn.
 pub(crate) struct Spiral<'a> {
@@ -209,10 +214,14 @@ impl<'a> Spiral<'a> {
         let first = self.first;
         let number = span.index - first;
         let end = self.ends.get(number + 1).and_then(|ends| ends.get(wall));
-        let ring = match end {
+        let mut ring = match end {
             Some(&end) => begin(&ring, end),
             None => ring,
         };
+        // Turns meet in the very points that are known of their ends.
+        if let (Some(&end), Some(first)) = (end, ring.first_mut()) {
+            *first = end;
+        }
         // The middle of the material below the nozzle, and its height.
         let (low, from) = match number {
             0 => (span.bottom, 0.0),
@@ -222,7 +231,6 @@ impl<'a> Spiral<'a> {
         let points = points(&ring);
         let depth = self.depth(wall, span.height());
         let mut way = self.moved(&points, depth, middle)?;
-        // Turns meet in the very points that are known of their ends.
         if let (Some(start), Some(p)) =
             (self.start_of(span.index, wall), way.first_mut())
         {
@@ -236,12 +244,13 @@ impl<'a> Spiral<'a> {
         let width = self.width(wall);
         let mut stroke = Stroke::new(Vec::new(), false, width);
         let height = span.height();
+        let least = LEAST.min(height) - height;
         for (p, i) in simplify_path(&way, false, tolerance, |_, _| true) {
             let share = points[i].share;
             stroke.points.push(p);
             stroke.levels.push(Level {
                 rise: (share - 1.0) * height,
-                extra: (1.0 - share) * (from - height),
+                extra: ((1.0 - share) * (from - height)).max(least),
             });
         }
         if number + 2 != self.ends.len() {
@@ -253,7 +262,7 @@ impl<'a> Spiral<'a> {
             last.points.push(p);
             last.levels.push(Level {
                 rise: 0.0,
-                extra: -points[i].share * height,
+                extra: (-points[i].share * height).max(least),
             });
         }
         Ok((stroke, Some(last)))

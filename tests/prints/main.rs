@@ -25,3 +25,4 @@ mod seams;
 mod spiral;
 mod supports;
 mod top_walls;
+mod vases;
