@@ -287,13 +287,22 @@ impl<'a> Exposure<'a> {
     /// A part rises where the layer above recedes so far that its walls lie
     /// beside those below them for the most part. On a slope that is steeper
     /// than that, walls stand on walls.
-    fn under_walls(&self, islands: &[Area], window: &Window<'_>) -> Vec<Area> {
+    fn under_walls(
+        &self,
+        islands: &[Area],
+        exposed: &[Exposed],
+        window: &Window<'_>,
+    ) -> Vec<Area> {
         let s = self.settings;
         let (_, depth) = wall_depths(window.height, s);
         let step = 0.5 * s.inner_wall_width();
-        let bounds = islands.iter().map(Area::bounds);
-        let bounds = bounds.fold(Rect::EMPTY, |all, b| all.union(b));
-        let near = bounds.grown(depth + s.outer_wall_width());
+        let all = islands.iter().zip(exposed);
+        let asked = all.filter(|(_, e)| **e != Exposed::Everywhere);
+        let asked: Vec<&Area> = asked.map(|(island, _)| island).collect();
+        let far = depth + step;
+        let boxes = asked.iter().map(|island| island.bounds().grown(far));
+        let near = boxes.clone().fold(Rect::EMPTY, |all, b| all.union(b));
+        let boxes = BoxTree::new(boxes.enumerate());
         let layers = self.covering(self.above.at(window.number));
         let above = window.above.iter().take(layers).copied();
         let lower = std::iter::once(window.here).chain(above.clone());

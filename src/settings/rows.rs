@@ -40,7 +40,7 @@ table::settings! {
         layer_height_max: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// Greatest step that adaptive layers may make on the surface, measured
         /// across it. Where layers would have to be lower than
-        /// layer_height_min, the step is greater. auto is layer_height, the
+        /// layer_height_min, the step is greater. auto takes layer_height, the
         /// greatest step that uniform layers make.
         step_error: ByNozzle = ByNozzle::Auto, in 0.001..=2.0;
 
