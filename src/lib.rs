@@ -151,6 +151,7 @@ mod sets;
 pub mod settings;
 mod skin;
 mod spiral;
+mod stopwatch;
 mod support;
 mod timings;
 mod travel;

@@ -5,30 +5,9 @@
 //! waiting counts. Work that a stage gives to other threads is timed there.
 
 use crate::limits;
+use crate::stopwatch::Stopwatch;
 use crate::units::Seconds;
-use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
-
-/// Processor time of one thread. The thread that starts the watch has to read
-/// it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stopwatch(Option<ThreadTime>);
-
-impl Stopwatch {
-    /// Starts a watch. It stays at 0 on a system that does not tell processor
-    /// time.
-    pub(crate) fn start() -> Stopwatch {
-        Stopwatch(ThreadTime::try_now().ok())
-    }
-
-    /// Time since the start.
-    pub(crate) fn elapsed(&self) -> Duration {
-        self.0
-            .and_then(|start| start.try_elapsed().ok())
-            .unwrap_or_default()
-    }
-}
 
 /// A stage of the pipeline, with its name in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,6 +129,7 @@ impl Drop for Lap<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     #[test]
     fn a_lap_adds_to_its_stage() {

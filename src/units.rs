@@ -69,6 +69,15 @@ pub fn human_time(seconds: Seconds) -> String {
     }
 }
 
+/// A number of bytes in whole units, rounded down: `512 MB`, `4 kB`.
+pub(crate) fn human_bytes(bytes: u64) -> String {
+    match bytes {
+        0..1024 => format!("{bytes} bytes"),
+        1024..0x10_0000 => format!("{} kB", bytes >> 10),
+        _ => format!("{} MB", bytes >> 20),
+    }
+}
+
 /// Sine and cosine of an angle, exact at multiples of 90°: a part that is
 /// turned onto its side, or seen from one, keeps its planes along the axes.
 pub(crate) fn sin_cos(degrees: Degrees) -> (f64, f64) {

@@ -33,11 +33,13 @@ const ORDER: &[&[&str]] = &[
     &["sets", "random"],
     // Every reader of text files needs `encoding`.
     &["encoding"],
+    // Both `limits` and `timings` need the processor time of a thread.
+    &["stopwatch"],
     // Any loop may ask whether it is to go on.
     &["limits"],
     // Reading a pipe may take long, so `files` asks `limits` as well.
     &["files"],
-    // `timings` is a stopwatch for every stage, and knows none of them.
+    // `timings` has a stopwatch for every stage, and knows none of them.
     &["timings"],
     // `plane` is plain geometry. It knows neither settings nor fields.
     &["plane"],
@@ -108,7 +110,7 @@ const CONFINED: &[Confined] = &[
         in_tests: false,
     },
     Confined {
-        name: "oxhttp",
+        name: "httparse",
         modules: &["cli"],
         in_tests: false,
     },

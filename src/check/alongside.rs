@@ -6,7 +6,7 @@
 
 use super::{Rules, Verdict, check};
 use crate::reader::ReadError;
-use crate::timings::Stopwatch;
+use crate::stopwatch::Stopwatch;
 use crate::units::Seconds;
 use std::io::{self, Read};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};

@@ -22,6 +22,8 @@ pub(crate) struct HeadRoom {
     free_below: Mm,
     /// Height of what moves across the whole bed.
     gantry: Mm,
+    /// How far in front of the nozzle what is higher may stand.
+    front: Option<Mm>,
 }
 
 impl HeadRoom {
@@ -36,6 +38,7 @@ impl HeadRoom {
             radius: printer.head_clearance_radius?,
             free_below: printer.head_clearance_height,
             gantry: printer.gantry_height?,
+            front: printer.front_clearance,
         })
     }
 }
@@ -102,7 +105,10 @@ impl Finished {
         let height = |block: &Block| block.top - low;
         for block in &self.done {
             let Block { area, top } = block;
-            if height(block) > room.gantry + ROUNDED {
+            let ahead = min.y - area.max.y;
+            let passes =
+                room.front.is_some_and(|front| ahead >= front - ROUNDED);
+            if height(block) > room.gantry + ROUNDED && !passes {
                 return Some(format!(
                     "the nozzle is at z = {low:.3} while a part of {top:.3} mm \
                      is finished, and what carries the head is only {} mm \

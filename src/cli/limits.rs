@@ -8,7 +8,7 @@ use super::terminal;
 use anyhow::Context;
 use clap::Args;
 use isoslice::files::Output;
-use isoslice::limits::{Limits, Watch, enough_space};
+use isoslice::limits::{Limits, Watch, enough_space, processors};
 use rayon::ThreadPool;
 use std::process::exit;
 use std::time::Duration;
@@ -22,8 +22,8 @@ pub(super) const GRACE: Duration = Duration::from_secs(2);
 #[command(next_help_heading = "Limits")]
 pub(super) struct LimitArgs {
     /// Stop with an error after this time, in seconds, or with a unit: 90,
-    /// 10min, 2h; none for no limit [default: 1h, or sooner if next to nothing
-    /// is sliced in 18 s]
+    /// 10min, 2h; none for no limit [default: none, but 4 h of processor time,
+    /// or 36 s in which next to nothing is sliced]
     #[arg(long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Limit<Duration>>,
 
@@ -45,27 +45,26 @@ struct Limit<T>(Option<T>);
 impl LimitArgs {
     /// A watch with these limits. Its time begins now.
     pub(super) fn watch(&self) -> Watch {
-        Watch::new(self.limits())
+        Watch::new(Limits {
+            slow: None,
+            ..self.limits()
+        })
     }
 
     /// A watch over slicing. It stops work that makes hardly any progress,
     /// unless the user has set a time limit.
     pub(super) fn slicing_watch(&self) -> Watch {
-        let usual = Limits::of_slicing().slow;
-        Watch::new(Limits {
-            slow: usual.filter(|_| self.time_limit.is_none()),
-            ..self.limits()
-        })
+        Watch::new(self.limits())
     }
 
     fn limits(&self) -> Limits {
-        Limits {
-            time: match self.time_limit {
-                Some(limit) => limit.0,
-                None => Limits::of_slicing().time,
-            },
+        let usual = Limits {
             memory_bytes: self.memory_limit.0,
-            slow: None,
+            ..Limits::of_slicing()
+        };
+        match self.time_limit {
+            Some(limit) => usual.within(limit.0),
+            None => usual,
         }
     }
 }
@@ -92,7 +91,7 @@ impl ThreadArgs {
     pub(super) fn workers(self) -> anyhow::Result<ThreadPool> {
         let watch = Watch::current();
         rayon::ThreadPoolBuilder::new()
-            .num_threads(self.count().unwrap_or_default())
+            .num_threads(self.count().unwrap_or_else(processors))
             .start_handler(move |_| Watch::adopt(watch.as_ref()))
             .build()
             .context("cannot start the worker threads; try --threads 1")

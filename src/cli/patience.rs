@@ -1,5 +1,5 @@
 //! Tells the user who waits for a long run what the run is doing, how long it
-//! will take, and how to make it shorter.
+//! will take, and how to make it shorter; or which host is waited for.
 //!
 //! A message comes on the error stream after 10 seconds, and then at ever
 //! longer intervals. There is no message if a bar shows the progress. The time
@@ -27,26 +27,48 @@ pub(super) struct Patience {
 impl Patience {
     /// Messages about the work under a watch, which begins now.
     pub(super) fn new(watch: &Watch) -> Self {
+        let watch = watch.clone();
+        let mut begun = None;
+        Self::telling(move |due| {
+            let activity = watch.activity();
+            if let (None, Some((done, _))) = (begun, activity.layers) {
+                begun = Some((Instant::now(), done));
+            }
+            let left = begun
+                .and_then(|(at, done)| left(&activity, at.elapsed(), done));
+            due.map(|after| word(after, &activity, left))
+        })
+    }
+
+    /// Messages about a host that is waited for from now on; `what` says what
+    /// for.
+    pub(super) fn with_host(
+        mut what: impl FnMut() -> String + Send + 'static,
+    ) -> Self {
+        Self::telling(move |due| {
+            let after = spoken(due?);
+            Some(format!("after {after} {}. Ctrl-C ends it", what()))
+        })
+    }
+
+    /// Messages that `look` makes when one is due after some time. It is called
+    /// in between as well.
+    fn telling(
+        mut look: impl FnMut(Option<Duration>) -> Option<String> + Send + 'static,
+    ) -> Self {
         if terminal::is_quiet() {
             return Patience { _alive: None };
         }
         let (alive, gone) = channel();
-        let watch = watch.clone();
         let wait = move || {
             let started = Instant::now();
-            let (mut next, mut begun) = (FIRST, None);
+            let mut next = FIRST;
             while gone.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
-                let activity = watch.activity();
-                if let (None, Some((done, _))) = (begun, activity.layers) {
-                    begun = Some((Instant::now(), done));
+                let due = started.elapsed() >= next;
+                if let Some(message) = look(due.then_some(next)) {
+                    terminal::progress(&message);
+                    next *= NEXT;
                 }
-                if started.elapsed() < next {
-                    continue;
-                }
-                let left = begun
-                    .and_then(|(at, done)| left(&activity, at.elapsed(), done));
-                terminal::progress(&word(next, &activity, left));
-                next *= NEXT;
             }
         };
         let name = thread::Builder::new().name("patience".into());

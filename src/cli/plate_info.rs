@@ -15,7 +15,13 @@ use std::fmt::Write as _;
 
 /// Shows what a plate file or a model is.
 pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
-    watched(&args.limits.watch(), || {
+    // Only a survey makes outlines, which tell whether it makes progress.
+    let watch = if args.supports {
+        args.limits.slicing_watch()
+    } else {
+        args.limits.watch()
+    };
+    watched(&watch, || {
         let gathered = args.settings.gather()?;
         let alone = PlateArgs::default();
         let sets = &args.settings.set;

@@ -2,6 +2,7 @@
 
 use super::folder::ProfilesSource;
 use super::hosts::{self, HostKind, Key, Printer, PrinterBook, Status};
+use super::patience::Patience;
 use super::{complete, plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
@@ -128,6 +129,10 @@ pub(super) fn run(args: &PrintersArgs) -> anyhow::Result<()> {
         Some(Command::Test(args)) => {
             let book = book(&args.folder)?;
             let printer = book.find(&args.name)?;
+            let to = plain::line(&printer.name).into_owned();
+            let _patience = Patience::with_host(move || {
+                format!("{to} has still to answer")
+            });
             let status = hosts::status(printer)?;
             plain::print(&describe(printer, &status)?)
         }

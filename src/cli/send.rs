@@ -3,6 +3,7 @@
 use super::folder::ProfilesSource;
 use super::formats::is_sliced_plate;
 use super::hosts::{self, Printer, Sending, Sent};
+use super::patience::Patience;
 use super::{complete, plain, printers, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -11,6 +12,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -97,6 +100,20 @@ pub(super) fn send(
     {
         bar.set_style(style);
     }
+    let came = Arc::new((AtomicU64::new(0), AtomicU64::new(0)));
+    let _patience = {
+        let came = came.clone();
+        let to = plain::line(&printer.name).into_owned();
+        Patience::with_host(move || {
+            let [sent, all] = [&came.0, &came.1]
+                .map(|count| count.load(Ordering::Relaxed) as f64 / 1e6);
+            if sent < all {
+                format!("{sent:.1} of {all:.1} MB are sent to {to}")
+            } else {
+                format!("{to} has still to answer")
+            }
+        })
+    };
     let sent = hosts::send(
         printer,
         file,
@@ -104,6 +121,8 @@ pub(super) fn send(
             name: name.unwrap_or(&of_file),
             start,
             on_progress: &|sent, total| {
+                came.0.store(sent, Ordering::Relaxed);
+                came.1.store(total, Ordering::Relaxed);
                 bar.set_length(total);
                 bar.set_position(sent);
             },

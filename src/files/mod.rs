@@ -11,6 +11,7 @@ pub use output::{Output, OutputError};
 
 use crate::encoding::{self, NotText};
 use crate::limits;
+use crate::units::human_bytes;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
@@ -33,7 +34,7 @@ pub enum FileError {
     #[error(transparent)]
     System(#[from] io::Error),
     /// The file is too large.
-    #[error("it is larger than {} MB", .most >> 20)]
+    #[error("it is larger than {}", human_bytes(*.most))]
     TooLarge {
         /// The limit, bytes.
         most: u64,
@@ -129,6 +130,7 @@ mod tests {
         assert_eq!(read(file.path(), 5).unwrap().len(), 5);
         let error = read(file.path(), 4).unwrap_err();
         assert!(matches!(error, FileError::TooLarge { most: 4 }));
+        assert_eq!(error.to_string(), "it is larger than 4 bytes");
         let error = read_text(file.path(), 5).unwrap_err();
         assert!(matches!(error, FileError::NotText(NotText::Line(3))));
         let folder = std::env::temp_dir();

@@ -1,9 +1,10 @@
-//! Bounds on a run's time and memory, and a way to stop it from outside.
+//! Bounds on a run's time, work and memory, and a way to stop it from outside.
 //!
-//! In: how long work may take, and how much memory the process may hold. Out:
-//! the work's result, or [`Stopped`], which says what the time went into.
+//! In: how long work may take, how much processor time, and how much memory the
+//! process may hold. Out: the work's result, or [`Stopped`], which says what the
+//! time went into.
 //! [`Watch::run`] does the work under a watch: a second thread looks at the
-//! clock and at the memory and raises a flag; [`check`], called in the loops of
+//! clock, the work and the memory and raises a flag; [`check`], called in the loops of
 //! every stage, sees the flag of the watch that its thread works under, and
 //! unwinds to [`Watch::run`]. No stage has to hand a token or an error through,
 //! and without a watch `check` does nothing.
@@ -15,7 +16,9 @@
 //!
 //! Guarantees: a watch can prevent a result, but never change it. A limit is
 //! overrun by a fraction of a second at most: by `EVERY`, and by the time of
-//! one step of a stage. If work does not end some seconds after it was stopped,
+//! one step of a stage. Processor time is that of the threads under the watch
+//! alone: neither other programs nor a pause (Ctrl-Z) nor other work of the
+//! process count. If work does not end some seconds after it was stopped,
 //! [`Watch::last_resort`] does what its caller wants.
 //!
 //! Not guaranteed: that only this work's memory counts, since it is the memory
@@ -32,10 +35,14 @@ mod tests;
 pub use space::{TooLittleSpace, enough_space};
 pub use stopped::{Activity, Reason, Stopped};
 
+use crate::stopwatch::Stopwatch;
 use isocontour::Cancel;
 use std::cell::{Cell, RefCell};
+use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
+use std::sync::atomic::{
+    AtomicU8, AtomicU32, AtomicU64, AtomicUsize, Ordering,
+};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -45,8 +52,11 @@ const EVERY: Duration = Duration::from_millis(20);
 /// How much a run may use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Wall time; none for no limit.
+    /// Time on the clock; none for no limit. It is for users to say: how much is
+    /// done in that time depends on the machine and on what else it does.
     pub time: Option<Duration>,
+    /// Processor time of all threads together; none for no limit.
+    pub work: Option<Duration>,
     /// Memory of the whole process, bytes; none for no limit.
     pub memory_bytes: Option<u64>,
     /// The least progress that has to be made; none for no such limit.
@@ -54,31 +64,44 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits on slicing unless the user says otherwise: an hour, 4 GB, and
-    /// an end to work that makes hardly any progress.
+    /// The limits on slicing unless the user says otherwise: 4 hours of
+    /// processor time, 4 GB, and an end to work that makes hardly any progress.
     ///
     /// Costly models that make sense, such as 25,600 pins in one expression,
-    /// reach 140,000 points a second on two cores, and lattices reach twice that
+    /// make 70,000 points in a second of processor time, and lattices twice that
     /// and more. A sum of 1,000 sines, of which nobody knows where it is
-    /// positive, reaches 5,000.
+    /// positive, makes 2,500.
     pub fn of_slicing() -> Limits {
         Limits {
-            time: Some(Duration::from_secs(3600)),
+            time: None,
+            work: Some(Duration::from_secs(4 * 3600)),
             memory_bytes: Some(4 << 30),
             slow: Some(Slow {
-                within: Duration::from_secs(18),
+                work: Duration::from_secs(36),
                 points: 150_000,
             }),
         }
     }
+
+    /// The limits if the user says how long the work may take. Then it may be
+    /// as slow as it is.
+    #[must_use]
+    pub fn within(self, time: Option<Duration>) -> Limits {
+        Limits {
+            time,
+            work: None,
+            slow: None,
+            ..self
+        }
+    }
 }
 
-/// Work that makes fewer points of outlines and paths than these in some time
-/// is too slow to go on, unless the user asks for it.
+/// Work that makes fewer points of outlines and paths than these is too slow to
+/// go on, unless the user asks for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slow {
-    /// The time. It is measured again and again.
-    pub within: Duration,
+    /// Processor time. The points are counted again and again after that much.
+    pub work: Duration,
     /// Least number of points in that time.
     pub points: usize,
 }
@@ -95,6 +118,10 @@ struct Shared {
     stop: AtomicU8,
     /// Number of points of outlines and paths that were made.
     points: AtomicUsize,
+    /// Processor time that threads have told of, nanoseconds.
+    work: AtomicU64,
+    /// Number of looks. After each one every thread tells of its work.
+    looks: AtomicU32,
     state: Mutex<State>,
     /// Signalled when the work is done.
     done: Condvar,
@@ -104,9 +131,9 @@ struct Shared {
 struct State {
     stages: Vec<Seen>,
     layers: Option<(usize, usize)>,
-    /// When the last stretch of [`Slow::within`] ended, and the number of
-    /// points by then.
-    before: Option<(Instant, usize)>,
+    /// The work at which the last stretch of [`Slow::work`] ended, and the
+    /// number of points by then.
+    before: (Duration, usize),
     finished: bool,
 }
 
@@ -124,6 +151,9 @@ thread_local! {
     /// The watch that this thread works under.
     static CURRENT: RefCell<Option<Arc<Shared>>> =
         const { RefCell::new(None) };
+    /// The look after which this thread last told of its work, and its
+    /// processor time since then.
+    static TOLD: Cell<Option<(u32, Stopwatch)>> = const { Cell::new(None) };
     /// What this thread is doing.
     static STAGE: Cell<Option<&'static str>> = const { Cell::new(None) };
 }
@@ -142,6 +172,8 @@ impl Watch {
             started: Instant::now(),
             stop: AtomicU8::new(0),
             points: AtomicUsize::new(0),
+            work: AtomicU64::new(0),
+            looks: AtomicU32::new(0),
             state: Mutex::new(State::default()),
             done: Condvar::new(),
         }))
@@ -155,7 +187,7 @@ impl Watch {
     /// Puts this thread under a watch for good. Unwinding has to reach
     /// [`Watch::run`] through the thread that waits for this one.
     pub fn adopt(watch: Option<&Watch>) {
-        CURRENT.set(watch.map(|watch| watch.0.clone()));
+        enter(watch.map(|watch| watch.0.clone()));
     }
 
     /// A cancel hook for a library that must not be unwound through. It stops
@@ -199,9 +231,9 @@ impl Watch {
             let looking = std::thread::Builder::new()
                 .name("limits".to_owned())
                 .spawn_scoped(scope, || shared.look(grace, resort));
-            let outer = CURRENT.replace(Some(shared.clone()));
+            let outer = enter(Some(shared.clone()));
             let result = catch_unwind(AssertUnwindSafe(work));
-            CURRENT.set(outer);
+            enter(outer);
             shared.lock().finished = true;
             shared.done.notify_all();
             // Without a second thread the work is not watched.
@@ -215,6 +247,12 @@ impl Watch {
             }
         })
     }
+}
+
+/// Puts this thread under a watch, or under none. Returns the one before.
+fn enter(shared: Option<Arc<Shared>>) -> Option<Arc<Shared>> {
+    TOLD.take();
+    CURRENT.replace(shared)
 }
 
 impl Shared {
@@ -246,6 +284,7 @@ impl Shared {
                 stage.seen += stage.threads;
             }
             drop(state);
+            self.looks.fetch_add(1, Ordering::Relaxed);
             self.measure();
             if self.reason().is_some() {
                 let since = *stopped_at.get_or_insert_with(Instant::now);
@@ -270,6 +309,11 @@ impl Shared {
         {
             self.stop_for(Reason::Time);
         }
+        if let Some(limit) = self.limits.work
+            && self.work() > limit
+        {
+            self.stop_for(Reason::Work);
+        }
         if let Some(limit) = self.limits.memory_bytes
             && resident_bytes().is_some_and(|bytes| bytes > limit)
         {
@@ -285,16 +329,37 @@ impl Shared {
         }
     }
 
-    /// True if too few points were made in the time that has just ended.
+    /// The processor time of all threads until now.
+    fn work(&self) -> Duration {
+        Duration::from_nanos(self.work.load(Ordering::Relaxed))
+    }
+
+    /// Takes in the work of this thread, once after each look.
+    #[inline]
+    fn take_work(&self) {
+        let look = self.looks.load(Ordering::Relaxed);
+        let told = TOLD.get();
+        if told.is_some_and(|(at, _)| at == look) {
+            return;
+        }
+        if let Some((_, since)) = told {
+            let nanos = since.elapsed().as_nanos() as u64;
+            self.work.fetch_add(nanos, Ordering::Relaxed);
+        }
+        TOLD.set(Some((look, Stopwatch::start())));
+    }
+
+    /// True if too few points were made by the work that has just been done.
     fn is_slower_than(&self, slow: Slow) -> bool {
-        let state = &mut *self.lock();
-        let (since, before) = *state.before.get_or_insert((self.started, 0));
-        if since.elapsed() < slow.within {
+        let before = &mut self.lock().before;
+        let work = self.work();
+        if work.saturating_sub(before.0) < slow.work {
             return false;
         }
         let points = self.points.load(Ordering::Relaxed);
-        state.before = Some((Instant::now(), points));
-        points - before < slow.points
+        let made = points - before.1;
+        *before = (work, points);
+        made < slow.points
     }
 
     fn stopped(&self) -> Stopped {
@@ -350,8 +415,10 @@ impl Shared {
 fn is_stopped() -> bool {
     CURRENT.with(|current| {
         let current = current.borrow();
-        let shared = current.as_ref();
-        shared.is_some_and(|s| s.stop.load(Ordering::Relaxed) != 0)
+        current.as_ref().is_some_and(|shared| {
+            shared.take_work();
+            shared.stop.load(Ordering::Relaxed) != 0
+        })
     })
 }
 
@@ -430,6 +497,12 @@ pub(crate) fn made(points: usize) {
             shared.points.fetch_add(points, Ordering::Relaxed);
         }
     });
+}
+
+/// Number of the machine's processors, for as many threads. rayon would ask the
+/// environment first (`RAYON_NUM_THREADS`), and start any number of them.
+pub fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZero::get)
 }
 
 /// Memory of this process that is in use, where the system tells.

@@ -1,6 +1,7 @@
 //! Work that was stopped: why, how far it had come, and what to do about it.
 
 use super::{Limits, space};
+use crate::units::human_bytes;
 use std::fmt;
 
 /// Why work was stopped.
@@ -8,6 +9,8 @@ use std::fmt;
 pub enum Reason {
     /// The time was up.
     Time,
+    /// The processor time was used up.
+    Work,
     /// The memory was used up.
     Memory,
     /// Nearly all the address space that the system allows was taken.
@@ -19,9 +22,10 @@ pub enum Reason {
 }
 
 impl Reason {
-    pub(super) const ALL: [Reason; 5] = [
+    pub(super) const ALL: [Reason; 6] = [
         Reason::Time,
         Reason::Memory,
+        Reason::Work,
         Reason::Slow,
         Reason::Cancelled,
         Reason::Space,
@@ -36,6 +40,7 @@ impl Reason {
             Reason::Cancelled => 3,
             Reason::Space => 4,
             Reason::Slow => 5,
+            Reason::Work => 6,
         }
     }
 }
@@ -75,9 +80,15 @@ impl fmt::Display for Stopped {
         let Limits {
             time,
             memory_bytes,
+            work,
             slow,
         } = self.limits;
         match (self.reason, time, memory_bytes) {
+            (Reason::Work, ..) => write!(
+                f,
+                "stopped after {} h of processor time",
+                work.unwrap_or_default().as_secs_f64() / 3600.0
+            )?,
             (Reason::Time, Some(time), _) => write!(
                 f,
                 "stopped after {} s, the time limit (--time-limit)",
@@ -85,13 +96,14 @@ impl fmt::Display for Stopped {
             )?,
             (Reason::Memory, _, Some(bytes)) => write!(
                 f,
-                "stopped at {} MB of memory, the limit (--memory-limit)",
-                bytes >> 20
+                "stopped at {} of memory, the limit (--memory-limit)",
+                human_bytes(bytes)
             )?,
             (Reason::Slow, ..) => write!(
                 f,
-                "stopped, since next to nothing came of the last {} s",
-                slow.map_or(0.0, |slow| slow.within.as_secs_f64())
+                "stopped, since next to nothing came of the last {} s of \
+                 processor time",
+                slow.map_or(0.0, |slow| slow.work.as_secs_f64())
             )?,
             (Reason::Space, ..) => write!(
                 f,
@@ -118,8 +130,8 @@ impl fmt::Display for Stopped {
             return Ok(());
         }
         let or = match self.reason {
-            Reason::Slow => {
-                "give it the time that it may take: --time-limit 1h"
+            Reason::Slow | Reason::Work => {
+                "give it the time that it may take: --time-limit 8h"
             }
             _ => "raise the limit",
         };

@@ -11,8 +11,7 @@ fn endless() {
 fn within(milliseconds: u64) -> Watch {
     Watch::new(Limits {
         time: Some(Duration::from_millis(milliseconds)),
-        memory_bytes: None,
-        slow: None,
+        ..Limits::default()
     })
 }
 
@@ -43,39 +42,96 @@ fn work_without_end_is_stopped_and_says_what_it_was_at() {
     assert!(text.contains("infill_density"), "{text}");
 }
 
+/// Keeps the processor busy until it is stopped.
+fn busy() {
+    loop {
+        check();
+        std::hint::black_box((0..1000).sum::<u64>());
+    }
+}
+
+const SLOW: Slow = Slow {
+    work: Duration::from_millis(100),
+    points: 50,
+};
+
 #[test]
 fn work_of_which_nothing_comes_is_stopped() {
-    let slow = Slow {
-        within: Duration::from_millis(200),
-        points: 50,
-    };
-    let watch = |limit| {
-        Watch::new(Limits {
-            time: Some(limit),
-            memory_bytes: None,
-            slow: Some(slow),
-        })
-    };
-    // The work is busy at first, and then idle.
-    let stopped = watch(Duration::from_secs(60)).run(|| {
+    let watch = Watch::new(Limits {
+        slow: Some(SLOW),
+        ..Limits::default()
+    });
+    // The work makes points at first, and then none.
+    let stopped = watch.run(|| {
         made(1000);
-        doing("contour", endless);
+        doing("contour", busy);
     });
     let stopped = stopped.unwrap_err();
     assert_eq!(stopped.reason, Reason::Slow);
     let text = stopped.to_string();
-    assert!(text.contains("of the last 0.2 s"), "{text}");
-    assert!(text.contains("--time-limit 1h"), "{text}");
-    // The work makes enough points in every 200 ms.
-    let busy = watch(Duration::from_secs(1)).run(|| {
-        loop {
-            made(5);
-            check();
-            std::thread::sleep(Duration::from_millis(1));
-        }
+    assert!(text.contains("0.1 s of processor time"), "{text}");
+    assert!(text.contains("--time-limit 8h"), "{text}");
+}
+
+#[test]
+fn work_that_makes_enough_is_not_slow() {
+    let watch = Watch::new(Limits {
+        work: Some(5 * SLOW.work),
+        slow: Some(SLOW),
+        ..Limits::default()
     });
-    let busy: Result<(), Stopped> = busy;
-    assert_eq!(busy.unwrap_err().reason, Reason::Time);
+    let stopped = watch.run(|| {
+        doing("walls", || {
+            loop {
+                made(5);
+                check();
+            }
+        });
+    });
+    let stopped: Stopped = stopped.unwrap_err();
+    assert_eq!(stopped.reason, Reason::Work);
+    let text = stopped.to_string();
+    assert!(text.contains("of processor time"), "{text}");
+}
+
+/// A run that waits for the processor, or is paused (Ctrl-Z), does no work.
+#[test]
+fn waiting_is_no_work() {
+    let watch = Watch::new(Limits {
+        work: Some(SLOW.work),
+        slow: Some(SLOW),
+        ..Limits::default()
+    });
+    let done = watch.run(|| {
+        for _ in 0..60 {
+            check();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        7
+    });
+    assert_eq!(done, Ok(7));
+}
+
+#[test]
+fn the_work_of_other_threads_does_not_count() {
+    let limits = Limits {
+        work: Some(SLOW.work),
+        ..Limits::default()
+    };
+    let others = Watch::new(Limits::default());
+    std::thread::scope(|scope| {
+        let other = scope.spawn(|| others.run(busy));
+        // Other work that goes on for three times the limit.
+        let done = Watch::new(limits).run(|| {
+            while others.0.work() < 3 * SLOW.work {
+                check();
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        });
+        others.cancel();
+        assert_eq!(done, Ok(()));
+        assert!(other.join().unwrap().is_err());
+    });
 }
 
 #[test]
@@ -100,7 +156,7 @@ fn too_much_memory_stops_it() {
     let watch = Watch::new(Limits {
         time: Some(Duration::from_secs(60)),
         memory_bytes: Some(1),
-        slow: None,
+        ..Limits::default()
     });
     let stopped = watch.run(endless).unwrap_err();
     if resident_bytes().is_some() {

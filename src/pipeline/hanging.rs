@@ -51,7 +51,8 @@ impl Survey {
 /// all of the machine's.
 ///
 /// # Errors
-/// If there are no layers, or they cannot be evaluated.
+/// If there are no layers, if they cannot be evaluated, or if hardly any of the
+/// part can be printed.
 pub fn survey(
     model: &Model,
     settings: &Settings,
@@ -63,11 +64,14 @@ pub fn survey(
     let around = Surroundings::new(model);
     let gauge = Gauge::new(model, settings, spans.len(), false)?;
     let stages = Stages::new(model, settings, &around, gauge, &spans)?;
+    // What cannot be printed has no hanging places, of which there may be
+    // millions.
+    let printed = stages.printed(&pool, &spans)?;
     let offset = model.offset.truncate();
     let mut tracker = Tracker::with_places();
     let mut window: VecDeque<Layer> = VecDeque::new();
     let slab = stages.slab_layers();
-    for group in spans.chunks(slab * pool.current_num_threads()) {
+    for group in spans[..printed].chunks(slab * pool.current_num_threads()) {
         limits::check();
         let slabs = group.par_chunks(slab);
         let made = slabs.map(|slab| stages.layers(slab, &ALL_LAYERS));

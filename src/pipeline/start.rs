@@ -19,7 +19,7 @@ pub(super) fn pool(
 ) -> Result<ThreadPool, rayon::ThreadPoolBuildError> {
     let watch = limits::Watch::current();
     rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0))
+        .num_threads(threads.unwrap_or_else(limits::processors))
         .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
         .build()
 }

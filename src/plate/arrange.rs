@@ -41,6 +41,8 @@ pub(super) struct Box {
     pub body: DVec2,
     /// The middle of the part, if it has a place.
     pub at: Option<DVec2>,
+    /// True if no other part may stand beside it in x.
+    pub alone: bool,
 }
 
 /// How far a box may reach over an edge, or over another, before that counts,
@@ -188,7 +190,10 @@ fn packed(
     let mut placed = Vec::with_capacity(order.len());
     for (k, &i) in order.iter().enumerate() {
         crate::limits::check();
-        let size = boxes[i].size + spacing;
+        let mut size = boxes[i].size + spacing;
+        if boxes[i].alone {
+            size.x = size.x.max(region.size().x + spacing.x);
+        }
         let fits = |r: &&Rect| size.cmple(r.size()).all();
         let nearer = |a: &&Rect, b: &&Rect| {
             let (a, b) = (a.min, b.min);
@@ -247,6 +252,7 @@ mod tests {
             size: size.into(),
             body: size.into(),
             at: at.map(DVec2::from),
+            alone: false,
         }
     }
 

@@ -175,7 +175,8 @@ pub enum PlateError {
     #[error(
         "{first} is {height:.1} mm high, and {later} is printed after it: of \
          parts that are printed one by one only the last may be higher than \
-         {gantry:.1} mm (printer.gantry_height); print one of them alone, or \
+         {gantry:.1} mm (printer.gantry_height){but}; print one of them alone, \
+         or \
          set plate.sequence = \"all-at-once\""
     )]
     TooHigh {
@@ -187,6 +188,8 @@ pub enum PlateError {
         later: String,
         /// How high the first part may be, mm.
         gantry: f64,
+        /// The exception, if there is one.
+        but: String,
     },
     /// A plate file cannot be read.
     #[error("cannot read the plate file {file}: {cause}")]

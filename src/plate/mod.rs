@@ -44,6 +44,7 @@ use crate::settings::{DraftShield, InfillCentre, Settings};
 use crate::units::Mm;
 use arrange::{Bed, Box as Piece, arrange};
 use glam::{DVec2, DVec3};
+use sequence::Arrangement;
 use std::collections::BTreeMap;
 
 /// What positions are multiples of, mm: a digit of the G-code, so that equal
@@ -427,9 +428,14 @@ fn place_all(
 ) -> Result<(), PlateError> {
     let settings = &plate.settings;
     let printer = &settings.printer;
+    let count = |kind: &[usize]| -> usize {
+        kind.iter().map(|&i| wanted[i].copies as usize).sum()
+    };
+    let counted = parts.iter().map(|(part, kind)| (part, count(kind)));
+    let how = Arrangement::of(settings, counted);
     let bed = Bed {
         size: DVec2::new(printer.bed_x, printer.bed_y),
-        spacing: sequence::spacing(settings, parts.iter().map(|p| &p.0)),
+        spacing: how.spacing,
     };
     // The boxes come in the order in which the parts are asked for.
     let mut asked: Vec<(usize, usize)> = Vec::new();
@@ -449,6 +455,7 @@ fn place_all(
             // The middle of the part's box is that of its foot.
             at: wanted[i].at.map(|(x, y)| DVec2::new(x, y)),
             body: bounds.size().truncate(),
+            alone: parts[k].0.top() > how.alone_above,
         }
     });
     let pieces: Vec<Piece> = pieces.collect();

@@ -21,6 +21,15 @@
 //! `printer.gantry_height`: only the last part may be higher, so the lower ones
 //! come first. Between parts the head travels above all that is finished.
 //!
+//! ```text
+//!           y ▲   ═══════ beam ═══════
+//!             │          ┌────┐           The beam and the cables are behind
+//!             │          │head│ nozzle    the nozzle. A higher part may stand
+//!             │          └────┘   ┬       in front of all that is printed
+//!             │   ┌────┐          │       after it, `printer.front_clearance`
+//!             │   │done│          ┴       away.
+//! ```
+//!
 //! Guaranteed: the order depends on the plate alone. Not guaranteed: that parts
 //! could not stand nearer; boxes are larger than parts.
 
@@ -43,6 +52,7 @@ struct Head {
     radius: Mm,
     free_below: Mm,
     gantry: Mm,
+    front: Option<Mm>,
 }
 
 impl Head {
@@ -52,7 +62,13 @@ impl Head {
             radius: printer.head_clearance_radius?,
             free_below: printer.head_clearance_height,
             gantry: printer.gantry_height?,
+            front: printer.front_clearance,
         })
+    }
+
+    /// True if a part is as high as what carries the head.
+    fn reaches_gantry(&self, top: Mm) -> bool {
+        top > self.gantry + ROUNDED
     }
 }
 
@@ -71,26 +87,45 @@ pub(super) fn one_by_one(settings: &Settings) -> bool {
     settings.plate.sequence == PlateSequence::OneByOne
 }
 
-/// The distance that parts keep from one another where they are arranged.
-pub(super) fn spacing<'a>(
-    settings: &Settings,
-    parts: impl Iterator<Item = &'a Part>,
-) -> Mm {
-    let usual = settings.plate.spacing;
-    let Some(head) = Head::of(settings).filter(|_| one_by_one(settings)) else {
-        return usual;
-    };
-    let (mut high, mut supported) = (false, false);
-    for part in parts {
-        high |= part.top() > head.free_below;
-        supported |= part.settings.supports != Supports::Off;
-    }
-    // Supports reach into the room between parts.
-    let room = if supported { usual } else { 0.0 };
-    if high {
-        usual.max(head.radius + room)
-    } else {
-        usual
+/// How parts are arranged.
+pub(super) struct Arrangement {
+    /// The distance that they keep from one another.
+    pub spacing: Mm,
+    /// Parts that are higher than this have no other one beside them in x.
+    pub alone_above: Mm,
+}
+
+impl Arrangement {
+    /// The arrangement of parts, each with the number of its places.
+    pub(super) fn of<'a>(
+        settings: &Settings,
+        parts: impl Iterator<Item = (&'a Part, usize)>,
+    ) -> Arrangement {
+        let usual = settings.plate.spacing;
+        let mut all = Arrangement {
+            spacing: usual,
+            alone_above: Mm::INFINITY,
+        };
+        let head = Head::of(settings).filter(|_| one_by_one(settings));
+        let Some(head) = head else {
+            return all;
+        };
+        let (mut high, mut supported, mut above) = (false, false, 0);
+        for (part, count) in parts {
+            high |= part.top() > head.free_below;
+            supported |= part.settings.supports != Supports::Off;
+            above += count * usize::from(head.reaches_gantry(part.top()));
+        }
+        // Supports reach into the room between parts.
+        let room = if supported { usual } else { 0.0 };
+        if high {
+            all.spacing = usual.max(head.radius + room);
+        }
+        if let (Some(front), 2..) = (head.front, above) {
+            all.spacing = all.spacing.max(front + room);
+            all.alone_above = head.gantry + ROUNDED;
+        }
+        all
     }
 }
 
@@ -101,14 +136,25 @@ impl Plate {
         if !one_by_one(&self.settings) || self.place_count() < 2 {
             return None;
         }
-        let tops: Vec<Mm> = self
-            .shifts()
-            .iter()
-            .map(|&(part, _)| self.parts[part].top())
-            .collect();
-        let mut order: Vec<usize> = (0..tops.len()).collect();
+        // Of those that are as high as what carries the head the front one
+        // comes first, if it may be passed in front.
+        let head = Head::of(&self.settings).filter(|h| h.front.is_some());
+        let key = |&(part, shift): &(usize, DVec2)| {
+            let (part, top) = (&self.parts[part], self.parts[part].top());
+            match head {
+                Some(head) if head.reaches_gantry(top) => {
+                    (true, part.covers(shift).min.y)
+                }
+                _ => (false, top),
+            }
+        };
+        let keys: Vec<(bool, Mm)> = self.shifts().iter().map(key).collect();
+        let mut order: Vec<usize> = (0..keys.len()).collect();
         // Equal parts stay together.
-        order.sort_by(|&a, &b| tops[a].total_cmp(&tops[b]));
+        order.sort_by(|&a, &b| {
+            let (a, b) = (keys[a], keys[b]);
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
         Some(order)
     }
 
@@ -159,12 +205,21 @@ impl Plate {
             let first = &places[first];
             for &later in &turns[k + 1..] {
                 let later = &places[later];
-                if first.top > head.gantry + ROUNDED {
+                let ahead = later.area.min.y - first.area.max.y;
+                let passes =
+                    head.front.is_some_and(|front| ahead >= front - ROUNDED);
+                if head.reaches_gantry(first.top) && !passes {
                     return Err(PlateError::TooHigh {
                         first: first.name.to_owned(),
                         height: first.top,
                         later: later.name.to_owned(),
                         gantry: head.gantry,
+                        but: head.front.map_or_else(String::new, |front| {
+                            format!(
+                                ", unless it is {front:.1} mm in front of all \
+                                 later ones (printer.front_clearance)"
+                            )
+                        }),
                     });
                 }
                 let apart = distance(first.area, later.area);
@@ -186,7 +241,7 @@ impl Plate {
 
 impl Part {
     /// Height of the part's top above the bed, on its raft.
-    fn top(&self) -> Mm {
+    pub(super) fn top(&self) -> Mm {
         let lift = self.settings.raft_height();
         self.model.printed_bounds().max.z + lift
     }

@@ -58,11 +58,8 @@ impl Growth {
         z: Mm,
         tolerance: Mm,
     ) -> Result<Area, VaryError> {
-        // The areas that the border passes over on its way outwards and
-        // inwards. The border may meet itself there, as that of a hole does
-        // that is filled.
-        let (mut added, mut taken) = (Area::EMPTY, Area::EMPTY);
-        let (mut places, mut by) = (Vec::new(), Vec::new());
+        let (mut rings, mut most) = (Vec::new(), f64::NEG_INFINITY);
+        let mut places = Vec::new();
         for ring in &area.rings {
             crate::limits::check();
             let bends = bends(ring);
@@ -71,43 +68,63 @@ impl Growth {
                 at: (bend.at + self.origin).extend(z),
                 depth: bend.curvature,
             }));
-            by.clear();
+            let mut by = Vec::new();
             self.by.evaluate(&places, &mut by)?;
-            let mut kept: Vec<(DVec2, DVec2, Mm)> = Vec::new();
-            for (bend, &by) in bends.iter().zip(&by) {
-                let apart = |last: &(DVec2, DVec2, Mm)| {
-                    last.0.distance(bend.at) >= NEAR * by.abs()
-                };
-                if kept.last().is_none_or(apart) {
-                    kept.push((bend.at, by * bend.out, by));
-                }
-            }
-            let pairs = kept.iter().zip(kept.iter().cycle().skip(1));
-            for (&(a, from, by), &(b, to, next)) in pairs {
-                let way = by + next;
-                if way == 0.0 {
-                    continue;
-                }
-                let (c, d) = (b + to, a + from);
-                let to = if way > 0.0 { &mut added } else { &mut taken };
-                // Two triangles, since the ways of two places may cross.
-                for mut half in [vec![a, b, c], vec![a, c, d]] {
-                    if signed_area(&half) < 0.0 {
-                        half.reverse();
-                    }
-                    to.rings.push(half);
-                }
-            }
+            most = by.iter().copied().fold(most, f64::max);
+            rings.push((bends, by));
         }
-        let mut grown = area.clone();
-        if !added.is_empty() {
-            grown = union(&grown, &unite(&added));
+        // What is too thin for the shortest way inwards vanishes. Long ways over
+        // thin places cross each other too often to be walked.
+        if most < 0.0 && offset(area, most, tolerance).is_empty() {
+            return Ok(Area::EMPTY);
         }
-        if !taken.is_empty() {
-            grown = difference(&grown, &unite(&taken));
-        }
-        Ok(simplify_area(&grown, tolerance))
+        Ok(simplify_area(&moved(area, &rings), tolerance))
     }
+}
+
+/// An area whose border is moved outwards: the places of each ring, and the way
+/// of each place.
+fn moved(area: &Area, rings: &[(Vec<Bend>, Vec<Mm>)]) -> Area {
+    // The areas that the border passes over on its way outwards and
+    // inwards. The border may meet itself there, as that of a hole does
+    // that is filled.
+    let (mut added, mut taken) = (Area::EMPTY, Area::EMPTY);
+    for (bends, by) in rings {
+        crate::limits::check();
+        let mut kept: Vec<(DVec2, DVec2, Mm)> = Vec::new();
+        for (bend, &by) in bends.iter().zip(by) {
+            let apart = |last: &(DVec2, DVec2, Mm)| {
+                last.0.distance(bend.at) >= NEAR * by.abs()
+            };
+            if kept.last().is_none_or(apart) {
+                kept.push((bend.at, by * bend.out, by));
+            }
+        }
+        let pairs = kept.iter().zip(kept.iter().cycle().skip(1));
+        for (&(a, from, by), &(b, to, next)) in pairs {
+            let way = by + next;
+            if way == 0.0 {
+                continue;
+            }
+            let (c, d) = (b + to, a + from);
+            let to = if way > 0.0 { &mut added } else { &mut taken };
+            // Two triangles, since the ways of two places may cross.
+            for mut half in [vec![a, b, c], vec![a, c, d]] {
+                if signed_area(&half) < 0.0 {
+                    half.reverse();
+                }
+                to.rings.push(half);
+            }
+        }
+    }
+    let mut grown = area.clone();
+    if !added.is_empty() {
+        grown = union(&grown, &unite(&added));
+    }
+    if !taken.is_empty() {
+        grown = difference(&grown, &unite(&taken));
+    }
+    grown
 }
 
 /// The distance by which the outline of a layer is moved outwards.
@@ -362,6 +379,23 @@ mod tests {
             let off = off.fold(f64::INFINITY, f64::min);
             assert!(off < 0.004, "{exact}: {found:?}");
         }
+    }
+
+    /// Ways of 5 mm over thin strips cross each other a million times.
+    #[test]
+    fn a_long_way_over_thin_strips_is_not_walked() {
+        let strip = |i: u32| rect(0.0, f64::from(i), 60.0, f64::from(i) + 0.5);
+        let strips = Area {
+            rings: (0..300).flat_map(|i| strip(i).rings).collect(),
+        };
+        for text in ["-5", "-5 + 0*x", "-4.5 - 0.005*x"] {
+            assert!(by_formula(text, &strips).unwrap().is_empty(), "{text}");
+        }
+        // A thicker strip among them is left.
+        let mut with = strips;
+        with.rings.extend(rect(0.0, 310.0, 60.0, 320.0).rings);
+        let left = by_formula("-0.4 + 0.001*x", &with).unwrap();
+        assert_eq!(left.rings.len(), 1);
     }
 
     #[test]

@@ -668,6 +668,13 @@ table::settings! {
         /// printed one by one only the last may be higher. auto if it is not
         /// known.
         gantry_height: Option<Mm> = None, in 1.0..=1000.0;
+        /// How far the head reaches from the nozzle to the front (towards y =
+        /// 0), where the beam that carries the head, and its cables, are behind
+        /// the nozzle, as on printers whose bed moves in y. Parts that are
+        /// printed one by one may be higher than gantry_height if they stand
+        /// that far behind one another; the front one is printed first. auto
+        /// if it is not known: then only the last may be higher.
+        front_clearance: Option<Mm> = None, in 1.0..=1000.0;
         /// How many moves a second the firmware takes: where beads bend more
         /// often, they are slowed. auto for what is usual: 200 for Marlin, 400
         /// for Prusa's, 500 for RepRapFirmware and Bambu Lab's, 1000 for

@@ -224,6 +224,68 @@ fn the_check_sees_a_head_that_comes_too_near() {
     }
 }
 
+/// On a printer whose bed moves in y the beam is a strip behind the nozzle.
+#[test]
+fn high_parts_stand_one_behind_the_other_where_the_beam_is_behind_the_head() {
+    const FRONT: f64 = 45.0;
+    let settings =
+        settings(&[&PLAIN[..], &["printer.front_clearance=45"]].concat());
+    let all = [
+        wanted("high", HIGH, 3, &settings),
+        wanted("low", LOW, 2, &settings),
+    ];
+    let plate = Plate::new("plate", &all, &settings).unwrap();
+    let order = plate.order().unwrap();
+    assert_eq!(order[..2], ["low_1", "low_2"]);
+    let gcode = run(&plate, 2);
+    let verdict = check(gcode.as_bytes(), &Rules::new(&settings)).unwrap();
+    assert!(verdict.is_safe(), "{:?}", verdict.findings);
+    // Where the beads of each part are in y, and how high its last one is.
+    let mut found: Vec<(String, f64, f64, f64)> = Vec::new();
+    for way in ways(&gcode) {
+        if way.label.is_empty() || way.fed <= 0.0 {
+            continue;
+        }
+        if found.last().is_none_or(|part| part.0 != way.label) {
+            found.push((way.label, f64::INFINITY, f64::NEG_INFINITY, 0.0));
+        }
+        if let Some(part) = found.last_mut() {
+            part.1 = part.1.min(way.to.y);
+            part.2 = part.2.max(way.to.y);
+            part.3 = part.3.max(way.to.z);
+        }
+    }
+    assert_eq!(found.len(), 5);
+    for (k, first) in found.iter().enumerate() {
+        for later in &found[k + 1..] {
+            let passes = later.1 - first.2 >= FRONT;
+            assert!(first.3 <= GANTRY || passes, "{first:?} {later:?}");
+        }
+    }
+    // The check refuses the same file on a printer whose beam is anywhere.
+    let anywhere = Rules::new(&crate::common::settings(&PLAIN));
+    let verdict = check(gcode.as_bytes(), &anywhere).unwrap();
+    let mut hits = verdict.findings.iter();
+    assert!(hits.any(|f| f.message.contains("gantry_height")));
+
+    let at = |name: &str, at: (f64, f64)| Wanted {
+        at: Some(at),
+        ..wanted(name, HIGH, 1, &settings)
+    };
+    let placed = |a, b| {
+        let both = [at("a", a), at("b", b)];
+        match Plate::new("plate", &both, &settings) {
+            Ok(plate) => plate.order().unwrap().join(" "),
+            Err(error) => error.to_string(),
+        }
+    };
+    // Boxes of 12 mm: 45 mm apart in y, whichever is named first.
+    assert_eq!(placed((110.0, 80.0), (50.0, 137.1)), "a b");
+    assert_eq!(placed((110.0, 137.1), (50.0, 80.0)), "b a");
+    let beside = placed((50.0, 80.0), (150.0, 130.0));
+    assert!(beside.contains("45.0 mm in front"), "{beside}");
+}
+
 #[test]
 fn parts_that_stand_in_the_way_are_named() {
     let error = |all: &[Wanted], settings: &Settings| match Plate::new(

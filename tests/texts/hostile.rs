@@ -15,6 +15,7 @@ use std::time::Duration;
 fn watch() -> Watch {
     Watch::new(Limits {
         time: Some(Duration::from_secs(900)),
+        work: None,
         memory_bytes: Some(3 << 30),
         slow: None,
     })

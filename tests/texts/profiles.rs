@@ -401,7 +401,7 @@ fn later_layers_win() {
     assert!(density.ends_with("mine.toml:1"), "{density}");
     assert_eq!(
         origin("retract.length").as_deref(),
-        Some("shipped printers/ender-3.toml:30")
+        Some("shipped printers/ender-3.toml:34")
     );
     assert_eq!(origin("seam"), None);
 }

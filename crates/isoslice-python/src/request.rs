@@ -447,11 +447,11 @@ impl Keywords<'_> {
     fn limits(&self) -> PyResult<Limits> {
         let mut limits = Limits::of_slicing();
         if let Some(seconds) = self.time_limit {
-            limits.slow = None;
-            limits.time = limit("time_limit", seconds)?
+            let time = limit("time_limit", seconds)?
                 .map(Duration::try_from_secs_f64)
                 .transpose()
                 .map_err(|_| not_positive("time_limit", seconds))?;
+            limits = limits.within(time);
         }
         if let Some(bytes) = self.memory_limit {
             let bytes = limit("memory_limit", bytes)?;

@@ -2,7 +2,7 @@
 //! the definitions of printers, `.def.json`.
 
 use crate::values::{Values, plain_text};
-use crate::{Error, MOST_BYTES, bytes_of};
+use crate::{Error, MOST_BYTES, archive, bytes_of};
 use serde_json::Value;
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -23,14 +23,8 @@ const DEEPEST_NESTING: usize = 64;
 /// A sentence, if the file is not a `.curaprofile`, or is too large.
 pub(crate) fn zipped(bytes: Vec<u8>) -> Result<Values, String> {
     let damaged = |e: zip::result::ZipError| format!("its archive: {e}");
-    let mut archive =
-        zip::ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
-    if archive.len() > MOST_PARTS {
-        return Err(format!(
-            "it holds {} files, and a profile of Cura at most {MOST_PARTS}",
-            archive.len()
-        ));
-    }
+    let what = "a profile of Cura has";
+    let mut archive = archive::open(Cursor::new(bytes), MOST_PARTS, what)?;
     let mut all = Values::default();
     // The file that belongs to no extruder comes first, then that of the first
     // extruder.

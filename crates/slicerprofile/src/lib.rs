@@ -39,6 +39,7 @@
     )
 )]
 
+mod archive;
 mod conversion;
 mod cura;
 mod error;

@@ -4,9 +4,9 @@
 //! In: an archive. Out: the text of its configuration. Models are not unpacked,
 //! however large they are.
 
+use crate::archive;
 use std::fs::File;
 use std::io::{BufReader, Read};
-use std::path::Path;
 use zip::result::ZipError;
 
 /// The entry with the configuration.
@@ -22,17 +22,10 @@ const MOST_BYTES: u64 = 4 << 20;
 ///
 /// # Errors
 /// A sentence, if the archive has no configuration, or too large a one.
-pub(crate) fn settings(path: &Path) -> Result<String, String> {
-    let file = File::open(path).map_err(|e| e.to_string())?;
+pub(crate) fn settings(file: File) -> Result<String, String> {
     let damaged = |e: ZipError| format!("its archive: {e}");
     let mut archive =
-        zip::ZipArchive::new(BufReader::new(file)).map_err(damaged)?;
-    if archive.len() > MOST_ENTRIES {
-        return Err(format!(
-            "it holds {} files, and a project at most {MOST_ENTRIES}",
-            archive.len()
-        ));
-    }
+        archive::open(BufReader::new(file), MOST_ENTRIES, "a project has")?;
     let entry = match archive.by_name(SETTINGS) {
         Ok(entry) => entry,
         Err(ZipError::FileNotFound) => {

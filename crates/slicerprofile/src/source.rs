@@ -112,7 +112,7 @@ impl Source {
             ));
         }
         if ends(&[".3mf"]) {
-            let text = project::settings(path).map_err(wrong)?;
+            let text = project::settings(regular(path)?).map_err(wrong)?;
             let own = orca::read(&text).map_err(wrong)?;
             return Ok(Source::one(path, Slicer::Orca, own.values, None, None));
         }

@@ -22,6 +22,12 @@ pub(super) fn address(url: &str) -> Result<String, HostError> {
     if authority.as_str().contains('@') {
         return Err(wrong("a name or password in it would be seen by others"));
     }
+    // A port that is no number of 16 bits is not understood.
+    let host = authority.host();
+    let with_port = authority.as_str().len() > host.len();
+    if with_port && authority.port_u16().is_none_or(|port| port == 0) {
+        return Err(wrong("its port must be a number from 1 to 65535"));
+    }
     if uri.query().is_some() {
         return Err(wrong("it must end before the question mark"));
     }

@@ -37,6 +37,12 @@ impl Key {
     }
 }
 
+/// True if a key can be sent. A line's end in it would begin another line of
+/// the request.
+fn can_be_sent(key: &str) -> bool {
+    key.bytes().all(|b| b.is_ascii_graphic())
+}
+
 impl fmt::Debug for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Key(…)")
@@ -88,9 +94,8 @@ impl Printer {
             },
             (None, key) => key.as_ref().map(|key| key.0.clone()),
         };
-        let visible = |key: &String| key.bytes().all(|b| b.is_ascii_graphic());
         match secret {
-            Some(key) if !visible(&key) => Err(HostError::BadKey {
+            Some(key) if !can_be_sent(&key) => Err(HostError::BadKey {
                 printer: self.name.clone(),
             }),
             secret => Ok(secret.filter(|key| !key.is_empty())),
@@ -117,9 +122,10 @@ pub(crate) enum BookError {
          in workshop"
     )]
     Name(String),
-    /// What is given as the printer's address is not an address.
+    /// What is given as the printer's address is not an address, or what is
+    /// given as the key is not a key.
     #[error(transparent)]
-    Address(#[from] HostError),
+    Printer(#[from] HostError),
     /// No printer has this name.
     #[error(
         "there is no printer {name}{}",
@@ -228,6 +234,10 @@ impl PrinterBook {
             return Err(BookError::Name(name.clone()));
         }
         address(&printer.url)?;
+        if printer.key.as_ref().is_some_and(|key| !can_be_sent(&key.0)) {
+            let printer = name.clone();
+            return Err(HostError::BadKey { printer }.into());
+        }
         self.printers.insert(name.clone(), printer);
         self.write()
     }

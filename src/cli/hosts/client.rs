@@ -17,6 +17,10 @@ const STALL: Duration = Duration::from_secs(20);
 /// Time for an answer. A host reads through a file before it answers, which
 /// takes a small computer a while. Tests wait for less.
 const ANSWER: Duration = Duration::from_secs(if cfg!(test) { 1 } else { 120 });
+/// Time for the answer to the first question, which host it is. It needs no look
+/// at files or at the printer.
+const FIRST_ANSWER: Duration =
+    Duration::from_secs(if cfg!(test) { 1 } else { 20 });
 /// Greatest number of bytes of an answer that are read. Lists of files are
 /// long.
 const LARGEST: u64 = 16 << 20;
@@ -78,7 +82,6 @@ impl Client {
             .timeout_resolve(Some(CONNECT))
             .timeout_connect(Some(CONNECT))
             .timeout_per_write(Some(STALL))
-            .timeout_recv_response(Some(ANSWER))
             .timeout_recv_body(Some(ANSWER))
             .build()
             .into();
@@ -97,7 +100,13 @@ impl Client {
 
     /// Asks for JSON.
     pub(super) fn get(&self, path: &str) -> Result<Answer, HostError> {
-        self.request("GET", path, &[], SendBody::none())
+        self.request("GET", path, &[], SendBody::none(), ANSWER)
+    }
+
+    /// Asks for JSON that every host has at hand. It is the first question, so
+    /// that a host that says nothing is not waited for.
+    pub(super) fn first(&self, path: &str) -> Result<Answer, HostError> {
+        self.request("GET", path, &[], SendBody::none(), FIRST_ANSWER)
     }
 
     /// Sends JSON.
@@ -114,7 +123,7 @@ impl Client {
         ];
         let mut bytes = text.as_bytes();
         let body = SendBody::from_reader(&mut bytes);
-        self.request("POST", path, &headers, body)
+        self.request("POST", path, &headers, body, ANSWER)
     }
 
     /// Sends a body of a known length.
@@ -129,7 +138,8 @@ impl Client {
         let length = length.to_string();
         let mut all = vec![("Content-Length", length.as_str())];
         all.extend(headers);
-        self.request(method, path, &all, SendBody::from_reader(body))
+        let body = SendBody::from_reader(body);
+        self.request(method, path, &all, body, ANSWER)
     }
 
     fn request(
@@ -138,6 +148,7 @@ impl Client {
         path: &str,
         headers: &[(&str, &str)],
         body: SendBody<'_>,
+        patience: Duration,
     ) -> Result<Answer, HostError> {
         let mut request = Request::builder()
             .method(method)
@@ -154,6 +165,11 @@ impl Client {
                 url: self.name(),
                 why: error.to_string(),
             })?;
+        let request = self
+            .agent
+            .configure_request(request)
+            .timeout_recv_response(Some(patience))
+            .build();
         let answer = self.agent.run(request);
         let mut answer = answer.map_err(|error| self.failed(error))?;
         let code = answer.status().as_u16();
@@ -254,7 +270,7 @@ impl Client {
         &self,
         is_own: impl Fn(&str) -> bool,
     ) -> Result<String, HostError> {
-        let program = self.text(&self.get("api/version")?, "/text")?;
+        let program = self.text(&self.first("api/version")?, "/text")?;
         if is_own(&program) {
             Ok(program)
         } else {
@@ -280,6 +296,27 @@ impl Client {
         let text = answer.json.pointer(pointer).and_then(Value::as_str);
         let text = text.ok_or_else(|| self.odd(answer, pointer))?;
         Ok(shortened(text))
+    }
+
+    /// Checks that a file was stored under its name, as an answer tells it. A
+    /// host that tells another name may have stored the file there, and would
+    /// print what it has under that name.
+    pub(super) fn stored(
+        &self,
+        answer: &Answer,
+        pointer: &str,
+        name: &str,
+    ) -> Result<String, HostError> {
+        let told = self.text(answer, pointer)?;
+        if told == name {
+            Ok(told)
+        } else {
+            Err(HostError::Renamed {
+                host: self.name(),
+                name: name.to_owned(),
+                told: self.said(&told),
+            })
+        }
     }
 
     /// A number of bytes in an answer that must be there.

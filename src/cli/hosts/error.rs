@@ -31,8 +31,8 @@ pub(crate) enum HostError {
     },
     /// The key cannot be sent.
     #[error(
-        "the key of {printer} has characters that no key has; enter it again \
-         with `isoslice printers add … --replace`"
+        "the key of {printer} has characters that no key has, such as line \
+         breaks; enter it again with `isoslice printers add … --replace`"
     )]
     BadKey {
         /// The printer's name.
@@ -159,6 +159,19 @@ pub(crate) enum HostError {
         host: String,
         /// What the printer is doing.
         state: String,
+    },
+    /// The host tells of another file than the one that it was sent.
+    #[error(
+        "{host} says that it has stored {name} as {told}; no print was \
+         started; look there what it has, or send the file under another name"
+    )]
+    Renamed {
+        /// The host's address.
+        host: String,
+        /// The file's name.
+        name: String,
+        /// The name that the host tells.
+        told: String,
     },
     /// Only a part of the file has arrived.
     #[error(

@@ -10,7 +10,7 @@ pub(super) struct Moonraker;
 
 impl Host for Moonraker {
     fn status(&self, client: &Client) -> Result<Status, HostError> {
-        let info = client.get("server/info")?;
+        let info = client.first("server/info")?;
         let klippy = client.text(&info, "/result/klippy_state")?;
         let version = client.text(&info, "/result/moonraker_version");
         let folder = client.get("server/files/directory?path=gcodes")?;
@@ -43,9 +43,11 @@ impl Host for Moonraker {
         let path = "server/files/upload";
         let answer = store(client, path, &fields, name, file)?;
         // Some versions put the answer into a result, as others are.
-        client
-            .text(&answer, "/item/path")
-            .or_else(|_| client.text(&answer, "/result/item/path"))
+        let place = match answer.json.pointer("/result") {
+            Some(_) => "/result/item/path",
+            None => "/item/path",
+        };
+        client.stored(&answer, place, name)
     }
 
     fn size(&self, client: &Client, name: &str) -> Result<u64, HostError> {

@@ -31,7 +31,7 @@ impl Host for OctoPrint {
         let fields = [("select", "false"), ("print", "false")];
         let path = "api/files/local";
         let answer = store(client, path, &fields, name, file)?;
-        client.text(&answer, "/files/local/path")
+        client.stored(&answer, "/files/local/path", name)
     }
 
     fn size(&self, client: &Client, name: &str) -> Result<u64, HostError> {

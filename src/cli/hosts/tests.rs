@@ -110,14 +110,14 @@ fn good(kind: HostKind, asked: &Asked, size: u64) -> (u16, Value) {
             "/api/version" => json!({"text": "OctoPrint 1.11"}),
             "/api/job" => json!({"state": "Operational"}),
             "/api/files" => json!({"free": 1_000_000, "files": []}),
-            "/api/files/local/a%20b%2Egcode" => json!({ "size": size }),
+            "/api/files/local/my%5Fpart%2Egcode" => json!({ "size": size }),
             _ => return (404, json!({})),
         },
         (HostKind::OctoPrint, _) => match path {
             "/api/files/local" => {
-                json!({"files": {"local": {"path": "a b.gcode"}}})
+                json!({"files": {"local": {"path": "my_part.gcode"}}})
             }
-            "/api/files/local/a%20b%2Egcode" => return (204, json!(null)),
+            "/api/files/local/my%5Fpart%2Egcode" => return (204, json!(null)),
             _ => return (404, json!({})),
         },
         (HostKind::Moonraker, "GET") => match path {
@@ -345,6 +345,25 @@ fn a_file_that_is_listed_a_little_later_is_whole() {
     );
 }
 
+/// A file of that name might be an older one, as long as the new one.
+#[test]
+fn a_host_that_tells_of_another_file_starts_none() {
+    for told in ["old.gcode", "../my_part.gcode", "a/my_part.gcode", ""] {
+        for kind in [HostKind::OctoPrint, HostKind::Moonraker] {
+            let (printer, log) = odd_host(kind, move |asked| {
+                let answer = json!({
+                    "files": {"local": {"path": told}},
+                    "item": {"path": told},
+                });
+                is_upload(asked).then_some((201, answer))
+            });
+            let error = try_to_send(&printer, true).unwrap_err();
+            assert!(matches!(error, HostError::Renamed { .. }), "{error}");
+            assert!(is_upload(log.lock().unwrap().last().unwrap()), "{told}");
+        }
+    }
+}
+
 #[test]
 fn what_arrives_in_part_is_not_started() {
     for kind in ALL {
@@ -491,6 +510,10 @@ fn faults_of_tls_and_of_addresses_are_told() {
         "http://me:secret@octopi.local",
         "http://octopi.local/?a=b",
         "http://octopi local",
+        "http://octopi.local:99999",
+        "http://octopi.local:0",
+        "http://octopi.local:",
+        "http://[::1]:70000",
     ] {
         let error = status(&printer(HostKind::OctoPrint, url)).unwrap_err();
         assert!(matches!(error, HostError::Address { .. }), "{url}: {error}");
@@ -537,6 +560,23 @@ fn the_file_of_printers_is_private_and_keeps_what_it_is_told() {
         book.add(other),
         Err(super::book::BookError::Name(_))
     ));
+    for bad in ["http://octopi.local:99999", "octopi.local"] {
+        let url = bad.into();
+        let printer = Printer {
+            url,
+            ..known.clone()
+        };
+        let error = book.add(printer).unwrap_err().to_string();
+        assert!(error.contains("no address"), "{error}");
+    }
+    for bad in ["a\nb", "a\r\nX-Other: b", "a b", "ä"] {
+        let printer = Printer {
+            key: Some(Key::new(bad)),
+            ..known.clone()
+        };
+        let error = book.add(printer).unwrap_err().to_string();
+        assert!(error.contains("characters that no key has"), "{error}");
+    }
     let again = PrinterBook::open(folder.path()).unwrap();
     assert_eq!(again.find("workshop").unwrap(), &known);
     assert!(!again.is_open_to_others());

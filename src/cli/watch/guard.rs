@@ -6,8 +6,8 @@
 //! (as after DNS rebinding) or come from another origin are refused.
 
 use anyhow::Context;
-use oxhttp::model::header::{HOST, HeaderName, ORIGIN};
-use oxhttp::model::{HeaderMap, StatusCode};
+use http::header::{HOST, HeaderName, ORIGIN};
+use http::{HeaderMap, StatusCode};
 use std::fmt::Write as _;
 
 /// Length of the secret, bytes.
@@ -81,7 +81,7 @@ fn same(given: &str, secret: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use oxhttp::model::HeaderValue;
+    use http::HeaderValue;
 
     fn headers(pairs: &[(&'static str, &'static str)]) -> HeaderMap {
         let header = |(name, value): &(&'static str, &'static str)| {

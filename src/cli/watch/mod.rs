@@ -8,12 +8,13 @@
 //! ```
 //!
 //! `session` holds what is wanted and what there is, `work` makes it, `server`
-//! tells the page of it, behind `guard`; `stamp` sees that files have changed,
+//! tells the page of it, behind `guard` and in the words of `http`; `stamp` sees that files have changed,
 //! `choice` holds what the page's user has changed, and `subject` loads the model
 //! or the plate file with that. `job` has the command's arguments.
 
 mod choice;
 mod guard;
+mod http;
 mod job;
 mod server;
 mod session;
@@ -31,7 +32,6 @@ use clap::Args;
 use guard::Guard;
 use isoslice::limits::enough_space;
 use job::Job;
-use oxhttp::Server;
 use server::Site;
 use session::Session;
 use stamp::Stamps;
@@ -40,7 +40,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::exit;
 use std::sync::Arc;
 use std::thread;
-use std::time::Duration;
 use work::work;
 
 const EXAMPLES: &str = "\
@@ -49,14 +48,6 @@ Examples:
   isoslice watch part.rhai --config part.toml --printer prusa-mk4
   isoslice watch plate.toml
   isoslice watch part.rhai -D radius=15 --port 8123";
-
-/// Greatest number of connections at once. A browser has six for all tabs of a
-/// page.
-const CONNECTIONS: usize = 64;
-
-/// Time until a connection on which nothing moves is given up. It must be
-/// longer than a page waits for news.
-const IDLE: Duration = Duration::from_secs(60);
 
 /// Arguments of `isoslice watch`.
 #[derive(Args, Debug)]
@@ -123,7 +114,8 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
         }
     }
 
-    let port = free_port(args.port)?;
+    let listener = listener(args.port)?;
+    let port = listener.local_addr()?.port();
     let guard = Guard::new(port)?;
     let address = guard.address();
     let choice = Choice::of(&job.model, &job.settings);
@@ -132,12 +124,6 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
     let printers = printers.printers().map(|p| p.name.clone()).collect();
     let site =
         Site::new(session.clone(), job.clone(), guard, &profiles, printers);
-    let server = Server::new(move |request| site.answer(request))
-        .bind((Ipv4Addr::LOCALHOST, port))
-        .with_global_timeout(IDLE)
-        .with_max_concurrent_connections(CONNECTIONS)
-        .spawn()
-        .with_context(|| no_port(port))?;
     {
         let session = session.clone();
         thread::Builder::new()
@@ -159,7 +145,8 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
             "cannot start a browser; open the address in one yourself",
         )?;
     }
-    server.join().context("the server has ended")
+    http::serve(&listener, move |asked| site.answer(asked));
+    Ok(())
 }
 
 /// Does some work, and ends the program if the work panics. Otherwise the page
@@ -182,16 +169,12 @@ fn watch_files(session: &Session) {
     }
 }
 
-/// The port that was asked for, or one that is free.
-fn free_port(wanted: Option<u16>) -> anyhow::Result<u16> {
+/// Listens on the port that was asked for, or on one that is free.
+fn listener(wanted: Option<u16>) -> anyhow::Result<TcpListener> {
     let port = wanted.unwrap_or(0);
-    // The server does not tell which port it gets, so a free one is found
-    // before.
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
-        .with_context(|| no_port(port))?;
-    Ok(listener.local_addr()?.port())
-}
-
-fn no_port(port: u16) -> String {
-    format!("cannot use port {port} of 127.0.0.1; choose another with --port")
+    TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| {
+        format!(
+            "cannot use port {port} of 127.0.0.1; choose another with --port"
+        )
+    })
 }

@@ -7,35 +7,32 @@
 //! JSON, which the page shows as text.
 
 use super::guard::Guard;
+use super::http::{Asked, Body, Reply};
 use super::job::Job;
 use super::session::{Look, Print, Sending, Session, State};
-use super::work::{PICTURE, draw_within, watch_for};
+use super::work::{PICTURE, draw_within};
 use crate::cli::hosts;
 use crate::cli::send::outcome;
 use crate::cli::{plain, printers};
 use anyhow::bail;
-use isoslice::limits::Watch;
-use isoslice::preview::{View, live_html};
-use isoslice::settings::{ProfileKind, Profiles};
-use oxhttp::model::header::{
+use http::header::{
     CACHE_CONTROL, CONTENT_DISPOSITION, CONTENT_SECURITY_POLICY, CONTENT_TYPE,
     HeaderName, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
 };
-use oxhttp::model::{Body, HeaderValue, Method, Request, Response, StatusCode};
+use http::{HeaderValue, Method, Response, StatusCode};
+use isoslice::limits::Watch;
+use isoslice::preview::{View, live_html};
+use isoslice::settings::{ProfileKind, Profiles};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::io::{Cursor, Read};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 /// How long a page waits for news before it asks again.
 const PATIENCE: Duration = Duration::from_secs(15);
-
-/// Greatest size of a request's body, bytes.
-const LARGEST_BODY: u64 = 1 << 20;
 
 /// Greatest side of a picture, pixels.
 const LARGEST_PICTURE: usize = 2048;
@@ -58,7 +55,7 @@ pub(super) struct Site {
 }
 
 /// An answer, or the error that is sent instead.
-type Answer = Result<Response<Body>, (StatusCode, String)>;
+type Answer = Result<Reply, (StatusCode, String)>;
 
 impl Site {
     pub(super) fn new(
@@ -91,7 +88,7 @@ impl Site {
     }
 
     /// Answers a request.
-    pub(super) fn answer(&self, request: &mut Request<Body>) -> Response<Body> {
+    pub(super) fn answer(&self, request: &Asked) -> Reply {
         let mut response =
             self.route(request).unwrap_or_else(|(code, text)| {
                 let mut refusal = of_type("text/plain; charset=utf-8", text);
@@ -114,8 +111,8 @@ impl Site {
         response
     }
 
-    fn route(&self, request: &mut Request<Body>) -> Answer {
-        let uri = request.uri().clone();
+    fn route(&self, request: &Asked) -> Answer {
+        let uri = request.uri();
         let below = self
             .guard
             .admit(uri.path(), request.headers())
@@ -233,7 +230,7 @@ impl Site {
                     let why = "the parts are too large together to be drawn";
                     (StatusCode::NOT_FOUND, why.to_owned())
                 })?;
-                let watch = watch_for(PICTURE);
+                let watch = Watch::new(PICTURE);
                 *fine() = (!look.rough).then(|| watch.clone());
                 let threads = self.job.threads;
                 let drawn = draw_within(&watch, drawn, look, threads);
@@ -247,7 +244,7 @@ impl Site {
                 drawn
             }
         };
-        Ok(of_type("image/png", shared(picture)))
+        Ok(of_type("image/png", picture))
     }
 
     fn print(&self, query: &Query) -> Answer {
@@ -261,8 +258,8 @@ impl Site {
     }
 
     /// Remembers which layer a page shows.
-    fn layer(&self, request: &mut Request<Body>) -> Answer {
-        let looked: Looked = serde_json::from_slice(&body(request)?)
+    fn layer(&self, request: &Asked) -> Answer {
+        let looked: Looked = serde_json::from_slice(body(request)?)
             .map_err(|error| (StatusCode::BAD_REQUEST, error.to_string()))?;
         self.session.lock().layer = looked.layer;
         Ok(of_type("application/json", "{}"))
@@ -272,8 +269,11 @@ impl Site {
         let print = self.session.lock().print.clone();
         let print = print.ok_or_else(not_yet)?;
         query.must_be("print", print.revision)?;
-        let text = Body::from_read(print.gcode.read());
-        let response = of_type("text/x-gcode; charset=utf-8", text);
+        let mut response = of_type("text/x-gcode; charset=utf-8", "");
+        *response.body_mut() = Body {
+            length: print.gcode.length,
+            source: Box::new(print.gcode.read()),
+        };
         Ok(as_file(response, &print.file, "gcode"))
     }
 
@@ -287,25 +287,25 @@ impl Site {
         Ok(of_type("text/plain; charset=utf-8", line))
     }
 
-    fn change(&self, request: &mut Request<Body>) -> Answer {
+    fn change(&self, request: &Asked) -> Answer {
         let body = body(request)?;
         let mut changed = Ok(());
         // The changes are checked first, so that a mistake does not stop the
         // work.
         let mut choice = self.session.lock().choice.clone();
-        if let Err(error) = choice.change(&body) {
+        if let Err(error) = choice.change(body) {
             return Err((StatusCode::BAD_REQUEST, error));
         }
         self.session
-            .want(|state| changed = state.choice.change(&body));
+            .want(|state| changed = state.choice.change(body));
         changed.map_err(|error| (StatusCode::BAD_REQUEST, error))?;
         Ok(of_type("application/json", "{}"))
     }
 
     /// Begins to send the print, if it is the newest one and no other print is
     /// being sent. The state then tells how far the sending has come.
-    fn send(&self, request: &mut Request<Body>) -> Answer {
-        let order: Order = serde_json::from_slice(&body(request)?)
+    fn send(&self, request: &Asked) -> Answer {
+        let order: Order = serde_json::from_slice(body(request)?)
             .map_err(|error| (StatusCode::BAD_REQUEST, error.to_string()))?;
         let refuse = |words: &str| (StatusCode::CONFLICT, words.to_owned());
         let print = self.session.tell(|state| {
@@ -346,7 +346,7 @@ impl Site {
 fn moves(query: &Query, made: Option<(u64, Arc<[u8]>)>) -> Answer {
     let (revision, moves) = made.ok_or_else(not_yet)?;
     query.must_be("revision", revision)?;
-    Ok(of_type("application/octet-stream", shared(moves)))
+    Ok(of_type("application/octet-stream", moves))
 }
 
 /// The height of the layer that a page shows, mm; none if it shows none.
@@ -419,41 +419,25 @@ fn not_yet() -> (StatusCode, String) {
 }
 
 /// The JSON that a request brings.
-fn body(request: &mut Request<Body>) -> Result<Vec<u8>, (StatusCode, String)> {
+fn body(request: &Asked) -> Result<&[u8], (StatusCode, String)> {
     let kind = request.headers().get(CONTENT_TYPE);
     if kind.is_none_or(|kind| kind != "application/json") {
         let words = "changes have to be JSON".to_owned();
         return Err((StatusCode::UNSUPPORTED_MEDIA_TYPE, words));
     }
-    let mut bytes = Vec::new();
-    let read = request.body_mut().take(LARGEST_BODY + 1);
-    let read = { read }.read_to_end(&mut bytes);
-    read.map_err(|error| (StatusCode::BAD_REQUEST, error.to_string()))?;
-    if bytes.len() as u64 > LARGEST_BODY {
-        let words = "a request may have at most 1 MB".to_owned();
-        return Err((StatusCode::PAYLOAD_TOO_LARGE, words));
-    }
-    Ok(bytes)
+    Ok(request.body())
 }
 
-fn of_type(kind: &'static str, body: impl Into<Body>) -> Response<Body> {
-    let mut response = Response::new(body.into());
+fn of_type(kind: &'static str, body: impl AsRef<[u8]> + 'static) -> Reply {
+    let mut response = Response::new(Body::of(body));
     let kind = HeaderValue::from_static(kind);
     response.headers_mut().insert(CONTENT_TYPE, kind);
     response
 }
 
-fn shared(bytes: Arc<[u8]>) -> Body {
-    Body::from_read(Cursor::new(bytes))
-}
-
 /// The response as a file to save. The header's name has plain letters only;
 /// the page saves the file under its full name.
-fn as_file(
-    mut response: Response<Body>,
-    name: &str,
-    extension: &str,
-) -> Response<Body> {
+fn as_file(mut response: Reply, name: &str, extension: &str) -> Reply {
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
     let stem = hosts::plain_letters(stem, 100);
     let value = format!("attachment; filename=\"{stem}.{extension}\"");

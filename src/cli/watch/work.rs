@@ -32,12 +32,21 @@ use std::process::exit;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Greatest time for a picture.
-pub(super) const PICTURE: Duration = Duration::from_secs(10);
+/// Greatest processor time for a picture.
+pub(super) const PICTURE: Limits = Limits {
+    time: None,
+    work: Some(Duration::from_secs(20)),
+    memory_bytes: None,
+    slow: None,
+};
 
 /// Greatest time for one layer ahead of the others. The part's picture, which
-/// shows if there is no such layer, waits for so long.
-const GLIMPSE: Duration = Duration::from_millis(250);
+/// shows if there is no such layer, waits for so long. Nothing else depends on
+/// this clock.
+const GLIMPSE: Limits = Limits {
+    time: Some(Duration::from_millis(250)),
+    ..PICTURE
+};
 
 /// Reads, draws and slices what is to be shown, for ever.
 pub(super) fn work(session: &Session, job: &Job) {
@@ -181,7 +190,7 @@ fn glimpse(
         ..Options::default()
     };
     let mut gcode = Vec::new();
-    let made = watch_for(GLIMPSE).run(|| -> anyhow::Result<_> {
+    let made = Watch::new(GLIMPSE).run(|| -> anyhow::Result<_> {
         let summary = pipeline::slice_plate(plate, &options, &mut gcode)?;
         let moves = moves(gcode.as_slice(), gathered, &job.name())?;
         Ok((summary, moves))
@@ -211,7 +220,7 @@ fn show(
     // layer instead.
     let drawn = subject.drawn.as_ref().filter(|_| glimpse.is_none());
     let picture = drawn.map(|model| {
-        draw_within(&watch_for(PICTURE), model, look, job.threads)
+        draw_within(&Watch::new(PICTURE), model, look, job.threads)
     });
     let told = subject.told()?;
     Ok(session.tell(|state| {
@@ -241,16 +250,7 @@ fn show(
     }))
 }
 
-/// A watch over work that may take so long.
-pub(super) fn watch_for(time: Duration) -> Watch {
-    Watch::new(Limits {
-        time: Some(time),
-        memory_bytes: None,
-        slow: None,
-    })
-}
-
-/// Draws a model within a bounded time, without a background.
+/// Draws a model within bounded work, without a background.
 pub(super) fn draw_within(
     watch: &Watch,
     model: &Model,

@@ -30,6 +30,9 @@ pub(super) fn engine() -> Result<Environment<'static>, Error> {
     engine.set_syntax(syntax);
     engine.set_formatter(write);
     engine.add_filter("format", format);
+    // A namespace may hold itself, and whatever goes through it then has no
+    // end.
+    engine.remove_global("namespace");
     Ok(engine)
 }
 

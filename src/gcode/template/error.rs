@@ -24,6 +24,11 @@ pub(super) fn unknown_name(name: &str, scope: Scope) -> String {
     if let Some(place) = known_elsewhere(name, scope) {
         return format!("{name} is known in {place} only");
     }
+    if name == "namespace" {
+        return "there are no namespaces: what changes in a loop follows from \
+                loop.index0"
+            .to_owned();
+    }
     let hint = meant(name, scope)
         .map(|known| format!(", did you mean {{{{ {known} }}}}?"))
         .unwrap_or_default();

@@ -13,12 +13,14 @@
 //! run for ever, nor take much memory.
 
 mod control;
+mod depth;
 mod engine;
 mod error;
 mod foreign;
 mod pieces;
 #[cfg(test)]
 mod tests;
+mod tokens;
 
 pub use error::TemplateError;
 
@@ -27,12 +29,18 @@ use super::placeholders::{self, Known, Moment, Scope};
 use super::{Totals, flavour};
 use crate::settings::Settings;
 use control::control;
+use depth::too_deep;
 use engine::engine;
 use error::{error, failure, unknown_name};
 use minijinja::{Environment, Value};
 use pieces::{find, pieces};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+
+/// Stack on which templates are filled in. It is reserved, but used only by
+/// lists of lists: [`FUEL`](engine) pays for 200,000 levels, each of which takes
+/// 400 bytes when the list is dropped, and up to 1 kB when it is compared.
+const STACK_BYTES: usize = 256 << 20;
 
 /// Greatest length of a filled-in template, bytes.
 const LONGEST: usize = 1 << 20;
@@ -212,11 +220,14 @@ impl<'a> Templates<'a> {
         if scope != Scope::All {
             values.extend(placeholders::of(scope, &now));
         }
-        let rendered = self
-            .engine
-            .get_template(name)
-            .and_then(|t| t.render(Value::from(values)))
-            .map_err(|e| source.failure(&e))?;
+        // An error of the engine holds values, so it must not leave the thread.
+        let fill_in = || {
+            let template = self.engine.get_template(name);
+            let rendered = template.and_then(|t| t.render(values));
+            rendered.map_err(|e| source.failure(&e))
+        };
+        let rendered = on_deep_stack(fill_in)
+            .unwrap_or_else(|message| Err(source.error(0, message)))?;
         if rendered.len() > LONGEST {
             let message = format!(
                 "it comes to more than {} MB of text; make it shorter",
@@ -240,6 +251,28 @@ impl<'a> Templates<'a> {
     }
 }
 
+/// Does work that may recurse deeply, on a thread of its own.
+fn on_deep_stack<T: Send>(
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, String> {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new()
+            .name("template".to_owned())
+            .stack_size(STACK_BYTES)
+            .spawn_scoped(scope, work)
+            .map_err(|_| {
+                format!(
+                    "it needs a thread and {} MB of address space for its \
+                     stack; raise what the system allows (ulimit -v, ulimit -u)",
+                    STACK_BYTES >> 20
+                )
+            })?;
+        thread
+            .join()
+            .or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
 /// Number of unknown names among which the first one in the text is looked for.
 const FEW: usize = 100;
 
@@ -250,6 +283,10 @@ fn add(
 ) -> Result<(), TemplateError> {
     let failed = |e| source.failure(&e);
     let (name, ours) = (source.name, &*source.ours);
+    let pieces = pieces(ours);
+    if let Some((at, message)) = too_deep(ours, &pieces) {
+        return Err(source.error(at, message));
+    }
     engine
         .add_template_owned(name, ours.to_owned())
         .map_err(failed)?;
@@ -262,7 +299,6 @@ fn add(
             || known.contains(&used)
             || known.iter().any(group)
     };
-    let pieces = pieces(ours);
     let mut unknown: Vec<String> = template
         .undeclared_variables(true)
         .into_iter()

@@ -128,10 +128,10 @@ fn a_template_that_goes_on_for_ever_is_stopped() {
 
 #[test]
 fn a_template_that_grows_without_end_is_refused() {
-    let doubled = "{% set ns = namespace(s='aaaaaaaaaaaaaaaa') %}\
-        {% for i in range(60) %}{% set ns.s = ns.s ~ ns.s %}{% endfor %}";
+    let doubled = "{% set s = 'aaaaaaaaaaaaaaaa' %}".to_owned()
+        + &"{% set s = s ~ s %}".repeat(60);
     for (source, words) in [
-        (doubled, "too much"),
+        (doubled.as_str(), "too much"),
         ("{{ 'a' * 2000000 }}", "more than 1 MB"),
         ("{{ 'a' * 999999999 }}", "too much"),
         ("{{ '%999999999999999d' | format(3) }}", "too much"),
@@ -160,4 +160,96 @@ fn a_list_is_not_written() {
         assert!(error.contains("a list"), "{error}");
     }
     assert_filled("{{ [1, 2] | join(' ') }}", "1 2\n");
+}
+
+/// Shapes that nest something in itself `n` times.
+fn nested(n: usize) -> Vec<(&'static str, String)> {
+    let of = |head: &str, step: &str, tail: &str| {
+        format!("{{{{ {head}{}{tail} }}}}", step.repeat(n))
+    };
+    vec![
+        ("+", of("1", "+1", "")),
+        ("+ of fractions", of("1.5", " + 1.5", "")),
+        ("or", of("1", " or 1", "")),
+        ("~", of("1", "~1", "")),
+        ("not", of("", "not ", "1")),
+        ("-", of("", "- ", "1")),
+        (".a", of("speed", ".a", "")),
+        (".1", of("speed", ".1", "")),
+        ("[0]", of("speed", "[0]", "")),
+        ("()", of("speed", "()", "")),
+        ("|abs", of("1", "|abs", "")),
+        ("**", of("1", "**1", "")),
+        ("is", of("1", " is odd", "")),
+        ("in", of("1", " in [1]", "")),
+        ("if else", of("", "1 if 1 else ", "1")),
+        ("if", of("1", " if 1", "")),
+        ("in brackets", of("(", "(1 + ", "1")),
+        ("behind }}", of("'}}' ~ 1", "+1", "")),
+        ("behind a map", of("{1: {2: 3}} ~ 1", "+1", "")),
+        ("behind a number", of("0x1.5", ".5", "")),
+        ("behind a comma", of("[1, 2, 1", "+1", "]")),
+        ("under a bracket that is too many", of("1", "+1", ")")),
+        (
+            "behind raw text",
+            format!(
+                "{{% raw %}}endraw {{# {{% endraw %}}{{{{ 1{} }}}}{{# #}}",
+                "+1".repeat(n)
+            ),
+        ),
+        (
+            "elif",
+            format!("{{% if 1 %}}{}{{% endif %}}", "{% elif 1 %}".repeat(n)),
+        ),
+        ("set", format!("{{% set a = {}1 %}}", "not ".repeat(n))),
+        ("filter", {
+            let filters = "|abs".repeat(n);
+            format!("{{% filter abs{filters} %}}1{{% endfilter %}}")
+        }),
+        (
+            "of another slicer",
+            format!("{{1{}}}", "+1".repeat(n.min(900))),
+        ),
+    ]
+}
+
+/// The threads of tests have 2 MB of stack, as those of `watch` do.
+#[test]
+fn a_template_that_is_nested_too_deeply_is_refused() {
+    for n in [300, 20_000] {
+        for (shape, text) in nested(n) {
+            let error = filled(&text).unwrap_err();
+            let said = ["within one another", "recursion limits"]
+                .iter()
+                .any(|words| error.contains(words));
+            assert!(said, "{shape}: {error}");
+        }
+    }
+    // The same shapes are compiled if they are short.
+    for (shape, text) in nested(120) {
+        if let Err(error) = filled(&text) {
+            assert!(!error.contains("one another"), "{shape}: {error}");
+        }
+    }
+    let long = "[1.5, 2, 'a + b']".replace(']', &", 3".repeat(2000));
+    assert_filled(&format!("{{{{ {long}] | first }}}}"), "1.5\n");
+    let sum = format!("{{{{ 1{} }}}}", " + 1".repeat(240));
+    assert_filled(&sum, "241\n");
+}
+
+/// Lists of lists are dropped, compared and written by recursion.
+#[test]
+fn values_that_are_nested_deeply_do_no_harm() {
+    let deep = "{% set a = 1 %}".to_owned()
+        + &format!("{{% set a={}a{} %}}", "[".repeat(70), "]".repeat(70))
+            .repeat(500);
+    assert_filled(&format!("{deep}{{{{ a | length }}}}"), "1\n");
+    for use_of in ["a == [a]", "a | string", "[a, a] | sort", "a in [a]"] {
+        let _ = filled(&format!("{deep}{{{{ {use_of} | length }}}}"));
+    }
+    let handed_on = "{% macro m(a) %}{{ m([[[[[[a]]]]]]) }}{% endmacro %}\
+                     {{ m(1) }}";
+    assert!(filled(handed_on).unwrap_err().contains("recursion"));
+    let own = "{% set ns = namespace() %}{% set ns.a = ns %}{{ ns == ns }}";
+    assert!(filled(own).unwrap_err().contains("loop.index0"));
 }

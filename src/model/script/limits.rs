@@ -1,5 +1,6 @@
 //! What a script may use, and why it is stopped if it uses more.
 
+use crate::units::human_bytes;
 use std::time::Duration;
 
 /// Bounds on what a script may use.
@@ -8,7 +9,10 @@ pub struct ScriptLimits {
     /// Steps of the interpreter. Default: 10⁷. A lattice of 10,000 struts needs
     /// some 10⁶.
     pub operations: u64,
-    /// Wall time. Default: 20 s, about ten times what the operations take.
+    /// Processor time of the process while the script runs, but no more than
+    /// the time on the clock. So neither a pause (Ctrl-Z) counts, nor what other
+    /// threads do meanwhile. Default: 20 s, about ten times what the operations
+    /// take.
     pub time: Duration,
     /// Growth of the process's memory while the script runs, where the system
     /// tells how much it is. Other threads of the process count as well.
@@ -71,14 +75,14 @@ impl Stop {
     pub(super) fn describe(self, limits: &ScriptLimits) -> String {
         match self {
             Stop::Time => format!(
-                "ran longer than {} s and was stopped; build fewer parts in \
+                "took more than {} s and was stopped; build fewer parts in \
                  loops",
                 limits.time.as_secs_f64()
             ),
             Stop::Memory => format!(
-                "took more than {} MB of memory and was stopped; build fewer \
+                "took more than {} of memory and was stopped; build fewer \
                  parts in loops",
-                limits.memory_bytes >> 20
+                human_bytes(limits.memory_bytes)
             ),
             Stop::Operations => format!(
                 "took more than {} steps and was stopped; is there a loop \

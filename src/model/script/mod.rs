@@ -40,6 +40,7 @@ pub use limits::ScriptLimits;
 
 use super::param::{Parameter, Table};
 use crate::limits::{check, doing, resident_bytes};
+use cpu_time::ProcessTime;
 use error::explain;
 use fidget::context::Tree;
 use functions::{Shared, add_comparisons, add_draw, add_param, add_powers};
@@ -58,7 +59,7 @@ use std::time::{Duration, Instant};
 /// levels).
 const STACK_BYTES: usize = 512 << 20;
 
-/// Time between looks at the clock and the memory. At its highest rate a script
+/// Time between looks at the work and the memory. At its highest rate a script
 /// can fill some MB in this time.
 const EVERY: Duration = Duration::from_millis(2);
 
@@ -119,6 +120,11 @@ pub(super) fn run_script(
     }
     let _leave = Leave(&stop);
     let start = Instant::now();
+    let work = ProcessTime::try_now().ok();
+    let spent = || {
+        let work = work.and_then(|start| start.try_elapsed().ok());
+        work.map_or(start.elapsed(), |work| work.min(start.elapsed()))
+    };
     let mut stopped: Option<(Stop, Instant)> = None;
     doing("script", || {
         loop {
@@ -140,7 +146,7 @@ pub(super) fn run_script(
             }
             let grown =
                 |before| resident_bytes().map(|now| now.saturating_sub(before));
-            let why = if start.elapsed() > limits.time {
+            let why = if spent() > limits.time {
                 Stop::Time
             } else if before
                 .and_then(grown)

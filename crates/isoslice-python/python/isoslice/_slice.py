@@ -120,7 +120,8 @@ def slice(
     svg: folder for a picture of each layer.
     threads: how many; the result is the same.
     time_limit: seconds after which the work ends with Stopped; math.inf for no
-        limit. Default: an hour, or sooner if next to nothing is sliced in 18 s.
+        limit. Default: none, but 4 h of processor time, or 36 s of it in which
+        next to nothing is sliced.
     memory_limit: bytes that the whole process may hold; math.inf for no limit.
         Default: 4 GB.
     progress: is called with the number of layers done, and of all layers, some
