@@ -109,7 +109,7 @@ mod tests {
                 // Layer i is in the shell below the top of layer `face` if its
                 // count reaches up to that layer.
                 let tops = (0..=face).filter(|&i| i + up.at(i) > face);
-                let bottoms = (face..n).filter(|&i| i + 1 <= face + down.at(i));
+                let bottoms = (face..n).filter(|&i| i < face + down.at(i));
                 for shell in [tops.collect(), bottoms.collect::<Vec<_>>()] {
                     let all = shell.iter().map(|&i| heights[i]);
                     let is: Mm = all.sum();

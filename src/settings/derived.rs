@@ -468,6 +468,26 @@ mod tests {
     }
 
     #[test]
+    fn skin_runs_across_the_infill_right_below_it() {
+        for infill in [-45.0, 0.0, 20.0, 45.0, 90.0, 135.0, 290.0] {
+            for skin in [-90.0, 0.0, 30.0, 45.0, 135.0] {
+                let s = Settings {
+                    infill: Infill::Pattern(InfillPattern::Rectilinear),
+                    infill_angle: infill,
+                    skin_angle: skin,
+                    ..Settings::default()
+                };
+                for layer in 0..4 {
+                    let below = infill + 90.0 * (layer % 2) as f64;
+                    let turn = s.skin_direction(layer + 1) - below;
+                    let turn = (turn + 90.0).rem_euclid(180.0) - 90.0;
+                    assert!(turn.abs() >= 45.0, "{infill} {skin}: {turn}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_count_wins_over_a_thickness() {
         let s = Settings {
             top_layers: Some(0),
