@@ -149,6 +149,7 @@ fn a_thread_on_a_shank_takes_a_third_fewer_layers() {
     let found = judged(screw, &adaptive(), level_at);
     let share = found.spans.len() as f64 / as_fine(&found, level);
     assert!(share <= 0.7, "{share}: {}", found.spans.len());
+    assert_eq!(found.steps.unwrap().unproved_mm, 0.0);
     // Where the thread begins, layers become thinner step by step.
     let of_thread = found.spans.iter().filter(|s| s.bottom > 20.5);
     let least = 11.5 * level / 0.1;

@@ -4,7 +4,9 @@
 //! along the directions, found by bisection. The probe shares nothing with the
 //! stages that make the outline: fidget's interpreter evaluates the whole
 //! expression, which is neither simplified nor hoisted. So the probe shows a
-//! fault of those stages. Inside is f < 0; NaN is outside.
+//! fault of those stages. Inside is f < 0; NaN is outside. Where f is exactly 0,
+//! inside is what is inside just above or just below. A place where f is 0 is on
+//! the border only if the sign changes there: f may be 0 all over the outside.
 //!
 //! Not guaranteed: that no border lies nearer in another direction. A distance
 //! is never less than the true one by more than [`FINEST`].
@@ -15,6 +17,7 @@ use fidget::eval::{BulkEvaluator, Function, MathFunction};
 use fidget::var::Var;
 use fidget::vm::VmFunction;
 use glam::DVec2;
+use isocontour::apart;
 use std::cell::RefCell;
 
 /// Distances on both sides at which a change of sign is looked for, mm.
@@ -87,11 +90,36 @@ impl Probe {
         })
     }
 
-    /// The field's values at points of the model's frame.
+    /// The field's values at points of the model's frame. Where it is 0, the
+    /// lesser of its values just above and just below.
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
     pub(crate) fn values(
+        &self,
+        x: &[f32],
+        y: &[f32],
+        z: &[f32],
+    ) -> Result<Vec<f32>, ProbeError> {
+        let mut values = self.plain_values(x, y, z)?;
+        let zeros: Vec<usize> =
+            (0..values.len()).filter(|&i| values[i] == 0.0).collect();
+        let of = |all: &[f32]| -> Vec<f32> {
+            zeros.iter().map(|&i| all[i]).collect()
+        };
+        let (x, y) = (of(x), of(y));
+        for up in [-1.0, 1.0] {
+            let beside = |&i: &usize| z[i] + up * apart(z[i]);
+            let z: Vec<f32> = zeros.iter().map(beside).collect();
+            let beside = self.plain_values(&x, &y, &z)?;
+            for (&i, f) in zeros.iter().zip(beside) {
+                values[i] = values[i].min(f);
+            }
+        }
+        Ok(values)
+    }
+
+    fn plain_values(
         &self,
         x: &[f32],
         y: &[f32],
@@ -175,10 +203,19 @@ impl Probe {
             })
             .collect();
         let own = at(&all.iter().collect::<Vec<_>>(), &|_| 0.0)?;
-        for (s, f) in all.iter_mut().zip(own) {
-            s.inside = f < 0.0;
-            // The point lies on the border itself.
-            s.bracket = (f == 0.0).then_some((0.0, 0.0));
+        for (s, f) in all.iter_mut().zip(&own) {
+            s.inside = *f < 0.0;
+        }
+        // A point with the value 0 lies on the border itself if the sign
+        // changes there.
+        let zeros: Vec<usize> =
+            (0..all.len()).filter(|&i| own[i] == 0.0).collect();
+        let from: Vec<&Search> = zeros.iter().map(|&i| &all[i]).collect();
+        let (plus, minus) = (at(&from, &|_| FINEST)?, at(&from, &|_| -FINEST)?);
+        for ((i, plus), minus) in zeros.into_iter().zip(plus).zip(minus) {
+            if (plus < 0.0) != (minus < 0.0) {
+                all[i].bracket = Some((0.0, 0.0));
+            }
         }
         let mut near = 0.0;
         for radius in RADII {
@@ -266,6 +303,27 @@ mod tests {
                 let d = d.unwrap();
                 // A unit of f32's last digit at 4 is half a nanometre.
                 assert!((d - off).abs() < 1e-4 * off.abs() + 1e-4, "{d} {off}");
+            }
+        }
+    }
+
+    /// The field is 0 all over its outside, and in the plane in which the two
+    /// halves of the cylinder meet.
+    #[test]
+    fn zeros_are_borders_only_where_the_sign_changes() {
+        let (x, y, z) = Tree::axes();
+        let wall = (x.square() + y.square()).sqrt() - 5.0;
+        let halves = wall.max(z.clone().min(-z).min(0.0));
+        let probe = Probe::new(&halves.min(0.0)).unwrap();
+        for height in [0.0, 1.0] {
+            for off in [-0.3, -0.001, 0.0, 0.0077, 0.3] {
+                let out = DVec2::X;
+                let spot = Spot {
+                    at: (5.0 + off) * out,
+                    out,
+                };
+                let d = probe.distances(&[spot], height).unwrap()[0].unwrap();
+                assert!((d - off).abs() < 1e-4, "{d} {off} {height}");
             }
         }
     }

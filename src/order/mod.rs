@@ -43,7 +43,7 @@ use glam::DVec2;
 use island::print_island;
 use islands::{Island, grid_of, islands};
 pub(crate) use link::linked;
-pub(crate) use supports::{apart, supports_last};
+pub(crate) use supports::supports_last;
 use tour::{Stop, tour};
 
 /// The beads of a layer.

@@ -5,11 +5,10 @@
 //! layer's top. Out: their order, and true if they are printed after the part.
 //!
 //! If layers take turns, the nozzle changes between part and supports once in a
-//! layer. But a way between supports that the part keeps apart leads over walls, and
-//! retracts if these are printed already. Many small supports in the holes of a part
-//! would retract one piece of filament again and again, which grinds it. Such
-//! supports are printed first in each layer, those of one hole in turn, and the
-//! holes on a short way.
+//! layer. But the ways between many small supports in the holes of a part lead over
+//! the part, and would scratch it if it were printed already. Such supports are
+//! printed first in each layer, those of one hole in turn, and the holes on a short
+//! way.
 
 use super::jobs::{self, Job};
 use super::tour::{Stop, tour};
@@ -20,8 +19,9 @@ use crate::units::Mm;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Supports in so many places may come last: with two places, two layers retract
-/// three times, and four times if supports come first in both.
+/// Supports in so many places may come last: with two places, two layers change three
+/// times between the part and supports or between places, and four times if supports
+/// come first in both.
 const PLACES: usize = 2;
 
 /// True if the supports of a layer with this number and outline come last. Those that
@@ -45,10 +45,7 @@ pub(crate) fn supports_last(
 
 /// True if the part keeps supports apart in many places, so that it is printed
 /// after them in each layer.
-pub(crate) fn apart<'a>(
-    outline: &Area,
-    supports: impl Iterator<Item = &'a Bead>,
-) -> bool {
+fn apart<'a>(outline: &Area, supports: impl Iterator<Item = &'a Bead>) -> bool {
     let places: BTreeSet<_> = places(outline, supports).into_iter().collect();
     places.len() > PLACES
 }

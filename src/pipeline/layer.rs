@@ -187,8 +187,6 @@ pub(super) struct Filled {
     pub sparse: Solid<'static>,
     /// Skin and sparse area, if internal bridges may change them.
     pub areas: Option<FillAreas>,
-    /// Where there are supports, if there are any.
-    pub support: Option<Solid<'static>>,
     /// The top of its supports, if it can have some.
     pub support_top: Option<Top>,
     /// Where supports stand on it, if its beads follow the surface.

@@ -69,7 +69,6 @@ pub(super) struct Ordered {
     pub below: Option<Arc<Solid<'static>>>,
     /// Of [`Filled`], what has not been used yet.
     pub sparse: Solid<'static>,
-    pub support: Option<Solid<'static>>,
     pub support_top: Option<Top>,
     pub under_support: Option<Solid<'static>>,
     pub held: Option<Solid<'static>>,
@@ -114,7 +113,6 @@ impl<'a> PartOrder<'a> {
             gap,
             look,
             figures,
-            support: supported,
             support_top,
             held,
             under_support,
@@ -192,7 +190,6 @@ impl<'a> PartOrder<'a> {
             from,
             below,
             sparse,
-            support: supported,
             support_top,
             under_support,
             held,

@@ -40,20 +40,25 @@ fn inside(
         .collect();
     let (y, z) = (vec![y as f32; x.len()], vec![z as f32; x.len()]);
     let f = probe.values(&x, &y, &z)?;
-    let share = |pair: &[f32]| {
+    let value = |k: usize| f.get(k).copied().map(f64::from);
+    // The share of the way from one sample, which is inside, to the next one,
+    // which is outside. `beyond` is the value at the sample after them.
+    let part = |inside: f64, outside: f64, beyond: Option<f64>| {
+        // A field that is 0 all over its outside does not tell.
+        let tells = outside != 0.0 || beyond != Some(0.0);
+        let t = inside / (inside - outside);
+        if tells && t.is_finite() { t } else { 0.5 }
+    };
+    let share = |(k, pair): (usize, &[f32])| {
         let (a, b) = (f64::from(pair[0]), f64::from(pair[1]));
-        let part = |inside: f64, outside: f64| {
-            let t = inside / (inside - outside);
-            if t.is_finite() { t } else { 0.5 }
-        };
         match (a < 0.0, b < 0.0) {
             (true, true) => 1.0,
-            (true, false) => part(a, b),
-            (false, true) => part(b, a),
+            (true, false) => part(a, b, value(k + 2)),
+            (false, true) => part(b, a, k.checked_sub(1).and_then(value)),
             (false, false) => 0.0,
         }
     };
-    Ok(step * f.windows(2).map(share).sum::<f64>())
+    Ok(step * f.windows(2).enumerate().map(share).sum::<f64>())
 }
 
 /// Mean of the results of groups of equal size, and how far it may be off: two

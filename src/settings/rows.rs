@@ -484,8 +484,7 @@ table::settings! {
         /// Travels shorter than this never retract.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
         /// Travels longer than this ooze too much: they retract even if the
-        /// ooze is hidden, or prime by ooze_prime. Between supports they may be
-        /// twice as long.
+        /// ooze is hidden, or prime by ooze_prime.
         max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
         /// Length of filament pushed forward after a hidden travel longer than
         /// max_unretracted, instead of a retraction; 0 retracts.

@@ -81,11 +81,6 @@ impl<'a> Obstacles<'a> {
         }
     }
 
-    /// The layer's beads, in print order.
-    pub(super) fn beads(&self) -> &'a [Bead] {
-        self.beads
-    }
-
     /// True if every part of the way through `points` lies over sparse infill,
     /// except for a line's width at either end. It is true for no points, and
     /// for one point over sparse infill.
@@ -137,13 +132,32 @@ impl<'a> Obstacles<'a> {
     }
 
     fn grid(&self, wanted: impl Fn(&Bead) -> bool) -> EdgeGrid {
-        let segments = self
-            .beads
-            .iter()
-            .enumerate()
-            .filter(|(_, b)| wanted(b))
-            .flat_map(|(i, b)| b.segments().map(move |s| (i, s)));
-        EdgeGrid::of(segments, CELL)
+        self.grid_of(|bead, _| wanted(bead))
+    }
+
+    /// A grid of those segments of beads that are wanted.
+    fn grid_of(
+        &self,
+        wanted: impl Fn(&Bead, (DVec2, DVec2)) -> bool,
+    ) -> EdgeGrid {
+        let all = self.beads.iter().enumerate();
+        let segments =
+            all.flat_map(|(i, b)| b.segments().map(move |s| (i, b, s)));
+        let wanted = segments.filter(|(_, bead, s)| wanted(bead, *s));
+        EdgeGrid::of(wanted.map(|(i, _, s)| (i, s)), CELL)
+    }
+
+    /// True if a piece of a bead stays in sight: if it is of top skin, or if the
+    /// layer above does not cover its middle. Sparse infill that nothing covers
+    /// is left open on purpose.
+    fn is_top(&self, bead: &Bead, (a, b): (DVec2, DVec2)) -> bool {
+        let bare = || match self.ground.above {
+            Some(above) if std::ptr::eq(above, self.ground.outline) => false,
+            Some(above) => !above.grid().contains(a.midpoint(b)),
+            None => true,
+        };
+        bead.role == Role::TopSkin
+            || bead.role.is_part() && bead.role != Role::SparseInfill && bare()
     }
 
     /// True if the way through `points` leaves the part, or touches its
@@ -224,19 +238,23 @@ impl<'a> Obstacles<'a> {
             .any(|p| !grid.crossings(p[0], p[1]).is_empty())
     }
 
-    /// True if the way passes over a top skin printed before the `next`th bead.
-    /// The bead from which the way comes does not count.
-    pub(super) fn top_skin(&self, points: &[DVec2], next: usize) -> bool {
-        let grid = self
-            .tops
-            .get_or_init(|| self.grid(|b| b.role == Role::TopSkin));
-        points.windows(2).any(|p| {
-            let mut over = false;
-            grid.visit_near(p[0], p[1], NEAR * self.width, |i| {
-                over |= i + 1 < next;
-            });
-            over
-        })
+    /// True if the way passes over what stays in sight and was printed before the
+    /// `next`th bead. The bead from which the way comes does not count where the way
+    /// leaves it.
+    pub(super) fn top(&self, points: &[DVec2], next: usize) -> bool {
+        let tops = || self.grid_of(|bead, s| self.is_top(bead, s));
+        let grid = self.tops.get_or_init(tops);
+        let meets = |points: &[DVec2], counts: &dyn Fn(usize) -> bool| {
+            points.windows(2).any(|p| {
+                let mut over = false;
+                grid.visit_near(p[0], p[1], NEAR * self.width, |i| {
+                    over |= counts(i);
+                });
+                over
+            })
+        };
+        let [_, left] = parted(points.iter().copied(), 2.0 * self.width);
+        meets(points, &|i| i + 1 < next) || meets(&left, &|i| i + 1 == next)
     }
 }
 

@@ -24,7 +24,7 @@ mod wipe;
 
 use crate::bead::Bead;
 use crate::layers::LayerSpan;
-use crate::plane::{Area, Solid};
+use crate::plane::Solid;
 use crate::seam::ending::Ended;
 use crate::settings::Settings;
 use crate::units::Mm;
@@ -124,14 +124,10 @@ pub(crate) struct Ground<'a> {
     pub outline: &'a Solid<'a>,
     /// Where the layer has sparse infill.
     pub sparse: &'a Solid<'a>,
-    /// Where the layer has supports; ooze does not matter there.
-    pub support: Option<&'a Solid<'a>>,
-    /// The outline of the layer below, if there is one.
-    pub below: Option<&'a Solid<'a>>,
     /// Depth below the outline at which the walls end.
     pub border: Mm,
     /// The outline of the layer above, if there is one.
-    pub above: Option<&'a Area>,
+    pub above: Option<&'a Solid<'a>>,
 }
 
 /// Connects the beads of a layer. `from` is where the head stands, in the

@@ -4,9 +4,8 @@
 //! The first of these ways that will do is taken:
 //!
 //! 1. straight, if the way is too short for a retraction, or hidden;
-//! 2. from support to support, straight over the part where this layer will cover
-//!    what oozes, or else round the part; so too from one of many supports to the
-//!    part's first bead;
+//! 2. straight and retracted, from a support or a skirt: beside the part a string
+//!    would stay in the air, and over the part a blob;
 //! 3. over sparse infill, which hides the way;
 //! 4. inside the island, round its holes and notches, if the straight way leads
 //!    over what shows;
@@ -17,9 +16,8 @@ use super::comb::Comb;
 use super::decide::Obstacles;
 use super::{Ground, Travel, gate, of_part, wipe};
 use crate::bead::Bead;
-use crate::order::apart;
 use crate::plane::clip::intersection;
-use crate::plane::{Area, Solid, path_length};
+use crate::plane::{Solid, path_length};
 use crate::settings::{Combing, Hidden, HopWhen, Settings};
 use crate::units::Mm;
 use glam::DVec2;
@@ -34,16 +32,6 @@ const OFF_BORDER: f64 = 0.25;
 /// travels, unless a setting says otherwise. Solid parts have more infill,
 /// lattices less: in lattices nearly all travels lead through walls.
 const MUCH_INFILL: f64 = 0.25;
-
-/// How long a travel between supports may be, as a multiple of the setting
-/// `retract.max_unretracted`. What oozes there is broken off with the supports,
-/// and what is missing then is missing in a support.
-const BETWEEN_SUPPORTS: f64 = 2.0;
-
-/// An underside may get what oozes on a way across it if it is no wider than so
-/// many lines. It is the underside of the outermost walls then, which is rough beside
-/// supports anyway.
-const UNDERSIDE: f64 = 2.0;
 
 /// What hides travels in a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,8 +62,6 @@ impl Cover {
 /// Finds the travels of a layer.
 pub(super) struct Planner<'a> {
     ground: Ground<'a>,
-    /// Number of beads that are printed before the layer's first one of the part.
-    before_part: usize,
     obstacles: Obstacles<'a>,
     comb: Comb<'a>,
     /// Ways over sparse infill.
@@ -83,8 +69,6 @@ pub(super) struct Planner<'a> {
     /// Ways over what the next layer covers, made when a way leads over top
     /// skin.
     covered: OnceCell<Comb<'a>>,
-    /// Ways beside the part.
-    beside: OnceCell<Comb<'a>>,
     /// How far travels keep from the outline where they can. At this distance a
     /// travel is inside all walls.
     clearance: Mm,
@@ -100,15 +84,12 @@ impl<'a> Planner<'a> {
         settings: &'a Settings,
     ) -> Planner<'a> {
         let clearance = ground.border.max(settings.outer_wall_width());
-        let first = beads.iter().position(of_part);
         Planner {
             ground,
-            before_part: first.unwrap_or(beads.len()),
             obstacles: Obstacles::new(beads, ground, settings),
             comb: Comb::new(Cow::Borrowed(ground.outline), clearance),
             sparse: OnceCell::new(),
             covered: OnceCell::new(),
-            beside: OnceCell::new(),
             clearance,
             cover: Cover::new(&ground, settings),
             settings,
@@ -126,7 +107,7 @@ impl<'a> Planner<'a> {
     ) -> Travel {
         let settings = self.settings;
         if a.distance(b) < settings.retract.min_travel {
-            return Travel::straight(b, false);
+            return self.short(a, b, before, next);
         }
         let mut travel = self.way(a, b, before, next);
         if !travel.retract {
@@ -145,6 +126,30 @@ impl<'a> Planner<'a> {
         travel
     }
 
+    /// The travel to a place that is too near for a retraction. It goes round what
+    /// shows, unless the way round leads through the air as well.
+    fn short(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        before: Option<&Bead>,
+        next: usize,
+    ) -> Travel {
+        let straight = Travel::straight(b, false);
+        if !self.is_in_the_way(&[a, b], next) {
+            return straight;
+        }
+        let round = self.way(a, b, before, next).points;
+        let way: Vec<DVec2> = [a].into_iter().chain(round).collect();
+        if self.obstacles.air(&way) {
+            return straight;
+        }
+        Travel {
+            points: way[1..].to_vec(),
+            ..straight
+        }
+    }
+
     fn way(
         &self,
         a: DVec2,
@@ -152,16 +157,9 @@ impl<'a> Planner<'a> {
         before: Option<&Bead>,
         next: usize,
     ) -> Travel {
-        if let Some(way) = self.between_supports(a, b, before, next) {
-            return Travel {
-                points: way[1..].to_vec(),
-                ..Travel::default()
-            };
-        }
         let inside = before.is_some_and(of_part);
         if !inside && !self.ground.outline.grid().contains(a) {
-            let retract = !self.hidden_way_in(a, b, next);
-            return Travel::straight(b, retract);
+            return Travel::straight(b, true);
         }
         let direct = [a, b];
         if self.hidden(&direct, next) {
@@ -184,7 +182,7 @@ impl<'a> Planner<'a> {
         }
         // A travel that is retracted goes straight, unless the straight way
         // leads over what shows.
-        let in_the_way = self.shows(&direct, next);
+        let in_the_way = self.is_in_the_way(&direct, next);
         let may_hide =
             self.cover != Cover::Infill && self.settings.retract.when_crossing;
         if !in_the_way && !may_hide {
@@ -248,19 +246,19 @@ impl<'a> Planner<'a> {
             way
         };
         let way = with_ends(self.comb.way(a, b, longest)?);
-        let visible = || self.obstacles.top_skin(&way, next);
-        if self.settings.travel.combing == Combing::Everywhere || !visible() {
+        if !self.is_over_top(&way, next) {
             return Some(way);
         }
         let round = || {
             let above = self.ground.above?;
             let comb = self.covered.get_or_init(|| {
-                let area = intersection(self.ground.outline.area(), above);
+                let area =
+                    intersection(self.ground.outline.area(), above.area());
                 Comb::new(Cow::Owned(Solid::new(area)), self.clearance)
             });
             let round = with_ends(comb.way(a, b, longest)?);
             let good = path_length(&round, false) <= longest
-                && !self.obstacles.top_skin(&round, next);
+                && !self.is_over_top(&round, next);
             good.then_some(round)
         };
         Some(round().unwrap_or(way))
@@ -283,118 +281,17 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// True if a way leads out of the part or over an outer wall.
-    fn shows(&self, way: &[DVec2], next: usize) -> bool {
-        self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
+    /// True if a way leads over what shows: out of the part, over an outer wall, or
+    /// over top skin, unless combing allows that.
+    fn is_in_the_way(&self, way: &[DVec2], next: usize) -> bool {
+        let o = &self.obstacles;
+        o.air(way) || o.outer_wall(way, next) || self.is_over_top(way, next)
     }
 
-    /// The way from support to support, with both points, if there is one that is
-    /// not too long. A skirt is thrown away like a support.
-    fn between_supports(
-        &self,
-        a: DVec2,
-        b: DVec2,
-        before: Option<&Bead>,
-        next: usize,
-    ) -> Option<Vec<DVec2>> {
-        let retract = &self.settings.retract;
-        let support = self.ground.support.filter(|_| retract.when_crossing)?;
-        let support = support.grid();
-        let from = support.contains(a) || before.is_some_and(|b| !of_part(b));
-        let part = self.ground.outline.grid();
-        if !from || !support.contains(b) || part.contains(a) {
-            return None;
-        }
-        let longest = (BETWEEN_SUPPORTS * retract.max_unretracted)
-            .min(a.distance(b) + self.settings.travel.max_detour);
-        let mut way = vec![a];
-        if !part.crossings(a, b).is_empty()
-            && !self.is_covered_later(a, b, next)
-        {
-            let beside = self.beside.get_or_init(|| self.air());
-            way.extend(beside.way(a, b, longest)?);
-        }
-        way.push(b);
-        (path_length(&way, false) <= longest).then_some(way)
-    }
-
-    /// True if a way leads straight from supports to the part's first bead, hides
-    /// what oozes, and belongs to a layer with many supports that the part keeps
-    /// apart. Such layers retract on the way to their first support, and elsewhere
-    /// if they must.
-    fn hidden_way_in(&self, a: DVec2, b: DVec2, next: usize) -> bool {
-        let retract = &self.settings.retract;
-        let apart = || {
-            let beads = self.obstacles.beads()[..next].iter();
-            let supports = beads.filter(|bead| bead.role.is_support());
-            apart(self.ground.outline.area(), supports)
-        };
-        retract.when_crossing
-            && next == self.before_part
-            && a.distance(b) <= retract.max_unretracted
-            && self.is_covered_later(a, b, next)
-            && apart()
-    }
-
-    /// True if nothing of the part is printed yet in this layer, and the way
-    /// straight to the start of the `next`th bead leads over the part only where
-    /// this layer lies on the bed or on the layer below. What oozes there lies
-    /// between the two; on the bed it shows, as on every way inside a first layer.
-    /// Elsewhere it would be seen on a top of the layer below, or on an underside of
-    /// this one. Small supports that stand apart would else retract the same filament
-    /// again and again, which grinds it.
-    fn is_covered_later(&self, a: DVec2, b: DVec2, next: usize) -> bool {
-        if next > self.before_part {
-            return false;
-        }
-        let Some(below) = self.ground.below else {
-            return true;
-        };
-        let (here, below) = (self.ground.outline.grid(), below.grid());
-        let mut ends = here.crossings(a, b);
-        ends.extend(below.crossings(a, b));
-        ends.extend([0.0, 1.0]);
-        ends.sort_by(f64::total_cmp);
-        let way = a.distance(b);
-        let (mut tops, mut widest) = (0.0, 0.0_f64);
-        for ends in ends.windows(2) {
-            let middle = a.lerp(b, ends[0].midpoint(ends[1]));
-            let length = way * (ends[1] - ends[0]);
-            match (here.contains(middle), below.contains(middle)) {
-                (false, true) => tops += length,
-                (true, false) => widest = widest.max(length),
-                _ => {}
-            }
-        }
-        // Tops that are narrower than a line stay free: what oozes spans them.
-        let line = self.settings.outer_wall_width();
-        tops <= line && widest <= UNDERSIDE * line
-    }
-
-    /// Ways beside the part: inside a frame around the layer, in which the part
-    /// is a hole.
-    fn air(&self) -> Comb<'a> {
-        /// Room around the layer, mm.
-        const MARGIN: Mm = 5.0;
-        let outline = self.ground.outline.area();
-        let supports = self.ground.support.map(|s| s.area().bounds());
-        let all = outline.bounds();
-        let all = supports.map_or(all, |s| all.union(s)).grown(MARGIN);
-        let (low, high) = (all.min, all.max);
-        let frame = vec![
-            low,
-            DVec2::new(high.x, low.y),
-            high,
-            DVec2::new(low.x, high.y),
-        ];
-        let mut rings = vec![frame];
-        rings.extend(outline.rings.iter().map(|ring| {
-            let mut ring = ring.clone();
-            ring.reverse();
-            ring
-        }));
-        let air = Solid::new(Area { rings });
-        Comb::new(Cow::Owned(air), self.clearance)
+    /// True if a way leads over top skin and combing does not allow that.
+    fn is_over_top(&self, way: &[DVec2], next: usize) -> bool {
+        self.settings.travel.combing != Combing::Everywhere
+            && self.obstacles.top(way, next)
     }
 
     /// True if the ooze on a way is hidden, and the way crosses no wall.
@@ -412,7 +309,7 @@ impl<'a> Planner<'a> {
                     !o.air(way)
                         && !(retract.check_walls
                             && (o.outer_wall(way, next) || inner()))
-                        && !o.top_skin(way, next)
+                        && !o.top(way, next)
                 }
             }
     }
@@ -429,6 +326,6 @@ impl<'a> Planner<'a> {
         let mut way = vec![from];
         way.extend(points);
         let o = &self.obstacles;
-        o.air(&way) || o.wall(&way) || o.top_skin(&way, next)
+        o.air(&way) || o.wall(&way) || o.top(&way, next)
     }
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::bead::Role;
 use crate::bead::Stroke;
-use crate::plane::clip::{difference, union};
+use crate::plane::Area;
 use crate::plane::shapes::rect;
 use crate::region::wall_depths;
 use crate::settings::{Combing, Hidden, HopWhen};
@@ -94,13 +94,12 @@ impl Part {
     }
 
     fn on_ground<T>(&self, act: impl FnOnce(Ground<'_>) -> T) -> T {
+        let above = self.above.as_ref().map(|area| Solid::of(area, 1.0));
         act(Ground {
-            support: None,
-            below: None,
             outline: &Solid::of(&self.outline, 1.0),
             sparse: &Solid::of(&self.sparse, 1.0),
             border: wall_depths(0.2, &self.settings).1,
-            above: self.above.as_ref(),
+            above: above.as_ref(),
         })
     }
 
@@ -151,163 +150,97 @@ fn ways_of_no_point_and_of_one() {
     assert!(part.travels(vec![bead(Role::SparseInfill, &[])]).is_empty());
 }
 
-/// Two supports, one on each side of a part of 20 × 20 mm, are joined by a way
-/// round it that neither touches the part nor retracts. The layer below sticks out.
+/// A support beside the part, and what is printed after it: another support, or the
+/// part's first bead. A way that is no longer than a retraction is worth leaves no
+/// string to speak of. All others would leave one, however near to the part, and
+/// also where this layer covers most of the way.
 #[test]
-fn between_supports_the_way_leads_round_the_part() {
+fn from_a_support_every_way_is_retracted_that_is_long_enough() {
     let part = Part::square();
-    let outline = Solid::of(&part.outline, 1.0);
-    let bounds = part.outline.bounds();
-    let y = 10.0;
-    let support = |x: f64| rect(x - 1.0, y - 1.0, x + 1.0, y + 1.0);
-    let (left, right) = (bounds.min.x - 3.0, bounds.max.x + 3.0);
-    let both = union(&support(left), &support(right));
-    let both = Solid::new(both);
-    let wider = bounds.grown(1.0);
-    let wider = rect(wider.min.x, wider.min.y, wider.max.x, wider.max.y);
-    let wider = Solid::new(wider);
-    let way = |settings: &Settings| {
-        let bead = |x: f64| {
-            let points = vec![DVec2::new(x, y), DVec2::new(x, y + 0.5)];
-            let stroke = Stroke::new(points, false, 0.4);
-            Ended::from(Bead::new(Role::Support, stroke, 0.2))
+    let least = part.settings.retract.min_travel;
+    let travel = |role: Role, to: (f64, f64)| {
+        let support = bead(Role::Support, &[(-1.0, 4.0), (-1.0, 5.0)]);
+        let next = bead(role, &[to, (to.0, to.1 + 0.5)]);
+        let path = part.path(vec![support, next], DVec2::ZERO);
+        let [_, _, Move::Travel(travel), _] = &path.moves[..] else {
+            panic!("{path:?}");
         };
-        let ground = Ground {
-            support: Some(&both),
-            below: Some(&wider),
-            outline: &outline,
-            sparse: &Solid::new(Area::EMPTY),
-            border: 0.8,
-            above: None,
-        };
-        let beads = vec![bead(left), bead(right)];
-        let path = connect(SPAN, beads, ground, None, DVec2::ZERO, settings);
-        let mut travels = path.moves.into_iter().filter_map(|m| match m {
-            Move::Travel(travel) => Some(travel),
-            Move::Print(_) => None,
-        });
-        travels.next_back().unwrap()
+        travel.clone()
     };
-    let round = way(&part.settings);
-    assert!(!round.retract && round.points.len() > 1, "{round:?}");
-    let mut at = DVec2::new(left, y + 0.5);
-    for &to in &round.points {
-        assert!(outline.grid().crossings(at, to).is_empty(), "{at} {to}");
-        at = to;
+    use Role::{InnerWall, Support, SupportInterface};
+    for (role, x) in [
+        (Support, -1.0 - least),
+        (SupportInterface, -11.0),
+        (Support, 21.0),
+        (InnerWall, 0.6),
+        (InnerWall, 12.0),
+    ] {
+        let to = DVec2::new(x, 5.0);
+        let straight = Travel::straight(to, true);
+        assert_eq!(travel(role, (x, 5.0)), straight, "{role:?} {x}");
     }
-    assert_eq!(at, DVec2::new(right, y));
-    // A way that is too long retracts. So does each way where all travels do.
-    let mut settings = part.settings.clone();
-    settings.travel.max_detour = 1.0;
-    assert!(way(&settings).retract);
-    let mut settings = part.settings.clone();
-    settings.retract.when_crossing = false;
-    assert!(way(&settings).retract);
+    let near = (-1.0 - 0.9 * least, 5.0);
+    let straight = Travel::straight(near.into(), false);
+    assert_eq!(travel(Support, near), straight);
 }
 
-/// A square part of 20 mm lies between two supports, farther than a detour may
-/// lead. Before the part the nozzle goes straight from one to the other, and
-/// retracts where the way would lead over what the layer below shows.
+/// Whatever the least travel for a retraction is, ways go round a hole. Where they
+/// are too short for a retraction and no way leads round, they go straight.
 #[test]
-fn between_supports_the_way_leads_over_what_is_not_printed_yet() {
-    let part = Part::square().with(|s| s.travel.max_detour = 1.0);
-    let outline = Solid::of(&part.outline, 1.0);
-    let support = |x: f64| rect(x - 1.0, 9.0, x + 1.0, 12.0);
-    let both = Solid::new(union(&support(-3.0), &support(23.0)));
-    let line = |role: Role, x: f64| {
-        let points = vec![DVec2::new(x, 10.0), DVec2::new(x, 10.5)];
-        Ended::from(Bead::new(role, Stroke::new(points, false, 0.4), 0.2))
-    };
-    let retracts = |beads: Vec<Ended>, below: Option<Area>| {
-        let below = below.map(Solid::new);
-        let ground = Ground {
-            support: Some(&both),
-            below: below.as_ref(),
-            outline: &outline,
-            sparse: &Solid::new(Area::EMPTY),
-            border: 0.8,
-            above: None,
+fn the_way_round_does_not_depend_on_what_is_worth_a_retraction() {
+    for walls in [true, false] {
+        let way = |min_travel: f64| {
+            let mut part =
+                Part::ring().with(|s| s.retract.min_travel = min_travel);
+            if !walls {
+                part.walls.clear();
+                part.walls.push(bead(Role::OuterWall, &[(1.0, 1.0)]));
+            }
+            part.travel((7.0, 9.0), (13.0, 9.0))
         };
-        let s = &part.settings;
-        let path = connect(SPAN, beads, ground, None, DVec2::ZERO, s);
-        let mut travels = path.moves.into_iter().filter_map(|m| match m {
+        let [most, least] = [1.5, 100.0].map(way);
+        assert!(most.points.len() > 2, "{most:?}");
+        assert_eq!(least.points, most.points);
+        assert!(!least.retract);
+    }
+    let part = Part::new(&[[0.0, 0.0, 10.0, 8.0], [0.0, 9.0, 10.0, 17.0]])
+        .with(|s| s.retract.min_travel = 100.0);
+    let to = (8.0, 10.0);
+    let straight = Travel::straight(DVec2::from(to), false);
+    assert_eq!(part.travel((2.0, 7.0), to), straight);
+}
+
+/// A top skin of lines to and fro, and the way from its end back over it, or away
+/// from it. Whatever nothing covers is a top, too.
+#[test]
+fn what_stays_in_sight_is_crossed_with_a_retraction() {
+    let mut part = Part::square().with(|s| s.retract.hidden = Hidden::Covered);
+    part.walls.clear();
+    let lines = [(5.0, 5.0), (15.0, 5.0), (15.0, 5.4), (5.0, 5.4)];
+    let travel = |part: &Part, role: Role, to: (f64, f64)| {
+        let skin = bead(role, &lines);
+        let next = bead(Role::InternalSkin, &[to, (to.0, to.1 + 0.5)]);
+        let path = part.path(vec![skin, next], DVec2::ZERO);
+        let mut travels = path.moves.iter().filter_map(|step| match step {
             Move::Travel(travel) => Some(travel.retract),
             Move::Print(_) => None,
         });
         travels.next_back().unwrap()
     };
-    let [left, right] = [-3.0, 23.0].map(|x| line(Role::Support, x));
-    let supports = vec![left.clone(), right.clone()];
-    // The layer below is wider by a step on each side, and both steps together are
-    // tops that are narrower than a line, or it is narrower, and each step is an
-    // underside of up to two lines.
-    let width = part.settings.outer_wall_width();
-    let retracts_over = |wider: f64| {
-        let below = rect(-wider, 0.0, 20.0 + wider, 20.0);
-        retracts(supports.clone(), Some(below))
-    };
-    assert_eq!(
-        [0.0, 0.45, 0.55, 2.0].map(|n| retracts_over(n * width)),
-        [false, false, true, true]
-    );
-    assert_eq!(
-        [0.45, 0.9, 1.9, 2.1].map(|n| retracts_over(-n * width)),
-        [false, false, false, true]
-    );
-    // The first layer covers the bed as far as it reaches.
-    assert!(!retracts(supports, None));
-    let below = || Some(rect(0.0, 0.0, 20.0, 20.0));
-    // What is printed already is crossed with a retraction.
-    let wall = line(Role::OuterWall, 19.0);
-    let beads = vec![wall, left.clone(), right.clone()];
-    assert!(retracts(beads, below()));
-    // A skirt is as good as a support.
-    let skirt = line(Role::Skirt, -6.0);
-    assert!(!retracts(vec![skirt, left], None));
-    let wall = line(Role::OuterWall, 19.0);
-    assert!(retracts(vec![wall, right], below()));
-}
-
-/// Supports beside a plate and in two of its holes. From the last one the nozzle
-/// goes to the plate's first bead.
-#[test]
-fn from_many_supports_the_way_leads_into_the_part_without_a_retraction() {
-    let settings = Settings::default();
-    let plate = rect(0.0, 0.0, 40.0, 10.0);
-    let hole = |x: f64| rect(x - 1.5, 3.0, x + 1.5, 8.0);
-    let pierced = difference(&plate, &union(&hole(5.5), &hole(21.5)));
-    let outline = Solid::of(&pierced, 1.0);
-    let at = [-3.0, 5.5, 21.5];
-    let support = at.map(|x| rect(x - 1.0, 4.0, x + 1.0, 7.0));
-    let support = Solid::new(support.into_iter().collect());
-    let line = |role: Role, x: f64| {
-        let points = vec![DVec2::new(x, 5.0), DVec2::new(x, 5.5)];
-        Ended::from(Bead::new(role, Stroke::new(points, false, 0.4), 0.2))
-    };
-    let retracts = |at: &[f64], to: f64, below: &Area| {
-        let below = Solid::new(below.clone());
-        let ground = Ground {
-            support: Some(&support),
-            below: Some(&below),
-            outline: &outline,
-            sparse: &Solid::new(Area::EMPTY),
-            border: 0.8,
-            above: None,
-        };
-        let mut beads: Vec<Ended> =
-            at.iter().map(|&x| line(Role::Support, x)).collect();
-        beads.push(line(Role::InnerWall, to));
-        let path = connect(SPAN, beads, ground, None, DVec2::ZERO, &settings);
-        let mut travels = path.moves.into_iter().filter_map(|m| match m {
-            Move::Travel(travel) => Some(travel.retract),
-            Move::Print(_) => None,
-        });
-        travels.next_back().unwrap()
-    };
-    assert!(!retracts(&at, 25.0, &pierced));
-    // From two places, and over a top of the layer below.
-    assert!(retracts(&at[1..], 25.0, &pierced));
-    assert!(retracts(&at, 25.0, &plate));
+    let (back, away) = ((13.0, 4.0), (5.0, 9.0));
+    let covered = Some(part.outline.clone());
+    for (above, role, retracts) in [
+        (&covered, Role::TopSkin, true),
+        (&covered, Role::InternalSkin, false),
+        (&None, Role::InternalSkin, true),
+        (&None, Role::SparseInfill, false),
+    ] {
+        part.above.clone_from(above);
+        assert_eq!(travel(&part, role, back), retracts, "{role:?}");
+        assert!(!travel(&part, role, away), "{role:?}");
+    }
+    let part = part.with(|s| s.travel.combing = Combing::Off);
+    assert!(travel(&part, Role::TopSkin, back));
 }
 
 #[test]
@@ -492,7 +425,7 @@ fn a_layer_with_little_infill_hides_travels_inside_its_outer_walls() {
             settings: part.settings.clone(),
             outline: part.outline.clone(),
             sparse: part.sparse.clone(),
-            above: None,
+            above: Some(part.outline.clone()),
             walls: part.walls.clone(),
         };
         part.settings.retract.hidden = hidden;

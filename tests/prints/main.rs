@@ -16,6 +16,7 @@ mod hanging;
 mod interlock;
 mod internal_bridges;
 mod invariants;
+mod joints;
 mod one_by_one;
 mod overhangs;
 mod plates;

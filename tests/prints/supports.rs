@@ -2,7 +2,7 @@
 
 use crate::common;
 use crate::common::{
-    SUPPORT, SUPPORT_INTERFACE, formula, parse, settings, slice,
+    Kind, SUPPORT, SUPPORT_INTERFACE, formula, parse, settings, slice,
 };
 use glam::DVec2;
 use isoslice::pipeline::{self, Options, SliceError, Summary};
@@ -21,6 +21,37 @@ const CHALICE: &str = "max(max(abs(x), abs(y)) - 4 - max(0, min(z - 8, 6)), \
 fn run(text: &str, set: &[&str]) -> (String, Summary) {
     let settings = settings(&[&COARSE, set].concat());
     slice(&formula(text, &settings), &settings, 2)
+}
+
+/// Ways from support to support leave no strings: what is not retracted in the air
+/// beside the part, 3 mm a layer at most, and 2 mm at once.
+#[test]
+fn supports_are_not_strung_together() {
+    let posts = "min(min(max(abs(abs(x) - 10) - 1.5, max(abs(y) - 1.5, \
+                 abs(z - 4) - 4)), max(max(abs(x) - 17, abs(y) - 8), \
+                 abs(z - 9) - 1)), max(max(abs(x) - 3, abs(y) - 3), \
+                 abs(z - 5) - 5))";
+    for part in [TEE, posts] {
+        let (gcode, _) = run(part, &["supports=auto", "layer_height=0.3"]);
+        let of_support =
+            |role: &str| [SUPPORT, SUPPORT_INTERFACE].contains(&role);
+        let layers = parse(&gcode);
+        let (mut all, mut ways) = (0.0, 0);
+        let mut role = "";
+        for layer in &layers {
+            for step in &layer.moves {
+                let string = step.kind == Kind::Travel && step.back == 0.0;
+                if string && of_support(role) {
+                    assert!(step.length() < 2.0, "line {}", step.line);
+                    (all, ways) = (all + step.length(), ways + 1);
+                }
+                if step.kind == Kind::Print {
+                    role = step.role;
+                }
+            }
+        }
+        assert!(ways > 0 && all < 3.0 * layers.len() as f64, "{all}");
+    }
 }
 
 /// Ends of what supports print, from the middle of the part, by layer.

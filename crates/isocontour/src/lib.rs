@@ -85,7 +85,7 @@ pub use contour::{Detail, Outline, Phase, outlines, outlines_in_phases};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES, expand, expand_with};
 pub use field::{
     Batch, Bound, Field, FieldError, Grid, Hit, LEAF, Lattice, Leaf, NODES,
-    SLAB, Sampler, Sight, Visit,
+    SLAB, Sampler, Sight, Visit, apart,
 };
 pub use lean::{Lean, LeanError, LeanOptions, lean};
 pub use plane::{Area, Rect, Ring};

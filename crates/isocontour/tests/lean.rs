@@ -91,6 +91,57 @@ fn level_faces_are_found_and_make_nothing_level() {
     assert_eq!(found.unproved, 0.0);
 }
 
+/// A step, of which the upper body stands on the lower one, whose lower half is
+/// a body of its own.
+#[test]
+fn level_faces_that_two_bodies_share_are_none() {
+    let [x, y, z] = axes();
+    let prism = |half: f32, low: f32, high: f32| {
+        let side = x.abs().max(y.abs()) - half;
+        side.max(low - z.clone()).max(z.clone() - high)
+    };
+    let body = prism(5.0, 0.0, 1.0)
+        .min(prism(5.0, 1.0, 2.0))
+        .min(prism(3.0, 2.0, 3.0));
+    let found = look(
+        &body,
+        DVec3::new(-5.0, -5.0, 0.0),
+        DVec3::new(5.0, 5.0, 3.0),
+        0.3,
+    );
+    let inner = |f: &&f64| **f > 0.01 && **f < 2.99;
+    let faces: Vec<&f64> = found.faces.iter().filter(inner).collect();
+    assert_eq!(faces.len(), 1, "{:?}", found.faces);
+    assert!((faces[0] - 2.0).abs() < 1e-6);
+    assert!(found.most_level.iter().all(|m| *m == 0.3), "{found:?}");
+    assert_eq!(found.unproved, 0.0);
+}
+
+/// The share of a part's work that one of its pieces gets suffices for a cut
+/// all across the piece.
+#[test]
+fn a_cut_takes_little_work() {
+    let [x, y, z] = axes();
+    let side = (x.abs() - 6.0).max(y.abs() - 5.0);
+    let block = side.max((z.clone() - 3.0).abs() - 3.0);
+    let cut = z - 4.5;
+    let halves = block.max(cut.clone()).min(block.max(-cut));
+    let bounds = Bounds {
+        min: DVec3::new(-6.0, -5.0, 0.0),
+        max: DVec3::new(6.0, 5.0, 6.0),
+    };
+    let options = LeanOptions {
+        bin: 0.0125,
+        enough: 0.33,
+        most: 1.0,
+        tolerance: 0.005,
+        bins: (340, 380),
+        max_work: 1_900_000,
+    };
+    let found = lean(&halves, &bounds, &options, &Cancel::default()).unwrap();
+    assert_eq!((found.unproved, found.faces), (0.0, vec![]));
+}
+
 #[test]
 fn a_cone_is_alike_at_all_heights_but_its_tip() {
     let [x, y, z] = axes();

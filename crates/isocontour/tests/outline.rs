@@ -460,3 +460,162 @@ fn tips_of_lenses_reach_their_ends_at_any_accuracy() {
         }
     }
 }
+
+/// A prism of a square with the sides 2 `half`, from one height to another.
+fn prism(half: f32, low: f32, high: f32) -> Tree {
+    let (x, y, z) = Tree::axes();
+    let side = x.abs().max(y.abs()) - half;
+    side.max(low - z.clone()).max(z - high)
+}
+
+/// Content of an outline that has no faults.
+fn content(outline: &Outline) -> f64 {
+    assert_eq!((outline.forced_rings, outline.nan_samples), (0, 0));
+    let rings = outline.area.rings.iter();
+    rings.map(|r| isocontour::plane::signed_area(r)).sum()
+}
+
+/// The layer has what is just below its plane or just above it. Multiples of
+/// the fields have other roundings in the plane.
+#[test]
+fn planes_in_level_faces_have_what_is_above_or_below() {
+    for (level, factor) in [
+        (4.5, 1.0),
+        (4.7, 1.0),
+        (4.7, 1.1),
+        (128.9, 0.3),
+        (-0.1, 1e-3),
+    ] {
+        let part = |half: f32, low: f32, high: f32| {
+            prism(half, level + low, level + high) * factor
+        };
+        let (wide, narrow) = (part(5.0, -3.0, 0.0), part(3.0, 0.0, 3.0));
+        let whole = part(5.0, -3.0, 3.0);
+        let lid = part(3.0, 0.0, 9.0);
+        for (tree, expected) in [
+            (wide.min(narrow.clone()), 100.0),
+            (narrow.clone(), 36.0),
+            (part(3.0, -3.0, 0.0), 36.0),
+            // A pocket with its floor in the plane, and a cover of no
+            // thickness, which is what a difference leaves.
+            (whole.max(-lid), 100.0),
+            (part(3.0, 0.0, 3.0).max(-narrow), 0.0),
+        ] {
+            let z = [level - 0.2, level, level + 0.2].map(f64::from);
+            let outlines = slice_with(&tree, 6.0, &z);
+            let found = content(&outlines[1]);
+            assert!(
+                (found - expected).abs() < 0.01,
+                "{level} {factor}: {found} for {expected}"
+            );
+        }
+    }
+}
+
+/// Two halves of a ring that is thinner than the lattice's cells are wide.
+#[test]
+fn a_thin_ring_cut_in_two_keeps_the_layer_of_the_cut() {
+    let (x, y, z) = Tree::axes();
+    let ring = ((x.square() + y.square()).sqrt() - 5.0).abs() - 0.2;
+    let cut = z.clone() - 2.3;
+    let halves = ring.max(cut.clone()).min(ring.max(-cut));
+    let found = content(&spaced(&halves, 6.0, &[2.3], 0.5)[0]);
+    let exact = std::f64::consts::TAU * 5.0 * 0.4;
+    assert!((found - exact).abs() < 0.03, "{found} for {exact}");
+}
+
+/// Faces that are level only as the part is turned: what f32 makes of them is
+/// noise.
+#[test]
+fn level_faces_of_turned_bodies_are_seen_through_noise() {
+    let (x, y, z) = Tree::axes();
+    let (s, c) = (30.0_f32).to_radians().sin_cos();
+    let v = y.clone() * c + z.clone() * s;
+    let w = z.clone() * c - y.clone() * s;
+    let turned = v.clone() * s + w.clone() * c - 2.1;
+    let box_ = x.abs().max((v.clone() * c - w * s).abs()) - 4.0;
+    let body = box_.max(z.abs() - 5.0);
+    let halves = body.max(turned.clone()).min(body.max(-turned * 0.7));
+    let found = content(&slice_with(&halves, 5.0, &[2.1])[0]);
+    assert!((found - 64.0).abs() < 0.01, "{found}");
+}
+
+/// The border of what is below zero is followed, not a place where the field
+/// is zero.
+#[test]
+fn fields_that_are_zero_outside_end_where_they_are_negative() {
+    let (x, y, z) = Tree::axes();
+    let disc = (x.square() + y.square()).sqrt() - 3.03;
+    let zero = disc.min(0.0);
+    let within = prism(4.0, -2.0, 2.0);
+    let pi = std::f64::consts::PI;
+    let circle = pi * 3.03 * 3.03;
+    let cube = (x.clone() + 1.5).abs().max((y + 1.5).abs()).max(z.abs()) - 1.0;
+    for (tree, expected) in [
+        (zero.max(within.clone()), circle),
+        (cube.min(0.0), 4.0),
+        (-cube.clone().neg().max(0.0).square(), 4.0),
+        ((cube.clone() - cube.abs()) * 1e3, 4.0),
+        // A hole in which the field is zero.
+        (within.min(0.0).max(-(disc.max(0.0))), 64.0 - circle),
+    ] {
+        for height in [0.0, 0.3] {
+            let outline = &slice_with(&tree, 5.0, &[height])[0];
+            let found = content(outline);
+            assert!(
+                (found - expected).abs() < 0.02,
+                "{height}: {found} for {expected}"
+            );
+        }
+    }
+}
+
+/// Menger's sponge of two levels, by the usual loop over crosses that repeat.
+fn sponge(half: f32) -> Tree {
+    let axes: [Tree; 3] = Tree::axes().into();
+    let p = axes.map(|a| a / half);
+    let cube = |p: [Tree; 3]| p.map(|a| a.abs() - 1.0);
+    let max = |[a, b, c]: [Tree; 3]| a.max(b).max(c);
+    let mut sponge = max(cube(p.clone()));
+    let mut scale = 1.0;
+    for _ in 0..2 {
+        let r = p.clone().map(|a| {
+            let a = (a * scale).modulo(2.0) - 1.0;
+            (1.0 - a.abs() * 3.0).abs()
+        });
+        scale *= 3.0;
+        let [a, b, c] = r;
+        let bars = [a.max(b.clone()), b.max(c.clone()), c.max(a)];
+        let [a, b, c] = bars;
+        sponge = sponge.max((a.min(b).min(c) - 1.0) / scale);
+    }
+    sponge * half
+}
+
+/// The faces of all the sponge's holes, some of which lie on the planes at
+/// which the repetition jumps.
+#[test]
+fn layers_in_the_faces_of_a_sponge_have_what_is_above_or_below() {
+    const ACROSS: usize = 9;
+    let is_solid = |at: [usize; 3]| {
+        [1, 3].iter().all(|unit| {
+            let middle = |i: &&usize| **i / unit % 3 == 1;
+            at.iter().filter(middle).count() < 2
+        })
+    };
+    for half in [4.5_f32, 6.75, 5.0] {
+        let tree = sponge(half);
+        let cell = 2.0 * f64::from(half) / ACROSS as f64;
+        for k in 1..ACROSS {
+            let z = k as f64 * cell - f64::from(half);
+            let count = (0..ACROSS * ACROSS).filter(|n| {
+                let (i, j) = (n % ACROSS, n / ACROSS);
+                is_solid([i, j, k - 1]) || is_solid([i, j, k])
+            });
+            let exact = count.count() as f64 * cell * cell;
+            let outline = &slice_with(&tree, f64::from(half), &[z])[0];
+            let found = content(outline);
+            assert!((found - exact).abs() < 0.02, "{z}: {found} for {exact}");
+        }
+    }
+}

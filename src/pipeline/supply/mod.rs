@@ -216,7 +216,6 @@ impl<'a> Supply<'a> {
                 left_out: 0,
                 areas: bridges.then(|| areas.clone()),
                 sparse: Solid::new(areas.sparse),
-                support: stages.support_area(index).map(Solid::new),
                 support_top: stages.support_top(&layers[i].span),
                 under_support: stages
                     .on_which_supports_stand(&layers[i].span)

@@ -9,6 +9,7 @@
 //! saddle's pieces bend, and where the cell may hide something (`doubt`,
 //! `hidden`).
 
+use super::blind::{Blind, judge_planes};
 use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
 use super::edges::{Edge, Edges};
@@ -23,6 +24,7 @@ use crate::cells::{CASES, JOINED_5, JOINED_10, Place, bits};
 use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use crate::plane::Rect;
 use glam::DVec2;
+use std::ops::Range;
 
 /// Nodes of a leaf.
 const COUNT: usize = NODES * NODES;
@@ -90,6 +92,8 @@ pub(super) struct Marcher<'a> {
     precision: Precision,
     z: Vec<f32>,
     nan: Vec<usize>,
+    /// For each layer, why its plane is blind.
+    blind: Vec<Blind>,
     noise: Noise,
     edges: Edges,
     /// Where the outlines cross the edges.
@@ -114,6 +118,7 @@ impl<'a> Marcher<'a> {
             precision,
             z: z.iter().map(|&z| z as f32).collect(),
             nan: vec![0; z.len()],
+            blind: vec![Blind::NOT; z.len()],
             noise: Noise::new(precision.smallest),
             edges: Edges::default(),
             vertices: Vec::new(),
@@ -127,6 +132,32 @@ impl<'a> Marcher<'a> {
     /// For each layer the number of samples that were NaN.
     pub(super) fn nan_samples(&self) -> Vec<usize> {
         self.nan.clone()
+    }
+
+    /// Judges whether the planes of a batch's layers are blind, where layers
+    /// are needed. Only the reasons in `heeded` count.
+    pub(super) fn judge_planes(
+        &mut self,
+        batch: &mut Batch<'_>,
+        needed: &Range<usize>,
+        heeded: Blind,
+    ) -> Result<(), FieldError> {
+        if heeded == Blind::NOT {
+            return Ok(());
+        }
+        let (z, lattice) = (&self.z, self.lattice);
+        let scratch = &mut self.scratch;
+        let judged = judge_planes(batch, needed, z, lattice, scratch)?;
+        for (layer, blind) in judged {
+            let known = &mut self.blind[layer];
+            *known = known.or(blind.and(heeded));
+        }
+        Ok(())
+    }
+
+    /// Why the planes of the layers are blind, as far as they have been judged.
+    pub(super) fn blind(&self) -> &[Blind] {
+        &self.blind
     }
 
     /// Adds a batch's pieces of outline to the layers.

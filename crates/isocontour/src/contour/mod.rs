@@ -4,6 +4,9 @@
 //! outer rings counter-clockwise, holes clockwise, as polygons within
 //! `accuracy` of the field's zero set.
 //!
+//! Where a plane itself does not tell inside from outside (`blind`), what is
+//! just above it or just below it does.
+//!
 //! The lattice only finds the topology (`edges`, `march`). The vertices are
 //! then moved along their lattice edges onto f = 0 (`refine`), and the outline
 //! is followed between them where it bends or has a corner (`trace`). Some
@@ -26,6 +29,7 @@
 //! cells by convention. `march` visits sampled leaves only, and asks the field.
 //! field.
 
+mod blind;
 mod buckets;
 mod cut;
 mod divide;
@@ -44,6 +48,7 @@ mod untangle;
 use crate::Length;
 use crate::field::{Batch, Field, FieldError, LEAF, Leaf, NODES};
 use crate::plane::Area;
+use blind::Blind;
 use link::Chains;
 use march::{Marcher, Precision};
 use std::ops::Range;
@@ -119,6 +124,54 @@ pub fn outlines_in_phases(
     detail: Detail,
     begins: &mut dyn FnMut(Phase),
 ) -> Result<Vec<Outline>, FieldError> {
+    let [face, void, both] = [(true, false), (false, true), (true, true)]
+        .map(|(face, void)| Blind { face, void });
+    let mut found = look(field, z, needed, detail, both, begins)?;
+    // Other fields stand in for a field where it is blind. A look at what is
+    // above a face and below it may find that there is a void as well.
+    for blind in [face, void, both] {
+        let is_so = |k: &usize| found.blind[*k] == blind;
+        let layers: Vec<usize> = (0..z.len()).filter(is_so).collect();
+        if layers.is_empty() {
+            continue;
+        }
+        let mut stand_in = field;
+        if blind.face {
+            stand_in = stand_in.beside()?;
+        }
+        if blind.void {
+            stand_in = stand_in.without_zeros()?;
+        }
+        let heeded = if blind.void { Blind::NOT } else { void };
+        let z: Vec<Length> = layers.iter().map(|&k| z[k]).collect();
+        let again = look(stand_in, &z, &(0..z.len()), detail, heeded, begins)?;
+        let again = again.outlines.into_iter().zip(again.blind);
+        for (k, (outline, more)) in layers.into_iter().zip(again) {
+            found.outlines[k] = outline;
+            found.blind[k] = blind.or(more);
+        }
+    }
+    Ok(found.outlines)
+}
+
+/// What a look at some layers found.
+struct Found {
+    /// The layers' outlines. Those of blind planes are empty.
+    outlines: Vec<Outline>,
+    /// For each layer why its plane is blind.
+    blind: Vec<Blind>,
+}
+
+/// Looks at layers. Their planes are judged by whether they are blind for the
+/// reasons in `heeded`.
+fn look(
+    field: &Field,
+    z: &[Length],
+    needed: &Range<usize>,
+    detail: Detail,
+    heeded: Blind,
+    begins: &mut dyn FnMut(Phase),
+) -> Result<Found, FieldError> {
     let mut layers: Vec<Chains> = z.iter().map(|_| Chains::default()).collect();
     let precision = Precision {
         chord: CHORD_SHARE * detail.accuracy,
@@ -126,15 +179,20 @@ pub fn outlines_in_phases(
     };
     let mut marcher = Marcher::new(field.lattice(), z, precision);
     begins(Phase::Sampling);
-    field.slab(z, &mut |batch: Batch<'_>| {
+    field.slab(z, &mut |mut batch: Batch<'_>| {
         begins(Phase::Tracing);
+        marcher.judge_planes(&mut batch, needed, heeded)?;
+        let is_needed = |leaf: &Leaf| {
+            needed.contains(&leaf.layer)
+                && marcher.blind()[leaf.layer] == Blind::NOT
+        };
         let (mut leaves, mut values) = (Vec::new(), Vec::new());
-        if batch.leaves.iter().all(|leaf| needed.contains(&leaf.layer)) {
+        if batch.leaves.iter().all(is_needed) {
             marcher.march(batch, &mut layers)?;
         } else {
             let of_leaf = batch.values.chunks_exact(NODES * NODES);
             for (leaf, sampled) in batch.leaves.iter().zip(of_leaf) {
-                if needed.contains(&leaf.layer) {
+                if is_needed(leaf) {
                     leaves.push(*leaf);
                     values.extend_from_slice(sampled);
                 }
@@ -150,8 +208,15 @@ pub fn outlines_in_phases(
         Ok(())
     })?;
     marcher.finish()?;
+    let blind = marcher.blind().to_vec();
+    for (chains, blind) in layers.iter_mut().zip(&blind) {
+        if *blind != Blind::NOT {
+            *chains = Chains::default();
+        }
+    }
     begins(Phase::Closing);
-    close(field, z, detail, layers, marcher)
+    let outlines = close(field, z, detail, layers, marcher)?;
+    Ok(Found { outlines, blind })
 }
 
 /// Joins the layers' pieces into rings, sampling what is missing.

@@ -26,8 +26,10 @@ pub(super) struct Bracket {
     f_hi: f64,
     /// Field at the ends as it was found, for telling a jump from a root.
     ends: [f64; 2],
-    /// |f| at both ends of the whole edge, added up.
-    whole: f64,
+    /// The inside point before `lo`, and the field there.
+    before: [f64; 2],
+    /// |f| at both ends of the whole edge.
+    whole: [f64; 2],
     /// Distance from the inside node to the outside one.
     length: Length,
     /// The best estimate so far, and the estimate before it.
@@ -71,7 +73,8 @@ impl Bracket {
             f_lo: f64::from(f_inside),
             f_hi: f64::from(f_outside),
             ends: [f64::from(f_inside), f64::from(f_outside)],
-            whole: f64::from(f_inside).abs() + f64::from(f_outside).abs(),
+            before: [f64::NAN; 2],
+            whole: [f_inside, f_outside].map(|f| f64::from(f).abs()),
             length: inside.distance(outside),
             t: 0.0,
             from: 0.0,
@@ -90,20 +93,57 @@ impl Bracket {
     pub(super) fn jumps(&self) -> bool {
         let rest = self.ends[0].abs() + self.ends[1].abs();
         let open = (self.hi - self.lo) * self.length;
-        let falls = rest <= JUMP * self.whole;
+        let falls = rest <= JUMP * (self.whole[0] + self.whole[1]);
         // The field does not come down to zero, either, if a value is NaN.
         open < ARRIVED && !falls
+    }
+
+    /// If the field comes down to zero on the inside alone, moves the estimate
+    /// to the inside end, where the field's gradient says how the outline goes
+    /// on. Returns true if there is no such end, although the field jumps.
+    fn ends_in_a_jump(&mut self) -> bool {
+        if !self.jumps() {
+            return false;
+        }
+        let falls = self.ends[0].abs() <= JUMP * self.whole[0];
+        if falls {
+            self.t = self.lo;
+        }
+        !falls
     }
 
     /// Where the line through the bracket's ends is zero; the bracket's middle
     /// if the value at an end is NaN.
     fn estimate(&self) -> f64 {
+        if self.f_hi == f64::INFINITY {
+            return self.extrapolated();
+        }
         let t = self.lo
             + (self.hi - self.lo) * (self.f_lo / (self.f_lo - self.f_hi));
         if t.is_finite() && self.f_hi.is_finite() && self.f_lo.is_finite() {
             t.clamp(self.lo, self.hi)
         } else {
             0.5 * (self.lo + self.hi)
+        }
+    }
+
+    /// Where the line through the last two inside points is zero. If that is
+    /// the outside end, a place just before it. If the points do not tell, the
+    /// bracket's middle.
+    fn extrapolated(&self) -> f64 {
+        /// Distance within which two places are one, as a share of the bracket.
+        const SAME: f64 = 1e-3;
+        let [t, f] = self.before;
+        let rise = (self.ends[0] - f) / (self.lo - t);
+        let root = self.lo - self.ends[0] / rise;
+        let open = self.hi - self.lo;
+        let edge = self.hi - 0.5 * ARRIVED / self.length;
+        if (root - self.hi).abs() <= SAME * open && edge > self.lo {
+            edge
+        } else if root > self.lo && root < self.hi {
+            root
+        } else {
+            self.lo + 0.5 * open
         }
     }
 
@@ -134,6 +174,7 @@ impl Bracket {
         // field does not go down there.
         let falls = f.abs() <= 0.25 * end.abs();
         if f < 0.0 {
+            self.before = [self.lo, self.ends[0]];
             self.lo = self.t;
             self.f_lo = f;
             self.ends[0] = f;
@@ -212,9 +253,11 @@ pub(super) fn refine(
         }
     }
     let late = open.iter().map(|&i| i as usize);
+    let jumps: Vec<bool> =
+        late.clone().map(|i| brackets[i].ends_in_a_jump()).collect();
     slopes(brackets, z, sampler, scratch, late.clone());
-    for (i, &[_, dx, dy]) in late.zip(&scratch.slopes) {
-        gradients[i] = if brackets[i].jumps() {
+    for ((i, jumps), &[_, dx, dy]) in late.zip(jumps).zip(&scratch.slopes) {
+        gradients[i] = if jumps {
             DVec2::ZERO
         } else {
             DVec2::new(f64::from(dx), f64::from(dy))

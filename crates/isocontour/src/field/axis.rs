@@ -53,6 +53,8 @@ pub(super) struct Axis {
     groupings: [Grouping; 3],
     /// Nodes per millimetre if they are evenly spaced, or else 0.
     density: f64,
+    /// How far a box reaches beyond its last nodes.
+    beyond: fn(f32) -> f32,
     columns: Vec<Column>,
 }
 
@@ -74,28 +76,34 @@ pub(super) struct Scratch {
     slopes: Vec<[f32; 3]>,
 }
 
+/// The interval from one node to another, and some way beyond both.
+fn reach(
+    nodes: &[f32],
+    beyond: fn(f32) -> f32,
+    [lo, hi]: [usize; 2],
+) -> Interval {
+    let (lo, hi) = (nodes[lo], nodes[hi]);
+    Interval::new((lo - beyond(lo)).into(), (hi + beyond(hi)).into())
+}
+
 impl Axis {
     /// Evaluates the parts at the nodes; `nodes` must not be empty.
     pub(super) fn new(
         nodes: Vec<f32>,
         density: f64,
         groupings: [Grouping; 3],
+        beyond: fn(f32) -> f32,
         parts: &[VmFunction],
     ) -> Axis {
         let mut scratch = Scratch::default();
         let n = nodes.len();
+        let reach = |g: Grouping, b| reach(&nodes, beyond, g.ends(b, n));
         let columns = parts.iter().map(|f| {
             let mut slopes = Vec::new();
             scratch.slopes(f, &nodes, &mut slopes);
             let ranges = groupings.map(|g| {
                 (0..n.div_ceil(g.step))
-                    .map(|b| {
-                        let [lo, hi] = g.ends(b, n);
-                        range_of(
-                            f,
-                            Interval::new(nodes[lo].into(), nodes[hi].into()),
-                        )
-                    })
+                    .map(|b| range_of(f, reach(g, b)))
                     .collect()
             });
             Column {
@@ -109,14 +117,15 @@ impl Axis {
             nodes,
             groupings,
             density,
+            beyond,
             columns,
         }
     }
 
     /// Box `b`'s extent.
     pub(super) fn extent(&self, level: Level, b: usize) -> Interval {
-        let [lo, hi] = self.groupings[level as usize].ends(b, self.nodes.len());
-        Interval::new(self.nodes[lo].into(), self.nodes[hi].into())
+        let ends = self.groupings[level as usize].ends(b, self.nodes.len());
+        reach(&self.nodes, self.beyond, ends)
     }
 
     /// Range of a part over box `b`.

@@ -5,7 +5,8 @@ use super::expr::Expr;
 use super::split::{Axes, Split};
 use super::workspace::{Proof, Workspace};
 use super::{
-    Batch, Bound, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, bug,
+    Batch, Bound, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, apart,
+    bug,
 };
 use crate::cancel::Cancel;
 use crate::interval::Interval;
@@ -40,7 +41,8 @@ const IN_PLANE: [Grouping; 3] = [
     },
 ];
 
-/// Boxes along z. They reach from the first of their layers to the last.
+/// Boxes along z. They reach from just below the first of their layers to just
+/// above the last one, since a layer may be what is there.
 const UPWARDS: [Grouping; 3] = [
     Grouping {
         step: SLAB,
@@ -71,7 +73,7 @@ impl Plane {
     pub(super) fn new(split: Split, lattice: &Lattice) -> Plane {
         let density = 1.0 / lattice.spacing;
         let make = |nodes: &[f32], parts| {
-            Axis::new(nodes.to_vec(), density, IN_PLANE, parts)
+            Axis::new(nodes.to_vec(), density, IN_PLANE, |_| 0.0, parts)
         };
         Plane {
             x: make(&lattice.x, &split.parts[0]),
@@ -81,7 +83,7 @@ impl Plane {
     }
 
     fn layers(&self, z: &[f32]) -> Axis {
-        Axis::new(z.to_vec(), 0.0, UPWARDS, &self.split.parts[2])
+        Axis::new(z.to_vec(), 0.0, UPWARDS, apart, &self.split.parts[2])
     }
 
     fn cells(&self) -> [usize; 2] {

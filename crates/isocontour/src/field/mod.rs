@@ -51,6 +51,7 @@ use fidget::context::{Context, Tree};
 use fidget::eval::{Function, MathFunction};
 use fidget::vm::VmFunction;
 use split::Split;
+use std::sync::OnceLock;
 
 /// Cells along a leaf's side.
 pub const LEAF: usize = 8;
@@ -125,7 +126,7 @@ pub struct Leaf {
 }
 
 /// Evaluates the field at any points within one lattice cell of a batch of
-/// leaves, at the heights of their layers.
+/// leaves, at the heights of their layers or next to them ([`apart`]).
 pub trait Sampler {
     /// Writes field values at the points to `out`.
     ///
@@ -166,11 +167,27 @@ pub struct Batch<'a> {
 /// What a caller does with a batch.
 pub type Visit<'a> = dyn FnMut(Batch<'_>) -> Result<(), FieldError> + 'a;
 
+/// How far from a plane the field is asked where the plane itself does not tell
+/// inside from outside. The two heights differ by enough digits of `f32` for
+/// the roundings of an expression, and by too little to be seen in an outline:
+/// 10⁻⁴, or above 100 a millionth of the height.
+pub fn apart(z: f32) -> f32 {
+    (NEAR * z.abs()).max(APART)
+}
+
+const APART: f32 = 1e-4;
+const NEAR: f32 = 1e-6;
+
 /// A model's expression on a lattice over its box.
 pub struct Field {
+    tree: Tree,
     lattice: Lattice,
     engine: Engine,
     cancel: Cancel,
+    /// The fields that stand in for this one in planes in which it does not
+    /// tell inside from outside, once they have been asked for.
+    beside: OnceLock<Box<Field>>,
+    without_zeros: OnceLock<Box<Field>>,
 }
 
 impl Field {
@@ -185,11 +202,15 @@ impl Field {
         bounds: Rect,
         spacing: Length,
     ) -> Result<Field, FieldError> {
-        let lattice = Lattice::over(bounds, spacing)?;
         let tree = match depth {
             0.0 => tree.clone(),
             _ => tree.clone() + depth as f32,
         };
+        Field::on(tree, Lattice::over(bounds, spacing)?)
+    }
+
+    /// The field `tree` on a lattice.
+    fn on(tree: Tree, lattice: Lattice) -> Result<Field, FieldError> {
         let mut ctx = Context::new();
         let root = ctx.import(&tree);
         let root = blend::branched(&mut ctx, root);
@@ -200,10 +221,53 @@ impl Field {
         let plane = Plane::new(Split::new(&ctx, root)?, &lattice);
         let engine = Engine::new(plane)?;
         Ok(Field {
+            tree,
             lattice,
             engine,
             cancel: Cancel::NEVER,
+            beside: OnceLock::new(),
+            without_zeros: OnceLock::new(),
         })
+    }
+
+    /// The field that is negative where this one is just above the plane or
+    /// just below it.
+    ///
+    /// # Errors
+    /// If fidget refuses the expression, which is a bug.
+    pub(crate) fn beside(&self) -> Result<&Field, FieldError> {
+        self.other(&self.beside, |tree| {
+            let (x, y, z) = Tree::axes();
+            let apart = (z.abs() * NEAR).max(APART);
+            let at = |z: Tree| tree.remap_xyz(x.clone(), y.clone(), z);
+            at(z.clone() - apart.clone()).min(at(z + apart))
+        })
+    }
+
+    /// The field that is infinite where this one is 0.
+    ///
+    /// # Errors
+    /// If fidget refuses the expression, which is a bug.
+    pub(crate) fn without_zeros(&self) -> Result<&Field, FieldError> {
+        /// The square of this number is infinite.
+        const GREAT: f32 = 1e30;
+        self.other(&self.without_zeros, |tree| {
+            tree.clone() + tree.not() * GREAT * GREAT
+        })
+    }
+
+    /// The field that is kept in `place`. It is made when it is needed.
+    fn other<'a>(
+        &self,
+        place: &'a OnceLock<Box<Field>>,
+        make: impl Fn(&Tree) -> Tree,
+    ) -> Result<&'a Field, FieldError> {
+        if let Some(made) = place.get() {
+            return Ok(made);
+        }
+        let made = Field::on(make(&self.tree), self.lattice.clone())?;
+        let made = made.with_cancel(self.cancel.clone());
+        Ok(place.get_or_init(|| Box::new(made)))
     }
 
     /// Lets `cancel` stop work on the field.

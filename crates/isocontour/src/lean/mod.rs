@@ -26,8 +26,11 @@
 //! box's top and bottom it does not count: no layer that ends there is wrong by
 //! more than that.
 //!
+//! A level face that two bodies share does not show, and does not count.
+//!
 //! Not guaranteed: level faces smaller than some 0.1 mm may be missed as such.
-//! The bounds hold all the same, and then count the face as level.
+//! The bounds hold all the same, and then count the face as level. A ledge that
+//! is narrower than that, where two bodies share a face, may not count at all.
 
 mod slopes;
 
@@ -115,6 +118,12 @@ const DONE_BINS: f64 = 2.0;
 const THIN: Length = 0.02;
 /// Share of a bound that is slack.
 const SLACK: f64 = 0.04;
+/// How far above and below a level face it is asked what is solid, as a share
+/// of the height and of 1.
+const STEP: f64 = 1e-7;
+/// Width of a cell at the border of two bodies that share a level face, up to
+/// which the cell's corners tell whether the face shows in it.
+const NARROW: Length = 0.1;
 /// Distance below which two faces are one.
 const SAME: Length = 1e-5;
 
@@ -139,9 +148,11 @@ pub fn lean(
         bottom,
         found: vec![options.enough; count],
         faces: Vec::new(),
+        joints: Vec::new(),
         doubts: Vec::new(),
         margin: 1e-9 * (1.0 + bounds.size().max_element()),
         scratch: Scratch::sharp(),
+        aside: Scratch::sharp(),
     };
     let whole = Cell {
         lo: bounds.min.to_array(),
@@ -172,12 +183,17 @@ struct Search<'a> {
     bottom: Length,
     found: Vec<f64>,
     faces: Vec<Length>,
+    /// Heights of level faces that two bodies share, which are none of the
+    /// whole.
+    joints: Vec<Length>,
     /// Heights between which something was not proved, each with its bound.
     doubts: Vec<([Length; 2], f64)>,
     /// By how much a cell is looked at beyond its border. The surface may run
     /// along that border, and intervals are not rounded outwards.
     margin: Length,
     scratch: Scratch,
+    /// Memory for looks at other cells than the one that is looked at.
+    aside: Scratch,
 }
 
 /// A cell to be cut.
@@ -296,7 +312,7 @@ impl Search<'_> {
             hi: cell.hi.map(|v| v + self.margin),
         };
         let f = program.enclose(&seen, &mut self.scratch);
-        let outside = f.range.is_empty() || f.range.lo > 0.0;
+        let outside = f.range.is_empty() || f.range.lo >= 0.0;
         if outside || (f.range.hi < 0.0 && !f.range.nan) {
             return;
         }
@@ -359,20 +375,54 @@ impl Search<'_> {
                 return cell.width(2) <= self.options.tolerance
                     || !self.reaches(cell, program, surface);
             };
-            if self.faces.iter().any(|f| (f - z).abs() <= SAME) {
+            let is_in = |all: &[Length]| {
+                all.iter().any(|other| (other - z).abs() <= SAME)
+            };
+            if is_in(&self.faces) {
                 return true;
             }
             // The face is a part of f = 0 if f changes its sign there.
-            let step = 1e-7 * (1.0 + z.abs());
-            let [below, above] = [z - step, z + step].map(|z| {
+            let step = STEP * (1.0 + z.abs());
+            let [below, at, above] = [z - step, z, z + step].map(|z| {
                 program.beside(surface, [x, y, z], &mut self.scratch)[0]
             });
-            let real = (below < 0.0) != (above < 0.0);
-            if real {
+            if (below < 0.0) != (above < 0.0) {
                 self.faces.push(z);
+                return true;
             }
-            real
+            // Two bodies meet where f is negative on both sides of its zero.
+            let meet = at.abs() < 0.5 * below.max(above).abs();
+            if below < 0.0 && meet && !is_in(&self.joints) {
+                self.joints.push(z);
+            }
+            is_in(&self.joints) && self.is_joint(cell, program, z)
         })
+    }
+
+    /// True if f has one sign just below the height `z` and just above it, all
+    /// over a cell. That is proved only where both are inside. At the border a
+    /// cell that is narrower than [`NARROW`] is judged by its corners.
+    fn is_joint(&mut self, cell: &Cell, program: &Program, z: Length) -> bool {
+        let step = STEP * (1.0 + z.abs());
+        let sides = [z - step, z + step];
+        let before = self.aside.work;
+        let mut solid = sides.iter().all(|&z| {
+            let mut slab = *cell;
+            (slab.lo[2], slab.hi[2]) = (z, z);
+            let f = program.enclose(&slab, &mut self.aside).range;
+            f.hi < 0.0 && !f.nan
+        });
+        if !solid && cell.width(0).max(cell.width(1)) <= NARROW {
+            let corners = [cell.lo, cell.hi].map(|[x, y, _]| [x, y]);
+            solid = [0, 1, 2, 3].iter().all(|k| {
+                let (x, y) = (corners[k % 2][0], corners[k / 2][1]);
+                let [below, above] = sides
+                    .map(|z| program.value([x, y, z], &mut self.aside) < 0.0);
+                below == above
+            });
+        }
+        self.scratch.work += self.aside.work - before;
+        solid
     }
 
     /// True if a level surface may be in a cell although it has one sign at the
@@ -399,17 +449,21 @@ impl Search<'_> {
         surface: &Surface,
     ) -> Option<Length> {
         let [x, y, _] = cell.centre();
-        let mut side = |z: Length| {
-            program.beside(surface, [x, y, z], &mut self.scratch)[1] < 0.0
+        let mut at = |z: Length| {
+            program.beside(surface, [x, y, z], &mut self.scratch)[1]
         };
         let (mut lo, mut hi) = (cell.lo[2], cell.hi[2]);
-        let below = side(lo);
-        if side(hi) == below {
+        let ends = [at(lo), at(hi)];
+        if let Some(end) = ends.iter().position(|f| *f == 0.0) {
+            return Some([lo, hi][end]);
+        }
+        let [below, above] = ends.map(|f| f < 0.0);
+        if below == above {
             return None;
         }
         for _ in 0..60 {
             let middle = 0.5 * (lo + hi);
-            if side(middle) == below {
+            if (at(middle) < 0.0) == below {
                 lo = middle
             } else {
                 hi = middle
@@ -444,14 +498,16 @@ impl Search<'_> {
 
     fn finish(mut self, top: Length) -> Lean {
         self.faces.sort_by(f64::total_cmp);
+        let mut level = [self.faces.as_slice(), &self.joints].concat();
+        level.sort_by(f64::total_cmp);
         let tolerance = self.options.tolerance;
         let ends = [self.bottom, top];
         let mut unproved = vec![false; self.found.len()];
         for ([lo, hi], most) in std::mem::take(&mut self.doubts) {
             let beside =
                 |face: Length| lo >= face - tolerance && hi <= face + tolerance;
-            let at = self.faces.partition_point(|f| *f < lo - tolerance);
-            let mut near = self.faces[at..].iter().take(2).chain(&ends);
+            let at = level.partition_point(|f| *f < lo - tolerance);
+            let mut near = level[at..].iter().take(2).chain(&ends);
             if near.any(|f| beside(*f)) {
                 continue;
             }
