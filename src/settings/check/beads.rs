@@ -126,7 +126,7 @@ pub(super) fn widths(
 }
 
 fn layer_heights(s: &Settings) -> [(&'static str, Mm); 2] {
-    let key = if s.is_uniform() {
+    let key = if s.layer_height() >= s.thickest_layer() {
         "layer_height"
     } else {
         "layer_height_max"

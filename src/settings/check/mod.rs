@@ -330,7 +330,7 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
                 .to_owned(),
         ));
     }
-    let flat = s.bottom_layers().max(1);
+    let flat = s.layers_on_bed().max(1);
     let skirt = s.skirt.layers;
     if s.is_uniform() && s.skirt.loops > 0 && skirt > flat {
         return Err(conflict(
