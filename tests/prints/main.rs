@@ -18,6 +18,7 @@ mod internal_bridges;
 mod invariants;
 mod one_by_one;
 mod overhangs;
+mod pairs;
 mod plates;
 mod raft;
 mod relief;
