@@ -7,6 +7,7 @@ use super::jobs::{Job, print};
 use super::tour::{Stop, tour};
 use super::{Context, SEAM_REACH, sweep};
 use crate::bead::{Bead, Role};
+use crate::plane::signed_area;
 use crate::settings::{SeamRule, Settings, Varying, WallOrder};
 use crate::skin::{Fill, Patch};
 use glam::DVec2;
@@ -29,6 +30,7 @@ pub(super) fn print_island(
     // The nozzle is low while it prints these: nothing may be beside it yet.
     let mut sunk: Vec<(u32, Job)> = Vec::new();
     for mut group in island.loops {
+        group.walls.iter_mut().for_each(orient);
         let low = group.walls.extract_if(.., |wall| wall.sunk);
         sunk.extend(low.map(|wall| (0, Job::of(wall))));
         let mut inner_first = inner_first;
@@ -64,6 +66,25 @@ pub(super) fn print_island(
     }
     print(jobs, at, None, out);
     print_skin(island.skin, at, to, out);
+}
+
+/// True for an open outer wall that goes round, as one does that is open at a
+/// tip. Its ends are near each other, so that no way is saved by turning it
+/// round.
+fn goes_round(wall: &Bead) -> bool {
+    /// Share of the wall's length up to which its ends are near.
+    const NEAR: f64 = 0.25;
+    let ends = wall.points.first().zip(wall.points.last());
+    wall.role == Role::OuterWall
+        && !wall.closed
+        && ends.is_some_and(|(a, b)| a.distance(*b) <= NEAR * wall.length())
+}
+
+/// Lets a wall that goes round do so in one direction in all layers.
+fn orient(wall: &mut Bead) {
+    if goes_round(wall) && signed_area(&wall.points) < 0.0 {
+        wall.reverse();
+    }
 }
 
 /// Turns a bead round; a closed one begins where it did.
@@ -111,7 +132,9 @@ fn loop_job(
     }
     let job = match (anywhere, beside.as_slice()) {
         (true, _) => Job::rings(beside, leader),
-        (false, [one]) if !one.closed => Job::of(beside.swap_remove(0)),
+        (false, [one]) if !one.closed && !goes_round(one) => {
+            Job::of(beside.swap_remove(0))
+        }
         // A ring without a seam of its own may begin anywhere, too.
         (false, [one]) if one.role != Role::OuterWall => Job::rings(beside, 0),
         _ => Job::Fixed(beside),

@@ -33,7 +33,7 @@ pub(crate) use begin::begin_near;
 
 use crate::bead::{Bead, Role};
 use crate::plane::Area;
-use crate::seam::{Site, follow};
+use crate::seam::{Below, Ground, Site, follow};
 use crate::settings::Settings;
 use crate::skin::Patch;
 use crate::units::Mm;
@@ -100,6 +100,9 @@ pub(crate) struct Context<'a> {
     pub outline: &'a Area,
     /// What holds the layer's walls, unless all of them are held.
     pub support: Option<&'a Support<'a>>,
+    /// What holds the layer, if its outline differs from that of the layer
+    /// below.
+    pub ground: Option<Ground<'a>>,
 }
 
 impl Context<'_> {
@@ -134,7 +137,7 @@ pub(crate) fn order(
     let outline = context.outline;
     supports::print(first, outline, &mut head.at, &mut out);
     let mut islands = islands(outline, beads);
-    head.seams = place_seams(&mut islands, &head.seams);
+    head.seams = place_seams(&mut islands, &head.seams, context.ground);
     let mut stops = Vec::new();
     let mut left = Vec::new();
     for island in islands {
@@ -179,7 +182,11 @@ pub(crate) fn in_turn(
 }
 
 /// Rotates the outer walls to their seams, which are returned.
-fn place_seams(islands: &mut [Island], below: &[DVec2]) -> Vec<DVec2> {
+fn place_seams(
+    islands: &mut [Island],
+    below: &[DVec2],
+    ground: Option<Ground<'_>>,
+) -> Vec<DVec2> {
     let mut loops: Vec<&mut islands::Loop> =
         islands.iter_mut().flat_map(|i| &mut i.loops).collect();
     // For each loop the seam below that is nearest to it.
@@ -205,7 +212,9 @@ fn place_seams(islands: &mut [Island], below: &[DVec2]) -> Vec<DVec2> {
             continue;
         }
         let below = near.map(|n| n.1).filter(|_| group.site.follows);
-        let Some(seam) = follow(&group.site, &outer.points, below) else {
+        let below = below.map(Below::right);
+        let seam = follow(&group.site, &outer.points, below, ground);
+        let Some(seam) = seam else {
             continue;
         };
         seams.push(seam);
@@ -261,6 +270,7 @@ mod tests {
             number: 1,
             outline,
             support: None,
+            ground: None,
         }
     }
 
@@ -303,6 +313,7 @@ mod tests {
             at: Some(DVec2::new(x + 4.0, 4.0)),
             follows: true,
             corners: corners.iter().map(|c| *c + DVec2::X * x).collect(),
+            sharp: vec![DVec2::new(x + 4.0, 4.0)],
         };
         beads.sites = vec![site(0.0), site(20.0)];
         let mut head = Head {

@@ -126,11 +126,12 @@ impl<'a> Planned<'a> {
             .plan_supports(pool, self.spans, around, fills, room)
     }
 
-    /// Plans what needs all of the part at once. `base` is what the part's
-    /// stages were made of.
+    /// Plans what needs all of the part at once, for a run that makes the layers
+    /// from `first` on. `base` is what the part's stages were made of.
     fn plan(
         &mut self,
         base: &'a Base<'a>,
+        first: usize,
         pool: &ThreadPool,
     ) -> Result<(), SliceError> {
         let Base {
@@ -139,6 +140,7 @@ impl<'a> Planned<'a> {
         let (part, spans) = (self.part, self.spans);
         let settings = &part.settings;
         self.stages.plan_spiral(pool, spans)?;
+        self.stages.plan_guide(pool, spans, first)?;
         self.plan_supports(base, pool)?;
         let stages = &mut self.stages;
         stages.plan_raft(spans, around, raft_fills, part.room())?;
@@ -193,11 +195,17 @@ impl<'a> Job<'a> {
             return Err(SliceError::NoParts);
         };
         let layers = options.indices(spans)?;
+        let turns = plate.turns();
+        // Parts that are printed one by one are made whole, and a glimpse is
+        // not printed.
+        let first = match (&turns, options.glimpse) {
+            (None, None) => options.extent(layers.clone()).made.start,
+            _ => 0,
+        };
         for (planned, base) in parts.iter_mut().zip(bases) {
-            let made = planned.plan(base, pool);
+            let made = planned.plan(base, first, pool);
             made.map_err(|e| plate.named(base.part, e))?;
         }
-        let turns = plate.turns();
         let count = match &turns {
             Some(_) => {
                 let places = plate.shifts().into_iter();

@@ -8,6 +8,7 @@ use crate::plane::{Area, Solid};
 use crate::region::Walls;
 use crate::region::exposure::{FillAreas, Window};
 use crate::report::LayerFigures;
+use crate::seam::{Ground, Guide};
 use crate::skin::{Face, Faces};
 use crate::units::{Mm, Mm2};
 use std::collections::VecDeque;
@@ -107,6 +108,32 @@ impl Layer {
     /// What the layer above stands on.
     pub(super) fn top(&self) -> &Arc<Solid<'static>> {
         self.squeezed.as_ref().unwrap_or(&self.outline)
+    }
+
+    /// What holds the layer above the layer `below`, as far as seams care; none
+    /// if their outlines are equal, or if there is nothing below.
+    pub(super) fn ground<'l>(&'l self, below: &'l Layer) -> Option<Ground<'l>> {
+        let differs =
+            !self.same_outline(below) && *self.area() != *below.area();
+        (differs && !below.area().is_empty()).then(|| {
+            let below = below.top().grid();
+            Ground::new(self.outline.grid(), below, self.span.height())
+        })
+    }
+
+    /// Lets a guide look at the layer, which `ground` holds. The layer `above`
+    /// matters for the part's first layer.
+    pub(super) fn guide(
+        &self,
+        guide: &mut Guide,
+        ground: Option<Ground<'_>>,
+        above: Option<&Layer>,
+    ) {
+        let above = above.filter(|_| guide.is_first(self.span.index));
+        if let Some(above) = above {
+            guide.look(&above.span, &above.outline, above.ground(self));
+        }
+        guide.look(&self.span, &self.outline, ground);
     }
 
     /// Shares with the layer below whatever equals it.

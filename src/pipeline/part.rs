@@ -19,6 +19,7 @@ use crate::order::{self, Head, linked, order};
 use crate::plane::{Area, Solid};
 use crate::plate::Part;
 use crate::report::LayerFigures;
+use crate::seam::Guide;
 use crate::seam::ending::{Ended, cut, endings};
 use crate::settings::Settings;
 use crate::spiral::Spiral;
@@ -38,6 +39,8 @@ pub(super) struct PartOrder<'a> {
     /// The climbing wall, if there is one.
     spiral: Option<&'a Spiral<'a>>,
     head: Head,
+    /// Where seams come from that follow one another.
+    guide: Option<Guide>,
     /// Number of beads of the infill that are left out, since they stand on
     /// nothing.
     left_out: usize,
@@ -88,6 +91,7 @@ impl<'a> PartOrder<'a> {
             offset: part.model.offset.truncate(),
             spiral: stages.spiral.as_ref(),
             head: Head::default(),
+            guide: stages.guide.clone(),
             left_out: 0,
             layers,
             layer_count: spans.len(),
@@ -147,6 +151,7 @@ impl<'a> PartOrder<'a> {
         // A climbing wall leans on the turn below. A raft holds what is on it.
         let on_raft = index == self.settings.raft_layers();
         let below = below.filter(|_| !climbs && !on_raft);
+        let ground = below.and_then(|below| layer.ground(below));
         let below = below.filter(|below| !layer.same_outline(below));
         let below: Option<Arc<Solid<'static>>> =
             below.map(|below| below.top().clone());
@@ -155,11 +160,20 @@ impl<'a> PartOrder<'a> {
             Support::new(below, &layer.outline, self.settings)
         });
         let support = support.as_ref();
+        if let Some(guide) = self.guide.as_mut().filter(|_| !climbs) {
+            if guide.looks_at(index) {
+                layer.guide(guide, ground, ready.above.as_ref());
+            }
+            if self.head.seams.is_empty() {
+                self.head.seams = guide.seams(&layer.span);
+            }
+        }
         let ended = self.timings.time(Stage::Order, || {
             let context = order::Context {
                 number: index,
                 outline: layer.area(),
                 support,
+                ground,
             };
             let beads = order(beads, context, &mut self.head, self.settings);
             let beads = linked(beads, solid, self.settings);

@@ -2,19 +2,19 @@
 //!
 //! In: a layer's walls before any texture. Out: for each wall the places where
 //! its seam may be, as far as the layer alone tells ([`Site`]); the seam's
-//! place, given the seams of the layer below ([`follow`]); and how the wall
+//! place, given the seams of the layer below ([`follow()`]); and how the wall
 //! begins and ends there ([`ending`]).
 //!
 //! ```text
 //!      ╭──────╮      An aligned seam is in a concave corner (●), where it
 //!      │   ╭──╯      hides and stays from layer to layer; else in a convex
 //!      │   ●         one; else where the line from the middle to the back
-//!      ╰───┴──╮      (+y) leaves the ring.
+//!      ╰───┴──╮      (+y) leaves the ring. Of places alike, those over
+//!                    solid ground come first.
 //! ```
 //!
-//! A wall's site depends on its ring only. So where the layers below are not
-//! known, seams hardly jump. They jump only where they have followed a corner
-//! that the layer would not choose by itself.
+//! A wall's site depends on its ring only. Where the layers below are not
+//! known, a [`Guide`] says where seams come from.
 //!
 //! The walls are polygons that stand for curves. A seam lies on a smooth curve
 //! through the polygon's corners (`lowest`), so that it does not jump from one
@@ -22,43 +22,43 @@
 
 mod corners;
 pub(crate) mod ending;
+mod follow;
+mod guide;
 mod lowest;
 mod scarf;
 
 use crate::bead::{Bead, Role};
 use crate::model::Place;
 use crate::plane::along::point_at;
-use crate::plane::grid::{EdgeGrid, nearest_on};
+use crate::plane::grid::EdgeGrid;
 use crate::plane::path_length;
 use crate::random::{mix, share};
 use crate::settings::{SeamRule, Settings, Varying};
 use crate::units::Mm;
 use crate::vary::{Quantity, Surroundings, VaryError};
 use corners::Corners;
+pub(crate) use follow::{Below, Ground, follow};
 use glam::DVec2;
+pub(crate) use guide::Guide;
 use lowest::lowest;
 
 /// Where the seam of a wall may be.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Site {
-    /// Where the seam is if nothing is known of the layer below; none if it may
-    /// be anywhere.
+    /// Where the seam is if nothing is known of the layer below and nothing
+    /// hangs; none if it may be anywhere.
     pub at: Option<DVec2>,
     /// True if the seam follows the seam of the layer below.
     pub follows: bool,
     /// The corners that the seam may be in.
     pub corners: Vec<DVec2>,
+    /// Those that are about as sharp as the sharpest.
+    pub sharp: Vec<DVec2>,
 }
 
 /// The direction to the back. It points slightly to the right, so that rounding
 /// does not pick the end of a level edge.
 const BACK: DVec2 = DVec2::new(0.02, 1.0);
-/// Distance by which a corner may move for a seam to follow it, mm.
-const REACH: Mm = 2.0;
-/// By how much a seam that is not in a corner goes back to its own place
-/// from one layer to the next, mm.
-const PULL: Mm = 0.1;
-
 /// The rule for a run's seams.
 pub(crate) struct Seams<'a> {
     rule: Varying<SeamRule>,
@@ -85,6 +85,13 @@ impl<'a> Seams<'a> {
             around,
             accuracy: settings.accuracy,
         })
+    }
+
+    /// What follows the seams of a part whose first layer is `first`, if they
+    /// follow one another.
+    pub(crate) fn guide(&self, first: usize) -> Option<Guide> {
+        let aligned = self.rule == Varying::Constant(SeamRule::Aligned);
+        aligned.then(|| Guide::new(first, self.accuracy))
     }
 
     /// The sites of a layer's walls. `solid` is the layer's outline, and `z`
@@ -151,22 +158,20 @@ impl<'a> Seams<'a> {
 /// Where an aligned seam may be.
 fn aligned(ring: &[DVec2], accuracy: Mm) -> Site {
     let corners = Corners::new(ring, accuracy);
-    let mut sharp = corners.concave();
-    if sharp.is_empty() {
-        sharp = corners.convex();
+    let mut found = corners.concave();
+    if found.is_empty() {
+        found = corners.convex();
     }
-    // Of the corners about as sharp as the sharpest one, the rearmost is taken,
-    // so that the next layer takes it, too.
+    /// Share of the sharpest corner's turn from which others are as sharp.
     const ALIKE: f64 = 0.8;
-    let sharpest = sharp.iter().map(|c| c.turn).fold(0.0, f64::max);
-    let rearmost = sharp
-        .iter()
-        .filter(|c| c.turn >= ALIKE * sharpest)
-        .max_by(|a, b| BACK.dot(a.at).total_cmp(&BACK.dot(b.at)));
+    let sharpest = found.iter().map(|c| c.turn).fold(0.0, f64::max);
+    let sharp = found.iter().filter(|c| c.turn >= ALIKE * sharpest);
+    let sharp: Vec<DVec2> = sharp.map(|c| c.at).collect();
     Site {
-        at: rearmost.map(|c| c.at).or_else(|| behind(ring)),
+        at: sharp.first().copied().or_else(|| behind(ring)),
         follows: true,
-        corners: sharp.iter().map(|c| c.at).collect(),
+        corners: found.iter().map(|c| c.at).collect(),
+        sharp,
     }
 }
 
@@ -212,58 +217,6 @@ fn random(ring: &[DVec2], [layer, number]: [usize; 2]) -> Option<DVec2> {
 fn along(ring: &[DVec2], length: Mm) -> Option<DVec2> {
     let line = ring.iter().chain(ring.first()).copied();
     point_at(line, length).or(ring.first().copied())
-}
-
-/// Where the seam of a ring is, given the point of it nearest to the seam of
-/// the layer below, if there is one.
-pub(crate) fn follow(
-    site: &Site,
-    ring: &[DVec2],
-    below: Option<DVec2>,
-) -> Option<DVec2> {
-    let (Some(own), Some(below)) = (site.at, below) else {
-        return site.at.or(below);
-    };
-    let nearest = site
-        .corners
-        .iter()
-        .map(|c| (c.distance(below), *c))
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    match nearest {
-        Some((d, corner)) if d <= REACH => Some(corner),
-        Some(_) => Some(own),
-        None => toward(ring, below, own),
-    }
-}
-
-/// The point reached from `from` on the shorter way along the ring to `to`, at
-/// most [`PULL`] away.
-fn toward(ring: &[DVec2], from: DVec2, to: DVec2) -> Option<DVec2> {
-    if from.distance(to) <= PULL {
-        return Some(to);
-    }
-    let place = |p: DVec2| {
-        let mut length = 0.0;
-        let mut best = (f64::INFINITY, 0.0);
-        for (i, &a) in ring.iter().enumerate() {
-            let b = ring[(i + 1) % ring.len()];
-            let q = nearest_on(p, a, b);
-            let d = q.distance_squared(p);
-            if d < best.0 {
-                best = (d, length + a.distance(q));
-            }
-            length += a.distance(b);
-        }
-        (best.1, length)
-    };
-    let ((a, all), (b, _)) = (place(from), place(to));
-    let ahead = (b - a).rem_euclid(all);
-    let step = if ahead < 0.5 * all {
-        PULL.min(ahead)
-    } else {
-        -PULL.min(all - ahead)
-    };
-    along(ring, (a + step).rem_euclid(all))
 }
 
 #[cfg(test)]

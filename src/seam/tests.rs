@@ -1,5 +1,8 @@
+use super::follow::PULL;
 use super::*;
+use crate::layers::LayerSpan;
 use crate::plane::shapes::ring;
+use crate::plane::{Area, Solid};
 use std::f64::consts::TAU;
 
 const ACCURACY: f64 = 0.005;
@@ -87,13 +90,19 @@ fn concave_corners_come_first_and_the_middle_of_round_ones() {
     assert_eq!(site.corners.len(), 1, "{site:?}");
     let wanted = centre - 0.3 / 2.0_f64.sqrt();
     assert!(site.corners[0].distance(wanted) < 0.02, "{site:?}");
-    assert_eq!(site.at, Some(site.corners[0]));
+    assert_eq!(follow(&site, &l, None, None), Some(site.corners[0]));
     // Without a concave corner there are convex ones: the rearmost is taken, to
     // the right.
     let square = ring(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
     let site = aligned(&square, ACCURACY);
     assert_eq!(site.corners.len(), 4);
-    assert!(site.at.unwrap().distance(square[2]) < 1e-9);
+    let at = follow(&site, &square, None, None).unwrap();
+    assert!(at.distance(square[2]) < 1e-9);
+}
+
+/// The seam of a ring over a layer with its outline.
+fn next(site: &Site, ring: &[DVec2], below: DVec2) -> Option<DVec2> {
+    follow(site, ring, Some(Below::right(below)), None)
 }
 
 #[test]
@@ -101,26 +110,26 @@ fn seams_follow_their_corner_or_go_back_bit_by_bit() {
     let square = ring(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
     let site = aligned(&square, ACCURACY);
     let near = DVec2::new(0.0, 0.7);
-    assert!(follow(&site, &square, Some(near)).unwrap().length() < 1e-9);
+    assert!(next(&site, &square, near).unwrap().length() < 1e-9);
     // From the middle of a side the seam goes to a corner of its own layer.
     let far = DVec2::new(0.0, 4.0);
-    assert_eq!(follow(&site, &square, Some(far)), site.at);
+    assert_eq!(next(&site, &square, far), Some(square[2]));
     let ring = circle(DVec2::ZERO, 10.0, 0.3);
     let site = aligned(&ring, ACCURACY);
     let mut at = DVec2::new(10.0, 0.0);
     let mut steps = 0;
     while at.distance(site.at.unwrap()) > 1e-9 {
-        let next = follow(&site, &ring, Some(at)).unwrap();
+        let above = next(&site, &ring, at).unwrap();
         // The facets are the only error.
-        assert!(next.distance(at) < PULL + 0.02 && next.y > at.y - 0.01);
-        at = next;
+        assert!(above.distance(at) < PULL + 0.02 && above.y > at.y - 0.01);
+        at = above;
         steps += 1;
     }
     // The steps cover a quarter of the circle.
     assert!((150..165).contains(&steps), "{steps}");
-    assert_eq!(follow(&site, &ring, None), site.at);
-    assert_eq!(follow(&Site::default(), &ring, Some(at)), Some(at));
-    assert_eq!(follow(&Site::default(), &ring, None), None);
+    assert_eq!(follow(&site, &ring, None, None), site.at);
+    assert_eq!(next(&Site::default(), &ring, at), Some(at));
+    assert_eq!(follow(&Site::default(), &ring, None, None), None);
 }
 
 #[test]
@@ -132,4 +141,70 @@ fn random_seams_depend_on_layer_and_ring_alone() {
     assert!(at(7, 1).distance(at(7, 2)) > 1e-3);
     let mean = (0..2000).map(|k| at(k, 0)).sum::<DVec2>() / 2000.0;
     assert!(mean.length() < 0.6, "{mean}");
+}
+
+#[test]
+fn of_corners_alike_those_over_the_ground_are_taken() {
+    let square = ring(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
+    let site = aligned(&square, ACCURACY);
+    let moved = |by: DVec2| {
+        let ring: Vec<DVec2> = square.iter().map(|p| *p + by).collect();
+        Solid::new(Area::from(ring))
+    };
+    let here = moved(DVec2::ZERO);
+    let seam = |lean: DVec2, below: Option<usize>| {
+        let under = moved(-0.2 * lean);
+        let ground = Ground::new(here.grid(), under.grid(), 0.2);
+        let below = below.map(|corner| Below::right(square[corner]));
+        let at = follow(&site, &square, below, Some(ground)).unwrap();
+        square.iter().position(|p| p.distance(at) < 1e-9).unwrap()
+    };
+    // The rearmost one is to the right, if nothing hangs there.
+    assert_eq!(seam(DVec2::new(-1.0, 0.0), None), 2);
+    assert_eq!(seam(DVec2::new(1.0, 0.0), None), 3);
+    assert_eq!(seam(DVec2::new(1.0, 1.0), None), 0);
+    assert_eq!(seam(DVec2::new(0.05, 0.0), None), 2);
+    // A seam leaves its corner only for a good reason.
+    assert_eq!(seam(DVec2::new(0.2, 0.0), Some(1)), 1);
+    assert_eq!(seam(DVec2::new(0.5, 0.0), Some(1)), 3);
+    assert_eq!(seam(DVec2::new(0.5, 0.0), Some(0)), 0);
+}
+
+/// A guide that looks at few layers finds the corners that a seam follows from
+/// layer to layer.
+#[test]
+fn a_guide_knows_where_seams_have_gone() {
+    let corners = |layer: usize| -> Vec<DVec2> {
+        let turn = |k: u32| TAU * f64::from(k) / 5.0 + 0.02 * layer as f64;
+        (0..5).map(|k| 9.0 * DVec2::from_angle(turn(k))).collect()
+    };
+    let span = |index: usize| LayerSpan {
+        index,
+        bottom: 0.2 * index as f64,
+        top: 0.2 * (index + 1) as f64,
+    };
+    let mut guide = Guide::new(0, ACCURACY);
+    let mut at = None;
+    let mut looks = 0;
+    for index in 0..400 {
+        let ring = corners(index);
+        let site = aligned(&ring, ACCURACY);
+        at = follow(&site, &ring, at.map(Below::right), None);
+        let mut look = |index: usize| {
+            let solid = Solid::new(Area::from(corners(index)));
+            guide.look(&span(index), &solid, None);
+        };
+        if index == 0 {
+            look(1);
+        }
+        if index % 16 == 13 || index == 0 {
+            look(index);
+        }
+        looks += usize::from(guide.looks_at(index));
+        let [seam] = *guide.seams(&span(index)) else {
+            panic!("one ring has one seam");
+        };
+        assert!(seam.distance(at.unwrap()) < 1.5, "{index} {seam} {at:?}");
+    }
+    assert_eq!(looks, 1 + 400 / 16);
 }

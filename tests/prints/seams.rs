@@ -98,6 +98,101 @@ fn seams_of_round_parts_are_straight_lines() {
     assert_steady(oval, &[]);
 }
 
+/// A seam goes up with its corner, from block to block of layers.
+#[test]
+fn seams_follow_corners_that_wind_about_the_axis() {
+    let square = |w: f64| {
+        format!(
+            "max(abs(x*cos({w}*z) - y*sin({w}*z)), \
+             abs(x*sin({w}*z) + y*cos({w}*z))) - 8"
+        )
+    };
+    let tooth = "sqrt(x^2 + y^2) - 9 + abs(2*sin(3*atan2(y, x) + z/5))";
+    for (field, most) in
+        [(&*square(0.04), 0.25), (&*square(-0.07), 0.3), (tooth, 0.4)]
+    {
+        let text = format!("max({field}, abs(z - 30) - 30)");
+        let seams = only_begins(&layers(&text, &["accuracy=0.02"]));
+        assert_eq!(seams.len(), 300);
+        for (i, pair) in seams.windows(2).enumerate() {
+            let way = pair[0].distance(pair[1]);
+            assert!(way < most, "{field}: layer {i}: {way} at {pair:?}");
+        }
+    }
+}
+
+/// Of equal places, those that hang are left to those over solid ground.
+#[test]
+fn seams_lie_over_solid_ground() {
+    let box_at = |x: &str, y: &str| format!("max(abs({x}), abs({y})) - 8");
+    let round_at = |x: &str, y: &str| format!("sqrt(({x})^2 + ({y})^2) - 8");
+    for shape in [box_at, round_at] {
+        for k in 0..8 {
+            let lean = 1.3 * DVec2::from_angle(TAU * f64::from(k) / 8.0);
+            let field = shape(
+                &format!("x - ({})*z", lean.x),
+                &format!("y - ({})*z", lean.y),
+            );
+            let text = format!("max({field}, abs(z - 3) - 3)");
+            let all = layers(&text, &["accuracy=0.02"]);
+            let seams = only_begins(&all);
+            assert_eq!(seams.len(), 30);
+            for (layer, seam) in all.iter().zip(&seams) {
+                let middle = middle_of(layer, 0.0);
+                // How far the wall moves outwards there.
+                let out = match *seam - middle {
+                    p if field.starts_with("max") => {
+                        let [x, y] = p.abs().to_array();
+                        // Both sides of a corner count.
+                        let near = |a: f64, b: f64| a > b - 0.1;
+                        let x = f64::from(u8::from(near(x, y))) * p.x.signum();
+                        let y = f64::from(u8::from(near(y, p.x.abs())))
+                            * p.y.signum();
+                        (x * lean.x).max(y * lean.y)
+                    }
+                    p => p.normalize().dot(lean),
+                };
+                let least = if field.starts_with("max") && k % 2 == 0 {
+                    // Two sides stay where they are.
+                    1e-9
+                } else {
+                    // 17° from the upright.
+                    0.3
+                };
+                assert!(out < least, "{field} at {seam}: {out}");
+            }
+        }
+    }
+}
+
+/// A wall that is open at a tip goes round in one direction, whatever is printed
+/// inside of it.
+#[test]
+fn walls_open_at_a_tip_keep_their_direction() {
+    for side in ["x", "-x", "y", "-y"] {
+        let across = if side.ends_with('x') { "y" } else { "x" };
+        let wedge = format!("abs({across}) - 0.1*({side})");
+        let text = format!("max({wedge}, max({side} - 40, abs(z - 2) - 2))");
+        let settings = settings(&["sample_spacing=0.5", "skirt.loops=0"]);
+        let (gcode, _) = slice(&formula(&text, &settings), &settings, 2);
+        let all = parse(&gcode);
+        let skins = |l: &Layer| l.length("Solid infill") > 0.0;
+        assert!(all.iter().any(skins) && !all.iter().all(skins));
+        for layer in &all {
+            let wall = layer.prints().filter(|m| m.role == OUTER_WALL);
+            let twice: f64 =
+                wall.map(|m| m.ends().0.perp_dot(m.ends().1)).sum();
+            let middle = layer.prints().find(|m| m.role == OUTER_WALL);
+            let (first, last) = (middle.unwrap().ends().0, {
+                let all = layer.prints().filter(|m| m.role == OUTER_WALL);
+                all.last().unwrap().ends().1
+            });
+            assert!(first.distance(last) > 1.0, "{side}: the wall is open");
+            assert!(twice + last.perp_dot(first) > 0.0, "{side} {}", layer.z);
+        }
+    }
+}
+
 #[test]
 fn an_aligned_seam_is_in_the_concave_corner() {
     // A corner of a block cut out, up to (4, 3); turned, so that it is not

@@ -239,6 +239,21 @@ fn a_raft_under_a_tee() {
     assert_same_in_ranges(&model, &settings, &[2, 3, 4, 33]);
 }
 
+/// Seams have followed corners through the layers below, which a range does not
+/// make.
+#[test]
+fn seams_in_corners_that_wind_and_lean() {
+    let winds = "max(max(abs(x*cos(z/20) - y*sin(z/20)), \
+                 abs(x*sin(z/20) + y*cos(z/20))) - 5, abs(z - 30) - 30)";
+    let leans = "max(max(abs(x - z/2), abs(y + z/3)) - 5, abs(z - 30) - 30)";
+    for text in [winds, leans] {
+        let all = [&COARSE[..], &["accuracy=0.03", "raft.layers=1"]].concat();
+        let settings = common::settings(&all);
+        let model = common::formula(text, &settings);
+        assert_same_in_ranges(&model, &settings, &[128, 200, 256]);
+    }
+}
+
 /// What the layers below have told the machine, a range's head tells it.
 #[test]
 fn a_range_alone_has_its_fan_acceleration_and_speed() {

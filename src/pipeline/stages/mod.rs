@@ -9,12 +9,14 @@
 //! | `outlines` | outlines from the field |
 //! | `printed` | which layers print anything |
 //! | `spiral`, `support`, `skirt` | what is planned for all layers at once, and what a layer has of it |
+//! | `guide` | the seams below a run |
 //! | `inside` | walls and what they leave |
 //! | `beads` | all beads of a layer |
 //! | `bridges` | skin that replaces what lies over infill |
 
 mod beads;
 mod bridges;
+mod guide;
 mod inside;
 mod outlines;
 mod printed;
@@ -37,7 +39,7 @@ use crate::plane::Rect;
 use crate::region::compensate::Growth;
 use crate::region::exposure::Exposure;
 use crate::report::Gauge;
-use crate::seam::Seams;
+use crate::seam::{Guide, Seams};
 use crate::settings::{Settings, WallOffset};
 use crate::spiral::Spiral;
 use crate::timings::Timings;
@@ -58,6 +60,8 @@ pub(super) struct Stages<'a> {
     field: Field,
     wall_fields: WallFields,
     seams: Seams<'a>,
+    /// What follows the seams of the layers below the run's, if need be.
+    pub guide: Option<Guide>,
     fuzzy: Option<Fuzzy<'a>>,
     /// The skirt, if more layers than the first have it.
     skirt: Option<Skirt>,
@@ -107,6 +111,7 @@ impl<'a> Stages<'a> {
             field,
             wall_fields,
             seams: Seams::new(settings, around)?,
+            guide: None,
             fuzzy: Fuzzy::new(settings, around)?,
             skirt: None,
             support: None,
