@@ -162,7 +162,7 @@ mod walls;
 pub use bgcode::Unpacked;
 pub use gcode::{Format, FormatError, TemplateError};
 pub use gcode::{JoinError, Joined, Ranges};
-pub use gcode::{try_templates, understands_placeholder};
+pub use gcode::{settings_in_gcode, try_templates, understands_placeholder};
 pub use hang::{Hanging, Kind, Sum, Unsupported};
 pub use model::{Model, load, place};
 pub use pipeline::{Options, SliceError, Summary, slice, slice_plate};

@@ -62,8 +62,16 @@ fn text_comes_back_behind_what_is_known_of_it() {
 
 #[test]
 fn what_is_not_binary_stays_as_it_is() {
-    for text in ["", "G", "GCD", "GCDF\nG28\n", "G28\n"] {
+    for text in ["", "G", "GCDF\nG28\n", "G28\n", "PK\nG28\n"] {
         assert_eq!(unpacked(text.as_bytes()).as_deref(), Ok(text));
+    }
+}
+
+#[test]
+fn the_first_letters_alone_are_a_file_that_was_cut_off() {
+    for text in ["GC", "GC\n", "GCD"] {
+        let cut = Err(Damaged::CutOff(0));
+        assert_eq!(unpacked(text.as_bytes()), cut, "{text:?}");
     }
 }
 

@@ -127,7 +127,17 @@ impl<R: Read> Unpacked<R> {
     /// Finds out by the first bytes whether the input is text or binary.
     fn begin(&mut self) -> io::Result<()> {
         let first = self.up_to(MAGIC.len())?;
-        if first == package::MAGIC {
+        // The beginning of a file's first bytes, and nothing else, is a file that
+        // was cut off.
+        let alone = first.len() < MAGIC.len();
+        let letters = first.trim_ascii_end();
+        let is_begun = |magic: &[u8]| {
+            alone && letters.len() > 1 && magic.starts_with(letters)
+        };
+        if is_begun(&MAGIC) {
+            return Err(Damaged::CutOff(0).into());
+        }
+        if first == package::MAGIC || is_begun(&package::MAGIC) {
             let mut archive = first.as_slice().chain(&mut self.input);
             let opened = Opened::new(&mut archive)?;
             self.form = Form::Plate(Box::new(opened));

@@ -57,6 +57,11 @@ impl Bits {
         Bits(std::array::from_fn(|row| self.0[row] & !others.0[row]))
     }
 
+    /// Number of marked cells.
+    pub(super) fn count(&self) -> u32 {
+        self.0.iter().map(|row| row.count_ones()).sum()
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.0.iter().all(|row| *row == 0)
     }

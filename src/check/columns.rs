@@ -208,6 +208,14 @@ impl Columns {
         all
     }
 
+    /// Number of the cells of the layer's part.
+    pub(super) fn count_printed(&self) -> u32 {
+        let touched = self.touched.iter();
+        touched
+            .map(|(_, index)| self.tiles[*index].part.count())
+            .sum()
+    }
+
     /// Begins the next layer.
     pub(super) fn next_layer(&mut self) {
         // Beyond all numbers, what is printed counts as one layer.

@@ -4,7 +4,7 @@
 use super::words::{self, Effect};
 use super::{Checker, HOMED, Kind};
 use crate::reader::{Heater, Problem, Reader, Words};
-use crate::units::Celsius;
+use crate::units::{Celsius, Seconds, human_time};
 use glam::DVec3;
 use std::io::Read;
 
@@ -83,6 +83,8 @@ impl Checker<'_> {
         words: &Words,
     ) {
         match (letter, tenths) {
+            // Bambu Lab's printers take a filament.
+            ('M', 6200) => self.tools.several = true,
             // With a time (S) these commands turn the motors off later.
             ('M', 180 | 840) if !words.has(b'S') => self.motors_off(words),
             // RepRapFirmware's macro for G32 homes.
@@ -98,6 +100,18 @@ impl Checker<'_> {
         let effect = words::of_code(letter, tenths, words);
         if effect != Some(Effect::None) {
             self.word(line, &words::code(letter, tenths), effect);
+        }
+    }
+
+    /// Reports a wait that is hardly meant.
+    pub(super) fn dwell(&mut self, line: u64, time: Seconds) {
+        /// Longest wait that is usual: soaking a chamber takes that long.
+        const LONGEST: Seconds = 3600.0;
+        if time > LONGEST {
+            let kind = Kind::Changed;
+            self.verdict.add_about(kind, "G4", line, DVec3::NAN, || {
+                format!("G4 waits for {}", human_time(time))
+            });
         }
     }
 
@@ -160,6 +174,13 @@ impl Checker<'_> {
     fn word(&mut self, line: u64, word: &str, effect: Option<Effect>) {
         let (kind, why) = match effect {
             Some(Effect::None) => return,
+            Some(Effect::Disturbs(why)) => {
+                if self.ending.has_printed() {
+                    let why = format!("{word} {why}");
+                    self.hold(Kind::Harmful, word, line, DVec3::NAN, why);
+                }
+                return;
+            }
             Some(Effect::Warns(why)) => (Kind::Changed, why),
             Some(Effect::Harms(why)) => (Kind::Harmful, why),
             None => (Kind::UnknownWord, "is not known"),

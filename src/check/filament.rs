@@ -1,18 +1,25 @@
 //! The rules about filament: how far it goes back, whether it is there again
-//! when a bead begins, and how thick beads are.
+//! when a bead begins, how much is pushed while the head stands, and how thick
+//! beads are.
 //!
-//! Filament that goes back is a fault only if something is printed after it, so
-//! such findings are held until something is.
+//! Filament that goes back while the head moves is a wipe if the head then goes
+//! elsewhere before the filament comes forward again. Not all slicers mark their
+//! wipes.
 
 use super::ground::{How, Wrong};
 use super::rules::ROUNDING;
 use super::{Checker, Kind, TOOLS, bit, place, sideways};
 use crate::reader::{Move, Role};
 use crate::units::Mm;
+use glam::DVec3;
 
-/// Greatest number of findings that wait to see whether something is printed
-/// after them.
-const HELD: usize = 32;
+/// Way back of the filament while the head moved, if that was no wipe.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WayBack {
+    line: u64,
+    at: DVec3,
+    length: Mm,
+}
 
 impl Checker<'_> {
     pub(super) fn filament(&mut self, step: &Move, template: bool) {
@@ -35,52 +42,75 @@ impl Checker<'_> {
                 )
             });
         }
+        self.way_back(step, template);
         if fed < 0.0 {
             *self.back(step) -= fed;
-            // A move up or down is no wipe.
-            if sideways(step) && !step.wipe && !template {
-                let why = format!(
-                    "{:.3} mm of filament go back while the head moves and \
-                     does not wipe",
-                    -fed
-                );
-                self.hold(Kind::Backwards, step, why);
-            }
             let back = *self.back(step);
             if back > rules.retraction && !template {
                 let why =
                     format!("{back:.1} mm of filament are pulled back in all");
-                self.hold(Kind::LongRetraction, step, why);
+                self.hold(Kind::LongRetraction, "", step.line, step.to, why);
             }
         } else if fed > 0.0 {
             if step.prints() && sideways(step) && !template {
                 self.begin(step);
             }
             let back = self.back(step);
-            *back = (*back - fed).max(0.0);
+            let more = fed - *back;
+            *back = (-more).max(0.0);
+            self.push(step, more, template);
+        }
+        if sideways(step) {
+            self.pushed = 0.0;
         }
     }
 
-    /// Keeps a finding that counts only if something is printed after it.
-    fn hold(&mut self, kind: Kind, step: &Move, why: String) {
-        if self.held.len() == HELD {
-            self.let_go();
+    /// Finds filament that goes back while the head moves, without a wipe.
+    fn way_back(&mut self, step: &Move, template: bool) {
+        let fed = step.filament;
+        // A move up or down is no wipe.
+        if fed < 0.0 && sideways(step) && !step.wipe && !template {
+            let (line, at, length) = (step.line, step.to, 0.0);
+            let begun = WayBack { line, at, length };
+            self.way_back.get_or_insert(begun).length -= fed;
+        } else if fed > 0.0 {
+            if let Some(back) = self.way_back.take() {
+                let why = format!(
+                    "{:.3} mm of filament go back while the head moves and \
+                     does not wipe",
+                    back.length
+                );
+                self.hold(Kind::Backwards, "", back.line, back.at, why);
+            }
+        } else if fed == 0.0 && step.travels() {
+            self.way_back = None;
         }
-        self.held.push((kind, step.line, step.to, why));
     }
 
-    /// Makes the findings that were held count, as something is printed.
-    fn let_go(&mut self) {
-        for (kind, line, at, why) in self.held.drain(..) {
-            self.verdict.add(kind, line, at, || why);
+    /// Reports filament that is pushed beyond what was pulled back while the head
+    /// stands, with `more` in this move, in the middle of the print.
+    fn push(&mut self, step: &Move, more: Mm, template: bool) {
+        let at_tower = step.role == Role::PrimeTower;
+        let begun = self.ending.has_printed() && !self.fresh_tool;
+        if sideways(step) || template || at_tower || !begun {
+            return;
+        }
+        let most = self.rules.prime;
+        let before = self.pushed;
+        self.pushed += more.max(0.0);
+        if before <= most && self.pushed > most {
+            let why = format!(
+                "{:.2} mm of filament are pushed while the head stands, beyond \
+                 what was pulled back: a blob",
+                self.pushed
+            );
+            self.hold(Kind::Blob, "", step.line, step.to, why);
         }
     }
 
     /// Reports a bead that begins without its filament.
     pub(super) fn begin(&mut self, step: &Move) {
-        if !self.held.is_empty() {
-            self.let_go();
-        }
+        self.let_go();
         let missing = *self.back(step);
         let short = missing > self.rules.missing;
         if short || self.firmware_back & bit(step.tool) != 0 {
@@ -98,6 +128,7 @@ impl Checker<'_> {
         }
         // The missing filament counts for this bead only.
         *self.back(step) = 0.0;
+        self.fresh_tool = false;
     }
 
     /// The pulled-back filament of the tool that moves.
@@ -132,9 +163,11 @@ impl Checker<'_> {
                 self.finished.next_part();
                 self.ground.clear();
                 self.top = rules.base;
+                self.lowest_layer = step.layer;
             }
             self.finished.bead(step);
         }
+        self.on_bed(step, area);
         // A layer is no higher than the nozzle is wide, including the air above
         // a raft. The first layer may lie on a thick sheet.
         let most = self.top + rules.nozzle + ROUNDING;
@@ -150,6 +183,7 @@ impl Checker<'_> {
             });
         }
         self.top = self.top.max(z);
+        self.laid(step, area);
         // Skirts stand alone, and ironing lays nothing.
         let lies = !matches!(step.role, Role::SkirtBrim | Role::Ironing);
         if lies

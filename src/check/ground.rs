@@ -8,6 +8,8 @@
 //!   in one of its cells, or beside it, something below reaches up to its beads:
 //!   the part, or a support within a gap. Supports may stand on the part with a
 //!   gap as well;
+//! - where a layer reaches far into the air, though it is connected with what
+//!   stands, or hangs nearly all over;
 //! - where a bead that rises out of its layer has nothing below it;
 //! - where a bead is laid into what lies below it;
 //! - where a travel leads through what is printed.
@@ -40,6 +42,17 @@ const ALIKE: f64 = 0.25;
 /// beads are uneven by about as much, and a bead is lower at its sides, which share
 /// their cells with the next bead. A nozzle that is lower ploughs.
 pub(super) const PLOUGH: Mm = 0.05;
+
+/// How far beads may reach into the air, mm. The longest bridges, which hold at
+/// both ends, reach half as far as they are long. A print that was shifted
+/// hangs on a single bead.
+const REACH: Mm = 20.0;
+
+/// Share of a layer's cells that may hang: more is not held by the walls.
+const HELD: f64 = 0.1;
+
+/// Width of usual beads, in widths of the nozzle.
+const WIDE: f64 = 1.25;
 
 /// Heights closer than this differ by rounding only.
 const ROUNDED: Mm = 1e-3;
@@ -84,6 +97,17 @@ struct Layer {
     level: Option<(Mm, Mm)>,
     /// Cells of beads that were reported to hang in the air.
     reported: Cells,
+    /// True if the file calls some of its beads bridges or overhangs.
+    bridges: bool,
+}
+
+/// A layer that reaches into the air, or hangs there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Adrift {
+    /// A place that hangs.
+    pub at: DVec3,
+    /// How far it is from what stands.
+    pub reach: Mm,
 }
 
 /// A bead or a travel at the wrong height.
@@ -138,6 +162,7 @@ impl Ground {
         let support =
             matches!(step.role, Role::Support | Role::SupportInterface);
         let highest = step.from.z.max(step.to.z);
+        self.here.bridges |= matches!(step.role, Role::Bridge | Role::Overhang);
         self.here.top = Some(self.here.top.map_or(highest, |t| t.max(highest)));
         let level = (step.to.z - step.from.z).abs() < ROUNDED;
         if level {
@@ -180,8 +205,10 @@ impl Ground {
                 wrong = wrong.or(Some(Wrong { at, top, how }));
             } else if below < low {
                 // More plastic than the file says reaches deeper, but no
-                // deeper than the bead is wide.
-                let plastic = height_of(area, step.width).min(step.width);
+                // deeper than the bead is wide. A bead for which the file says
+                // nothing may be less wide than it seems.
+                let width = step.width.min(WIDE * 2.0 * self.lift);
+                let plastic = height_of(area, width).min(width);
                 let height = height.max(plastic);
                 let low = reach(z, height);
                 self.columns.lay(cell, low, z, support);
@@ -221,6 +248,12 @@ impl Ground {
         })
     }
 
+    /// The top of the layers below in a cell; none where they are the bed.
+    pub(super) fn below(&self, cell: IVec2) -> Option<Mm> {
+        let seen = self.columns.at(cell).map(|seen| seen.below);
+        seen.filter(|below| below.is_finite())
+    }
+
     /// The first place where a travel leads through what is printed. A line's
     /// width at both ends is left out: beads lie side by side there, and cells do
     /// not tell one from the next.
@@ -232,38 +265,45 @@ impl Ground {
         })
     }
 
-    /// Ends a layer; `found` is told where islands begin in the air.
-    pub(super) fn next_layer(&mut self, mut found: impl FnMut(DVec3)) {
+    /// Ends a layer; `found` is told where islands begin in the air. Returns
+    /// where the rest of the layer reaches too far into the air.
+    pub(super) fn next_layer(
+        &mut self,
+        mut found: impl FnMut(DVec3),
+    ) -> Option<Adrift> {
         let here = std::mem::take(&mut self.here);
         self.last = None;
-        let Some(top) = here.top else { return };
+        let top = here.top?;
         // Beads of the first layer may rise; it lies on the bed all the same.
         let bed = match (self.bed, here.bottom) {
             (Some(bed), Some(bottom)) => Some(bed.min(bottom)),
             (bed, bottom) => bed.or(bottom),
         };
         self.bed = bed;
+        let at = |cell: IVec2| ((cell.as_dvec2() + 0.5) * CELL).extend(top);
+        let mut adrift = None;
         if bed.is_some() || self.above_others {
             for support in [false, true] {
-                self.begin(support, &here.reported, |cell| {
-                    let p = (cell.as_dvec2() + 0.5) * CELL;
-                    found(p.extend(top));
-                });
+                let hanging = self.hanging(support);
+                let islands =
+                    self.begin(support, &hanging, &here.reported, |cell| {
+                        found(at(cell));
+                    });
+                if !support && islands == 0 && !here.bridges {
+                    adrift = self.adrift(&hanging).map(|(cell, reach)| {
+                        let at = at(cell);
+                        Adrift { at, reach }
+                    });
+                }
             }
         }
         self.above_others = true;
         self.columns.next_layer();
+        adrift
     }
 
-    /// Tells of the first cell of each island, of the part or of supports, that
-    /// stands on nothing. Nothing is said of islands that have a bead which was
-    /// `reported` already.
-    fn begin(
-        &self,
-        support: bool,
-        reported: &Cells,
-        mut found: impl FnMut(IVec2),
-    ) {
+    /// The cells of the layer's part, or of its supports, that stand on nothing.
+    fn hanging(&self, support: bool) -> Cells {
         // Most cells stand, so few remain to be searched.
         let mut hanging = Cells::default();
         for (place, bits) in self.columns.not_held(support) {
@@ -272,6 +312,46 @@ impl Ground {
                 hanging.mark(cell);
             });
         }
+        hanging
+    }
+
+    /// The cell of the part that is farthest from what stands, and how far it
+    /// is, if that is too far, or if too little of the layer stands.
+    fn adrift(&self, hanging: &Cells) -> Option<(IVec2, Mm)> {
+        let stands =
+            |cell| self.columns.is_printed(cell, false) && !hanging.has(cell);
+        let beside = |cell: &IVec2| around(*cell).any(stands);
+        let mut front: Vec<IVec2> = hanging.all().filter(beside).collect();
+        let mut farthest = *front.first()?;
+        let mut reached = Cells::default();
+        front.iter().for_each(|cell| {
+            reached.mark(*cell);
+        });
+        let mut steps = 0;
+        while let Some(first) = front.first() {
+            (farthest, steps) = (*first, steps + 1);
+            let next = front.iter().flat_map(|cell| around(*cell));
+            front = next
+                .filter(|near| hanging.has(*near) && reached.mark(*near))
+                .collect();
+        }
+        let reach = f64::from(steps) * CELL;
+        let all = self.columns.count_printed() as f64;
+        let held = 1.0 - hanging.all().count() as f64 / all;
+        (reach > REACH || held < HELD).then_some((farthest, reach))
+    }
+
+    /// Tells of the first cell of each island, of the part or of supports, that
+    /// stands on nothing, and counts them. Nothing is said of islands that have a
+    /// bead which was `reported` already.
+    fn begin(
+        &self,
+        support: bool,
+        hanging: &Cells,
+        reported: &Cells,
+        mut found: impl FnMut(IVec2),
+    ) -> usize {
+        let mut islands = 0;
         let here = |cell| self.columns.is_printed(cell, support);
         let mut seen = Cells::default();
         let mut left = Vec::new();
@@ -293,8 +373,10 @@ impl Ground {
             }
             if !known {
                 found(first);
+                islands += 1;
             }
         }
+        islands
     }
 
     /// True if something below holds the layer's beads in a cell.

@@ -13,15 +13,19 @@
 //! | the head knows where it is before it moves | [`Kind::NotHomed`] |
 //! | filament goes back in retractions and wipes only, and not too far | [`Kind::Backwards`], [`Kind::LongRetraction`] |
 //! | pulled-back filament is pushed forward before a bead begins | [`Kind::Unprimed`] |
+//! | no more than that is pushed while the head stands | [`Kind::Blob`] |
+//! | beads are not interrupted, and layers get the plastic that fits into them | [`Kind::Gap`], [`Kind::Flow`], [`Kind::Empty`] |
 //! | no bead is thicker than the nozzle can lay | [`Kind::ThickBead`] |
 //! | no move of filament alone is longer than firmware takes | [`Kind::LongFeed`] |
 //! | nothing is faster than the printer | [`Kind::TooFast`], [`Kind::NoSpeed`] |
 //! | z rises by layers | [`Kind::Jump`] |
-//! | nothing is led or laid through what is printed | [`Kind::Low`], [`Kind::Sunk`] |
+//! | the first layer lies on the bed | [`Kind::OffBed`] |
+//! | nothing is led or laid through what is printed, or laid twice | [`Kind::Low`], [`Kind::Dive`], [`Kind::Sunk`], [`Kind::Again`] |
 //! | the head does not come near parts that are finished, where parts are printed one by one | [`Kind::Collision`] |
-//! | every island, and every bead that rises, stands on something | [`Kind::InTheAir`] |
+//! | every island, and every bead that rises, stands on something | [`Kind::InTheAir`], [`Kind::Adrift`] |
 //! | every line makes sense, and ends where any firmware ends it | [`Kind::Senseless`], [`Kind::LongLine`], [`Kind::LineEnd`] |
 //! | no command breaks what the check takes for granted (`words` is the table) | [`Kind::Harmful`], [`Kind::Changed`] |
+//! | the printer has the tools that are taken | [`Kind::NoTool`] |
 //! | the print is whole, and everything is off at the end | [`Kind::CutOff`], [`Kind::LeftOn`] |
 //! | the file is G-code | [`Kind::NoGcode`] |
 //! | the check tells what it does not know | [`Kind::Unknown`], [`Kind::UnknownWord`] |
@@ -40,16 +44,22 @@
 //! say. A macro that may have heated the nozzle is taken to have done so,
 //! unless the temperature that it is given says otherwise.
 
+mod again;
 mod alongside;
+mod bed;
 mod cells;
 mod columns;
 mod commands;
 mod ending;
 mod filament;
 mod finished;
+mod flow;
+mod gap;
 mod ground;
 mod heat;
+mod held;
 mod rules;
+mod tools;
 mod verdict;
 mod words;
 
@@ -60,13 +70,19 @@ pub use verdict::{Finding, Kind, Severity, Verdict};
 use crate::limits;
 use crate::reader::{Event, Heater, Move, ReadError, Reader, Role};
 use crate::units::Mm;
+use again::Again;
 use ending::Ending;
+use filament::WayBack;
 use finished::Finished;
+use flow::Flow;
+use gap::Gaps;
 use glam::DVec3;
-use ground::{Ground, PLOUGH, Wrong};
+use ground::{Adrift, Ground, PLOUGH, Wrong};
 use heat::{Heat, Readiness};
+use held::Held;
 use rules::ROUNDING;
 use std::io::Read;
+use tools::Tools;
 
 /// How far beside the bed templates may go to purge and to wipe, mm.
 const BESIDE: Mm = 15.0;
@@ -80,6 +96,10 @@ const HOMED: u8 = 0b111;
 
 /// Number of tools that are told apart; all others count as one.
 const TOOLS: u32 = 64;
+
+/// Moves in the plane without a bead after which a file is no print, or no
+/// longer one. No start, end or travel has as many.
+const IDLE_MOVES: u64 = 100;
 
 /// Checks a file.
 ///
@@ -120,13 +140,27 @@ struct Checker<'a> {
     /// printers do.
     own_start: bool,
     /// Findings that count only if something is printed after them.
-    held: Vec<(Kind, u64, DVec3, String)>,
+    held: Vec<Held>,
     /// The tool in use.
     tool: u32,
+    tools: Tools,
+    /// True until a tool that was just taken begins a bead.
+    fresh_tool: bool,
     /// Filament of each tool that is pulled back.
     back: [Mm; TOOLS as usize],
     /// A bit for each tool whose filament the firmware has pulled back.
     firmware_back: u64,
+    /// Filament pushed since the head last moved sideways, beyond what was
+    /// pulled back.
+    pushed: Mm,
+    /// Filament that goes back while the head moves, and may be a wipe.
+    way_back: Option<WayBack>,
+    gaps: Gaps,
+    flow: Flow,
+    again: Again,
+    /// Line of the first move in the plane after the last bead, and number of
+    /// such moves.
+    idle: (u64, u64),
     /// Greatest height of a bead of the print so far.
     top: Mm,
     /// Parts that were printed before this one.
@@ -136,6 +170,10 @@ struct Checker<'a> {
     begun: Option<Mm>,
     begun_before: Option<Mm>,
     layer: u32,
+    /// Line of the layer's first bead.
+    layer_line: Option<u64>,
+    /// The layer that lies on the bed.
+    lowest_layer: u32,
 }
 
 impl<'a> Checker<'a> {
@@ -150,13 +188,23 @@ impl<'a> Checker<'a> {
             own_start: false,
             held: Vec::new(),
             tool: 0,
+            tools: Tools::default(),
+            fresh_tool: false,
             back: [0.0; TOOLS as usize],
             firmware_back: 0,
+            pushed: 0.0,
+            way_back: None,
+            gaps: Gaps::new(rules.travel),
+            flow: Flow::default(),
+            again: Again::default(),
+            idle: (0, 0),
             top: rules.base,
             finished: Finished::default(),
             begun: None,
             begun_before: None,
             layer: 0,
+            layer_line: None,
+            lowest_layer: 1,
         }
     }
 
@@ -187,6 +235,9 @@ impl<'a> Checker<'a> {
                 wait,
             } => {
                 self.heat.set(heater, self.tool, to, wait);
+                if let Heater::Nozzle(Some(tool)) = heater {
+                    self.tools.know(tool);
+                }
                 if matches!(heater, Heater::Nozzle(_)) && to <= 0.0 {
                     self.ending.off();
                 }
@@ -205,7 +256,8 @@ impl<'a> Checker<'a> {
                 self.heat.off();
                 self.ending.off();
             }
-            Event::Tool { tool, .. } => self.tool = tool,
+            Event::Tool { line, tool } => self.take_tool(line, tool),
+            Event::Dwell { line, time } => self.dwell(line, time),
             Event::FirmwareRetract { back, .. } => {
                 if back {
                     self.firmware_back |= bit(self.tool)
@@ -234,12 +286,64 @@ impl<'a> Checker<'a> {
         self.homed(step);
         self.heat(step);
         self.filament(step, template);
+        self.tools.several |= step.role == Role::PrimeTower;
+        if !template {
+            self.gap(step);
+        }
         if step.prints() && sideways(step) {
+            self.idle = (0, 0);
             self.bead(step, template);
         } else if step.travels() && !template {
             self.travel(step);
+            self.dive(step);
+        }
+        if !step.prints() && sideways(step) {
+            self.idle.0 = if self.idle.1 == 0 {
+                step.line
+            } else {
+                self.idle.0
+            };
+            self.idle.1 += 1;
         }
         self.collide(step);
+    }
+
+    /// Reports a move without filament in the middle of a bead.
+    fn gap(&mut self, step: &Move) {
+        let back = *self.back(step) > self.rules.missing
+            || self.firmware_back & bit(step.tool) != 0;
+        if let Some(gap) = self.gaps.step(step, back) {
+            let kind = Kind::Gap;
+            self.verdict.add(kind, gap.line, step.from, || {
+                format!(
+                    "{:.2} mm without filament in the middle of a bead, up to \
+                     {}",
+                    gap.length,
+                    place(step.from)
+                )
+            });
+        }
+    }
+
+    /// Takes in what a bead adds to the layer.
+    fn laid(&mut self, step: &Move, area: f64) {
+        self.layer_line.get_or_insert(step.line);
+        if self.within(step) {
+            self.flow.bead(step, area, &self.ground);
+        }
+        // Towers and ironing go where they went before.
+        if matches!(step.role, Role::Ironing | Role::PrimeTower) {
+            return;
+        }
+        if let Some(line) = self.again.bead(step, area, self.rules.nozzle) {
+            self.verdict.add(Kind::Again, line, step.from, || {
+                format!(
+                    "the same beads are laid again, at the same place and \
+                     height: {}",
+                    place(step.from)
+                )
+            });
+        }
     }
 
     /// Reports a move that leads where the head cannot go.
@@ -415,11 +519,33 @@ impl<'a> Checker<'a> {
         self.begun_before = self.begun.take().or(self.begun_before);
         let verdict = &mut self.verdict;
         let layer = self.layer;
-        self.ground.next_layer(|line_at| {
-            verdict.add(Kind::InTheAir, 0, line_at, || {
-                format!("layer {layer}: an island begins at {}", place(line_at))
+        let line = self.layer_line.take().unwrap_or(0);
+        let adrift = self.ground.next_layer(|at| {
+            verdict.add(Kind::InTheAir, line, at, || {
+                format!("layer {layer}: an island begins at {}", place(at))
             });
         });
+        if let Some(Adrift { at, reach }) = adrift {
+            verdict.add(Kind::Adrift, line, at, || {
+                format!(
+                    "layer {layer} reaches {reach:.0} mm into the air, to {}: \
+                     what is printed from there on may be shifted, or need \
+                     supports",
+                    place(at)
+                )
+            });
+        }
+        if let Some(flow) =
+            self.flow.next_layer(self.rules.flow, self.rules.widths)
+        {
+            verdict.add(Kind::Flow, flow.line, DVec3::NAN, || {
+                format!(
+                    "layer {layer} has {:.2} times the plastic that its beads \
+                     have room for",
+                    flow.share
+                )
+            });
+        }
     }
 
     /// Makes the verdict that the file is no G-code.
@@ -446,7 +572,17 @@ impl<'a> Checker<'a> {
                 _ => format!("{senseless} of {lines} lines are no commands"),
             });
         }
+        self.missing_tools(reader.info().filaments);
         let (line, nowhere) = (reader.lines(), DVec3::NAN);
+        let (from, moves) = self.idle;
+        if moves > IDLE_MOVES {
+            self.verdict.add(Kind::Empty, from, nowhere, || {
+                format!(
+                    "nothing is printed from here on, in {moves} moves: there \
+                     is no filament in them"
+                )
+            });
+        }
         let unfinished = reader.is_unfinished();
         if let Some(why) = self.ending.cut_off(reader.info(), unfinished) {
             self.verdict

@@ -16,6 +16,10 @@ pub(super) const ROUNDING: Mm = 2e-3;
 /// slicers push forward a little less.
 const SLACK: Mm = 0.1;
 
+/// Filament that other slicers may push forward beyond what they pulled back, to
+/// make up for what oozed; it makes a drop of a millimetre.
+const MORE: Mm = 0.5;
+
 /// What a printer can do, and what a file must keep to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rules {
@@ -35,6 +39,14 @@ pub struct Rules {
     pub retraction: Mm,
     /// Filament that may be missing when a bead begins.
     pub missing: Mm,
+    /// Filament that may be pushed beyond what was pulled back.
+    pub prime: Mm,
+    /// The least and the greatest flow, as shares.
+    pub flow: [f64; 2],
+    /// The least and the greatest width of usual lines.
+    pub widths: [Mm; 2],
+    /// Speed of travels.
+    pub travel: MmPerSec,
     /// Height at which the file begins to print: 0 is the bed, and more if the
     /// file continues a part.
     pub base: Mm,
@@ -77,6 +89,12 @@ impl Rules {
             // A negative `retract.extra_prime` pushes forward less than was
             // pulled back.
             missing: SLACK + (-settings.retract.extra_prime).max(0.0),
+            prime: MORE
+                + settings.retract.extra_prime.max(0.0)
+                + settings.retract.ooze_prime,
+            flow: flow(settings),
+            widths: widths(settings),
+            travel: settings.travel_speed(),
             base: 0.0,
             speed: printer.max_speed,
             speed_z: printer.max_speed_z,
@@ -122,4 +140,31 @@ impl Rules {
         let high = high + DVec3::new(margin, margin, ROUNDING);
         !(p.cmplt(low).any() || p.cmpgt(high).any())
     }
+}
+
+/// The least and the greatest flow of beads with these settings, as shares. An
+/// expression may ask for any.
+fn flow(settings: &Settings) -> [f64; 2] {
+    let own = settings.filament.flow / 100.0;
+    match settings.flow.constant() {
+        Some(flow) => [own * flow / 100.0; 2],
+        None => [0.0, f64::INFINITY],
+    }
+}
+
+/// The least and the greatest width of usual lines: 1 to 2.5 nozzles, or what the
+/// settings ask for beyond that.
+fn widths(settings: &Settings) -> [Mm; 2] {
+    let nozzle = settings.printer.nozzle_diameter;
+    let thin = settings.thin_max / 100.0;
+    let lines = [
+        settings.outer_wall_width() * thin,
+        settings.inner_wall_width() * thin,
+        settings.top_skin_width(),
+        settings.bottom_skin_width(),
+        settings.infill_width(),
+    ];
+    let least = lines.into_iter().fold(nozzle, f64::min);
+    let most = lines.into_iter().fold(2.5 * nozzle, f64::max);
+    [least, most]
 }

@@ -85,6 +85,24 @@ pub enum Kind {
     NoGcode,
     /// A line ends in a way that not all firmware knows.
     LineEnd,
+    /// Filament is pushed while the head stands, in the middle of the print.
+    Blob,
+    /// A move in the middle of a bead feeds no filament.
+    Gap,
+    /// A layer has much more or less plastic than fits into it.
+    Flow,
+    /// The head moves on, and nothing is printed.
+    Empty,
+    /// The first layer does not lie on the bed, or the nozzle does.
+    OffBed,
+    /// The nozzle goes down into what is printed.
+    Dive,
+    /// A layer hangs in the air far from what stands.
+    Adrift,
+    /// Beads are laid twice.
+    Again,
+    /// The file takes a tool that the printer does not have.
+    NoTool,
 }
 
 impl Kind {
@@ -99,6 +117,7 @@ impl Kind {
             | Kind::Low
             | Kind::Sunk
             | Kind::InTheAir
+            | Kind::Adrift
             | Kind::Unknown
             | Kind::Hot
             | Kind::Changed
@@ -141,6 +160,15 @@ impl Kind {
             Kind::CutOff => "cut-off",
             Kind::NoGcode => "no-gcode",
             Kind::LineEnd => "line-end",
+            Kind::Blob => "blob",
+            Kind::Gap => "gap",
+            Kind::Flow => "flow",
+            Kind::Empty => "empty",
+            Kind::OffBed => "off-bed",
+            Kind::Dive => "dive",
+            Kind::Adrift => "adrift",
+            Kind::Again => "again",
+            Kind::NoTool => "no-tool",
         }
     }
 }

@@ -20,11 +20,13 @@ pub(super) enum Effect {
     /// The command should be looked at. The text says what it does, and
     /// completes a sentence that begins with the command.
     Warns(&'static str),
-    /// The command has no place in a print, or changes what the lines after it
+    /// The command has no place between two beads of a print.
+    Disturbs(&'static str),
+    /// The command has no place in a file, or changes what the lines after it
     /// mean.
     Harms(&'static str),
 }
-use Effect::{Harms, Warns};
+use Effect::{Disturbs, Harms, Warns};
 
 /// When a row applies.
 #[derive(Clone, Copy, Debug)]
@@ -56,18 +58,18 @@ impl When {
 /// nor feed: they wait, measure, show, report, light, beep, label, or tell the
 /// firmware how to print well.
 const HARMLESS: &str = "
-    G0 G1 G2 G3 G4 G5 G5.1 G10 G11 G12 G17 G18 G19 G20 G21 G27 G28 G29 G29.2
-    G29.4 G29.5 G29.6 G29.7 G29.8 G30 G31 G32 G33 G34 G35 G36 G39 G53 G54 G60
-    G69 G75 G76 G77 G80 G81 G82 G83 G86 G87 G88 G89 G90 G91 G92 G98 G99 G150
+    G0 G1 G2 G3 G4 G5 G5.1 G10 G11 G12 G17 G18 G19 G20 G21 G27 G28 G29.2
+    G29.4 G29.5 G29.6 G29.7 G29.8 G31 G36 G39 G53 G54 G60
+    G69 G75 G77 G81 G82 G83 G86 G87 G88 G89 G90 G91 G92 G98 G99 G150
     G162 G163 G164 G280 G392 G425 G9001
-    M5 M7 M8 M9 M10 M11 M16 M17 M18 M20 M21 M22 M27 M31 M36 M38 M39 M48 M73
-    M73.2 M70 M72 M74 M75 M76 M77 M78 M80 M81 M82 M83 M84 M85 M86 M87 M100
+    M5 M7 M8 M9 M10 M11 M16 M17 M18 M20 M21 M22 M27 M31 M36 M38 M39 M73
+    M73.2 M70 M72 M74 M75 M76 M77 M78 M80 M82 M83 M84 M85 M86 M87 M100
     M104 M104.1 M105 M106 M107 M108 M109 M110 M111 M113 M114 M115 M116 M117
     M118 M119 M122 M123 M132 M140 M141 M144 M145 M146 M150 M154 M155 M190
     M191 M192 M200 M204.2 M208 M209 M211 M217 M220 M221 M240 M250 M255 M256
     M280 M281 M282 M290 M300 M355 M360 M400 M401 M402 M404 M405 M406 M407
-    M408 M409 M411 M412 M413 M414 M415 M420 M422 M430 M450 M451 M486 M493
-    M494 M503 M504 M510 M511 M512 M540 M550 M552 M557 M561 M567 M568 M571
+    M408 M409 M411 M412 M413 M414 M415 M422 M430 M450 M451 M486 M493
+    M494 M503 M504 M510 M511 M512 M540 M550 M552 M557 M567 M568 M571
     M572 M573 M575 M577 M578 M586 M591 M593 M595 M603 M604 M614 M615 M616
     M617 M620 M620.1 M620.3 M620.10 M620.11 M621 M622 M622.1 M623 M624 M625
     M630 M671 M672 M673 M674 M710 M711 M808 M855 M860 M861 M862 M862.1 M862.2
@@ -90,6 +92,11 @@ const MEMORY: &str = "writes settings to the printer's memory, where they \
                       stay after this print";
 const WAITS: &str = "stops the print until somebody is there";
 const UNSEEN: &str = "moves the head where the check cannot follow";
+const PROBES: &str = "measures the bed or moves its motors, with a print on the \
+                      bed that goes on after it: the nozzle or the probe \
+                      would meet the print";
+const LEVEL: &str = "changes how heights follow the measured bed in the middle \
+                     of the print";
 const CONTROL: &str = "changes how the printer controls a heater";
 const SHAPE: &str = "changes the machine's own geometry";
 const FREE: &str = "lets the head leave the printer's bounds";
@@ -111,7 +118,13 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "G6", Always => Harms(UNSEEN);
     "G10", Has(b"L") => Harms(ZERO);
     "G26", Always => Warns("prints a pattern of the firmware's own");
+    "G29", Always => Disturbs(PROBES);
     "G29.1", Beyond(b"Z", -1.0, 1.0) => Harms(ZERO);
+    "G30", Always => Disturbs(PROBES);
+    "G32", Always => Disturbs(PROBES);
+    "G33", Always => Disturbs(PROBES);
+    "G34", Always => Disturbs(PROBES);
+    "G35", Always => Disturbs(PROBES);
     "G38", Always => Warns(UNSEEN);
     "G38.2", Always => Warns(UNSEEN);
     "G38.3", Always => Warns(UNSEEN);
@@ -129,6 +142,8 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "G59.3", Always => Harms(ZERO);
     "G61", Always => Warns(UNSEEN);
     "G68", Always => Harms("turns every move after it about a point");
+    "G76", Always => Disturbs(PROBES);
+    "G80", Always => Disturbs(PROBES);
     "G92.1", Always => Warns(ZERO);
     "G93", Always => Harms("makes every F a time and not a speed");
     "G94", Always => Effect::None;
@@ -151,6 +166,8 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M37", Always => Harms("makes the printer simulate and not print");
     "M42", Always => Warns("switches a pin, and the check cannot know of what");
     "M43", Always => Warns("switches pins, and the check cannot know of what");
+    "M48", Always => Disturbs(PROBES);
+    "M81", Always => Disturbs("turns the printer off");
     "M92", Has(b"XYZ") => Harms(STEPS);
     "M92", Always => Warns(STEPS);
     "M106", Beyond(b"S", 0.0, 255.0)
@@ -211,6 +228,7 @@ const ROWS: &[(&str, When, Effect)] = rows! {
              firmware"
         );
     "M410", Always => Harms("stops all motors at once");
+    "M420", Always => Disturbs(LEVEL);
     "M421", Always => Warns("changes the measured bed");
     "M425", Always => Warns("changes the backlash that is made up for");
     "M428", Always => Harms(ZERO);
@@ -232,6 +250,7 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M558", Always => Warns("changes the probe");
     "M559", Always => Harms(FILES);
     "M560", Always => Harms(FILES);
+    "M561", Always => Disturbs(LEVEL);
     "M562", Always => Warns("resets a heater's fault");
     "M563", Always => Warns("defines a tool anew");
     "M564", Is(b'S', 0.0) => Warns(FREE);
@@ -288,21 +307,17 @@ const ROWS: &[(&str, When, Effect)] = rows! {
 /// Commands that are names and neither move nor heat nor feed, or that the
 /// reader follows.
 const HARMLESS_NAMES: &str = "
-    ACTIVATE_EXTRUDER BED_MESH_CALIBRATE BED_MESH_CLEAR BED_MESH_MAP
-    BED_MESH_OFFSET BED_MESH_OUTPUT BED_MESH_PROFILE BED_TILT_CALIBRATE
-    CALC_MEASURED_SKEW CLEAR_PAUSE DELTA_CALIBRATE ECHO EXCLUDE_OBJECT
+    ACTIVATE_EXTRUDER BED_MESH_MAP
+    BED_MESH_OFFSET BED_MESH_OUTPUT     CALC_MEASURED_SKEW CLEAR_PAUSE ECHO EXCLUDE_OBJECT
     EXCLUDE_OBJECT_DEFINE EXCLUDE_OBJECT_END EXCLUDE_OBJECT_START
-    GET_POSITION GET_RETRACTION HELP PALETTE_CLEAR PROBE PROBE_ACCURACY
-    QUAD_GANTRY_LEVEL QUERY_ENDSTOPS QUERY_FILAMENT_SENSOR QUERY_PROBE
-    RESPOND SAVE_GCODE_STATE SAVE_VARIABLE SCREWS_TILT_CALCULATE
-    SET_DISPLAY_GROUP SET_DISPLAY_TEXT SET_DOTSTAR SET_FAN_SPEED
+    GET_POSITION GET_RETRACTION HELP PALETTE_CLEAR     QUERY_ENDSTOPS QUERY_FILAMENT_SENSOR QUERY_PROBE
+    RESPOND SAVE_GCODE_STATE SAVE_VARIABLE     SET_DISPLAY_GROUP SET_DISPLAY_TEXT SET_DOTSTAR SET_FAN_SPEED
     SET_FILAMENT_SENSOR SET_GCODE_VARIABLE SET_HEATER_TEMPERATURE
     SET_IDLE_TIMEOUT SET_INPUT_SHAPER SET_LED SET_LED_TEMPLATE SET_NEOPIXEL
     SET_PRESSURE_ADVANCE SET_PRINT_STATS_INFO SET_RETRACTION
     SET_SERVO SET_SMOOTH_TIME SET_TEMPERATURE_FAN_TARGET
     SET_VELOCITY_LIMIT STATUS TEMPERATURE_WAIT TIMELAPSE_TAKE_FRAME
-    TURN_OFF_HEATERS Z_TILT_ADJUST
-    BREAK CONTINUE T? TX TC
+    TURN_OFF_HEATERS     BREAK CONTINUE T? TX TC
 ";
 
 /// The effects of the other commands that are names.
@@ -310,8 +325,13 @@ const NAMES: &[(&str, Effect)] = rows! {
     "@PAUSE" => Warns(WAITS);
     "ABORT" => Harms("ends the print");
     "AXIS_TWIST_COMPENSATION_CALIBRATE" => Warns(UNSEEN);
+    "BED_MESH_CALIBRATE" => Disturbs(PROBES);
+    "BED_MESH_CLEAR" => Disturbs(LEVEL);
+    "BED_MESH_PROFILE" => Disturbs(LEVEL);
     "BED_SCREWS_ADJUST" => Warns(WAITS);
+    "BED_TILT_CALIBRATE" => Disturbs(PROBES);
     "CANCEL_PRINT" => Harms("ends the print");
+    "DELTA_CALIBRATE" => Disturbs(PROBES);
     "DUMP_TMC" => Effect::None;
     "ELIF" => Warns(LOGIC);
     "ELSE" => Warns(LOGIC);
@@ -324,11 +344,15 @@ const NAMES: &[(&str, Effect)] = rows! {
     "MANUAL_STEPPER" => Warns(UNSEEN);
     "PAUSE" => Warns(WAITS);
     "PID_CALIBRATE" => Harms("tunes a heater, in the middle of a file");
+    "PROBE" => Disturbs(PROBES);
+    "PROBE_ACCURACY" => Disturbs(PROBES);
     "PROBE_CALIBRATE" => Warns(WAITS);
+    "QUAD_GANTRY_LEVEL" => Disturbs(PROBES);
     "RESTART" => Harms("restarts the printer");
     "RESTORE_GCODE_STATE" => Warns(RECALL);
     "RESUME" => Effect::None;
     "SAVE_CONFIG" => Harms("writes the printer's settings and restarts it");
+    "SCREWS_TILT_CALCULATE" => Disturbs(PROBES);
     "SDCARD_PRINT_FILE" => Harms(FILES);
     "SDCARD_RESET_FILE" => Harms(FILES);
     "SET" => Warns(LOGIC);
@@ -353,6 +377,7 @@ const NAMES: &[(&str, Effect)] = rows! {
     "Z_ENDSTOP_CALIBRATE" => Warns(WAITS);
     "Z_OFFSET_APPLY_ENDSTOP" => Warns(MEMORY);
     "Z_OFFSET_APPLY_PROBE" => Warns(MEMORY);
+    "Z_TILT_ADJUST" => Disturbs(PROBES);
 };
 
 type Rows = Vec<(When, Effect)>;

@@ -176,17 +176,22 @@ pub(super) fn describe_steps(
     writeln!(
         text,
         "  heights     {:.3} to {:.3} mm, steps of up to {:.3} mm (99 % of the \
-         layers: {:.3}), first layer aside; as fine with one height: {} layers",
+         layers: {:.3}), first layer aside",
         steps.thinnest_mm,
         steps.thickest_mm,
         steps.step_max_mm,
         steps.step_p99_mm,
-        steps.uniform_layers,
     )?;
-    if count < steps.uniform_layers {
-        let saved = steps.uniform_layers - count;
-        let share = 100.0 * saved as f64 / steps.uniform_layers as f64;
-        writeln!(text, "              {saved} layers saved ({share:.0} %)")?;
+    let uniform = steps.uniform_layers;
+    let change = count.abs_diff(uniform);
+    let share = 100.0 * change as f64 / uniform as f64;
+    let word = if count < uniform { "fewer" } else { "more" };
+    if change > 0 {
+        writeln!(
+            text,
+            "              {change} layers {word} than with layer_heights = \
+             \"uniform\" ({share:.0} %)"
+        )?;
     }
     if steps.missed_faces > 0 {
         writeln!(

@@ -387,10 +387,10 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     if let Some(verdict) = &summary.verdict {
         let moves = verdict.moves;
         writeln!(text, "  checked     {moves} moves, safe for this printer")?;
-        // The lines above tell of islands of the part. This line counts all
-        // others as well, such as tips and bits of infill.
+        // If the lines above tell of islands that begin on nothing, these have
+        // been counted. Others are tips and bits of infill.
         if let Some((count, first)) = in_the_air(verdict)
-            && count > summary.hanging.begins.count as u64
+            && summary.hanging.begins.is_none()
         {
             writeln!(
                 text,

@@ -20,10 +20,13 @@ use indicatif::{
 };
 use isoslice::limits::Watch;
 use isoslice::pipeline::SliceError;
+use std::collections::BTreeSet;
 use std::error::Error;
 use std::io::{IsTerminal, Write, stderr};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicI8, Ordering};
 use std::time::Duration;
+use terminal_size::terminal_size_of;
 
 const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
@@ -35,6 +38,9 @@ static LEVEL: AtomicI8 = AtomicI8::new(0);
 
 /// True if a bar shows how far the run has come.
 static BAR: AtomicBool = AtomicBool::new(false);
+
+/// The warnings that were shown.
+static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
 /// How much is shown.
 #[derive(Args, Debug)]
@@ -113,16 +119,51 @@ fn shown(error: &(dyn Error + 'static)) -> String {
     }
 }
 
-/// Shows warnings, each once.
+/// Shows warnings, each once in a run of the program.
 pub(super) fn warn(warnings: &[String]) {
     if level() < -1 {
         return;
     }
-    for (i, warning) in warnings.iter().enumerate() {
-        if !warnings[..i].contains(warning) {
-            say(WARNING, "warning", &plain::line(warning));
+    let Ok(mut said) = SAID.lock() else { return };
+    for warning in warnings {
+        if said.insert(warning.clone()) {
+            say(WARNING, "warning", &wrapped(warning, "warning"));
         }
     }
+}
+
+/// A message of one line after a word and a colon, in lines that fit into the
+/// terminal. Files and other programs get one line.
+fn wrapped(message: &str, word: &str) -> String {
+    let message = plain::line(message);
+    match terminal_size_of(stderr()) {
+        Some((width, _)) => wrap(&message, word.len() + 2, width.0.into()),
+        None => message.into_owned(),
+    }
+}
+
+/// A text in lines of at most `width` characters, unless a word is longer. The
+/// first line begins at `column`, and the others are indented.
+fn wrap(text: &str, mut column: usize, width: usize) -> String {
+    /// The next line, indented by two characters.
+    const NEXT: &str = "\n  ";
+    let mut lines = String::new();
+    for word in text.split(' ') {
+        let length = word.chars().count();
+        let gap = if lines.is_empty() {
+            ""
+        } else if column + 1 + length > width {
+            column = NEXT.len() - 1;
+            NEXT
+        } else {
+            column += 1;
+            " "
+        };
+        lines += gap;
+        lines += word;
+        column += length;
+    }
+    lines
 }
 
 /// Shows how far the run has come, unless a bar does.
@@ -136,7 +177,7 @@ pub(super) fn progress(word: &str) {
 pub(super) fn note(notes: &[String]) {
     if level() > 0 {
         for note in notes {
-            say(NOTE, "note", &plain::line(note));
+            say(NOTE, "note", &wrapped(note, "note"));
         }
     }
 }
@@ -181,4 +222,25 @@ pub(super) fn layer_progress(quiet: bool, watch: &Watch) -> ProgressBar {
     bar.enable_steady_tick(EVERY);
     BAR.store(true, Ordering::Relaxed);
     bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_wrapped_between_words() {
+        let text = "six long words are said in lines";
+        let lines = "six long\n  words are\n  said in\n  lines";
+        assert_eq!(wrap(text, 3, 11), lines);
+        assert_eq!(wrap(text, 9, 100), text);
+        // A word that does not fit stays whole.
+        assert_eq!(wrap("a-long-word b", 9, 5), "a-long-word\n  b");
+        assert_eq!(wrap("", 9, 5), "");
+        // Each line is as long as it may be, in characters.
+        let dots = "···· ".repeat(50);
+        let lines = wrap(dots.trim_end(), 0, 22);
+        assert!(lines.lines().all(|line| line.chars().count() <= 22));
+        assert_eq!(lines.lines().count(), 13);
+    }
 }

@@ -6,7 +6,7 @@ use super::template::{TemplateError, Templates};
 use super::time::of_foot;
 use super::{
     Format, Header, Standing, Thumbnail, Totals, WriteError, Writer, XYZ,
-    flavour, limits, text, thumbnail,
+    flavour, limits, own, text, thumbnail,
 };
 use crate::bgcode::{About, Key};
 use crate::package;
@@ -319,7 +319,7 @@ pub(super) fn footer(
     for Fact { key, value, .. } in facts {
         lines += &format!("; {key} = {value}\n");
     }
-    lines
+    lines + &own::lines(settings)
 }
 
 /// The text that all files of one version have in common: the program's name,

@@ -87,6 +87,8 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     add(of, false, "first_layer_temperature", first);
     let first = text(f.first_layer_bed_temperature.round(), COARSE);
     add(of, false, "first_layer_bed_temperature", first);
+    let (x, y) = (text(s.printer.bed_x, XYZ), text(s.printer.bed_y, XYZ));
+    add(of, false, "bed_shape", format!("0x0,{x}x0,{x}x{y},0x{y}"));
     if let Some(density) = s.infill_density.constant() {
         let density = format!("{}%", text(density, COARSE));
         add(of, true, "fill_density", density);

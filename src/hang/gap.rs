@@ -74,6 +74,29 @@ pub(super) fn gaps(
         .collect()
 }
 
+/// Length and middle of the longest bridge over the gap around `need`, which is
+/// what of a layer only bridges could hold; none if most of it is over no bridge
+/// that is too long.
+pub(super) fn bridge(
+    need: &Area,
+    here: &Area,
+    below: &Solid<'_>,
+    number: usize,
+    settings: &Settings,
+) -> Option<(Mm, DVec2)> {
+    let limits = Limits::new(settings.thickest_layer(), settings);
+    let around = offset(need, limits.held + TOLERANCE, TOLERANCE);
+    let rect = around.bounds();
+    let under = crop(&below.area().rings, rect);
+    let open = difference(&crop(&here.rings, rect), &under);
+    let gaps = intersection(&open, &around).islands().into_iter();
+    let gaps =
+        gaps.map(|gap| over(gap, below.grid(), number, limits, settings));
+    let longest = gaps.max_by(|a, b| a.bridges.total_cmp(&b.bridges))?;
+    let most = longest.bridges > 0.5 * need.content();
+    most.then_some((longest.span, longest.middle))
+}
+
 /// Boxes that cover the given ones, and of which no two meet.
 fn merged(mut boxes: Vec<Rect>) -> Vec<Rect> {
     if boxes.len() > BOXES {

@@ -42,6 +42,7 @@
 pub(crate) mod foot;
 mod gap;
 mod look;
+mod needs;
 mod places;
 mod reach;
 mod tip;
@@ -49,6 +50,7 @@ mod track;
 mod words;
 
 pub(crate) use look::Look;
+pub(crate) use needs::Needs;
 pub use places::Unsupported;
 pub(crate) use track::Tracker;
 
@@ -71,7 +73,8 @@ pub enum Kind {
 pub struct Sum {
     /// Number of islands, or of gaps. Slopes have no number.
     pub count: usize,
-    /// Content of the undersides, seen from below.
+    /// Content of the undersides, seen from below; of islands the greatest content
+    /// while nothing holds them.
     pub area: Mm2,
     /// Content of the largest connected underside, about.
     pub largest: Mm2,

@@ -1,7 +1,7 @@
 //! What hangs as places: the findings of all layers, put together where they
 //! are connected.
 //!
-//! In: what a [`Tracker`](super::Tracker) finds. Out: places, from the bed up.
+//! In: what is found layer by layer. Out: places, from the bed up.
 //! What leans in one layer belongs to what leans in the layer below if their
 //! boxes come near each other, so a slope is one place, over all of its height.
 

@@ -4,7 +4,7 @@ use crate::settings::Settings;
 use crate::units::Mm;
 
 /// Width of a lip that hangs without harm, as a multiple of the outer wall's.
-const LIP: f64 = 2.0;
+pub(super) const LIP: f64 = 2.0;
 /// How far rims may be off, mm. So much more counts as held: otherwise a face
 /// that leans by just `support.angle` would hang here and there.
 const SLACK: Mm = 0.01;

@@ -29,14 +29,14 @@ const HIGH: Mm = 3.0;
 /// An island that began on nothing.
 #[derive(Clone, Debug)]
 pub(super) struct Island {
-    /// The island's content where it begins, and a point of it there.
-    pub area: Mm2,
+    /// A point of the island where it begins.
     pub at: DVec3,
     /// True if the island hangs inside the part.
     pub in_cavity: bool,
-    /// Height of the island so far, and its greatest content.
+    /// Height of the island so far.
     height: Mm,
-    most: Mm2,
+    /// The island's greatest content so far. It may begin as a mere point.
+    pub most: Mm2,
     /// The island's ring in the last layer: the numbers of its edges, and a
     /// point.
     ring: (f64, f64),
@@ -97,7 +97,6 @@ impl Tips {
                 continue;
             };
             let island = Island {
-                area: begins.island.content(),
                 at: place(begins.at),
                 in_cavity: begins.in_cavity,
                 height: look.height,
@@ -208,7 +207,6 @@ mod tests {
     #[test]
     fn islands_that_have_met_fare_alike() {
         let island = |ring: (f64, f64)| Island {
-            area: 1.0,
             at: DVec3::ZERO,
             in_cavity: false,
             height: 0.2,

@@ -1,11 +1,9 @@
 //! What hangs, added up from layer to layer.
 
+use super::Hanging;
 use super::look::{Ledge, Look, RimPlace};
-use super::places::{self, Found, Places};
 use super::reach::Limits;
 use super::tip::{Island, Tips};
-use super::{Hanging, Kind};
-use crate::plane::Rect;
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
@@ -20,8 +18,6 @@ pub(crate) struct Tracker {
     /// Islands that have begun on nothing.
     tips: Tips,
     sums: Hanging,
-    /// The places, if they are asked for.
-    places: Option<Places>,
 }
 
 /// What is known of a place on a rim.
@@ -45,25 +41,9 @@ struct Slope {
     /// The greatest reach, and the place that has it.
     reach: Mm,
     at: DVec2,
-    around: Rect,
 }
 
 impl Tracker {
-    /// A tracker that also collects places.
-    pub(crate) fn with_places() -> Tracker {
-        Tracker {
-            places: Some(Places::default()),
-            ..Tracker::default()
-        }
-    }
-
-    /// Adds a place, if places are asked for.
-    fn note(&mut self, found: Found) {
-        if let Some(places) = &mut self.places {
-            places.add(found);
-        }
-    }
-
     /// Forgets all layers so far: what follows counts as held. With `count`,
     /// islands that have not met anything yet are counted.
     pub(crate) fn restart(&mut self, count: bool, settings: &Settings) {
@@ -84,7 +64,6 @@ impl Tracker {
         count: bool,
         place: impl Fn(DVec2) -> DVec3,
     ) {
-        self.places.iter_mut().for_each(Places::next_layer);
         let found = self.follow(look);
         let begins = self.tips.layer(look, here, &place);
         if !count {
@@ -92,42 +71,20 @@ impl Tracker {
         }
         self.count(begins);
         for gap in &look.gaps {
-            let around = gap.area.bounds();
             if gap.leans > 0.0 {
                 let at = place(gap.at);
                 self.sums.leans.add(gap.leans, gap.leans, gap.reach, at);
-                self.note(Found {
-                    kind: Kind::Leans,
-                    area: gap.leans,
-                    reach: gap.reach,
-                    at,
-                    around,
-                });
             }
             if gap.bridges > 0.0 {
                 let at = place(gap.middle);
                 let sum = &mut self.sums.bridges;
                 sum.add(gap.bridges, gap.bridges, gap.span, at);
-                self.note(Found {
-                    kind: Kind::Bridge,
-                    area: gap.bridges,
-                    reach: gap.span,
-                    at,
-                    around,
-                });
             }
         }
         for slope in found {
             let at = place(slope.at);
             let sum = &mut self.sums.leans;
             sum.add(slope.area, slope.all, slope.reach, at);
-            self.note(Found {
-                kind: Kind::Leans,
-                area: slope.area,
-                reach: slope.reach,
-                at,
-                around: slope.around,
-            });
         }
     }
 
@@ -172,7 +129,6 @@ impl Tracker {
                     all,
                     reach: state.excess + limits.held,
                     at: place.at,
-                    around: Rect::around(run.iter().map(|(p, _)| &p.at)),
                 });
             }
             run.iter_mut().for_each(|(_, state)| state.slope = all);
@@ -246,22 +202,10 @@ impl Tracker {
     }
 
     fn count(&mut self, begins: Vec<Island>) {
-        for Island {
-            area,
-            at,
-            in_cavity,
-            ..
-        } in begins
-        {
+        for island in begins {
+            let (area, at) = (island.most, island.at);
             self.sums.begins.add(area, area, 0.0, at);
-            self.note(Found {
-                kind: Kind::Begins,
-                area,
-                reach: 0.0,
-                at,
-                around: Rect::around(&[at.truncate()]),
-            });
-            if in_cavity {
+            if island.in_cavity {
                 self.sums.in_cavity.add(area, area, 0.0, at);
             }
         }
@@ -275,7 +219,6 @@ impl Tracker {
         count: bool,
         settings: &Settings,
     ) {
-        self.places.iter_mut().for_each(Places::next_layer);
         let limits = Limits::new(height, settings);
         let begins = self.tips.same(height, limits);
         if count {
@@ -292,10 +235,8 @@ impl Tracker {
         }
     }
 
-    /// What hangs in the layers that were counted, and the places, if they were
-    /// asked for.
-    pub(crate) fn finish(self) -> (Hanging, Vec<places::Unsupported>) {
-        let places = self.places.map(Places::finish);
-        (self.sums, places.unwrap_or_default())
+    /// What hangs in the layers that were counted.
+    pub(crate) fn finish(self) -> Hanging {
+        self.sums
     }
 }

@@ -1,5 +1,6 @@
 //! What hangs, in words: the warnings.
 
+use super::reach::LIP;
 use super::{Hanging, Sum};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
@@ -9,6 +10,9 @@ use crate::units::{Mm, Mm2};
 /// blemish, and lattices are full of them.
 const LARGE: Mm2 = 10.0;
 const FAR: Mm = 5.0;
+/// Islands that begin on nothing are reported if one gets as large as this, mm².
+/// Smaller ones are a thread that falls down, or a blemish.
+const ISLAND: Mm2 = 1.0;
 
 /// The place of the first finding, in words.
 fn place(sum: &Sum) -> String {
@@ -31,7 +35,7 @@ impl Hanging {
     pub fn warnings(&self, height: Mm, settings: &Settings) -> Vec<String> {
         let mut all = Vec::new();
         let inside = &self.in_cavity;
-        if !inside.is_none() {
+        if inside.largest >= ISLAND {
             all.push(format!(
                 "what begins at {} hangs in a cavity of the part{}: nothing \
                  holds it while it is printed, and a support could hardly be \
@@ -42,7 +46,7 @@ impl Hanging {
             ));
         }
         let begins = &self.begins;
-        if begins.count > inside.count {
+        if begins.count > inside.count && begins.largest >= ISLAND {
             all.push(format!(
                 "what begins at {} begins on nothing{}: it would be printed \
                  into the air; set supports = \"auto\", turn the part, or give \
@@ -52,7 +56,9 @@ impl Hanging {
             ));
         }
         let leans = &self.leans;
-        if leans.largest >= LARGE || leans.reach >= FAR {
+        let lip = LIP * settings.outer_wall_width();
+        let far = leans.reach >= FAR;
+        if far || leans.largest >= LARGE && leans.reach > lip {
             all.push(format!(
                 "{:.0} mm² of undersides lean by more than support.angle = \
                  {}° from the vertical and get up to {:.1} mm away from what \

@@ -70,7 +70,8 @@ pub struct Steps {
     pub thinnest_mm: Mm,
     /// Height of the thickest layer above the first, mm.
     pub thickest_mm: Mm,
-    /// Number of layers of one height that would have the same greatest step.
+    /// Number of layers that the part would have with `layer_heights =
+    /// "uniform"`.
     pub uniform_layers: usize,
     /// Number of level faces at which layers end.
     pub level_faces: usize,
@@ -229,7 +230,8 @@ fn heights_above(
             .count(),
         missed_faces: missed.len(),
         unproved_mm: lean.unproved,
-        ..amount(&of_layers, top - base, first, &range)
+        uniform_layers: plan(top - base, first, settings.layer_height())?.len(),
+        ..amount(&of_layers)
     };
     Ok(Heights {
         spans,
@@ -344,7 +346,7 @@ fn borders(
 }
 
 /// The steps of layers, each with its height and a bound of |n_z|.
-fn amount(layers: &[(Mm, f64)], top: Mm, first: Mm, range: &Range) -> Steps {
+fn amount(layers: &[(Mm, f64)]) -> Steps {
     let mut steps: Vec<Mm> =
         layers.iter().map(|(h, level)| h * level).collect();
     steps.sort_by(f64::total_cmp);
@@ -353,20 +355,13 @@ fn amount(layers: &[(Mm, f64)], top: Mm, first: Mm, range: &Range) -> Steps {
         let k = (share * last as f64).ceil() as usize;
         steps.get(k.min(last)).copied().unwrap_or(0.0)
     };
-    let max = at(1.0);
-    let level = layers.iter().map(|l| l.1).fold(0.0, f64::max);
-    let alike = (max / level).min(range.most);
     let heights = layers.iter().map(|l| l.0);
     Steps {
-        step_max_mm: max,
+        step_max_mm: at(1.0),
         step_p99_mm: at(0.99),
         thinnest_mm: heights.clone().reduce(f64::min).unwrap_or(0.0),
         thickest_mm: heights.fold(0.0, f64::max),
-        uniform_layers: if layers.is_empty() {
-            1
-        } else {
-            plan(top, first, alike).map_or(layers.len(), |p| p.len())
-        },
+        uniform_layers: 0,
         level_faces: 0,
         missed_faces: 0,
         unproved_mm: 0.0,

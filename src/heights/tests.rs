@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::{self, Placement};
+use crate::settings::ByNozzle;
 
 fn placed(formula: &str) -> Model {
     model::placed(formula, &Placement::default())
@@ -10,8 +11,16 @@ fn placed(formula: &str) -> Model {
 fn adaptive() -> Settings {
     Settings {
         layer_heights: Varying::Constant(LayerHeights::Adaptive),
+        step_error: 0.1.into(),
         ..Settings::default()
     }
+}
+
+/// Number of layers of one height that make steps as small on a surface as level
+/// as this.
+fn as_fine(found: &Heights, level: f64) -> f64 {
+    let top = found.spans.last().unwrap().top;
+    plan(top, 0.2, 0.1 / level).unwrap().len() as f64
 }
 
 /// The layers of a part whose levelness at the height z above the bed is
@@ -50,7 +59,7 @@ fn judged(
 /// Tests that at least a quarter of the layers is saved.
 fn saves(found: &Heights) {
     let steps = found.steps.unwrap();
-    let share = found.spans.len() as f64 / steps.uniform_layers as f64;
+    let share = found.spans.len() as f64 / as_fine(found, 1.0);
     assert!(share <= 0.75, "{steps:?}: {}", found.spans.len());
     assert_eq!(steps.unproved_mm, 0.0);
 }
@@ -127,7 +136,7 @@ fn a_screw_has_thin_layers_at_its_thread_only() {
 }
 
 #[test]
-fn a_thread_on_a_shank_takes_a_quarter_fewer_layers() {
+fn a_thread_on_a_shank_takes_a_third_fewer_layers() {
     // The radius of the thread is 5 + 0.6·sin(2π·z/3 − φ): where its cosine is 1,
     // its slopes are 0.6·2π/3 along z and 0.6/5 round it.
     let screw = "max(-z, min(max(sqrt(x^2 + y^2) - 6, z - 20), \
@@ -138,10 +147,9 @@ fn a_thread_on_a_shank_takes_a_quarter_fewer_layers() {
     // The shank's top is a face at which a layer ends.
     let level_at = |z: Mm| if z < 20.0 { 0.0 } else { level };
     let found = judged(screw, &adaptive(), level_at);
-    let steps = found.steps.unwrap();
-    let share = found.spans.len() as f64 / steps.uniform_layers as f64;
-    assert!(share <= 0.7, "{steps:?}: {}", found.spans.len());
-    assert_eq!(steps.unproved_mm, 0.0);
+    let share = found.spans.len() as f64 / as_fine(&found, level);
+    assert!(share <= 0.7, "{share}: {}", found.spans.len());
+    assert_eq!(found.steps.unwrap().unproved_mm, 0.0);
     // Where the thread begins, layers become thinner step by step.
     let of_thread = found.spans.iter().filter(|s| s.bottom > 20.5);
     let least = 11.5 * level / 0.1;
@@ -193,4 +201,41 @@ fn uniform_layers_are_as_they_were() {
     let top = model.bounds.max.z + model.offset.z;
     assert_eq!(found.spans, plan(top, 0.2, 0.2).unwrap());
     assert_eq!(found.steps, None);
+}
+
+/// By default adaptive layers make no greater step than uniform ones, and are
+/// not more.
+#[test]
+fn by_default_there_are_no_more_layers_than_uniform_ones() {
+    for (height, most) in [(0.1, 0.3), (0.2, 0.3), (0.05, 0.3), (0.32, 0.32)] {
+        let settings = Settings {
+            layer_height: height.into(),
+            step_error: ByNozzle::Auto,
+            ..adaptive()
+        };
+        assert_eq!(settings.layer_height_max(), most);
+        let dome = "max(sqrt(x^2 + y^2 + z^2) - 9.5, -z)";
+        let found = judged(dome, &settings, |z| z / 9.5);
+        let steps = found.steps.unwrap();
+        let uniform = plan(9.5, 0.2, height).unwrap().len();
+        assert_eq!(steps.uniform_layers, uniform);
+        // The last layer may be one that the exact top takes.
+        assert!(found.spans.len() <= uniform + 1, "{height}: {steps:?}");
+    }
+}
+
+#[test]
+fn layers_end_at_a_level_face_wherever_it_lies_beside_a_dome() {
+    for face in [1.5_f64, 3.0, 4.5, 5.0, 6.0, 6.3, 7.5, 9.0] {
+        let part = format!(
+            "min(max(max(abs(x), abs(y)) - 12, abs(z - {face}/2) - {face}/2), \
+             max(sqrt(x^2 + y^2 + z^2) - 9.5, -z))"
+        );
+        // The dome shows above the face alone.
+        let level = |z: Mm| if z < face { 0.0 } else { z / 9.5 };
+        let found = judged(&part, &adaptive(), level);
+        let hit = |z: Mm| found.spans.iter().any(|s| (s.top - z).abs() < 1e-6);
+        assert!(hit(face), "{face}: {found:?}");
+        assert_eq!(found.steps.unwrap().unproved_mm, 0.0, "{face}");
+    }
 }

@@ -11,7 +11,6 @@ use crate::bead::{Bead, Level, Role, Stroke};
 use crate::layers::LayerSpan;
 use crate::model::{Model, Place};
 use crate::plane::grid::EdgeGrid;
-use crate::resolution::pieces;
 use crate::settings::{Range, Settings, Speed, Varying};
 use crate::units::{Celsius, Mm, MmPerSec, Percent};
 use crate::vary::{Quantity, Surroundings, VaryError};
@@ -195,6 +194,7 @@ impl<'a> Rater<'a> {
                 .printer
                 .max_nozzle_temperature
                 .unwrap_or(f64::INFINITY),
+            or_zero: false,
         };
         Ok(self.temperature.at_height(span.top, range)?.round())
     }
@@ -213,7 +213,8 @@ impl<'a> Rater<'a> {
         &self.speeds[i]
     }
 
-    /// The bead in pieces of constant width and rates, in print coordinates.
+    /// The bead, which has one width and is in print coordinates, in pieces of
+    /// constant rates.
     ///
     /// # Errors
     /// If a setting has no value somewhere along the bead.
@@ -232,34 +233,32 @@ impl<'a> Rater<'a> {
         let quantities = [self.speed(role), &self.flow, &self.width, &self.fan];
         let constant =
             !self.varies || quantities.iter().all(|q| q.constant().is_some());
-        let mut out = Vec::new();
-        for piece in pieces(bead, self.settings) {
-            crate::limits::check();
-            let reach = site.reach.filter(|_| by_reach.any());
-            let (steps, shares) = self.reaching(&piece, reach, site.shift);
-            let reaches = shares.iter().any(|share| *share > 0.0);
-            if constant && !reaches {
-                let all = quantities.map(|q| q.constant().unwrap_or(f64::NAN));
-                out.push(self.rated(piece, span, all));
-                continue;
-            }
-            let places = self.places(&steps, span, site)?;
-            let mut values: [Vec<f64>; 4] = Default::default();
-            for (quantity, values) in quantities.iter().zip(&mut values) {
-                quantity.evaluate(&places, values)?;
-            }
-            if reaches {
-                by_reach.apply(&shares, &mut values, self.settings);
-            }
-            let at = |i: usize| [0, 1, 2, 3].map(|k: usize| values[k][i]);
-            for run in runs(steps.len(), at, reaches) {
-                let (first, last) = (at(run.start), at(run.end - 1));
-                let mean = [0, 1, 2, 3].map(|k| 0.5 * (first[k] + last[k]));
-                let part = part(&piece, &steps[run]);
-                out.push(self.rated(part, span, mean));
-            }
+        crate::limits::check();
+        let reach = site.reach.filter(|_| by_reach.any());
+        let (steps, shares) = self.reaching(&bead, reach, site.shift);
+        let reaches = shares.iter().any(|share| *share > 0.0);
+        if constant && !reaches {
+            let all = quantities.map(|q| q.constant().unwrap_or(f64::NAN));
+            return Ok(vec![self.rated(bead, span, all)]);
         }
-        Ok(out)
+        let places = self.places(&steps, span, site)?;
+        let mut values: [Vec<f64>; 4] = Default::default();
+        for (quantity, values) in quantities.iter().zip(&mut values) {
+            quantity.evaluate(&places, values)?;
+        }
+        if reaches {
+            by_reach.apply(&shares, &mut values, self.settings);
+        }
+        let at = |i: usize| [0, 1, 2, 3].map(|k: usize| values[k][i]);
+        let rated = |run: std::ops::Range<usize>| {
+            let (first, last) = (at(run.start), at(run.end - 1));
+            let mean = [0, 1, 2, 3].map(|k| 0.5 * (first[k] + last[k]));
+            self.rated(part(&bead, &steps[run]), span, mean)
+        };
+        Ok(runs(steps.len(), at, reaches)
+            .into_iter()
+            .map(rated)
+            .collect())
     }
 
     /// What changes along a bead with its reach.

@@ -1,27 +1,24 @@
-//! Follows what hangs up the layers of a part, while the layers are written or
-//! in a survey.
+//! What hangs in a part: while its layers are written, layer by layer, and in a
+//! survey, all that supports would hold.
 
 use super::layer::Layer;
-use super::stages::{ALL_LAYERS, Stages};
+use super::stages::Stages;
 use super::start::pool;
 use super::{BLOCK, SliceError};
 use crate::hang::{Hanging, Look, Tracker, Unsupported};
 use crate::heights::heights;
-use crate::limits;
 use crate::model::Model;
 use crate::report::Gauge;
 use crate::settings::{Settings, Supports};
 use crate::units::Mm;
 use crate::vary::Surroundings;
 use glam::DVec2;
-use rayon::prelude::*;
-use std::collections::VecDeque;
 
 /// What of a part would need supports.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Survey {
-    /// What hangs, by kind, as a run's summary has it.
+    /// What the places amount to, by kind.
     pub hanging: Hanging,
     /// The places that would need a support, from the bed up.
     pub places: Vec<Unsupported>,
@@ -46,8 +43,8 @@ impl Survey {
     }
 }
 
-/// Looks at a placed model for what would need supports, whether or not the
-/// settings ask for any. No bead is laid. The survey uses `threads` threads, or
+/// Looks at a placed model for what supports would hold, whether or not the
+/// settings ask for any. It is what they hold if they are printed. No bead is laid. The survey uses `threads` threads, or
 /// all of the machine's.
 ///
 /// # Errors
@@ -67,44 +64,7 @@ pub fn survey(
     // What cannot be printed has no hanging places, of which there may be
     // millions.
     let printed = stages.printed(&pool, &spans)?;
-    let offset = model.offset.truncate();
-    let mut tracker = Tracker::with_places();
-    let mut window: VecDeque<Layer> = VecDeque::new();
-    let slab = stages.slab_layers();
-    for group in spans[..printed].chunks(slab * pool.current_num_threads()) {
-        limits::check();
-        let slabs = group.par_chunks(slab);
-        let made = slabs.map(|slab| stages.layers(slab, &ALL_LAYERS));
-        let made: Vec<Result<Vec<Layer>, SliceError>> =
-            pool.install(|| made.collect());
-        // The last layer of the slab before is kept, since the next layer is
-        // compared with it.
-        window.drain(..window.len().saturating_sub(1));
-        let first = window.len();
-        for slab in made {
-            for mut layer in slab? {
-                if let Some(below) = window.back() {
-                    layer.share(below);
-                }
-                window.push_back(layer);
-            }
-        }
-        let here = first..window.len();
-        let looks: Vec<Option<Look>> = pool.install(|| {
-            let look = |i| stages.look(&window, i);
-            here.clone().into_par_iter().map(look).collect()
-        });
-        for (i, look) in here.zip(looks) {
-            let follow = Follow {
-                offset,
-                count: spans.len(),
-                written: true,
-                settings,
-            };
-            follow.layer(&mut tracker, &window[i], look.as_ref());
-        }
-    }
-    let (hanging, places) = tracker.finish();
+    let (hanging, places) = stages.needs(&pool, &spans[..printed], &around)?;
     Ok(Survey {
         hanging,
         places,

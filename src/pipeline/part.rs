@@ -246,6 +246,6 @@ impl<'a> PartOrder<'a> {
     pub(super) fn finish(mut self) -> (Vec<String>, Hanging, Option<Foot>) {
         let warning = standing::warning(self.left_out, self.settings);
         self.warnings.extend(warning);
-        (self.warnings, self.hanging.finish().0, self.foot)
+        (self.warnings, self.hanging.finish(), self.foot)
     }
 }

@@ -117,7 +117,7 @@ fn judge(checker: Alongside, summary: &mut Summary) -> Result<(), SliceError> {
         return Err(SliceError::Unsafe(faults));
     }
     add_time(summary, Stage::Check, time);
-    // The summary tells of islands in the air. Printers that heat in their
+    // The summary tells of what hangs in the air. Printers that heat in their
     // macros are as they should be. Whoever calls a macro knows what it is, and
     // whoever wrote a template was told of its lines.
     let told = |kind: Kind| {
@@ -125,6 +125,7 @@ fn judge(checker: Alongside, summary: &mut Summary) -> Result<(), SliceError> {
             && !matches!(
                 kind,
                 Kind::InTheAir
+                    | Kind::Adrift
                     | Kind::Unknown
                     | Kind::UnknownWord
                     | Kind::Purge

@@ -6,7 +6,6 @@
 
 use crate::bead::{Bead, Role};
 use crate::plane::Rect;
-use crate::resolution::pieces_within;
 use crate::travel::{LayerPath, Move};
 use crate::units::Mm;
 use glam::DVec2;
@@ -14,9 +13,6 @@ use std::fmt::Write;
 
 /// Margin around the part, mm, with room for the skirt.
 const MARGIN: f64 = 2.0;
-
-/// How far the edges of a bead whose width varies may be off, mm.
-const EDGE: f64 = 0.005;
 
 /// Number of shades of the lines that show heights, on both sides of the layer's
 /// top.
@@ -84,17 +80,15 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
     for m in &path.moves {
         match m {
             Move::Print(bead) => {
-                for piece in pieces_within(bead.clone(), EDGE, 0.0) {
-                    let _ = write!(
-                        svg,
-                        "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \
-                         stroke-opacity=\"0.8\" points=\"",
-                        colour(piece.role),
-                        piece.width
-                    );
-                    points(&mut svg, &mut piece.path());
-                    svg.push_str("\"/>\n");
-                }
+                let _ = write!(
+                    svg,
+                    "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \
+                     stroke-opacity=\"0.8\" points=\"",
+                    colour(bead.role),
+                    bead.width
+                );
+                points(&mut svg, &mut bead.path());
+                svg.push_str("\"/>\n");
                 for (shade, run) in rises(bead, path.span.height()) {
                     let _ = write!(
                         svg,

@@ -149,6 +149,8 @@ pub struct Move {
     pub tool: u32,
     /// True if comments say that the move wipes the nozzle.
     pub wipe: bool,
+    /// True for G0, which some slicers write for all travels.
+    pub rapid: bool,
 }
 
 impl Move {

@@ -26,6 +26,8 @@ pub struct Info {
     pub filament_mass: Option<f64>,
     /// Diameter of the filament.
     pub filament_diameter: Option<Mm>,
+    /// Number of filaments; 0 if the file does not say.
+    pub filaments: usize,
     /// Density of the filament, g/cm³.
     pub filament_density: Option<f64>,
     /// Price of the filament, in the user's currency.
@@ -98,7 +100,9 @@ impl Info {
                 self.bed = outline(value).or_else(|| self.bed.take());
             }
             b"filament_diameter" => {
-                let given = first(value).filter(|d| (0.5..10.0).contains(d));
+                let likely = |d: &f64| (0.5..10.0).contains(d);
+                self.filaments = numbers(value).filter(likely).count();
+                let given = first(value).filter(likely);
                 self.filament_diameter = given.or(self.filament_diameter);
             }
             b"filament_density" => {
@@ -202,16 +206,20 @@ fn outline(text: &[u8]) -> Option<Vec<[Mm; 2]>> {
     corners.filter(|corners| corners.len() > 2)
 }
 
+/// The numbers of a list that has one for each filament.
+fn numbers(text: &[u8]) -> impl Iterator<Item = f64> {
+    text.split(|b| matches!(b, b',' | b';'))
+        .filter_map(positive)
+}
+
 /// The first number of a list that has one for each filament.
 fn first(text: &[u8]) -> Option<f64> {
-    text.split(|b| matches!(b, b',' | b';')).find_map(positive)
+    numbers(text).next()
 }
 
 /// The sum of a list that has a number for each filament.
 fn sum(text: &[u8]) -> Option<f64> {
-    text.split(|b| matches!(b, b',' | b';'))
-        .filter_map(positive)
-        .reduce(|a, b| a + b)
+    numbers(text).reduce(|a, b| a + b)
 }
 
 #[cfg(test)]
@@ -239,6 +247,7 @@ mod tests {
         assert_eq!(prusa.filament_length, Some(1300.0));
         assert_eq!(prusa.filament_mass, Some(3.5));
         assert_eq!(prusa.filament_diameter, Some(1.75));
+        assert_eq!(prusa.filaments, 2);
         assert_eq!(prusa.time, Some(93_784.0));
         let square = info(&[
             " total filament cost = 0.42",

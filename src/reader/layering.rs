@@ -79,10 +79,13 @@ impl Layering {
         // In a spiral the height changes while it prints.
         let lifted = (from.z - self.last).abs() > SAME;
         self.last = to.z;
+        // Walls that interlock lie at two heights of one layer, so that only a
+        // layer's height downwards is another part.
+        let leaves = |z: Mm| to.z > z + SAME || to.z < z - self.height + SAME;
         let begins = !self.marked
             && match self.z {
                 None => true,
-                Some(z) if lifted => (to.z - z).abs() > SAME,
+                Some(z) if lifted => leaves(z),
                 Some(z) => from.z > z + SPIRAL - SAME,
             };
         if begins {
@@ -143,6 +146,18 @@ mod tests {
             .into();
         assert_eq!(numbers, [1, 1, 2, 3, 3, 4]);
         assert!((l.height() - 0.2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_layer_has_lower_beads_beside_higher_ones() {
+        let mut l = Layering::new();
+        let numbers: Vec<u32> = [0.3, 0.2, 0.3, 0.5, 0.4, 0.2, 0.4]
+            .map(|z| {
+                l.print(at(z), at(z));
+                l.number
+            })
+            .into();
+        assert_eq!(numbers, [1, 1, 1, 2, 2, 3, 4]);
     }
 
     #[test]

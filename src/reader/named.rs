@@ -5,6 +5,8 @@
 //! quotes, and `;` or `#` ends the command. RepRapFirmware's `if`, `while`,
 //! `set` and the like are names as well.
 
+use super::words::limited;
+
 /// Longest command that is kept, bytes.
 const LONGEST: usize = 4096;
 
@@ -155,11 +157,11 @@ fn unquoted(text: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
     })
 }
 
-/// The value as a number; none if it is not a number, or too large to compute
-/// with.
+/// The value as a number that is small enough to compute with; none if it is not a
+/// number.
 pub(crate) fn number(value: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(value.trim_ascii()).ok()?;
-    text.parse::<f64>().ok().filter(|n| n.abs() < 1e9)
+    text.parse().ok().filter(|n: &f64| !n.is_nan()).map(limited)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::lines::{Line, LineEnd};
 use super::machine::{Machine, Target};
 use super::named::{Named, number};
 use super::nothing::Tally;
-use super::problem::{Problem, Problems};
+use super::problem::{LONGEST_COMMAND, Problem, Problems};
 use super::role::Role;
 use super::words::{Command, Words, parse};
 use crate::units::{Celsius, Mm};
@@ -29,6 +29,8 @@ pub(super) struct Parser {
     layering: Layering,
     role: Role,
     wipe: bool,
+    /// True while a G0 is taken in.
+    rapid: bool,
     pub filament_diameter: Option<Mm>,
     pub info: Info,
     pub problems: Problems,
@@ -54,6 +56,7 @@ impl Parser {
             layering: Layering::new(),
             role: Role::Unknown,
             wipe: false,
+            rapid: false,
             filament_diameter: None,
             info: Info::default(),
             problems: Problems::default(),
@@ -99,6 +102,10 @@ impl Parser {
                 if !line.whole {
                     self.problem(Problem::LongLine);
                 }
+                // Text for people is no harm if it is cut.
+                if parsed.end > LONGEST_COMMAND && !self.words.has_text() {
+                    self.problem(Problem::Overflow);
+                }
                 self.command(letter, tenths, parsed.stray);
             }
         }
@@ -117,6 +124,9 @@ impl Parser {
         self.tally.names += 1;
         if !whole || self.named.is_cut() {
             self.problem(Problem::LongLine);
+        }
+        if self.named.is("SET_GCODE_OFFSET") {
+            self.check_offset();
         }
         let line = self.line;
         let named = &self.named;
@@ -213,6 +223,7 @@ impl Parser {
 
     fn command(&mut self, letter: u8, tenths: u32, stray: bool) {
         let line = self.line;
+        self.rapid = (letter, tenths) == (b'G', 0);
         let event = match (letter, tenths) {
             (b'G', 0 | 10) => {
                 self.check_move(b"XYZEF", stray);
@@ -335,6 +346,19 @@ impl Parser {
         }
         if stray {
             self.problem(Problem::Stray);
+        }
+    }
+
+    /// Adds a problem for each offset that is no number.
+    fn check_offset(&mut self) {
+        for axis in ['X', 'Y', 'Z'] {
+            let keys = [axis.to_string(), format!("{axis}_ADJUST")];
+            let senseless = |key: &String| {
+                self.named.get(key).is_some_and(|n| number(n).is_none())
+            };
+            if keys.iter().any(senseless) {
+                self.problem(Problem::MissingNumber(axis));
+            }
         }
     }
 
@@ -471,6 +495,7 @@ impl Parser {
             height: 0.0,
             tool: self.machine.state.tool,
             wipe: self.wipe,
+            rapid: self.rapid,
         };
         if step.prints() {
             if self.layering.print(from, to) {

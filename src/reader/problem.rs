@@ -2,11 +2,14 @@
 
 use std::fmt;
 
+/// Number of characters of a line that Marlin reads, comments left out:
+/// `MAX_CMD_SIZE` is 96, and one of them ends the text.
+pub(super) const LONGEST_COMMAND: usize = 95;
+
 /// Why a line, or a part of one, was passed over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Problem {
-    /// A letter without a number, as in `G1 X Y10`; it is passed over. A number
-    /// that is too large counts as none.
+    /// A letter without a number, as in `G1 X Y10`; it is passed over.
     MissingNumber(char),
     /// A position beyond any machine's reach; the line is passed over.
     OutOfReach,
@@ -29,6 +32,8 @@ pub enum Problem {
     NoCommand,
     /// A carriage return ends the line, but not for every firmware.
     CarriageReturn,
+    /// A command ends where Marlin no longer reads it.
+    Overflow,
 }
 
 impl fmt::Display for Problem {
@@ -52,6 +57,11 @@ impl fmt::Display for Problem {
                 write!(f, "a temperature that is no number")
             }
             Problem::NoCommand => write!(f, "a line that is no command"),
+            Problem::Overflow => write!(
+                f,
+                "a command of more than {LONGEST_COMMAND} characters, blanks \
+                 included: Marlin leaves out what is beyond"
+            ),
             Problem::CarriageReturn => write!(
                 f,
                 "a carriage return without a line feed: Marlin and \

@@ -6,9 +6,14 @@
 //! of its own and is never an exponent, letters may be small, and blanks may
 //! be left out.
 
-/// Least number that is refused. It is far beyond any machine, and small enough
-/// to compute with.
-const TOO_LARGE: f64 = 1e9;
+/// What a larger number counts as. It is far beyond any machine, so that no rule
+/// takes it for a usual number, and small enough to compute with.
+const LARGEST: f64 = 1e9;
+
+/// The number, or the nearest one that is small enough to compute with.
+pub(super) fn limited(number: f64) -> f64 {
+    number.clamp(-LARGEST, LARGEST)
+}
 
 /// The words of one command.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +53,8 @@ pub(super) struct Parsed {
     pub command: Command,
     /// Where the comment begins, after its semicolon.
     pub comment: Option<usize>,
+    /// Where the last word ends.
+    pub end: usize,
     /// True if there are characters that are neither words nor a comment.
     pub stray: bool,
 }
@@ -63,6 +70,11 @@ impl Words {
     /// True if the command has the letter, with a number or without.
     pub fn has(&self, letter: u8) -> bool {
         (self.given | self.bare) & bit(letter) != 0
+    }
+
+    /// True if a letter stands without a number, as in words for people.
+    pub(super) fn has_text(&self) -> bool {
+        self.bare != 0
     }
 
     /// The first of `letters` that has no number.
@@ -100,6 +112,7 @@ pub(super) fn parse(line: &[u8], words: &mut Words) -> Parsed {
     let mut parsed = Parsed {
         command: Command::Blank,
         comment: None,
+        end: 0,
         stray: false,
     };
     let mut i = 0;
@@ -131,6 +144,7 @@ pub(super) fn parse(line: &[u8], words: &mut Words) -> Parsed {
                 }
                 let (number, length) = number(&line[i + 1..]);
                 i += 1 + length;
+                parsed.end = i;
                 match parsed.command {
                     Command::Blank if letter == b'N' && length > 0 => {}
                     Command::Blank => {
@@ -159,8 +173,8 @@ fn command(letter: u8, number: Option<f64>) -> Command {
     }
 }
 
-/// The number at the start of `text`, and the bytes that it takes, with the
-/// blanks before it. None if there is no number or it is too large.
+/// The number at the start of `text`, at most [`LARGEST`], and the bytes that it
+/// takes. None if there is no number.
 fn number(text: &[u8]) -> (Option<f64>, usize) {
     // These powers of ten are exact as doubles.
     const POWERS: [f64; 20] = [
@@ -201,9 +215,12 @@ fn number(text: &[u8]) -> (Option<f64>, usize) {
     }
     // Digits below 2^53 are exact, and the quotient is then the double nearest
     // to the decimal number.
-    let size = digits as f64 / POWERS[decimals];
-    let number = if negative { -size } else { size };
-    ((!too_large && size < TOO_LARGE).then_some(number), i)
+    let size = if too_large {
+        LARGEST
+    } else {
+        limited(digits as f64 / POWERS[decimals])
+    };
+    (Some(if negative { -size } else { size }), i)
 }
 
 #[cfg(test)]
@@ -252,10 +269,24 @@ mod tests {
             ("nan", 0),
             ("inf", 0),
             ("{x}", 0),
-            ("99999999999", 11),
-            ("9999999999999999999999999", 25),
         ] {
             assert_eq!(number(text.as_bytes()), (None, length), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_number_too_large_to_compute_with_is_still_a_large_one() {
+        for text in [
+            "1000000000",
+            "99999999999",
+            "9999999999999999999999999",
+            "10000000000.00000000000000001",
+        ] {
+            let found = number(text.as_bytes());
+            assert_eq!(found, (Some(LARGEST), text.len()), "{text}");
+            let negative = format!("-{text}");
+            let found = number(negative.as_bytes());
+            assert_eq!(found, (Some(-LARGEST), negative.len()), "{text}");
         }
     }
 

@@ -12,6 +12,7 @@ use super::neighbour::Neighbour;
 use crate::plane::clip::{crop, intersection, not_covered_by_all};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::nest::Nest;
+use crate::plane::offset::offset;
 use crate::plane::simplify::simplify_area;
 use crate::plane::{Area, Rect, Solid, edges, point_beside};
 use crate::settings::Settings;
@@ -22,12 +23,15 @@ use crate::units::Mm;
 pub(super) const TOLERANCE: Mm = 0.02;
 
 /// An outline as exact as skin needs it. A dozen layers ask what it covers of
-/// them, and each question takes a time that grows with its points. It is exact
-/// if there are no walls: the fill then ends at the outline itself, and a rough
-/// outline would leave a rim of it open.
+/// them, and each question takes a time that grows with its points. It is a
+/// little larger if there are no walls: the fill then ends at the outline
+/// itself, and of two equal layers neither may leave a rim of the other open.
 pub(crate) fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
+    // Two outlines of one shape differ by twice their accuracy, and the offset
+    // may be off by as much as its tolerance.
+    let accuracy = settings.accuracy;
     Solid::new(match settings.walls {
-        0 => outline.clone(),
+        0 => offset(outline, 3.0 * accuracy, accuracy),
         _ => simplify_area(outline, TOLERANCE),
     })
 }
@@ -249,19 +253,11 @@ mod tests {
     use glam::DVec2;
 
     /// Places between the rough and the exact outline are where the rough one
-    /// says, whoever is asked; without walls there are none.
+    /// says, whoever is asked.
     #[test]
     fn rough_outlines_agree_with_themselves() {
         let exact = disc(10.0, 2000);
-        let with = |walls: u32| {
-            let settings = Settings {
-                walls,
-                ..Settings::default()
-            };
-            rough(&exact, &settings)
-        };
-        assert_eq!(*with(0).area(), exact);
-        let rough = with(2);
+        let rough = rough(&exact, &Settings::default());
         assert!(rough.area().rings[0].len() < 200);
         let mut between = 0;
         for k in 0..4000 {
@@ -274,6 +270,23 @@ mod tests {
             }
         }
         assert!(between > 100, "{between}");
+    }
+
+    /// Without walls a layer covers all of an equal one, however far accuracy
+    /// lets their outlines be apart.
+    #[test]
+    fn equal_layers_without_walls_cover_one_another() {
+        let settings = Settings {
+            walls: 0,
+            ..Settings::default()
+        };
+        let off = settings.accuracy;
+        for [here, there] in [[off, -off], [-off, off]] {
+            let fill = disc(10.0 + here, 300);
+            // The chords take the other half of the accuracy.
+            let cover = rough(&disc(10.0 + 0.5 * there, 140), &settings);
+            assert!(open(&fill, cover.area()).is_empty());
+        }
     }
 
     /// What is covered of each island.

@@ -15,8 +15,11 @@
 //! more layers count beside what the first N leave open ([`Slope`]): down to a
 //! slope of 45° a shell is as thick as N layers.
 //!
-//! Where layers differ in height, N and M are what fits into the skin's
-//! thickness there.
+//! Where layers differ in height, N and M are as many as the skin's thickness
+//! takes there.
+//!
+//! What rises from a face stands on skin as far as its walls reach: skin goes on
+//! below them ([`Exposure::under_walls`]).
 //!
 //! Exposed areas grow a little into the sparse area, which anchors their lines
 //! and makes thin ones printable. What is then too narrow or too small for
@@ -27,14 +30,16 @@ use super::cover::{
     Covered, Exposed, Islands, TOLERANCE, by_island, exposed, near, open,
 };
 use super::shells::Shells;
+use super::wall_depths;
 use crate::layers::LayerSpan;
 use crate::plane::clip::{
-    crop, difference, intersection, not_covered_by_all, union,
+    crop, difference, intersection, not_covered_by_all, union, unite,
 };
 use crate::plane::offset::offset;
-use crate::plane::{Area, Solid};
+use crate::plane::{Area, BoxTree, Rect, Solid};
 use crate::settings::{Settings, SkinWhere};
 use crate::units::Mm;
+use glam::DVec2;
 
 /// The fill, split.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -107,20 +112,15 @@ impl<'a> Exposure<'a> {
         settings: &'a Settings,
         spans: &'a [LayerSpan],
     ) -> Exposure<'a> {
-        let shells = |count: u32, set: Option<u32>, thickness, upwards| {
-            if settings.is_uniform() || set.is_some() {
-                Shells::Alike(count as usize)
-            } else {
-                Shells::of_thickness(spans, thickness, upwards)
-            }
+        let shells = |set: Option<u32>, thickness, upwards| match set {
+            Some(count) => Shells::Alike(count as usize),
+            None => Shells::of_thickness(spans, thickness, upwards),
         };
         let s = settings;
-        let top = (s.top_layers(), s.top_layers, s.top_thickness());
-        let bottom = (s.bottom_layers(), s.bottom_layers, s.bottom_thickness());
         Exposure {
             settings,
-            above: shells(top.0, top.1, top.2, true),
-            below: shells(bottom.0, bottom.1, bottom.2, false),
+            above: shells(s.top_layers, s.top_thickness(), true),
+            below: shells(s.bottom_layers, s.bottom_thickness(), false),
             spans,
         }
     }
@@ -259,21 +259,95 @@ impl<'a> Exposure<'a> {
         }
         let support = window.below.first().filter(|s| !s.is(window.here));
         let hanging = hanging(&exposed, support.copied(), settings);
+        let under = self.under_walls(&islands, &exposed, window);
         let mut sparse = Vec::new();
-        let all = islands.into_iter().zip(exposed).zip(hanging);
-        for ((island, exposed), hanging) in all {
-            match exposed {
-                Exposed::Nowhere => sparse.push(island),
-                Exposed::Everywhere => {}
+        let all = islands.into_iter().zip(exposed).zip(hanging).zip(under);
+        for (((island, exposed), hanging), under) in all {
+            let skin = match exposed {
+                Exposed::Everywhere => continue,
+                Exposed::Nowhere => under,
                 Exposed::Part(part) => {
-                    let grown = grown(&part, &hanging, settings);
-                    let left = difference(&island, &grown);
-                    sparse.extend(beside(&left, &grown, settings));
+                    union(&grown(&part, &hanging, settings), &under)
                 }
+            };
+            if skin.is_empty() {
+                sparse.push(island);
+            } else {
+                let left = difference(&island, &skin);
+                sparse.extend(beside(&left, &skin, settings));
             }
         }
         sparse
     }
+
+    /// For each island, what lies under the walls of a part that rises from a
+    /// face of this layer, or of one of the layers above whose skin reaches down
+    /// to this one.
+    ///
+    /// A part rises where the layer above recedes so far that its walls lie
+    /// beside those below them for the most part. On a slope that is steeper
+    /// than that, walls stand on walls.
+    fn under_walls(
+        &self,
+        islands: &[Area],
+        exposed: &[Exposed],
+        window: &Window<'_>,
+    ) -> Vec<Area> {
+        let s = self.settings;
+        let (_, depth) = wall_depths(window.height, s);
+        let step = 0.5 * s.inner_wall_width();
+        let all = islands.iter().zip(exposed);
+        let asked = all.filter(|(_, e)| **e != Exposed::Everywhere);
+        let asked: Vec<&Area> = asked.map(|(island, _)| island).collect();
+        let far = depth + step;
+        let boxes = asked.iter().map(|island| island.bounds().grown(far));
+        let near = boxes.clone().fold(Rect::EMPTY, |all, b| all.union(b));
+        let boxes = BoxTree::new(boxes.enumerate());
+        let layers = self.covering(self.above.at(window.number));
+        let above = window.above.iter().take(layers).copied();
+        let lower = std::iter::once(window.here).chain(above.clone());
+        let mut found = Area::EMPTY;
+        for (lower, upper) in lower.zip(above) {
+            if depth <= 0.0
+                || upper.is(lower)
+                || !recedes(lower, upper, step, &boxes)
+            {
+                continue;
+            }
+            crate::limits::check();
+            let here = crop(&lower.area().rings, near);
+            let open = open(&here, upper.area());
+            let wide = offset(&open, -0.5 * step, TOLERANCE);
+            let under = offset(&wide, 0.5 * step + depth, TOLERANCE);
+            found.rings.extend(under.rings);
+        }
+        if found.is_empty() {
+            return vec![Area::EMPTY; islands.len()];
+        }
+        let all = asked.iter().flat_map(|island| &island.rings);
+        let found = intersection(&all.cloned().collect(), &unite(&found));
+        // What is thinner than a bead lies beside what holds the walls.
+        let half = 0.5 * s.skin_width();
+        let wide = offset(&found, -half, TOLERANCE);
+        let found = intersection(&offset(&wide, half, TOLERANCE), &found);
+        by_island(islands, found.islands())
+    }
+}
+
+/// True if some border of a layer in one of some boxes is farther than `step`
+/// from the border of the layer below, in which it lies.
+fn recedes(
+    lower: &Solid<'_>,
+    upper: &Solid<'_>,
+    step: Mm,
+    boxes: &BoxTree,
+) -> bool {
+    let grid = lower.grid();
+    let near = |p: DVec2| boxes.meeting(Rect::new(p, p)).next().is_some();
+    let mut points = upper.area().rings.iter().flatten();
+    points.any(|&p| {
+        near(p) && grid.nearest_edge(p, step).is_none() && grid.contains(p)
+    })
 }
 
 impl<'a> Window<'a> {
@@ -570,11 +644,67 @@ mod tests {
         let holed = difference(&all, &rect(5.0, 5.0, 10.0, 10.0));
         let f =
             split_under(&fill, &[&all, &holed, &all], &[&all], 0, &settings);
-        let grown = 5.0 + 2.0 * settings.skin_overlap();
+        // Walls stand around the hole.
+        let (_, walls) = wall_depths(0.2, &settings);
+        let grown = 5.0 + 2.0 * settings.skin_overlap().max(walls);
         let skin = f.skin.content();
         assert!((25.0..=grown * grown).contains(&skin), "{skin}");
         let both = skin + f.sparse.content();
         assert!((both - 400.0).abs() < 1e-3);
+    }
+
+    /// Content of the sparse area of a square with sides of 20 mm below layers
+    /// that recede by so much on all sides.
+    fn sparse_below(recede: &[f64], settings: &Settings) -> f64 {
+        let fill = rect(0.0, 0.0, 20.0, 20.0);
+        let inset = |by: &f64| rect(*by, *by, 20.0 - by, 20.0 - by);
+        let above: Vec<Area> = recede.iter().map(inset).collect();
+        let above: Vec<&Area> = above.iter().collect();
+        let f = split_under(&fill, &above, &[&fill], 0, settings);
+        f.sparse.content()
+    }
+
+    #[test]
+    fn what_rises_stands_on_skin_as_far_as_its_walls_reach() {
+        for walls in [1, 2, 5] {
+            let settings = Settings {
+                walls,
+                ..Settings::default()
+            };
+            let (_, depth) = wall_depths(0.2, &settings);
+            let reach = depth.max(settings.skin_overlap());
+            // The step may be in any of the layers whose skin reaches down here,
+            // and may be as narrow as a wall.
+            for (rises, by) in [
+                (vec![4.0; 4], 4.0),
+                (vec![0.5; 4], 0.5),
+                (vec![0.0, 0.0, 4.0, 4.0], 4.0),
+                (vec![0.0, 0.0, 0.0, 1.0], 1.0),
+            ] {
+                let side = 20.0 - 2.0 * (by + reach);
+                let is = sparse_below(&rises, &settings);
+                // Slopes of 45° have skin one layer farther in.
+                let slope = (side - 2.0 * 0.4).powi(2);
+                let most = (side * side).max(slope) + 0.3;
+                assert!(is <= most, "{walls} {rises:?}: {is} {most}");
+                assert!(is >= slope.min(side * side) - 0.3, "{walls}: {is}");
+            }
+        }
+    }
+
+    #[test]
+    fn skin_below_steep_slopes_does_not_grow_for_walls() {
+        let settings = Settings {
+            walls: 5,
+            ..Settings::default()
+        };
+        let one = Settings {
+            walls: 1,
+            ..Settings::default()
+        };
+        let slope = [0.2, 0.4, 0.6, 0.8];
+        let is = [&settings, &one].map(|s| sparse_below(&slope, s));
+        assert!((is[0] - is[1]).abs() < 1e-6, "{is:?}");
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! How many layers a shell of a thickness has.
 //!
-//! Where layers are alike, or their number is set, the number is the same
-//! everywhere. Otherwise it is what fits into the thickness, layer by layer.
+//! Where their number is set, it is the same everywhere. Otherwise it is the
+//! least number of layers that are as thick as asked for, layer by layer.
 
 use crate::layers::LayerSpan;
+use crate::settings::THICKNESS_SLACK;
 use crate::units::Mm;
 
 /// Layers of the shells on one side.
@@ -16,37 +17,31 @@ pub(super) enum Shells {
 }
 
 impl Shells {
-    /// The layers that fit into `thickness`, from each layer upwards (or else
-    /// downwards); 1 at least, unless the thickness is 0.
+    /// The fewest layers as thick as `thickness`, from each layer upwards (or
+    /// else downwards) to a face; a layer itself counts as one of them. A face
+    /// is the far side of a layer, so the layer itself is in its shell if what
+    /// lies between is too thin. There are none if the thickness is 0.
     pub(super) fn of_thickness(
         spans: &[LayerSpan],
         thickness: Mm,
         upwards: bool,
     ) -> Shells {
-        // A share of a layer so small counts as nothing, as it does where all
-        // layers have one height.
-        const SLACK: f64 = 1e-4;
+        let asked = thickness - THICKNESS_SLACK;
         if thickness <= 0.0 {
             return Shells::Alike(0);
         }
-        let fit = |i: usize| {
-            let all = &spans[i];
-            let within = thickness + SLACK * all.height();
-            let others: &mut dyn Iterator<Item = &LayerSpan> = if upwards {
-                &mut spans[i..].iter()
+        let count = |i: usize| {
+            let (below, above) = spans.split_at(i);
+            let here = &spans[i];
+            let others = if upwards {
+                above.partition_point(|s| s.top - here.top < asked)
             } else {
-                &mut spans[..=i].iter().rev()
+                let thick = |s: &LayerSpan| here.bottom - s.bottom >= asked;
+                1 + below.len() - below.partition_point(thick)
             };
-            let fits = |other: &&LayerSpan| {
-                if upwards {
-                    other.top - all.bottom <= within
-                } else {
-                    all.top - other.bottom <= within
-                }
-            };
-            others.take_while(fits).count().max(1)
+            others.max(1)
         };
-        Shells::Each((0..spans.len()).map(fit).collect())
+        Shells::Each((0..spans.len()).map(count).collect())
     }
 
     /// The layers of a shell from a layer on.
@@ -81,26 +76,55 @@ mod tests {
     }
 
     #[test]
-    fn layers_of_one_height_are_counted_as_ever() {
-        let alike = Shells::of_thickness(&spans(&[0.2; 20]), 0.8, true);
-        assert_eq!(alike.at(0), 4);
-        assert_eq!(alike.at(16), 4);
-        // The part ends: all layers left are in the shell.
-        assert_eq!(alike.at(18), 2);
+    fn layers_of_one_height_are_as_many_as_the_thickness_takes() {
+        for (height, thickness, count) in [
+            (0.2, 0.8, 4),
+            (0.3, 0.8, 3),
+            (0.3, 0.605, 2),
+            (0.3, 0.615, 3),
+        ] {
+            let spans = spans(&[height; 20]);
+            let up = Shells::of_thickness(&spans, thickness, true);
+            let down = Shells::of_thickness(&spans, thickness, false);
+            assert_eq!([0, 10].map(|i| up.at(i)), [count; 2]);
+            assert_eq!([19, 10].map(|i| down.at(i)), [count; 2]);
+            // The part ends: all layers left are in the shell.
+            assert_eq!([18, 19].map(|i| up.at(i)), [2, 1]);
+            assert_eq!([0, 1].map(|i| down.at(i)), [1, 2]);
+        }
     }
 
+    /// Whatever the heights, the layers in the shell of each face are as thick
+    /// as asked for, and one fewer would not be.
     #[test]
-    fn thin_layers_make_shells_of_more_of_them() {
-        let mut heights = vec![0.3; 10];
-        heights.extend([0.1; 10]);
+    fn no_face_has_a_shell_thinner_than_asked_or_a_layer_too_many() {
+        let heights: Vec<Mm> =
+            (0..60).map(|i| 0.1 + 0.05 * f64::from(i * 7 % 5)).collect();
         let spans = spans(&heights);
-        let up = Shells::of_thickness(&spans, 0.8, true);
-        assert_eq!([0, 8, 9, 10].map(|i| up.at(i)), [2, 4, 6, 8]);
-        let down = Shells::of_thickness(&spans, 0.8, false);
-        assert_eq!([9, 10, 19].map(|i| down.at(i)), [2, 3, 8]);
-        assert_eq!(up.most(), 8);
-        let thick = Shells::of_thickness(&spans, 0.05, true);
-        assert_eq!(thick.at(0), 1);
+        let n = spans.len();
+        for thickness in [0.05, 0.6, 0.8, 1.23] {
+            let up = Shells::of_thickness(&spans, thickness, true);
+            let down = Shells::of_thickness(&spans, thickness, false);
+            for face in 10..n - 10 {
+                // Layer i is in the shell below the top of layer `face` if its
+                // count reaches up to that layer.
+                let tops = (0..=face).filter(|&i| i + up.at(i) > face);
+                let bottoms = (face..n).filter(|&i| i < face + down.at(i));
+                for shell in [tops.collect(), bottoms.collect::<Vec<_>>()] {
+                    let all = shell.iter().map(|&i| heights[i]);
+                    let is: Mm = all.sum();
+                    assert!(is >= thickness - 0.01, "{is} {thickness}");
+                    let far = if shell.contains(&(face - 1)) {
+                        shell[0]
+                    } else {
+                        shell[shell.len() - 1]
+                    };
+                    let less = is - heights[far];
+                    assert!(less < thickness - 0.01 + 1e-9, "{less}");
+                }
+            }
+            assert!(up.most() >= 1 && down.most() >= 1);
+        }
         assert_eq!(Shells::of_thickness(&spans, 0.0, true).most(), 0);
     }
 }

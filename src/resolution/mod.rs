@@ -22,8 +22,6 @@
 
 mod runs;
 
-pub(crate) use runs::pieces_within;
-
 use crate::bead::{Bead, Role, Stroke};
 use crate::plane::simplify::{simplify_line, simplify_path};
 use crate::settings::Settings;

@@ -212,7 +212,7 @@ impl Slack {
 /// The bead in pieces of constant width. `edge` is how far the edges of a bead
 /// that shows may be off, `path` how far the middle of a piece may be from the
 /// bead's. All of the bead lies at the level of its first point.
-pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
+pub(super) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
     if bead.widths.len() != bead.points.len() || bead.points.is_empty() {
         return vec![bead];
     }

@@ -2,8 +2,8 @@
 
 use super::by_nozzle::share_of;
 use super::{
-    Acceleration, ByNozzle, Emit, Infill, InterfaceShape, LayerHeights,
-    Settings, Supports, Varying, WallOffset, check,
+    Acceleration, ByNozzle, Emit, Infill, InfillPattern, InterfaceShape,
+    LayerHeights, Settings, Supports, Varying, WallOffset, check,
 };
 use crate::units::{
     Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, PricePerKg,
@@ -11,7 +11,8 @@ use crate::units::{
 use std::path::Path;
 
 /// Lengths that follow the nozzle, each with what `auto` stands for: a
-/// percentage of the nozzle's diameter, or another of these lengths.
+/// percentage of the nozzle's diameter, another of these lengths, or the lesser
+/// or the greater of both.
 macro_rules! by_nozzle {
     ($($(#[doc = $doc:literal])+ $name:ident = $auto:tt;)+) => {
         impl Settings {
@@ -38,6 +39,10 @@ macro_rules! by_nozzle {
     (@auto $settings:ident $name:ident) => {
         $settings.$name()
     };
+    (@auto $settings:ident ($share:literal $bound:ident $name:ident)) => {
+        share_of($settings.printer.nozzle_diameter, $share)
+            .$bound($settings.$name())
+    };
 }
 
 by_nozzle! {
@@ -46,11 +51,11 @@ by_nozzle! {
     /// Height of the first layer.
     first_layer_height = 50.0;
     /// Height of the thinnest layers that are not uniform.
-    layer_height_min = 20.0;
+    layer_height_min = (20.0 min layer_height);
     /// Height of the thickest layers that are not uniform.
-    layer_height_max = 75.0;
+    layer_height_max = (75.0 max layer_height);
     /// Greatest step of adaptive layers on the surface.
-    step_error = 25.0;
+    step_error = layer_height;
     /// Half the width of the widest slit that is closed.
     slit_closing = 5.0;
     /// Line width of the outer wall.
@@ -171,7 +176,7 @@ impl Settings {
     }
 
     /// Number of solid layers below an upward face: `top_layers` if set, else
-    /// what fits into `top_thickness`.
+    /// as many as `top_thickness` takes.
     pub fn top_layers(&self) -> u32 {
         self.top_layers.unwrap_or_else(|| {
             layers_in(self.top_thickness(), self.layer_height())
@@ -220,9 +225,21 @@ impl Settings {
         self.printer.max_bed_temperature.unwrap_or(MOST)
     }
 
-    /// Direction of skin lines in a layer, counted from the bed.
+    /// True if lines of skin that begins to turn in the first layer would run
+    /// along those of the infill right below them.
+    fn skin_follows_infill(&self) -> bool {
+        let turns = Infill::Pattern(InfillPattern::Rectilinear);
+        // Infill of an even layer lies below skin of an odd one.
+        let apart = self.infill_angle - (self.skin_angle - 90.0);
+        let apart = (apart + 90.0).rem_euclid(180.0) - 90.0;
+        self.infill == turns && apart.abs() < 45.0
+    }
+
+    /// Direction of skin lines in a layer, counted from the bed. They turn from
+    /// layer to layer, and run across rectilinear infill right below them.
     pub fn skin_direction(&self, layer: usize) -> Degrees {
-        self.skin_angle - 90.0 * (layer % 2) as f64
+        let turn = layer + usize::from(self.skin_follows_infill());
+        self.skin_angle - 90.0 * (turn % 2) as f64
     }
 
     /// Speed of moves that do not print.
@@ -367,10 +384,24 @@ impl Settings {
     }
 
     /// Number of solid layers above a downward face: `bottom_layers` if set,
-    /// else what fits into `bottom_thickness`.
+    /// else as many as `bottom_thickness` takes.
     pub fn bottom_layers(&self) -> u32 {
         self.bottom_layers.unwrap_or_else(|| {
             layers_in(self.bottom_thickness(), self.layer_height())
+        })
+    }
+
+    /// Number of solid layers on the bed, of which the first has its own height,
+    /// if the others are uniform.
+    pub(super) fn layers_on_bed(&self) -> u32 {
+        self.bottom_layers.unwrap_or_else(|| {
+            let rest = self.bottom_thickness() - self.part_first_height();
+            let more = if rest > THICKNESS_SLACK {
+                layers_in(rest, self.layer_height())
+            } else {
+                0
+            };
+            more + u32::from(self.bottom_thickness() > 0.0)
         })
     }
 }
@@ -394,12 +425,18 @@ impl Acceleration {
     }
 }
 
-/// Number of whole layers in a thickness; at least 1 for any thickness above 0.
+/// What a shell may lack of its thickness, mm. No layer is added for so little:
+/// 0.6 mm are three layers of 0.2 mm, also where a profile says 0.602.
+pub(crate) const THICKNESS_SLACK: Mm = 0.01;
+
+/// Least number of layers that are as thick as a thickness; at least 1 for any
+/// thickness above 0.
 fn layers_in(thickness: Mm, layer_height: Mm) -> u32 {
-    // 0.6 / 0.2 is 2.9999999999999996.
-    const SLACK: f64 = 1e-4;
+    /// Share of a layer that is rounding: 0.61 - 0.01 is a little more than 0.6.
+    const ROUNDING: f64 = 1e-9;
     if thickness > 0.0 {
-        ((thickness / layer_height + SLACK).floor() as u32).max(1)
+        let layers = (thickness - THICKNESS_SLACK) / layer_height;
+        ((layers - ROUNDING).ceil() as u32).max(1)
     } else {
         0
     }
@@ -421,10 +458,33 @@ mod tests {
     fn thickness_becomes_whole_layers() {
         assert_eq!(Settings::default().top_layers(), 4);
         assert_eq!(Settings::default().bottom_layers(), 3);
-        assert_eq!(settings(0.2, 0.79).top_layers(), 3);
+        assert_eq!(settings(0.2, 0.79).top_layers(), 4);
+        assert_eq!(settings(0.2, 0.81).top_layers(), 4);
+        assert_eq!(settings(0.2, 0.82).top_layers(), 5);
+        assert_eq!(settings(0.3, 0.8).top_layers(), 3);
         assert_eq!(settings(0.3, 0.9).top_layers(), 3);
         assert_eq!(settings(0.2, 0.01).top_layers(), 1);
         assert_eq!(settings(0.2, 0.0).top_layers(), 0);
+    }
+
+    #[test]
+    fn skin_runs_across_the_infill_right_below_it() {
+        for infill in [-45.0, 0.0, 20.0, 45.0, 90.0, 135.0, 290.0] {
+            for skin in [-90.0, 0.0, 30.0, 45.0, 135.0] {
+                let s = Settings {
+                    infill: Infill::Pattern(InfillPattern::Rectilinear),
+                    infill_angle: infill,
+                    skin_angle: skin,
+                    ..Settings::default()
+                };
+                for layer in 0..4 {
+                    let below = infill + 90.0 * (layer % 2) as f64;
+                    let turn = s.skin_direction(layer + 1) - below;
+                    let turn = (turn + 90.0).rem_euclid(180.0) - 90.0;
+                    assert!(turn.abs() >= 45.0, "{infill} {skin}: {turn}");
+                }
+            }
+        }
     }
 
     #[test]

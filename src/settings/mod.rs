@@ -66,6 +66,7 @@ pub use table::{Key, keys};
 pub use value::Range;
 
 pub(crate) use by_nozzle::ByNozzle;
+pub(crate) use derived::THICKNESS_SLACK;
 pub(crate) use firmware::Refusals;
 pub(crate) use infill::Infill;
 pub(crate) use rows::{Acceleration, Cooling, Skirt, Speed};

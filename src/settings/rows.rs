@@ -32,15 +32,16 @@ table::settings! {
         layer_heights: Varying<LayerHeights> =
             Varying::Constant(LayerHeights::Uniform);
         /// Least height of layers that are not uniform. A layer that ends at a
-        /// level face may be half as high. auto is 20% of the nozzle's diameter.
+        /// level face may be half as high. auto is 20% of the nozzle's
+        /// diameter, or layer_height if that is less.
         layer_height_min: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// Greatest height of layers that are not uniform; auto is 75% of the
-        /// nozzle's diameter.
+        /// nozzle's diameter, or layer_height if that is more.
         layer_height_max: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// Greatest step that adaptive layers may make on the surface, measured
         /// across it. Where layers would have to be lower than
-        /// layer_height_min, the step is greater. auto is 25% of the nozzle's
-        /// diameter.
+        /// layer_height_min, the step is greater. auto takes layer_height, the
+        /// greatest step that uniform layers make.
         step_error: ByNozzle = ByNozzle::Auto, in 0.001..=2.0;
 
         ["Outlines"]
@@ -130,11 +131,11 @@ table::settings! {
         /// Where the part gets skin: at all of its exposed faces, or only at
         /// its ends, where skin fills the lowest and the highest layers.
         skin_where: SkinWhere = SkinWhere::Exposed;
-        /// Thickness of solid material below each upward face; auto is 200% of
-        /// the nozzle's diameter.
+        /// Least thickness of solid material below each upward face; auto is
+        /// 200% of the nozzle's diameter.
         top_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
-        /// Thickness of solid material above each downward face; auto is 150%
-        /// of the nozzle's diameter.
+        /// Least thickness of solid material above each downward face; auto is
+        /// 150% of the nozzle's diameter.
         bottom_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
         /// Number of solid layers below each upward face; auto takes it from
         /// top_thickness.
@@ -166,7 +167,9 @@ table::settings! {
         /// Order of the lines of skin that faces upwards.
         top_skin_order: SkinOrder = SkinOrder::Monotonic;
         /// Direction of skin lines on even layers, counter-clockwise from
-        /// the x axis; odd layers are turned by a right angle.
+        /// the x axis; odd layers are turned by a right angle. Even and odd
+        /// layers change places where lines would run along rectilinear infill
+        /// below them.
         skin_angle: Degrees = 45.0, in -360.0..=360.0;
         /// Gap between the ring around skin and the lines inside it; 0 for
         /// lines that reach the ring.
@@ -423,28 +426,28 @@ table::settings! {
     /// own, printer.acceleration.
     acceleration: Acceleration {
         /// Acceleration of outer walls.
-        outer_wall: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        outer_wall: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of the walls behind the outer wall, and of the beads
         /// that fill gaps between walls.
-        inner_wall: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        inner_wall: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of sparse infill.
-        sparse_infill: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        sparse_infill: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of solid layers that are covered from both sides.
-        internal_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        internal_skin: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of skin that faces upwards, and of ironing.
-        top_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        top_skin: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of skin that faces downwards.
-        bottom_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        bottom_skin: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of bridges, internal ones as well.
-        bridge: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        bridge: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of walls that hang over the layer below.
-        overhang: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        overhang: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Greatest acceleration of everything printed on the first layer; 0
         /// for no limit.
-        first_layer: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        first_layer: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
         /// Acceleration of moves that do not print; 0 takes
         /// printer.travel_acceleration.
-        travel: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        travel: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
     }
     /// Travels: the way between beads.
     travel: Travel {

@@ -66,8 +66,15 @@ impl Settings {
 fn of(key: &Key) -> Value {
     let mut number = json!({ "type": "number" });
     if let Some(range) = key.range {
-        number["minimum"] = range.min.into();
+        let least = if range.or_zero { 0.0 } else { range.min };
+        number["minimum"] = least.into();
         number["maximum"] = range.max.into();
+        if range.or_zero {
+            number["not"] = json!({
+                "exclusiveMinimum": 0.0,
+                "exclusiveMaximum": range.min,
+            });
+        }
     }
     let mut whole = number.clone();
     whole["type"] = "integer".into();

@@ -37,7 +37,8 @@ impl Of {
             Of::Speed => ("mm/s", 0.1, 2000.0),
             Of::Fan => ("%", 0.0, 100.0),
         };
-        let range = Some(Range { min, max });
+        let or_zero = false;
+        let range = Some(Range { min, max, or_zero });
         Measure { unit, range }
     }
 

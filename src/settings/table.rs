@@ -81,9 +81,11 @@ impl Key {
                 self.range_with("%")
             ),
             (Kind::Number, unit) => {
-                format!(
-                    "a number from {range} (in {unit}, without quotes or unit)"
-                )
+                let from = match self.range {
+                    Some(Range { or_zero: true, .. }) => "",
+                    _ => "a number from ",
+                };
+                format!("{from}{range} (in {unit}, without quotes or unit)")
             }
             (Kind::Varying, unit) => format!(
                 "{range}{}{unit} or \"expr: ...\", a formula of x, y, z and {}",
@@ -124,9 +126,8 @@ impl Key {
     }
 
     fn range_with(&self, unit: &str) -> String {
-        self.range.map_or_else(String::new, |range| {
-            format!("{} to {}{unit}", range.min, range.max)
-        })
+        self.range
+            .map_or_else(String::new, |range| format!("{range}{unit}"))
     }
 
     /// The words that may be assigned, if nothing else may.
@@ -374,6 +375,14 @@ macro_rules! range {
         Some($crate::settings::Range {
             min: $min as f64,
             max: $max as f64,
+            or_zero: false,
+        })
+    };
+    ($min:literal $max:literal or_zero) => {
+        Some($crate::settings::Range {
+            min: $min as f64,
+            max: $max as f64,
+            or_zero: true,
         })
     };
 }
@@ -399,7 +408,8 @@ macro_rules! settings {
                     $(#[doc = $gdoc:literal])+
                     $gfield:ident : $gty:ident $(<$ginner:ident>)?
                         = $gdefault:expr
-                        $(, in $gmin:literal ..= $gmax:literal)?;
+                        $(, in $gmin:literal ..= $gmax:literal
+                            $($gzero:ident)?)?;
                 )+
             }
         )+
@@ -468,7 +478,7 @@ macro_rules! settings {
                 ),
                 section: stringify!($group),
                 unit: $crate::settings::table::unit!($gty $(<$ginner>)?),
-                range: $crate::settings::table::range!($($gmin $gmax)?),
+                range: $crate::settings::table::range!($($gmin $gmax $($gzero)?)?),
                 doc: concat!($($gdoc, "\n"),+),
                 field: |settings| &settings.$group.$gfield,
                 field_mut: |settings| &mut settings.$group.$gfield,

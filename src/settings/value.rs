@@ -4,6 +4,8 @@
 //! In: a [`Raw`] value and the setting's [`Measure`]. Out: the field, changed
 //! only if the value is of the right type and within the range.
 
+use std::fmt;
+
 /// Least and greatest allowed value, both inclusive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
@@ -11,12 +13,23 @@ pub struct Range {
     pub min: f64,
     /// Greatest value.
     pub max: f64,
+    /// True if 0 is allowed, too.
+    pub or_zero: bool,
 }
 
 impl Range {
     /// True if `value` is a number within the range.
     pub fn contains(&self, value: f64) -> bool {
-        (self.min..=self.max).contains(&value)
+        (self.min..=self.max).contains(&value) || self.or_zero && value == 0.0
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.or_zero {
+            f.write_str("0 or ")?;
+        }
+        write!(f, "{} to {}", self.min, self.max)
     }
 }
 

@@ -20,6 +20,7 @@
 //! span that three quarters of the lines' length stay below.
 
 use super::direction::{across, best, common, fan, rows};
+use super::gaps::{Gap, Span, spans};
 use crate::plane::clip::{difference, intersection};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, Segment, hatch};
@@ -72,19 +73,29 @@ pub(super) fn bridges(
     let grid = EdgeGrid::new(&below, width);
     let gaps = intersection(&offset(&core, 0.5 * width, TOLERANCE), area);
     let reach = settings.bridge_anchor.max(0.5 * width);
-    let (mut found, mut grown) = (Vec::new(), Vec::new());
-    for gap in gaps.islands() {
+    let gaps = gaps.islands().into_iter().map(|gap| {
         crate::limits::check();
-        let Some(angle) = direction(&gap, &grid, width) else {
-            continue;
-        };
-        let area = Area::EMPTY;
-        found.push(Bridge { area, angle });
-        grown.push(offset(&gap, reach, TOLERANCE));
+        let best = best_direction(&gap, &grid, width);
+        Gap::new(gap, best, reach, TOLERANCE)
+    });
+    let gaps: Vec<Gap> = gaps.collect();
+    let span = |gap: &Area, angle| held_span(gap, &grid, angle, width);
+    let spans = spans(&gaps, span, reach, TOLERANCE);
+    // Several pieces of a bridge are clipped each by itself.
+    let (mut owners, mut takers) = (Vec::new(), Vec::new());
+    for (i, span) in spans.iter().enumerate() {
+        let pieces = span.reached.islands();
+        owners.extend(std::iter::repeat_n(i, pieces.len()));
+        takers.extend(pieces);
     }
-    let (parts, left) = shared(area, &grown);
-    for (bridge, part) in found.iter_mut().zip(parts) {
-        bridge.area = part;
+    let bridge = |span: Span| Bridge {
+        area: Area::EMPTY,
+        angle: span.angle,
+    };
+    let mut found: Vec<Bridge> = spans.into_iter().map(bridge).collect();
+    let (parts, left) = shared(area, &takers);
+    for (i, part) in owners.into_iter().zip(parts) {
+        found[i].area.rings.extend(part.rings);
     }
     found.retain(|b| !b.area.is_empty());
     (found, left)
@@ -148,6 +159,16 @@ pub(crate) fn direction(
     below: &EdgeGrid,
     width: Mm,
 ) -> Option<Degrees> {
+    best_direction(gap, below, width).map(|best| best.1)
+}
+
+/// The best direction of lines across a gap, if they can hang there, after the
+/// span that is common among them.
+fn best_direction(
+    gap: &Area,
+    below: &EdgeGrid,
+    width: Mm,
+) -> Option<(Mm, Degrees)> {
     let mut sides: Vec<(Mm, Degrees)> = gap
         .rings
         .iter()
@@ -164,11 +185,20 @@ pub(crate) fn direction(
     let sides = sides.iter().map(|s| s.1);
     // The sides come first: of equally good directions the first one wins.
     let tried = sides.clone().chain(sides.map(across)).chain(fan());
-    let costs = tried.filter_map(|angle| {
-        let (cost, held) = hang(gap, below, angle, width)?;
-        (held >= HELD).then_some((cost, angle))
-    });
-    best(costs).map(|best| best.1)
+    best(tried.filter_map(|angle| {
+        Some((held_span(gap, below, angle, width)?, angle))
+    }))
+}
+
+/// The span that is common among lines in a direction, if they can hang.
+fn held_span(
+    gap: &Area,
+    below: &EdgeGrid,
+    angle: Degrees,
+    width: Mm,
+) -> Option<Mm> {
+    let (span, held) = hang(gap, below, angle, width)?;
+    (held >= HELD).then_some(span)
 }
 
 /// For lines in a direction: the span that is common among them, and the share
@@ -219,7 +249,7 @@ pub(crate) fn hung(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::shapes::{disc, rect, turned};
+    use crate::plane::shapes::{disc, moved, rect, turned};
 
     fn bridges(area: &Area, below: &Area) -> (Vec<Bridge>, Area) {
         let settings = Settings::default();
@@ -288,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_share_what_is_between_them() {
+    fn gaps_of_one_direction_beside_each_other_are_one_bridge() {
         // The holes of the lattice are nearer to each other than two anchors
         // are long.
         let deck = rect(0.0, 0.0, 60.0, 60.0);
@@ -301,13 +331,73 @@ mod tests {
             below = difference(&below, &hole);
         }
         let (found, rest) = bridges(&deck, &below);
-        assert_eq!(found.len(), 81);
-        assert!(found.iter().all(|b| b.angle == 90.0));
-        let all: f64 = found.iter().map(|b| b.area.content()).sum();
-        let all = all + rest.content();
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].angle, 90.0);
+        // All of the land between the holes is part of it.
+        let holes = rect(4.0, 4.0, 57.0, 56.0);
+        let over = intersection(&found[0].area, &holes).content();
+        assert!((over - 53.0 * 52.0).abs() < 0.01, "{over}");
+        let content = found[0].area.content();
+        let all = content + rest.content();
         assert!((all - 3600.0).abs() < 0.01, "{all}");
-        for b in &found {
-            assert!(b.area.content() > 19.9);
+    }
+
+    #[test]
+    fn round_holes_beside_each_other_are_one_bridge() {
+        // Each has a best direction of its own, by rounding alone.
+        let deck = rect(0.0, 0.0, 30.0, 10.0);
+        let hole = |x: f64, turn: f64| {
+            let hole = turned(&disc(3.0, 40), turn).rings.remove(0);
+            Area::from(moved(hole, x, 5.0))
+        };
+        let holes = joined(&[hole(8.0, 0.0), hole(14.6, 0.7), hole(21.2, 1.1)]);
+        let below = difference(&rect(-1.0, -1.0, 31.0, 11.0), &holes);
+        let (found, _) = bridges(&deck, &below);
+        assert_eq!(found.len(), 1);
+        let over = intersection(&found[0].area, &holes).content();
+        assert!((over / holes.content() - 1.0).abs() < 0.01, "{over}");
+    }
+
+    #[test]
+    fn gaps_of_two_directions_share_the_land_between_them() {
+        let deck = rect(0.0, 0.0, 40.0, 30.0);
+        // Lines run along y in the first hole and along x in the second one,
+        // whichever is found first.
+        let (wide, tall) = ([2.0, 20.0, 10.0, 14.0], [20.6, 25.0, 2.0, 28.0]);
+        let hole = |[x0, x1, y0, y1]: [f64; 4]| rect(x0, y0, x1, y1);
+        let (wide, tall) = (hole(wide), hole(tall));
+        let below = rect(-1.0, -1.0, 41.0, 31.0);
+        let below = difference(&below, &joined(&[wide.clone(), tall.clone()]));
+        let (found, _) = bridges(&deck, &below);
+        assert_eq!(found.len(), 2);
+        for bridge in found {
+            let (own, other, side) = if bridge.angle == 90.0 {
+                (&wide, &tall, rect(20.0, 10.0, 20.6, 14.0))
+            } else {
+                assert_eq!(bridge.angle, 0.0);
+                (&tall, &wide, rect(20.0, 10.0, 20.6, 14.0))
+            };
+            let over = |what: &Area| intersection(&bridge.area, what).content();
+            assert!(over(other) < 1e-3, "{}", over(other));
+            assert!((over(own) - own.content()).abs() < 0.1);
+            // Each has half of the land.
+            assert!((over(&side) - 1.2).abs() < 0.1, "{}", over(&side));
         }
+    }
+
+    #[test]
+    fn no_bridge_grows_into_a_gap_that_has_none() {
+        let deck = rect(0.0, 0.0, 40.0, 30.0);
+        // Beyond a rib of 0.6 mm a balcony hangs on one side alone.
+        let below = joined(&[
+            rect(-1.0, -1.0, 10.0, 31.0),
+            rect(14.0, -1.0, 14.6, 31.0),
+        ]);
+        let (found, _) = bridges(&deck, &below);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].angle, 0.0);
+        let beyond = rect(14.6, -1.0, 41.0, 31.0);
+        let beyond = intersection(&found[0].area, &beyond).content();
+        assert!(beyond < 0.05, "{beyond}");
     }
 }

@@ -21,6 +21,7 @@
 pub(crate) mod bridge;
 mod direction;
 mod fill;
+mod gaps;
 pub(crate) mod over_infill;
 mod roles;
 mod short;

@@ -37,7 +37,7 @@ use crate::plane::offset::offset;
 use crate::plane::simplify::simplify_path;
 use crate::plane::{Area, Ring, signed_area};
 use crate::region::{OFFSET_SHARE, OUTLINE_SHARE};
-use crate::settings::Settings;
+use crate::settings::{Settings, THICKNESS_SLACK};
 use crate::units::Mm;
 use glam::DVec2;
 use ring::{Point, begin, farthest, lonely, points, rear};
@@ -71,10 +71,10 @@ pub(crate) struct Spiral<'a> {
 /// How many flat layers a vase has at its bottom: `bottom_layers` if set, else
 /// those that begin below `bottom_thickness`.
 fn flat_layers(settings: &Settings, spans: &[LayerSpan]) -> usize {
-    if settings.bottom_layers.is_some() || settings.is_uniform() {
-        return settings.bottom_layers() as usize;
+    if let Some(layers) = settings.bottom_layers {
+        return layers as usize;
     }
-    let thickness = settings.bottom_thickness() - 1e-6;
+    let thickness = settings.bottom_thickness() - THICKNESS_SLACK;
     spans.partition_point(|span| span.bottom < thickness)
 }
 

@@ -16,7 +16,8 @@
 //! nothing is none.
 //!
 //! A lip of up to two lines hangs without harm, and no warning names it. But where
-//! supports are asked for, the underside of such a lip is better with a support.
+//! supports are asked for, the underside of such a lip is better with a support, and
+//! `isoslice info --supports` lists it.
 
 use super::TOLERANCE;
 use super::need::held;

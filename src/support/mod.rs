@@ -60,7 +60,7 @@ mod wish;
 
 pub(crate) use disc::Disc;
 pub(crate) use heights::Heights;
-pub(crate) use plan::Plan;
+pub(crate) use plan::{Plan, held};
 pub(crate) use slice::Slice;
 pub(crate) use survey::{Asked, Survey, coarse};
 pub(crate) use wish::Wishes;

@@ -210,6 +210,24 @@ impl Plan {
     }
 }
 
+/// By layer, what gets a support, and the outlines of the layers.
+pub(crate) fn held(
+    mut survey: Survey,
+    heights: &Heights,
+    settings: &Settings,
+) -> [Vec<Area>; 2] {
+    let found = std::mem::take(&mut survey.found);
+    let parts = Parts {
+        heights,
+        outlines: &survey.outlines,
+        ends: &survey.unprinted,
+        sections: &survey.outlines,
+        bed: Rect::EMPTY,
+    };
+    let [needs, _] = needs(found, parts, settings);
+    [needs, survey.outlines]
+}
+
 /// By layer, what gets a support, and what of it needs one.
 fn needs(
     found: Vec<Found>,

@@ -25,6 +25,7 @@ mod wipe;
 use crate::bead::Bead;
 use crate::layers::LayerSpan;
 use crate::plane::Solid;
+use crate::resolution::pieces;
 use crate::seam::ending::Ended;
 use crate::settings::Settings;
 use crate::units::Mm;
@@ -36,7 +37,7 @@ use plan::Planner;
 pub(crate) enum Move {
     /// Go somewhere without printing.
     Travel(Travel),
-    /// Print a bead; the head stands at its first point.
+    /// Print a bead of one width; the head stands at its first point.
     Print(Bead),
 }
 
@@ -59,7 +60,8 @@ pub(crate) struct Travel {
     pub clear: Option<Mm>,
 }
 
-/// The ordered moves of one layer, in print coordinates.
+/// The ordered moves of one layer, in print coordinates. Beads that vary in
+/// width are in pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LayerPath {
     /// The layer.
@@ -161,15 +163,19 @@ pub(crate) fn connect(
         at = wipes[next].or(Some(end));
     }
     let mut moves = Vec::with_capacity(2 * beads.len());
-    for (i, (mut bead, travel)) in beads.into_iter().zip(travels).enumerate() {
+    for (i, (bead, travel)) in beads.into_iter().zip(travels).enumerate() {
         if bead.points.is_empty() {
             continue;
         }
         moves.extend(travel.map(|travel| Move::Travel(travel.moved(offset))));
-        for p in &mut bead.points {
-            *p += offset;
+        // The pieces must not depend on where the part stands, so they are cut
+        // before rounding does.
+        for mut piece in pieces(bead, settings) {
+            for p in &mut piece.points {
+                *p += offset;
+            }
+            moves.push(Move::Print(piece));
         }
-        moves.push(Move::Print(bead));
         let there = |p| Travel::straight(p, false).moved(offset);
         moves.extend(wipes[i].map(|p| Move::Travel(there(p))));
     }

@@ -65,10 +65,9 @@ pub enum VaryError {
     },
     /// The value is outside its range somewhere.
     #[error(
-        "{key} = \"expr: {text}\" is {value:.3} at z = {z:.3}, but may be {} \
-         to {} there: change the expression, for instance with min() and \
-         max() around it",
-        .range.min, .range.max
+        "{key} = \"expr: {text}\" is {value:.3} at z = {z:.3}, but may be \
+         {range} there: change the expression, for instance with min() and \
+         max() around it"
     )]
     OutOfRange {
         /// The setting.
@@ -252,6 +251,7 @@ impl Quantity {
         let range = Range {
             min: range.min.max(own.min),
             max: range.max.min(own.max),
+            or_zero: false,
         };
         let place = Place {
             at: DVec2::ZERO.extend(z),

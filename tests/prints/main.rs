@@ -19,6 +19,7 @@ mod invariants;
 mod joints;
 mod one_by_one;
 mod overhangs;
+mod pairs;
 mod plates;
 mod raft;
 mod relief;

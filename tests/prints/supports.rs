@@ -219,13 +219,21 @@ fn a_lip_gets_no_support_unless_it_is_asked_for() {
              max(max(abs(x) - 12 - {by}, abs(y) - 4 - {by}), abs(z - 9) - 1))"
         )
     };
+    // What a survey tells of is what is printed.
     let has_some = |by: f64, set: &[&str]| {
-        let (gcode, summary) = run(&rim(by), set);
+        let settings = settings(&[&COARSE, set].concat());
+        let model = formula(&rim(by), &settings);
+        let told = isoslice::survey(&model, &settings, Some(2)).unwrap();
+        let (gcode, summary) = slice(&model, &settings, 2);
         assert_eq!(summary.warnings, Vec::<String>::new(), "{by}");
-        supported(&gcode).iter().any(|ends| !ends.is_empty())
+        let some = supported(&gcode).iter().any(|ends| !ends.is_empty());
+        assert_eq!(!told.places.is_empty(), some, "{by}");
+        some
     };
     assert!(!has_some(0.4, &["supports=auto"]));
-    assert!(has_some(0.6, &["supports=auto"]));
+    for by in [0.6, 0.7, 0.95] {
+        assert!(has_some(by, &["supports=auto"]));
+    }
     assert!(has_some(0.4, &["supports=auto", "support.where=1"]));
 }
 

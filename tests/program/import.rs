@@ -439,6 +439,70 @@ fn a_template_that_grows_without_an_end_is_left_out() {
     assert_has(&text, &["bed_x = 200"]);
 }
 
+/// The settings that differ from the defaults are in the file's tail, so that
+/// it can be sliced once more years later.
+#[test]
+fn a_file_of_isoslice_s_own_is_read_back_whole() {
+    const START: &str = "G28\n; say \"hello\"\nM117 {{ model_name }}\n";
+    let config = format!(
+        "walls = 4\nlayer_height = 0.25\ninfill_density = 'expr: 10 + z'\n\
+         [speed]\novershoot = 1\n[gcode]\nstart = '''\n{START}'''\n"
+    );
+    let config = config.replace("overshoot = 1", "outer_wall = 33.5");
+    let dir = folder(&[("a.toml", &config)]);
+    let part = ["slice", "-e", "max(abs(x), abs(y), abs(z)) - 3", "-q"];
+    let slice = |more: &[&str], to: &str| {
+        output(dir.path(), &[&part[..], more, &["-o", to]].concat());
+        fs::read_to_string(dir.path().join(to)).unwrap()
+    };
+    let before = slice(
+        &[
+            "--printer",
+            "prusa-mk4s",
+            "--filament",
+            "petg",
+            "--config",
+            "a.toml",
+        ],
+        "a.gcode",
+    );
+    assert!(before.contains("\n; bed_shape = 0x0,250x0,250x210,0x210\n"));
+    let import = ["profiles", "import", "a.gcode"];
+    let said =
+        output(dir.path(), &[&import[..], &["-o", "same.toml"]].concat());
+    assert!(said.contains("settings that differ"), "{said}");
+    assert_eq!(slice(&["--printer", "same.toml"], "b.gcode"), before);
+    // As three profiles, too.
+    let more = ["--as", "own", "--profiles", "mine"];
+    output(dir.path(), &[&import[..], &more].concat());
+    let own = ["--printer", "own", "--filament", "own", "--preset", "own"];
+    let own = [&own[..], &["--profiles", "mine"]].concat();
+    assert_eq!(slice(&own, "c.gcode"), before);
+    // A file without these lines says that it has few.
+    let tail = "; isoslice settings";
+    let (few, _) = before.split_once(tail).unwrap();
+    fs::write(dir.path().join("few.gcode"), few).unwrap();
+    let import = ["profiles", "import", "few.gcode", "-o", "few.toml"];
+    let said = output(dir.path(), &import);
+    assert!(said.contains("left only a few of its settings"), "{said}");
+}
+
+#[test]
+fn keys_that_make_no_setting_are_named() {
+    let dir = folder(&[
+        ("known.ini", "layer_height = -inf\n"),
+        ("unknown.ini", "no_such_key = 1\n"),
+    ]);
+    let why = |file| {
+        let import = ["profiles", "import", file, "-o", "-"];
+        refused(dir.path(), &import)
+    };
+    let known = why("known.ini");
+    assert!(known.contains("(layer_height = -inf: "), "{known}");
+    let unknown = why("unknown.ini");
+    assert!(unknown.contains("knows none of its keys"), "{unknown}");
+}
+
 #[test]
 fn keys_are_lost_once_and_only_if_no_setting_is_made_of_them() {
     let config = "retract_speed = 30\nderetract_speed = 1e9\n\
@@ -450,7 +514,7 @@ fn keys_are_lost_once_and_only_if_no_setting_is_made_of_them() {
     let text = String::from_utf8(done.get_output().stdout.clone()).unwrap();
     assert_has(&text, &["speed = 30"]);
     assert!(
-        text.contains("# 3 keys became settings, 1 have no"),
+        text.contains("# 3 keys became 3 settings, 0 are not needed, 1 has no"),
         "{text}"
     );
     // Two settings are made of this key.

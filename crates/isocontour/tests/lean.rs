@@ -198,3 +198,34 @@ fn little_work_gives_safe_bounds() {
     }
     assert!(found.unproved > 1.0);
 }
+
+#[test]
+fn a_level_face_where_two_looks_meet_is_found() {
+    let [x, y, z] = axes();
+    let sides = x.clone().abs().max(y.clone().abs()) - 20.0;
+    let ball = (x.square() + y.square() + z.square()).sqrt() - 9.5;
+    let bounds = Bounds {
+        min: DVec3::new(-20.0, -20.0, 0.0),
+        max: DVec3::new(20.0, 20.0, 9.5),
+    };
+    for level in [4.5, 5.0, 6.0, 6.004, 6.3_f32] {
+        let face = z.clone() - Tree::constant(level);
+        let f = sides.clone().max(face).max(-z.clone()).min(ball.clone());
+        let piece = |bins| {
+            let options = LeanOptions {
+                bin: BIN,
+                enough: 0.33,
+                most: 1.0,
+                tolerance: 0.005,
+                bins,
+                max_work: 10_000_000,
+            };
+            lean(&f, &bounds, &options, &Cancel::default()).unwrap()
+        };
+        let pieces = (0..32).map(|k| piece((30 * k, 30 * (k + 1))));
+        let found = pieces.reduce(Lean::joined).unwrap();
+        let near = |z: &f64| (z - f64::from(level)).abs() < 1e-6;
+        assert!(found.faces.iter().any(near), "{level}: {:?}", found.faces);
+        assert_eq!(found.unproved, 0.0, "{level}");
+    }
+}

@@ -373,8 +373,11 @@ fn regular(path: &Path) -> Result<File, Error> {
     File::open(path).map_err(unreadable)
 }
 
-/// The text at the beginning and at the end of a file.
-fn both_ends(path: &Path) -> Result<String, Error> {
+/// The text at the beginning and at the end of a file, 4 MB of each.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn both_ends(path: &Path) -> Result<String, Error> {
     let unreadable = |cause| Error::Unreadable {
         path: path.to_owned(),
         cause,

@@ -1,6 +1,7 @@
 //! `isoslice profiles import`: makes profiles of those of other slicers.
 
 mod files;
+mod own;
 mod summary;
 mod words;
 
@@ -11,12 +12,14 @@ use anyhow::bail;
 use clap::Args;
 use isoslice::settings::{Builder, ProfileKind, Settings, keys};
 use isoslice::{try_templates, understands_placeholder};
+use own::Own;
 use slicerprofile::{
-    Kind, Left, Picked, Setting, Source, Translation, Value, fill, translate,
+    Kind, Left, Picked, Setting, Slicer, Source, Translation, Value, Values,
+    fill, translate,
 };
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use words::{assignment, one_line, slug};
+use words::{assignment, one_line, shortened, slug};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -70,12 +73,27 @@ pub(super) struct ImportArgs {
 }
 
 pub(super) fn run(args: &ImportArgs) -> anyhow::Result<()> {
-    let source = Source::open(&args.file, &args.beside)?;
-    if args.list {
-        return list(&source);
+    let own = own::read(&args.file)?;
+    let has_few = matches!(own, Some(Own::Nothing));
+    let mut import = if let Some(Own::Settings(settings)) = own {
+        if args.list {
+            return plain::print("It holds one profile, without a choice.\n");
+        }
+        Import::of_own(&args.file, settings)
+    } else {
+        let source = Source::open(&args.file, &args.beside)?;
+        if args.list {
+            return list(&source);
+        }
+        Import::new(&args.file, source.pick(&args.name)?)?
+    };
+    if has_few {
+        import.remarks.push(
+            "isoslice made this file and left only a few of its settings in it; \
+             all that differ from the defaults are in files of later versions"
+                .to_owned(),
+        );
     }
-    let picked = source.pick(&args.name)?;
-    let mut import = Import::new(&args.file, &picked)?;
     import.settle()?;
     let written = match &args.output {
         Some(path) => import.write_one(path, args)?,
@@ -115,6 +133,8 @@ struct Import {
     shown: String,
     /// Where the profile is from, for the head of the file.
     origin: String,
+    /// The program whose profile it is.
+    maker: &'static str,
     /// Name of the new profiles, unless a kind has a name of its own.
     name: String,
     kinds: Vec<Kind>,
@@ -129,8 +149,8 @@ struct Import {
 }
 
 impl Import {
-    fn new(file: &Path, picked: &Picked) -> anyhow::Result<Self> {
-        let mut translation = translate(picked);
+    fn new(file: &Path, picked: Picked) -> anyhow::Result<Self> {
+        let mut translation = translate(&picked);
         // A profile of one kind stays of that kind, whatever it sets.
         if let [kind] = picked.kinds.as_slice() {
             for setting in &mut translation.settings {
@@ -138,13 +158,30 @@ impl Import {
             }
         }
         if translation.settings.is_empty() {
-            bail!(
-                "{}: isoslice knows none of its {} keys; it must be a profile of \
-                 PrusaSlicer, OrcaSlicer, Bambu Studio or Cura",
-                file.display(),
-                picked.values.len()
-            );
+            bail!("{}: {}", file.display(), nothing(&translation));
         }
+        let maker = picked.slicer.name();
+        Ok(Self::with(file, maker, picked, translation))
+    }
+
+    /// The import of a file of isoslice's own.
+    fn of_own(file: &Path, translation: Translation) -> Self {
+        // No key of another slicer is in it.
+        let picked = Picked {
+            slicer: Slicer::Prusa,
+            names: Vec::new(),
+            kinds: Vec::new(),
+            values: Values::default(),
+        };
+        Self::with(file, own::MAKER, picked, translation)
+    }
+
+    fn with(
+        file: &Path,
+        maker: &'static str,
+        picked: Picked,
+        translation: Translation,
+    ) -> Self {
         let has =
             |kind: &Kind| translation.settings.iter().any(|s| s.kind == *kind);
         let kinds = [Kind::Printer, Kind::Filament, Kind::Print];
@@ -154,23 +191,23 @@ impl Import {
         let names: Vec<&str> =
             picked.names.iter().map(|n| n.name.as_str()).collect();
         let name = names.first().map_or(stem.as_str(), |name| name);
-        let slicer = picked.slicer.name();
         let file = file.file_name().unwrap_or_default().to_string_lossy();
         let of = match names.as_slice() {
             [] => String::new(),
             all => format!(", {}", all.join(", ")),
         };
-        Ok(Self {
-            origin: one_line(&format!("{slicer}'s {file}{of}")),
+        Self {
+            origin: one_line(&format!("{maker}'s {file}{of}")),
+            maker,
             name: slug(name),
             shown: one_line(name),
             kinds,
-            picked: picked.clone(),
+            picked,
             translation,
             settings: Settings::default(),
             kept: Vec::new(),
             remarks: Vec::new(),
-        })
+        }
     }
 
     /// Leaves out what isoslice refuses, and notes contradictions.
@@ -179,7 +216,8 @@ impl Import {
         let mut fine = Vec::new();
         let mut refused = Vec::new();
         for mut setting in std::mem::take(&mut self.translation.settings) {
-            if setting.name.starts_with("gcode.")
+            if self.maker != own::MAKER
+                && setting.name.starts_with("gcode.")
                 && let Value::Text(text) = &setting.value
             {
                 let known = &understands_placeholder;
@@ -291,14 +329,10 @@ impl Import {
         let t = &self.translation;
         writeln!(
             text,
-            "# Imported by isoslice {} from {}:\n# {} keys became settings, {} \
-             have no counterpart, {} are not known, {} are not needed.",
+            "# Imported by isoslice {} from {}:\n# {}.",
             env!("CARGO_PKG_VERSION"),
             self.origin,
-            t.mapped,
-            t.lost.len(),
-            t.unknown.len(),
-            t.ignored.len()
+            self.counts()
         )?;
         let named = self.picked.names.iter();
         let named = named.filter(|n| of.contains(&n.kind));
@@ -306,8 +340,7 @@ impl Import {
             none if none.is_empty() => self.shown.clone(),
             names => one_line(&names.join(", ")),
         };
-        let slicer = self.picked.slicer.name();
-        let description = format!("{name}, from {slicer}");
+        let description = format!("{name}, from {}", self.maker);
         let description = toml::Value::String(description);
         writeln!(text, "description = {description}")?;
         let mut all: Vec<&Setting> = Vec::new();
@@ -332,7 +365,9 @@ impl Import {
             own.toml("import", &assignment(setting))?;
             let value = key.get(own.settings());
             let from = one_line(&setting.from.join(", "));
-            if value.contains('\n') || value.len() + from.len() > 100 {
+            if from.is_empty() {
+                writeln!(text, "{leaf} = {value}")?;
+            } else if value.contains('\n') || value.len() + from.len() > 100 {
                 writeln!(text, "# {from}\n{leaf} = {value}")?;
             } else {
                 writeln!(text, "{leaf} = {value} # {from}")?;
@@ -356,6 +391,25 @@ impl Import {
             }
         }
         Ok(text)
+    }
+}
+
+/// Why no setting follows from any key.
+fn nothing(translation: &Translation) -> String {
+    let known = translation.lost.iter().chain(&translation.ignored);
+    let known: Vec<String> = known
+        .take(3)
+        .map(|left| {
+            let value = shortened(&one_line(&left.value));
+            format!("{} = {value}: {}", left.key, left.why)
+        })
+        .collect();
+    if known.is_empty() {
+        "isoslice knows none of its keys; it must be a profile of PrusaSlicer, \
+         OrcaSlicer, Bambu Studio or Cura"
+            .to_owned()
+    } else {
+        format!("no setting follows from it ({})", known.join("; "))
     }
 }
 

@@ -2,12 +2,41 @@
 
 use super::super::plain;
 use super::words::{shortened, shown};
-use super::{Import, Written, ours};
+use super::{Import, Written, ours, own};
+use slicerprofile::Left;
 use std::fmt::Write as _;
 
 /// Greatest number of keys that the summary names, of each kind.
 const MOST_SHOWN: usize = 8;
+
+/// A number with the word that follows it.
+fn some(count: usize, one: &str, more: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { more })
+}
+
 impl Import {
+    /// How many keys became what.
+    pub(super) fn counts(&self) -> String {
+        let t = &self.translation;
+        let settings = some(t.settings.len(), "setting", "settings");
+        if self.maker == own::MAKER {
+            let differ = if t.settings.len() == 1 {
+                "differs"
+            } else {
+                "differ"
+            };
+            return format!("{settings} that {differ} from the defaults");
+        }
+        let is = |list: &[Left]| some(list.len(), "is", "are");
+        format!(
+            "{} became {settings}, {} not needed, {} no counterpart, {} not known",
+            some(t.mapped, "key", "keys"),
+            is(&t.ignored),
+            some(t.lost.len(), "has", "have"),
+            is(&t.unknown)
+        )
+    }
+
     /// What was done, for people.
     pub(super) fn summary(&self, written: &[Written], all: bool) -> String {
         let t = &self.translation;
@@ -15,24 +44,21 @@ impl Import {
         for (_, _, path) in written {
             let _ = writeln!(out, "wrote {}", plain::value(path.display()));
         }
-        let _ = writeln!(
-            out,
-            "{} keys became {} settings, {} are not needed, {} have no \
-             counterpart, {} are not known",
-            t.mapped,
-            t.settings.len(),
-            t.ignored.len(),
-            t.lost.len(),
-            t.unknown.len()
-        );
+        let _ = writeln!(out, "{}", self.counts());
         if all {
             for setting in &t.settings {
                 let _ = writeln!(
                     out,
-                    "  {} = {}, from {}",
+                    "  {} = {}{}",
                     setting.name,
                     plain::value(shown(&setting.value)),
-                    plain::value(setting.from.join(", "))
+                    match setting.from.as_slice() {
+                        [] => String::new(),
+                        keys => {
+                            let keys = keys.join(", ");
+                            format!(", from {}", plain::value(keys))
+                        }
+                    }
                 );
             }
         }

@@ -3,6 +3,7 @@
 use super::outlines::WallFields;
 use super::{ALL_LAYERS, Stages};
 use crate::bead::Bead;
+use crate::hang::{Hanging, Needs, Unsupported};
 use crate::infill::InfillError;
 use crate::layers::LayerSpan;
 use crate::limits;
@@ -13,10 +14,11 @@ use crate::pipeline::supported::{Fills, Supported, Top};
 use crate::plane::clip::union;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
-use crate::support::{Asked, Heights, Plan, Survey, Wishes, coarse};
+use crate::support::{Asked, Heights, Plan, Survey, Wishes, coarse, held};
 use crate::timings::Stage;
 use crate::units::Mm;
 use crate::vary::Surroundings;
+use glam::DVec2;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -50,33 +52,9 @@ impl<'a> Stages<'a> {
             wishes: wishes.as_ref(),
             settings: self.settings,
         };
-        // The plan does not know the raft, which serves as its bed.
-        let raft = (self.raft_layers, self.settings.raft_height());
-        let above = spans.iter().skip(self.raft_layers);
-        let above = above.map(|span| without_raft(*span, raft)).collect();
-        let heights = Heights::new(above, self.settings);
+        let (survey, heights, known) =
+            self.surveyed(pool, spans, asked, KNOWN)?;
         let sections = self.sections(pool, &heights)?;
-        let (stages, left): (&Stages<'a>, _) = (self, AtomicUsize::new(KNOWN));
-        let of_slab = |slab: &[LayerSpan]| {
-            let layers = stages.layers(slab, &ALL_LAYERS)?;
-            let found = layers
-                .iter()
-                .map(|layer| (without_raft(layer.span, raft), layer.area()));
-            let survey = || Survey::new(found, asked);
-            let survey = stages.timings.time(Stage::Support, survey)?;
-            let kept = keep(&layers, &left);
-            Ok::<_, SliceError>((survey, kept.then_some(layers)))
-        };
-        let slabs = spans[self.raft_layers..].par_chunks(self.slab_layers());
-        let made: Vec<Result<_, SliceError>> =
-            pool.install(|| slabs.map(of_slab).collect());
-        let mut survey = Survey::default();
-        let mut known = Vec::new();
-        for slab in made {
-            let (above, layers) = slab?;
-            survey.append(above, asked)?;
-            known.extend(layers.into_iter().flatten());
-        }
         let bed = self.in_model(room);
         let plan = pool.install(|| {
             let plan = || Plan::new(survey, sections, heights, bed, asked);
@@ -86,6 +64,77 @@ impl<'a> Stages<'a> {
         let site = self.site();
         self.support = Some(Supported::new(plan, fills, around, site)?);
         Ok(())
+    }
+
+    /// What of the whole part, `spans`, supports would hold, whether or not some are
+    /// to be printed: places, and what they amount to.
+    ///
+    /// # Errors
+    /// Those of [`Stages::plan_supports`].
+    pub(in crate::pipeline) fn needs(
+        &self,
+        pool: &ThreadPool,
+        spans: &[LayerSpan],
+        around: &Surroundings<'_>,
+    ) -> Result<(Hanging, Vec<Unsupported>), SliceError> {
+        let wishes = Wishes::new(self.settings, around)?;
+        let asked = Asked {
+            wishes: wishes.as_ref(),
+            settings: self.settings,
+        };
+        let (survey, heights, _) = self.surveyed(pool, spans, asked, 0)?;
+        let (offset, lift) = (self.model.offset, self.settings.raft_height());
+        let place = |p: DVec2, span: &LayerSpan| {
+            (p + offset.truncate()).extend(span.bottom + lift)
+        };
+        Ok(pool.install(|| {
+            let [needs, outlines] = held(survey, &heights, self.settings);
+            let needs = Needs {
+                needs: &needs,
+                outlines: &outlines,
+                spans: heights.spans(),
+            };
+            needs.places(self.settings, place)
+        }))
+    }
+
+    /// What is found of the whole part, `spans`, the heights of its layers, and
+    /// layers of up to `known` points.
+    fn surveyed(
+        &self,
+        pool: &ThreadPool,
+        spans: &[LayerSpan],
+        asked: Asked<'_>,
+        known: usize,
+    ) -> Result<(Survey, Heights, Vec<Layer>), SliceError> {
+        // The plan does not know the raft, which serves as its bed.
+        let raft = (self.raft_layers, self.settings.raft_height());
+        let above = spans.iter().skip(self.raft_layers);
+        let above = above.map(|span| without_raft(*span, raft)).collect();
+        let heights = Heights::new(above, self.settings);
+        let left = AtomicUsize::new(known);
+        let of_slab = |slab: &[LayerSpan]| {
+            let layers = self.layers(slab, &ALL_LAYERS)?;
+            let found = layers
+                .iter()
+                .map(|layer| (without_raft(layer.span, raft), layer.area()));
+            let survey = || Survey::new(found, asked);
+            let survey = self.timings.time(Stage::Support, survey)?;
+            let kept = keep(&layers, &left);
+            Ok::<_, SliceError>((survey, kept.then_some(layers)))
+        };
+        let above = spans.get(self.raft_layers..).unwrap_or_default();
+        let slabs = above.par_chunks(self.slab_layers());
+        let made: Vec<Result<_, SliceError>> =
+            pool.install(|| slabs.map(of_slab).collect());
+        let mut survey = Survey::default();
+        let mut known = Vec::new();
+        for slab in made {
+            let (above, layers) = slab?;
+            survey.append(above, asked)?;
+            known.extend(layers.into_iter().flatten());
+        }
+        Ok((survey, heights, known))
     }
 
     /// The supports, once they are planned.

@@ -17,10 +17,8 @@ pub(super) fn shares(s: &Settings) -> Result<(), Conflict> {
                 [key, "printer.nozzle_diameter"],
                 format!(
                     "{key} = {share}% of printer.nozzle_diameter = {nozzle} \
-                     mm is {} mm; {} to {} mm are allowed",
+                     mm is {} mm; {range} mm are allowed",
                     round(length),
-                    range.min,
-                    range.max,
                 ),
             ));
         }
@@ -128,7 +126,7 @@ pub(super) fn widths(
 }
 
 fn layer_heights(s: &Settings) -> [(&'static str, Mm); 2] {
-    let key = if s.is_uniform() {
+    let key = if s.layer_height() >= s.thickest_layer() {
         "layer_height"
     } else {
         "layer_height_max"

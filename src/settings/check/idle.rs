@@ -3,8 +3,8 @@
 
 use super::round;
 use crate::settings::{
-    BrimPlace, DraftShield, InfillMode, Settings, SkinPattern, Supports,
-    Varying, WallOrder,
+    BrimPlace, ByNozzle, DraftShield, InfillMode, LayerHeights, Settings,
+    SkinPattern, Supports, Varying, WallOrder,
 };
 
 /// Heights that differ by less than this count as equal, mm.
@@ -328,9 +328,13 @@ fn supports_without_effect(s: &Settings, idle: &mut Idle<'_>) {
 fn heights_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     // Rafts and supports go by the height of uniform layers in any case.
     let part_alone = s.raft.layers == 0 && s.supports == Supports::Off;
+    let by_step = s.layer_heights == Varying::Constant(LayerHeights::Adaptive)
+        && s.step_error == ByNozzle::Auto;
+    let inside = s.layer_height_min() < s.layer_height()
+        && s.layer_height() < s.layer_height_max();
     idle.all(
         &["layer_height"],
-        !s.is_uniform() && part_alone,
+        !s.is_uniform() && part_alone && inside && !by_step,
         "layer_heights gives each layer a height of its own, between \
          layer_height_min and layer_height_max; set these, or layer_heights \
          to \"uniform\"",

@@ -143,6 +143,8 @@ fn retraction(
     s: &Settings,
     warnings: &mut Vec<String>,
 ) -> Result<(), Conflict> {
+    /// What rounding may add to a length of filament, mm.
+    const ROUNDED: f64 = 1e-3;
     let retract = &s.retract;
     if retract.length == 0.0 {
         return Ok(());
@@ -173,6 +175,26 @@ fn retraction(
                     ),
                 ));
             }
+        }
+    }
+    if let Some(refuses) = s.gcode.flavour.firmware().refuses {
+        // Rounding may add to a length that the file has as a difference.
+        let most = refuses.feed - ROUNDED;
+        let pushed = retract.length + retract.extra_prime.max(0.0);
+        if pushed > most {
+            return Err(conflict(
+                ["retract.length", "retract.extra_prime", "gcode.flavour"],
+                format!(
+                    "retract.length = {} mm and retract.extra_prime = {} mm make \
+                     {} mm at a time, and Klipper refuses {} mm and more while \
+                     the head stands (max_extrude_only_distance); lower \
+                     retract.length",
+                    retract.length,
+                    retract.extra_prime,
+                    round(pushed),
+                    refuses.feed,
+                ),
+            ));
         }
     }
     if retract.min_travel > retract.max_unretracted {
@@ -308,7 +330,7 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
                 .to_owned(),
         ));
     }
-    let flat = s.bottom_layers().max(1);
+    let flat = s.layers_on_bed().max(1);
     let skirt = s.skirt.layers;
     if s.is_uniform() && s.skirt.loops > 0 && skirt > flat {
         return Err(conflict(

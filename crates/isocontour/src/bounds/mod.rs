@@ -14,10 +14,13 @@
 //! axis along which f changes most (`cut`). Where nothing is inside,
 //! `undefined` finds out whether f is NaN, and which operation makes it so.
 //!
+//! Where the budget ends, the boxes that are left are looked at by points, close
+//! enough for all that can be printed.
+//!
 //! Guarantees: the result is deterministic (the budget counts operations, not
 //! time), there is no recursion, and the budget bounds the memory. A side that
-//! the budget does not allow to finish is returned on the safe side, and
-//! `slack_mm` says how far it may be off.
+//! the budget does not allow to finish, not even by points, is returned on the
+//! safe side, and `slack_mm` says how far it may be off.
 //!
 //! Not guaranteed: features thinner than `tolerance / 16` may be left out
 //! (surfaces of no thickness are common, such as the shared face of a
@@ -257,4 +260,43 @@ fn flattened(tree: &Tree) -> Result<Rc<Program>, ExpandError> {
     let (context, root) = expand(tree)?;
     let program = Program::new(&context, root);
     Ok(Rc::new(program.map_err(|_| ExpandError::FreeVariable)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ranges say too little of these fields, however small the boxes are.
+    #[test]
+    fn what_cannot_be_proved_is_looked_at() {
+        let (x, y, z) = Tree::axes();
+        let r = (x.square() + y.square()).sqrt();
+        let wave = r.sin() / r.clone();
+        let square = |half: f32| x.abs().max(y.abs()) - half;
+        // A bowl whose underside hangs down in the middle.
+        let near = (x.square() + y.square()).sqrt() + 1e-6;
+        let under = -z.clone() - 2.0 * (near.sin() / near) - 2.0;
+        let bowl = square(12.0).max((z.clone() - 5.0).max(under));
+        // A sheet that rises to a peak, which ends at 11.
+        let sheet = (z.clone() - 10.0 * wave).abs() - 1.0;
+        let sheet = sheet.max(square(20.0).max(-z));
+        for (tree, min, max) in [
+            (bowl, [-12.0, -12.0, -4.0], [12.0, 12.0, 5.0]),
+            (sheet, [-20.0, -20.0, 0.0], [20.0, 20.0, 11.0]),
+        ] {
+            let options = SearchOptions {
+                max_work: 20_000_000,
+                ..SearchOptions::default()
+            };
+            let found = find_bounds(&tree, &options, &Cancel::NEVER).unwrap();
+            let Bounds {
+                min: low,
+                max: high,
+            } = found.bounds;
+            let off = (low - DVec3::from_array(min)).abs();
+            let off = off.max((high - DVec3::from_array(max)).abs());
+            assert!(off.max_element() < 0.01, "{found:?}");
+            assert!(found.slack_mm < 0.01, "{found:?}");
+        }
+    }
 }

@@ -157,13 +157,19 @@ impl Search<'_> {
                 side.clip(&mut c.cell, known + 0.5 * tolerance);
             }
             if self.scratch.work > stop {
-                let beyond = c.reach >= 0.9 * self.options.limit_mm;
-                if self.inside.is_none()
-                    || (beyond && self.options.within.is_none())
-                {
-                    return Err(self.undecided(side, &c.program));
-                }
-                return Ok(c.reach);
+                let (reach, program) = (c.reach, c.program.clone());
+                queue.push(c);
+                let boxes = queue.into_iter().map(|c| (c.cell, c.program));
+                let known = self.sample(side, boxes, tolerance, budget);
+                let beyond = reach >= 0.9 * self.options.limit_mm
+                    && self.options.within.is_none();
+                return match known {
+                    Some(known) => Ok((known + tolerance).min(reach)),
+                    None if self.inside.is_none() || beyond => {
+                        Err(self.undecided(side, &program))
+                    }
+                    None => Ok(reach),
+                };
             }
             let f = c.program.enclose(&c.cell, &mut self.scratch);
             if f.range.is_empty() || f.range.lo >= 0.0 {
@@ -243,6 +249,108 @@ impl Search<'_> {
         let known = side.reach(inside);
         let proved = (known + tolerance).min(face).max(known);
         Ok(simplest_between(known, proved))
+    }
+
+    /// Looks for inside points in boxes about which nothing could be proved, so
+    /// closely that nothing that can be printed lies between the points. Of some
+    /// fields, such as sin(r)/r near r = 0, the ranges say too little however
+    /// small the boxes get. Returns the known extent; none if there is none, or
+    /// if it takes more work than `budget`.
+    fn sample(
+        &mut self,
+        side: Side,
+        boxes: impl Iterator<Item = (Cell, Rc<Program>)>,
+        tolerance: f64,
+        budget: u64,
+    ) -> Option<f64> {
+        /// Width of the columns in which points are looked at: half that of a
+        /// thin line.
+        const PITCH: f64 = 0.2;
+        let stop = self.scratch.work + budget;
+        let [u, v] = [(side.axis + 1) % 3, (side.axis + 2) % 3];
+        let mut todo: Vec<(Cell, Rc<Program>)> = boxes.collect();
+        while let Some((mut cell, program)) = todo.pop() {
+            if self.is_over(stop) {
+                return None;
+            }
+            if let Some(inside) = &self.inside {
+                let known = side.reach(inside);
+                if side.reach(&cell) <= known + tolerance {
+                    continue;
+                }
+                side.clip(&mut cell, known);
+            }
+            let f = program.enclose(&cell, &mut self.scratch);
+            if f.range.is_empty() || f.range.lo >= 0.0 {
+                continue;
+            }
+            let wider = if cell.width(u) < cell.width(v) { v } else { u };
+            if cell.width(wider) > PITCH {
+                let halves = cell.split(wider);
+                todo.extend(halves.map(|half| (half, program.clone())));
+                continue;
+            }
+            self.look_down(side, &cell, &program, tolerance, 0.5 * PITCH);
+        }
+        self.inside.as_ref().map(|inside| side.reach(inside))
+    }
+
+    /// Looks for the highest inside point in the middle of a column that ends
+    /// at the known extent. The points lie `pitch` apart near that extent, and
+    /// farther apart beyond, since a column may reach to the search's end.
+    fn look_down(
+        &mut self,
+        side: Side,
+        column: &Cell,
+        program: &Program,
+        tolerance: f64,
+        pitch: f64,
+    ) {
+        /// Distance of two points, as a share of the way to the known extent.
+        const SHARE: f64 = 0.1;
+        let (low, face) =
+            (side.outward(side.inner_face(column)), side.reach(column));
+        let mut p = column.centre();
+        // The part often ends where the column does, and is not inside there.
+        let mut reach = face - tolerance;
+        while reach > low {
+            p[side.axis] = side.outward(reach);
+            if program.value(p, &mut self.scratch) < 0.0 {
+                self.note_inside(p);
+                self.climb(side, program, p, face);
+                self.creep(side, column, program, p, tolerance);
+                return;
+            }
+            reach -= (SHARE * (reach - low)).max(pitch);
+        }
+    }
+
+    /// Moves the known extent outwards within a column, from the place `p`
+    /// where it was found, towards the highest point near by.
+    fn creep(
+        &mut self,
+        side: Side,
+        column: &Cell,
+        program: &Program,
+        mut p: [f64; 3],
+        tolerance: f64,
+    ) {
+        /// Halvings of the steps, from the column's width.
+        const HALVINGS: i32 = 12;
+        for (k, n) in (1..=HALVINGS).flat_map(|k| (0..4).map(move |n| (k, n))) {
+            let Some(inside) = &self.inside else { return };
+            let axis = (side.axis + 1 + n % 2) % 3;
+            let step = column.width(axis) * 0.5_f64.powi(k);
+            let mut q = p;
+            q[axis] += if n < 2 { step } else { -step };
+            q[axis] = q[axis].clamp(column.lo[axis], column.hi[axis]);
+            q[side.axis] = side.outward(side.reach(inside) + tolerance);
+            if program.value(q, &mut self.scratch) < 0.0 {
+                self.note_inside(q);
+                self.climb(side, program, q, side.reach(column));
+                p = q;
+            }
+        }
     }
 
     /// The error if nothing is inside any of the parts.

@@ -143,8 +143,6 @@ pub fn lean(
     let (bottom, top) = (bounds.min.z, bounds.max.z);
     let count = Lean::count(bounds, options.bin);
     let (first, last) = (options.bins.0, options.bins.1.min(count));
-    // The surface may touch the box, and intervals are not rounded outwards.
-    let margin = 1e-9 * (1.0 + bounds.size().max_element());
     let mut search = Search {
         options,
         bottom,
@@ -152,12 +150,13 @@ pub fn lean(
         faces: Vec::new(),
         joints: Vec::new(),
         doubts: Vec::new(),
+        margin: 1e-9 * (1.0 + bounds.size().max_element()),
         scratch: Scratch::sharp(),
         aside: Scratch::sharp(),
     };
     let whole = Cell {
-        lo: bounds.min.to_array().map(|v| v - margin),
-        hi: bounds.max.to_array().map(|v| v + margin),
+        lo: bounds.min.to_array(),
+        hi: bounds.max.to_array(),
     };
     let program = Rc::new(program);
     let slabs = last.saturating_sub(first).div_ceil(SLAB_BINS);
@@ -189,6 +188,9 @@ struct Search<'a> {
     joints: Vec<Length>,
     /// Heights between which something was not proved, each with its bound.
     doubts: Vec<([Length; 2], f64)>,
+    /// By how much a cell is looked at beyond its border. The surface may run
+    /// along that border, and intervals are not rounded outwards.
+    margin: Length,
     scratch: Scratch,
     /// Memory for looks at other cells than the one that is looked at.
     aside: Scratch,
@@ -305,13 +307,17 @@ impl Search<'_> {
         number: u64,
         todo: &mut BinaryHeap<Open>,
     ) {
-        let f = program.enclose(&cell, &mut self.scratch);
+        let seen = Cell {
+            lo: cell.lo.map(|v| v - self.margin),
+            hi: cell.hi.map(|v| v + self.margin),
+        };
+        let f = program.enclose(&seen, &mut self.scratch);
         let outside = f.range.is_empty() || f.range.lo >= 0.0;
         if outside || (f.range.hi < 0.0 && !f.range.nan) {
             return;
         }
         let known = known(program.surfaces(&self.scratch));
-        let has_faces = !self.level_faces(&cell, program, &known.level);
+        let has_faces = !self.level_faces(&seen, program, &known.level);
         if !has_faces && self.is_done(&cell, &known) {
             return;
         }

@@ -448,14 +448,14 @@ pub(super) static ROWS: &[Row] = rows! {
         "wall_0_extruder_nr", "wall_extruder_nr", "infill_extruder_nr",
         "top_bottom_extruder_nr", "support_extruder_nr"
         => Ignored(SEVERAL);
-    CURA Print: "support_pattern", "support_interface_enable",
+    CURA Print: "support_interface_enable",
         "support_interface_height", "support_interface_pattern",
         "support_use_towers", "support_roof_enable", "support_bottom_enable",
         "support_xy_overrides_z", "support_xy_distance_overhang",
         "support_offset", "support_wall_count", "support_connect_zigzags",
         "support_interface_skip_height", "support_interface_line_width",
         "support_line_width", "support_join_distance",
-        "support_conical_enabled", "support_fan_enable", "minimum_support_area",
+        "minimum_support_area",
         "acceleration_support", "acceleration_support_interface",
         "acceleration_support_infill", "jerk_support", "jerk_support_interface",
         "speed_support_infill", "zig_zaggify_support",
@@ -470,10 +470,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "support_interface_offset", "support_infill_angles",
         "support_roof_density"
         => Ignored(SUPPORTS);
-    CURA Print: "jerk_travel", "jerk_wall", "jerk_wall_0", "jerk_wall_x",
-        "jerk_topbottom", "jerk_layer_0", "jerk_travel_layer_0", "jerk_infill",
-        "jerk_roofing", "jerk_print_layer_0", "jerk_skirt_brim",
-        "jerk_travel_enabled", "jerk_ironing"
+    CURA Print: "jerk_travel_enabled"
         => Ignored(
             "the speed through corners is one for all: \
                  printer.square_corner_velocity",
@@ -483,26 +480,21 @@ pub(super) static ROWS: &[Row] = rows! {
         "travel_compensate_overlapping_walls_0_enabled", "filter_out_tiny_gaps",
         "wall_min_flow", "infill_before_walls", "infill_wipe_dist",
         "wall_0_wipe_dist", "skin_overlap", "z_seam_corner", "z_seam_x",
-        "z_seam_y", "z_seam_relative", "travel_retract_before_outer_wall",
-        "retract_at_layer_change", "retraction_hop_only_when_collides",
+        "z_seam_y", "z_seam_relative", "retraction_hop_only_when_collides",
         "retraction_count_max", "retraction_extrusion_window",
         "retraction_combing_max_distance", "travel_avoid_other_parts",
         "travel_avoid_supports", "travel_avoid_distance",
         "limit_support_retractions", "skirt_brim_minimal_length",
-        "skin_outline_count", "skin_alternate_rotation",
         "skin_no_small_gaps_heuristic", "zig_zaggify_infill",
         "connect_infill_polygons", "infill_multiplier", "infill_line_distance",
         "min_infill_area", "expand_skins_expand_distance",
         "top_skin_expand_distance", "bottom_skin_expand_distance",
-        "minimum_polygon_circumference", "roofing_layer_count", "wall_0_inset",
-        "speed_travel_layer_0", "acceleration_travel_layer_0",
-        "acceleration_print_layer_0", "speed_slowdown_layers", "skirt_height",
-        "initial_layer_line_width_factor", "cool_fan_full_at_height",
-        "cool_fan_speed_0", "cool_lift_head", "bridge_settings_enabled",
+        "minimum_polygon_circumference", "skirt_height",
+        "cool_fan_full_at_height",
+        "bridge_settings_enabled",
         "skin_preshrink", "top_skin_preshrink", "bottom_skin_preshrink",
-        "gradual_infill_steps", "gradual_infill_step_height",
-        "infill_sparse_thickness", "infill_support_enabled",
-        "alternate_extra_perimeter", "coasting_enable", "coasting_volume",
+        "gradual_infill_step_height",
+        "infill_sparse_thickness", "coasting_volume",
         "brim_line_count", "brim_outside_only", "brim_replaces_support",
         "wall_transition_angle", "beading_strategy_type", "speed_z_hop",
         "adaptive_layer_height_variation",
@@ -510,21 +502,65 @@ pub(super) static ROWS: &[Row] = rows! {
         "adaptive_layer_height_threshold", "infill_enable_travel_optimization",
         "wall_overhang_angle", "wall_overhang_speed_factor",
         "bridge_wall_coast", "bridge_wall_speed", "bridge_skin_speed_2",
-        "bridge_skin_speed_3", "bridge_skin_density", "bridge_skin_density_2",
-        "bridge_skin_density_3", "bridge_skin_material_flow",
-        "bridge_skin_material_flow_2", "bridge_skin_material_flow_3",
-        "bridge_wall_material_flow", "bridge_enable_more_layers",
+        "bridge_skin_speed_3", "bridge_skin_density_2",
+        "bridge_skin_density_3", "bridge_skin_material_flow_2", "bridge_skin_material_flow_3",
         "bridge_wall_min_length", "bridge_sparse_infill_max_density",
-        "bridge_skin_support_threshold", "material_flow_layer_0",
-        "skirt_brim_line_width", "layer_start_x", "layer_start_y",
+        "bridge_skin_support_threshold", "skirt_brim_line_width", "layer_start_x", "layer_start_y",
         "max_skin_angle_for_expansion", "min_skin_width_for_expansion",
         "speed_equalize_flow_enabled", "speed_equalize_flow_max",
-        "speed_equalize_flow_width_factor", "skin_angles",
-        "small_hole_max_size", "top_bottom_pattern_0", "ironing_inset",
-        "ironing_pattern", "travel_compensate_overlapping_walls_x_enabled",
+        "speed_equalize_flow_width_factor", "small_hole_max_size", "top_bottom_pattern_0", "travel_compensate_overlapping_walls_x_enabled",
         "acceleration_ironing", "acceleration_skirt_brim",
         "flow_rate_max_extrusion_offset"
         => Ignored("isoslice has rules of its own for it");
+    CURA Print: "initial_layer_line_width_factor"
+        => Lost(&["100", "100.0"],
+            "lines have the width of their kind in the first layer, too");
+    CURA Print: "speed_slowdown_layers"
+        => Lost(&["0", "1", "2"],
+            "the layers above the first have their own speeds at once; a speed may be a formula of z");
+    CURA Print: "speed_travel_layer_0", "acceleration_travel_layer_0",
+        "acceleration_print_layer_0"
+        => Lost(&[],
+            "the first layer has one speed and one acceleration: speed.first_layer, acceleration.first_layer");
+    CURA Print: "skin_outline_count"
+        => Lost(&["0", "1"],
+            "skins have no walls of their own: walls");
+    CURA Print: "skin_alternate_rotation", "alternate_extra_perimeter",
+        "cool_lift_head", "coasting_enable", "bridge_enable_more_layers",
+        "infill_support_enabled", "retract_at_layer_change",
+        "travel_retract_before_outer_wall"
+        => Lost(&["0", "False", "false"],
+            "isoslice has no such thing");
+    CURA Print: "roofing_layer_count", "gradual_infill_steps"
+        => Lost(&["0"],
+            "infill_density may be a formula of the place; tops have one kind of skin");
+    CURA Print: "jerk_travel", "jerk_wall", "jerk_wall_0", "jerk_wall_x",
+        "jerk_topbottom", "jerk_layer_0", "jerk_travel_layer_0", "jerk_infill",
+        "jerk_roofing", "jerk_print_layer_0", "jerk_skirt_brim", "jerk_ironing"
+        => Lost(&[],
+            "the speed through corners is one for all: printer.square_corner_velocity");
+    CURA Print: "bridge_skin_density", "bridge_skin_material_flow",
+        "bridge_wall_material_flow", "material_flow_layer_0"
+        => Lost(&["100", "100.0"],
+            "bridges have one flow, bridge_flow, and all else has flow, which may be a formula of the place");
+    CURA Print: "ironing_pattern"
+        => Lost(&["zigzag"],
+            "ironing runs in lines");
+    CURA Print: "ironing_inset", "wall_0_inset"
+        => Lost(&["0", "0.0"],
+            "isoslice has no such thing");
+    CURA Print: "cool_fan_speed_0"
+        => Lost(&["0", "0.0"],
+            "the fan is off in the first layers: cooling.fan_off_layers");
+    CURA Print: "skin_angles"
+        => Lost(&["[]", "[ ]"],
+            "skin_angle is one angle");
+    CURA Print: "support_pattern"
+        => Lost(&["zigzag", "lines", "grid"],
+            "supports are filled by their style: support.style");
+    CURA Print: "support_fan_enable", "support_conical_enabled"
+        => Lost(&["0", "False", "false"],
+            "supports have settings of their own: the group support");
     CURA Print: "meshfix_maximum_resolution", "meshfix_maximum_deviation",
         "meshfix_maximum_travel_resolution", "meshfix_union_all",
         "meshfix_keep_open_polygons", "meshfix_extensive_stitching",

@@ -166,29 +166,23 @@ pub(super) static ROWS: &[Row] = rows! {
             how: "add what it does to gcode.end",
             make: Make(make::filament_end),
         };
-    BOTH Filament: "additional_cooling_fan_speed",
-        "additional_cooling_fan_speed_unseal", "activate_air_filtration",
-        "during_print_exhaust_fan_speed", "complete_print_exhaust_fan_speed",
+    BOTH Filament: "additional_cooling_fan_speed_unseal", "activate_air_filtration",
+        "complete_print_exhaust_fan_speed",
         "enable_special_area_additional_cooling_fan",
         "close_additional_fan_first_x_layers",
-        "additional_fan_full_speed_layer", "enable_auxiliary_fan",
-        "enable_auxiliary_fan_unseal", "cool_cds_fan_start_at_height",
+        "additional_fan_full_speed_layer", "enable_auxiliary_fan_unseal", "cool_cds_fan_start_at_height",
         "cool_special_cds_fan_speed", "enable_volume_fan",
         "disable_rapid_cooling_fan_first_layers", "seal_print",
         "first_x_layer_fan_speed"
         => Ignored(ANOTHER_FAN);
-    BOTH Filament: "overhang_fan_threshold", "top_fan_speed",
-        "external_perimeter_fan_speed", "ironing_fan_speed"
+    BOTH Filament: "overhang_fan_threshold"
         => Ignored(
             "the fan has a speed for layers, bridges, overhangs and the tops \
                  of supports; overhang_share says what an overhang is",
         );
-    BOTH Filament: "dont_slow_down_outer_wall",
-        "no_slow_down_for_cooling_on_outwalls", "cooling_slowdown_logic",
-        "cooling_perimeter_transition_distance", "max_speed_reduction"
+    BOTH Filament: "max_speed_reduction"
         => Ignored("isoslice slows all beads of a short layer alike");
-    BOTH Filament: "adaptive_pressure_advance",
-        "adaptive_pressure_advance_bridges", "adaptive_pressure_advance_model",
+    BOTH Filament: "adaptive_pressure_advance_bridges", "adaptive_pressure_advance_model",
         "adaptive_pressure_advance_overhangs", "enable_advance_pressure"
         => Ignored("there is one pressure advance for all speeds");
     BOTH Filament: "nozzle_temperature_range_high",
@@ -203,10 +197,8 @@ pub(super) static ROWS: &[Row] = rows! {
         "filament_infill_max_speed", "filament_max_speed",
         "filament_adaptive_volumetric_speed"
         => Ignored("filament.max_flow is the filament's limit");
-    BOTH Filament: "filament_retract_layer_change",
-        "filament_retract_when_changing_layer", "filament_retract_lift_above",
-        "filament_retract_lift_below", "filament_retract_lift_enforce",
-        "filament_z_hop_types", "filament_travel_slope",
+    BOTH Filament: "filament_retract_lift_enforce",
+        "filament_travel_slope",
         "filament_travel_lift_before_obstacle", "filament_seam_gap",
         "filament_wipe_advanced_pigment", "filament_wipe_extra_perimeter",
         "filament_wipe_only_crossing", "filament_wipe_speed",
@@ -266,5 +258,31 @@ pub(super) static ROWS: &[Row] = rows! {
         => Ignored(SEVERAL);
     ORCA Filament: "long_retractions_when_ec", "retraction_distances_when_ec"
         => Ignored(SEVERAL);
+    BOTH Filament: "additional_cooling_fan_speed", "during_print_exhaust_fan_speed",
+        "enable_auxiliary_fan"
+        => Lost(&["0"],
+            "isoslice drives one fan: set others in gcode.layer");
+    BOTH Filament: "external_perimeter_fan_speed", "top_fan_speed", "ironing_fan_speed"
+        => Lost(&["-1"],
+            "the fan has a speed for layers, bridges, overhangs and the tops of supports");
+    BOTH Filament: "dont_slow_down_outer_wall", "no_slow_down_for_cooling_on_outwalls",
+        "cooling_perimeter_transition_distance"
+        => Lost(&["0"],
+            "isoslice has rules of its own for which beads of a short layer are slowed");
+    BOTH Filament: "cooling_slowdown_logic"
+        => Lost(&["uniform_cooling", "uniform", "0"],
+            "isoslice has rules of its own for which beads of a short layer are slowed");
+    BOTH Filament: "adaptive_pressure_advance"
+        => Lost(&["0"],
+            "there is one pressure advance for all speeds: filament.pressure_advance");
+    BOTH Filament: "filament_retract_layer_change", "filament_retract_when_changing_layer"
+        => Lost(&["0"],
+            "isoslice decides by what a travel crosses where to retract");
+    BOTH Filament: "filament_retract_lift_above", "filament_retract_lift_below"
+        => Lost(&["0"],
+            "lifts are the same at all heights: retract.z_hop_when");
+    BOTH Filament: "filament_z_hop_types"
+        => Lost(&["Normal Lift", "normal"],
+            "isoslice lifts straight up: retract.z_hop");
     PRUSA Filament: "filament_load_unload_time" => Ignored(SEVERAL);
 };

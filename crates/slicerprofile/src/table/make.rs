@@ -761,7 +761,10 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
         .iter()
         .find_map(|key| given.values.first(key))
         .is_some_and(|word| !matches!(word, "none" | "nowhere"));
-    let length = number(given, &["seam_slope_min_length", "scarf_seam_length"]);
+    // OrcaSlicer's own, if the profile has none.
+    const USUAL: f64 = 20.0;
+    let length = number(given, &["seam_slope_min_length", "scarf_seam_length"])
+        .or_else(|| given.values.has("seam_slope_type").then_some(USUAL));
     let Some(length) = length.filter(|l| on && *l > 0.0) else {
         return nothing("seams have no slope");
     };
@@ -793,6 +796,11 @@ pub(super) fn wall_order(given: &Given<'_>) -> Outcome {
             return nothing("it has no value");
         };
         let word = word.to_ascii_lowercase();
+        if word.matches("inner").count() > 1 {
+            return lost(
+                "walls are laid from one side to the other: set wall_order",
+            );
+        }
         let place = |name: &str| word.find(name);
         match (place("outer"), place("inner")) {
             (Some(outer), Some(inner)) => outer < inner,

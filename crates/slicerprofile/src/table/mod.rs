@@ -330,6 +330,42 @@ mod tests {
             assert_eq!(of(1).lost.len(), 1, "{key}");
             assert_eq!(of(0).ignored.len(), 1, "{key}");
         }
+        for (slicer, key, on, off) in [
+            (Slicer::Orca, "initial_layer_line_width", "0.5", "0"),
+            (Slicer::Prusa, "first_layer_extrusion_width", "0.5", "0"),
+            (Slicer::Orca, "slow_down_layers", "3", "0"),
+            (Slicer::Orca, "initial_layer_infill_speed", "60", "0"),
+            (Slicer::Orca, "extra_perimeters_on_overhangs", "1", "0"),
+            (Slicer::Prusa, "extra_perimeters_on_overhangs", "1", "0"),
+            (Slicer::Orca, "timelapse_type", "1", "0"),
+            (Slicer::Orca, "dont_slow_down_outer_wall", "1", "0"),
+            (Slicer::Orca, "additional_cooling_fan_speed", "70", "0"),
+            (Slicer::Orca, "bridge_density", "80%", "100%"),
+            (Slicer::Orca, "adaptive_pressure_advance", "1", "0"),
+            (Slicer::Orca, "outer_wall_flow_ratio", "0.9", "1"),
+            (Slicer::Orca, "outer_wall_jerk", "9", "0"),
+            (Slicer::Orca, "only_one_wall_first_layer", "1", "0"),
+            (Slicer::Orca, "z_hop_types", "Spiral Lift", "Normal Lift"),
+            (Slicer::Orca, "skirt_type", "perobject", "combined"),
+            (Slicer::Orca, "enable_height_slowdown", "1", "0"),
+            (Slicer::Orca, "fuzzy_skin_noise_type", "perlin", "classic"),
+            (Slicer::Cura, "speed_slowdown_layers", "5", "0"),
+            (
+                Slicer::Cura,
+                "initial_layer_line_width_factor",
+                "120",
+                "100",
+            ),
+            (Slicer::Cura, "coasting_enable", "True", "False"),
+        ] {
+            let of = |value| translated(slicer, &format!("{key}={value}"));
+            assert_eq!(of(on).lost.len(), 1, "{key}");
+            assert_eq!(of(off).ignored.len(), 1, "{key}");
+        }
+        let sandwich = "wall_sequence=inner-outer-inner wall";
+        assert_eq!(translated(Slicer::Orca, sandwich).lost.len(), 1);
+        let scarf = settings(Slicer::Orca, "seam_slope_type=external");
+        assert_eq!(scarf, "seam_scarf=20; seam_scarf_rise=true");
         for word in ["auto_brim", "painted"] {
             let profile = format!("brim_type={word}; brim_width=5");
             assert_eq!(translated(Slicer::Orca, &profile).lost.len(), 2);

@@ -417,8 +417,8 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "xy_hole_compensation", "xy_inner_size_compensation"
         => Lost(
             &["0", "0.0"],
-            "xy_compensation moves all outlines alike; move holes in the \
-             model",
+            "xy_compensation moves holes by themselves if it is a formula of \
+             their curvature",
         );
     BOTH Print: "post_process"
         => Lost(
@@ -449,7 +449,7 @@ pub(super) static ROWS: &[Row] = rows! {
                 ("not apply", ""),
             ]),
         );
-    BOTH Print: "only_one_wall_first_layer", "min_width_top_surface",
+    BOTH Print: "min_width_top_surface",
         "top_area_threshold"
         => Ignored(
             "a top is what is wider than two lines; bottoms keep their walls",
@@ -471,16 +471,12 @@ pub(super) static ROWS: &[Row] = rows! {
         => Ignored("it matters only with the switch that it is named after");
     BOTH Print: "alternate_extra_wall"
         => Lost(&["0"], "isoslice has as many walls in every layer: set walls");
-    BOTH Print: "first_layer_extrusion_width", "initial_layer_line_width",
-        "skirt_extrusion_width", "skin_infill_line_width",
+    BOTH Print: "skin_infill_line_width",
         "skeleton_infill_line_width"
         => Ignored(
             "lines have the width of their kind in the first layer, too",
         );
-    BOTH Print: "first_layer_infill_speed", "initial_layer_infill_speed",
-        "slow_down_layers", "first_layer_min_speed",
-        "initial_layer_travel_speed", "first_layer_travel_speed",
-        "initial_layer_travel_acceleration", "first_layer_speed_over_raft",
+    BOTH Print: "first_layer_speed_over_raft",
         "first_layer_acceleration_over_raft"
         => Ignored("the first layer has one speed, the layers above their own");
     BOTH Print: "max_print_speed", "max_volumetric_speed"
@@ -494,9 +490,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "filament.max_flow_change holds for more and for less flow, in steps \
              of its own",
         );
-    BOTH Print: "outer_wall_jerk", "inner_wall_jerk", "infill_jerk",
-        "initial_layer_jerk", "top_surface_jerk", "travel_jerk",
-        "default_junction_deviation", "accel_to_decel_enable",
+    BOTH Print: "accel_to_decel_enable",
         "accel_to_decel_factor"
         => Ignored(JERK);
     BOTH Print: "travel_short_distance_acceleration", "wipe_tower_acceleration",
@@ -518,8 +512,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "perimeter_bonding", "perimeter_round_corners", "precise_outer_wall",
         "wall_maximum_deviation", "wall_maximum_resolution"
         => Ignored(THIN);
-    BOTH Print: "extra_perimeters", "extra_perimeters_on_overhangs",
-        "extra_perimeters_overhangs", "ensure_vertical_shell_thickness",
+    BOTH Print: "ensure_vertical_shell_thickness",
         "detect_floating_vertical_shell", "vertical_shell_speed",
         "interface_shells", "embedding_wall_into_infill",
         "z_direction_outwall_speed_continuous"
@@ -527,13 +520,9 @@ pub(super) static ROWS: &[Row] = rows! {
             "isoslice puts skin wherever the layers above or below do not \
                  cover one",
         );
-    BOTH Print: "infill_first", "is_infill_first", "wall_direction",
-        "print_in_clockwise", "staggered_inner_seams",
-        "wipe_before_external_loop", "wipe_speed", "wipe_on_loops",
-        "role_based_wipe_speed", "seam_slope_inner_walls",
+    BOTH Print: "wipe_speed", "role_based_wipe_speed", "seam_slope_inner_walls",
         "seam_slope_conditional", "seam_slope_entire_loop", "seam_slope_steps",
-        "seam_slope_gap", "scarf_joint_speed", "scarf_joint_flow_ratio",
-        "scarf_angle_threshold", "scarf_overhang_threshold",
+        "seam_slope_gap", "scarf_joint_speed", "scarf_angle_threshold", "scarf_overhang_threshold",
         "scarf_seam_entire_loop", "scarf_seam_max_segment_length",
         "scarf_seam_on_inner_perimeters", "scarf_seam_only_on_smooth",
         "override_filament_scarf_seam_setting",
@@ -542,17 +531,13 @@ pub(super) static ROWS: &[Row] = rows! {
         "avoid_crossing_curled_overhangs", "print_order", "toolchange_ordering",
         "has_scarf_joint_seam"
         => Ignored("isoslice has rules of its own for the order and for seams");
-    BOTH Print: "infill_anchor", "infill_anchor_max", "sparse_infill_anchor",
-        "top_bottom_infill_wall_overlap", "external_infill_margin",
+    BOTH Print: "top_bottom_infill_wall_overlap", "external_infill_margin",
         "bridge_infill_margin", "infill_only_where_needed",
-        "monotonic_travel_into_wall", "fill_multiline", "infill_rotate_step",
-        "infill_shift_step", "sparse_infill_rotate_template",
-        "solid_infill_rotate_template", "symmetric_infill_y_axis",
+        "monotonic_travel_into_wall", "infill_shift_step", "symmetric_infill_y_axis",
         "infill_instead_top_bottom_surfaces", "solid_infill_direction",
-        "ai_infill", "fill_top_flow_ratio", "sparse_infill_lattice_angle_1",
+        "ai_infill", "sparse_infill_lattice_angle_1",
         "sparse_infill_lattice_angle_2", "lattice_angle_1", "lattice_angle_2",
         "infill_overhang_angle", "align_infill_direction_to_model",
-        "top_surface_density", "bottom_surface_density",
         "lightning_overhang_angle", "lightning_prune_angle",
         "lightning_straightening_angle"
         => Ignored(
@@ -563,18 +548,14 @@ pub(super) static ROWS: &[Row] = rows! {
         "skin_infill_depth", "infill_lock_depth", "locked_skin_infill_pattern",
         "locked_skeleton_infill_pattern"
         => Ignored(LOCKED);
-    BOTH Print: "thick_bridges", "thick_internal_bridges",
-        "dont_filter_internal_bridges", "dont_support_bridges",
+    BOTH Print: "dont_filter_internal_bridges", "dont_support_bridges",
         "bridge_no_support", "internal_bridge_support_thickness",
-        "bridge_density", "internal_bridge_density",
-        "counterbore_hole_bridging", "enable_extra_bridge_layer",
         "relative_bridge_angle"
         => Ignored(
             "isoslice anchors bridges at both ends and says which are too \
                  long: bridge_anchor, bridge_max, internal_bridges",
         );
-    BOTH Print: "overhang_speed_classic", "slowdown_for_curled_perimeters",
-        "overhang_totally_speed", "overhangs_speed", "overhangs_dynamic_speed",
+    BOTH Print: "overhang_totally_speed", "overhangs_speed", "overhangs_dynamic_speed",
         "overhangs_width", "overhangs_width_speed",
         "detect_overhang_wall_filter",
         "overhang_threshold_participating_cooling"
@@ -582,17 +563,13 @@ pub(super) static ROWS: &[Row] = rows! {
             "speeds of overhangs are steps by how far they reach out: \
                  speed.overhang_steps",
         );
-    BOTH Print: "support_material_pattern", "support_base_pattern",
-        "support_material_interface_contact_loops",
+    BOTH Print: "support_material_interface_contact_loops",
         "support_interface_loop_pattern", "support_material_with_sheath",
-        "support_material_angle", "support_angle",
         "support_material_synchronize_layers",
-        "independent_support_layer_height", "support_material_enforce_layers",
-        "enforce_support_layers", "support_material_closing_radius",
+        "independent_support_layer_height", "support_material_closing_radius",
         "support_material_bottom_interface_layers",
         "support_interface_bottom_layers", "support_bottom_interface_spacing",
-        "support_expansion", "support_remove_small_overhang",
-        "support_critical_regions_only", "support_tree_tip_diameter",
+        "support_expansion", "support_tree_tip_diameter",
         "tree_support_tip_diameter", "support_tree_branch_diameter",
         "tree_support_branch_diameter", "tree_support_branch_diameter_organic",
         "support_tree_branch_diameter_angle",
@@ -607,26 +584,23 @@ pub(super) static ROWS: &[Row] = rows! {
         "tree_support_auto_brim", "tree_support_brim_width",
         "tree_support_wall_count", "tree_support_with_infill",
         "support_object_first_layer_gap", "support_material_solid_first_layer",
-        "enable_support_ironing", "support_ironing", "support_ironing_pattern",
+        "support_ironing_pattern",
         "support_ironing_speed", "support_ironing_flow",
         "support_ironing_spacing", "support_ironing_inset",
         "support_ironing_direction", "auto_generated_supports",
         "support_threshold_overlap", "support_material_layer_height",
         "support_air_filtration_print", "support_cooling"
         => Ignored(SUPPORTS);
-    BOTH Print: "raft_first_layer_density", "raft_first_layer_expansion",
-        "raft_layer_height", "raft_interface_layer_height"
+    BOTH Print: "raft_first_layer_density", "raft_layer_height", "raft_interface_layer_height"
         => Ignored(RAFT);
-    BOTH Print: "ironing_angle", "ironing_pattern", "ironing_inset",
-        "ironing_angle_fixed", "ironing_support_layer", "ironing_direction"
+    BOTH Print: "ironing_angle_fixed", "ironing_support_layer", "ironing_direction"
         => Ignored("ironing runs across the lines below");
-    BOTH Print: "fuzzy_skin_first_layer", "fuzzy_skin_noise_type",
-        "fuzzy_skin_mode", "fuzzy_skin_scale", "fuzzy_skin_octaves",
+    BOTH Print: "fuzzy_skin_scale", "fuzzy_skin_octaves",
         "fuzzy_skin_persistence", "fuzzy_skin_ripples_per_layer",
         "fuzzy_skin_ripple_offset"
         => Ignored("fuzzy skin has one texture, of bumps of fuzzy.grain");
-    BOTH Print: "min_skirt_length", "skirt_type", "skirt_start_angle",
-        "skirt_per_object", "single_loop_draft_shield",
+    BOTH Print: "skirt_start_angle",
+        "single_loop_draft_shield",
         "brim_ears_detection_length", "brim_use_efc_outline",
         "brim_inside_holes", "brim_width_interior", "brim_ears_exclude",
         "combine_brims", "complete_objects_one_skirt"
@@ -635,18 +609,12 @@ pub(super) static ROWS: &[Row] = rows! {
                  skirt and brim",
         );
     BOTH Print: "adaptive_layer_height", "spiral_mode_smooth",
-        "spiral_mode_max_xy_smoothing", "spiral_starting_flow_ratio",
-        "spiral_finishing_flow_ratio", "spiral_vase_flow"
+        "spiral_mode_max_xy_smoothing"
         => Ignored(
             "isoslice makes these of the function: layer_heights, spiral",
         );
-    BOTH Print: "small_area_infill_flow_compensation",
-        "small_area_infill_flow_compensation_model",
-        "small_perimeter_min_length", "scarf_joint_flow",
-        "internal_solid_infill_flow_ratio", "outer_wall_flow_ratio",
-        "inner_wall_flow_ratio", "overhang_flow_ratio",
-        "sparse_infill_flow_ratio", "first_layer_flow_ratio",
-        "gap_fill_flow_ratio", "extrusion_spacing",
+    BOTH Print: "small_area_infill_flow_compensation_model",
+        "small_perimeter_min_length", "extrusion_spacing",
         "first_layer_extrusion_spacing", "perimeter_extrusion_spacing",
         "external_perimeter_extrusion_spacing", "infill_extrusion_spacing",
         "solid_infill_extrusion_spacing", "top_infill_extrusion_spacing",
@@ -655,10 +623,8 @@ pub(super) static ROWS: &[Row] = rows! {
             "there is one flow for all walls and infill: flow, which may be a \
                  formula of the place",
         );
-    BOTH Print: "acceleration_limit_mess", "acceleration_limit_mess_enable",
-        "speed_limit_to_height", "speed_limit_to_height_enable",
-        "material_flow_dependent_temperature", "material_flow_temp_graph",
-        "enable_height_slowdown", "slowdown_start_height",
+    BOTH Print: "acceleration_limit_mess", "speed_limit_to_height", "material_flow_temp_graph",
+        "slowdown_start_height",
         "slowdown_start_speed", "slowdown_start_acc", "slowdown_end_height",
         "slowdown_end_speed", "slowdown_end_acc"
         => Ignored(
@@ -684,8 +650,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "compatible_printers_condition_cummulative", "print_settings_id",
         "threads", "gcode_comments", "gcode_add_line_number",
         "print_host_upload", "custom", "print_custom_variables",
-        "printer_custom_variables", "timelapse_type",
-        "different_settings_to_system", "print_compatible_printers",
+        "printer_custom_variables", "different_settings_to_system", "print_compatible_printers",
         "print_temperature", "print_bed_temperature", "inherits_cummulative",
         "default_print_settings_id", "prusaslicer_config",
         "gcode_substitutions_id", "extruder", "profile_vendor",
@@ -731,6 +696,113 @@ pub(super) static ROWS: &[Row] = rows! {
         "interlocking_orientation", "enable_wrapping_detection",
         "wrapping_exclude_area", "prime_volume_mode", "nozzle_volume_type_print"
         => Ignored(SEVERAL);
+    BOTH Print: "first_layer_extrusion_width", "initial_layer_line_width",
+        "skirt_extrusion_width"
+        => Lost(&["0", "0%", "100%"],
+            "lines have the width of their kind in the first layer, too: outer_wall_width and its like");
+    BOTH Print: "slow_down_layers"
+        => Lost(&["0", "1"],
+            "the layers above the first have their own speeds at once; a speed may be a formula of z");
+    BOTH Print: "first_layer_infill_speed", "initial_layer_infill_speed",
+        "first_layer_min_speed"
+        => Lost(&["0"],
+            "the first layer has one speed: speed.first_layer");
+    BOTH Print: "initial_layer_travel_speed", "first_layer_travel_speed",
+        "initial_layer_travel_acceleration"
+        => Lost(&["0", "100%"],
+            "travels of the first layer are as fast as others: speed.travel");
+    BOTH Print: "extra_perimeters", "extra_perimeters_on_overhangs",
+        "extra_perimeters_overhangs"
+        => Lost(&["0"],
+            "isoslice puts skin there, and no more walls: set walls");
+    BOTH Print: "only_one_wall_first_layer"
+        => Lost(&["0"],
+            "bottoms keep their walls");
+    BOTH Print: "bridge_density", "internal_bridge_density"
+        => Lost(&["100", "100%", "0"],
+            "bridges are dense");
+    BOTH Print: "thick_bridges", "thick_internal_bridges", "enable_extra_bridge_layer",
+        "counterbore_hole_bridging"
+        => Lost(&["0", "disabled", "none"],
+            "bridges are one layer of the layer's height: bridge_flow makes their lines thicker");
+    BOTH Print: "ironing_angle", "ironing_inset"
+        => Lost(&["0", "-1", "-1%"],
+            "ironing runs across the lines below, up to the walls");
+    BOTH Print: "ironing_pattern"
+        => Lost(&["rectilinear", "zig-zag", "zigzag", "line", "monotonic"],
+            "ironing runs in lines");
+    BOTH Print: "fuzzy_skin_noise_type", "fuzzy_skin_mode"
+        => Lost(&["classic", "displacement"],
+            "fuzzy skin has one texture, of bumps of fuzzy.grain");
+    BOTH Print: "fuzzy_skin_first_layer"
+        => Lost(&["0"],
+            "the first layer has no fuzzy skin");
+    BOTH Print: "skirt_per_object", "skirt_type"
+        => Lost(&["0", "combined"],
+            "a skirt goes round all parts");
+    BOTH Print: "min_skirt_length"
+        => Lost(&["0"],
+            "a skirt has as many loops as skirt.loops says");
+    BOTH Print: "internal_solid_infill_flow_ratio", "outer_wall_flow_ratio",
+        "inner_wall_flow_ratio", "overhang_flow_ratio",
+        "sparse_infill_flow_ratio", "first_layer_flow_ratio",
+        "gap_fill_flow_ratio", "fill_top_flow_ratio", "scarf_joint_flow",
+        "scarf_joint_flow_ratio", "spiral_starting_flow_ratio",
+        "spiral_finishing_flow_ratio", "spiral_vase_flow"
+        => Lost(&["1", "1.0", "1.00", "100%"],
+            "there is one flow for all walls and infill: flow, which may be a formula of the place");
+    BOTH Print: "small_area_infill_flow_compensation"
+        => Lost(&["0"],
+            "there is one flow for all walls and infill: flow, which may be a formula of the place");
+    BOTH Print: "outer_wall_jerk", "inner_wall_jerk", "infill_jerk",
+        "initial_layer_jerk", "top_surface_jerk", "travel_jerk",
+        "default_junction_deviation"
+        => Lost(&["0"],
+            "the speed through corners is one for all: printer.square_corner_velocity");
+    BOTH Print: "enable_height_slowdown", "acceleration_limit_mess_enable",
+        "speed_limit_to_height_enable", "material_flow_dependent_temperature"
+        => Lost(&["0"],
+            "write a formula of z as the speed or the temperature");
+    BOTH Print: "infill_anchor", "infill_anchor_max", "sparse_infill_anchor"
+        => Lost(&[],
+            "isoslice joins lines of infill along the walls by rules of its own");
+    BOTH Print: "top_surface_density", "bottom_surface_density"
+        => Lost(&["100", "100%"],
+            "skins are dense");
+    BOTH Print: "infill_rotate_step", "sparse_infill_rotate_template",
+        "solid_infill_rotate_template"
+        => Lost(&["0", ""],
+            "infill_angle may be a formula of z");
+    BOTH Print: "fill_multiline"
+        => Lost(&["1"],
+            "lines of infill are single");
+    BOTH Print: "print_in_clockwise", "wall_direction"
+        => Lost(&["0", "auto", "ccw", "counter_clockwise"],
+            "walls run counter-clockwise round a part");
+    BOTH Print: "infill_first", "is_infill_first"
+        => Lost(&["0"],
+            "isoslice has an order of its own");
+    BOTH Print: "wipe_on_loops", "wipe_before_external_loop", "staggered_inner_seams"
+        => Lost(&["0"],
+            "isoslice has rules of its own for the ends of walls: seam_gap, retract.wipe");
+    BOTH Print: "support_material_pattern", "support_base_pattern"
+        => Lost(&["default", "auto", "rectilinear", "grid"],
+            "supports are filled by their style: support.style");
+    BOTH Print: "support_material_angle", "support_angle"
+        => Lost(&["0"],
+            "lines of supports have no angle of their own");
+    BOTH Print: "support_material_enforce_layers", "enforce_support_layers",
+        "support_remove_small_overhang", "support_critical_regions_only",
+        "support_ironing", "enable_support_ironing",
+        "raft_first_layer_expansion"
+        => Lost(&["0", "2"],
+            "supports and rafts have settings of their own: the groups support and raft");
+    BOTH Print: "timelapse_type"
+        => Lost(&["0"],
+            "isoslice makes no room for pictures: if you take any, add it to gcode.layer");
+    BOTH Print: "overhang_speed_classic", "slowdown_for_curled_perimeters"
+        => Lost(&["0"],
+            "speeds of overhangs are steps by how far they reach out: speed.overhang_steps");
     PRUSA Print: "automatic_extrusion_widths" => Ignored(THIN);
     ORCA Print: "is_custom_print" => Ignored(SHOWN);
 };

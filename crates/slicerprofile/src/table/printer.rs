@@ -222,6 +222,15 @@ pub(super) static ROWS: &[Row] = rows! {
         "extruder_clearance_dist_to_rod", "between_objects_gcode",
         "printing_by_object_gcode", "nozzle_height"
         => Ignored(ONE_PART);
+    BOTH Printer: "retract_layer_change", "retract_when_changing_layer"
+        => Lost(&["0"],
+            "isoslice decides by what a travel crosses where to retract");
+    BOTH Printer: "retract_lift_above", "retract_lift_below"
+        => Lost(&["0"],
+            "lifts are the same at all heights: retract.z_hop_when");
+    BOTH Printer: "z_hop_types", "z_lift_type"
+        => Lost(&["Normal Lift", "normal"],
+            "isoslice lifts straight up: retract.z_hop");
     BOTH Printer: "pause_print_gcode", "machine_pause_gcode", "pause_gcode",
         "color_change_gcode", "template_custom_gcode", "start_gcode_manual"
         => Ignored("it is for pauses that one puts in by hand");
@@ -230,10 +239,8 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Printer: "time_lapse_gcode", "timelapse_gcode",
         "wrapping_detection_gcode", "file_start_gcode"
         => Lost(&[""], "if you take pictures, add it to gcode.layer");
-    BOTH Printer: "retract_layer_change", "retract_when_changing_layer",
-        "retract_lift_above", "retract_lift_below", "retract_lift_enforce",
-        "retract_lift_top", "retract_lift_first_layer", "z_hop_types",
-        "z_lift_type", "travel_slope", "travel_lift_before_obstacle",
+    BOTH Printer: "retract_lift_enforce",
+        "retract_lift_top", "retract_lift_first_layer", "travel_slope", "travel_lift_before_obstacle",
         "retract_on_top_layer", "wipe_advanced", "wipe_advanced_algo",
         "wipe_advanced_multiplier", "wipe_advanced_nozzle_melted_volume",
         "wipe_extra_perimeter"

@@ -220,14 +220,15 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// Adds a sample to those that are to be evaluated.
-    fn ask(&mut self, line: usize, sample: usize) {
+    /// Adds a place to those that are to be evaluated. It may lie between two
+    /// samples.
+    fn ask(&mut self, line: usize, sample: f64) {
         let Grid { origin, steps, .. } = self.grid;
         let (i, j) = (line % TILE + self.at[0], line / TILE + self.at[1]);
         let p = *origin
             + steps[0] * i as f64
             + steps[1] * j as f64
-            + steps[2] * sample as f64;
+            + steps[2] * sample;
         for (list, c) in self.points.iter_mut().zip(p.to_array()) {
             list.push(c as f32);
         }
@@ -250,7 +251,7 @@ impl<'a> Eye<'a> {
             for line in self.lines(at, BOX) {
                 if self.hits[line].is_none() {
                     asked.push((line, [at[2], end]));
-                    (at[2]..end).rev().for_each(|k| self.ask(line, k));
+                    (at[2]..end).rev().for_each(|k| self.ask(line, k as f64));
                 }
             }
         }
@@ -277,13 +278,39 @@ impl<'a> Eye<'a> {
     /// Finds the gradients where lines have just met something, and with them
     /// the surface itself, which lies between two samples.
     fn arrive(&mut self, f: &VmFunction) -> Result<(), FieldError> {
-        // The gradient takes two evaluations, each of a value and two slopes.
-        self.sight.spend(f, 6 * self.fresh.len())?;
-        let fresh = std::mem::take(&mut self.fresh);
+        let mut fresh = std::mem::take(&mut self.fresh);
         self.points.iter_mut().for_each(Vec::clear);
         for &(line, sample) in &fresh {
-            self.ask(line, sample);
+            self.ask(line, sample as f64);
         }
+        let found = self.gradients(f, fresh.len())?;
+        let towards = self.grid.steps[2].as_vec3();
+        let mut behind = Vec::new();
+        for (&(line, sample), (v, gradient)) in fresh.iter().zip(found) {
+            let beyond = -v / gradient.dot(towards);
+            let faces_away = beyond.is_nan() || beyond < 0.0;
+            if faces_away {
+                behind.push((line, sample));
+            }
+            let beyond = if faces_away { 0.5 } else { beyond.min(1.0) };
+            self.hits[line] = Some(Hit {
+                depth: sample as f32 + beyond,
+                gradient,
+            });
+        }
+        fresh.clear();
+        self.fresh = fresh;
+        self.come_in(&behind)
+    }
+
+    /// Values and gradients at the points that were asked for.
+    fn gradients(
+        &mut self,
+        f: &VmFunction,
+        count: usize,
+    ) -> Result<Vec<(f32, Vec3)>, FieldError> {
+        // The gradient takes two evaluations, each of a value and two slopes.
+        self.sight.spend(f, 6 * count)?;
         // Slopes along x and y come first, then the slope along z.
         for (slopes, along) in
             self.slopes.iter_mut().zip([[0, 1, 2], [1, 2, 0]])
@@ -299,23 +326,61 @@ impl<'a> Eye<'a> {
                 })
                 .collect();
             slopes.clear();
-            self.lanes.slopes(f, &seeds, fresh.len(), slopes);
+            self.lanes.slopes(f, &seeds, count, slopes);
+        }
+        let both = self.slopes[0].iter().zip(&self.slopes[1]);
+        let joined = |(&[v, x, y], &[_, z, _]): (&[f32; 3], &[f32; 3])| {
+            (v, Vec3::new(x, y, z))
+        };
+        Ok(both.map(joined).collect())
+    }
+
+    /// Near an edge the first sample inside may lie below a face that is turned
+    /// away, which nobody sees. The gradient is then that of the place where the
+    /// line comes in.
+    fn come_in(&mut self, lines: &[(usize, usize)]) -> Result<(), FieldError> {
+        /// Each halves the length in which the line comes in.
+        const HALVES: usize = 6;
+        if lines.is_empty() {
+            return Ok(());
+        }
+        // The simpler function of a cube does not hold in front of it.
+        let sight = self.sight;
+        let f = &sight.f;
+        // How far beyond the sample the line is inside, and outside.
+        let mut ends = vec![[0.0, 1.0]; lines.len()];
+        for _ in 0..HALVES {
+            self.points.iter_mut().for_each(Vec::clear);
+            for (&(line, sample), [inside, outside]) in lines.iter().zip(&ends)
+            {
+                self.ask(line, sample as f64 + 0.5 * (inside + outside));
+            }
+            sight.spend(f, lines.len())?;
+            let inputs: Vec<&[f32]> =
+                sight.axes.iter().map(|&a| &self.points[a][..]).collect();
+            self.values.clear();
+            self.lanes.eval(f, &inputs, lines.len(), &mut self.values);
+            for (v, ends) in self.values.iter().zip(&mut ends) {
+                let middle = 0.5 * (ends[0] + ends[1]);
+                ends[usize::from(*v >= 0.0 || v.is_nan())] = middle;
+            }
+        }
+        self.points.iter_mut().for_each(Vec::clear);
+        for (&(line, sample), [_, outside]) in lines.iter().zip(&ends) {
+            self.ask(line, sample as f64 + outside);
         }
         let towards = self.grid.steps[2].as_vec3();
-        let found = self.slopes[0].iter().zip(&self.slopes[1]);
-        for (&(line, sample), (&[v, dx, dy], &[_, dz, _])) in
-            fresh.iter().zip(found)
+        let found = self.gradients(f, lines.len())?;
+        for ((&(line, sample), end), (_, gradient)) in
+            lines.iter().zip(ends).zip(found)
         {
-            let gradient = Vec3::new(dx, dy, dz);
-            let beyond = -v / gradient.dot(towards);
-            let beyond = if beyond >= 0.0 { beyond.min(1.0) } else { 0.5 };
-            self.hits[line] = Some(Hit {
-                depth: sample as f32 + beyond,
-                gradient,
-            });
+            if gradient.dot(towards) > 0.0 {
+                self.hits[line] = Some(Hit {
+                    depth: sample as f32 + end[0] as f32,
+                    gradient,
+                });
+            }
         }
-        self.fresh = fresh;
-        self.fresh.clear();
         Ok(())
     }
 }

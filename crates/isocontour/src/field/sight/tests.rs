@@ -99,6 +99,37 @@ fn surfaces_are_found_between_the_samples() {
     assert!(count > 800, "{count}");
 }
 
+/// Beside an edge the nearest face may be one that nobody sees.
+#[test]
+fn what_is_seen_faces_the_viewer() {
+    let (x, y, z) = Tree::axes();
+    let [x, y, z] = [(x, 6.0), (y, 4.0), (z, 2.0)].map(|(c, h)| c.abs() - h);
+    let block = x.max(y).max(z);
+    let right = DVec3::new(1.0, 1.0, 0.0).normalize();
+    let towards = DVec3::new(1.0, -1.0, 1.0).normalize();
+    let steps = [right, right.cross(towards), towards].map(|d| 0.17 * d);
+    let size = [90, 90, 90];
+    let half: DVec3 = (0..3).map(|a| steps[a] * (0.5 * size[a] as f64)).sum();
+    let grid = Grid {
+        origin: -half,
+        steps,
+        size,
+    };
+    let hits = Sight::new(&block).unwrap().look(&grid).unwrap();
+    let mut count = 0;
+    for (line, hit) in hits.iter().enumerate() {
+        let Some(hit) = hit else { continue };
+        let p = grid.origin
+            + steps[0] * (line % size[0]) as f64
+            + steps[1] * (line / size[0]) as f64
+            + steps[2] * f64::from(hit.depth);
+        let faces = hit.gradient.as_dvec3().dot(towards);
+        assert!(faces > 0.0, "{} at {p}", hit.gradient);
+        count += 1;
+    }
+    assert!(count > 2000, "{count}");
+}
+
 #[test]
 fn a_look_has_its_limit() {
     let (x, y, z) = Tree::axes();

@@ -1,0 +1,348 @@
+//! Faults planted into a clean print of two layers.
+
+use super::*;
+
+/// A square of 12 mm, filled with lines, at a height. Travels are retracted.
+fn layer(z: f64) -> String {
+    let mut text = format!(
+        ";LAYER_CHANGE\n;Z:{z:.1}\n;HEIGHT:0.2\n;WIDTH:0.45\nG1 E-0.8 F2100\n\
+         G1 Z{z:.1} F600\nG1 X50 Y50 F9000\nG1 E0.8 F2100\nG1 F1800\n"
+    );
+    for k in 0..30 {
+        let (y, x) = (50.0 + 0.4 * f64::from(k), 50 + 12 * ((k + 1) % 2));
+        text += &format!("G1 X{x} E0.406\nG1 Y{:.1} E0.0135\n", y + 0.4);
+    }
+    text
+}
+
+/// A clean print, with `planted` in the middle of its second layer.
+fn print_with(planted: &str) -> String {
+    let (first, second) = (layer(0.2), layer(0.4));
+    let at = second.find("G1 Y56").unwrap();
+    let (before, after) = second.split_at(at);
+    let head = "G28\nM109 S200\nM83\n;TYPE:Perimeter\n";
+    format!("{head}{first}{before}{planted}{after}{}{END}", layer(0.6))
+}
+
+/// What is found, each with its line counted from the planted one.
+fn found(planted: &str) -> Vec<(Kind, i64)> {
+    let text = print_with(planted);
+    let clean = print_with("");
+    let same = text.lines().zip(clean.lines()).take_while(|(a, b)| a == b);
+    let line = same.count() as i64;
+    let all = verdict(&text);
+    let findings = all.findings.iter();
+    findings.map(|f| (f.kind, f.line as i64 - line)).collect()
+}
+
+#[test]
+fn a_clean_print_is_clean() {
+    let all = verdict(&print_with(""));
+    assert!(all.counts.is_empty(), "{all:#?}");
+}
+
+#[test]
+fn no_filament_is_pushed_in_place() {
+    for blob in [
+        "G1 E+80 F200\nG1 F1800\n",
+        "G1 E1 F200\nG1 F1800\n",
+        "M82\nG92 E0\nG1 E80 F200\nG92 E0\nM83\nG1 F1800\n",
+        "G1 Z0.9 E5 F600\nG1 Z0.4\nG1 F1800\n",
+    ] {
+        let first = blob
+            .lines()
+            .position(|l| l.contains("E8") || l.contains("F"));
+        let line = first.unwrap() as i64 + 1;
+        assert_eq!(found(blob), [(Kind::Blob, line)], "{blob}");
+    }
+    // Many small drops are one blob.
+    let drops = "G1 E0.2 F200\n".repeat(9);
+    assert_eq!(found(&format!("{drops}G1 F1800\n")), [(Kind::Blob, 3)]);
+    for fine in [
+        "G1 E-0.8 F2100\nG1 E0.9\nG1 F1800\n",
+        // What a user's own template does is the user's own choice.
+        ";TYPE:Custom\nG1 E80 F200\nG1 F1800\n;TYPE:Perimeter\n",
+        // A tower takes what a new filament pushes out.
+        ";TYPE:Wipe tower\nG1 E80 F200\nG1 F1800\n;TYPE:Perimeter\n",
+    ] {
+        assert_eq!(found(fine), [], "{fine}");
+    }
+    // The end unloads and loads.
+    let end = print_with("").replace(END, "G1 E40 F200\nM104 S0\n");
+    assert!(verdict(&end).counts.is_empty());
+    let more = ["retract.extra_prime=2"];
+    let all = verdict_with(&print_with("G1 E2.4 F200\nG1 F1800\n"), &more);
+    assert_eq!(count(&all, Kind::Blob), 0);
+}
+
+#[test]
+fn the_nozzle_does_not_go_down_into_the_print() {
+    let dive = |z: f64| found(&format!("G1 Z{z} F600\nG1 Z0.4\nG1 F1800\n"));
+    assert_eq!(dive(0.0), [(Kind::Low, 1)]);
+    // A scarf begins within its layer.
+    assert_eq!(dive(0.22), []);
+    // Relative moves are followed.
+    let deep = "G91\nG1 Z-0.4 F600\nG1 Z0.4\nG90\nM83\nG1 F1800\n";
+    assert_eq!(found(deep), [(Kind::Low, 2)]);
+    // More than the nozzle is wide is a fault.
+    let tall: String = (4..12).map(|k| layer(0.2 * f64::from(k))).collect();
+    let text = print_with("").replace(END, &tall);
+    let over = |end: &str| {
+        let text = format!("{text}G1 Z0.9 F600\n{end}{END}");
+        let all = verdict(&text);
+        (count(&all, Kind::Dive), all.is_safe())
+    };
+    assert_eq!(over("G1 Z2.2\nG1 F1800\nG1 X60 E0.3\n"), (1, false));
+    assert_eq!(over(""), (0, true), "nothing is printed after it");
+    assert_eq!(dive(2.0), []);
+}
+
+#[test]
+fn nothing_is_measured_in_the_middle_of_a_print() {
+    for code in [
+        "G29",
+        "G30",
+        "G32",
+        "G33",
+        "G34",
+        "G35",
+        "G80",
+        "M48",
+        "M81",
+        "M420 S0",
+        "BED_MESH_CALIBRATE",
+        "bed_mesh_clear",
+        "Z_TILT_ADJUST",
+        "QUAD_GANTRY_LEVEL",
+        "PROBE",
+    ] {
+        let line = format!("{code}\n");
+        assert_eq!(found(&line), [(Kind::Harmful, 1)], "{code}");
+        // Before and after the print these commands are usual.
+        let beside = format!("{line}{}{line}", print_with(""));
+        assert!(verdict(&beside).counts.is_empty(), "{code}");
+    }
+}
+
+#[test]
+fn numbers_are_never_too_large_for_the_rules() {
+    for (line, kind) in [
+        ("M206 Z-10000000000", Kind::Harmful),
+        ("M851 Z9999999999999999999999", Kind::Harmful),
+        ("M290 Z-1000000000", Kind::Harmful),
+        ("M104 S10000000000", Kind::TooHot),
+        ("M190 S99999999999999999999999", Kind::TooHot),
+        (
+            "SET_HEATER_TEMPERATURE HEATER=extruder TARGET=1e12",
+            Kind::TooHot,
+        ),
+        ("M204 P10000000000", Kind::Changed),
+        ("M106 S10000000000", Kind::Changed),
+        ("G4 P99999999999", Kind::Changed),
+        ("SET_GCODE_OFFSET Z=nan", Kind::Senseless),
+        ("G1 X10000000000", Kind::Senseless),
+        ("G1 E10000000000", Kind::Blob),
+    ] {
+        let kinds = found(&format!("{line}\n"));
+        assert_eq!(kinds.first(), Some(&(kind, 1)), "{line}: {kinds:?}");
+    }
+    let offset = found("SET_GCODE_OFFSET Z=-10000000000\nG1 Z0.4 F600\n");
+    assert!(offset.contains(&(Kind::OutOfReach, 2)), "{offset:?}");
+}
+
+#[test]
+fn the_first_layer_lies_on_the_bed() {
+    let with = |z: &str| {
+        let text = print_with("").replacen("G1 Z0.2", &format!("G1 Z{z}"), 1);
+        let all = verdict(&text);
+        let first = all.findings.iter().find(|f| f.kind == Kind::OffBed);
+        first.map(|f| (f.line, f.message.clone()))
+    };
+    assert_eq!(with("0.2"), None);
+    // Offsets make up for an end stop.
+    assert_eq!(with("0.15"), None);
+    assert_eq!(with("0.28"), None);
+    let (line, said) = with("0").unwrap();
+    assert!(
+        line == 14 && said.contains("with the nozzle on the bed"),
+        "{said}"
+    );
+    let (_, said) = with("0.4").unwrap();
+    assert!(said.contains("0.20 mm of air"), "{said}");
+    let (_, said) = with("1.8").unwrap();
+    assert!(said.contains("1.60 mm of air"), "{said}");
+    // Without comments a bead is no higher than the nozzle is wide.
+    let bare = |z: f64| {
+        let text = format!(
+            "G28\nM109 S200\nM83\nG1 Z{z} F600\nG1 X50 Y50 F6000\n\
+             G1 X80 E1.2 F1800\nG1 Y80 E1.2\n{END}"
+        );
+        count(&verdict(&text), Kind::OffBed)
+    };
+    assert_eq!((bare(0.35), bare(1.8), bare(0.0)), (0, 2, 2));
+}
+
+#[test]
+fn no_layer_is_printed_twice() {
+    let twice = |head: &str| {
+        let again = format!("{}{}", layer(0.4), layer(0.4));
+        let text = print_with("").replace(&layer(0.4), &again);
+        let all = verdict(&text.replace(";LAYER_CHANGE\n", head));
+        all.counts.into_iter().collect::<Vec<_>>()
+    };
+    assert_eq!(twice(";LAYER_CHANGE\n"), [(Kind::Again, 1)]);
+    // A file without marks has one layer there, with twice the plastic.
+    let kinds = twice("");
+    assert!(kinds.contains(&(Kind::Again, 1)), "{kinds:?}");
+    assert!(kinds.contains(&(Kind::Flow, 1)), "{kinds:?}");
+}
+
+#[test]
+fn plastic_is_as_much_as_there_is_room_for() {
+    let with = |share: f64, said: bool| {
+        let mut text = String::new();
+        for line in print_with("").lines() {
+            let fed =
+                line.split_once(" E0.").filter(|_| !line.ends_with("F2100"));
+            match fed {
+                Some((way, fed)) => {
+                    let fed: f64 = format!("0.{fed}").parse().unwrap();
+                    text += &format!("{way} E{:.5}\n", share * fed);
+                }
+                None if !said && line.starts_with(';') => {}
+                None => text += &format!("{line}\n"),
+            }
+        }
+        let all = verdict(&text);
+        (count(&all, Kind::Flow), all.is_safe())
+    };
+    for said in [true, false] {
+        for usual in [0.6, 1.0, 1.2] {
+            assert_eq!(with(usual, said), (0, true), "{usual} {said}");
+        }
+        for wrong in [0.1, 2.0, 5.0, 14.0] {
+            assert_eq!(with(wrong, said), (3, false), "{wrong} {said}");
+        }
+    }
+    let double = print_with("").replace("M83\n", "M83\nM221 S200\n");
+    assert_eq!(count(&verdict(&double), Kind::Flow), 3);
+    let all = verdict_with(&double, &["flow=200"]);
+    assert_eq!(count(&all, Kind::Flow), 0);
+}
+
+#[test]
+fn a_file_without_filament_prints_nothing() {
+    let dry = |text: &str| {
+        let lines = text.lines().map(|line| match line.split_once(" E") {
+            Some((way, _)) => way,
+            None => line,
+        });
+        let all = verdict(&lines.collect::<Vec<_>>().join("\n"));
+        count(&all, Kind::Empty)
+    };
+    assert_eq!(dry(&print_with("")), 1);
+    // The filament may also end in the middle.
+    let text = print_with("");
+    let at = text.find(";Z:0.4").unwrap();
+    let all =
+        verdict(&(text[..at].to_owned() + &text[at..].replace(" E", " ;")));
+    assert_eq!(count(&all, Kind::Empty), 1, "{all:?}");
+}
+
+#[test]
+fn a_bead_is_not_interrupted() {
+    let text = print_with("");
+    let at = text.find("G1 Y56").unwrap();
+    let line = text[..at].lines().count() as u64;
+    let last = text[..at].trim_end().rfind(" E").unwrap();
+    let all = verdict(&(text[..last].to_owned() + &text[at - 1..]));
+    assert_eq!(count(&all, Kind::Gap), 1, "{all:?}");
+    assert_eq!(all.findings[0].line, line);
+    assert!(
+        all.findings[0]
+            .message
+            .starts_with("12.00 mm without filament")
+    );
+}
+
+#[test]
+fn a_print_that_goes_on_in_the_air_is_found() {
+    let shifted = |by: f64, travel: bool| {
+        let shift = format!("G92 X{}\n", 62.0 - by);
+        let planted = if travel {
+            let back = "G1 E0.8 F2100\nG1 F1800\n";
+            format!("G1 E-0.8 F2100\n{shift}G1 X50 F9000\n{back}")
+        } else {
+            shift
+        };
+        let all = verdict(&print_with(&planted));
+        let kinds = [Kind::InTheAir, Kind::Adrift];
+        let of = all.findings.iter().filter(|f| kinds.contains(&f.kind));
+        of.map(|f| f.line).min()
+    };
+    for travel in [true, false] {
+        assert!(
+            shifted(40.0, travel).is_some_and(|line| line > 0),
+            "{travel}"
+        );
+        assert_eq!(shifted(0.2, travel), None);
+    }
+}
+
+#[test]
+fn a_command_ends_where_marlin_still_reads_it() {
+    let blanks = " ".repeat(90);
+    for line in [
+        format!("G1{blanks}X62 Y56 E0.01\n"),
+        format!("{blanks}G1 X62 E0.01\n"),
+        format!("M104{blanks}  S210\n"),
+    ] {
+        let kinds = found(&line);
+        assert_eq!(kinds.first(), Some(&(Kind::Senseless, 1)), "{line}");
+    }
+    for fine in [
+        format!("M117 {}\n", "printing ".repeat(20)),
+        format!("M105{blanks}; {blanks}a comment\n"),
+        format!("M105{blanks}{blanks}\n"),
+        format!("STATUS{blanks}A={}\n", "x".repeat(90)),
+    ] {
+        assert_eq!(found(&fine).len(), 0, "{fine}");
+    }
+}
+
+#[test]
+fn a_printer_of_one_tool_takes_no_other() {
+    assert_eq!(found("T1\n"), [(Kind::NoTool, 1)]);
+    assert_eq!(found("T0\n"), []);
+    let text = print_with("T1\nG1 E9\n");
+    let fine = |text: String| count(&verdict(&text), Kind::NoTool) == 0;
+    // Files for several tools or filaments heat them, or name them.
+    assert!(fine(text.replace("M83\n", "M83\nM104 T1 S200\n")));
+    assert!(fine(text.replace("M83\n", "M83\nT1\n")));
+    assert!(fine(text.clone() + "; filament_diameter = 1.75,1.75\n"));
+    assert!(fine(text.replace("T1\n", "T1\n;TYPE:Wipe tower\n")));
+    assert!(!fine(text + "; filament_diameter = 1.75\n"));
+}
+
+#[test]
+fn wipes_need_no_comments() {
+    for wipe in [
+        "G1 X55 E-0.8 F2100\nG1 X80 F9000\nG1 X62\nG1 E0.8 F2100\nG1 F1800\n",
+        "G1 X58 E-0.4 F2100\nG1 X55 E-0.4\nG1 Z1 F600\nG1 Z0.4\nG1 X62 F9000\n\
+         G1 E0.8 F2100\nG1 F1800\n",
+    ] {
+        assert_eq!(found(wipe), [], "{wipe}");
+    }
+    let back = "G1 X55 E-0.8 F2100\nG1 E0.8\nG1 F1800\n";
+    assert_eq!(found(back), [(Kind::Backwards, 1)]);
+}
+
+#[test]
+fn two_letters_are_no_gcode() {
+    let rules = Rules::new(&Settings::default());
+    for text in ["PK", "PK\n", "PK\x03", "GC", "GCD"] {
+        assert!(check(text.as_bytes(), &rules).is_err(), "{text:?}");
+    }
+    // A longer file may begin with a macro of that name.
+    assert!(check(&b"PK\nG28\n"[..], &rules).is_ok());
+}
