@@ -28,17 +28,22 @@ pub(super) fn lines(settings: &Settings) -> String {
     format!("{HEAD} {count}\n{lines}")
 }
 
-/// A value of TOML in one line. Texts of several lines are written as JSON does,
-/// which TOML reads as well.
+/// A byte order mark, which a file of settings may have begun with.
+const MARK_OF_ORDER: char = '\u{feff}';
+
+/// A value of TOML in one line. Texts of several lines, and those with a mark
+/// that has no place within a file, are written as JSON does, which TOML reads
+/// as well.
 fn in_line(value: String) -> String {
-    if !value.contains('\n') {
+    if !value.contains(['\n', MARK_OF_ORDER]) {
         return value;
     }
     let table = format!("value = {value}").parse::<toml::Table>();
     let text = table.ok().and_then(|mut table| table.remove("value"));
     match text {
         Some(toml::Value::String(text)) => {
-            serde_json::Value::String(text).to_string()
+            let text = serde_json::Value::String(text).to_string();
+            text.replace(MARK_OF_ORDER, "\\uFEFF")
         }
         _ => String::from("\"\""),
     }
@@ -80,6 +85,7 @@ mod tests {
             "printer.bed_x=350",
             "printer.model=A \"B\" \\ µ",
             "gcode.start=G28\n; a = \"b\"\tc\nM117 {{ layer_count }}\n\n",
+            "gcode.end=\u{feff}M84",
             "gcode.thumbnails=16x16, 380x285/QOI",
         ] {
             builder.set(set).unwrap();

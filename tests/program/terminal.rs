@@ -167,7 +167,7 @@ fn usual_mistakes_are_told_what_to_write() {
     let folder = tempfile::tempdir().unwrap();
     for (args, words) in [
         (&["--supports"][..], "--set supports=auto"),
-        (&["--layer-height", "0.1"], "--set layer_height=0.2"),
+        (&["--layer-height", "0.1"], "--set layer_height=0.1"),
         (&["--infill=30"], "infill_density=25%"),
         (&["--nozzle-temperature=1"], "filament.nozzle_temperature"),
         (

@@ -464,6 +464,7 @@ fn settings_beyond_their_ends_are_refused() {
             let mut builder = Builder::new();
             let given = format!("{}={value}", key.name);
             let error = match builder.set(&given) {
+                Ok(()) if range.or_zero && value == "0" => continue,
                 Ok(()) => panic!("{given} is taken"),
                 Err(error) => error.to_string(),
             };

@@ -206,8 +206,10 @@ fn beads(before: &[Laid], after: &[Laid]) -> Option<String> {
 /// What is laid in one of them only, if anything is. The order of beads, and
 /// their directions, may depend on where the head comes from.
 fn beads_in_any_order(before: &[Laid], after: &[Laid]) -> Option<String> {
-    let mut left: Vec<&Laid> = after.iter().collect();
-    for a in before {
+    // A bead that feeds one unit of what a file resolves feeds none elsewhere.
+    let counts = |laid: &&Laid| laid.fed > 1.5e-5;
+    let mut left: Vec<&Laid> = after.iter().filter(counts).collect();
+    for a in before.iter().filter(counts) {
         let back = a.reversed();
         let like = |b: &&Laid| a.is_like(b) || back.is_like(b);
         match left.iter().position(like) {
