@@ -38,7 +38,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Stack on which templates are filled in. It is reserved, but used only by
-/// lists of lists: [`FUEL`](engine) pays for 200,000 levels, each of which takes
+/// lists of lists: `FUEL` of `engine` pays for 200,000 levels, each of which takes
 /// 400 bytes when the list is dropped, and up to 1 kB when it is compared.
 const STACK_BYTES: usize = 256 << 20;
 
