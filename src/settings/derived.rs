@@ -89,6 +89,12 @@ impl Settings {
             && self.highest_interlocked() <= self.printer.nozzle_diameter
     }
 
+    /// True if skin over sparse infill becomes internal bridges. At a border
+    /// without a wall nothing would hold their ends.
+    pub(crate) fn bridges_infill(&self) -> bool {
+        self.internal_bridges && self.walls > 0 && !self.spiral
+    }
+
     /// Height of the highest bead where walls interlock, mm: it ends a wall that
     /// lies half a layer lower.
     pub(crate) fn highest_interlocked(&self) -> Mm {

@@ -22,15 +22,10 @@ pub(in crate::pipeline) struct OverInfill {
 }
 
 impl Stages<'_> {
-    /// True if skin over sparse infill becomes internal bridges.
-    pub(in crate::pipeline) fn bridges_infill(&self) -> bool {
-        self.settings.internal_bridges && !self.settings.spiral
-    }
-
     /// How many layers below the first of a block have to be filled, since its
     /// internal bridges lie on their infill or on their bridges.
     pub(in crate::pipeline) fn rehearsed_bridges(&self) -> usize {
-        if !self.bridges_infill() {
+        if !self.settings.bridges_infill() {
             return 0;
         }
         // What the lowest of these lie on is not known. They decide only where

@@ -16,8 +16,6 @@ use std::sync::OnceLock;
 
 /// Pairs that are known to fail. Who mends one takes it out.
 const OPEN: &[(&str, &[&str])] = &[
-    // Curvatures of an outline depend a little on where its vertices are.
-    ("a right angle", &["outlines moved by curvature"]),
     // One layer below the top gets a ring of skin around the hole, whose
     // outlines differ within their accuracy from layer to layer.
     ("a slanted cut", &["one wall", "no walls"]),
