@@ -387,3 +387,25 @@ fn there_are_none_in_solid_parts_nor_without_walls() {
     assert!(!has(&layers_of(&["walls=0"])));
     assert!(has(&layers_of(&[])));
 }
+
+#[test]
+fn bridges_over_gaps_keep_what_they_are_anchored_on() {
+    // Blocks over a tunnel, over two, and over a closed hollow.
+    for part in [
+        "max(max(max(abs(x) - 12, abs(y) - 8), max(-z, z - 6)), \
+         -max(abs(y) - 3, abs(z - 3) - 0.2))",
+        "max(max(max(abs(x) - 14, abs(y) - 8), max(-z, z - 6)), \
+         -max(abs(abs(x) - 6) - 2.5, abs(z - 2.9) - 0.7))",
+        "max(max(max(abs(x) - 12, abs(y) - 12), max(-z, z - 8)), \
+         -max(max(abs(x) - 5, abs(y) - 5), abs(z - 4) - 1.4))",
+    ] {
+        let laid = |more: &[&str]| {
+            let all = layers(part, &settings(more));
+            let all = all.iter().flatten().filter(|s| s.role == "Bridge");
+            all.map(|s| s.from.distance(s.to)).sum::<f64>()
+        };
+        let (with, without) = (laid(&[]), laid(&["internal_bridges=false"]));
+        assert!(without > 100.0, "{part}: {without}");
+        assert!((with - without).abs() < 0.1, "{part}: {with} {without}");
+    }
+}

@@ -46,7 +46,7 @@ impl Stages<'_> {
         levels: &[Below],
     ) -> Result<Option<OverInfill>, SliceError> {
         let faces = faces(layers, i);
-        let Some(above) = faces.above else {
+        let (Some(above), Some(below)) = (faces.above, faces.below) else {
             return Ok(None);
         };
         let layer = &layers[i];
@@ -56,6 +56,7 @@ impl Stages<'_> {
             sparse: &areas.sparse,
             walls,
             above,
+            below,
             height,
         };
         let made = self.timings.time(Stage::Skin, || {
