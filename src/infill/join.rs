@@ -9,9 +9,11 @@
 //! In: the pieces of a layer's pattern, which know where on the area's border
 //! they end. Two ends that follow each other on a ring of the border are joined
 //! along it, unless the way is longer than it is worth, or would make a path
-//! return to itself. Joins add material beside the wall. It does not count for
+//! return to itself: as many as can be, and of these the shortest
+//! ([`super::pairing`]). Joins add material beside the wall. It does not count for
 //! the density, which is the pattern's.
 
+use super::pairing::{Way, pairs};
 use crate::plane::border::{Border, Foot, Piece};
 use crate::sets::Sets;
 use crate::units::Mm;
@@ -39,6 +41,34 @@ pub(super) fn join(
     border: &Border<'_>,
     limit: Mm,
 ) -> Vec<Piece> {
+    let ends = ends(&pieces);
+    let mut links: Vec<Option<Link>> = vec![None; 2 * pieces.len()];
+    // Which pieces are on one path.
+    let mut paths = Sets::new(pieces.len());
+    // Short joins come first, so that a long join does not take an end away
+    // from them. The last round is for ends that a refused join leaves.
+    for limit in [0.4 * limit, limit, limit] {
+        let mut found = Vec::new();
+        for ring in ends.chunk_by(|a, b| a.foot.ring == b.foot.ring) {
+            crate::limits::check();
+            found.extend(joins(ring, &links, &mut paths, border, limit));
+        }
+        // Of joins that would make a path return to itself, the longest is
+        // refused.
+        found.sort_unstable();
+        for (_, a, b) in found {
+            if paths.join(a / 2, b / 2) {
+                let link = |to, forward| Some(Link { to, forward });
+                links[a] = link(b, true);
+                links[b] = link(a, false);
+            }
+        }
+    }
+    walk(pieces, &links, border)
+}
+
+/// The ends of pieces on the border, ring by ring and in the order along it.
+fn ends(pieces: &[Piece]) -> Vec<End> {
     let mut ends: Vec<End> = Vec::with_capacity(2 * pieces.len());
     for (i, piece) in pieces.iter().enumerate() {
         let both = [(piece.from, 2 * i), (piece.to, 2 * i + 1)];
@@ -51,31 +81,36 @@ pub(super) fn join(
         let by_place = by_ring.then(a.foot.at.total_cmp(&b.foot.at));
         by_place.then(a.number.cmp(&b.number))
     });
-    let mut links: Vec<Option<Link>> = vec![None; 2 * pieces.len()];
-    // Which pieces are on one path.
-    let mut paths = Sets::new(pieces.len());
-    for ring in ends.chunk_by(|a, b| a.foot.ring == b.foot.ring) {
-        // Short joins come first, so that a long join does not take an end away
-        // from them.
-        for limit in [0.4 * limit, limit] {
-            for (i, a) in ring.iter().enumerate() {
-                let b = &ring[(i + 1) % ring.len()];
-                let free = links[a.number].is_none()
-                    && links[b.number].is_none()
-                    && a.number != b.number;
-                if free
-                    && border.way(a.foot, b.foot) <= limit
-                    && paths.join(a.number / 2, b.number / 2)
-                {
-                    let link = |to, forward| Some(Link { to, forward });
-                    links[a.number] = link(b.number, true);
-                    links[b.number] = link(a.number, false);
-                }
-            }
-        }
-    }
-    walk(pieces, &links, border)
+    ends
 }
+
+/// The best joins of a ring's ends that have none yet and that are on different
+/// paths, each with its way and the numbers of its ends.
+fn joins(
+    ring: &[End],
+    links: &[Option<Link>],
+    paths: &mut Sets,
+    border: &Border<'_>,
+    limit: Mm,
+) -> Vec<(Way, usize, usize)> {
+    let next = |i: usize| &ring[(i + 1) % ring.len()];
+    let mut way = |i: usize| {
+        let (a, b) = (&ring[i], next(i));
+        let free = [a, b].iter().all(|end| links[end.number].is_none());
+        let apart = paths.of(a.number / 2) != paths.of(b.number / 2);
+        let way = border.way(a.foot, b.foot);
+        let fits = free && apart && way <= limit;
+        fits.then(|| (way * MICROMETRES).round() as Way)
+    };
+    let ways: Vec<Option<Way>> = (0..ring.len()).map(&mut way).collect();
+    let found = pairs(&ways).into_iter();
+    found
+        .filter_map(|i| Some((ways[i]?, ring[i].number, next(i).number)))
+        .collect()
+}
+
+/// Micrometres of a millimetre.
+const MICROMETRES: f64 = 1e3;
 
 /// Follows the links from every end that has no link.
 fn walk(

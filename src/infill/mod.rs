@@ -27,6 +27,7 @@ mod hexagons;
 mod join;
 mod lidinoid;
 mod neovius;
+mod pairing;
 mod rectilinear;
 mod schwarz_p;
 mod shape;

@@ -1,12 +1,13 @@
 //! Pictures of what will be printed.
 //!
 //! `picture` draws the part and its supports: `raster` finds the visible surface,
-//! `slabs` has the faces of supports, `shade` lights the surface, and `image` holds
-//! the pixels. `svg` draws a layer, and `folder` keeps the pictures of a run
-//! together. `html` makes an interactive page from
-//! any G-code that [`crate::reader`] reads: `toolpath` gathers its moves and
+//! `slabs` has the faces of supports, `shade` lights the surface, `edges` says
+//! which pixels need a closer look, and `image` holds the pixels. `svg` draws a
+//! layer, and `folder` keeps the pictures of a run together. `html` makes an
+//! interactive page from any G-code that [`crate::reader`] reads: `toolpath` gathers its moves and
 //! their times, and `pack` makes them small.
 
+mod edges;
 mod folder;
 mod html;
 mod image;

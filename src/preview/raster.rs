@@ -14,9 +14,10 @@ use crate::model::{Bounds, Model};
 use crate::plane::hull;
 use crate::units::Mm;
 use fidget::context::Tree;
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 use isocontour::{FieldError, Grid, Hit, Sight};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Why there is no picture.
@@ -58,6 +59,8 @@ pub(super) struct Seen {
     pub supports: Vec<bool>,
     /// Position of the first pixel of the first row at depth 0, mm.
     origin: DVec3,
+    /// Number of samples along each line, and their distance.
+    along: (usize, Mm),
     /// Side of a pixel.
     pub pixel: Mm,
     /// The directions right, up and towards the viewer.
@@ -65,8 +68,66 @@ pub(super) struct Seen {
 }
 
 impl Seen {
+    /// Pixels of a frame.
+    fn of(frame: &Frame, axes: DMat3) -> Seen {
+        let [width, height, depth] = frame.size;
+        let back = DVec3::new(
+            0.5 - 0.5 * width as f64,
+            0.5 * height as f64 - 0.5,
+            -0.5 * depth as f64 * frame.step / frame.pixel,
+        );
+        Seen {
+            width,
+            height,
+            depths: Vec::new(),
+            normals: Vec::new(),
+            supports: Vec::new(),
+            // A pixel is sampled at its middle.
+            origin: frame.centre + axes * back * frame.pixel,
+            along: (depth, frame.step),
+            pixel: frame.pixel,
+            axes,
+        }
+    }
+
+    /// Some rows, with `finer` × `finer` pixels for each.
+    fn split(&self, rows: &Range<usize>, finer: usize) -> Seen {
+        // Near the outline of an edge the lines of sight are in the part for less
+        // than a pixel. With thirds instead of halves, fine lattices take a sixth
+        // longer and look the same.
+        const DEEPER: usize = 2;
+        let (count, step) = self.along;
+        let side = 1.0 / finer as f64;
+        let to_first = 0.5 * side - 0.5;
+        let first = DVec3::new(to_first, rows.start as f64 + to_first, 0.0);
+        Seen {
+            width: finer * self.width,
+            height: finer * rows.len(),
+            depths: Vec::new(),
+            normals: Vec::new(),
+            supports: Vec::new(),
+            origin: self.place(first),
+            along: (DEEPER * count, step / DEEPER as f64),
+            pixel: self.pixel * side,
+            axes: self.axes,
+        }
+    }
+
+    /// The samples.
+    fn grid(&self) -> Grid {
+        let (depth, step) = self.along;
+        Grid {
+            origin: self.origin,
+            steps: [
+                self.axes.x_axis * self.pixel,
+                -self.axes.y_axis * self.pixel,
+                self.axes.z_axis * step,
+            ],
+            size: [self.width, self.height, depth],
+        }
+    }
+
     /// Position of a column, row and depth, mm.
-    #[cfg(test)]
     pub(super) fn place(&self, at: DVec3) -> DVec3 {
         let at = at * DVec3::new(1.0, -1.0, 1.0);
         self.origin + self.axes * at * self.pixel
@@ -176,6 +237,14 @@ impl Seen {
         }
     }
 
+    /// The depth at a column and row, which are whole numbers; [`BESIDE`] beside
+    /// the part, nothing outside the picture.
+    pub(super) fn depth(&self, at: Vec2) -> Option<f32> {
+        let inside = at.min_element() >= 0.0 && at.x < self.width as f32;
+        let pixel = inside.then(|| at.y as usize * self.width + at.x as usize);
+        self.depths.get(pixel?).copied()
+    }
+
     /// True if a pixel shows a support.
     pub(super) fn is_support(&self, pixel: usize) -> bool {
         self.supports.get(pixel) == Some(&true)
@@ -217,8 +286,9 @@ const COARSE: usize = 128;
 const MARGIN: f64 = 0.04;
 /// Greatest number of samples along the view, as a multiple of the longer side.
 const DEEPEST: f64 = 4.0;
-/// Greatest number of pixels of a light's view along its longer side.
-const LONGEST_MAP: f64 = 4096.0;
+/// Greatest number of pixels of a light's view along its longer side. Shadows of
+/// larger pictures are as soft, as a share of the picture, as those of smaller ones.
+const LONGEST_MAP: f64 = 2048.0;
 
 /// A part that is viewed, and its supports.
 pub(super) struct Subject<'a> {
@@ -392,33 +462,45 @@ impl<'a> Subject<'a> {
     }
 
     fn look(&self, frame: Frame) -> Result<Seen, PictureError> {
-        crate::limits::check();
-        let [width, height, depth] = frame.size;
-        let steps = [
-            self.axes.x_axis * frame.pixel,
-            -self.axes.y_axis * frame.pixel,
-            self.axes.z_axis * frame.step,
-        ];
-        // A pixel is sampled at its middle.
-        let origin = frame.centre
-            + steps[0] * (0.5 - 0.5 * width as f64)
-            + steps[1] * (0.5 - 0.5 * height as f64)
-            + steps[2] * (-0.5 * depth as f64);
-        let grid = Grid {
-            origin,
-            steps,
-            size: frame.size,
-        };
-        let scale = (frame.step / frame.pixel) as f32;
+        let mut seen = Seen::of(&frame, self.axes);
+        self.fill(&mut seen, &|_, _| true)?;
+        Ok(seen)
+    }
+
+    /// Some rows of what was seen, with `finer` × `finer` pixels for each, as
+    /// far as a pixel, given by its column and its row in `seen`, is `wanted`.
+    pub(super) fn closer(
+        &self,
+        seen: &Seen,
+        rows: Range<usize>,
+        finer: usize,
+        wanted: &(dyn Fn(usize, usize) -> bool + Sync),
+    ) -> Result<Seen, PictureError> {
+        let mut strip = seen.split(&rows, finer);
+        let wanted = |i, j| wanted(i / finer, rows.start + j / finer);
+        self.fill(&mut strip, &wanted)?;
+        Ok(strip)
+    }
+
+    /// Fills pixels, given by column and row, with what is seen there.
+    fn fill(
+        &self,
+        seen: &mut Seen,
+        wanted: &(dyn Fn(usize, usize) -> bool + Sync),
+    ) -> Result<(), PictureError> {
+        limits::check();
+        let scale = (seen.along.1 / seen.pixel) as f32;
         let from_model = self.axes.transpose().as_mat3();
         let normal = |gradient: Vec3| {
             let n = from_model * gradient;
             // Where the normal is not known, the surface faces the viewer.
             n.try_normalize().unwrap_or(Vec3::Z)
         };
-        let mut depths = Vec::with_capacity(width * height);
-        let mut normals = Vec::with_capacity(width * height);
-        let looked = self.sight.look_by_rows(&grid, &mut |row| {
+        let grid = seen.grid();
+        let (mut depths, mut normals) = (Vec::new(), Vec::new());
+        depths.reserve_exact(seen.width * seen.height);
+        normals.reserve_exact(seen.width * seen.height);
+        let looked = self.sight.look_by_rows(&grid, wanted, &mut |row| {
             let depth = |h: &Option<Hit>| h.map_or(BESIDE, |h| h.depth * scale);
             depths.extend(row.iter().map(depth));
             let normal =
@@ -426,18 +508,9 @@ impl<'a> Subject<'a> {
             normals.extend(row.iter().map(normal));
         });
         looked.watched()?;
-        let mut seen = Seen {
-            width,
-            height,
-            depths,
-            normals,
-            supports: Vec::new(),
-            origin,
-            pixel: frame.pixel,
-            axes: self.axes,
-        };
+        (seen.depths, seen.normals) = (depths, normals);
         seen.draw(self.supports, self.from_bed);
-        Ok(seen)
+        Ok(())
     }
 }
 

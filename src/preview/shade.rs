@@ -12,9 +12,10 @@
 //! keeps slanted surfaces out of their own shadow. The share of these pixels
 //! that is not hidden makes the shadow's edge soft.
 
+use super::edges::Edges;
 use super::image::Rows;
-use super::raster::{PictureError, Seen, is_part};
-use glam::{Mat3, Vec2, Vec3};
+use super::raster::{PictureError, Seen, Subject, is_part};
+use glam::{Mat3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -60,37 +61,42 @@ const FLAT: f32 = 1.5;
 /// Rows that are lit at a time.
 const AT_ONCE: usize = 64;
 
-/// Hands over the picture from its top, some rows at a time. Each `block` ×
-/// `block` pixels of `seen` become one. `lit` is what the key light sees.
+/// Hands over the picture of a subject from its top, some rows at a time. `lit`
+/// is what the key light sees. A pixel at an edge is the mean of `finer` ×
+/// `finer` ones.
 ///
 /// # Errors
-/// Those of `each`.
+/// Those of `each`, and those of a closer look at edges.
 pub(super) fn shade(
+    subject: &Subject<'_>,
     seen: &Seen,
     lit: Seen,
-    block: usize,
+    finer: usize,
     each: &mut Rows<'_>,
 ) -> Result<(), PictureError> {
-    let (width, height) = (seen.width / block, seen.height / block);
+    let (width, height) = (seen.width, seen.height);
     let light = Light::new(seen, Shadows::new(seen, lit));
-    let mut pixels = Vec::new();
     for first in (0..height).step_by(AT_ONCE) {
         crate::limits::check();
-        let count = AT_ONCE.min(height - first);
-        pixels.clear();
-        pixels.resize(width * count, [0.0; 4]);
-        pixels.par_chunks_mut(width).enumerate().for_each_init(
-            || Row::new(seen.width),
-            |row, (j, out)| {
-                let j = first + j;
-                for y in j * block..(j + 1) * block {
-                    light.add(y, block, row, out);
-                }
-                let all = (block * block) as f32;
-                out.iter_mut().flatten().for_each(|c| *c /= all);
-            },
-        );
-        each(&pixels)?;
+        let rows = first..(first + AT_ONCE).min(height);
+        // Edges are found with the rows beside.
+        let from = first.saturating_sub(1);
+        let with_next = from..(rows.end + 1).min(height);
+        let mut pixels = light.rows(with_next);
+        if finer > 1 {
+            let edges = Edges::new(&pixels, width, from);
+            let is_edge = |x, y| edges.has(x, y);
+            let strip = subject.closer(seen, rows.clone(), finer, &is_edge)?;
+            let own = pixels[(first - from) * width..].par_chunks_mut(width);
+            let own = own.zip(rows.clone().into_par_iter());
+            own.for_each(|(out, y)| {
+                let closer = Closer::new(&strip, &light, finer, y - first);
+                let at_edges = (0..width).filter(|x| is_edge(*x, y));
+                at_edges.for_each(|x| out[x] = closer.mean(x));
+            });
+        }
+        let from = (first - from) * width;
+        each(&pixels[from..from + rows.len() * width])?;
     }
     Ok(())
 }
@@ -110,6 +116,12 @@ impl Look {
             at: [way.x, -way.y].map(|d| (d + 0.5).floor() as isize),
             way,
         }
+    }
+
+    /// The step in columns and rows.
+    fn step(&self) -> Vec2 {
+        // Rows count downwards.
+        Vec2::new(self.way.x, -self.way.y)
     }
 }
 
@@ -134,6 +146,66 @@ impl Row {
             most: zeros(),
             hidden: zeros(),
         }
+    }
+}
+
+/// The colour of the part or of supports, linear.
+fn material(is_support: bool) -> Vec3 {
+    if is_support { SUPPORT } else { MATERIAL }
+}
+
+/// A row of pixels as seen from closer by.
+struct Closer<'a> {
+    strip: &'a Seen,
+    light: &'a Light<'a>,
+    finer: usize,
+    /// The strip's first row of these.
+    first: usize,
+    /// From a place in the strip to the one in the picture.
+    turn: Mat3,
+    shift: Vec3,
+}
+
+impl<'a> Closer<'a> {
+    /// `row` is counted from the first one in the strip.
+    fn new(
+        strip: &'a Seen,
+        light: &'a Light<'a>,
+        finer: usize,
+        row: usize,
+    ) -> Self {
+        let (turn, shift) = strip.to(light.seen);
+        Closer {
+            strip,
+            light,
+            finer,
+            first: row * finer,
+            turn: turn.as_mat3(),
+            shift: shift.as_vec3(),
+        }
+    }
+
+    /// Mean colour and opacity in column `x` of the picture.
+    fn mean(&self, x: usize) -> [f32; 4] {
+        let n = self.finer;
+        let places = (0..n * n).map(|k| [x * n + k % n, self.first + k / n]);
+        let sum: Vec4 = places.filter_map(|at| self.colour(at)).sum();
+        (sum / (n * n) as f32).to_array()
+    }
+
+    fn colour(&self, [x, y]: [usize; 2]) -> Option<Vec4> {
+        let pixel = y * self.strip.width + x;
+        let depth = self.strip.depths[pixel];
+        if !is_part(&depth) {
+            return None;
+        }
+        let place = Vec3::new(x as f32, y as f32, depth);
+        let place = self.turn * place + self.shift;
+        let normal = self.strip.normals[pixel];
+        let hidden = self.light.hidden(place, normal);
+        let material = material(self.strip.is_support(pixel));
+        let colour = self.light.colour(material, place, normal, hidden);
+        Some(colour.extend(1.0))
     }
 }
 
@@ -247,9 +319,20 @@ impl<'a> Light<'a> {
         }
     }
 
-    /// Adds row `y` of the visible surface to a row of the picture: linear
-    /// colours and opacity, with `block` pixels for one.
-    fn add(&self, y: usize, block: usize, row: &mut Row, out: &mut [[f32; 4]]) {
+    /// Rows of the picture: linear colours and opacity.
+    fn rows(&self, rows: Range<usize>) -> Vec<[f32; 4]> {
+        let width = self.seen.width;
+        let mut pixels = vec![[0.0; 4]; width * rows.len()];
+        let each = pixels.par_chunks_mut(width).zip(rows.into_par_iter());
+        each.for_each_init(
+            || Row::new(width),
+            |row, (out, y)| self.draw(y, row, out),
+        );
+        pixels
+    }
+
+    /// Draws row `y` of the visible surface.
+    fn draw(&self, y: usize, row: &mut Row, out: &mut [[f32; 4]]) {
         let width = self.seen.width;
         let line = y * width..(y + 1) * width;
         let depths = &self.seen.depths[line.clone()];
@@ -265,37 +348,52 @@ impl<'a> Light<'a> {
             (row.n[0][k], row.n[1][k], row.n[2][k]) = (n.x, n.y, n.z);
         }
         self.look_around(y, first..last + 1, row);
-        let lit = |x: usize| {
-            let place = Vec3::new(x as f32, y as f32, row.z[x]);
-            SHADOW + (1.0 - SHADOW) * self.shadows.lit(place, normals[x])
-        };
         for x in (first..=last).filter(|x| is_part(&row.z[*x])) {
-            let share = row.hidden[x] / DIRECTIONS as f32 * 1.6;
-            let open = 1.0 - DARKEST * share.min(1.0);
-            let material = if self.seen.is_support(y * width + x) {
-                SUPPORT
-            } else {
-                MATERIAL
-            };
-            let colour = self.colour(material, normals[x], open, lit(x));
-            if let Some(pixel) = out.get_mut(x / block) {
-                pixel[0] += colour.x;
-                pixel[1] += colour.y;
-                pixel[2] += colour.z;
-                pixel[3] += 1.0;
-            }
+            let place = Vec3::new(x as f32, y as f32, row.z[x]);
+            let material = material(self.seen.is_support(y * width + x));
+            let colour =
+                self.colour(material, place, normals[x], row.hidden[x]);
+            out[x] = colour.extend(1.0).to_array();
         }
     }
 
-    /// The colour of a material's surface that sees a share of the sky and has
-    /// a share of the key light.
-    fn colour(&self, material: Vec3, n: Vec3, open: f32, lit: f32) -> Vec3 {
+    /// The colour of a material's surface. Its `place` is given by column, row
+    /// and depth, its normal by right, up and towards the viewer. `hidden` is
+    /// the share of the sky that it does not see, summed up over the directions.
+    fn colour(
+        &self,
+        material: Vec3,
+        place: Vec3,
+        n: Vec3,
+        hidden: f32,
+    ) -> Vec3 {
+        let share = hidden / DIRECTIONS as f32 * 1.6;
+        let open = 1.0 - DARKEST * share.min(1.0);
+        let lit = SHADOW + (1.0 - SHADOW) * self.shadows.lit(place, n);
         let above = 0.5 + 0.5 * n.dot(self.up);
         let key = n.dot(self.key).max(0.0) * lit;
         let fill = n.dot(self.fill).max(0.0);
         let sky = GROUND.lerp(SKY, above) * open;
         let gloss = n.dot(self.half_way).max(0.0).powi(NARROW) * lit;
         material * (sky + KEY * key + FILL * fill) + KEY * GLOSS * gloss
+    }
+
+    /// How much of the sky the surroundings hide from a place between pixels,
+    /// summed up over the directions.
+    fn hidden(&self, place: Vec3, n: Vec3) -> f32 {
+        let far = (1.5 * self.reach).powi(2);
+        let hides = |look: &Look| {
+            let at = (place.truncate() + look.step() + 0.5).floor();
+            let depth = self.seen.depth(at)?;
+            let to = at.extend(depth) - place;
+            let rise = n.dot(Vec3::new(to.x, -to.y, to.z)) - FLAT;
+            let square = to.length_squared();
+            Some(rise / square.sqrt() * (1.0 - square / far).max(0.0))
+        };
+        let most = |looks: &[Look; LOOKS]| {
+            looks.iter().filter_map(hides).fold(0.0, f32::max)
+        };
+        self.around.iter().map(most).sum()
     }
 
     /// The depths at a look's distance from some pixels of row `y`, and which

@@ -36,6 +36,16 @@ pub(crate) fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
     })
 }
 
+/// How far apart the borders of two rough outlines of one shape may be: twice
+/// as far as either is off.
+pub(super) fn apart(settings: &Settings) -> Mm {
+    let accuracy = settings.accuracy;
+    2.0 * match settings.walls {
+        0 => accuracy + accuracy,
+        _ => accuracy + TOLERANCE,
+    }
+}
+
 /// The part of an island that is not covered by all covers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Exposed {

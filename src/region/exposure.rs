@@ -27,7 +27,7 @@
 //! fill.
 
 use super::cover::{
-    Covered, Exposed, Islands, TOLERANCE, by_island, exposed, near, open,
+    Covered, Exposed, Islands, TOLERANCE, apart, by_island, exposed, near, open,
 };
 use super::shells::Shells;
 use super::wall_depths;
@@ -76,6 +76,8 @@ struct Slope<'a> {
     beyond: Vec<Option<&'a Solid<'a>>>,
     /// How far `last` recedes from the farthest one on a slope of 45°.
     reach: Mm,
+    /// How far apart outlines of one shape may be.
+    apart: Mm,
 }
 
 /// Number of layers that count on a slope if `layers` count on a level face.
@@ -253,7 +255,7 @@ impl<'a> Exposure<'a> {
         ] {
             let layers = self.covering(shells.at(number));
             let recedes = self.distance(window, layers, upwards);
-            if let Some(slope) = window.slope(side, layers, recedes) {
+            if let Some(slope) = window.slope(side, layers, recedes, settings) {
                 slope.expose(&islands, &asked, &mut exposed, outline);
             }
         }
@@ -358,6 +360,7 @@ impl<'a> Window<'a> {
         side: &[&'a Solid<'a>],
         layers: usize,
         reach: Mm,
+        settings: &Settings,
     ) -> Option<Slope<'a>> {
         let all = slope_layers(layers);
         let beyond = (layers..all).map(|k| side.get(k).copied());
@@ -367,6 +370,7 @@ impl<'a> Window<'a> {
                 .filter(|s| s.is_none_or(|s| !s.is(self.here)))
                 .collect(),
             reach,
+            apart: apart(settings),
         })
     }
 }
@@ -417,11 +421,15 @@ impl Slope<'_> {
         }
         let bounds = open_beyond.bounds().grown(self.reach + 1.0);
         let here = crop(&outline.rings, bounds);
+        // Outlines of one shape leave slivers of one another open. A slope on
+        // which no more than these recede hides under the walls.
+        let half = 0.5 * self.apart;
         let receded = open(&here, self.last.area());
+        let receded = offset(&receded, -half, TOLERANCE);
         if receded.is_empty() {
             return;
         }
-        let beside = offset(&receded, self.reach, TOLERANCE);
+        let beside = offset(&receded, self.reach + half, TOLERANCE);
         let found = intersection(&open_beyond, &beside);
         let parts = by_island(islands, found.islands());
         for (exposed, more) in exposed.iter_mut().zip(parts) {
@@ -705,6 +713,35 @@ mod tests {
         let slope = [0.2, 0.4, 0.6, 0.8];
         let is = [&settings, &one].map(|s| sparse_below(&slope, s));
         assert!((is[0] - is[1]).abs() < 1e-6, "{is:?}");
+    }
+
+    #[test]
+    fn outlines_of_one_shape_are_no_slope() {
+        // The layers above end here, and the outline of the last one is off.
+        let settings = Settings::default();
+        let fill = rect(0.0, 0.0, 20.0, 20.0);
+        let sparse = |off: f64| {
+            let outline = rect(-1.0, -1.0, 21.0, 21.0);
+            let last = Solid::new(rect(-1.0 + off, -1.0, 21.0, 21.0));
+            let exposure = Exposure {
+                above: Shells::Alike(2),
+                below: Shells::Alike(0),
+                ..Exposure::new(&settings, &[])
+            };
+            let window = Window {
+                number: 50,
+                height: 0.2,
+                here: &Solid::new(outline),
+                above: vec![&last; 2],
+                below: Vec::new(),
+            };
+            let roomy = roomy(&fill, &settings);
+            exposure.split(&fill, &roomy, &window).sparse.content()
+        };
+        let apart = apart(&settings);
+        assert_eq!([0.0, 0.9].map(|share| sparse(share * apart)), [400.0; 2]);
+        // A slope is wider, and skin reaches in from it as far as it hides.
+        assert!(sparse(1.0 - 0.05) < 400.0 - 1.0);
     }
 
     #[test]

@@ -64,6 +64,7 @@
 
 mod bounds;
 mod cancel;
+mod ceiling;
 mod cell;
 mod cells;
 mod contour;

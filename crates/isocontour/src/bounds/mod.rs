@@ -35,6 +35,7 @@ mod side;
 mod undefined;
 
 use crate::cancel::{Cancel, Cancelled};
+use crate::ceiling::uncapped;
 use crate::expand::{ExpandError, expand};
 use crate::plane::Rect;
 use crate::program::Program;
@@ -257,7 +258,8 @@ fn search(
 }
 
 fn flattened(tree: &Tree) -> Result<Rc<Program>, ExpandError> {
-    let (context, root) = expand(tree)?;
+    let (mut context, root) = expand(tree)?;
+    let root = uncapped(&mut context, root);
     let program = Program::new(&context, root);
     Ok(Rc::new(program.map_err(|_| ExpandError::FreeVariable)?))
 }

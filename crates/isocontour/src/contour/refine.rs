@@ -28,6 +28,9 @@ pub(super) struct Bracket {
     ends: [f64; 2],
     /// The inside point before `lo`, and the field there.
     before: [f64; 2],
+    /// How steeply the field rises from the inside node, per way from node to
+    /// node; NaN if that has not been asked.
+    rise: f64,
     /// |f| at both ends of the whole edge.
     whole: [f64; 2],
     /// Distance from the inside node to the outside one.
@@ -74,6 +77,7 @@ impl Bracket {
             f_hi: f64::from(f_outside),
             ends: [f64::from(f_inside), f64::from(f_outside)],
             before: [f64::NAN; 2],
+            rise: f64::NAN,
             whole: [f_inside, f_outside].map(|f| f64::from(f).abs()),
             length: inside.distance(outside),
             t: 0.0,
@@ -133,10 +137,23 @@ impl Bracket {
     fn extrapolated(&self) -> f64 {
         /// Distance within which two places are one, as a share of the bracket.
         const SAME: f64 = 1e-3;
+        /// The part of the way to the outside end after which a point is looked
+        /// for if the slope of the inside node leads as far as that end.
+        const SHORTER: f64 = 0.98;
+        let open = self.hi - self.lo;
         let [t, f] = self.before;
+        if t.is_nan() {
+            let root = self.lo - self.ends[0] / self.rise;
+            return if root >= self.hi && self.hi < 1.0 {
+                self.lo + SHORTER * open
+            } else if root > self.lo && root < self.hi {
+                root
+            } else {
+                self.lo + 0.5 * open
+            };
+        }
         let rise = (self.ends[0] - f) / (self.lo - t);
         let root = self.lo - self.ends[0] / rise;
-        let open = self.hi - self.lo;
         let edge = self.hi - 0.5 * ARRIVED / self.length;
         if (root - self.hi).abs() <= SAME * open && edge > self.lo {
             edge
@@ -145,6 +162,17 @@ impl Bracket {
         } else {
             self.lo + 0.5 * open
         }
+    }
+
+    /// True if only values on the inside tell where the root is.
+    fn is_one_sided(&self) -> bool {
+        self.f_hi == f64::INFINITY
+    }
+
+    /// Makes an estimate from the field's gradient in the inside node.
+    fn leap(&mut self, gradient: DVec2) {
+        self.rise = gradient.dot(self.outside - self.inside);
+        self.t = self.estimate();
     }
 
     /// True if the first step was the last one, given the field and its
@@ -219,6 +247,20 @@ pub(super) fn refine(
     sampler: &mut dyn Sampler,
     scratch: &mut Samples,
 ) -> Result<Vec<DVec2>, FieldError> {
+    // Beside places where the field is infinite it takes two points inside to
+    // tell how it rises, or one and its slope.
+    let one_sided: Vec<usize> = (0..brackets.len())
+        .filter(|&i| brackets[i].is_one_sided())
+        .collect();
+    if !one_sided.is_empty() {
+        for &i in &one_sided {
+            brackets[i].t = brackets[i].lo;
+        }
+        slopes(brackets, z, sampler, scratch, one_sided.iter().copied());
+        for (&i, &[_, dx, dy]) in one_sided.iter().zip(&scratch.slopes) {
+            brackets[i].leap(DVec2::new(f64::from(dx), f64::from(dy)));
+        }
+    }
     // For most brackets the first estimate is so good that the slope there
     // leads the rest of the way, and serves as the gradient at the root.
     slopes(brackets, z, sampler, scratch, 0..brackets.len());

@@ -45,6 +45,7 @@ pub use sight::{Grid, Hit, Sight};
 
 use crate::Length;
 use crate::cancel::{Cancel, Cancelled};
+use crate::ceiling::uncapped;
 use crate::plane::Rect;
 use engine::{Engine, Plane};
 use fidget::context::{Context, Tree};
@@ -213,6 +214,7 @@ impl Field {
     fn on(tree: Tree, lattice: Lattice) -> Result<Field, FieldError> {
         let mut ctx = Context::new();
         let root = ctx.import(&tree);
+        let root = uncapped(&mut ctx, root);
         let root = blend::branched(&mut ctx, root);
         let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
         if f.vars().has_free_vars() {

@@ -35,6 +35,7 @@
 mod slopes;
 
 use crate::cancel::{Cancel, Cancelled};
+use crate::ceiling::uncapped;
 use crate::cell::Cell;
 use crate::expand::{ExpandError, expand};
 use crate::program::{Program, Scratch, Surface};
@@ -137,7 +138,8 @@ pub fn lean(
     options: &LeanOptions,
     cancel: &Cancel,
 ) -> Result<Lean, LeanError> {
-    let (context, root) = expand(tree)?;
+    let (mut context, root) = expand(tree)?;
+    let root = uncapped(&mut context, root);
     let program =
         Program::new(&context, root).map_err(|_| ExpandError::FreeVariable)?;
     let (bottom, top) = (bounds.min.z, bounds.max.z);

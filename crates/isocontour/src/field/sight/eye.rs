@@ -66,8 +66,34 @@ impl<'a> Eye<'a> {
     }
 
     /// The tiles behind each other that begin with line `at`, nearest first.
-    pub(super) fn column(&mut self, at: [usize; 2]) -> Result<(), FieldError> {
+    /// Lines that are not `wanted` meet nothing.
+    pub(super) fn column(
+        &mut self,
+        at: [usize; 2],
+        wanted: &(dyn Fn(usize, usize) -> bool + Sync),
+    ) -> Result<(), FieldError> {
         self.at = at;
+        // What is behind something met is not looked at.
+        let [i, j] = at;
+        let lines = self.lines([i, j, 0], TILE);
+        let left: Vec<usize> = lines
+            .filter(|line| !wanted(i + line % TILE, j + line / TILE))
+            .collect();
+        for &line in &left {
+            self.hits[line] = Some(Hit {
+                depth: 0.0,
+                gradient: Vec3::ZERO,
+            });
+        }
+        if !self.is_covered([i, j, 0], TILE) {
+            self.tiles(at)?;
+        }
+        left.iter().for_each(|&line| self.hits[line] = None);
+        Ok(())
+    }
+
+    /// The tiles behind each other that begin with line `at`, nearest first.
+    fn tiles(&mut self, at: [usize; 2]) -> Result<(), FieldError> {
         let sight = self.sight;
         let f = &sight.f;
         let tiles = self.grid.size[2].div_ceil(TILE);

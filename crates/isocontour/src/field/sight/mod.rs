@@ -132,18 +132,21 @@ impl Sight {
     /// which is a bug.
     pub fn look(&self, grid: &Grid) -> Result<Vec<Option<Hit>>, FieldError> {
         let mut out = Vec::with_capacity(grid.size[0] * grid.size[1]);
-        self.look_by_rows(grid, &mut |row| out.extend_from_slice(row))?;
+        let all = |_, _| true;
+        self.look_by_rows(grid, &all, &mut |row| out.extend_from_slice(row))?;
         Ok(out)
     }
 
     /// Passes on, a row at a time, what each line of sight meets. Only some
-    /// rows are in memory at once.
+    /// rows are in memory at once. Nothing is met by lines, given by column and
+    /// row, that are not `wanted`.
     ///
     /// # Errors
     /// Those of [`Sight::look`].
     pub fn look_by_rows(
         &self,
         grid: &Grid,
+        wanted: &(dyn Fn(usize, usize) -> bool + Sync),
         each: &mut dyn FnMut(&[Option<Hit>]),
     ) -> Result<(), FieldError> {
         /// Number of tiles in memory at once: enough for many threads.
@@ -159,7 +162,8 @@ impl Sight {
                     .into_par_iter()
                     .map(|n| {
                         let mut eye = Eye::new(self, grid);
-                        eye.column([n % columns * TILE, n / columns * TILE])?;
+                        let at = [n % columns * TILE, n / columns * TILE];
+                        eye.column(at, wanted)?;
                         Ok(eye.hits)
                     })
                     .collect();

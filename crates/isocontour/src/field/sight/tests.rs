@@ -130,6 +130,37 @@ fn what_is_seen_faces_the_viewer() {
     assert!(count > 2000, "{count}");
 }
 
+/// Lines that are not wanted change nothing for the others.
+#[test]
+fn some_lines_meet_what_all_lines_meet() {
+    let (x, y, z) = Tree::axes();
+    let wave = x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos();
+    let part = wave.max(x.square() + y.square() + z.square() - 30.0);
+    let step = 0.09;
+    let size = [131, 140, 135];
+    let grid = Grid {
+        origin: DVec3::splat(-0.5 * step * 135.0),
+        steps: [DVec3::X * step, DVec3::Z * step, DVec3::NEG_Y * step],
+        size,
+    };
+    let sight = Sight::new(&part).unwrap();
+    let all = sight.look(&grid).unwrap();
+    for wanted in [
+        |i: usize, j: usize| i / 4 % 3 == 1 && j / 4 % 2 == 0,
+        |i: usize, j: usize| i > 90 && j < 20,
+        |_, _| false,
+    ] {
+        let mut some = Vec::new();
+        let mut add = |row: &[Option<Hit>]| some.extend_from_slice(row);
+        sight.look_by_rows(&grid, &wanted, &mut add).unwrap();
+        assert_eq!(some.len(), all.len());
+        for (k, (some, all)) in some.iter().zip(&all).enumerate() {
+            let is = wanted(k % size[0], k / size[0]);
+            assert_eq!(*some, all.filter(|_| is), "{k}");
+        }
+    }
+}
+
 #[test]
 fn a_look_has_its_limit() {
     let (x, y, z) = Tree::axes();
