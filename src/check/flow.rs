@@ -14,6 +14,7 @@
 
 use super::cells::{CELL, cell_of};
 use super::ground::Ground;
+use super::rise::{self, Rise};
 use crate::reader::{Move, Role};
 use crate::units::{Mm, Mm2, cross_section};
 use glam::IVec2;
@@ -65,6 +66,7 @@ pub(super) struct Flow {
     windows: BTreeMap<(i32, i32), Window>,
     /// The first line of the layer.
     line: Option<u64>,
+    rise: Rise,
 }
 
 /// A layer with too much plastic, or too little.
@@ -100,6 +102,10 @@ impl Flow {
             let below = ground.below(cell).unwrap_or(0.0);
             let room = step.height.max(at.z - below);
             self.cover(cell, volume, room);
+            if !ground.is_over_support(cell) {
+                let named = step.role != Role::Unknown;
+                self.rise.bead(at.z - below, length / count, area, named);
+            }
         }
     }
 
@@ -117,6 +123,11 @@ impl Flow {
         window.weighed += volume * height;
     }
 
+    /// What is wrong with the rise of the layer with this number, which ends.
+    pub(super) fn rise(&mut self, number: u32) -> Option<rise::Wrong> {
+        self.rise.next_layer(number)
+    }
+
     /// Ends a layer. `flow` and `widths` are the least and the greatest ones by
     /// the settings.
     pub(super) fn next_layer(
@@ -124,7 +135,14 @@ impl Flow {
         flow: [f64; 2],
         widths: [Mm; 2],
     ) -> Option<Wrong> {
-        let here = std::mem::take(self);
+        let rise = std::mem::take(&mut self.rise);
+        let here = std::mem::replace(
+            self,
+            Flow {
+                rise,
+                ..Flow::default()
+            },
+        );
         let line = here.line?;
         if here.upright < LITTLE {
             return None;

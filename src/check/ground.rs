@@ -254,6 +254,11 @@ impl Ground {
         seen.filter(|below| below.is_finite())
     }
 
+    /// True if the top of the layers below in a cell is that of a support.
+    pub(super) fn is_over_support(&self, cell: IVec2) -> bool {
+        self.columns.at(cell).is_some_and(|seen| seen.on_support)
+    }
+
     /// The first place where a travel leads through what is printed. A line's
     /// width at both ends is left out: beads lie side by side there, and cells do
     /// not tell one from the next.

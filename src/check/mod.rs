@@ -58,6 +58,7 @@ mod gap;
 mod ground;
 mod heat;
 mod held;
+mod rise;
 mod rules;
 mod tools;
 mod verdict;
@@ -68,7 +69,7 @@ pub use rules::Rules;
 pub use verdict::{Finding, Kind, Severity, Verdict};
 
 use crate::limits;
-use crate::reader::{Event, Heater, Move, ReadError, Reader, Role};
+use crate::reader::{Event, Heater, Info, Move, ReadError, Reader, Role};
 use crate::units::Mm;
 use again::Again;
 use ending::Ending;
@@ -161,6 +162,8 @@ struct Checker<'a> {
     /// Line of the first move in the plane after the last bead, and number of
     /// such moves.
     idle: (u64, u64),
+    /// Filament of all beads.
+    laid: Mm,
     /// Greatest height of a bead of the print so far.
     top: Mm,
     /// Parts that were printed before this one.
@@ -198,6 +201,7 @@ impl<'a> Checker<'a> {
             flow: Flow::default(),
             again: Again::default(),
             idle: (0, 0),
+            laid: 0.0,
             top: rules.base,
             finished: Finished::default(),
             begun: None,
@@ -292,6 +296,7 @@ impl<'a> Checker<'a> {
         }
         if step.prints() && sideways(step) {
             self.idle = (0, 0);
+            self.laid += if template { 0.0 } else { step.filament };
             self.bead(step, template);
         } else if step.travels() && !template {
             self.travel(step);
@@ -535,6 +540,7 @@ impl<'a> Checker<'a> {
                 )
             });
         }
+        let rise = self.flow.rise(layer);
         if let Some(flow) =
             self.flow.next_layer(self.rules.flow, self.rules.widths)
         {
@@ -543,6 +549,47 @@ impl<'a> Checker<'a> {
                     "layer {layer} has {:.2} times the plastic that its beads \
                      have room for",
                     flow.share
+                )
+            });
+            return;
+        }
+        match rise {
+            // A bead that is too far above all others has been reported.
+            Some(rise::Wrong::Left { rise, .. })
+                if rise > self.rules.nozzle + ROUNDING => {}
+            Some(rise::Wrong::Left { rise, before }) => {
+                verdict.add(Kind::Jump, line, DVec3::NAN, || {
+                    format!(
+                        "layer {layer} lies {rise:.2} mm above the one below it, \
+                         with the plastic of {before:.2} mm: a layer may be \
+                         missing below it"
+                    )
+                });
+            }
+            Some(rise::Wrong::Thick { share }) => {
+                verdict.add(Kind::Flow, line, DVec3::NAN, || {
+                    format!(
+                        "layer {layer} has {share:.2} times the plastic of the \
+                         same beads in the layer below"
+                    )
+                });
+            }
+            None => {}
+        }
+    }
+
+    /// Reports a file whose beads take much more filament than it says.
+    fn compare_filament(&mut self, info: &Info) {
+        /// Share of what the file says from which on it is no rounding, and no
+        /// purge that only one of both counts.
+        const MUCH: f64 = 1.5;
+        let (said, laid) = (info.filament_length, self.laid);
+        if let Some(said) = said.filter(|said| laid > MUCH * said) {
+            self.verdict.add(Kind::Flow, 0, DVec3::NAN, || {
+                format!(
+                    "the beads take {:.2} m of filament; the file says {:.2} m",
+                    1e-3 * laid,
+                    1e-3 * said
                 )
             });
         }
@@ -573,6 +620,7 @@ impl<'a> Checker<'a> {
             });
         }
         self.missing_tools(reader.info().filaments);
+        self.compare_filament(reader.info());
         let (line, nowhere) = (reader.lines(), DVec3::NAN);
         let (from, moves) = self.idle;
         if moves > IDLE_MOVES {

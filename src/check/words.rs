@@ -38,8 +38,10 @@ enum When {
     Beyond(&'static [u8], f64, f64),
     /// The letter has this number.
     Is(u8, f64),
+    /// None of the letters stands in the command.
+    Lacks(&'static [u8]),
 }
-use When::{Always, Beyond, Has, Is};
+use When::{Always, Beyond, Has, Is, Lacks};
 
 impl When {
     fn applies(self, words: &Words) -> bool {
@@ -50,6 +52,7 @@ impl When {
                 words.get(*l).is_some_and(|n| !(least..=most).contains(&n))
             }),
             Is(letter, number) => words.get(letter) == Some(number),
+            Lacks(letters) => !letters.iter().any(|l| words.has(*l)),
         }
     }
 }
@@ -60,7 +63,7 @@ impl When {
 const HARMLESS: &str = "
     G0 G1 G2 G3 G4 G5 G5.1 G10 G11 G12 G17 G18 G19 G20 G21 G27 G28 G29.2
     G29.4 G29.5 G29.6 G29.7 G29.8 G31 G36 G39 G53 G54 G60
-    G69 G75 G77 G81 G82 G83 G86 G87 G88 G89 G90 G91 G92 G98 G99 G150
+    G69 G75 G77 G81 G82 G83 G86 G87 G88 G89 G90 G91 G98 G99 G150
     G162 G163 G164 G280 G392 G425 G9001
     M5 M7 M8 M9 M10 M11 M16 M17 M18 M20 M21 M22 M27 M31 M36 M38 M39 M73
     M73.2 M70 M72 M74 M75 M76 M77 M78 M80 M82 M83 M84 M85 M86 M87 M100
@@ -144,6 +147,8 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "G68", Always => Harms("turns every move after it about a point");
     "G76", Always => Disturbs(PROBES);
     "G80", Always => Disturbs(PROBES);
+    "G92", Has(b"XYZ") => Disturbs(ZERO);
+    "G92", Lacks(b"E") => Disturbs(ZERO);
     "G92.1", Always => Warns(ZERO);
     "G93", Always => Harms("makes every F a time and not a speed");
     "G94", Always => Effect::None;
@@ -307,17 +312,17 @@ const ROWS: &[(&str, When, Effect)] = rows! {
 /// Commands that are names and neither move nor heat nor feed, or that the
 /// reader follows.
 const HARMLESS_NAMES: &str = "
-    ACTIVATE_EXTRUDER BED_MESH_MAP
-    BED_MESH_OFFSET BED_MESH_OUTPUT     CALC_MEASURED_SKEW CLEAR_PAUSE ECHO EXCLUDE_OBJECT
-    EXCLUDE_OBJECT_DEFINE EXCLUDE_OBJECT_END EXCLUDE_OBJECT_START
-    GET_POSITION GET_RETRACTION HELP PALETTE_CLEAR     QUERY_ENDSTOPS QUERY_FILAMENT_SENSOR QUERY_PROBE
-    RESPOND SAVE_GCODE_STATE SAVE_VARIABLE     SET_DISPLAY_GROUP SET_DISPLAY_TEXT SET_DOTSTAR SET_FAN_SPEED
-    SET_FILAMENT_SENSOR SET_GCODE_VARIABLE SET_HEATER_TEMPERATURE
-    SET_IDLE_TIMEOUT SET_INPUT_SHAPER SET_LED SET_LED_TEMPLATE SET_NEOPIXEL
-    SET_PRESSURE_ADVANCE SET_PRINT_STATS_INFO SET_RETRACTION
-    SET_SERVO SET_SMOOTH_TIME SET_TEMPERATURE_FAN_TARGET
+    ACTIVATE_EXTRUDER BED_MESH_MAP BED_MESH_OFFSET BED_MESH_OUTPUT
+    CALC_MEASURED_SKEW CLEAR_PAUSE ECHO EXCLUDE_OBJECT EXCLUDE_OBJECT_DEFINE
+    EXCLUDE_OBJECT_END EXCLUDE_OBJECT_START GET_POSITION GET_RETRACTION HELP
+    PALETTE_CLEAR QUERY_ENDSTOPS QUERY_FILAMENT_SENSOR QUERY_PROBE RESPOND
+    SAVE_GCODE_STATE SAVE_VARIABLE SET_DISPLAY_GROUP SET_DISPLAY_TEXT
+    SET_DOTSTAR SET_FAN_SPEED SET_FILAMENT_SENSOR SET_GCODE_VARIABLE
+    SET_HEATER_TEMPERATURE SET_IDLE_TIMEOUT SET_INPUT_SHAPER SET_LED
+    SET_LED_TEMPLATE SET_NEOPIXEL SET_PRESSURE_ADVANCE SET_PRINT_STATS_INFO
+    SET_RETRACTION SET_SERVO SET_SMOOTH_TIME SET_TEMPERATURE_FAN_TARGET
     SET_VELOCITY_LIMIT STATUS TEMPERATURE_WAIT TIMELAPSE_TAKE_FRAME
-    TURN_OFF_HEATERS     BREAK CONTINUE T? TX TC
+    TURN_OFF_HEATERS BREAK CONTINUE T? TX TC
 ";
 
 /// The effects of the other commands that are names.

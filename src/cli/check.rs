@@ -7,6 +7,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::check::{Rules, Severity, Verdict, check};
 use isoslice::limits;
+use isoslice::reader::filament_diameter;
 use serde_json::json;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -45,7 +46,7 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<()> {
 
 fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
     let settings = args.settings.gather()?.settings;
-    let rules = Rules::new(&settings);
+    let mut rules = Rules::new(&settings);
     let (name, verdict) = if args.file == Path::new("-") {
         let name = "standard input".to_owned();
         let verdict = judge(io::stdin().lock(), &name, &rules)?;
@@ -55,8 +56,12 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
         if args.file.is_dir() {
             bail!("{name} is a folder; name a file in it");
         }
-        let file = File::open(&args.file)
+        let mut file = File::open(&args.file)
             .with_context(|| format!("cannot read {name}: check its name"))?;
+        // Its E is the length of the filament that it was made for.
+        if let Some(diameter) = filament_diameter(&mut file) {
+            rules.filament_diameter = diameter;
+        }
         let verdict = judge(file, &name, &rules)?;
         (name, verdict)
     };

@@ -80,8 +80,15 @@ impl Layering {
         let lifted = (from.z - self.last).abs() > SAME;
         self.last = to.z;
         // Walls that interlock lie at two heights of one layer, so that only a
-        // layer's height downwards is another part.
-        let leaves = |z: Mm| to.z > z + SAME || to.z < z - self.height + SAME;
+        // layer's height downwards is another part. If the lower ones come first,
+        // the higher ones seem to be a layer of half the height, and the print
+        // goes back from there.
+        let leaves = |z: Mm| {
+            let goes_back = (to.z - self.below).abs() < SAME;
+            let half = goes_back && to.z > z - USUAL + SAME;
+            let down = to.z < z - self.height + SAME && !half;
+            to.z > z + SAME || down
+        };
         let begins = !self.marked
             && match self.z {
                 None => true,
@@ -158,6 +165,22 @@ mod tests {
             })
             .into();
         assert_eq!(numbers, [1, 1, 1, 2, 2, 3, 4]);
+    }
+
+    #[test]
+    fn lower_beads_may_come_first() {
+        let mut l = Layering::new();
+        let numbers: Vec<u32> = [0.2, 0.3, 0.4, 0.3, 0.4, 0.5, 0.6, 0.5, 0.6]
+            .map(|z| {
+                l.print(at(z), at(z));
+                l.number
+            })
+            .into();
+        assert_eq!(numbers, [1, 2, 3, 3, 3, 4, 5, 5, 5]);
+        // A whole layer down is another part.
+        let mut l = Layering::new();
+        [0.2, 0.4, 0.2].map(|z| l.print(at(z), at(z)));
+        assert_eq!(l.number, 3);
     }
 
     #[test]

@@ -56,6 +56,7 @@
 //! | `arc` | arcs as straight moves |
 //! | `comments`, `role`, `info` | what slicers say in comments |
 //! | `layering` | layers, widths and heights |
+//! | `peek` | what is known before the file is read |
 //! | `problem` | what makes no sense |
 //! | `nothing` | files that are no G-code |
 //! | `parser` | from lines to events |
@@ -70,6 +71,7 @@ mod machine;
 mod named;
 mod nothing;
 mod parser;
+mod peek;
 mod problem;
 mod role;
 mod words;
@@ -80,6 +82,7 @@ pub use machine::MachineState;
 pub use named::Named;
 pub(crate) use named::number;
 pub(crate) use nothing::{NoGcode, Tally};
+pub use peek::filament_diameter;
 pub use problem::{Problem, Problems};
 pub use role::Role;
 pub(crate) use words::Words;

@@ -168,8 +168,8 @@ table::settings! {
         top_skin_order: SkinOrder = SkinOrder::Monotonic;
         /// Direction of skin lines on even layers, counter-clockwise from
         /// the x axis; odd layers are turned by a right angle. Even and odd
-        /// layers change places where lines would run along rectilinear infill
-        /// below them.
+        /// layers change places where lines would run along those of rectilinear
+        /// or solid infill below them.
         skin_angle: Degrees = 45.0, in -360.0..=360.0;
         /// Gap between the ring around skin and the lines inside it; 0 for
         /// lines that reach the ring.
@@ -481,7 +481,10 @@ table::settings! {
         speed: MmPerSec = 35.0, in 0.1..=500.0;
         /// Speed of pushing forward again.
         prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
-        /// Travels shorter than this never retract.
+        /// Travels shorter than this never retract: they go straight, or round
+        /// what shows. A way round that is longer and shows as well retracts
+        /// if it is up to 4 times as long as the straight way; otherwise the
+        /// travel goes straight.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
         /// Travels longer than this ooze too much: they retract even if the
         /// ooze is hidden, or prime by ooze_prime.

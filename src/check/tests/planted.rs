@@ -183,6 +183,48 @@ fn the_first_layer_lies_on_the_bed() {
 }
 
 #[test]
+fn no_layer_is_left_out() {
+    let bare = |heights: &[u32]| {
+        let layers = heights.iter().map(|k| layer(0.2 * f64::from(*k)));
+        let text: String = layers.collect();
+        let head = "G28\nM109 S200\nM83\n;TYPE:WALL-OUTER\n";
+        let text = format!("{head}{text}{END}").replace(";LAYER_CHANGE\n", "");
+        let text = text.replace(";HEIGHT:0.2\n", "");
+        let all = verdict(&text.replace(";WIDTH:0.45\n", ""));
+        all.counts.into_iter().collect::<Vec<_>>()
+    };
+    assert_eq!(bare(&[1, 2, 3, 4, 5, 6]), []);
+    assert_eq!(bare(&[1, 2, 3, 5, 6, 7]), [(Kind::Jump, 1)]);
+    assert_eq!(bare(&[1, 2, 3, 5, 6, 8, 9]), [(Kind::Jump, 2)]);
+}
+
+#[test]
+fn the_print_is_not_shifted() {
+    for shift in ["G92 X60\n", "G92 Y50\n", "G92 X50 Y50 E0\n", "G92\n"] {
+        let kinds = found(shift);
+        assert!(kinds.contains(&(Kind::Harmful, 1)), "{shift}: {kinds:?}");
+        // Before and after the print this is usual.
+        let (start, end) = ("G92 X0 Y0\nG28\n", "G92 X0 Y0\n");
+        let beside = format!("{start}{}{end}", print_with(""));
+        assert!(verdict(&beside).counts.is_empty());
+    }
+    assert_eq!(found("G92 E0\n"), []);
+}
+
+#[test]
+fn beads_take_the_filament_that_the_file_tells() {
+    let with = |said: f64| {
+        let said = format!("; filament used [mm] = {said}\n");
+        let all = verdict(&format!("{}{said}", print_with("")));
+        all.counts.into_iter().collect::<Vec<_>>()
+    };
+    assert_eq!(with(37.8), []);
+    assert_eq!(with(18.9), [(Kind::Flow, 1)]);
+    // A start may purge any length.
+    assert_eq!(with(120.0), []);
+}
+
+#[test]
 fn no_layer_is_printed_twice() {
     let twice = |head: &str| {
         let again = format!("{}{}", layer(0.4), layer(0.4));
@@ -314,6 +356,11 @@ fn a_command_ends_where_marlin_still_reads_it() {
 fn a_printer_of_one_tool_takes_no_other() {
     assert_eq!(found("T1\n"), [(Kind::NoTool, 1)]);
     assert_eq!(found("T0\n"), []);
+    for tool in ["T1", "T63", "T100"] {
+        let all = verdict(&print_with(&format!("{tool}\n")));
+        let told = &all.findings[0].message;
+        assert!(told.starts_with(&format!("{tool} takes")), "{told}");
+    }
     let text = print_with("T1\nG1 E9\n");
     let fine = |text: String| count(&verdict(&text), Kind::NoTool) == 0;
     // Files for several tools or filaments heat them, or name them.
