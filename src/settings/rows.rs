@@ -483,7 +483,7 @@ table::settings! {
         prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
         /// Travels shorter than this never retract: they go straight, or round
         /// what shows. A way round that is longer and shows as well retracts
-        /// if it is up to 4 times as long as the straight way; otherwise the
+        /// if it is up to 3 times as long as the straight way; otherwise the
         /// travel goes straight.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
         /// Travels longer than this ooze too much: they retract even if the

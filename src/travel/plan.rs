@@ -34,11 +34,11 @@ const OFF_BORDER: f64 = 0.25;
 const MUCH_INFILL: f64 = 0.25;
 
 /// How long a way round may be that shows, in straight ways that are too short
-/// for a retraction. Round a small hole it is up to 4 times as long, since it
-/// keeps inside the walls. In a gyroid the next ones are 7 to 12 times as long:
-/// they lead all round the island, and cost more than the short string or the
-/// scar that they avoid.
-const MOST_ROUND: f64 = 4.0;
+/// for a retraction. Round a hole of 1.2 mm and more it is no longer than 3 of
+/// them. Longer ones lead from wall to wall of a vase, or all round an island of
+/// a gyroid (7 to 12), and cost more than the short string or the scar that they
+/// avoid.
+const MOST_ROUND: f64 = 3.0;
 
 /// What hides travels in a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

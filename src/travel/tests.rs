@@ -223,6 +223,7 @@ fn no_long_way_round_shows_its_ooze() {
         let (low, top) = (10.0 - 0.5 * high, 10.0 + 0.5 * high);
         let mut part = Part::with_hole([9.6, low, 10.4, top])
             .with(|s| s.retract.min_travel = min_travel)
+            .with(|s| s.walls = 1)
             .with(|s| s.retract.hidden = Hidden::SparseInfill);
         if !hidden {
             part.sparse = Area::EMPTY;
