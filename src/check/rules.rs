@@ -1,9 +1,11 @@
 //! What a printer can do, and what a file must keep to.
 //!
-//! In: settings. Out: [`Rules`], which are numbers only, for any G-code.
+//! In: settings, or a plate whose parts have settings of their own. Out:
+//! [`Rules`], which are numbers only, for any G-code.
 
 use super::finished::HeadRoom;
 use super::heat::HeatLimit;
+use crate::plate::Plate;
 use crate::reader::Heater;
 use crate::settings::Settings;
 use crate::units::{Celsius, Mm, Mm2, MmPerSec};
@@ -124,6 +126,28 @@ impl Rules {
         }
     }
 
+    /// The rules of a plate's printer. Parts may have flows, widths and supports
+    /// of their own, and each bead may be of any part.
+    pub fn of_plate(plate: &Plate) -> Rules {
+        let parts = plate.parts.iter().map(|p| Rules::new(&p.settings));
+        let of_any = parts.reduce(|a, b| Rules {
+            flow: both(a.flow, b.flow),
+            widths: both(a.widths, b.widths),
+            gap: a.gap.max(b.gap),
+            ..a
+        });
+        let of_plate = Rules::new(&plate.settings);
+        match of_any {
+            Some(any) => Rules {
+                flow: any.flow,
+                widths: any.widths,
+                gap: any.gap,
+                ..of_plate
+            },
+            None => of_plate,
+        }
+    }
+
     /// How hot a heater may be, and the heater's name.
     pub(super) fn heat(&self, heater: Heater) -> (&HeatLimit, &'static str) {
         match heater {
@@ -140,6 +164,11 @@ impl Rules {
         let high = high + DVec3::new(margin, margin, ROUNDING);
         !(p.cmplt(low).any() || p.cmpgt(high).any())
     }
+}
+
+/// The range that holds two others.
+fn both([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a.min(c), b.max(d)]
 }
 
 /// The least and the greatest flow of beads with these settings, as shares. An

@@ -45,8 +45,10 @@ impl Checker<'_> {
         if !self.ending.has_printed() {
             self.tools.know(tool);
         } else if self.tools.known & bit(tool) == 0 {
-            let tool = tool.min(TOOLS - 1);
-            self.tools.taken.entry(tool).or_insert(line);
+            let taken = &mut self.tools.taken;
+            if taken.len() < TOOLS as usize || taken.contains_key(&tool) {
+                taken.entry(tool).or_insert(line);
+            }
         }
     }
 

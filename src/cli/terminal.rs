@@ -23,8 +23,8 @@ use isoslice::pipeline::SliceError;
 use std::collections::BTreeSet;
 use std::error::Error;
 use std::io::{IsTerminal, Write, stderr};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicI8, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use terminal_size::terminal_size_of;
 
@@ -124,7 +124,7 @@ pub(super) fn warn(warnings: &[String]) {
     if level() < -1 {
         return;
     }
-    let Ok(mut said) = SAID.lock() else { return };
+    let mut said = SAID.lock().unwrap_or_else(PoisonError::into_inner);
     for warning in warnings {
         if said.insert(warning.clone()) {
             say(WARNING, "warning", &wrapped(warning, "warning"));

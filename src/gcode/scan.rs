@@ -80,10 +80,8 @@ fn of_macro(name: &str) -> Heating {
 /// do anything.
 pub(super) fn may_change_modes(rendered: &str) -> bool {
     const MODES: [&str; 6] = ["G20", "G21", "G90", "G91", "M82", "M83"];
-    rendered
-        .lines()
-        .filter_map(command)
-        .any(|c| is_macro(c) || MODES.iter().any(|m| c.eq_ignore_ascii_case(m)))
+    let mut all = rendered.lines().flat_map(commands).filter_map(command);
+    all.any(|c| is_macro(c) || MODES.iter().any(|m| c.eq_ignore_ascii_case(m)))
 }
 
 /// Commands that leave the head and the zero of its axes where they are: they
@@ -100,18 +98,17 @@ const STILL: [&str; 49] = [
 /// True if a filled-in template may leave the head at another place. Whatever
 /// is not known to leave it alone may move it.
 pub(super) fn may_move(rendered: &str) -> bool {
-    rendered.lines().any(|line| {
-        let Some(name) = command(line) else {
+    rendered.lines().flat_map(commands).any(|one| {
+        let Some(name) = command(one) else {
             return false;
         };
         let is = |other: &&str| name.eq_ignore_ascii_case(other);
         let still = match name.to_ascii_uppercase().as_str() {
             // These are about the filament or the speed alone.
             "G0" | "G1" | "G92" => {
-                let words = line.split(';').next().unwrap_or("");
                 let has = |letters: &str| {
-                    let all = words.chars().map(|c| c.to_ascii_uppercase());
-                    all.clone().any(|c| letters.contains(c))
+                    let mut all = one.chars().map(|c| c.to_ascii_uppercase());
+                    all.any(|c| letters.contains(c))
                 };
                 has("EF") && !has("XYZUVWABC")
             }
@@ -119,6 +116,29 @@ pub(super) fn may_move(rendered: &str) -> bool {
         };
         !still
     })
+}
+
+/// The commands of a line. RepRapFirmware takes several: a G or an M after a
+/// blank begins the next one, unless it is in quotes, or in text that is shown.
+/// Other firmware takes the first one alone.
+fn commands(line: &str) -> impl Iterator<Item = &str> {
+    let code = line.split(';').next().unwrap_or("");
+    let name = command(code).unwrap_or("");
+    let alone = name.eq_ignore_ascii_case("M117") || is_macro(name);
+    let (mut blank, mut quoted) = (false, false);
+    let begins = code.char_indices().filter(move |&(_, c)| {
+        let next = blank && !quoted && matches!(c, 'G' | 'g' | 'M' | 'm');
+        blank = c.is_whitespace();
+        quoted ^= c == '"';
+        next && !alone
+    });
+    let starts: Vec<usize> =
+        [0].into_iter().chain(begins.map(|(i, _)| i)).collect();
+    let ends = starts.clone().into_iter().skip(1).chain([code.len()]);
+    starts
+        .into_iter()
+        .zip(ends)
+        .map(move |(from, to)| &code[from..to])
 }
 
 /// The first word of a line, if it is not in a comment.
@@ -155,6 +175,21 @@ mod tests {
         assert!(!may_change_modes("G28 ; G91\nG1 Z5"));
         assert!(may_change_modes("G28\n g91\nG1 Z5\nG90"));
         assert!(may_change_modes("START_PRINT"));
+    }
+
+    #[test]
+    fn a_line_may_have_several_commands() {
+        let all = |line| commands(line).map(str::trim).collect::<Vec<_>>();
+        let line = "  M106 S128 G91 g1 Z5 G90 ; G28";
+        assert_eq!(all(line), ["", "M106 S128", "G91", "g1 Z5", "G90"]);
+        for whole in ["M117 at G1", "M118 S\"at G1\"", "G1 X5 E1", "SAY G1"] {
+            assert_eq!(all(whole), [whole]);
+        }
+        assert!(may_move(line) && may_change_modes(line));
+        assert!(may_move("M106 S128 G1 Z5"));
+        assert!(may_change_modes("M106 S128 M82"));
+        assert!(!may_move("G1 E-1 F900 M106 S128"));
+        assert!(!may_change_modes("G1 E-1 F900 M106 S128"));
     }
 
     #[test]

@@ -223,7 +223,13 @@ fn heights_above(
         .iter()
         .map(|s| (s.height(), of_layer(s)))
         .collect();
+    let [step_max_mm, step_p99_mm, thinnest_mm, thickest_mm] =
+        extremes(&of_layers);
     let steps = Steps {
+        step_max_mm,
+        step_p99_mm,
+        thinnest_mm,
+        thickest_mm,
         level_faces: faces
             .iter()
             .filter(|f| spans.iter().any(|s| (s.top - *f).abs() * DIGITS < 1.0))
@@ -231,7 +237,6 @@ fn heights_above(
         missed_faces: missed.len(),
         unproved_mm: lean.unproved,
         uniform_layers: plan(top - base, first, settings.layer_height())?.len(),
-        ..amount(&of_layers)
     };
     Ok(Heights {
         spans,
@@ -345,8 +350,9 @@ fn borders(
     (borders, missed, top)
 }
 
-/// The steps of layers, each with its height and a bound of |n_z|.
-fn amount(layers: &[(Mm, f64)]) -> Steps {
+/// The greatest step of layers, the one that 99 % do not exceed, the least
+/// height and the greatest. Each layer has its height and a bound of |n_z|.
+fn extremes(layers: &[(Mm, f64)]) -> [Mm; 4] {
     let mut steps: Vec<Mm> =
         layers.iter().map(|(h, level)| h * level).collect();
     steps.sort_by(f64::total_cmp);
@@ -356,14 +362,7 @@ fn amount(layers: &[(Mm, f64)]) -> Steps {
         steps.get(k.min(last)).copied().unwrap_or(0.0)
     };
     let heights = layers.iter().map(|l| l.0);
-    Steps {
-        step_max_mm: at(1.0),
-        step_p99_mm: at(0.99),
-        thinnest_mm: heights.clone().reduce(f64::min).unwrap_or(0.0),
-        thickest_mm: heights.fold(0.0, f64::max),
-        uniform_layers: 0,
-        level_faces: 0,
-        missed_faces: 0,
-        unproved_mm: 0.0,
-    }
+    let thinnest = heights.clone().reduce(f64::min).unwrap_or(0.0);
+    let thickest = heights.fold(0.0, f64::max);
+    [at(1.0), at(0.99), thinnest, thickest]
 }

@@ -1,13 +1,13 @@
 //! Bounds on a run's time, work and memory, and a way to stop it from outside.
 //!
 //! In: how long work may take, how much processor time, and how much memory the
-//! process may hold. Out: the work's result, or [`Stopped`], which says what the
-//! time went into.
+//! process may hold. Out: the work's result, or [`Stopped`], which says what
+//! the time went into.
 //! [`Watch::run`] does the work under a watch: a second thread looks at the
-//! clock, the work and the memory and raises a flag; [`check`], called in the loops of
-//! every stage, sees the flag of the watch that its thread works under, and
-//! unwinds to [`Watch::run`]. No stage has to hand a token or an error through,
-//! and without a watch `check` does nothing.
+//! clock, the work and the memory and raises a flag; [`check`], called in the
+//! loops of every stage, sees the flag of the watch that its thread works
+//! under, and unwinds to [`Watch::run`]. No stage has to hand a token or an
+//! error through, and without a watch `check` does nothing.
 //!
 //! Unwinding is not a panic: no hook is called, nothing is printed, and
 //! unfinished results are dropped. (Build systems and language servers cancel

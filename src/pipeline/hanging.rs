@@ -43,9 +43,9 @@ impl Survey {
     }
 }
 
-/// Looks at a placed model for what supports would hold, whether or not the
-/// settings ask for any. It is what they hold if they are printed. No bead is laid. The survey uses `threads` threads, or
-/// all of the machine's.
+/// Looks at a placed model for what `supports = "auto"` would hold, whether or
+/// not the settings ask for it. No bead is laid. The survey uses `threads`
+/// threads, or all of the machine's.
 ///
 /// # Errors
 /// If there are no layers, if they cannot be evaluated, or if hardly any of the

@@ -52,7 +52,7 @@ pub fn slice_plate(
         let rules = Rules {
             // A range of layers continues what other files have printed.
             base: all.get(layers.start).map_or(0.0, |span| span.bottom),
-            ..Rules::new(&plate.settings)
+            ..Rules::of_plate(plate)
         };
         checker = Some(Alongside::new(rules).map_err(SliceError::CheckThread)?);
     }

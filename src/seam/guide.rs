@@ -13,7 +13,9 @@ use crate::plane::Solid;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Layers from one that is looked at to the next.
+/// Layers from one that is looked at to the next: half a slab, so that one walk
+/// over the tiles serves two looks. A seam that moves by 0.2 mm a layer is found
+/// within 1.5 mm, which is less than from corner to corner.
 const STRIDE: usize = 16;
 /// Which of so many layers is looked at. It lies in one slab with the layer
 /// below.

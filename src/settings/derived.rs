@@ -2,8 +2,9 @@
 
 use super::by_nozzle::share_of;
 use super::{
-    Acceleration, ByNozzle, Emit, Infill, InfillPattern, InterfaceShape,
-    LayerHeights, Settings, Supports, Varying, WallOffset, check,
+    Acceleration, ByNozzle, Emit, Infill, InfillMode, InfillPattern,
+    InterfaceShape, LayerHeights, Settings, Supports, Varying, WallOffset,
+    check,
 };
 use crate::units::{
     Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, PricePerKg,
@@ -87,6 +88,18 @@ impl Settings {
             && !self.spiral
             && self.contour_z.is(0.0)
             && self.highest_interlocked() <= self.printer.nozzle_diameter
+    }
+
+    /// Distance of the ends of skin's lines from the centre line of the ring
+    /// around them, mm.
+    pub(crate) fn off_skin_ring(&self) -> Mm {
+        0.5 * self.printer.nozzle_diameter + self.skin_ring_gap
+    }
+
+    /// True if skin over sparse infill becomes internal bridges. At a border
+    /// without a wall nothing would hold their ends.
+    pub(crate) fn bridges_infill(&self) -> bool {
+        self.internal_bridges && self.walls > 0 && !self.spiral
     }
 
     /// Height of the highest bead where walls interlock, mm: it ends a wall that
@@ -228,15 +241,22 @@ impl Settings {
     /// True if lines of skin that begins to turn in the first layer would run
     /// along those of the infill right below them.
     fn skin_follows_infill(&self) -> bool {
-        let turns = Infill::Pattern(InfillPattern::Rectilinear);
+        // Lines of these turn from layer to layer; others cross every direction.
+        let turns = match self.infill {
+            Infill::Pattern(pattern) => pattern == InfillPattern::Rectilinear,
+            Infill::Expression(_) | Infill::Script(_) => {
+                self.infill_mode == InfillMode::Solid
+            }
+        };
         // Infill of an even layer lies below skin of an odd one.
         let apart = self.infill_angle - (self.skin_angle - 90.0);
         let apart = (apart + 90.0).rem_euclid(180.0) - 90.0;
-        self.infill == turns && apart.abs() < 45.0
+        turns && apart.abs() < 45.0
     }
 
     /// Direction of skin lines in a layer, counted from the bed. They turn from
-    /// layer to layer, and run across rectilinear infill right below them.
+    /// layer to layer, and run across those of infill right below them
+    /// that turn as well.
     pub fn skin_direction(&self, layer: usize) -> Degrees {
         let turn = layer + usize::from(self.skin_follows_infill());
         self.skin_angle - 90.0 * (turn % 2) as f64
@@ -469,10 +489,18 @@ mod tests {
 
     #[test]
     fn skin_runs_across_the_infill_right_below_it() {
-        for infill in [-45.0, 0.0, 20.0, 45.0, 90.0, 135.0, 290.0] {
+        let angles = [-45.0, 0.0, 20.0, 45.0, 90.0, 135.0, 290.0];
+        let kinds = [
+            Infill::Pattern(InfillPattern::Rectilinear),
+            Infill::Expression("x".into()),
+            Infill::Script("shape.rhai".into()),
+        ];
+        let each = kinds.iter().flat_map(|kind| angles.map(|a| (kind, a)));
+        for (kind, infill) in each {
             for skin in [-90.0, 0.0, 30.0, 45.0, 135.0] {
                 let s = Settings {
-                    infill: Infill::Pattern(InfillPattern::Rectilinear),
+                    infill: kind.clone(),
+                    infill_mode: InfillMode::Solid,
                     infill_angle: infill,
                     skin_angle: skin,
                     ..Settings::default()
@@ -481,7 +509,7 @@ mod tests {
                     let below = infill + 90.0 * (layer % 2) as f64;
                     let turn = s.skin_direction(layer + 1) - below;
                     let turn = (turn + 90.0).rem_euclid(180.0) - 90.0;
-                    assert!(turn.abs() >= 45.0, "{infill} {skin}: {turn}");
+                    assert!(turn.abs() >= 45.0, "{kind:?} {infill} {skin}");
                 }
             }
         }

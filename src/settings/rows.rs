@@ -168,8 +168,8 @@ table::settings! {
         top_skin_order: SkinOrder = SkinOrder::Monotonic;
         /// Direction of skin lines on even layers, counter-clockwise from
         /// the x axis; odd layers are turned by a right angle. Even and odd
-        /// layers change places where lines would run along rectilinear infill
-        /// below them.
+        /// layers change places where lines would run along those of rectilinear
+        /// or solid infill below them.
         skin_angle: Degrees = 45.0, in -360.0..=360.0;
         /// Gap between the ring around skin and the lines inside it; 0 for
         /// lines that reach the ring.
@@ -221,8 +221,8 @@ table::settings! {
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Whether the lowest solid layer over sparse infill gets lines across
         /// those of the infill, which end on the infill or on walls. The
-        /// following layers lie on it.
-        internal_bridges: bool = false;
+        /// following layers lie on it. Parts without walls have none.
+        internal_bridges: bool = true;
         /// Number of layers of internal bridges over sparse infill, each across
         /// the one below; auto is 2 where infill_density is below 10%, else 1.
         /// If the density is an expression, the distance between the infill's
@@ -481,7 +481,10 @@ table::settings! {
         speed: MmPerSec = 35.0, in 0.1..=500.0;
         /// Speed of pushing forward again.
         prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
-        /// Travels shorter than this never retract.
+        /// Travels shorter than this never retract: they go straight, or round
+        /// what shows. A way round that is longer and shows as well retracts
+        /// if it is up to 4 times as long as the straight way; otherwise the
+        /// travel goes straight.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
         /// Travels longer than this ooze too much: they retract even if the
         /// ooze is hidden, or prime by ooze_prime.
@@ -547,8 +550,9 @@ table::settings! {
             in 0.0..=100.0;
         /// Speed of the part's fan while bridges are printed.
         bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
-        /// Speed of the part's fan while internal bridges are printed.
-        internal_bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speed of the part's fan while internal bridges are printed; auto is
+        /// bridge_fan_speed.
+        internal_bridge_fan_speed: Option<Percent> = None, in 0.0..=100.0;
         /// Speed of the part's fan while the dense layers at the top of
         /// supports, and the solid layers of a raft, are printed: the faster
         /// the fan, the less they stick to the part. auto is fan_speed.

@@ -13,17 +13,22 @@
 //! onto. Land narrower than two anchors holds both bridges beside it, so no
 //! line ends over a gap that another bridge crosses.
 
-use crate::plane::clip::{difference, intersection, unite};
+use crate::plane::clip::{difference, unite};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
 use crate::plane::{Area, BoxTree, point_beside};
 use crate::units::{Degrees, Mm};
+use std::cell::OnceCell;
 
 /// How much longer than in its best direction the lines across a gap may be,
-/// for the sake of one bridge with the gap beside it.
+/// for the sake of one bridge with the gap beside it. A longer line sags more:
+/// 1.1 times the span sags half as much again, if it sags as a beam does (the
+/// fourth power). Equal gaps side by side differ by less.
 const LONGER: f64 = 1.1;
 
-/// Land is taken to be as wide as this at least, mm.
+/// Land is taken to be as wide as this at least, mm. No bead is narrower. The
+/// width is the first distance at which it is asked which gap is nearer, so it
+/// bounds the number of questions: 18 for anchors of 20 mm.
 const NARROWEST: Mm = 0.1;
 
 /// Ratio of the distances at which it is asked which gap is nearer. The middle
@@ -31,9 +36,19 @@ const NARROWEST: Mm = 0.1;
 /// same share at most.
 const WIDER: f64 = 1.4;
 
+/// Size of the cells in which edges are looked up, mm.
+const CELL: Mm = 1.0;
+
+/// Reaches that overlap by less only touch, mm: coordinates are rounded.
+const TOUCH: Mm = 1e-4;
+
 /// A gap in what holds a layer.
 pub(super) struct Gap {
     area: Area,
+    /// The area's edges, once another gap near it has asked for them.
+    edges: OnceCell<EdgeGrid>,
+    /// How far its lines reach onto the land around it.
+    reach: Mm,
     /// The span of the lines in the best direction, and that direction; none if
     /// no lines can hang here.
     best: Option<(Mm, Degrees)>,
@@ -58,15 +73,37 @@ impl Gap {
         reach: Mm,
         tolerance: Mm,
     ) -> Gap {
-        let reached = match best {
-            Some(_) => offset(&area, reach, tolerance),
-            None => area.clone(),
+        let (reach, reached) = match best {
+            Some(_) => (reach, offset(&area, reach, tolerance)),
+            None => (0.0, area.clone()),
         };
         Gap {
             area,
+            edges: OnceCell::new(),
+            reach,
             best,
             reached,
         }
+    }
+
+    /// True if what the lines of two gaps reach meets. The gaps themselves do
+    /// not meet, so their edges tell.
+    fn meets(&self, other: &Gap) -> bool {
+        let within = self.reach + other.reach - TOUCH;
+        within > 0.0
+            && (self.has_corner_near(other, within)
+                || other.has_corner_near(self, within))
+    }
+
+    /// True if a corner of the gap is within a distance of another gap's edge.
+    fn has_corner_near(&self, other: &Gap, within: Mm) -> bool {
+        let edges =
+            other.edges.get_or_init(|| EdgeGrid::new(&other.area, CELL));
+        let near = other.area.bounds().grown(within);
+        let mut corners = self.area.rings.iter().flatten();
+        corners.any(|&p| {
+            near.contains(p) && edges.nearest_edge(p, within).is_some()
+        })
     }
 }
 
@@ -119,21 +156,21 @@ pub(super) fn spans(
     groups.iter().enumerate().map(of_group).collect()
 }
 
-/// For each gap, the gaps whose reach meets its own.
+/// For each gap, the gaps whose reach meets its own, in order.
 fn beside(gaps: &[Gap]) -> Vec<Vec<usize>> {
     let boxes = gaps.iter().map(|gap| gap.reached.bounds());
     let tree = BoxTree::new(boxes.enumerate());
-    let meeting = |(i, gap): (usize, &Gap)| {
+    let mut beside = vec![Vec::new(); gaps.len()];
+    for (i, gap) in gaps.iter().enumerate() {
         crate::limits::check();
         let found = tree.meeting(gap.reached.bounds());
-        let meets = |j: &usize| {
-            *j != i && !intersection(&gap.reached, &gaps[*j].reached).is_empty()
-        };
-        let mut found: Vec<usize> = found.filter(meets).collect();
-        found.sort_unstable();
-        found
-    };
-    gaps.iter().enumerate().map(meeting).collect()
+        for j in found.filter(|&j| j > i && gap.meets(&gaps[j])) {
+            beside[i].push(j);
+            beside[j].push(i);
+        }
+    }
+    beside.iter_mut().for_each(|found| found.sort_unstable());
+    beside
 }
 
 /// A bridge's gaps and the direction of its lines.
@@ -198,8 +235,6 @@ fn nearer(area: &Area, other: &Area, reach: Mm, tolerance: Mm) -> Area {
 
 /// The distance of two areas that do not meet, mm.
 fn apart(a: &Area, b: &Area) -> Mm {
-    /// Size of the cells in which edges are looked up, mm.
-    const CELL: Mm = 1.0;
     let from = |a: &Area, b: &Area| {
         let grid = EdgeGrid::new(b, CELL);
         let points = a.rings.iter().flatten();
@@ -207,4 +242,68 @@ fn apart(a: &Area, b: &Area) -> Mm {
         far.fold(Mm::INFINITY, Mm::min)
     };
     from(a, b).min(from(b, a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::Ring;
+    use crate::plane::clip::intersection;
+    use glam::DVec2;
+
+    /// A star in a place, turned by its place; with a hole if it is large.
+    fn star(at: DVec2, radius: Mm) -> Area {
+        let ring = |radius: Mm| -> Ring {
+            let point = |k: i32| {
+                let r = radius * if k % 2 == 0 { 1.0 } else { 0.6 };
+                let angle = f64::from(k) * std::f64::consts::TAU / 14.0;
+                at + r * DVec2::from_angle(angle + at.x)
+            };
+            (0..14).map(point).collect()
+        };
+        let mut area: Area = [ring(radius)].into_iter().collect();
+        if radius > 4.0 {
+            area.rings
+                .push(ring(0.8 * radius).into_iter().rev().collect());
+        }
+        area
+    }
+
+    /// Stars beside one another, some of them in the hole of a large one, some
+    /// of which cannot be crossed.
+    fn stars() -> Vec<(Area, bool)> {
+        let star = |k: u32| {
+            let (x, y) = (f64::from(k % 7), f64::from(k / 7));
+            let at = DVec2::new(4.1 * x + 0.3 * y, 3.7 * y - 0.2 * x);
+            (star(at, 0.5 + 0.12 * f64::from(k * 5 % 9)), k % 4 != 1)
+        };
+        let mut all: Vec<_> = (0..49).map(star).collect();
+        all.push((self::star(DVec2::new(12.0, 11.0), 30.0), true));
+        all
+    }
+
+    #[test]
+    fn gaps_lie_beside_one_another_if_what_they_reach_overlaps() {
+        let mut counts = Vec::new();
+        for reach in [0.2, 1.0, 2.5, 20.0] {
+            let gaps = stars().into_iter().map(|(area, crossed)| {
+                Gap::new(area, crossed.then_some((1.0, 0.0)), reach, 1e-3)
+            });
+            let gaps: Vec<Gap> = gaps.collect();
+            let beside = beside(&gaps);
+            for (i, a) in gaps.iter().enumerate() {
+                for (j, b) in gaps.iter().enumerate() {
+                    let both = intersection(&a.reached, &b.reached);
+                    // Arcs are cut short, so that little says nothing.
+                    let clear = both.content() > 0.01;
+                    let listed = beside[i].contains(&j);
+                    assert!(listed || !clear || i == j, "{reach}: {i} {j}");
+                    assert!(!listed || !both.is_empty(), "{reach}: {i} {j}");
+                }
+            }
+            counts.push(beside.iter().map(Vec::len).sum::<usize>());
+        }
+        assert!(counts.is_sorted() && counts[0] > 0, "{counts:?}");
+        assert!(counts[0] < counts[3] / 9, "{counts:?}");
+    }
 }

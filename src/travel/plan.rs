@@ -33,6 +33,13 @@ const OFF_BORDER: f64 = 0.25;
 /// lattices less: in lattices nearly all travels lead through walls.
 const MUCH_INFILL: f64 = 0.25;
 
+/// How long a way round may be that shows, in straight ways that are too short
+/// for a retraction. Round a small hole it is up to 4 times as long, since it
+/// keeps inside the walls. In a gyroid the next ones are 7 to 12 times as long:
+/// they lead all round the island, and cost more than the short string or the
+/// scar that they avoid.
+const MOST_ROUND: f64 = 4.0;
+
 /// What hides travels in a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cover {
@@ -127,7 +134,9 @@ impl<'a> Planner<'a> {
     }
 
     /// The travel to a place that is too near for a retraction. It goes round what
-    /// shows, unless the way round leads through the air as well.
+    /// shows, unless the way round leads through the air as well. A way round
+    /// that shows itself is retracted if it is not short, and is not taken if
+    /// it is much longer than the straight one.
     fn short(
         &self,
         a: DVec2,
@@ -139,14 +148,25 @@ impl<'a> Planner<'a> {
         if !self.is_in_the_way(&[a, b], next) {
             return straight;
         }
-        let round = self.way(a, b, before, next).points;
-        let way: Vec<DVec2> = [a].into_iter().chain(round).collect();
+        let round = self.way(a, b, before, next);
+        let way: Vec<DVec2> = [a]
+            .into_iter()
+            .chain(round.points.iter().copied())
+            .collect();
         if self.obstacles.air(&way) {
             return straight;
         }
+        if !round.retract {
+            return round;
+        }
+        let (length, least) =
+            (path_length(&way, false), self.settings.retract.min_travel);
+        if length > least.max(MOST_ROUND * a.distance(b)) {
+            return straight;
+        }
         Travel {
-            points: way[1..].to_vec(),
-            ..straight
+            retract: length >= least,
+            ..round
         }
     }
 

@@ -65,9 +65,14 @@ impl Part {
 
     /// The square with a hole in the middle, and a wall around the hole.
     fn ring() -> Part {
+        Part::with_hole([8.0, 2.0, 12.0, 18.0])
+    }
+
+    /// The square with a hole, and a wall around the hole.
+    fn with_hole([x0, y0, x1, y1]: [f64; 4]) -> Part {
         let mut part = Part::square();
         let hole = |d: f64| {
-            let mut area = rect(8.0 - d, 2.0 - d, 12.0 + d, 18.0 + d);
+            let mut area = rect(x0 - d, y0 - d, x1 + d, y1 + d);
             area.rings.iter_mut().for_each(|r| r.reverse());
             area.rings
         };
@@ -208,6 +213,34 @@ fn the_way_round_does_not_depend_on_what_is_worth_a_retraction() {
     let to = (8.0, 10.0);
     let straight = Travel::straight(DVec2::from(to), false);
     assert_eq!(part.travel((2.0, 7.0), to), straight);
+}
+
+/// A hop of 1.4 mm across a hole. The way round it that shows is retracted unless
+/// it is short, and is not taken if it is long. Over infill it is hidden.
+#[test]
+fn no_long_way_round_shows_its_ooze() {
+    let hop = |high: f64, min_travel: f64, hidden: bool| {
+        let (low, top) = (10.0 - 0.5 * high, 10.0 + 0.5 * high);
+        let mut part = Part::with_hole([9.6, low, 10.4, top])
+            .with(|s| s.retract.min_travel = min_travel)
+            .with(|s| s.retract.hidden = Hidden::SparseInfill);
+        if !hidden {
+            part.sparse = Area::EMPTY;
+        }
+        part.travel((9.3, 10.0), (10.7, 10.0))
+    };
+    let straight = Travel::straight(DVec2::new(10.7, 10.0), false);
+    assert_eq!(hop(16.0, 1.5, false), straight);
+    for (high, min_travel, hidden, retracts) in [
+        (0.5, 1.5, false, true),
+        (0.5, 7.0, false, false),
+        (16.0, 100.0, false, false),
+        (16.0, 1.5, true, false),
+    ] {
+        let travel = hop(high, min_travel, hidden);
+        assert!(travel.points.len() > 2, "{high} {min_travel}: {travel:?}");
+        assert_eq!(travel.retract, retracts, "{high} {min_travel}");
+    }
 }
 
 /// A top skin of lines to and fro, and the way from its end back over it, or away

@@ -153,6 +153,42 @@ fn supports_and_rafts_are_those_of_each_part_alone() {
     assert_eq!(of(&together, name).count(), 2 + 40);
 }
 
+/// What the check allows is what the part's own settings ask for, whatever those
+/// of the plate are, and whatever other parts there are.
+#[test]
+fn a_part_may_have_a_flow_widths_and_gaps_of_its_own() {
+    let tee = "min(max(max(abs(x) - 4, abs(y) - 6), abs(z - 1) - 1), \
+               max(max(abs(x) - 9, abs(y) - 6), abs(z - 3) - 1))";
+    let wide = "outer_wall_width=2\ninner_wall_width=2\ninfill_width=2\n\
+                top_skin_width=2\nbottom_skin_width=2";
+    let held = "supports=auto\nbridges=false\nsupport.z_gap=1\n\
+                support.z_gap_bottom=1";
+    for (of_plate, own) in [
+        ("", "flow=170"),
+        ("", "flow=155"),
+        ("", "flow=25"),
+        ("flow=60", "flow=100"),
+        ("", wide),
+        (wide, "flow=100\nouter_wall_width=0.4\ninner_wall_width=0.4"),
+        ("infill_density=100\nthin_max=300", "thin_max=150"),
+        ("", held),
+    ] {
+        let with = |more: &str| {
+            let mut sets = PLAIN.to_vec();
+            sets.extend(more.lines());
+            settings(&sets)
+        };
+        let all = with(of_plate);
+        let one = wanted("tee", tee, 1, &with(own));
+        let alone = Plate::new("p", std::slice::from_ref(&one), &all).unwrap();
+        let verdict = run(&alone, "..", 2).1.verdict.unwrap();
+        assert!(verdict.is_safe(), "{own}");
+        let other = wanted("box", BOX, 1, &all);
+        let beside = Plate::new("p", &[one, other], &all).unwrap();
+        assert!(run(&beside, "..", 2).1.verdict.unwrap().is_safe(), "{own}");
+    }
+}
+
 #[test]
 fn a_draft_shield_stands_round_all_parts() {
     let all = settings(&[&PLAIN[..], &["draft_shield=3"]].concat());

@@ -356,6 +356,11 @@ fn a_command_ends_where_marlin_still_reads_it() {
 fn a_printer_of_one_tool_takes_no_other() {
     assert_eq!(found("T1\n"), [(Kind::NoTool, 1)]);
     assert_eq!(found("T0\n"), []);
+    for tool in ["T1", "T63", "T100"] {
+        let all = verdict(&print_with(&format!("{tool}\n")));
+        let told = &all.findings[0].message;
+        assert!(told.starts_with(&format!("{tool} takes")), "{told}");
+    }
     let text = print_with("T1\nG1 E9\n");
     let fine = |text: String| count(&verdict(&text), Kind::NoTool) == 0;
     // Files for several tools or filaments heat them, or name them.

@@ -8,9 +8,10 @@
 //! ```
 //!
 //! `session` holds what is wanted and what there is, `work` makes it, `server`
-//! tells the page of it, behind `guard` and in the words of `http`; `stamp` sees that files have changed,
-//! `choice` holds what the page's user has changed, and `subject` loads the model
-//! or the plate file with that. `job` has the command's arguments.
+//! tells the page of it, behind `guard` and in the words of `http`; `stamp` sees
+//! that files have changed, `choice` holds what the page's user has changed, and
+//! `subject` loads the model or the plate file with that. `job` has the
+//! command's arguments.
 
 mod choice;
 mod guard;

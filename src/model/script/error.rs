@@ -164,14 +164,6 @@ pub(super) fn explain(
         }
         other => {
             let mut plain = rhai_message(other);
-            if suggest::looks_like_openscad(text) {
-                plain.push_str(
-                    "; this looks like OpenSCAD: here shapes are values, as in \
-                     difference(box([0, 0, 0], [10, 10, 10]), sphere(5)), and \
-                     docs/shapes.md lists them",
-                );
-                return failed(plain);
-            }
             for (symbol, remedy) in [
                 (
                     "Expecting ';'",
@@ -192,6 +184,13 @@ pub(super) fn explain(
                 if plain.contains(symbol) {
                     plain.push_str(remedy);
                 }
+            }
+            if suggest::looks_like_openscad(text) {
+                plain.push_str(
+                    "; this looks like OpenSCAD: here shapes are values, as in \
+                     difference(box([0, 0, 0], [10, 10, 10]), sphere(5)), and \
+                     docs/shapes.md lists them",
+                );
             }
             failed(plain)
         }

@@ -36,6 +36,9 @@ pub(super) const MAX_ARRAY: usize = 50_000;
 pub(super) const MAX_MAP: usize = 20_000;
 /// Bytes of a string.
 pub(super) const MAX_STRING: usize = 1 << 20;
+/// Values of a call beyond which rhai does not look for a function that takes
+/// values of any kind.
+pub(super) const MOST_VALUES: usize = 16;
 /// Variables at one time in one function.
 pub(super) const MAX_VARIABLES: usize = 1000;
 /// Functions of a script.

@@ -1,16 +1,13 @@
 //! The functions of `functions`, and the constants, as scripts call them.
 
 use super::bodies::Bodies;
+use super::limits::MOST_VALUES;
 use super::shape::{Outcome, components, describe, term, value};
 use crate::model::functions::{FUNCTIONS, Function, constant};
 use crate::model::term::Term;
 use fidget::context::Tree;
 use rhai::{Dynamic, Engine};
 use std::any::TypeId;
-
-/// Values of a call beyond which rhai does not look for a function that takes
-/// values of any kind.
-const MOST_VALUES: usize = 16;
 
 /// Makes functions, constants and coordinates known to scripts.
 pub(super) fn add_names(engine: &mut Engine, bodies: &Bodies) {

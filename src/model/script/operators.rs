@@ -59,6 +59,10 @@ fn add_numbers(engine: &mut Engine) {
             engine.register_raw_fn(name, types, move |_, given| {
                 of_numbers(name, of, given)
             });
+            if name == SIGNED_POWER {
+                // No text has an assignment of it.
+                continue;
+            }
             let assign = format!("{name}=");
             engine.register_raw_fn(assign, types, move |_, given| {
                 let result = of_numbers(name, of, given)?;
@@ -84,10 +88,26 @@ fn of_numbers(
     if of_whole && by_zero {
         return Err(format!("{a} {name} {b}: division by zero").into());
     }
+    if let (Ok(a), Ok(b)) = (a.as_int(), b.as_int())
+        && let Some(exact) = of_whole_numbers(name, a, b)
+    {
+        return Ok(value(Term::Number(exact as f64), whole));
+    }
     let (Some(a), Some(b)) = (term(a), term(b)) else {
         return Err(format!("`{name}` does not work on this").into());
     };
     Ok(value(of(a, b), |v| whole(v).filter(|_| of_whole)))
+}
+
+/// The result for whole numbers where it is one, too. They may be too large for
+/// the digits of other numbers.
+fn of_whole_numbers(name: &str, a: i64, b: i64) -> Option<i64> {
+    let rest = a.checked_rem_euclid(b)?;
+    match name {
+        "%" => Some(rest),
+        "/" if rest == 0 => a.checked_div(b),
+        _ => None,
+    }
 }
 
 fn add_fields(engine: &mut Engine, bodies: &Bodies) {

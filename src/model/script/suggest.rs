@@ -1,5 +1,6 @@
 //! Suggests what was meant by a name that scripts do not have.
 
+use super::limits::MOST_VALUES;
 use super::shapes;
 use crate::model::functions;
 use crate::model::param::nearest;
@@ -77,6 +78,13 @@ fn example(name: &str) -> Option<&'static str> {
         .or_else(|| functions::function(name).map(|f| f.example))
 }
 
+/// A call of a function that takes any number of values, with an array of them.
+fn of_array(name: &str) -> Option<String> {
+    let named = functions::function(name).filter(|f| f.takes.1 > MOST_VALUES);
+    let named = named.map(|_| format!("{name}([f, g])"));
+    named.or_else(|| shapes::of_array(name))
+}
+
 /// The names of all functions.
 fn names() -> impl Iterator<Item = &'static str> {
     let own = FUNCTIONS.iter().map(|(name, _)| *name);
@@ -97,6 +105,13 @@ pub(super) fn function(signature: &str, own: &[String]) -> String {
     };
     if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
         return format!("`{name}` does not work on {}", plain_types(types));
+    }
+    let count = types.split(", ").count();
+    if let Some(call) = of_array(name).filter(|_| count > MOST_VALUES) {
+        return format!(
+            "{name} takes {MOST_VALUES} values at most at once, and {count} are \
+             given; write an array, as in {call}"
+        );
     }
     if let Some(call) = example(name) {
         return format!("{takes}; write for example {call}");
@@ -203,6 +218,19 @@ pub(super) fn looks_like_openscad(text: &str) -> bool {
         "$fn",
         "$fa",
         "$fs",
+        "sphere(r=",
+        "sphere(d=",
+        "circle(r=",
+        "circle(d=",
+        "cylinder(r=",
+        "cylinder(d=",
+        "cylinder(h=",
+        "linear_extrude(height=",
+        ",center=true",
+    ];
+    /// What only OpenSCAD has on one line, without blanks. On two lines a script
+    /// has it that lacks a semicolon.
+    const IN_LINE: &[&str] = &[
         ")cube(",
         ")sphere(",
         ")cylinder(",
@@ -212,24 +240,29 @@ pub(super) fn looks_like_openscad(text: &str) -> bool {
         ")translate(",
         ")rotate(",
         ")linear_extrude(",
-        "sphere(r=",
-        "sphere(d=",
-        "circle(r=",
-        "circle(d=",
-        "cylinder(r=",
-        "cylinder(d=",
-        "cylinder(h=",
-        "(height=",
-        "center=true",
     ];
     // Nobody would read more of it.
     const MOST: usize = 100_000;
-    let mut blank = text.chars().take(MOST).collect::<String>();
-    let module = blank.lines().any(|line| {
-        let line = line.trim_start();
-        line.starts_with("module ") || line.starts_with("use <")
+    let text = text.chars().take(MOST).collect::<String>();
+    let without_blanks = |text: &str| -> String {
+        text.chars().filter(|c| !c.is_whitespace()).collect()
+    };
+    let in_line = text.lines().any(|line| {
+        let start = line.trim_start();
+        let dense = without_blanks(line);
+        start.starts_with("module ")
+            || start.starts_with("use <")
+            || IN_LINE.iter().any(|part| dense.contains(part))
     });
-    blank.retain(|c| !c.is_whitespace());
-    let counts = blank.contains("for(") && blank.contains("=[");
-    module || counts || PARTS.iter().any(|part| blank.contains(part))
+    let dense = without_blanks(&text);
+    in_line
+        || PARTS.iter().any(|part| dense.contains(part))
+        || dense.split("for(").skip(1).any(counts)
+}
+
+/// True if what follows a loop's bracket is OpenSCAD's way to count: `i=[0:5])`.
+fn counts(rest: &str) -> bool {
+    let name = |c: char| c.is_alphanumeric() || c == '_';
+    let after = rest.trim_start_matches(name);
+    after.len() < rest.len() && after.starts_with("=[")
 }

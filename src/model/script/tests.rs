@@ -246,6 +246,9 @@ fn names_that_are_none_have_suggestions() {
         ("translate([1, 2, 3]) sphere(5);", "looks like OpenSCAD"),
         ("module a() { sphere(5); }", "looks like OpenSCAD"),
         ("$fn = 50; sphere(5);", "looks like OpenSCAD"),
+        ("for (i=[0:5]) sphere(i);", "looks like OpenSCAD"),
+        ("cube([1, 2, 3], center = true);", "looks like OpenSCAD"),
+        ("linear_extrude(height = 3) a();", "looks like OpenSCAD"),
         ("let r = 5; fn f() { x - r } f()", "pass it as an argument"),
         ("sphere", "sphere is a function"),
         ("if x > 0 { y } else { z }", "line 1"),
@@ -256,6 +259,50 @@ fn names_that_are_none_have_suggestions() {
         let e = error(text);
         assert!(e.contains(words), "{text}: {e}");
     }
+}
+
+/// What is wrong with a script that looks a little like one for OpenSCAD is told as
+/// for any other, and first.
+#[test]
+fn the_remedy_comes_before_any_word_of_openscad() {
+    for text in [
+        "let center = true;\nlet a = sphere(5)\na",
+        "let r = [1, 2];\nfor (v, i) in r { }\nlet a = sphere(5)\na",
+        "let a = move(x, [1, 0, 0])\nsphere(5)",
+        "fn f(height) { height }\nlet a = f(height=3)\na",
+    ] {
+        let e = error(text);
+        assert!(!e.contains("OpenSCAD"), "{text}: {e}");
+    }
+    let e = error("let center = true;\nlet a = sphere(5)\na");
+    assert!(e.contains("is there a ; missing"), "{e}");
+    let e = error("$fn = 50;\nlet a = sphere(5)\na");
+    let [remedy, hint] =
+        ["is there a ; missing", "OpenSCAD"].map(|w| e.find(w));
+    assert!(remedy.is_none() || remedy < hint, "{e}");
+}
+
+#[test]
+fn many_values_stand_in_an_array() {
+    let all = vec!["sphere(5)"; 17].join(", ");
+    for (name, call) in [
+        ("min", "min([f, g])"),
+        ("length", "length([f, g])"),
+        ("union", "union([a, b])"),
+        ("difference", "difference(a, [b, c])"),
+    ] {
+        let e = error(&format!("{name}({all})"));
+        let wanted = format!("{name} takes 16 values at most");
+        assert!(e.contains(&wanted) && e.contains(call), "{e}");
+        assert!(e.contains("17 are given"), "{e}");
+        let array = match name {
+            "difference" => format!("{name}(sphere(9), [{all}])"),
+            _ => format!("{name}([{all}])"),
+        };
+        assert!(run(&array).is_ok(), "{array}");
+    }
+    let e = error(&format!("sphere({all})"));
+    assert!(e.contains("sphere does not take"), "{e}");
 }
 
 /// Whole numbers are numbers, and count wherever they are whole.
@@ -272,6 +319,11 @@ fn whole_numbers_divide_as_numbers() {
         ("-1 % 3", 2.0),
         ("-1.5 % 1", 0.5),
         ("7 % 4", 3.0),
+        ("9007199254740993 % 10", 3.0),
+        ("let t = 9007199254740993; t %= 10; t", 3.0),
+        ("-9007199254740993 % 10", 7.0),
+        ("9007199254740993 / 9007199254740993 - 1", 0.0),
+        ("9007199254740993 / 3 % 10", 1.0),
         ("[5, 6, 7][4 / 2]", 7.0),
         ("[5, 6, 7][floor(5 / 2)]", 7.0),
         ("let s = 0; for i in 0..6 / 2 { s += i; } s", 3.0),

@@ -301,4 +301,65 @@ mod tests {
             assert!(found.slack_mm < 0.01, "{found:?}");
         }
     }
+
+    fn cube(half: f32) -> Tree {
+        let (x, y, z) = Tree::axes();
+        x.abs().max(y.abs()).max(z.abs()) - half
+    }
+
+    /// The bounds of a part that fills a cube.
+    fn fill(name: &str, tree: &Tree, half: f64, max_work: u64) {
+        let options = SearchOptions {
+            max_work,
+            ..SearchOptions::default()
+        };
+        let found = find_bounds(tree, &options, &Cancel::NEVER).unwrap();
+        let low = (found.bounds.min + half).abs().max_element();
+        let high = (found.bounds.max - half).abs().max_element();
+        assert!(low.max(high) < 1e-4, "{name}: {found:?}");
+        assert!(found.slack_mm < 1e-4, "{name}: {found:?}");
+    }
+
+    /// The struts of body-centred cells, cut by a cube that often ends where
+    /// the field jumps from one cell to the next.
+    #[test]
+    fn lattices_end_where_a_cube_cuts_them() {
+        let (x, y, z) = Tree::axes();
+        for (size, cell, shift) in [
+            (60.0, 15.0, 0.0),
+            (60.0, 20.0, 0.5),
+            (90.0, 10.0, 0.5),
+            (90.0, 12.0, 0.5),
+            (120.0, 30.0, 0.0),
+            (150.0, 15.0, 0.0),
+            (150.0, 20.0, 0.0),
+            (180.0, 30.0, 0.0),
+            (240.0, 30.0, 0.0),
+        ] {
+            let within = |v: &Tree| {
+                let in_cell = (v.clone() + shift * cell).modulo(cell);
+                (in_cell - 0.5 * cell).abs()
+            };
+            let p = [&x, &y, &z].map(within);
+            let along = (p[0].clone() + p[1].clone() + p[2].clone()) / 3.0;
+            let [a, b, c] = p.map(|p| (p - along.clone()).square());
+            let struts = (a + b + c).sqrt() - 0.08 * cell;
+            let part = struts.max(cube(0.5 * size));
+            let name = format!("{size} {cell} {shift}");
+            fill(&name, &part, f64::from(0.5 * size), 10_000_000);
+        }
+    }
+
+    /// The field has two values, or is the same all over a piece of what jumps.
+    #[test]
+    fn parts_that_only_jump_are_whole() {
+        let (x, y, z) = Tree::axes();
+        let least = |v: Tree, edge: f32| (v.compare(edge) + 1.0).min(1.0);
+        let box_of = [&x, &y, &z].map(|v| least(-v.abs(), -1.0));
+        let [a, b, c] = box_of;
+        let halves = least(x.abs(), 1.0 / 3.0);
+        let drawn = 0.5 - a * b * c * halves.clone();
+        fill("two values", &drawn, 1.0, 4_000_000);
+        fill("cut", &cube(1.0).max(0.5 - halves), 1.0, 4_000_000);
+    }
 }

@@ -89,6 +89,11 @@ impl Search<'_> {
             .max(far * 1e-13);
         let mut slack_mm: f64 = 0.0;
         let sides = Side::all();
+        if let [part] = parts {
+            for side in sides {
+                self.trim(side, &part.program, 0.5 * tolerance);
+            }
+        }
         for (done, side) in sides.into_iter().enumerate() {
             let left = self.options.max_work.saturating_sub(self.scratch.work);
             let budget = left / (sides.len() - done) as u64;
@@ -99,6 +104,34 @@ impl Search<'_> {
             }
         }
         Ok(slack_mm)
+    }
+
+    /// Takes the greatest slab off a side that is proved to be empty as a whole,
+    /// to within `tolerance`. Where a lattice is cut by a box, the box alone
+    /// proves it, while smaller boxes jump with the lattice in all directions,
+    /// and would be cut across all of these.
+    fn trim(&mut self, side: Side, program: &Program, tolerance: f64) {
+        let mut face = side.reach(&self.region);
+        let mut inner = side.outward(side.inner_face(&self.region));
+        if let Some(inside) = &self.inside {
+            inner = inner.max(side.reach(inside));
+        }
+        while face - inner > tolerance {
+            let middle = 0.5 * (inner + face);
+            if middle <= inner || middle >= face {
+                break;
+            }
+            let mut slab = self.region;
+            side.set_reach(&mut slab, face);
+            side.clip(&mut slab, middle);
+            let f = program.enclose(&slab, &mut self.scratch);
+            if f.range.is_empty() || f.range.lo >= 0.0 {
+                face = middle;
+            } else {
+                inner = middle;
+            }
+        }
+        side.set_reach(&mut self.region, face);
     }
 
     /// Finds how far the model reaches on one side.
@@ -172,7 +205,7 @@ impl Search<'_> {
                 };
             }
             let f = c.program.enclose(&c.cell, &mut self.scratch);
-            if f.range.is_empty() || f.range.lo >= 0.0 {
+            if f.range.is_empty() || f.range.lo >= -f.rounding(&c.cell) {
                 continue;
             }
             // The climb starts from the middle of the inner face as well. Where

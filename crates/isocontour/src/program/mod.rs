@@ -80,11 +80,25 @@ pub(super) struct Enclosure {
     pub range: Interval,
     /// Value at the centre of the box, perhaps NaN.
     pub centre: f64,
-    /// Largest |partial derivative|, infinite where unknown.
+    /// Largest |partial derivative|, infinite where unknown: of the field, and
+    /// of what decides in which pieces a point of the box lies.
     pub steepness: [f64; 3],
 }
 
 impl Enclosure {
+    /// How far below 0 a value in the box may be and still be the value of a
+    /// place beside the box that is less than the coordinates' roundings away.
+    /// The box of a piece reaches that far beyond it, and where a part ends in
+    /// the face in which its field jumps, nothing else of the box is inside.
+    pub(crate) fn rounding(&self, cell: &Cell) -> f64 {
+        /// Error of a coordinate as a share of it.
+        const SHARE: f64 = 1e-12;
+        let error =
+            |i: usize| SHARE * (1.0 + cell.lo[i].abs().max(cell.hi[i].abs()));
+        let all: f64 = (0..3).map(|i| error(i) * self.steepness[i]).sum();
+        if all.is_finite() { all } else { 0.0 }
+    }
+
     /// What is known if the box has no point of the program.
     const NONE: Self = Self {
         range: Interval::EMPTY,
@@ -263,6 +277,7 @@ impl Program {
         s.clear();
         let mut pieces = self.pieces.iter().peekable();
         let mut at_centre = true;
+        let mut steepness = [0.0_f64; 3];
         for (number, step) in self.steps.iter().enumerate() {
             if let Some(chosen) = pieces.next_if(|p| p.step as usize == number)
             {
@@ -271,6 +286,9 @@ impl Program {
                     return Enclosure::NONE;
                 };
                 at_centre &= over.at_centre;
+                for (known, more) in steepness.iter_mut().zip(over.steepness) {
+                    *known = known.max(more);
+                }
                 s.push(tightened(over.slot, half));
                 continue;
             }
@@ -318,7 +336,9 @@ impl Program {
             Some(f) => Enclosure {
                 range: f.range,
                 centre: if at_centre { f.centre } else { f64::NAN },
-                steepness: f.slope.map(Interval::magnitude),
+                steepness: std::array::from_fn(|i| {
+                    steepness[i].max(f.slope[i].magnitude())
+                }),
             },
             None => Enclosure::NONE,
         }

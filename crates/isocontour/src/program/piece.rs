@@ -52,6 +52,9 @@ pub(super) struct Over {
     pub slot: Slot,
     /// True if the piece is the true one at the centre of the box.
     pub at_centre: bool,
+    /// Largest |partial derivative| of what decides where the piece is the true
+    /// one; 0 if it is the true one all over the box.
+    pub steepness: [f64; 3],
 }
 
 /// True if a point's operands lie in a piece.
@@ -194,6 +197,12 @@ pub(super) fn over(
     if touches && grows(&condition.slot) {
         return None;
     }
+    let everywhere = range.lo >= condition.lo && range.hi <= condition.hi;
+    let steepness = if everywhere {
+        [0.0; 3]
+    } else {
+        condition.slot.slope.map(Interval::magnitude)
+    };
     let at_centre = holds(step, index, a.centre, b.centre);
     let mut slot = piece_slot(step, index, a, b);
     // There is no way past a pole.
@@ -206,7 +215,11 @@ pub(super) fn over(
     if pole && !at_centre {
         slot.centre = f64::NAN;
     }
-    Some(Over { slot, at_centre })
+    Some(Over {
+        slot,
+        at_centre,
+        steepness,
+    })
 }
 
 /// Removes from `cell` what fails the condition of a piece, as far as the

@@ -167,7 +167,8 @@ pub(super) static ROWS: &[Row] = rows! {
     CURA Print: "wall_line_count", "wall_thickness"
         => Made {
             settings: &["walls"],
-            how: "as many lines as the thickness takes, unless it says how many",
+            how: "as many lines as the thickness takes, unless it says how \
+            many",
             make: Make(walls),
         };
     CURA Print: "magic_spiralize" => To("spiral", As::Switch);
@@ -503,12 +504,15 @@ pub(super) static ROWS: &[Row] = rows! {
         "wall_overhang_angle", "wall_overhang_speed_factor",
         "bridge_wall_coast", "bridge_wall_speed", "bridge_skin_speed_2",
         "bridge_skin_speed_3", "bridge_skin_density_2",
-        "bridge_skin_density_3", "bridge_skin_material_flow_2", "bridge_skin_material_flow_3",
-        "bridge_wall_min_length", "bridge_sparse_infill_max_density",
-        "bridge_skin_support_threshold", "skirt_brim_line_width", "layer_start_x", "layer_start_y",
+        "bridge_skin_density_3", "bridge_skin_material_flow_2",
+        "bridge_skin_material_flow_3", "bridge_wall_min_length",
+        "bridge_sparse_infill_max_density", "bridge_skin_support_threshold",
+        "skirt_brim_line_width", "layer_start_x", "layer_start_y",
         "max_skin_angle_for_expansion", "min_skin_width_for_expansion",
         "speed_equalize_flow_enabled", "speed_equalize_flow_max",
-        "speed_equalize_flow_width_factor", "small_hole_max_size", "top_bottom_pattern_0", "travel_compensate_overlapping_walls_x_enabled",
+        "speed_equalize_flow_width_factor", "small_hole_max_size",
+        "top_bottom_pattern_0",
+        "travel_compensate_overlapping_walls_x_enabled",
         "acceleration_ironing", "acceleration_skirt_brim",
         "flow_rate_max_extrusion_offset"
         => Ignored("isoslice has rules of its own for it");
@@ -517,11 +521,13 @@ pub(super) static ROWS: &[Row] = rows! {
             "lines have the width of their kind in the first layer, too");
     CURA Print: "speed_slowdown_layers"
         => Lost(&["0", "1", "2"],
-            "the layers above the first have their own speeds at once; a speed may be a formula of z");
+            "the layers above the first have their own speeds at once; a speed \
+             may be a formula of z");
     CURA Print: "speed_travel_layer_0", "acceleration_travel_layer_0",
         "acceleration_print_layer_0"
         => Lost(&[],
-            "the first layer has one speed and one acceleration: speed.first_layer, acceleration.first_layer");
+            "the first layer has one speed and one acceleration: \
+             speed.first_layer, acceleration.first_layer");
     CURA Print: "skin_outline_count"
         => Lost(&["0", "1"],
             "skins have no walls of their own: walls");
@@ -533,16 +539,19 @@ pub(super) static ROWS: &[Row] = rows! {
             "isoslice has no such thing");
     CURA Print: "roofing_layer_count", "gradual_infill_steps"
         => Lost(&["0"],
-            "infill_density may be a formula of the place; tops have one kind of skin");
+            "infill_density may be a formula of the place; tops have one kind \
+             of skin");
     CURA Print: "jerk_travel", "jerk_wall", "jerk_wall_0", "jerk_wall_x",
         "jerk_topbottom", "jerk_layer_0", "jerk_travel_layer_0", "jerk_infill",
         "jerk_roofing", "jerk_print_layer_0", "jerk_skirt_brim", "jerk_ironing"
         => Lost(&[],
-            "the speed through corners is one for all: printer.square_corner_velocity");
+            "the speed through corners is one for all: \
+             printer.square_corner_velocity");
     CURA Print: "bridge_skin_density", "bridge_skin_material_flow",
         "bridge_wall_material_flow", "material_flow_layer_0"
         => Lost(&["100", "100.0"],
-            "bridges have one flow, bridge_flow, and all else has flow, which may be a formula of the place");
+            "bridges have one flow, bridge_flow, and all else has flow, which \
+             may be a formula of the place");
     CURA Print: "ironing_pattern"
         => Lost(&["zigzag"],
             "ironing runs in lines");

@@ -166,23 +166,22 @@ pub(super) static ROWS: &[Row] = rows! {
             how: "add what it does to gcode.end",
             make: Make(make::filament_end),
         };
-    BOTH Filament: "additional_cooling_fan_speed_unseal", "activate_air_filtration",
-        "complete_print_exhaust_fan_speed",
+    BOTH Filament: "additional_cooling_fan_speed_unseal",
+        "activate_air_filtration", "complete_print_exhaust_fan_speed",
         "enable_special_area_additional_cooling_fan",
         "close_additional_fan_first_x_layers",
-        "additional_fan_full_speed_layer", "enable_auxiliary_fan_unseal", "cool_cds_fan_start_at_height",
-        "cool_special_cds_fan_speed", "enable_volume_fan",
-        "disable_rapid_cooling_fan_first_layers", "seal_print",
-        "first_x_layer_fan_speed"
+        "additional_fan_full_speed_layer", "enable_auxiliary_fan_unseal",
+        "cool_cds_fan_start_at_height", "cool_special_cds_fan_speed",
+        "enable_volume_fan", "disable_rapid_cooling_fan_first_layers",
+        "seal_print", "first_x_layer_fan_speed"
         => Ignored(ANOTHER_FAN);
     BOTH Filament: "overhang_fan_threshold"
         => Ignored(
             "the fan has a speed for layers, bridges, overhangs and the tops \
                  of supports; overhang_share says what an overhang is",
         );
-    BOTH Filament: "max_speed_reduction"
-        => Ignored("isoslice slows all beads of a short layer alike");
-    BOTH Filament: "adaptive_pressure_advance_bridges", "adaptive_pressure_advance_model",
+    BOTH Filament: "adaptive_pressure_advance_bridges",
+        "adaptive_pressure_advance_model",
         "adaptive_pressure_advance_overhangs", "enable_advance_pressure"
         => Ignored("there is one pressure advance for all speeds");
     BOTH Filament: "nozzle_temperature_range_high",
@@ -258,24 +257,37 @@ pub(super) static ROWS: &[Row] = rows! {
         => Ignored(SEVERAL);
     ORCA Filament: "long_retractions_when_ec", "retraction_distances_when_ec"
         => Ignored(SEVERAL);
-    BOTH Filament: "additional_cooling_fan_speed", "during_print_exhaust_fan_speed",
-        "enable_auxiliary_fan"
+    BOTH Filament: "additional_cooling_fan_speed",
+        "during_print_exhaust_fan_speed", "enable_auxiliary_fan"
         => Lost(&["0"],
             "isoslice drives one fan: set others in gcode.layer");
-    BOTH Filament: "external_perimeter_fan_speed", "top_fan_speed", "ironing_fan_speed"
+    BOTH Filament: "external_perimeter_fan_speed", "top_fan_speed",
+        "ironing_fan_speed"
         => Lost(&["-1"],
-            "the fan has a speed for layers, bridges, overhangs and the tops of supports");
-    BOTH Filament: "dont_slow_down_outer_wall", "no_slow_down_for_cooling_on_outwalls",
+            "the fan has a speed for layers, bridges, overhangs and the tops \
+             of supports");
+    BOTH Filament: "dont_slow_down_outer_wall",
+        "no_slow_down_for_cooling_on_outwalls",
         "cooling_perimeter_transition_distance"
         => Lost(&["0"],
-            "isoslice has rules of its own for which beads of a short layer are slowed");
+            "isoslice has rules of its own for which beads of a short layer \
+             are slowed");
     BOTH Filament: "cooling_slowdown_logic"
         => Lost(&["uniform_cooling", "uniform", "0"],
-            "isoslice has rules of its own for which beads of a short layer are slowed");
+            "isoslice has rules of its own for which beads of a short layer \
+             are slowed");
+    // SuperSlicer's default is 90: what is that slow is as slow as
+    // cooling.min_speed.
+    BOTH Filament: "max_speed_reduction"
+        => Lost(&["90", "90%", "100", "100%"],
+            "isoslice has rules of its own for which beads of a short layer \
+             are slowed");
     BOTH Filament: "adaptive_pressure_advance"
         => Lost(&["0"],
-            "there is one pressure advance for all speeds: filament.pressure_advance");
-    BOTH Filament: "filament_retract_layer_change", "filament_retract_when_changing_layer"
+            "there is one pressure advance for all speeds: \
+             filament.pressure_advance");
+    BOTH Filament: "filament_retract_layer_change",
+        "filament_retract_when_changing_layer"
         => Lost(&["0"],
             "isoslice decides by what a travel crosses where to retract");
     BOTH Filament: "filament_retract_lift_above", "filament_retract_lift_below"

@@ -339,6 +339,7 @@ mod tests {
             (Slicer::Prusa, "extra_perimeters_on_overhangs", "1", "0"),
             (Slicer::Orca, "timelapse_type", "1", "0"),
             (Slicer::Orca, "dont_slow_down_outer_wall", "1", "0"),
+            (Slicer::Prusa, "max_speed_reduction", "50%", "90%"),
             (Slicer::Orca, "additional_cooling_fan_speed", "70", "0"),
             (Slicer::Orca, "bridge_density", "80%", "100%"),
             (Slicer::Orca, "adaptive_pressure_advance", "1", "0"),

@@ -522,10 +522,10 @@ pub(super) static ROWS: &[Row] = rows! {
         );
     BOTH Print: "wipe_speed", "role_based_wipe_speed", "seam_slope_inner_walls",
         "seam_slope_conditional", "seam_slope_entire_loop", "seam_slope_steps",
-        "seam_slope_gap", "scarf_joint_speed", "scarf_angle_threshold", "scarf_overhang_threshold",
-        "scarf_seam_entire_loop", "scarf_seam_max_segment_length",
-        "scarf_seam_on_inner_perimeters", "scarf_seam_only_on_smooth",
-        "override_filament_scarf_seam_setting",
+        "seam_slope_gap", "scarf_joint_speed", "scarf_angle_threshold",
+        "scarf_overhang_threshold", "scarf_seam_entire_loop",
+        "scarf_seam_max_segment_length", "scarf_seam_on_inner_perimeters",
+        "scarf_seam_only_on_smooth", "override_filament_scarf_seam_setting",
         "seam_placement_away_from_overhangs", "reduce_infill_retraction_mode",
         "avoid_crossing_wall_includes_support",
         "avoid_crossing_curled_overhangs", "print_order", "toolchange_ordering",
@@ -533,9 +533,9 @@ pub(super) static ROWS: &[Row] = rows! {
         => Ignored("isoslice has rules of its own for the order and for seams");
     BOTH Print: "top_bottom_infill_wall_overlap", "external_infill_margin",
         "bridge_infill_margin", "infill_only_where_needed",
-        "monotonic_travel_into_wall", "infill_shift_step", "symmetric_infill_y_axis",
-        "infill_instead_top_bottom_surfaces", "solid_infill_direction",
-        "ai_infill", "sparse_infill_lattice_angle_1",
+        "monotonic_travel_into_wall", "infill_shift_step",
+        "symmetric_infill_y_axis", "infill_instead_top_bottom_surfaces",
+        "solid_infill_direction", "ai_infill", "sparse_infill_lattice_angle_1",
         "sparse_infill_lattice_angle_2", "lattice_angle_1", "lattice_angle_2",
         "infill_overhang_angle", "align_infill_direction_to_model",
         "lightning_overhang_angle", "lightning_prune_angle",
@@ -555,8 +555,8 @@ pub(super) static ROWS: &[Row] = rows! {
             "isoslice anchors bridges at both ends and says which are too \
                  long: bridge_anchor, bridge_max, internal_bridges",
         );
-    BOTH Print: "overhang_totally_speed", "overhangs_speed", "overhangs_dynamic_speed",
-        "overhangs_width", "overhangs_width_speed",
+    BOTH Print: "overhang_totally_speed", "overhangs_speed",
+        "overhangs_dynamic_speed", "overhangs_width", "overhangs_width_speed",
         "detect_overhang_wall_filter",
         "overhang_threshold_participating_cooling"
         => Ignored(
@@ -591,9 +591,11 @@ pub(super) static ROWS: &[Row] = rows! {
         "support_threshold_overlap", "support_material_layer_height",
         "support_air_filtration_print", "support_cooling"
         => Ignored(SUPPORTS);
-    BOTH Print: "raft_first_layer_density", "raft_layer_height", "raft_interface_layer_height"
+    BOTH Print: "raft_first_layer_density", "raft_layer_height",
+        "raft_interface_layer_height"
         => Ignored(RAFT);
-    BOTH Print: "ironing_angle_fixed", "ironing_support_layer", "ironing_direction"
+    BOTH Print: "ironing_angle_fixed", "ironing_support_layer",
+        "ironing_direction"
         => Ignored("ironing runs across the lines below");
     BOTH Print: "fuzzy_skin_scale", "fuzzy_skin_octaves",
         "fuzzy_skin_persistence", "fuzzy_skin_ripples_per_layer",
@@ -623,8 +625,8 @@ pub(super) static ROWS: &[Row] = rows! {
             "there is one flow for all walls and infill: flow, which may be a \
                  formula of the place",
         );
-    BOTH Print: "acceleration_limit_mess", "speed_limit_to_height", "material_flow_temp_graph",
-        "slowdown_start_height",
+    BOTH Print: "acceleration_limit_mess", "speed_limit_to_height",
+        "material_flow_temp_graph", "slowdown_start_height",
         "slowdown_start_speed", "slowdown_start_acc", "slowdown_end_height",
         "slowdown_end_speed", "slowdown_end_acc"
         => Ignored(
@@ -650,8 +652,9 @@ pub(super) static ROWS: &[Row] = rows! {
         "compatible_printers_condition_cummulative", "print_settings_id",
         "threads", "gcode_comments", "gcode_add_line_number",
         "print_host_upload", "custom", "print_custom_variables",
-        "printer_custom_variables", "different_settings_to_system", "print_compatible_printers",
-        "print_temperature", "print_bed_temperature", "inherits_cummulative",
+        "printer_custom_variables", "different_settings_to_system",
+        "print_compatible_printers", "print_temperature",
+        "print_bed_temperature", "inherits_cummulative",
         "default_print_settings_id", "prusaslicer_config",
         "gcode_substitutions_id", "extruder", "profile_vendor",
         "profile_version", "wiping_volumes_use_custom_matrix",
@@ -699,10 +702,12 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "first_layer_extrusion_width", "initial_layer_line_width",
         "skirt_extrusion_width"
         => Lost(&["0", "0%", "100%"],
-            "lines have the width of their kind in the first layer, too: outer_wall_width and its like");
+            "lines have the width of their kind in the first layer, too: \
+             outer_wall_width and its like");
     BOTH Print: "slow_down_layers"
         => Lost(&["0", "1"],
-            "the layers above the first have their own speeds at once; a speed may be a formula of z");
+            "the layers above the first have their own speeds at once; a speed \
+             may be a formula of z");
     BOTH Print: "first_layer_infill_speed", "initial_layer_infill_speed",
         "first_layer_min_speed"
         => Lost(&["0"],
@@ -721,10 +726,11 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "bridge_density", "internal_bridge_density"
         => Lost(&["100", "100%", "0"],
             "bridges are dense");
-    BOTH Print: "thick_bridges", "thick_internal_bridges", "enable_extra_bridge_layer",
-        "counterbore_hole_bridging"
+    BOTH Print: "thick_bridges", "thick_internal_bridges",
+        "enable_extra_bridge_layer", "counterbore_hole_bridging"
         => Lost(&["0", "disabled", "none"],
-            "bridges are one layer of the layer's height: bridge_flow makes their lines thicker");
+            "bridges are one layer of the layer's height: bridge_flow makes \
+             their lines thicker");
     BOTH Print: "ironing_angle", "ironing_inset"
         => Lost(&["0", "-1", "-1%"],
             "ironing runs across the lines below, up to the walls");
@@ -750,22 +756,26 @@ pub(super) static ROWS: &[Row] = rows! {
         "scarf_joint_flow_ratio", "spiral_starting_flow_ratio",
         "spiral_finishing_flow_ratio", "spiral_vase_flow"
         => Lost(&["1", "1.0", "1.00", "100%"],
-            "there is one flow for all walls and infill: flow, which may be a formula of the place");
+            "there is one flow for all walls and infill: flow, which may be a \
+             formula of the place");
     BOTH Print: "small_area_infill_flow_compensation"
         => Lost(&["0"],
-            "there is one flow for all walls and infill: flow, which may be a formula of the place");
+            "there is one flow for all walls and infill: flow, which may be a \
+             formula of the place");
     BOTH Print: "outer_wall_jerk", "inner_wall_jerk", "infill_jerk",
         "initial_layer_jerk", "top_surface_jerk", "travel_jerk",
         "default_junction_deviation"
         => Lost(&["0"],
-            "the speed through corners is one for all: printer.square_corner_velocity");
+            "the speed through corners is one for all: \
+             printer.square_corner_velocity");
     BOTH Print: "enable_height_slowdown", "acceleration_limit_mess_enable",
         "speed_limit_to_height_enable", "material_flow_dependent_temperature"
         => Lost(&["0"],
             "write a formula of z as the speed or the temperature");
     BOTH Print: "infill_anchor", "infill_anchor_max", "sparse_infill_anchor"
         => Lost(&[],
-            "isoslice joins lines of infill along the walls by rules of its own");
+            "isoslice joins lines of infill along the walls by rules of its \
+             own");
     BOTH Print: "top_surface_density", "bottom_surface_density"
         => Lost(&["100", "100%"],
             "skins are dense");
@@ -782,9 +792,11 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "infill_first", "is_infill_first"
         => Lost(&["0"],
             "isoslice has an order of its own");
-    BOTH Print: "wipe_on_loops", "wipe_before_external_loop", "staggered_inner_seams"
+    BOTH Print: "wipe_on_loops", "wipe_before_external_loop",
+        "staggered_inner_seams"
         => Lost(&["0"],
-            "isoslice has rules of its own for the ends of walls: seam_gap, retract.wipe");
+            "isoslice has rules of its own for the ends of walls: seam_gap, \
+             retract.wipe");
     BOTH Print: "support_material_pattern", "support_base_pattern"
         => Lost(&["default", "auto", "rectilinear", "grid"],
             "supports are filled by their style: support.style");
@@ -796,13 +808,16 @@ pub(super) static ROWS: &[Row] = rows! {
         "support_ironing", "enable_support_ironing",
         "raft_first_layer_expansion"
         => Lost(&["0", "2"],
-            "supports and rafts have settings of their own: the groups support and raft");
+            "supports and rafts have settings of their own: the groups support \
+             and raft");
     BOTH Print: "timelapse_type"
         => Lost(&["0"],
-            "isoslice makes no room for pictures: if you take any, add it to gcode.layer");
+            "isoslice makes no room for pictures: if you take any, add it to \
+             gcode.layer");
     BOTH Print: "overhang_speed_classic", "slowdown_for_curled_perimeters"
         => Lost(&["0"],
-            "speeds of overhangs are steps by how far they reach out: speed.overhang_steps");
+            "speeds of overhangs are steps by how far they reach out: \
+             speed.overhang_steps");
     PRUSA Print: "automatic_extrusion_widths" => Ignored(THIN);
     ORCA Print: "is_custom_print" => Ignored(SHOWN);
 };

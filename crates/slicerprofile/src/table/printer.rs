@@ -192,7 +192,8 @@ pub(super) static ROWS: &[Row] = rows! {
         => Ignored(SHOWN);
     BOTH Printer: "printer_notes", "printer_notes_id"
         => Ignored(
-            "it is a note; conditions in G-code that ask for it are decided by it",
+            "it is a note; conditions in G-code that ask for it are decided by \
+             it",
         );
     BOTH Printer: "host_type", "print_host", "print_host_webui",
         "printhost_apikey", "printhost_authorization_type", "printhost_cafile",
@@ -240,10 +241,10 @@ pub(super) static ROWS: &[Row] = rows! {
         "wrapping_detection_gcode", "file_start_gcode"
         => Lost(&[""], "if you take pictures, add it to gcode.layer");
     BOTH Printer: "retract_lift_enforce",
-        "retract_lift_top", "retract_lift_first_layer", "travel_slope", "travel_lift_before_obstacle",
-        "retract_on_top_layer", "wipe_advanced", "wipe_advanced_algo",
-        "wipe_advanced_multiplier", "wipe_advanced_nozzle_melted_volume",
-        "wipe_extra_perimeter"
+        "retract_lift_top", "retract_lift_first_layer", "travel_slope",
+        "travel_lift_before_obstacle", "retract_on_top_layer", "wipe_advanced",
+        "wipe_advanced_algo", "wipe_advanced_multiplier",
+        "wipe_advanced_nozzle_melted_volume", "wipe_extra_perimeter"
         => Ignored(
             "isoslice decides by what a travel crosses where to retract \
                  and to lift: retract.z_hop_when",

@@ -24,6 +24,10 @@ const PARALLEL: f64 = 1e-5;
 /// takes milliseconds.
 const MOST_STEPS: usize = 5000;
 
+/// Planes of one field that are kept: remapped fields may have twice as many at
+/// each level. Few bodies have as many sides.
+const MOST_BOUNDS: usize = 256;
+
 /// Operations inside one another, so that no field overflows the stack.
 const DEEPEST: usize = 200;
 
@@ -115,8 +119,14 @@ impl Search {
         ends
     }
 
-    /// Functions that a field is nowhere less than.
+    /// Functions that a field is nowhere less than, at most [`MOST_BOUNDS`].
     fn below(&mut self, op: &TreeOp, depth: usize) -> Vec<Bound> {
+        let mut all = self.all_below(op, depth);
+        all.truncate(MOST_BOUNDS);
+        all
+    }
+
+    fn all_below(&mut self, op: &TreeOp, depth: usize) -> Vec<Bound> {
         if self.ends(depth) {
             return Vec::new();
         }
@@ -313,4 +323,25 @@ fn replaced(of: &Bound, axes: &[(Option<Bound>, Vec<Bound>); 3]) -> Vec<Bound> {
         all.truncate(8);
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each level has twice the bounds of the one inside, unless something stops
+    /// that: 30 levels would have a thousand million.
+    #[test]
+    fn bounds_of_remapped_fields_do_not_grow_without_end() {
+        let (x, y, z) = Tree::axes();
+        let mut field = x.max(y.clone());
+        for levels in 0..30 {
+            let search = || Search { left: MOST_STEPS };
+            let bounds = search().below(&field, 0);
+            assert!(bounds.len() <= MOST_BOUNDS, "{levels}");
+            let (a, b) = (x.max(y.clone()), y.max(x.clone()));
+            field = field.remap_xyz(a, b, z.clone());
+        }
+        assert!(!flush(&field, &field).is_empty());
+    }
 }

@@ -18,6 +18,7 @@ mod rows;
 mod tests;
 
 use super::bodies::Bodies;
+use super::limits::MOST_VALUES;
 use super::shape::{Outcome, describe};
 use fidget::context::Tree;
 use fidget::shapes::types::{Axis, Plane};
@@ -162,10 +163,6 @@ impl Given {
 /// Python's, which calls the same functions.
 const FORMER: [(&str, &str); 2] = [("from", "start"), ("to", "end")];
 
-/// Values of a call beyond which rhai does not look for a function that takes
-/// values of any kind.
-const MOST_VALUES: usize = 16;
-
 /// All shapes and operations.
 fn rows() -> impl Iterator<Item = &'static Row> {
     fidgets::ROWS.iter().chain(rows::ROWS)
@@ -212,6 +209,16 @@ pub(super) fn example(name: &str) -> Option<&'static str> {
 /// body, and no field to calculate with.
 pub fn makes_body(name: &str) -> bool {
     names().any(|known| known == name)
+}
+
+/// A call with an array, if this is an operation on any number of shapes.
+pub(super) fn of_array(name: &str) -> Option<String> {
+    let row = rows().find(|row| row.name == name)?;
+    let many = row.arguments.iter().position(|a| a.kind == Kind::Shapes)?;
+    Some(match many {
+        0 => format!("{name}([a, b])"),
+        _ => format!("{name}(a, [b, c])"),
+    })
 }
 
 /// The names of all shapes and operations.
