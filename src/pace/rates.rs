@@ -364,7 +364,9 @@ impl<'a> Rater<'a> {
             _ if span.index < cooling.fan_off_layers as usize => 0.0,
             Role::Overhang if !cooling.overhang_fan_steps.is_off() => fan,
             Role::Bridge => cooling.bridge_fan_speed,
-            Role::InternalBridge => cooling.internal_bridge_fan_speed,
+            Role::InternalBridge => cooling
+                .internal_bridge_fan_speed
+                .unwrap_or(cooling.bridge_fan_speed),
             Role::Overhang => cooling.overhang_fan_speed,
             Role::SupportInterface => {
                 cooling.support_interface_fan_speed.unwrap_or(fan)

@@ -90,6 +90,18 @@ impl Settings {
             && self.highest_interlocked() <= self.printer.nozzle_diameter
     }
 
+    /// Distance of the ends of skin's lines from the centre line of the ring
+    /// around them, mm.
+    pub(crate) fn off_skin_ring(&self) -> Mm {
+        0.5 * self.printer.nozzle_diameter + self.skin_ring_gap
+    }
+
+    /// True if skin over sparse infill becomes internal bridges. At a border
+    /// without a wall nothing would hold their ends.
+    pub(crate) fn bridges_infill(&self) -> bool {
+        self.internal_bridges && self.walls > 0 && !self.spiral
+    }
+
     /// Height of the highest bead where walls interlock, mm: it ends a wall that
     /// lies half a layer lower.
     pub(crate) fn highest_interlocked(&self) -> Mm {

@@ -221,8 +221,8 @@ table::settings! {
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Whether the lowest solid layer over sparse infill gets lines across
         /// those of the infill, which end on the infill or on walls. The
-        /// following layers lie on it.
-        internal_bridges: bool = false;
+        /// following layers lie on it. Parts without walls have none.
+        internal_bridges: bool = true;
         /// Number of layers of internal bridges over sparse infill, each across
         /// the one below; auto is 2 where infill_density is below 10%, else 1.
         /// If the density is an expression, the distance between the infill's
@@ -550,8 +550,9 @@ table::settings! {
             in 0.0..=100.0;
         /// Speed of the part's fan while bridges are printed.
         bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
-        /// Speed of the part's fan while internal bridges are printed.
-        internal_bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speed of the part's fan while internal bridges are printed; auto is
+        /// bridge_fan_speed.
+        internal_bridge_fan_speed: Option<Percent> = None, in 0.0..=100.0;
         /// Speed of the part's fan while the dense layers at the top of
         /// supports, and the solid layers of a raft, are printed: the faster
         /// the fan, the less they stick to the part. auto is fan_speed.

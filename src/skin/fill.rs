@@ -86,7 +86,7 @@ impl Filler<'_> {
         let settings = self.settings;
         let plan = Lay::inside(settings.skin_width(), self.height, settings);
         let around = patch(island, plan, TOLERANCE);
-        let inside = around.inside(self.off_ring(), TOLERANCE);
+        let inside = around.inside(settings.off_skin_ring(), TOLERANCE);
         let fills = self.fills(&inside, &around, sides);
         let mut lines = fills.iter().flat_map(|f| &f.lines);
         let bridge = lines.any(|l| l.role == Role::Bridge);
@@ -104,12 +104,6 @@ impl Filler<'_> {
         });
         let rings: Vec<Bead> = rings.collect();
         (!rings.is_empty()).then_some(Patch { rings, fills })
-    }
-
-    /// Distance of the lines' ends from the ring's centre line, mm.
-    fn off_ring(&self) -> Mm {
-        let s = self.settings;
-        0.5 * s.printer.nozzle_diameter + s.skin_ring_gap
     }
 
     /// The beads of an island that is nowhere wider than some lines: rings one

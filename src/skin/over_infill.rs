@@ -25,7 +25,8 @@
 //! guaranteed: that lines fill all of the skin. One of which an end cannot be
 //! held is left out, and the next layer lies over its place, with bridges unless
 //! it is seen. A place over infill in which no line at all can be held stays skin,
-//! whatever else the layer has. The lowest layer of a block lies on what a
+//! whatever else the layer has. So does what hangs in the air, and what a bridge
+//! beside it is anchored on. The lowest layer of a block lies on what a
 //! rehearsal of the layer below finds.
 
 use super::bridge::shared;
@@ -38,6 +39,7 @@ use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Solid, signed_area};
+use crate::region::cover::{Covered, Islands};
 use crate::settings::Settings;
 use crate::units::{Degrees, Mm, Percent};
 use glam::DVec2;
@@ -130,6 +132,8 @@ pub(crate) struct Over<'a> {
     pub walls: &'a [Bead],
     /// The layer above, which covers what is no top.
     pub above: Face<'a>,
+    /// The layer below, beside which skin hangs in the air.
+    pub below: Face<'a>,
     /// The layer's height, mm.
     pub height: Mm,
 }
@@ -224,6 +228,12 @@ fn on(
     if core.is_empty() {
         return None;
     }
+    let kept = over.beside_gaps(settings);
+    let core = without(&core, &kept);
+    if core.is_empty() {
+        return None;
+    }
+    let free = without(over.skin, &kept);
     let gaps = intersection(&offset(&core, width, TOLERANCE), &hanging);
     let (way, angle) = direction(under, width)?;
     let anchor = settings.bridge_anchor.max(0.5 * width);
@@ -232,7 +242,7 @@ fn on(
         offset(&gap, anchor, TOLERANCE)
     });
     let grown: Vec<Area> = grown.collect();
-    let (mut parts, skin) = shared(over.skin, &grown);
+    let (mut parts, skin) = shared(&free, &grown);
     let ground = Ground::new(over, under, FARTHEST * way + width, settings);
     let space = spacing(width, width, over.height);
     let mut taken = Area::EMPTY;
@@ -302,11 +312,24 @@ fn on(
     let left = difference(&meant, &area);
     let left = offset(&left, -LEFT * width, TOLERANCE);
     let left = offset(&left, LEFT * width, TOLERANCE);
-    let (skin, left) = if on_bridges {
-        (union(&skin, &left), Area::EMPTY)
+    let (held, left) = if on_bridges {
+        (left, Area::EMPTY)
     } else {
-        (skin, left)
+        // What lies beside skin that stays goes with it.
+        let beside = offset(&kept, width, TOLERANCE);
+        let (held, left): (Vec<Area>, Vec<Area>) = left
+            .islands()
+            .into_iter()
+            .partition(|left| !intersection(left, &beside).is_empty());
+        (held.into_iter().collect(), left.into_iter().collect())
     };
+    let skin = [kept, held].iter().fold(skin, |skin, more| {
+        if more.is_empty() {
+            skin
+        } else {
+            union(&skin, more)
+        }
+    });
     let level = Level { area, lines, more };
     Some(Bridged {
         patches,
@@ -315,6 +338,37 @@ fn on(
         left,
         levels: (more > 0).then_some(level).into_iter().collect(),
     })
+}
+
+impl Over<'_> {
+    /// The skin that hangs in the air, and what its lines reach onto: there,
+    /// bridges have to be anchored.
+    fn beside_gaps(&self, settings: &Settings) -> Area {
+        let half = 0.5 * settings.bottom_skin_width();
+        let islands = self.skin.islands();
+        let covered = Islands::new(&islands).covered(self.below.rough);
+        let all = islands.iter().zip(covered);
+        let some = all.filter(|(_, covered)| *covered != Covered::Wholly);
+        let some: Area = some.map(|(island, _)| island.clone()).collect();
+        if some.is_empty() {
+            return Area::EMPTY;
+        }
+        let hanging = difference(&some, self.below.rough.area());
+        // Any bead bridges a gap that is no wider than itself.
+        let core = offset(&hanging, -half, TOLERANCE);
+        let ring = 0.5 * settings.skin_width() + settings.off_skin_ring();
+        let reach = settings.bridge_anchor.max(half) + ring;
+        intersection(&offset(&core, half + reach, TOLERANCE), self.skin)
+    }
+}
+
+/// An area without another one, which is often empty.
+fn without(area: &Area, other: &Area) -> Area {
+    if other.is_empty() {
+        area.clone()
+    } else {
+        difference(area, other)
+    }
 }
 
 /// The lines of some bridges.
@@ -560,6 +614,10 @@ mod tests {
             sparse: &sparse,
             walls: &[],
             above: Face {
+                outline: &solid,
+                rough: &solid,
+            },
+            below: Face {
                 outline: &solid,
                 rough: &solid,
             },

@@ -503,7 +503,8 @@ fn unwise_settings_are_warned_of() {
                 &["ironing=true", "top_thickness=0"],
                 &["contour_z=100", "contour_z_angle=25"],
                 &["contour_z_gouge=50"],
-                &["internal_bridge_flow=90"],
+                &["internal_bridges=false", "internal_bridge_flow=90"],
+                &["internal_bridges=true", "walls=0"],
                 &[
                     "layer_heights=adaptive",
                     "layer_height=0.15",

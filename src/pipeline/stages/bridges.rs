@@ -22,15 +22,10 @@ pub(in crate::pipeline) struct OverInfill {
 }
 
 impl Stages<'_> {
-    /// True if skin over sparse infill becomes internal bridges.
-    pub(in crate::pipeline) fn bridges_infill(&self) -> bool {
-        self.settings.internal_bridges && !self.settings.spiral
-    }
-
     /// How many layers below the first of a block have to be filled, since its
     /// internal bridges lie on their infill or on their bridges.
     pub(in crate::pipeline) fn rehearsed_bridges(&self) -> usize {
-        if !self.bridges_infill() {
+        if !self.settings.bridges_infill() {
             return 0;
         }
         // What the lowest of these lie on is not known. They decide only where
@@ -51,7 +46,7 @@ impl Stages<'_> {
         levels: &[Below],
     ) -> Result<Option<OverInfill>, SliceError> {
         let faces = faces(layers, i);
-        let Some(above) = faces.above else {
+        let (Some(above), Some(below)) = (faces.above, faces.below) else {
             return Ok(None);
         };
         let layer = &layers[i];
@@ -61,6 +56,7 @@ impl Stages<'_> {
             sparse: &areas.sparse,
             walls,
             above,
+            below,
             height,
         };
         let made = self.timings.time(Stage::Skin, || {

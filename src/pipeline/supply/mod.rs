@@ -210,7 +210,7 @@ impl<'a> Supply<'a> {
                 None
             };
             let (beads, areas) = stages.beads(layers, i, inside)?;
-            let bridges = stages.bridges_infill();
+            let bridges = stages.rehearsed_bridges() > 0;
             Ok(Filled {
                 beads,
                 left_out: 0,

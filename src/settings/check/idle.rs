@@ -102,6 +102,13 @@ pub(super) fn without_effect(
         "internal_bridges = false prints no internal bridges; set it to \
          true",
     );
+    idle.warn(
+        "internal_bridges",
+        s.internal_bridges && s.walls == 0 && !s.spiral,
+        "internal_bridges = true has no effect, since their ends need walls \
+         that hold them; set walls to 1 or more"
+            .to_owned(),
+    );
     idle.all(
         &["contour_z_angle", "contour_z_gouge", "contour_z_below"],
         s.contour_z.is(0.0),
