@@ -179,7 +179,9 @@ mod tests {
         assert_eq!(numbers, [1, 2, 3, 3, 3, 4, 5, 5, 5]);
         // A whole layer down is another part.
         let mut l = Layering::new();
-        [0.2, 0.4, 0.2].map(|z| l.print(at(z), at(z)));
+        for z in [0.2, 0.4, 0.2] {
+            l.print(at(z), at(z));
+        }
         assert_eq!(l.number, 3);
     }
 

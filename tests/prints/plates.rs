@@ -180,7 +180,7 @@ fn a_part_may_have_a_flow_widths_and_gaps_of_its_own() {
         };
         let all = with(of_plate);
         let one = wanted("tee", tee, 1, &with(own));
-        let alone = Plate::new("p", &[one.clone()], &all).unwrap();
+        let alone = Plate::new("p", std::slice::from_ref(&one), &all).unwrap();
         let verdict = run(&alone, "..", 2).1.verdict.unwrap();
         assert!(verdict.is_safe(), "{own}");
         let other = wanted("box", BOX, 1, &all);
