@@ -180,9 +180,10 @@ impl HangingJson {
 
 /// A content in square millimetres, of which small ones are no 0.
 fn content(area: f64) -> String {
-    match area < 0.95 {
-        true => format!("{area:.2}"),
-        false => format!("{area:.1}"),
+    if area < 0.95 {
+        format!("{area:.2}")
+    } else {
+        format!("{area:.1}")
     }
 }
 

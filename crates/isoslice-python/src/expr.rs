@@ -42,7 +42,7 @@ impl Expr {
 impl Expr {
     fn __add__(&self, other: Field) -> PyResult<Expr> {
         let body = self.moved_by('+', "union", other.1)?;
-        Ok(Expr::from(self.tree.clone() + other.0).as_body(body))
+        Ok(Expr::from(self.tree.clone() + other.0).with_body(body))
     }
 
     fn __radd__(&self, other: Field) -> PyResult<Expr> {
@@ -52,7 +52,7 @@ impl Expr {
 
     fn __sub__(&self, other: Field) -> PyResult<Expr> {
         let body = self.moved_by('-', "difference", other.1)?;
-        Ok(Expr::from(self.tree.clone() - other.0).as_body(body))
+        Ok(Expr::from(self.tree.clone() - other.0).with_body(body))
     }
 
     fn __rsub__(&self, other: Field) -> PyResult<Expr> {
@@ -115,7 +115,7 @@ impl Expr {
 
     fn __or__(&self, other: Field) -> Expr {
         let body = self.body && other.1 == Operand::Body;
-        Expr::from(self.tree.min(other.0)).as_body(body)
+        Expr::from(self.tree.min(other.0)).with_body(body)
     }
 
     fn __ror__(&self, other: Field) -> Expr {
@@ -124,7 +124,7 @@ impl Expr {
 
     fn __and__(&self, other: Field) -> Expr {
         let body = self.body && other.1 == Operand::Body;
-        Expr::from(self.tree.max(other.0)).as_body(body)
+        Expr::from(self.tree.max(other.0)).with_body(body)
     }
 
     fn __rand__(&self, other: Field) -> Expr {
@@ -144,7 +144,7 @@ impl Expr {
     }
 
     fn __invert__(&self) -> Expr {
-        Expr::from(self.tree.neg()).as_body(true)
+        Expr::from(self.tree.neg()).with_body(true)
     }
 
     fn __pos__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
@@ -341,7 +341,7 @@ pub(crate) fn call<'py>(
     let body = of_bodies || model::makes_body(name);
     Ok(match made {
         Argument::Field(tree) => {
-            let made = Expr::from(tree).as_body(body);
+            let made = Expr::from(tree).with_body(body);
             made.into_pyobject(py)?.into_any()
         }
         Argument::Whole(whole) => whole.into_pyobject(py)?.into_any(),

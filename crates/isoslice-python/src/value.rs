@@ -46,7 +46,7 @@ impl From<Tree> for Expr {
 
 impl Expr {
     /// The field as one that is a body, if `body` is true.
-    pub(crate) fn as_body(self, body: bool) -> Expr {
+    pub(crate) fn with_body(self, body: bool) -> Expr {
         Expr { body, ..self }
     }
 }
