@@ -123,6 +123,21 @@ impl Timings {
         work()
     }
 
+    /// Runs work that alone keeps a pool busy, and adds the time of all of the
+    /// pool's threads to the stage's.
+    pub(crate) fn time_pool<T: Send>(
+        &self,
+        stage: Stage,
+        pool: &ThreadPool,
+        work: impl FnOnce() -> T + Send,
+    ) -> T {
+        let _doing = limits::begin(stage.name());
+        let (made, time) = of_pool(pool, work);
+        let nanos = (time * 1e9) as u64;
+        self.nanos[stage as usize].fetch_add(nanos, Ordering::Relaxed);
+        made
+    }
+
     /// Begins work whose time is added to the stage's when the lap is dropped.
     pub(crate) fn begin(&self, stage: Stage) -> Lap<'_> {
         Lap {
@@ -158,6 +173,23 @@ impl Drop for Lap<'_> {
 mod tests {
     use super::*;
     use std::time::Duration;
+
+    #[test]
+    fn work_of_all_threads_of_a_pool_counts() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2);
+        let pool = pool.build().unwrap();
+        let t = Timings::default();
+        let clock = || ThreadTime::now().as_duration().as_secs_f64();
+        let busy = || {
+            let start = clock();
+            while clock() - start < 0.02 {}
+        };
+        // Each of both threads takes one half.
+        let both = || rayon::broadcast(|_| busy()).len();
+        assert_eq!(t.time_pool(Stage::Support, &pool, both), 2);
+        let time = t.seconds(Stage::Support);
+        assert!(time > 0.039, "{time}");
+    }
 
     #[test]
     fn a_lap_adds_to_its_stage() {

@@ -10,10 +10,11 @@
 //! kept, so that memory stays bounded: 131,072 beads are more than nearly all
 //! layers have.
 
+use crate::random::mix;
 use crate::reader::Move;
 use crate::units::{Mm, Mm2};
 use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, DefaultHasher, Hash, Hasher};
+use std::hash::{BuildHasherDefault, Hasher};
 
 /// Number of beads after which those of the generation before are forgotten.
 const KEPT: usize = 1 << 17;
@@ -25,8 +26,28 @@ const STRETCH: Mm = 5.0;
 /// that of a bead as wide as the nozzle.
 const MORE_THAN_ONE: f64 = 1.5;
 
-/// The cross-section of each bead.
-type Keys = HashMap<u64, Mm2, BuildHasherDefault<DefaultHasher>>;
+/// The cross-section of each bead. The keys are mixed bits already.
+type Keys = HashMap<u64, Mm2, BuildHasherDefault<Same>>;
+
+/// A hash that is the number itself.
+#[derive(Clone, Copy, Debug, Default)]
+struct Same(u64);
+
+impl Hasher for Same {
+    fn write_u64(&mut self, key: u64) {
+        self.0 = key;
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = mix(self.0 ^ u64::from(byte));
+        }
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
+}
 
 /// The beads that were laid last.
 #[derive(Debug, Default)]
@@ -68,12 +89,10 @@ impl Again {
 
 /// What a bead is known by: its ends, in micrometres.
 fn key(step: &Move) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    for p in [step.from, step.to] {
-        let p = (p * 1000.0).round().as_i64vec3();
-        p.to_array().hash(&mut hasher);
-    }
-    hasher.finish()
+    let ends = [step.from, step.to];
+    let ends = ends.map(|p| (p * 1000.0).round().as_i64vec3().to_array());
+    let all = ends.as_flattened().iter();
+    all.fold(0, |key, &number| mix(key ^ number as u64))
 }
 
 #[cfg(test)]

@@ -178,6 +178,15 @@ impl HangingJson {
     }
 }
 
+/// A content in square millimetres, of which small ones are no 0.
+fn content(area: f64) -> String {
+    if area < 0.95 {
+        format!("{area:.2}")
+    } else {
+        format!("{area:.1}")
+    }
+}
+
 /// The lines of the summary about what hangs.
 fn describe_hanging(
     hanging: &Hanging,
@@ -189,9 +198,12 @@ fn describe_hanging(
         let title = std::mem::replace(&mut title, "              ");
         writeln!(
             text,
-            "{title}{:.1} mm² {what}, the first at x = {:.1}, y = {:.1}, \
+            "{title}{} mm² {what}, the first at x = {:.1}, y = {:.1}, \
              z = {:.2} mm",
-            sum.area, p.x, p.y, p.z
+            content(sum.area),
+            p.x,
+            p.y,
+            p.z
         )
     };
     let Hanging {
@@ -215,10 +227,15 @@ fn describe_hanging(
         format!("in {count} too long, of up to {span:.1} mm"),
     )?;
     if let Some(foot) = hanging.foot {
+        let good = if foot.holds < 1.0 {
+            "less than 1".to_owned()
+        } else {
+            format!("{:.0}", foot.holds)
+        };
+        let area = content(foot.area);
         writeln!(
             text,
-            "  foot        {:.1} mm², good for a height of {:.0} mm",
-            foot.area, foot.holds
+            "  foot        {area} mm², good for a height of {good} mm"
         )?;
     }
     Ok(())

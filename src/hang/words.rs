@@ -1,5 +1,6 @@
 //! What hangs, in words: the warnings.
 
+use super::foot::Foot;
 use super::reach::LIP;
 use super::{Hanging, Sum};
 use crate::settings::Settings;
@@ -84,13 +85,48 @@ impl Hanging {
             ));
         }
         if let Some(foot) = self.foot {
-            all.push(format!(
-                "the part stands on {:.1} mm² and is {height:.1} mm high: \
-                 from about {:.0} mm on the nozzle may tear it off the bed; \
-                 give it a brim (brim.place = \"outer\"), or lay it down",
-                foot.area, foot.holds
-            ));
+            all.push(off_the_bed(foot, height));
         }
         all
+    }
+}
+
+/// What a part of some height has to fear that stands on a small foot.
+fn off_the_bed(foot: Foot, height: Mm) -> String {
+    // Where the foot holds less than any layer, a height tells nothing.
+    let from = if foot.holds < 1.0 {
+        "the nozzle may tear it off the bed from its first layers on".to_owned()
+    } else {
+        format!(
+            "from about {:.0} mm on the nozzle may tear it off the bed",
+            foot.holds
+        )
+    };
+    // A foot may be a point.
+    let area = if foot.area < 0.05 {
+        "hardly more than a point".to_owned()
+    } else {
+        format!("{:.1} mm²", foot.area)
+    };
+    format!(
+        "the part stands on {area} and is {height:.1} mm high: {from}; give it a \
+         brim (brim.place = \"outer\"), or lay it down"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_foot_holds_a_height_of_0_mm() {
+        let told = |area, holds| off_the_bed(Foot { area, holds }, 30.0);
+        let small = told(9.0, 8.0);
+        assert!(small.contains("9.0 mm² and is 30.0 mm high"), "{small}");
+        assert!(small.contains("from about 8 mm on"), "{small}");
+        let tiny = told(0.02, 0.001);
+        assert!(tiny.contains("hardly more than a point"), "{tiny}");
+        assert!(tiny.contains("from its first layers on"), "{tiny}");
+        assert!(!tiny.contains(" 0 mm") && !tiny.contains(" 0.0 "), "{tiny}");
     }
 }

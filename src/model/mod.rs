@@ -53,7 +53,7 @@ pub use param::{ParamError, Parameter};
 pub use placement::{BuildVolume, Model, PlaceError, Placement, place};
 pub use probe::ProbeError;
 pub(crate) use probe::{Probe, Spot};
-pub use script::{Argument, ScriptError, ScriptLimits, call};
+pub use script::{Argument, ScriptError, ScriptLimits, call, makes_body};
 pub use source::{Loaded, Source, SourceKind, load, load_within};
 #[cfg(test)]
 pub(crate) use testing::placed;

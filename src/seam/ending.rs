@@ -1,10 +1,14 @@
 //! How outer walls end where they began: with a gap, a scarf, a wipe inwards.
 //!
 //! ```text
-//!     ▁▂▃▄▅▆▇███████ … ███████      A scarf: the loop's first way is printed
-//!     ███▇▆▅▄▃▂▁                    twice, with a flow that grows at first
+//!     ▃▃▄▄▅▅████████ … ████████     A scarf: the loop's first way is printed
+//!     ▅▅▄▄▃▃                        twice, with a flow that grows at first
 //!     └─ scarf ─┘                   and shrinks on the second time round.
 //! ```
+//!
+//! A nozzle cannot lay a bead that is narrower than high, so a scarf that stays
+//! level begins with as much as such a bead needs, and ends with it: the seam is
+//! in two places, at each of which the flow changes by less than half.
 //!
 //! In: beads in print order; closed ones begin at their seam. Out: the beads
 //! with their ends, and where the nozzle goes after each bead without printing.
@@ -46,6 +50,8 @@ impl Ended {
     }
 }
 
+/// Length over which a bead goes from a ramp's width to its own, mm.
+const JUMP: Mm = 0.05;
 /// Number of points of a ramp, between which its width changes evenly.
 const STEPS: usize = 8;
 
@@ -120,23 +126,23 @@ fn with_ramps(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
     if scarf <= 0.0 {
         return opened(bead, length - gap, &[], None);
     }
-    // The points of the ramps.
+    // The points of the ramps, and where the bead is whole.
+    let jump = JUMP.min(0.25 * (length - scarf));
     let step = |k: usize| scarf * k as f64 / STEPS as f64;
     let ramps = (0..=STEPS).flat_map(|k| [step(k), length + step(k)]);
-    let ramps: Vec<Mm> = ramps.collect();
-    // Share of the bead's flow at a distance from its beginning.
-    let share = |s: Mm| {
-        (s / scarf)
-            .min((length + scarf - s) / scarf)
-            .clamp(0.0, 1.0)
-    };
+    let ramps: Vec<Mm> = ramps.chain([scarf + jump, length - jump]).collect();
+    let height = bead.height;
     let thinned = |s: Mm, w: Mm| {
-        let share = share(s);
-        if share < 1.0 {
-            width_of(share * cross_section(w, bead.height), bead.height)
-        } else {
-            w
+        // How much is left to the end of the ramp, as a share of its length.
+        let left = (1.0 - s / scarf).min(1.0);
+        let left = left.max((s - length) / scarf);
+        if left < -(1.0 - 1e-9) * jump / scarf {
+            return w;
         }
+        let whole = cross_section(w, height);
+        let least = (cross_section(height, height) / whole).min(0.5);
+        let share = 1.0 - least - (1.0 - 2.0 * least) * left.max(0.0);
+        width_of(share * whole, height)
     };
     opened(bead, length + scarf - gap, &ramps, Some(&thinned))
 }
@@ -318,7 +324,24 @@ mod tests {
             let whole = wall.area() * wall.length();
             let share = printed(&own) / whole;
             assert!((share - 1.0).abs() < 3e-3, "{share}");
-            assert!(own.widths[0] < 1e-9);
+            // No bead is narrower than high. Both ways add up at each place.
+            assert!((own.widths[0] - 0.2).abs() < 1e-9);
+            let narrowest = own.widths.iter().copied().fold(1.0, f64::min);
+            assert!(narrowest > 0.2 - 1e-9, "{narrowest}");
+            let part = |from: f64, to: f64| {
+                let all = own.length();
+                printed(&Bead {
+                    stroke: own.part(from / all, to / all),
+                    ..own.clone()
+                })
+            };
+            for i in 0..24 {
+                let (from, round) = (f64::from(i), wall.length());
+                let both = part(from, from + 0.9)
+                    + part(round + from, round + from + 0.9);
+                let share = both / (0.9 * wall.area());
+                assert!((share - 1.0).abs() < 0.01, "{from}: {share}");
+            }
             assert_eq!(own.widths.len(), own.points.len());
             // A wall of varying width gets the ramps, too.
             wall.widths = vec![0.4, 0.5, 0.4, 0.5];

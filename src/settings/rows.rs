@@ -115,7 +115,7 @@ table::settings! {
         seam_gap: Mm = 0.0, in 0.0..=5.0;
         /// Length over which the flow of an outer wall grows at its beginning,
         /// and over which its end overlaps the beginning with shrinking flow; 0
-        /// for a plain seam.
+        /// for a plain seam. No bead becomes narrower than high.
         seam_scarf: Mm = 0.0, in 0.0..=200.0;
         /// Whether the nozzle rises with the flow at the beginning of a scarf,
         /// from the layer below to its own height; the end of the wall fills
@@ -177,6 +177,10 @@ table::settings! {
         /// How far skin reaches into the sparse infill beside it, so that
         /// its lines are anchored; auto is 150% of the nozzle's diameter.
         skin_overlap: ByNozzle = ByNozzle::Auto, in 0.0..=20.0;
+        /// How far skin reaches into the walls around it, as a share of its
+        /// line width. With 0 its ring lies beside the wall, and its lines end
+        /// in the ring: nothing is open there.
+        skin_wall_overlap: Percent = 0.0, in 0.0..=50.0;
         /// Pieces of sparse area smaller than this are filled solid, as
         /// skin. So are pieces that are narrower than two lines, and small ones
         /// in which no line of infill would lie.
@@ -282,7 +286,7 @@ table::settings! {
         /// bed continue each other's pattern.
         infill_centre: InfillCentre = InfillCentre::Object;
         /// How far sparse infill reaches into the wall or skin around it, as
-        /// a share of its line width.
+        /// a share of its line width; skin has skin_wall_overlap.
         infill_overlap: Percent = 25.0, in 0.0..=100.0;
 
         ["Flow"]

@@ -30,6 +30,8 @@ mod sweep;
 mod zigzag;
 
 use crate::bead::Bead;
+use crate::plane::clip::difference;
+use crate::plane::offset::offset;
 use crate::plane::{Area, Solid};
 use crate::region::cover::{Covered, Islands};
 use crate::settings::Settings;
@@ -96,7 +98,8 @@ pub(crate) fn patches(
     height: Mm,
     settings: &Settings,
 ) -> Vec<Patch> {
-    let islands = skin.islands();
+    let pressed = into_walls(skin, sparse, settings);
+    let islands = pressed.as_ref().unwrap_or(skin).islands();
     let asked = Islands::new(&islands);
     let side = |face: Option<Face<'_>>| match face {
         Some(face) => asked.covered(face.rough),
@@ -123,11 +126,27 @@ pub(crate) fn patches(
         .collect()
 }
 
+/// Skin that reaches into the walls around it, if the settings ask for that. It
+/// ends where sparse infill begins, and without walls where it ends in any case.
+fn into_walls(skin: &Area, sparse: &Area, settings: &Settings) -> Option<Area> {
+    /// Tolerance of the border, mm. It lies under walls.
+    const TOLERANCE: Mm = 0.01;
+    let reach = 0.01 * settings.skin_wall_overlap * settings.skin_width();
+    if reach <= 0.0 || settings.walls == 0 {
+        return None;
+    }
+    let grown = offset(skin, reach, TOLERANCE);
+    Some(if sparse.is_empty() {
+        grown
+    } else {
+        difference(&grown, sparse)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bead::{Role, Stroke, spacing};
-    use crate::plane::clip::difference;
     use crate::plane::shapes::{disc, rect, square};
     use crate::settings::SkinPattern;
     use glam::DVec2;
@@ -171,6 +190,34 @@ mod tests {
             let slope = d.y / d.x;
             let expected = if layer == 0 { 1.0 } else { -1.0 };
             assert!((slope - expected).abs() < 1e-9, "{slope}");
+        }
+    }
+
+    #[test]
+    fn skin_reaches_into_walls_as_asked_and_not_into_sparse_infill() {
+        let (skin, sparse) = (square(8.0), square(10.0));
+        let sparse = difference(&sparse, &skin);
+        let half = |overlap: f64, sparse: &Area| {
+            let settings = Settings {
+                skin_wall_overlap: overlap,
+                ..Settings::default()
+            };
+            let faces = Faces {
+                above: None,
+                below: None,
+            };
+            let all = patches(&skin, sparse, faces, 0, 0.2, &settings);
+            let points = all[0].rings[0].points.iter();
+            points.map(|p| p.x).fold(0.0, f64::max)
+        };
+        let beside = 8.0 - 0.5 * spacing(0.45, 0.45, 0.2);
+        for (overlap, sparse, expected) in [
+            (0.0, &Area::EMPTY, beside),
+            (25.0, &Area::EMPTY, beside + 0.25 * 0.45),
+            (25.0, &sparse, beside),
+        ] {
+            let is = half(overlap, sparse);
+            assert!((is - expected).abs() < 0.011, "{overlap}: {is}");
         }
     }
 

@@ -1674,3 +1674,31 @@ fn a_ball_thirty_metres_away_is_all_there() {
         assert!(a.abs_diff(b) <= a / 50, "{word}: {a} and {b}");
     }
 }
+
+/// No more threads are started than there are processors, whatever a variable that
+/// is meant for other programs says.
+#[test]
+fn a_variable_of_other_programs_starts_no_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let ball = ["-e", "sqrt(x^2+y^2+z^2) - 3"];
+    let run = |arguments: &[&str], threads: &str| {
+        isoslice(folder.path())
+            .env("RAYON_NUM_THREADS", threads)
+            .args(arguments)
+            .assert()
+            .success();
+    };
+    let mut files = Vec::new();
+    for threads in ["1", "9999", "no number"] {
+        run(&[&["slice", "-o", "a.gcode"], &ball[..]].concat(), threads);
+        run(&[&["info"], &ball[..]].concat(), threads);
+        let small = ["render", "-o", "a.png", "--pixels", "40x40"];
+        run(&[&small[..], &ball].concat(), threads);
+        run(&["check", "a.gcode"], threads);
+        files.push(
+            ["a.gcode", "a.png"]
+                .map(|name| fs::read(folder.path().join(name)).unwrap()),
+        );
+    }
+    assert!(files[0] == files[1] && files[0] == files[2]);
+}

@@ -12,6 +12,7 @@ use std::path::Path;
 use std::process::Output;
 use std::sync::{Arc, Mutex};
 use std::thread;
+use std::time::Duration;
 
 const SECRET: &str = "S3CRET-key";
 
@@ -212,6 +213,28 @@ fn keys_and_files_that_are_wrong_are_said() {
         &[&bad[..], &["--url", "a.local"]].concat(),
         "no address",
     );
+}
+
+/// Who sends a file is told whom it waits for, and how to end that.
+#[test]
+fn a_host_that_says_nothing_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // The system takes connections in for a program that never does.
+    let silent = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}", silent.local_addr().unwrap());
+    let add = ["printers", "add", "shop", "--host", "moonraker", "--url"];
+    works(folder, &[&add[..], &[&url]].concat(), SECRET);
+    fs::write(folder.join("part.gcode"), "G28\n").unwrap();
+    let output = isoslice(folder)
+        .args(["send", "part.gcode", "--to", "shop"])
+        // The first message comes after 10 s.
+        .timeout(Duration::from_secs(16))
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success());
+    assert!(told.contains("shop") && told.contains("Ctrl-C"), "{told}");
 }
 
 #[test]

@@ -516,3 +516,24 @@ fn refusals_name_file_line_and_remedy() {
          which are named with --printer, --filament or --preset"
     );
 }
+
+/// No head or beam hits a finished part: what the makers draw of their printers, the
+/// lowest beam or hose across the bed, and the farthest corner of the head below it.
+#[test]
+fn heads_and_beams_are_as_the_makers_draw_them() {
+    for (name, beam, corner) in [
+        ("prusa-mk3s", 11.0, [-45.0, 69.0]),
+        ("prusa-mk4", 11.0, [40.0, 44.0]),
+        ("prusa-mk4s", 11.0, [-48.0, 66.0]),
+        ("prusa-mini", 22.0, [-10.0, -88.0]),
+        ("prusa-xl", 19.0, [-43.0, 66.0]),
+        ("prusa-core-one", 33.0, [-37.0, -98.0_f64]),
+    ] {
+        let (settings, _) = of([name, "pla", "standard"]);
+        let figure = |name| number(&settings, name);
+        assert!(figure("printer.gantry_height") <= beam, "{name}");
+        let reach = corner[0].hypot(corner[1]);
+        let radius = figure("printer.head_clearance_radius");
+        assert!(radius >= reach && radius < reach + 1.0, "{name}: {reach}");
+    }
+}

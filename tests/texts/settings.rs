@@ -505,6 +505,7 @@ fn unwise_settings_are_warned_of() {
                 &["contour_z_gouge=50"],
                 &["internal_bridges=false", "internal_bridge_flow=90"],
                 &["internal_bridges=true", "walls=0"],
+                &["skin_wall_overlap=10", "walls=0"],
                 &[
                     "layer_heights=adaptive",
                     "layer_height=0.15",

@@ -4,7 +4,7 @@ use crate::error::plain;
 use crate::operation::name_of;
 use crate::pickle::{Step, steps, tree};
 use crate::request::loaded;
-use crate::value::{Expr, Field, arguments, from_json, parameters};
+use crate::value::{Expr, Field, Operand, arguments, from_json, parameters};
 use crate::work::at_work;
 use fidget::context::{Tree, TreeOp};
 use fidget::eval::{BulkEvaluator, Function, MathFunction, Tape};
@@ -22,22 +22,42 @@ use std::fmt::Write as _;
 /// Python binds `^` weaker than `+`.
 const NO_POWER: &str = "`^` is no power in Python: write x**2";
 
+impl Expr {
+    /// True if a body stays one when a number is added or subtracted: it is grown
+    /// or shrunk. Of two bodies `word` is meant, which is an error.
+    fn moved_by(&self, sign: char, word: &str, by: Operand) -> PyResult<bool> {
+        if self.body && by == Operand::Body {
+            let or = if sign == '+' { " or a | b" } else { "" };
+            return Err(PyTypeError::new_err(format!(
+                "a {sign} b of two bodies is no {word}: it would calculate with \
+                 the fields' values. Write isoslice.{word}(a, b){or}; where the \
+                 values are meant, write a {sign} 1 * b"
+            )));
+        }
+        Ok(self.body && by == Operand::Number)
+    }
+}
+
 #[pymethods]
 impl Expr {
-    fn __add__(&self, other: Field) -> Expr {
-        (self.tree.clone() + other.0).into()
+    fn __add__(&self, other: Field) -> PyResult<Expr> {
+        let body = self.moved_by('+', "union", other.1)?;
+        Ok(Expr::from(self.tree.clone() + other.0).with_body(body))
     }
 
-    fn __radd__(&self, other: Field) -> Expr {
-        (other.0 + self.tree.clone()).into()
+    fn __radd__(&self, other: Field) -> PyResult<Expr> {
+        self.moved_by('+', "union", other.1)?;
+        Ok((other.0 + self.tree.clone()).into())
     }
 
-    fn __sub__(&self, other: Field) -> Expr {
-        (self.tree.clone() - other.0).into()
+    fn __sub__(&self, other: Field) -> PyResult<Expr> {
+        let body = self.moved_by('-', "difference", other.1)?;
+        Ok(Expr::from(self.tree.clone() - other.0).with_body(body))
     }
 
-    fn __rsub__(&self, other: Field) -> Expr {
-        (other.0 - self.tree.clone()).into()
+    fn __rsub__(&self, other: Field) -> PyResult<Expr> {
+        self.moved_by('-', "difference", other.1)?;
+        Ok((other.0 - self.tree.clone()).into())
     }
 
     fn __mul__(&self, other: Field) -> Expr {
@@ -94,7 +114,8 @@ impl Expr {
     }
 
     fn __or__(&self, other: Field) -> Expr {
-        self.tree.min(other.0).into()
+        let body = self.body && other.1 == Operand::Body;
+        Expr::from(self.tree.min(other.0)).with_body(body)
     }
 
     fn __ror__(&self, other: Field) -> Expr {
@@ -102,7 +123,8 @@ impl Expr {
     }
 
     fn __and__(&self, other: Field) -> Expr {
-        self.tree.max(other.0).into()
+        let body = self.body && other.1 == Operand::Body;
+        Expr::from(self.tree.max(other.0)).with_body(body)
     }
 
     fn __rand__(&self, other: Field) -> Expr {
@@ -122,7 +144,7 @@ impl Expr {
     }
 
     fn __invert__(&self) -> Expr {
-        self.tree.neg().into()
+        Expr::from(self.tree.neg()).with_body(true)
     }
 
     fn __pos__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
@@ -278,6 +300,7 @@ pub(crate) fn unpickled_expr(
             counts: false,
         });
     Ok(Expr {
+        body: false,
         tree: tree(&steps)?,
         name,
         parameters: parameters.collect(),
@@ -310,8 +333,17 @@ pub(crate) fn call<'py>(
     named: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let made = model::call(name, arguments(given, named)?).map_err(plain)?;
+    let is_body = |value: Bound<'py, PyAny>| {
+        value.cast::<Expr>().is_ok_and(|expr| expr.get().body)
+    };
+    // The least and the greatest of bodies are bodies.
+    let of_bodies = matches!(name, "min" | "max") && given.iter().all(is_body);
+    let body = of_bodies || model::makes_body(name);
     Ok(match made {
-        Argument::Field(tree) => Expr::from(tree).into_pyobject(py)?.into_any(),
+        Argument::Field(tree) => {
+            let made = Expr::from(tree).with_body(body);
+            made.into_pyobject(py)?.into_any()
+        }
         Argument::Whole(whole) => whole.into_pyobject(py)?.into_any(),
         Argument::Number(number) => number.into_pyobject(py)?.into_any(),
         _ => return Err(PyTypeError::new_err("this function makes no field")),

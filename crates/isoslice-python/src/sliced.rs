@@ -195,6 +195,7 @@ impl Sliced {
             wall_error,
             report,
             hanging: hangs,
+            time_lost,
             timings,
             ..
         } = summary.clone();
@@ -206,6 +207,7 @@ impl Sliced {
             wall_error,
             report: serde_json::to_value(report).map_err(plain)?,
             hanging: hanging(&hangs),
+            time_lost,
             timings: timings.collect(),
         });
         let cost = settings.filament_cost();
@@ -314,6 +316,14 @@ impl Sliced {
         from_json(py, &self.tables["hanging"])
     }
 
+    /// Time that the print takes longer than at the speeds asked for, s, by its
+    /// cause: cooling, flow of the hot end, moves that the printer takes, and
+    /// acceleration. Where several causes slow a bead, the strongest one counts.
+    #[getter]
+    fn time_lost<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        from_json(py, &self.tables["time_lost"])
+    }
+
     /// Processor time by stage, s, added up over all threads.
     #[getter]
     fn timings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -407,6 +417,7 @@ struct Tables {
     wall_error: Option<Figures>,
     report: Value,
     hanging: Value,
+    time_lost: BTreeMap<&'static str, f64>,
     timings: BTreeMap<String, f64>,
 }
 

@@ -23,6 +23,9 @@ const LONGEST: usize = 1 << 20;
 #[pyclass(frozen, module = "isoslice")]
 pub(crate) struct Expr {
     pub(crate) tree: Tree,
+    /// True for what shapes make, and for what is made of shapes alone. Two of
+    /// them are hardly meant to be added or subtracted.
+    pub(crate) body: bool,
     /// Name of the file or text that the field was read from. Whatever is made
     /// of the field has none.
     pub(crate) name: Option<String>,
@@ -34,9 +37,17 @@ impl From<Tree> for Expr {
     fn from(tree: Tree) -> Expr {
         Expr {
             tree,
+            body: false,
             name: None,
             parameters: Vec::new(),
         }
+    }
+}
+
+impl Expr {
+    /// The field as one that is a body, if `body` is true.
+    pub(crate) fn with_body(self, body: bool) -> Expr {
+        Expr { body, ..self }
     }
 }
 
@@ -44,6 +55,7 @@ impl From<Loaded> for Expr {
     fn from(loaded: Loaded) -> Expr {
         Expr {
             tree: loaded.tree,
+            body: false,
             name: Some(loaded.name),
             parameters: loaded.parameters,
         }
@@ -52,17 +64,27 @@ impl From<Loaded> for Expr {
 
 /// A field: an `Expr`, what has a method `__isoslice__` that makes one, or a
 /// number. It is the operand of an operator.
-pub(crate) struct Field(pub(crate) Tree);
+pub(crate) struct Field(pub(crate) Tree, pub(crate) Operand);
+
+/// What an operand is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Operand {
+    Number,
+    Field,
+    Body,
+}
 
 impl<'py> FromPyObject<'_, 'py> for Field {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         if let Some(expr) = expr(&given)? {
-            return Ok(Field(expr.get().tree.clone()));
+            let Expr { tree, body, .. } = expr.get();
+            let operand = if *body { Operand::Body } else { Operand::Field };
+            return Ok(Field(tree.clone(), operand));
         }
         let number = number(&given)?;
-        Ok(Field(Tree::constant(number as f32)))
+        Ok(Field(Tree::constant(number as f32), Operand::Number))
     }
 }
 

@@ -212,6 +212,26 @@ def test_shapes_are_distances():
     same(x.remap(y, z, x), lambda x, y, z: y)
 
 
+def test_bodies_are_put_together_by_words():
+    ball, hole = iso.sphere(4), iso.cylinder(1, 10)
+    for wrong, words in [
+        (lambda: ball - hole, "isoslice.difference"),
+        (lambda: ball + hole, "isoslice.union"),
+        (lambda: (ball | hole) - (ball & hole), "isoslice.difference"),
+        (lambda: ball.move((1, 0, 0)) - hole, "isoslice.difference"),
+        (lambda: (ball - 0.5) - iso.min(ball, hole), "isoslice.difference"),
+        (lambda: ~ball - hole, "isoslice.difference"),
+    ]:
+        with pytest.raises(TypeError, match=words):
+            wrong()
+    # These are fields, or meant as such.
+    assert (ball - x)(1, 0, 0) == -4
+    assert (ball - 1 * hole)(0, 0, 0) == -3
+    assert (0.5 * ball + 0.5 * hole)(0, 0, 0) == -2.5
+    assert (iso.max(x, y) - iso.min(y, z))(1, 0, 0) == 1
+    assert (ball + 1)(0, 0, 0) == -3
+
+
 def test_what_is_no_field():
     for call in (
         lambda: x < 1,

@@ -100,7 +100,7 @@ def test_results_from_other_processes(tmp_path):
         for name in (
             "name size layer_count layers time filament_mass filament_cost "
             "printing_moves warnings notes roles outline_error wall_error "
-            "report hanging settings checked path"
+            "report hanging time_lost settings checked path"
         ).split():
             assert getattr(result, name) == getattr(here, name), name
         assert repr(result) == repr(here)

@@ -181,6 +181,7 @@ def test_the_summary_is_that_of_json(program, tmp_path):
     assert sliced.solid_area == told["area_mm2"]
     assert sliced.roles == told["roles"]
     assert sliced.hanging == told["hanging"]
+    assert sliced.time_lost == told["time_lost_s"]
     assert set(sliced.warnings) == set(told["warnings"])
     assert sliced.checked
 

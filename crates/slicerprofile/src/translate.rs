@@ -29,6 +29,24 @@ pub struct Left {
     pub why: String,
 }
 
+/// Infill patterns that isoslice does not have, and that become others.
+const ALIKE: [&str; 14] = [
+    "crosszag",
+    "lockedzag",
+    "2dlattice",
+    "stars",
+    "tri-hexagon",
+    "trihexagon",
+    "3dhoneycomb",
+    "adaptivecubic",
+    "supportcubic",
+    "quartercubic",
+    "quarter_cubic",
+    "cubicsubdiv",
+    "tetrahedral",
+    "crosshatch",
+];
+
 /// What a profile means to isoslice.
 #[derive(Clone, Debug, Default)]
 pub struct Translation {
@@ -39,6 +57,8 @@ pub struct Translation {
     pub ignored: Vec<Left>,
     /// Keys that would change the print and have no counterpart.
     pub lost: Vec<Left>,
+    /// Keys that became the most alike of isoslice's, which is not the same.
+    pub alike: Vec<Left>,
     /// Keys that are not in the table.
     pub unknown: Vec<Left>,
     /// Number of keys from which settings were made.
@@ -109,7 +129,10 @@ impl Translation {
             Rule::To(setting, how) => {
                 let key = present[0];
                 match how.value(given, key) {
-                    Ok(Some(value)) => Outcome::Set(vec![(*setting, value)]),
+                    Ok(Some(value)) => {
+                        self.alike.extend(given.alike(key, setting, &value));
+                        Outcome::Set(vec![(*setting, value)])
+                    }
                     Ok(None) => Outcome::Nothing(
                         "it leaves the choice to the slicer".to_owned(),
                     ),
@@ -144,6 +167,19 @@ impl Translation {
 }
 
 impl Given<'_> {
+    /// A pattern that became another one.
+    fn alike(&self, key: &str, setting: &str, ours: &Value) -> Option<Left> {
+        let text = self.values.first(key)?.to_ascii_lowercase();
+        let Value::Text(ours) = ours else { return None };
+        let other = setting == "infill" && ALIKE.contains(&text.as_str());
+        other.then(|| {
+            let why = format!(
+                "isoslice has no such pattern; {ours} is the most like it"
+            );
+            self.left(key, &why)
+        })
+    }
+
     fn left(&self, key: &str, why: &str) -> Left {
         Left {
             key: key.to_owned(),

@@ -102,7 +102,7 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<()> {
     let to_stream = args.output.as_deref().is_some_and(is_stream);
     if to_stream {
         let t = &import.translation;
-        let all = t.lost.iter().chain(&t.unknown);
+        let all = t.lost.iter().chain(&t.alike).chain(&t.unknown);
         let say = |left: &Left| format!("{}: {}", left.key, left.why);
         let remarks = import.remarks.iter().cloned();
         terminal::warn(&all.map(say).chain(remarks).collect::<Vec<_>>());

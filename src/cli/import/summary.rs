@@ -64,6 +64,7 @@ impl Import {
         }
         let lists = [
             ("no counterpart", &t.lost, true),
+            ("only alike", &t.alike, true),
             ("not known", &t.unknown, true),
             ("not needed", &t.ignored, false),
         ];

@@ -42,6 +42,7 @@ mod tokens;
 pub use call::{Argument, call};
 pub use error::ScriptError;
 pub use limits::ScriptLimits;
+pub use shapes::makes_body;
 
 use super::param::{Parameter, Table};
 use crate::limits::{check, doing, resident_bytes};

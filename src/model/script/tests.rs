@@ -351,6 +351,20 @@ fn whole_numbers_divide_as_numbers() {
     assert!(error("x * (1 % 0)").contains("division by zero"));
 }
 
+/// `from` is a word of Python's, and was a name in scripts.
+#[test]
+fn the_ends_of_a_capsule_have_names() {
+    let at = |text: &str| value(text, 0.0, 0.0, 6.5);
+    for names in ["start: [0, 0, 0], end", "from: [0, 0, 0], to"] {
+        let text = format!("capsule(#{{{names}: [0, 0, 5], radius: 1}})");
+        assert_eq!(at(&text), 0.5);
+    }
+    let twice = "capsule(#{start: [0, 0, 0], from: [0, 0, 0], end: [0, 0, 5], \
+                 radius: 1})";
+    assert!(error(twice).contains("start is given twice"));
+    assert!(error("sphere(#{from: 3})").contains("there is no \"from\""));
+}
+
 /// Bodies are put together by words; fields are added and subtracted.
 #[test]
 fn operators_on_bodies() {

@@ -56,10 +56,8 @@ impl<'a> Stages<'a> {
             self.surveyed(pool, spans, asked, KNOWN)?;
         let sections = self.sections(pool, &heights)?;
         let bed = self.in_model(room);
-        let plan = pool.install(|| {
-            let plan = || Plan::new(survey, sections, heights, bed, asked);
-            self.timings.time(Stage::Support, plan)
-        });
+        let plan = || Plan::new(survey, sections, heights, bed, asked);
+        let plan = self.timings.time_pool(Stage::Support, pool, plan);
         self.known = known;
         let site = self.site();
         self.support = Some(Supported::new(plan, fills, around, site)?);
@@ -131,7 +129,8 @@ impl<'a> Stages<'a> {
         let mut known = Vec::new();
         for slab in made {
             let (above, layers) = slab?;
-            survey.append(above, asked)?;
+            let append = || survey.append(above, asked);
+            self.timings.time(Stage::Support, append)?;
             known.extend(layers.into_iter().flatten());
         }
         Ok((survey, heights, known))
@@ -168,7 +167,8 @@ impl<'a> Stages<'a> {
             let sections = layers
                 .iter()
                 .map(|l| coarse(l.area(), l.span.height(), self.settings));
-            Ok::<_, SliceError>(sections.collect())
+            let coarse = || sections.collect();
+            Ok::<_, SliceError>(self.timings.time(Stage::Support, coarse))
         };
         let slabs = own.par_chunks(self.slab_layers());
         let made: Vec<Result<Vec<Area>, SliceError>> =

@@ -103,6 +103,13 @@ pub(super) fn without_effect(
          true",
     );
     idle.warn(
+        "skin_wall_overlap",
+        s.skin_wall_overlap > 0.0 && s.walls == 0,
+        "skin_wall_overlap has no effect, since walls = 0 leaves none to reach \
+         into; set walls to 1 or more"
+            .to_owned(),
+    );
+    idle.warn(
         "internal_bridges",
         s.internal_bridges && s.walls == 0 && !s.spiral,
         "internal_bridges = true has no effect, since their ends need walls \

@@ -350,6 +350,32 @@ mod tests {
         }
     }
 
+    /// The smooth union of shaders: a mixture, with a parabola taken off.
+    #[test]
+    fn mixtures_are_bounded() {
+        let (x, y, z) = Tree::axes();
+        let ball = |at: f32, radius: f32| {
+            let off = (x.clone() - at).square();
+            (off + y.square() + z.square()).sqrt() - radius
+        };
+        let (a, b) = (ball(-4.0, 6.0), ball(4.0, 6.0));
+        let share = 0.5 + 0.5 * (b.clone() - a.clone()) / 3.0;
+        let t = share.max(0.0).min(1.0);
+        let rest = 1.0 - t.clone();
+        let mixed = b * rest.clone() + a * t.clone();
+        let part = mixed - 3.0 * t * rest;
+        let options = SearchOptions {
+            max_work: 10_000_000,
+            ..SearchOptions::default()
+        };
+        let found = find_bounds(&part, &options, &Cancel::NEVER).unwrap();
+        let half = DVec3::new(10.0, 6.0, 6.0);
+        let low = (found.bounds.min + half).abs().max_element();
+        let high = (found.bounds.max - half).abs().max_element();
+        assert!(low.max(high) < 1e-3, "{found:?}");
+        assert!(found.slack_mm < 1e-3, "{found:?}");
+    }
+
     /// The field has two values, or is the same all over a piece of what jumps.
     #[test]
     fn parts_that_only_jump_are_whole() {

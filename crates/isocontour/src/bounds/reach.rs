@@ -205,7 +205,9 @@ impl Search<'_> {
                 };
             }
             let f = c.program.enclose(&c.cell, &mut self.scratch);
-            if f.range.is_empty() || f.range.lo >= -f.rounding(&c.cell) {
+            if f.is_outside()
+                || c.program.is_border(&c.cell, &f, &mut self.scratch)
+            {
                 continue;
             }
             // The climb starts from the middle of the inner face as well. Where
@@ -349,12 +351,19 @@ impl Search<'_> {
         while reach > low {
             p[side.axis] = side.outward(reach);
             if program.value(p, &mut self.scratch) < 0.0 {
-                self.note_inside(p);
-                self.climb(side, program, p, face);
-                self.creep(side, column, program, p, tolerance);
-                return;
+                break;
             }
             reach -= (SHARE * (reach - low)).max(pitch);
+        }
+        // What rises beyond the known extent by less than the pitch is inside
+        // just above that.
+        if reach <= low {
+            p[side.axis] = side.outward(low + tolerance);
+        }
+        if program.value(p, &mut self.scratch) < 0.0 {
+            self.note_inside(p);
+            self.climb(side, program, p, face);
+            self.creep(side, column, program, p, tolerance);
         }
     }
 

@@ -21,6 +21,7 @@
 //! compiled ones abort) on fields whose ranges overflow. See `interval`.
 
 mod blend;
+mod mix;
 mod piece;
 mod simplify;
 mod slot;
@@ -86,17 +87,9 @@ pub(super) struct Enclosure {
 }
 
 impl Enclosure {
-    /// How far below 0 a value in the box may be and still be the value of a
-    /// place beside the box that is less than the coordinates' roundings away.
-    /// The box of a piece reaches that far beyond it, and where a part ends in
-    /// the face in which its field jumps, nothing else of the box is inside.
-    pub(crate) fn rounding(&self, cell: &Cell) -> f64 {
-        /// Error of a coordinate as a share of it.
-        const SHARE: f64 = 1e-12;
-        let error =
-            |i: usize| SHARE * (1.0 + cell.lo[i].abs().max(cell.hi[i].abs()));
-        let all: f64 = (0..3).map(|i| error(i) * self.steepness[i]).sum();
-        if all.is_finite() { all } else { 0.0 }
+    /// True if no place of the box is inside.
+    pub(crate) fn is_outside(&self) -> bool {
+        self.range.is_empty() || self.range.lo >= 0.0
     }
 
     /// What is known if the box has no point of the program.
@@ -185,6 +178,40 @@ impl Program {
             steps: steps.into(),
             pieces: Vec::new(),
         })
+    }
+
+    /// True if no place of a box of the last `enclose` is inside but for those
+    /// at its border, by the roundings of coordinates. The box of a piece
+    /// reaches that far beyond it, and where a part ends in the face in which
+    /// its field jumps, nothing else of the box is inside.
+    pub(crate) fn is_border(
+        &self,
+        cell: &Cell,
+        found: &Enclosure,
+        scratch: &mut Scratch,
+    ) -> bool {
+        /// Error of a coordinate as a share of it.
+        const SHARE: f64 = 1e-12;
+        let error =
+            |i: usize| SHARE * (1.0 + cell.lo[i].abs().max(cell.hi[i].abs()));
+        let most: f64 = (0..3).map(|i| error(i) * found.steepness[i]).sum();
+        // Where the steepness is unknown, another look would hardly ever tell.
+        let near = most.is_finite() && found.range.lo >= -most;
+        if self.pieces.is_empty() || !near {
+            return false;
+        }
+        let core = Cell {
+            lo: std::array::from_fn(|i| cell.lo[i] + error(i)),
+            hi: std::array::from_fn(|i| cell.hi[i] - error(i)),
+        };
+        if (0..3).any(|i| core.width(i) <= 0.0) {
+            return true;
+        }
+        // What is known of the whole box is still needed.
+        let mut own = Scratch::default();
+        let is_outside = self.enclose(&core, &mut own).is_outside();
+        scratch.work += own.work;
+        is_outside
     }
 
     /// Number of operations.
@@ -316,8 +343,12 @@ impl Program {
                     tightened(slot, half)
                 }
                 Step::Binary(op, a, b) => {
+                    let operands = [a, b];
                     let (a, b) = (&s[a as usize], &s[b as usize]);
                     let mut slot = binary(op, *a, *b);
+                    if op == BinaryOpcode::Add {
+                        slot = mix::narrowed(slot, &self.steps, operands, s);
+                    }
                     if scratch.sharp
                         && op == BinaryOpcode::Atan
                         && a.range.lo >= 0.0

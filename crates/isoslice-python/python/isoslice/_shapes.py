@@ -75,7 +75,7 @@ def torus(radius: float, tube: float, center: Point = _ORIGIN) -> Expr:
 
 def capsule(start: Point, end: Point, radius: float) -> Expr:
     """Line from start to end, with round ends."""
-    return call("capsule", **{"from": start, "to": end, "radius": radius})
+    return call("capsule", start=start, end=end, radius=radius)
 
 
 def prism(

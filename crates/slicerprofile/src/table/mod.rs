@@ -171,6 +171,23 @@ mod tests {
         all.join("; ")
     }
 
+    /// What is only like the pattern that was asked for is said.
+    #[test]
+    fn patterns_that_become_others_are_named() {
+        let alike = |slicer, profile: &str| {
+            let all = translated(slicer, profile).alike;
+            all.into_iter().map(|left| left.why).collect::<Vec<_>>()
+        };
+        let other = alike(Slicer::Orca, "sparse_infill_pattern=crosshatch");
+        assert!(other[0].contains("gyroid is the most like it"), "{other:?}");
+        assert_eq!(alike(Slicer::Prusa, "fill_pattern=stars").len(), 1);
+        assert_eq!(alike(Slicer::Cura, "infill_pattern=tetrahedral").len(), 1);
+        for same in ["gyroid", "honeycomb", "line", "monotonic", "cubic"] {
+            let profile = format!("fill_pattern={same}");
+            assert!(alike(Slicer::Prusa, &profile).is_empty(), "{same}");
+        }
+    }
+
     #[test]
     fn keys_together_become_what_they_mean() {
         use Slicer::{Cura, Orca, Prusa};

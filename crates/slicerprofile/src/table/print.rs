@@ -542,7 +542,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "lightning_straightening_angle"
         => Ignored(
             "isoslice anchors lines by rules of its own: skin_overlap, \
-                 skin_ring_gap, infill_overlap",
+                 skin_ring_gap, skin_wall_overlap, infill_overlap",
         );
     BOTH Print: "skin_infill_density", "skeleton_infill_density",
         "skin_infill_depth", "infill_lock_depth", "locked_skin_infill_pattern",

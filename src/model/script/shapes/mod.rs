@@ -159,6 +159,10 @@ impl Given {
     }
 }
 
+/// Names that arguments had, and those that they have. `from` is a word of
+/// Python's, which calls the same functions.
+const FORMER: [(&str, &str); 2] = [("from", "start"), ("to", "end")];
+
 /// All shapes and operations.
 fn rows() -> impl Iterator<Item = &'static Row> {
     fidgets::ROWS.iter().chain(rows::ROWS)
@@ -199,6 +203,12 @@ pub(super) fn add_shapes(engine: &mut Engine, bodies: &Bodies) {
 pub(super) fn example(name: &str) -> Option<&'static str> {
     let row = rows().find(|row| row.name == name);
     row.map(|row| row.example)
+}
+
+/// True for the name of a shape, or of an operation on shapes: what it makes is a
+/// body, and no field to calculate with.
+pub fn makes_body(name: &str) -> bool {
+    names().any(|known| known == name)
 }
 
 /// A call with an array, if this is an operation on any number of shapes.
@@ -244,9 +254,14 @@ impl Row {
         values: &mut [Option<Value>],
     ) -> Result<(), String> {
         for (name, given) in named {
-            let mut all = self.arguments.iter().zip(&mut *values);
-            let Some((argument, value)) = all.find(|(a, _)| a.name == name)
-            else {
+            let known =
+                |name: &str| self.arguments.iter().position(|a| a.name == name);
+            let other = FORMER.iter().find(|(former, _)| *former == name);
+            let at = known(&name).or_else(|| known(other?.1));
+            let pair = at.and_then(|at| {
+                Some((self.arguments.get(at)?, values.get_mut(at)?))
+            });
+            let Some((argument, value)) = pair else {
                 let all: Vec<_> =
                     self.arguments.iter().map(|a| a.name).collect();
                 return Err(format!(
@@ -254,6 +269,9 @@ impl Row {
                     all.join(", ")
                 ));
             };
+            if value.is_some() {
+                return Err(format!("{} is given twice", argument.name));
+            }
             *value = Some(argument.read(&given)?);
         }
         Ok(())

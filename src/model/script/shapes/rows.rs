@@ -114,8 +114,8 @@ pub(super) const ROWS: &[Row] = rows![
             let out = ring(&x, &y) - g.number(1) as f32;
             Ok(ring(&out, &z) - g.number(2) as f32)
         };
-    "capsule" (place("from"), place("to"), positive("radius"))
-        "capsule(#{from: [0, 0, 0], to: [0, 0, 20], radius: 5})"
+    "capsule" (place("start"), place("end"), positive("radius"))
+        "capsule(#{start: [0, 0, 0], end: [0, 0, 20], radius: 5})"
         |g| {
             let (a, b) = (g.place(0), g.place(1));
             let d = b - a;
