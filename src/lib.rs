@@ -10,8 +10,10 @@
 //!
 //! # The tour
 //!
-//! Data flows one way, from the top of this list to its end. No module knows
-//! the modules after it, which `tests/architecture.rs` makes sure of.
+//! Data flows one way, from the top of this list to its end, and each part of the
+//! way is a crate below `crates/`. No crate knows the crates after it, which
+//! Cargo makes sure of, and no module of a crate those after it, which
+//! `tests/architecture.rs` does.
 //!
 //! 1. [`model`] reads a script, fidget's `.vm` text or a formula, bounds the
 //!    part by interval arithmetic and places it on the bed. [`settings`] say
@@ -30,7 +32,7 @@
 //!    depend on it. [`contour`] calls the crate under a run's limits.
 //! 5. [`region`] lays the walls, by distance in the layer's plane, not by the
 //!    value of f. It splits the area inside them into skin, where the layers
-//!    above or below do not cover it, and area for infill. [`plane`] has the
+//!    above or below do not cover it, and area for infill. [`planar`] has the
 //!    geometry, [`bead`] the cross-section that says how far apart lines lie.
 //! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of walls and
 //!    areas, and [`fuzzy`] gives outer walls a texture. All later stages work
@@ -51,10 +53,10 @@
 //!
 //! The types that flow are a [`Model`], its
 //! [`LayerSpan`](layers::LayerSpan)s, for each span an
-//! [`Outline`](isocontour::Outline), its [`Walls`](region::Walls), the
-//! [`Bead`](bead::Bead)s of walls and areas, a layer's
-//! [`LayerBeads`](order::LayerBeads), its [`LayerPath`](travel::LayerPath) with
-//! the travels between them, and its [`PacedLayer`](pace::PacedLayer), which is
+//! [`Outline`](isocontour::Outline), its [`Walls`], the
+//! [`Bead`]s of walls and areas, a layer's
+//! [`LayerBeads`], its [`LayerPath`] with
+//! the travels between them, and its [`PacedLayer`], which is
 //! written.
 //!
 //! Settings that are expressions get their values from [`vary`].
@@ -97,6 +99,38 @@
 //! # }
 //! ```
 //!
+//! [`Bead`]: isoslice_planar::bead::Bead
+//! [`LayerBeads`]: isoslice_path::order::LayerBeads
+//! [`LayerPath`]: isoslice_path::travel::LayerPath
+//! [`PacedLayer`]: isoslice_path::pace::PacedLayer
+//! [`Walls`]: isoslice_layer::region::Walls
+//! [`adhesion`]: isoslice_layer::adhesion
+//! [`bead`]: isoslice_planar::bead
+//! [`bgcode`]: isoslice_gcode_read::bgcode
+//! [`contour`]: isoslice_model::contour
+//! [`encoding`]: isoslice_base::encoding
+//! [`fuzzy`]: isoslice_layer::fuzzy
+//! [`gcode`]: isoslice_gcode
+//! [`hang`]: isoslice_layer::hang
+//! [`infill`]: isoslice_layer::infill
+//! [`order`]: isoslice_path::order
+//! [`pace`]: isoslice_path::pace
+//! [`package`]: isoslice_gcode_read::package
+//! [`planar`]: isoslice_planar
+//! [`random`]: isoslice_base::random
+//! [`region`]: isoslice_layer::region
+//! [`relief`]: isoslice_path::relief
+//! [`seam`]: isoslice_layer::seam
+//! [`sets`]: isoslice_base::sets
+//! [`skin`]: isoslice_layer::skin
+//! [`spiral`]: isoslice_path::spiral
+//! [`support`]: isoslice_layer::support
+//! [`timings`]: isoslice_base::timings
+//! [`travel`]: isoslice_path::travel
+//! [`units`]: isoslice_base::units
+//! [`vary`]: isoslice_model::vary
+//! [`walls`]: isoslice_layer::walls
+//!
 #![doc = include_str!("../docs/glossary.md")]
 #![warn(unreachable_pub)]
 #![allow(
@@ -118,59 +152,117 @@
     )
 )]
 
-mod adhesion;
-mod bead;
-mod bgcode;
-pub mod check;
-mod contour;
-mod encoding;
-pub mod files;
-mod fuzzy;
-mod gcode;
-mod hang;
-pub mod heights;
-mod infill;
-pub mod layers;
-pub mod limits;
-pub mod model;
-mod order;
-mod pace;
-mod package;
 pub mod pipeline;
-mod plane;
 pub mod plate;
-pub mod preview;
-mod random;
-pub mod reader;
-mod region;
-mod relief;
 mod report;
-mod resolution;
-mod seam;
-mod sets;
-pub mod settings;
-mod skin;
-mod spiral;
-mod stopwatch;
-mod support;
-mod timings;
-mod travel;
-mod units;
-mod vary;
-mod walls;
 
-pub use bgcode::Unpacked;
-pub use gcode::{Format, FormatError, TemplateError};
-pub use gcode::{JoinError, Joined, Ranges};
-pub use gcode::{settings_in_gcode, try_templates, understands_placeholder};
-pub use hang::{Hanging, Kind, Sum, Unsupported};
+/// Checks whether G-code, of any slicer, is safe to run.
+pub mod check {
+    #[doc(inline)]
+    pub use isoslice_check::{Finding, Kind, Rules, Severity, Verdict, check};
+}
+
+/// Files that are read within limits, and written whole or not at all.
+pub mod files {
+    #[doc(inline)]
+    pub use isoslice_base::files::{FileError, Output, OutputError};
+    #[doc(inline)]
+    pub use isoslice_base::files::{read, read_standard_input, read_text};
+}
+
+/// Heights of layers that follow the surface.
+pub mod heights {
+    #[doc(inline)]
+    pub use isoslice_model::heights::{Heights, HeightsError, Steps, heights};
+}
+
+/// The layers that a part is cut into.
+pub mod layers {
+    #[doc(inline)]
+    pub use isoslice_settings::layers::{LayerRange, LayerSpan};
+    #[doc(inline)]
+    pub use isoslice_settings::layers::{PlanError, plan};
+}
+
+/// What a run may take of time and memory, and what it is doing.
+pub mod limits {
+    #[doc(inline)]
+    pub use isoslice_base::limits::{Activity, Limits, Reason, Slow, Stopped};
+    #[doc(inline)]
+    pub use isoslice_base::limits::{TooLittleSpace, Watch, doing};
+    #[doc(inline)]
+    pub use isoslice_base::limits::{enough_space, processors};
+}
+
+/// Models: scripts, formulas and fidget's text, and their place on the bed.
+pub mod model {
+    #[doc(inline)]
+    pub use isoslice_model::{Allowed, Argument, Bounds, BuildVolume};
+    #[doc(inline)]
+    pub use isoslice_model::{Expression, ExpressionError, FormulaError};
+    #[doc(inline)]
+    pub use isoslice_model::{LoadError, Loaded, Model, ParamError, Parameter};
+    #[doc(inline)]
+    pub use isoslice_model::{PlaceError, Placement, ProbeError};
+    #[doc(inline)]
+    pub use isoslice_model::{ScriptError, ScriptLimits, Source, SourceKind};
+    #[doc(inline)]
+    pub use isoslice_model::{VmError, call, load, load_within, makes_body};
+    #[doc(inline)]
+    pub use isoslice_model::{parse_vm, place};
+}
+
+/// Pictures and pages of models and of G-code.
+pub mod preview {
+    #[doc(inline)]
+    pub use isoslice_preview::{PictureError, Slabs, Toolpath, ToolpathError};
+    #[doc(inline)]
+    pub use isoslice_preview::{View, live_html};
+}
+
+/// A reader of G-code of any slicer.
+pub mod reader {
+    #[doc(inline)]
+    pub use isoslice_gcode_read::reader::filament_diameter;
+    #[doc(inline)]
+    pub use isoslice_gcode_read::reader::{Event, Heater, Info, MachineState};
+    #[doc(inline)]
+    pub use isoslice_gcode_read::reader::{Move, Named, Problem, Problems};
+    #[doc(inline)]
+    pub use isoslice_gcode_read::reader::{ReadError, Reader, Role};
+}
+
+/// Settings of a print, and profiles of printers and filaments.
+pub mod settings {
+    #[doc(inline)]
+    pub use isoslice_settings::{Builder, GivenIn, Key, Origin, Profile};
+    #[doc(inline)]
+    pub use isoslice_settings::{ProfileKind, Profiles, Range, Settings};
+    #[doc(inline)]
+    pub use isoslice_settings::{SettingsError, keys};
+}
+
+#[doc(inline)]
+pub use isoslice_base::timings::Stage;
+#[doc(inline)]
+pub use isoslice_base::units::human_time;
+#[doc(inline)]
+pub use isoslice_gcode::understands_placeholder;
+#[doc(inline)]
+pub use isoslice_gcode::{Format, FormatError, JoinError, Joined, Ranges};
+#[doc(inline)]
+pub use isoslice_gcode::{TemplateError, settings_in_gcode, try_templates};
+#[doc(inline)]
+pub use isoslice_gcode_read::bgcode::Unpacked;
+#[doc(inline)]
+pub use isoslice_layer::hang::{Hanging, Kind, Sum, Unsupported};
+#[doc(no_inline)]
 pub use model::{Model, load, place};
-pub use pipeline::{Options, SliceError, Summary, slice, slice_plate};
-pub use pipeline::{Share, split};
-pub use pipeline::{Survey, survey};
+pub use pipeline::{Options, Share, SliceError, Summary, Survey};
+pub use pipeline::{slice, slice_plate, split, survey};
 pub use plate::Plate;
+#[doc(no_inline)]
 pub use reader::Reader;
 pub use report::{Figures, RoleSum};
+#[doc(no_inline)]
 pub use settings::Settings;
-pub use timings::Stage;
-pub use units::human_time;

@@ -6,7 +6,7 @@
 //! lowest layer, however fast the threads are.
 
 use super::SliceError;
-use crate::limits;
+use isoslice_base::limits;
 use std::cell::RefCell;
 use std::panic::resume_unwind;
 use std::sync::mpsc::sync_channel;

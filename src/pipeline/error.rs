@@ -1,19 +1,19 @@
 //! Why a run fails, in words that say what to do about it.
 
-use crate::contour::{FieldError, remedy};
-use crate::gcode::WriteError;
-use crate::heights::HeightsError;
-use crate::infill::InfillError;
-use crate::layers::PlanError;
 use crate::plate::{Part, Plate};
-use crate::preview::PictureError;
-use crate::reader::ReadError;
-use crate::relief::ReliefError;
 use crate::report::ReportError;
-use crate::spiral::SpiralError;
-use crate::units::Mm;
-use crate::vary::VaryError;
 use isocontour::ExpandError;
+use isoslice_base::units::Mm;
+use isoslice_gcode::WriteError;
+use isoslice_gcode_read::reader::ReadError;
+use isoslice_layer::infill::InfillError;
+use isoslice_model::contour::{FieldError, remedy};
+use isoslice_model::heights::HeightsError;
+use isoslice_model::vary::VaryError;
+use isoslice_path::relief::ReliefError;
+use isoslice_path::spiral::SpiralError;
+use isoslice_preview::PictureError;
+use isoslice_settings::layers::PlanError;
 use std::io;
 use std::path::PathBuf;
 

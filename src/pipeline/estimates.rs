@@ -8,10 +8,10 @@
 //! `minimum_cruise_ratio: 0.5`, `instantaneous_corner_velocity: 1`). They are
 //! the sums of the moves' times, without homing.
 
-use crate::model::{Placement, placed};
-use crate::pace::clock::time_of;
 use crate::pipeline::{Options, slice};
-use crate::settings::{Flavour, Settings};
+use isoslice_model::{Placement, placed};
+use isoslice_path::pace::clock::time_of;
+use isoslice_settings::{Flavour, Settings};
 use std::fmt::Write;
 
 /// What the printer does before each case.

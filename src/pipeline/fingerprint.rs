@@ -5,11 +5,11 @@
 //! one case of 10³⁸.
 
 use super::SliceError;
-use crate::gcode::{Fingerprint, version};
-use crate::infill::script_words;
-use crate::layers::LayerSpan;
 use crate::plate::Plate;
-use crate::settings::{Settings, keys};
+use isoslice_gcode::{Fingerprint, version};
+use isoslice_layer::infill::script_words;
+use isoslice_settings::layers::LayerSpan;
+use isoslice_settings::{Settings, keys};
 use ring::digest::{Context, SHA256};
 
 /// Number of bytes of a digest that are written.
@@ -86,7 +86,7 @@ impl Digest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Placement, placed};
+    use isoslice_model::{Placement, placed};
 
     fn of(text: &str, settings: &Settings, top: f64) -> Fingerprint {
         let model = placed(text, &Placement::default());

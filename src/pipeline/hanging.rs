@@ -5,14 +5,14 @@ use super::layer::Layer;
 use super::stages::Stages;
 use super::start::pool;
 use super::{BLOCK, SliceError};
-use crate::hang::{Hanging, Look, Tracker, Unsupported};
-use crate::heights::heights;
-use crate::model::Model;
 use crate::report::Gauge;
-use crate::settings::{Settings, Supports};
-use crate::units::Mm;
-use crate::vary::Surroundings;
 use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_layer::hang::{Hanging, Look, Tracker, Unsupported};
+use isoslice_model::Model;
+use isoslice_model::heights::heights;
+use isoslice_model::vary::Surroundings;
+use isoslice_settings::{Settings, Supports};
 
 /// What of a part would need supports.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,11 +3,11 @@
 use super::SliceError;
 use super::fingerprint::fingerprint;
 use super::job::{Job, Run, outline_of};
-use crate::gcode::{Header, Standing, Thumbnail, needs_outline};
-use crate::pace::rates::Rater;
 use crate::plate::Plate;
-use crate::preview::{PictureError, thumbnails};
-use crate::timings::Stage;
+use isoslice_base::timings::Stage;
+use isoslice_gcode::{Header, Standing, Thumbnail, needs_outline};
+use isoslice_path::pace::rates::Rater;
+use isoslice_preview::{PictureError, thumbnails};
 
 /// What a file's start says. Returns a warning as well, if there is no picture.
 ///

@@ -1,16 +1,16 @@
 //! What is known of a layer on its way through the stages.
 
 use super::supported::Top;
-use crate::hang::Look;
-use crate::layers::LayerSpan;
-use crate::order::LayerBeads;
-use crate::plane::{Area, Solid};
-use crate::region::Walls;
-use crate::region::exposure::{FillAreas, Window};
 use crate::report::LayerFigures;
-use crate::seam::{Ground, Guide};
-use crate::skin::{Face, Faces};
-use crate::units::{Mm, Mm2};
+use isoslice_base::units::{Mm, Mm2};
+use isoslice_layer::hang::Look;
+use isoslice_layer::region::Walls;
+use isoslice_layer::region::exposure::{FillAreas, Window};
+use isoslice_layer::seam::{Ground, Guide};
+use isoslice_layer::skin::{Face, Faces};
+use isoslice_path::order::LayerBeads;
+use isoslice_planar::{Area, Solid};
+use isoslice_settings::layers::LayerSpan;
 use std::collections::VecDeque;
 use std::sync::Arc;
 

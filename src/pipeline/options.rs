@@ -1,9 +1,9 @@
 //! What a caller may ask of a run.
 
 use super::BLOCK;
-use crate::gcode::Format;
-use crate::layers::{LayerRange, LayerSpan, PlanError, layer_at};
-use crate::units::Mm;
+use isoslice_base::units::Mm;
+use isoslice_gcode::Format;
+use isoslice_settings::layers::{LayerRange, LayerSpan, PlanError, layer_at};
 use std::ops::Range;
 use std::path::Path;
 use std::time::SystemTime;

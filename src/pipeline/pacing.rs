@@ -11,18 +11,20 @@
 use super::job::{Base, Job};
 use super::ways::Passed;
 use super::{BLOCK, SliceError};
-use crate::adhesion::{Skirt, keep_on_bed};
-use crate::layers::LayerSpan;
-use crate::order::{begin_near, in_turn};
-use crate::pace::rates::{Rater, Site};
-use crate::pace::{PacedLayer, Pacer, Stretch};
 use crate::plate::Plate;
-use crate::preview::Pictures;
-use crate::settings::Settings;
-use crate::timings::{Stage, Timings};
-use crate::travel::{LayerPath, Move, Travel, between_parts, over_parts};
-use crate::units::Mm;
 use glam::DVec2;
+use isoslice_base::timings::{Stage, Timings};
+use isoslice_base::units::Mm;
+use isoslice_layer::adhesion::{Skirt, keep_on_bed};
+use isoslice_path::order::{begin_near, in_turn};
+use isoslice_path::pace::rates::{Rater, Site};
+use isoslice_path::pace::{PacedLayer, Pacer, Stretch};
+use isoslice_path::travel::{
+    LayerPath, Move, Travel, between_parts, over_parts,
+};
+use isoslice_preview::Pictures;
+use isoslice_settings::Settings;
+use isoslice_settings::layers::LayerSpan;
 use std::ops::Range;
 
 /// Rates of the parts, and of what belongs to no part.

@@ -6,14 +6,14 @@
 //! islands in many layers, and a wall that is hard to lay makes those of other
 //! islands no harder.
 
-use crate::bead::Bead;
-use crate::plane::{Area, Rect, Ring, signed_area};
-use crate::region::support_walls;
-use crate::settings::Settings;
-use crate::support::Disc;
-use crate::units::Mm;
-use crate::walls;
 use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_layer::region::support_walls;
+use isoslice_layer::support::Disc;
+use isoslice_layer::walls;
+use isoslice_planar::bead::Bead;
+use isoslice_planar::{Area, Rect, Ring, signed_area};
+use isoslice_settings::Settings;
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -149,8 +149,8 @@ fn discs(area: &Area) -> (Vec<(Disc, DVec2)>, Area) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
-    use crate::plane::shapes::{circle, moved};
+    use isoslice_planar::rect;
+    use isoslice_planar::shapes::{circle, moved};
 
     #[test]
     fn posts_have_the_walls_that_they_would_have_by_themselves() {

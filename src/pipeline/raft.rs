@@ -13,15 +13,15 @@
 //! the bed up, in which the part has no outline.
 
 use super::supported::{SupportFill, filled_by};
-use crate::bead::{Bead, Role};
-use crate::infill::{self, InfillError};
-use crate::layers::LayerSpan;
-use crate::plane::clip::{crop, unite};
-use crate::plane::offset::offset;
-use crate::plane::{Area, Rect};
-use crate::settings::Settings;
-use crate::units::{Mm, Percent};
-use crate::vary::Surroundings;
+use isoslice_base::units::{Mm, Percent};
+use isoslice_layer::infill::{self, InfillError};
+use isoslice_model::vary::Surroundings;
+use isoslice_planar::bead::{Bead, Role};
+use isoslice_planar::clip::{crop, unite};
+use isoslice_planar::offset::offset;
+use isoslice_planar::{Area, Rect};
+use isoslice_settings::Settings;
+use isoslice_settings::layers::LayerSpan;
 
 /// Share of the first layer that is printed.
 const SPARSE: Percent = 50.0;

@@ -4,14 +4,14 @@ use super::job::Run;
 use super::start::{layers_of, pool};
 use super::write::write;
 use super::{Options, SliceError, Summary};
-use crate::check::{Alongside, Kind, Rules, Severity};
-use crate::gcode::Format;
-use crate::layers::LayerRange;
-use crate::model::Model;
 use crate::plate::Plate;
-use crate::settings::Settings;
-use crate::timings::{self, Stage};
-use crate::units::Seconds;
+use isoslice_base::timings::{self, Stage};
+use isoslice_base::units::Seconds;
+use isoslice_check::{Alongside, Kind, Rules, Severity};
+use isoslice_gcode::Format;
+use isoslice_model::Model;
+use isoslice_settings::Settings;
+use isoslice_settings::layers::LayerRange;
 use std::io;
 
 /// Slices a placed model and writes its G-code.
@@ -49,11 +49,10 @@ pub fn slice_plate(
     let layers = options.indices(all)?;
     let mut checker = None;
     if options.check {
-        let rules = Rules {
-            // A range of layers continues what other files have printed.
-            base: all.get(layers.start).map_or(0.0, |span| span.bottom),
-            ..Rules::of_plate(plate)
-        };
+        let parts = plate.parts.iter().map(|part| &part.settings);
+        let mut rules = Rules::of_plate(&plate.settings, parts);
+        // A range of layers continues what other files have printed.
+        rules.base = all.get(layers.start).map_or(0.0, |span| span.bottom);
         checker = Some(Alongside::new(rules).map_err(SliceError::CheckThread)?);
     }
     let mut copy = |text: &[u8]| {

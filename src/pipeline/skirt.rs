@@ -5,9 +5,9 @@
 use super::SliceError;
 use super::job::{Job, Planned, outline_of};
 use super::stages::shielded;
-use crate::adhesion::{Skirt, brim_reach};
-use crate::plane::{Area, Ring, hull};
-use crate::settings::DraftShield;
+use isoslice_layer::adhesion::{Skirt, brim_reach};
+use isoslice_planar::{Area, Ring, hull};
+use isoslice_settings::DraftShield;
 
 /// The skirt or the draft shield round several parts, if there is one.
 pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {

@@ -18,12 +18,12 @@
 //! nearly empty.
 
 use super::SliceError;
-use crate::layers::LayerSpan;
-use crate::limits;
-use crate::plane::Rect;
-use crate::region::Walls;
-use crate::units::{Mm, Mm2};
 use glam::DVec2;
+use isoslice_base::limits;
+use isoslice_base::units::{Mm, Mm2};
+use isoslice_layer::region::Walls;
+use isoslice_planar::Rect;
+use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::AddAssign;

@@ -5,7 +5,7 @@ use super::job::{Base, has_supports};
 use super::options::Options;
 use super::start::{layers_of, pool};
 use crate::plate::Plate;
-use crate::preview::Slabs;
+use isoslice_preview::Slabs;
 
 /// Plans the supports of the parts on a plate that are to have some, on `threads`
 /// threads or all of the machine's, and returns what they fill.

@@ -1,12 +1,12 @@
 //! How every look at a plate starts: threads, rafts and the heights of layers.
 
 use super::SliceError;
-use crate::heights::{Heights, Steps, heights};
-use crate::layers::LayerSpan;
-use crate::limits;
 use crate::plate::{Part, Plate};
-use crate::settings::{LayerHeights, Varying};
-use crate::units::Mm;
+use isoslice_base::limits;
+use isoslice_base::units::Mm;
+use isoslice_model::heights::{Heights, Steps, heights};
+use isoslice_settings::layers::LayerSpan;
+use isoslice_settings::{LayerHeights, Varying};
 use rayon::ThreadPool;
 
 /// Accuracy of heights, mm.

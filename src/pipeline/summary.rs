@@ -3,15 +3,15 @@
 use super::exit::Done;
 use super::job::{Job, Planned};
 use super::ways::PartDone;
-use crate::check::Verdict;
-use crate::hang::Hanging;
-use crate::heights::Steps;
 use crate::plate::{Part, Plate};
 use crate::report::{Figures, Report, RoleSum};
-use crate::spiral::Spiral;
-use crate::timings::Stage;
-use crate::units::{Mm, Mm2, Seconds, filament_area};
 use glam::{DVec2, DVec3};
+use isoslice_base::timings::Stage;
+use isoslice_base::units::{Mm, Mm2, Seconds, filament_area};
+use isoslice_check::Verdict;
+use isoslice_layer::hang::Hanging;
+use isoslice_model::heights::Steps;
+use isoslice_path::spiral::Spiral;
 use std::collections::BTreeMap;
 use std::ops::Range;
 

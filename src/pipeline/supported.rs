@@ -1,18 +1,18 @@
 //! The supports of a part, layer by layer.
 
 use super::posts::Posts;
-use crate::bead::{Bead, Role, spacing};
-use crate::infill::{self, Infill, InfillError};
-use crate::layers::LayerSpan;
-use crate::plane::clip::union;
-use crate::plane::{Area, Solid};
-use crate::settings::{
-    self, InfillPattern, Settings, SkinPattern, Supports, Varying, WallOffset,
-};
-use crate::support::{Plan, Slice};
-use crate::units::{Mm, Mm2, Percent};
-use crate::vary::Surroundings;
 use glam::{DVec2, DVec3};
+use isoslice_base::units::{Mm, Mm2, Percent};
+use isoslice_layer::infill::{self, Infill, InfillError};
+use isoslice_layer::support::{Plan, Slice};
+use isoslice_model::vary::Surroundings;
+use isoslice_planar::bead::{Bead, Role, spacing};
+use isoslice_planar::clip::union;
+use isoslice_planar::{Area, Solid};
+use isoslice_settings::layers::LayerSpan;
+use isoslice_settings::{
+    InfillPattern, Settings, SkinPattern, Supports, Varying, WallOffset,
+};
 
 /// A gap beside supports that is wider than this, mm, may be why something has
 /// none.
@@ -326,7 +326,7 @@ impl Fills {
         Fills {
             body: of(support.density),
             interface: Settings {
-                infill: settings::Infill::Pattern(pattern),
+                infill: isoslice_settings::Infill::Pattern(pattern),
                 infill_angle: angle.unwrap_or(settings.infill_angle),
                 ..of(density)
             },
@@ -344,7 +344,7 @@ pub(super) fn filled_by(
         walls: 1,
         outer_wall_width: width.into(),
         infill_width: width.into(),
-        infill: settings::Infill::Pattern(InfillPattern::Rectilinear),
+        infill: isoslice_settings::Infill::Pattern(InfillPattern::Rectilinear),
         infill_density: Varying::Constant(density),
         wall_offset: WallOffset::Distance,
         ..settings.clone()

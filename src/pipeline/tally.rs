@@ -1,7 +1,7 @@
 //! Counts over all layers, and the warnings that follow from them.
 
 use super::layer::Layer;
-use crate::units::{Mm2, Mm3};
+use isoslice_base::units::{Mm2, Mm3};
 
 /// What is counted over all layers.
 #[derive(Default)]

@@ -12,12 +12,12 @@ use super::skirt::skirt_round;
 use super::supply::plate::Supplies;
 use super::ways::{PartTravel, Passed};
 use super::{SliceError, Summary};
-use crate::gcode::{Writer, thick_beads};
-use crate::plane::Rect;
-use crate::preview::Pictures;
-use crate::relief::Relief;
 use crate::report::{Report, RunFigures};
-use crate::units::Mm3;
+use isoslice_base::units::Mm3;
+use isoslice_gcode::{Writer, thick_beads};
+use isoslice_path::relief::Relief;
+use isoslice_planar::Rect;
+use isoslice_preview::Pictures;
 use rayon::ThreadPool;
 use std::io;
 

@@ -18,9 +18,9 @@
 //! not overlap.
 
 use super::PlateError;
-use crate::plane::Rect;
-use crate::units::Mm;
 use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::Rect;
 
 /// A bed, and the distance to keep on it.
 #[derive(Clone, Copy, Debug)]
@@ -189,7 +189,7 @@ fn packed(
     }
     let mut placed = Vec::with_capacity(order.len());
     for (k, &i) in order.iter().enumerate() {
-        crate::limits::check();
+        isoslice_base::limits::check();
         let mut size = boxes[i].size + spacing;
         if boxes[i].alone {
             size.x = size.x.max(region.size().x + spacing.x);

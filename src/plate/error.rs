@@ -1,8 +1,8 @@
 //! Why there is no plate.
 
 use super::{Plate, Wanted};
-use crate::model::{LoadError, PlaceError};
-use crate::settings::SettingsError;
+use isoslice_model::{LoadError, PlaceError};
+use isoslice_settings::SettingsError;
 
 /// Why parts cannot be printed together.
 #[derive(Debug, thiserror::Error)]

@@ -20,9 +20,9 @@
 //! ignored.
 
 use super::{Plate, PlateError, Wanted};
-use crate::files::{self, MAX_SETTINGS_BYTES};
-use crate::model::{Placement, Source};
-use crate::settings::{Builder, Settings};
+use isoslice_base::files::{self, MAX_SETTINGS_BYTES};
+use isoslice_model::{Placement, Source};
+use isoslice_settings::{Builder, Settings};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -175,7 +175,7 @@ impl File<'_> {
             return Ok(());
         };
         let name = key.get_ref();
-        let is_setting = crate::settings::keys()
+        let is_setting = isoslice_settings::keys()
             .iter()
             .any(|k| k.name.split('.').next() == Some(name));
         let alike = |a: &str| strsim::jaro_winkler(a, name);

@@ -35,15 +35,15 @@ mod shared;
 pub use error::PlateError;
 pub use file::PlateFile;
 
-use crate::adhesion::brim_reach;
-use crate::model::{
-    Bounds, BuildVolume, Model, Placement, Source, load, place, together,
-};
-use crate::plane::Rect;
-use crate::settings::{DraftShield, InfillCentre, Settings};
-use crate::units::Mm;
 use arrange::{Bed, Box as Piece, arrange};
 use glam::{DVec2, DVec3};
+use isoslice_base::units::Mm;
+use isoslice_layer::adhesion::brim_reach;
+use isoslice_model::{
+    Bounds, BuildVolume, Model, Placement, Source, load, place, together,
+};
+use isoslice_planar::Rect;
+use isoslice_settings::{DraftShield, InfillCentre, Settings};
 use sequence::Arrangement;
 use std::collections::BTreeMap;
 
@@ -110,7 +110,7 @@ pub struct PartPlace {
 
 impl Plate {
     /// Greatest number of parts on a plate.
-    pub const MOST_PARTS: u64 = 1000;
+    pub const MOST_PARTS: u64 = isoslice_base::limits::MOST_PARTS;
 
     /// A plate with one part, where the model was placed.
     pub fn of(model: &Model, settings: &Settings) -> Plate {

@@ -2,7 +2,7 @@
 
 use super::shared::is_shared;
 use super::{Plate, PlateFile};
-use crate::settings::Settings;
+use isoslice_settings::Settings;
 use serde_json::{Map, Value, json};
 
 impl PlateFile {
@@ -94,7 +94,7 @@ fn properties(holds: impl Fn(&str) -> bool) -> Value {
         let Some(inner) = value["properties"].as_object_mut() else {
             // `description` and `inherits` are for profiles.
             let known =
-                crate::settings::keys().iter().any(|key| key.name == name);
+                isoslice_settings::keys().iter().any(|key| key.name == name);
             if known && holds(&name) {
                 kept.insert(name, value);
             }

@@ -34,10 +34,10 @@
 //! could not stand nearer; boxes are larger than parts.
 
 use super::{Part, Plate, PlateError};
-use crate::plane::Rect;
-use crate::settings::{DraftShield, PlateSequence, Settings, Supports};
-use crate::units::Mm;
 use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::Rect;
+use isoslice_settings::{DraftShield, PlateSequence, Settings, Supports};
 
 /// How far above all that is finished the head travels from one part to the
 /// next, mm: more than threads and blobs stand up.

@@ -1,6 +1,6 @@
 //! Which settings hold for the whole plate.
 
-use crate::settings::{Settings, keys};
+use isoslice_settings::{Settings, keys};
 
 /// Groups of settings that are of the printer, of the filament, of the file, or
 /// of what the nozzle does between parts.
@@ -51,7 +51,8 @@ pub(super) fn difference(
     part: &Settings,
 ) -> Option<Difference> {
     let shared = keys().iter().filter(|key| is_shared(key.name));
-    let differs = |key: &&crate::settings::Key| key.get(plate) != key.get(part);
+    let differs =
+        |key: &&isoslice_settings::Key| key.get(plate) != key.get(part);
     shared.into_iter().find(differs).map(|key| Difference {
         key: key.name,
         value: key.get(part),

@@ -51,7 +51,7 @@ fn what_a_plate_does_not_have_is_refused() {
     let many = error(&[wanted(BALL, 1_000_000_000), wanted(BALL, u64::MAX)]);
     assert!(many.contains("at most 1000"), "{many}");
     let mut thin = wanted(BALL, 2);
-    thin.settings.first_layer_height = crate::settings::ByNozzle::Length(0.1);
+    thin.settings.first_layer_height = isoslice_settings::ByNozzle::Length(0.1);
     let differs = error(&[thin]);
     assert!(
         differs.starts_with("here: first_layer_height = 0.1"),
@@ -98,7 +98,7 @@ fn errors_of_a_plate_file_tell_its_lines() {
     assert!(told.contains("(p.toml:4), "), "{told}");
     let told = error(&[in_file(BALL, 9999, 4)], &settings);
     assert!(told.starts_with("p.toml: 9999 parts"), "{told}");
-    let mut builder = crate::settings::Builder::new();
+    let mut builder = isoslice_settings::Builder::new();
     builder.set("plate.sequence=one-by-one").unwrap();
     let (alone, _) = builder.finish().unwrap();
     let mut two = in_file(BALL, 2, 4);

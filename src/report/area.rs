@@ -9,11 +9,11 @@
 //! Not guaranteed: that details thinner than the distance of samples are seen.
 
 use super::ReportError;
-use crate::model::Probe;
-use crate::plane::Rect;
-use crate::timings::{Stage, Timings};
-use crate::units::{Mm, Mm2, Mm3};
 use glam::DVec3;
+use isoslice_base::timings::{Stage, Timings};
+use isoslice_base::units::{Mm, Mm2, Mm3};
+use isoslice_model::Probe;
+use isoslice_planar::Rect;
 use rayon::prelude::*;
 
 /// Samples along a line, at most.

@@ -18,15 +18,15 @@
 use super::ReportError;
 use super::area::content;
 use super::spread::Spread;
-use crate::bead::Stroke;
-use crate::layers::LayerSpan;
-use crate::model::{Probe, Spot};
-use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Rect, Solid};
-use crate::region::Walls;
-use crate::settings::Settings;
-use crate::units::{Mm, Mm2};
 use glam::DVec2;
+use isoslice_base::units::{Mm, Mm2};
+use isoslice_layer::region::Walls;
+use isoslice_model::{Probe, Spot};
+use isoslice_planar::bead::Stroke;
+use isoslice_planar::grid::EdgeGrid;
+use isoslice_planar::{Area, Rect, Solid};
+use isoslice_settings::Settings;
+use isoslice_settings::layers::LayerSpan;
 use std::f64::consts::PI;
 
 /// Micrometres in a millimetre.
@@ -303,9 +303,9 @@ fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::shapes::{circle, moved};
-    use crate::region;
     use fidget::context::Tree;
+    use isoslice_layer::region;
+    use isoslice_planar::shapes::{circle, moved};
 
     fn disc() -> Probe {
         let (x, y) = (Tree::x(), Tree::y());

@@ -21,12 +21,12 @@ pub(crate) use layer::{Effort, LayerFigures, LayerParts, measure};
 pub use spread::Figures;
 pub(crate) use spread::Spread;
 
-use crate::heights::Steps;
-use crate::model::{Model, Probe, ProbeError};
-use crate::settings::{Settings, WallOffset};
-use crate::timings::Timings;
-use crate::units::{Mm, Mm2, Mm3, Seconds};
 use glam::DVec3;
+use isoslice_base::timings::Timings;
+use isoslice_base::units::{Mm, Mm2, Mm3, Seconds};
+use isoslice_model::heights::Steps;
+use isoslice_model::{Model, Probe, ProbeError};
+use isoslice_settings::{Settings, WallOffset};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

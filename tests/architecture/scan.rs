@@ -31,12 +31,21 @@ pub struct Reference {
     pub path: Vec<String>,
 }
 
+/// The module of a file; that of `lib.rs` is the root, without a name.
 pub fn module_of(name: &str) -> Module {
+    if name == "lib.rs" {
+        return Module::new();
+    }
     let name = name.trim_end_matches(".rs").trim_end_matches("/mod");
     name.split('/').map(str::to_owned).collect()
 }
 
 impl Source {
+    /// True for a file of a module of the crate's root.
+    pub fn is_in(&self, module: &str) -> bool {
+        self.module.first().is_some_and(|name| name == module)
+    }
+
     pub fn new(name: &str, text: &str) -> Self {
         let module = module_of(name);
         let bare = bare(text);

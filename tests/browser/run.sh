@@ -33,7 +33,7 @@ fi
 [ -n "$chromium" ] || skip "there is no chromium; install it (apt-get install chromium)"
 
 # The libraries in the page are those that were put there.
-(cd "$root/assets/preview/vendor" && sha256sum --check --quiet SHA256SUMS)
+(cd "$root/crates/preview/assets/vendor" && sha256sum --check --quiet SHA256SUMS)
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

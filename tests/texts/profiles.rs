@@ -70,7 +70,8 @@ fn refused(files: &[(&str, &str)], name: &str) -> String {
 
 #[test]
 fn every_file_is_part_of_the_program() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/settings");
+    let root =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/settings/src");
     let mut counts = Vec::new();
     for kind in ProfileKind::ALL {
         let files = fs::read_dir(root.join("profiles").join(kind.folder()));
@@ -83,7 +84,7 @@ fn every_file_is_part_of_the_program() {
         let mut profiles = shipped(kind);
         profiles.retain(|p| !p.is_another_nozzle());
         let names: Vec<_> = profiles.iter().map(|p| p.name.clone()).collect();
-        assert_eq!(names, files, "src/settings/shipped.rs lists them");
+        assert_eq!(names, files, "crates/settings/src/shipped.rs lists them");
         counts.push(files.len());
     }
     assert!(counts[0] >= 32 && counts[1] >= 8 && counts[2] >= 5);

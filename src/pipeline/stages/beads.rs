@@ -1,17 +1,18 @@
 //! The beads of a layer, before they have their order.
 
 use super::Stages;
-use crate::bead::{Bead, Role};
-use crate::infill::{self, InfillError};
-use crate::order::{LayerBeads, supports_last};
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::{Inside, Layer, faces, window};
-use crate::plane::Area;
-use crate::region::exposure::FillAreas;
-use crate::resolution::thin;
-use crate::skin::Patch;
-use crate::timings::Stage;
-use crate::{skin, walls};
+use isoslice_base::timings::Stage;
+use isoslice_layer::infill::{self, InfillError};
+use isoslice_layer::region::exposure::FillAreas;
+use isoslice_layer::resolution::thin;
+use isoslice_layer::skin;
+use isoslice_layer::skin::Patch;
+use isoslice_layer::walls;
+use isoslice_path::order::{LayerBeads, supports_last};
+use isoslice_planar::Area;
+use isoslice_planar::bead::{Bead, Role};
 use std::collections::VecDeque;
 
 impl Stages<'_> {

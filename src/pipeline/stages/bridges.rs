@@ -2,14 +2,14 @@
 
 use super::Stages;
 use super::beads::of_skin;
-use crate::bead::Bead;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::{Layer, faces};
-use crate::plane::Area;
-use crate::region::exposure::FillAreas;
-use crate::skin::over_infill::{Below, Level, Over, Under, bridged};
-use crate::skin::{self, Patch};
-use crate::timings::Stage;
+use isoslice_base::timings::Stage;
+use isoslice_layer::region::exposure::FillAreas;
+use isoslice_layer::skin::over_infill::{Below, Level, Over, Under, bridged};
+use isoslice_layer::skin::{self, Patch};
+use isoslice_planar::Area;
+use isoslice_planar::bead::Bead;
 use std::collections::VecDeque;
 
 /// What replaces parts of a layer that has internal bridges.

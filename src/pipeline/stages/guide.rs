@@ -2,10 +2,10 @@
 
 use super::Stages;
 use super::outlines::WallFields;
-use crate::layers::LayerSpan;
-use crate::limits;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::Layer;
+use isoslice_base::limits;
+use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::Range;

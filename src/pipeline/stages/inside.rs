@@ -1,14 +1,14 @@
 //! The walls of layers and what they leave, and how layers lie over others.
 
 use super::Stages;
-use crate::hang::Look;
 use crate::pipeline::layer::{Inside, Layer};
-use crate::plane::Area;
-use crate::region::exposure::roomy;
-use crate::region::{Walls, field_walls, walls};
 use crate::report::{LayerFigures, LayerParts, ReportError};
-use crate::timings::Stage;
-use crate::walls;
+use isoslice_base::timings::Stage;
+use isoslice_layer::hang::Look;
+use isoslice_layer::region::exposure::roomy;
+use isoslice_layer::region::{Walls, field_walls, walls};
+use isoslice_layer::walls;
+use isoslice_planar::Area;
 use std::collections::VecDeque;
 
 impl Stages<'_> {

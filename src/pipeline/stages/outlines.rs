@@ -4,19 +4,21 @@
 //! offset fields if walls are made of these.
 
 use super::Stages;
-use crate::contour::{Detail, Field, FieldError, Outline, field, outlines};
-use crate::layers::LayerSpan;
-use crate::limits;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::{Layer, Met, SAME_HEIGHT};
-use crate::plane::{Area, Solid};
-use crate::region::compensate::Compensation;
-use crate::region::cover::rough;
-use crate::region::{OUTLINE_SHARE, wall_depths};
-use crate::settings::Settings;
-use crate::timings::Stage;
-use crate::units::Mm;
-use crate::vary::VaryError;
+use isoslice_base::limits;
+use isoslice_base::timings::Stage;
+use isoslice_base::units::Mm;
+use isoslice_layer::region::compensate::Compensation;
+use isoslice_layer::region::cover::rough;
+use isoslice_layer::region::{OUTLINE_SHARE, wall_depths};
+use isoslice_model::contour::{
+    Detail, Field, FieldError, Outline, field, outlines,
+};
+use isoslice_model::vary::VaryError;
+use isoslice_planar::{Area, Solid};
+use isoslice_settings::Settings;
+use isoslice_settings::layers::LayerSpan;
 use std::ops::Range;
 use std::sync::Arc;
 

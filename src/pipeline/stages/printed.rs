@@ -2,13 +2,13 @@
 
 use super::outlines::WallFields;
 use super::{ALL_LAYERS, Stages};
-use crate::contour::field_in;
-use crate::layers::LayerSpan;
-use crate::limits;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::{Inside, Layer};
 use crate::pipeline::sound::{self, Found};
-use crate::plane::Rect;
+use isoslice_base::limits;
+use isoslice_model::contour::field_in;
+use isoslice_planar::Rect;
+use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::collections::VecDeque;

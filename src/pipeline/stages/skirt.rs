@@ -1,16 +1,16 @@
 //! What lies round a part: skirt, brim and draft shield.
 
 use super::{ALL_LAYERS, Stages};
-use crate::adhesion::{Skirt, loops};
-use crate::bead::Bead;
-use crate::layers::LayerSpan;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::Layer;
-use crate::plane::clip::union;
-use crate::plane::{Area, Ring};
-use crate::settings::Settings;
-use crate::units::Mm;
 use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_layer::adhesion::{Skirt, loops};
+use isoslice_planar::bead::Bead;
+use isoslice_planar::clip::union;
+use isoslice_planar::{Area, Ring};
+use isoslice_settings::Settings;
+use isoslice_settings::layers::LayerSpan;
 
 /// About how many layers' outlines a high skirt is laid round. It keeps a
 /// distance from the part, which the layers in between do not exceed.

@@ -2,12 +2,12 @@
 
 use super::Stages;
 use super::outlines::WallFields;
-use crate::bead::Bead;
-use crate::layers::LayerSpan;
-use crate::limits;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::Layer;
-use crate::spiral::Spiral;
+use isoslice_base::limits;
+use isoslice_path::spiral::Spiral;
+use isoslice_planar::bead::Bead;
+use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use std::collections::VecDeque;
 

@@ -2,23 +2,25 @@
 
 use super::outlines::WallFields;
 use super::{ALL_LAYERS, Stages};
-use crate::bead::Bead;
-use crate::hang::{Hanging, Needs, Unsupported};
-use crate::infill::InfillError;
-use crate::layers::LayerSpan;
-use crate::limits;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::Layer;
 use crate::pipeline::raft::{self, Raft};
 use crate::pipeline::supported::{Fills, Supported, Top};
-use crate::plane::clip::union;
-use crate::plane::offset::offset;
-use crate::plane::{Area, Rect};
-use crate::support::{Asked, Heights, Plan, Survey, Wishes, coarse, held};
-use crate::timings::Stage;
-use crate::units::Mm;
-use crate::vary::Surroundings;
 use glam::DVec2;
+use isoslice_base::limits;
+use isoslice_base::timings::Stage;
+use isoslice_base::units::Mm;
+use isoslice_layer::hang::{Hanging, Needs, Unsupported};
+use isoslice_layer::infill::InfillError;
+use isoslice_layer::support::{
+    Asked, Heights, Plan, Survey, Wishes, coarse, held,
+};
+use isoslice_model::vary::Surroundings;
+use isoslice_planar::bead::Bead;
+use isoslice_planar::clip::union;
+use isoslice_planar::offset::offset;
+use isoslice_planar::{Area, Rect};
+use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -10,7 +10,7 @@
 use super::super::SliceError;
 use super::super::layer::{Inside, Layer};
 use super::{Supply, all_or_first};
-use crate::layers::LayerSpan;
+use isoslice_settings::layers::LayerSpan;
 use rayon::join;
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -14,15 +14,15 @@
 use super::super::layer::{Filled, Layer};
 use super::super::stages::Stages;
 use super::super::{BLOCK, SliceError};
-use crate::infill::standing::Standing;
-use crate::order::LayerBeads;
-use crate::plane::clip::union;
-use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Solid};
-use crate::region::exposure::FillAreas;
-use crate::skin::over_infill::{Below, CELL, Level, Under};
-use crate::timings::Stage;
 use glam::DVec2;
+use isoslice_base::timings::Stage;
+use isoslice_layer::infill::standing::Standing;
+use isoslice_layer::region::exposure::FillAreas;
+use isoslice_layer::skin::over_infill::{Below, CELL, Level, Under};
+use isoslice_path::order::LayerBeads;
+use isoslice_planar::clip::union;
+use isoslice_planar::grid::EdgeGrid;
+use isoslice_planar::{Area, Solid};
 use rayon::ThreadPool;
 use std::collections::VecDeque;
 

@@ -10,7 +10,7 @@ use super::super::layer::Ready;
 use super::super::options::Extent;
 use super::super::stages::Stages;
 use super::Supply;
-use crate::layers::LayerSpan;
+use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use std::collections::VecDeque;
 

@@ -1,0 +1,46 @@
+//! What any stage may need, and what is no stage itself.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`units`] | names units, and writes times and sizes for people |
+//! | [`sets`] | joins what belongs together |
+//! | [`random`] | makes numbers that look random, and are the same in every run |
+//! | [`encoding`] | reads text from bytes |
+//! | [`stopwatch`] | measures the processor time of a thread |
+//! | [`limits`] | bounds the time, the work and the memory of a run, and stops it |
+//! | [`files`] | reads files within limits, and writes them whole or not at all |
+//! | [`timings`] | adds up the time of each stage |
+//!
+//! In and out: plain values; each module says which.
+//!
+//! Guarantees: nothing here knows a model, a setting or a layer. No function
+//! panics on bad input. What is read from outside is bounded in size.
+
+#![warn(unreachable_pub)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
+// Failures are errors, not panics; only tests may panic. Indices are allowed,
+// since geometry is full of them; the fuzzer and the hostile models test those.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
+pub mod encoding;
+pub mod files;
+pub mod limits;
+pub mod random;
+pub mod sets;
+pub mod stopwatch;
+pub mod timings;
+pub mod units;

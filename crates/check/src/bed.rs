@@ -1,0 +1,80 @@
+//! The rules about heights that need no cells: beads of the first layer lie on
+//! the bed, and nothing else leads the nozzle into what is printed.
+
+use super::cells::cell_of;
+use super::rules::ROUNDING;
+use super::{Checker, Kind, place, sideways};
+use isoslice_base::units::{Mm, Mm2};
+use isoslice_gcode_read::reader::{Move, Role};
+use std::f64::consts::FRAC_PI_4;
+
+/// Least height of the nozzle above the bed while it prints. No layer is
+/// thinner.
+const THINNEST: Mm = 0.02;
+
+/// Greatest air below a bead of the first layer: what unevenness of beds and
+/// offsets in files make up. A bead that falls farther does not stick.
+const AIR: Mm = 0.1;
+
+impl Checker<'_> {
+    /// Reports a bead of the first layer for which the nozzle scrapes over the
+    /// bed, or which lies above it.
+    pub(super) fn on_bed(&mut self, step: &Move, area: Mm2) {
+        let rules = self.rules;
+        // Beads that rise follow a surface, or begin a climbing wall.
+        let level = step.from.z == step.to.z;
+        let first = step.layer == self.lowest_layer && rules.base == 0.0;
+        if !level || !first || step.role == Role::Ironing {
+            return;
+        }
+        let z = step.to.z;
+        if z < THINNEST {
+            self.verdict.add(Kind::OffBed, step.line, step.to, || {
+                format!(
+                    "the first layer is printed at z = {z:.3}, with the nozzle \
+                     on the bed"
+                )
+            });
+        }
+        // What the nozzle lays is no thicker than it is wide, or than a free
+        // strand.
+        let strand = (area / FRAC_PI_4).sqrt().max(rules.nozzle);
+        let air = z - step.height.min(strand);
+        if air > AIR + ROUNDING {
+            self.verdict.add(Kind::OffBed, step.line, step.to, || {
+                format!(
+                    "a bead of the first layer at z = {z:.3} has {air:.2} mm of \
+                     air between it and the bed"
+                )
+            });
+        }
+    }
+
+    /// Reports a nozzle that goes down into what is printed.
+    pub(super) fn dive(&mut self, step: &Move) {
+        if sideways(step) || step.to.z >= step.from.z || !self.within(step) {
+            return;
+        }
+        // Only the layers below count: a scarf begins where they end.
+        let cell = cell_of(step.to.truncate());
+        let Some(top) = self.ground.below(cell) else {
+            return;
+        };
+        let depth = top - step.to.z;
+        // Beads side by side may differ in height, and share cells.
+        if depth < 0.5 * self.rules.nozzle {
+            return;
+        }
+        let why = format!(
+            "the nozzle goes down into what is printed: to {}, where that \
+             reaches up to {top:.3}",
+            place(step.to)
+        );
+        // A nozzle's width is more than any layer. A smaller depth leaves a mark.
+        if depth > self.rules.nozzle + ROUNDING {
+            self.hold(Kind::Dive, "", step.line, step.to, why);
+        } else {
+            self.verdict.add(Kind::Low, step.line, step.to, || why);
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! The rules about commands that are no moves: heat, homing, motors, macros,
+//! and lines that make no sense.
+
+use super::words::{self, Effect};
+use super::{Checker, HOMED, Kind};
+use glam::DVec3;
+use isoslice_base::units::{Celsius, Seconds, human_time};
+use isoslice_gcode_read::reader::{Heater, Problem, Reader, Words};
+use std::io::Read;
+
+impl Checker<'_> {
+    pub(super) fn problem(&mut self, line: u64, problem: Problem) {
+        let kind = match problem {
+            Problem::LongLine => Kind::LongLine,
+            Problem::CarriageReturn => Kind::LineEnd,
+            _ => Kind::Senseless,
+        };
+        let at = DVec3::NAN;
+        self.verdict.add(kind, line, at, || problem.to_string());
+    }
+
+    /// Reports a temperature that is more than the heater bears.
+    pub(super) fn limit_heat(
+        &mut self,
+        line: u64,
+        heater: Heater,
+        to: Celsius,
+    ) {
+        let (limit, name) = self.rules.heat(heater);
+        if to > limit.most {
+            self.verdict.add_about(
+                Kind::TooHot,
+                name,
+                line,
+                DVec3::NAN,
+                || {
+                    format!(
+                        "the {name} is told {to} °C; {} is {}",
+                        limit.setting, limit.most
+                    )
+                },
+            );
+        } else if to > limit.usual {
+            self.verdict.add_about(Kind::Hot, name, line, DVec3::NAN, || {
+                format!(
+                    "the {name} is told {to} °C, more than most bear; set {} \
+                     to what yours does",
+                    limit.setting
+                )
+            });
+        }
+    }
+
+    /// Takes in the homing of the axes that are named, or of all.
+    pub(super) fn home(&mut self, line: u64, words: &Words) {
+        let named = |l: &u8| words.has(*l);
+        let all = !b"XYZ".iter().any(named);
+        // No firmware homes z before it knows x and y.
+        if named(&b'Z') {
+            self.homed = HOMED;
+        }
+        for (i, letter) in b"XYZ".iter().enumerate() {
+            if all || named(letter) {
+                self.homed |= 1 << i;
+            }
+        }
+        if (all || words.has(b'Z')) && self.ending.has_printed() {
+            let kind = Kind::Changed;
+            self.verdict.add_about(kind, "G28", line, DVec3::NAN, || {
+                "G28 homes z with a print on the bed, which the nozzle or \
+                     the probe may meet"
+                    .into()
+            });
+        }
+    }
+
+    /// Takes in a command that the reader does not follow.
+    pub(super) fn code(
+        &mut self,
+        line: u64,
+        letter: char,
+        tenths: u32,
+        words: &Words,
+    ) {
+        match (letter, tenths) {
+            // Bambu Lab's printers take a filament.
+            ('M', 6200) => self.tools.several = true,
+            // With a time (S) these commands turn the motors off later.
+            ('M', 180 | 840) if !words.has(b'S') => self.motors_off(words),
+            // RepRapFirmware's macro for G32 homes.
+            ('G', 320) => self.homed = HOMED,
+            // This sets a tool's standby temperature only.
+            ('G', 100) | ('M', 5680) => {
+                if let Some(standby) = words.get(b'R') {
+                    self.limit_heat(line, Heater::Nozzle(None), standby);
+                }
+            }
+            _ => {}
+        }
+        let effect = words::of_code(letter, tenths, words);
+        if effect != Some(Effect::None) {
+            self.word(line, &words::code(letter, tenths), effect);
+        }
+    }
+
+    /// Reports a wait that is hardly meant.
+    pub(super) fn dwell(&mut self, line: u64, time: Seconds) {
+        /// Longest wait that is usual: soaking a chamber takes that long.
+        const LONGEST: Seconds = 3600.0;
+        if time > LONGEST {
+            let kind = Kind::Changed;
+            self.verdict.add_about(kind, "G4", line, DVec3::NAN, || {
+                format!("G4 waits for {}", human_time(time))
+            });
+        }
+    }
+
+    /// Takes in that motors are turned off, the named ones or all. Their
+    /// positions are unknown from then on.
+    fn motors_off(&mut self, words: &Words) {
+        let all = !b"XYZE".iter().any(|l| words.has(*l));
+        for (i, letter) in b"XYZ".iter().enumerate() {
+            if all || words.has(*letter) {
+                self.homed &= !(1 << i);
+            }
+        }
+    }
+
+    /// Takes in a command that is a name.
+    pub(super) fn named<R: Read>(&mut self, line: u64, reader: &Reader<R>) {
+        /// Length of the longest name that is shown whole.
+        const LONGEST: usize = 40;
+        let named = reader.named();
+        if named.name().is_empty() {
+            self.own_start = true;
+        } else if named.is("SET_HEATER_TEMPERATURE") {
+            // The reader has made sense of all but the heater.
+            let heater = named.get("HEATER").unwrap_or_default();
+            let heater = &heater[..heater.len().min(LONGEST)];
+            let heater = String::from_utf8_lossy(heater);
+            let word = format!("SET_HEATER_TEMPERATURE HEATER={heater}");
+            return self.word(line, &word, None);
+        } else if let Some(effect) = words::of_name(named) {
+            if effect != Effect::None {
+                let name = String::from_utf8_lossy(named.name());
+                self.word(line, &name.to_uppercase(), Some(effect));
+            }
+            return;
+        }
+        // A macro may heat, home and purge.
+        self.heat.macro_called(named);
+        self.ending.macro_called();
+        self.homed = HOMED;
+        for (heater, to) in super::heat::told(named) {
+            self.limit_heat(line, heater, to);
+        }
+        let unfilled = |(_, value): (&[u8], &[u8])| {
+            value.starts_with(b"[") || value.starts_with(b"{")
+        };
+        if named.pairs().any(unfilled) {
+            self.verdict.add(Kind::Senseless, line, DVec3::NAN, || {
+                "a placeholder that nobody has filled in".into()
+            });
+        }
+        if !named.name().is_empty() {
+            // A name consists of letters, digits and _, so it can be shown.
+            let name = named.name();
+            let name = &name[..name.len().min(LONGEST)];
+            self.word(line, &String::from_utf8_lossy(name), None);
+        }
+    }
+
+    /// Reports what a command does. Without an effect, the command is unknown.
+    fn word(&mut self, line: u64, word: &str, effect: Option<Effect>) {
+        let (kind, why) = match effect {
+            Some(Effect::None) => return,
+            Some(Effect::Disturbs(why)) => {
+                if self.ending.has_printed() {
+                    let why = format!("{word} {why}");
+                    self.hold(Kind::Harmful, word, line, DVec3::NAN, why);
+                }
+                return;
+            }
+            Some(Effect::Warns(why)) => (Kind::Changed, why),
+            Some(Effect::Harms(why)) => (Kind::Harmful, why),
+            None => (Kind::UnknownWord, "is not known"),
+        };
+        self.verdict.add_about(kind, word, line, DVec3::NAN, || {
+            format!("{word} {why}")
+        });
+    }
+}

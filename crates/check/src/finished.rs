@@ -1,0 +1,134 @@
+//! Parts that are finished while others are printed: does the head hit them?
+//!
+//! In: the beads and travels of a file whose parts are printed one by one. Out:
+//! what the head would hit. A part is finished once a bead lies well below its
+//! top, or a layer begins no higher than the one before. From then on its box must
+//! be out of the head's reach, and below whatever moves across the bed with the
+//! head.
+
+use glam::DVec2;
+use isoslice_base::limits::MOST_PARTS;
+use isoslice_base::units::Mm;
+use isoslice_gcode_read::reader::{Move, Role};
+use isoslice_planar::Rect;
+use isoslice_settings::{PlateSequence, Settings};
+
+/// What the head needs beside finished parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct HeadRoom {
+    /// Radius of the head around the nozzle, and how far it is empty upwards
+    /// from the nozzle's tip.
+    radius: Mm,
+    free_below: Mm,
+    /// Height of what moves across the whole bed.
+    gantry: Mm,
+    /// How far in front of the nozzle what is higher may stand.
+    front: Option<Mm>,
+}
+
+impl HeadRoom {
+    /// The room that matters with these settings: none where all parts grow
+    /// together, or where it is not known.
+    pub(super) fn of(settings: &Settings) -> Option<HeadRoom> {
+        let printer = &settings.printer;
+        if settings.plate.sequence != PlateSequence::OneByOne {
+            return None;
+        }
+        Some(HeadRoom {
+            radius: printer.head_clearance_radius?,
+            free_below: printer.head_clearance_height,
+            gantry: printer.gantry_height?,
+            front: printer.front_clearance,
+        })
+    }
+}
+
+/// Something that stands on the bed.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    area: Rect,
+    top: Mm,
+}
+
+impl Block {
+    /// Grows to hold another block as well.
+    fn add(&mut self, other: Block) {
+        self.area.min = self.area.min.min(other.area.min);
+        self.area.max = self.area.max.max(other.area.max);
+        self.top = self.top.max(other.top);
+    }
+}
+
+/// What is finished, and what is being printed.
+#[derive(Debug, Default)]
+pub(super) struct Finished {
+    done: Vec<Block>,
+    here: Option<Block>,
+}
+
+impl Finished {
+    /// Takes a bead. A skirt and a brim are no higher than a layer.
+    pub(super) fn bead(&mut self, step: &Move) {
+        if matches!(step.role, Role::SkirtBrim) {
+            return;
+        }
+        let (from, to) = (step.from.truncate(), step.to.truncate());
+        let own = Block {
+            area: Rect::new(from.min(to), from.max(to)),
+            top: step.from.z.max(step.to.z),
+        };
+        self.here.get_or_insert(own).add(own);
+    }
+
+    /// The part being printed is finished.
+    ///
+    /// Moves are compared with each finished part, so there is a bound on their
+    /// number: parts beyond it count as one with the last.
+    pub(super) fn next_part(&mut self) {
+        let Some(here) = self.here.take() else {
+            return;
+        };
+        let full = self.done.len() as u64 >= MOST_PARTS;
+        match self.done.last_mut() {
+            Some(last) if full => last.add(here),
+            _ => self.done.push(here),
+        }
+    }
+
+    /// What a move would hit, in words.
+    pub(super) fn hit(&self, step: &Move, room: &HeadRoom) -> Option<String> {
+        /// What rounding may take away, mm.
+        const ROUNDED: Mm = 1e-2;
+        let low = step.from.z.min(step.to.z);
+        let (from, to) = (step.from.truncate(), step.to.truncate());
+        let (min, max) = (from.min(to), from.max(to));
+        let height = |block: &Block| block.top - low;
+        for block in &self.done {
+            let Block { area, top } = block;
+            let ahead = min.y - area.max.y;
+            let passes =
+                room.front.is_some_and(|front| ahead >= front - ROUNDED);
+            if height(block) > room.gantry + ROUNDED && !passes {
+                return Some(format!(
+                    "the nozzle is at z = {low:.3} while a part of {top:.3} mm \
+                     is finished, and what carries the head is only {} mm \
+                     above it (printer.gantry_height)",
+                    room.gantry
+                ));
+            }
+            let gap = (min - area.max).max(area.min - max);
+            let apart = gap.max(DVec2::ZERO).length();
+            if height(block) > room.free_below + ROUNDED
+                && apart < room.radius - ROUNDED
+            {
+                return Some(format!(
+                    "the nozzle is {apart:.2} mm beside a finished part of \
+                     {top:.3} mm, at z = {low:.3}, and the head reaches {} mm \
+                     (printer.head_clearance_radius)",
+                    room.radius
+                ));
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,268 @@
+//! Whether layers get about as much plastic as fits into them.
+//!
+//! In: beads, in order. Out: for each layer, the plastic as a share of what its
+//! beads should have.
+//!
+//! Three things tell what beads should have. If the file says how wide and high
+//! they are, that is their volume. Where beads lie side by side, without sparse
+//! places between them, they share the room of the layer: this is looked at in
+//! [`Window`]s that are covered all over. And the beads of a layer are about as
+//! wide as the nozzle.
+//!
+//! Beads of walls, skin and infill count. Bridges, overhangs, ironing, supports
+//! and towers have flows of their own.
+
+use super::cells::{CELL, cell_of};
+use super::ground::Ground;
+use super::rise::{self, Rise};
+use glam::IVec2;
+use isoslice_base::units::{Mm, Mm2, cross_section};
+use isoslice_gcode_read::reader::{Move, Role};
+use std::collections::BTreeMap;
+
+/// Cells along one side of a window: 4 mm. Lines of 0.4 mm fill it to within
+/// 10 %, wherever the first one lies, and lines of 1 mm to within 25 %.
+const SIDE: i32 = 8;
+
+/// Area of a window.
+const WINDOW: Mm2 = (SIDE * SIDE) as f64 * CELL * CELL;
+
+/// Area of beads, seen from the side, that says too little: that of 25 mm of usual
+/// lines.
+const LITTLE: Mm2 = 5.0;
+
+/// Number of windows that a layer may have; a bed of 4 m² has as many.
+const MOST_WINDOWS: usize = 1 << 18;
+
+/// Shares of what a layer should get which no print is made with. Lines swell
+/// and merge from 1.25 on. Foams print with as little as 0.4.
+const TOO_MUCH: f64 = 1.5;
+const TOO_LITTLE: f64 = 0.3;
+
+/// Share of the least width by the settings, and of the greatest one, that a
+/// layer's beads have on average. Thin places get a bead of a third of the usual
+/// width, less its round sides.
+const TOO_WIDE: f64 = 1.4;
+const TOO_NARROW: f64 = 0.15;
+
+/// A square of cells: a bit for each that beads run through, the volume of
+/// these beads, and that volume times their height.
+#[derive(Clone, Copy, Debug, Default)]
+struct Window {
+    cells: u64,
+    volume: f64,
+    weighed: f64,
+}
+
+/// What is known of the layer being printed.
+#[derive(Debug, Default)]
+pub(super) struct Flow {
+    /// Volume that the beads have, and that they should have by what the file
+    /// says.
+    volume: f64,
+    said: f64,
+    /// Area of the beads, seen from the side.
+    upright: f64,
+    windows: BTreeMap<(i32, i32), Window>,
+    /// The first line of the layer.
+    line: Option<u64>,
+    rise: Rise,
+}
+
+/// A layer with too much plastic, or too little.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wrong {
+    /// The layer's first bead.
+    pub line: u64,
+    /// Share of what it should have.
+    pub share: f64,
+}
+
+impl Flow {
+    /// Takes a bead with a cross-section of `area` that lies on `ground`.
+    pub(super) fn bead(&mut self, step: &Move, area: Mm2, ground: &Ground) {
+        if !counts(step.role) {
+            return;
+        }
+        self.line.get_or_insert(step.line);
+        let length = step.length();
+        self.volume += area * length;
+        self.said += cross_section(step.width, step.height) * length;
+        self.upright += step.height * length;
+        let (from, to) = (step.from.truncate(), step.to.truncate());
+        // Places in the middle of steps of a cell's size, or less.
+        let count = (from.distance(to) / CELL).ceil().max(1.0);
+        let volume = area * length / count;
+        for k in 0..count as u32 {
+            let share = (f64::from(k) + 0.5) / count;
+            let at = step.from.lerp(step.to, share);
+            let cell = cell_of(at.truncate());
+            // Files that say no heights may have supports between layers, whose
+            // distance then is not the height of either.
+            let below = ground.below(cell).unwrap_or(0.0);
+            let room = step.height.max(at.z - below);
+            self.cover(cell, volume, room);
+            if !ground.is_over_support(cell) {
+                let named = step.role != Role::Unknown;
+                self.rise.bead(at.z - below, length / count, area, named);
+            }
+        }
+    }
+
+    /// Adds a part of a bead to its window.
+    fn cover(&mut self, cell: IVec2, volume: f64, height: Mm) {
+        let place = (cell.x.div_euclid(SIDE), cell.y.div_euclid(SIDE));
+        let full = self.windows.len() >= MOST_WINDOWS;
+        if full && !self.windows.contains_key(&place) {
+            return;
+        }
+        let window = self.windows.entry(place).or_default();
+        let within = cell.rem_euclid(IVec2::splat(SIDE));
+        window.cells |= 1 << (within.y * SIDE + within.x);
+        window.volume += volume;
+        window.weighed += volume * height;
+    }
+
+    /// What is wrong with the rise of the layer with this number, which ends.
+    pub(super) fn rise(&mut self, number: u32) -> Option<rise::Wrong> {
+        self.rise.next_layer(number)
+    }
+
+    /// Ends a layer. `flow` and `widths` are the least and the greatest ones by
+    /// the settings.
+    pub(super) fn next_layer(
+        &mut self,
+        flow: [f64; 2],
+        widths: [Mm; 2],
+    ) -> Option<Wrong> {
+        let rise = std::mem::take(&mut self.rise);
+        let here = std::mem::replace(
+            self,
+            Flow {
+                rise,
+                ..Flow::default()
+            },
+        );
+        let line = here.line?;
+        if here.upright < LITTLE {
+            return None;
+        }
+        let [least, most] = flow;
+        let beyond = |share: f64, little: f64, much: f64| {
+            let usual = little * least..=much * most;
+            (!usual.contains(&share)).then_some(share)
+        };
+        let said = beyond(here.volume / here.said, TOO_LITTLE, TOO_MUCH);
+        // Sparse infill may leave no cell uncovered, so that only too much is
+        // wrong there.
+        let filled = || beyond(here.filled()?, 0.0, TOO_MUCH);
+        let width = here.volume / here.upright;
+        let [narrow, wide] = [TOO_NARROW * widths[0], TOO_WIDE * widths[1]];
+        let is_wide = || Some(beyond(width, narrow, wide)? / widths[0]);
+        let share = said.or_else(filled).or_else(is_wide)?;
+        Some(Wrong { line, share })
+    }
+
+    /// Share of the room in the windows that beads cover all over.
+    fn filled(&self) -> Option<f64> {
+        let covered = self.windows.values().filter(|w| w.is_covered());
+        let (volume, room) = covered.fold((0.0, 0.0), |(v, r), window| {
+            let height = window.weighed / window.volume;
+            (v + window.volume, r + WINDOW * height)
+        });
+        (room > 0.0).then(|| volume / room)
+    }
+}
+
+impl Window {
+    /// True if beads run through each cell, or beside it: wide beads leave cells
+    /// between their centre lines.
+    fn is_covered(&self) -> bool {
+        // Bits of all cells but those of the first, or the last, column.
+        const NOT_FIRST: u64 = 0xfefe_fefe_fefe_fefe;
+        const NOT_LAST: u64 = NOT_FIRST >> 1;
+        let row = self.cells
+            | (self.cells & NOT_LAST) << 1
+            | (self.cells & NOT_FIRST) >> 1;
+        (row | row << SIDE | row >> SIDE) == u64::MAX
+    }
+}
+
+/// True if beads of a role have the usual flow.
+fn counts(role: Role) -> bool {
+    matches!(
+        role,
+        Role::OuterWall
+            | Role::InnerWall
+            | Role::GapFill
+            | Role::TopSkin
+            | Role::BottomSkin
+            | Role::Skin
+            | Role::SparseInfill
+            | Role::Unknown
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_base::units::filament_area;
+    use isoslice_gcode_read::reader::{Event, Reader};
+
+    /// What is found in a layer of lines `apart` from one another, each 12 mm
+    /// long, with a share of the plastic that a line of that width needs.
+    fn found(head: &str, apart: f64, share: f64) -> Option<Wrong> {
+        let fed = share * 12.0 * apart * 0.2 / filament_area(1.75);
+        let mut text = format!("M83\n{head}G1 Z0.2\n");
+        let mut y = 50.0;
+        while y < 62.0 {
+            text += &format!("G1 X50 Y{y:.3}\nG1 X62 E{fed:.5}\n");
+            y += apart;
+        }
+        let mut flow = Flow::default();
+        let ground = Ground::new(0.0, 0.4);
+        for event in Reader::new(text.as_bytes()) {
+            if let Event::Move(step) = event.unwrap()
+                && step.prints()
+            {
+                flow.bead(&step, step.area(1.75), &ground);
+            }
+        }
+        flow.next_layer([1.0, 1.0], [0.4, 1.0])
+    }
+
+    #[test]
+    fn lines_side_by_side_share_the_room_of_the_layer() {
+        for apart in [0.3, 0.41, 0.55, 0.8, 1.0] {
+            for share in [0.9, 1.0, 1.15] {
+                assert_eq!(found("", apart, share), None, "{apart} {share}");
+            }
+            for share in [2.0, 14.0] {
+                let wrong = found("", apart, share).unwrap();
+                assert_eq!(wrong.line, 4);
+                assert!(wrong.share > TOO_MUCH, "{wrong:?}");
+            }
+        }
+        // Sparse lines leave windows uncovered, and may be of any usual width.
+        for share in [0.15, 0.25, 0.45] {
+            assert_eq!(found("", 2.0, share), None, "{share}");
+        }
+        for share in [0.02, 0.8] {
+            assert!(found("", 2.0, share).is_some(), "{share}");
+        }
+    }
+
+    #[test]
+    fn what_the_file_says_of_beads_is_what_they_should_have() {
+        let said = ";WIDTH:0.45\n;HEIGHT:0.2\n;TYPE:Perimeter\n";
+        // Sparse lines of 2 mm² do not fit the width said.
+        for (share, wrong) in
+            [(0.05, true), (0.1, false), (0.2, false), (0.4, true)]
+        {
+            let is = found(said, 2.0, share).is_some();
+            assert_eq!(is, wrong, "{share}");
+        }
+        let support = said.replace("Perimeter", "Support material");
+        assert_eq!(found(&support, 2.0, 0.4), None);
+    }
+}

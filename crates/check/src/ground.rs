@@ -1,0 +1,421 @@
+//! What beads lie on, and what travels lead over, at each point's own height.
+//!
+//! The plane is divided into cells. Each knows how high what is printed reaches
+//! there (`columns`). It tells
+//!
+//! - where an island begins in the air. A layer's islands are the connected
+//!   groups of cells that beads run through. An island stands on something if
+//!   in one of its cells, or beside it, something below reaches up to its beads:
+//!   the part, or a support within a gap. Supports may stand on the part with a
+//!   gap as well;
+//! - where a layer reaches far into the air, though it is connected with what
+//!   stands, or hangs nearly all over;
+//! - where a bead that rises out of its layer has nothing below it;
+//! - where a bead is laid into what lies below it;
+//! - where a travel leads through what is printed.
+//!
+//! A bead reaches as deep as its height, and an island stands if half of that is
+//! missing below it. A bead that follows a surface under the edge of the next
+//! layer gets no more material than what lies open of it takes: it is lifted by
+//! up to half of the next layer, which is no higher than the nozzle is wide.
+
+use super::cells::{CELL, Cells, around, cell_of};
+use super::columns::{Columns, Seen};
+use glam::{DVec3, IVec2};
+use isoslice_base::units::{Mm, Mm2};
+use isoslice_gcode_read::reader::{Move, Role};
+use isoslice_planar::bead::height_of;
+
+/// Greatest gap between a support and what it holds above it, and between a
+/// support and what it stands on, if the settings ask for none that is wider.
+pub(super) const GAP: Mm = 0.6;
+
+/// Share of a bead's height that may be missing below it.
+const MISSING: f64 = 0.5;
+
+/// Share of its height that may be missing below a bead of the layer which does not
+/// rise. If more is missing, the whole layer hangs there, and not only the bead that
+/// rises.
+const ALIKE: f64 = 0.25;
+
+/// How far below a top a nozzle may move: a quarter of a usual layer. The tops of
+/// beads are uneven by about as much, and a bead is lower at its sides, which share
+/// their cells with the next bead. A nozzle that is lower ploughs.
+pub(super) const PLOUGH: Mm = 0.05;
+
+/// How far beads may reach into the air, mm. The longest bridges, which hold at
+/// both ends, reach half as far as they are long. A print that was shifted
+/// hangs on a single bead.
+const REACH: Mm = 20.0;
+
+/// Share of a layer's cells that may hang: more is not held by the walls.
+const HELD: f64 = 0.1;
+
+/// Width of usual beads, in widths of the nozzle.
+const WIDE: f64 = 1.25;
+
+/// Heights closer than this differ by rounding only.
+const ROUNDED: Mm = 1e-3;
+
+/// The layer being printed, and those below.
+pub(super) struct Ground {
+    columns: Columns,
+    /// Greatest gap at supports.
+    gap: Mm,
+    /// Greatest gap below a bead that follows a surface: half of the nozzle's
+    /// width.
+    lift: Mm,
+    /// Height of the bed, known after the first layer.
+    bed: Option<Mm>,
+    /// True if layers lie below this one.
+    above_others: bool,
+    here: Layer,
+    /// The place of the layer that was looked at last, if all is well there.
+    last: Option<Spot>,
+    /// Where the last bead ended. The next one mostly begins there.
+    end: DVec3,
+}
+
+/// A cell of a layer, and how a bead lies in it.
+#[derive(Clone, Copy, PartialEq)]
+struct Spot {
+    cell: IVec2,
+    z: Mm,
+    height: Mm,
+    support: bool,
+}
+
+/// What is known of the layer being printed.
+#[derive(Default)]
+struct Layer {
+    /// Height of the highest point of its beads.
+    top: Option<Mm>,
+    /// The lowest bottom of beads that do not rise, by what the file says.
+    bottom: Option<Mm>,
+    /// Height of the first bead of the part that does not rise, and how high
+    /// the file says that it is.
+    level: Option<(Mm, Mm)>,
+    /// Cells of beads that were reported to hang in the air.
+    reported: Cells,
+    /// True if the file calls some of its beads bridges or overhangs.
+    bridges: bool,
+}
+
+/// A layer that reaches into the air, or hangs there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Adrift {
+    /// A place that hangs.
+    pub at: DVec3,
+    /// How far it is from what stands.
+    pub reach: Mm,
+}
+
+/// A bead or a travel at the wrong height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wrong {
+    /// Where the nozzle is.
+    pub at: DVec3,
+    /// The top of what is printed there.
+    pub top: Mm,
+    /// How it is wrong.
+    pub how: How,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum How {
+    /// The nozzle is too low.
+    Low,
+    /// The bead hangs above what the rest of its layer lies on.
+    High,
+}
+
+impl Ground {
+    /// A bed without anything on it. `gap` is the greatest one at supports, and
+    /// `nozzle` the nozzle's width.
+    pub(super) fn new(gap: Mm, nozzle: Mm) -> Ground {
+        Ground {
+            columns: Columns::default(),
+            gap: gap.max(GAP),
+            lift: 0.5 * nozzle,
+            bed: None,
+            above_others: false,
+            here: Layer::default(),
+            last: None,
+            end: DVec3::NAN,
+        }
+    }
+
+    /// Forgets all that is printed.
+    pub(super) fn clear(&mut self) {
+        *self = Ground::new(self.gap, 2.0 * self.lift);
+    }
+
+    /// Number of tiles that take memory.
+    #[cfg(test)]
+    pub(super) fn tiles(&self) -> usize {
+        self.columns.tiles()
+    }
+
+    /// Takes in a bead with a cross-section of `area` in the layer being
+    /// printed. Returns the first place where it is too low or too high.
+    pub(super) fn bead(&mut self, step: &Move, area: Mm2) -> Option<Wrong> {
+        let support =
+            matches!(step.role, Role::Support | Role::SupportInterface);
+        let highest = step.from.z.max(step.to.z);
+        self.here.bridges |= matches!(step.role, Role::Bridge | Role::Overhang);
+        self.here.top = Some(self.here.top.map_or(highest, |t| t.max(highest)));
+        let level = (step.to.z - step.from.z).abs() < ROUNDED;
+        if level {
+            let bottom = step.to.z - step.height;
+            let lowest = self.here.bottom.map_or(bottom, |b| b.min(bottom));
+            self.here.bottom = Some(lowest);
+            if !support && self.here.level.is_none() {
+                self.here.level = Some((step.to.z, step.height));
+            }
+        }
+        let mut wrong = None;
+        let reach = |z: Mm, height: Mm| z - (1.0 + MISSING) * height - ROUNDED;
+        let alike = |s: &Spot| s.height == step.height && s.support == support;
+        let goes_on = std::mem::replace(&mut self.end, step.to) == step.from;
+        let before = self.last.filter(|spot| goes_on && alike(spot));
+        let stays = |spot: Spot| {
+            spot.z == step.to.z && spot.cell == cell_of(step.to.truncate())
+        };
+        if before.is_some_and(stays) {
+            return None;
+        }
+        let goes_on = before.is_some();
+        for (cell, at) in places(step, 0.0).skip(usize::from(goes_on)) {
+            let (z, height) = (at.z, step.height);
+            let spot = Some(Spot {
+                cell,
+                z,
+                height,
+                support,
+            });
+            if self.last == spot {
+                continue;
+            }
+            self.last = None;
+            let low = reach(z, height);
+            let below = self.columns.lay(cell, low, z, support);
+            let Some(below) = below else { continue };
+            if z < below - PLOUGH {
+                let (top, how) = (below, How::Low);
+                wrong = wrong.or(Some(Wrong { at, top, how }));
+            } else if below < low {
+                // More plastic than the file says reaches deeper, but no
+                // deeper than the bead is wide. A bead for which the file says
+                // nothing may be less wide than it seems.
+                let width = step.width.min(WIDE * 2.0 * self.lift);
+                let plastic = height_of(area, width).min(width);
+                let height = height.max(plastic);
+                let low = reach(z, height);
+                self.columns.lay(cell, low, z, support);
+                if below < low && !support && wrong.is_none() {
+                    wrong = self.hangs(cell, at, z - height - self.lift);
+                    if wrong.is_some() {
+                        self.here.reported.mark(cell);
+                    }
+                }
+            } else {
+                self.last = spot;
+            }
+        }
+        wrong
+    }
+
+    /// Tells whether a bead that reaches down to `low` hangs in the air only
+    /// since it rises out of its layer.
+    fn hangs(&self, cell: IVec2, at: DVec3, low: Mm) -> Option<Wrong> {
+        let (level, height) = self.here.level?;
+        if at.z <= level + ROUNDED {
+            return None;
+        }
+        // The first layer lies on the bed.
+        let bed = (self.bed.unwrap_or(level - height), false);
+        let below = around(cell)
+            .filter_map(|near| self.columns.at(near))
+            .filter(|seen| seen.below <= at.z)
+            .map(|seen| (seen.below, seen.on_support));
+        let higher = |a: (Mm, bool), b| if b > a { b } else { a };
+        let (top, on_support) = below.fold(bed, higher);
+        let would_lie = level - (1.0 + ALIKE) * height <= top;
+        (top < low && would_lie && !on_support).then_some(Wrong {
+            at,
+            top,
+            how: How::High,
+        })
+    }
+
+    /// The top of the layers below in a cell; none where they are the bed.
+    pub(super) fn below(&self, cell: IVec2) -> Option<Mm> {
+        let seen = self.columns.at(cell).map(|seen| seen.below);
+        seen.filter(|below| below.is_finite())
+    }
+
+    /// True if the top of the layers below in a cell is that of a support.
+    pub(super) fn is_over_support(&self, cell: IVec2) -> bool {
+        self.columns.at(cell).is_some_and(|seen| seen.on_support)
+    }
+
+    /// The first place where a travel leads through what is printed. A line's
+    /// width at both ends is left out: beads lie side by side there, and cells do
+    /// not tell one from the next.
+    pub(super) fn travel(&self, step: &Move) -> Option<Wrong> {
+        places(step, CELL).find_map(|(cell, at)| {
+            let top = self.columns.at(cell)?.top;
+            let how = How::Low;
+            (at.z < top - PLOUGH).then_some(Wrong { at, top, how })
+        })
+    }
+
+    /// Ends a layer; `found` is told where islands begin in the air. Returns
+    /// where the rest of the layer reaches too far into the air.
+    pub(super) fn next_layer(
+        &mut self,
+        mut found: impl FnMut(DVec3),
+    ) -> Option<Adrift> {
+        let here = std::mem::take(&mut self.here);
+        self.last = None;
+        let top = here.top?;
+        // Beads of the first layer may rise; it lies on the bed all the same.
+        let bed = match (self.bed, here.bottom) {
+            (Some(bed), Some(bottom)) => Some(bed.min(bottom)),
+            (bed, bottom) => bed.or(bottom),
+        };
+        self.bed = bed;
+        let at = |cell: IVec2| ((cell.as_dvec2() + 0.5) * CELL).extend(top);
+        let mut adrift = None;
+        if bed.is_some() || self.above_others {
+            for support in [false, true] {
+                let hanging = self.hanging(support);
+                let islands =
+                    self.begin(support, &hanging, &here.reported, |cell| {
+                        found(at(cell));
+                    });
+                if !support && islands == 0 && !here.bridges {
+                    adrift = self.adrift(&hanging).map(|(cell, reach)| {
+                        let at = at(cell);
+                        Adrift { at, reach }
+                    });
+                }
+            }
+        }
+        self.above_others = true;
+        self.columns.next_layer();
+        adrift
+    }
+
+    /// The cells of the layer's part, or of its supports, that stand on nothing.
+    fn hanging(&self, support: bool) -> Cells {
+        // Most cells stand, so few remain to be searched.
+        let mut hanging = Cells::default();
+        for (place, bits) in self.columns.not_held(support) {
+            let hangs = |cell: &IVec2| !self.stands(*cell, support);
+            bits.cells(place).filter(hangs).for_each(|cell| {
+                hanging.mark(cell);
+            });
+        }
+        hanging
+    }
+
+    /// The cell of the part that is farthest from what stands, and how far it
+    /// is, if that is too far, or if too little of the layer stands.
+    fn adrift(&self, hanging: &Cells) -> Option<(IVec2, Mm)> {
+        let stands =
+            |cell| self.columns.is_printed(cell, false) && !hanging.has(cell);
+        let beside = |cell: &IVec2| around(*cell).any(stands);
+        let mut front: Vec<IVec2> = hanging.all().filter(beside).collect();
+        let mut farthest = *front.first()?;
+        let mut reached = Cells::default();
+        front.iter().for_each(|cell| {
+            reached.mark(*cell);
+        });
+        let mut steps = 0;
+        while let Some(first) = front.first() {
+            (farthest, steps) = (*first, steps + 1);
+            let next = front.iter().flat_map(|cell| around(*cell));
+            front = next
+                .filter(|near| hanging.has(*near) && reached.mark(*near))
+                .collect();
+        }
+        let reach = f64::from(steps) * CELL;
+        let all = self.columns.count_printed() as f64;
+        let held = 1.0 - hanging.all().count() as f64 / all;
+        (reach > REACH || held < HELD).then_some((farthest, reach))
+    }
+
+    /// Tells of the first cell of each island, of the part or of supports, that
+    /// stands on nothing, and counts them. Nothing is said of islands that have a
+    /// bead which was `reported` already.
+    fn begin(
+        &self,
+        support: bool,
+        hanging: &Cells,
+        reported: &Cells,
+        mut found: impl FnMut(IVec2),
+    ) -> usize {
+        let mut islands = 0;
+        let here = |cell| self.columns.is_printed(cell, support);
+        let mut seen = Cells::default();
+        let mut left = Vec::new();
+        for first in hanging.all() {
+            if !seen.mark(first) {
+                continue;
+            }
+            let mut known = false;
+            left.push(first);
+            while let Some(cell) = left.pop() {
+                known |= reported.has(cell);
+                for near in around(cell) {
+                    let hangs = hanging.has(near);
+                    known |= !hangs && here(near);
+                    if hangs && seen.mark(near) {
+                        left.push(near);
+                    }
+                }
+            }
+            if !known {
+                found(first);
+                islands += 1;
+            }
+        }
+        islands
+    }
+
+    /// True if something below holds the layer's beads in a cell.
+    fn stands(&self, cell: IVec2, support: bool) -> bool {
+        let Some(own) = self.columns.at(cell) else {
+            return true;
+        };
+        let gap = |by_support| if by_support { self.gap } else { 0.0 };
+        let holds = |seen: &Seen| {
+            let reach = own.low - gap(support || seen.on_support);
+            seen.below >= reach && seen.below <= own.top + ROUNDED
+        };
+        let on_bed = |bed: Mm| own.low - gap(support) <= bed;
+        self.bed.is_some_and(on_bed)
+            || holds(&own)
+            || around(cell).any(|near| {
+                self.columns.at(near).is_some_and(|seen| holds(&seen))
+            })
+    }
+}
+
+/// Cells along a move, each with the nozzle's place there, except for a length
+/// at both ends.
+fn places(step: &Move, ends: Mm) -> impl Iterator<Item = (IVec2, DVec3)> {
+    let length = step.from.truncate().distance(step.to.truncate());
+    let count = (length - 2.0 * ends) / CELL;
+    // A move that is all ends has no places.
+    let last = if count < 0.0 { 0 } else { count as u32 + 2 };
+    let share = if length > 0.0 { ends / length } else { 0.0 };
+    let from = step.from.lerp(step.to, share);
+    let to = step.to.lerp(step.from, share);
+    let way = (to - from) / f64::from(last.max(2) - 1);
+    (0..last).map(move |k| {
+        let at = from + f64::from(k) * way;
+        (cell_of(at.truncate()), at)
+    })
+}

@@ -1,0 +1,688 @@
+//! Checks whether G-code is safe to run, and whether everything in it stands on
+//! something.
+//!
+//! In: a file's bytes, and the [`Rules`] of a printer. Out: a [`Verdict`]:
+//! faults, which can hurt the printer or the print, and warnings, each once
+//! with its count and its first places.
+//!
+//! | rule | kind |
+//! |---|---|
+//! | the head stays where the printer can go | [`Kind::OutOfReach`] |
+//! | plastic is pushed only through a nozzle that is hot enough for it | [`Kind::Cold`] |
+//! | no heater is told more than it bears | [`Kind::TooHot`], [`Kind::Hot`] |
+//! | the head knows where it is before it moves | [`Kind::NotHomed`] |
+//! | filament goes back in retractions and wipes only, and not too far | [`Kind::Backwards`], [`Kind::LongRetraction`] |
+//! | pulled-back filament is pushed forward before a bead begins | [`Kind::Unprimed`] |
+//! | no more than that is pushed while the head stands | [`Kind::Blob`] |
+//! | beads are not interrupted, and layers get the plastic that fits into them | [`Kind::Gap`], [`Kind::Flow`], [`Kind::Empty`] |
+//! | no bead is thicker than the nozzle can lay | [`Kind::ThickBead`] |
+//! | no move of filament alone is longer than firmware takes | [`Kind::LongFeed`] |
+//! | nothing is faster than the printer | [`Kind::TooFast`], [`Kind::NoSpeed`] |
+//! | z rises by layers | [`Kind::Jump`] |
+//! | the first layer lies on the bed | [`Kind::OffBed`] |
+//! | nothing is led or laid through what is printed, or laid twice | [`Kind::Low`], [`Kind::Dive`], [`Kind::Sunk`], [`Kind::Again`] |
+//! | the head does not come near parts that are finished, where parts are printed one by one | [`Kind::Collision`] |
+//! | every island, and every bead that rises, stands on something | [`Kind::InTheAir`], [`Kind::Adrift`] |
+//! | every line makes sense, and ends where any firmware ends it | [`Kind::Senseless`], [`Kind::LongLine`], [`Kind::LineEnd`] |
+//! | no command breaks what the check takes for granted (`words` is the table) | [`Kind::Harmful`], [`Kind::Changed`] |
+//! | the printer has the tools that are taken | [`Kind::NoTool`] |
+//! | the print is whole, and everything is off at the end | [`Kind::CutOff`], [`Kind::LeftOn`] |
+//! | the file is G-code | [`Kind::NoGcode`] |
+//! | the check tells what it does not know | [`Kind::Unknown`], [`Kind::UnknownWord`] |
+//!
+//! What start and end templates do is the user's own choice. Their moves are
+//! those of role `Custom` and those before the first layer. Only the rules
+//! about heat, reach, speed and sense hold there, and reach has a margin, since
+//! printers purge beside their beds. More plastic than firmware takes by
+//! default is a warning there ([`Kind::Purge`]).
+//!
+//! Filament that goes back while the head moves, or goes back too far, is a
+//! fault only if something is printed after it, since end codes unload
+//! filament.
+//!
+//! Not guaranteed: that macros of the printer's firmware do what their names
+//! say. A macro that may have heated the nozzle is taken to have done so,
+//! unless the temperature that it is given says otherwise.
+
+#![warn(unreachable_pub)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
+// Failures are errors, not panics; only tests may panic. Indices are allowed,
+// since geometry is full of them; the fuzzer and the hostile models test those.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
+mod again;
+mod alongside;
+mod bed;
+mod cells;
+mod columns;
+mod commands;
+mod ending;
+mod filament;
+mod finished;
+mod flow;
+mod gap;
+mod ground;
+mod heat;
+mod held;
+mod rise;
+mod rules;
+mod tools;
+mod verdict;
+mod words;
+
+pub use alongside::Alongside;
+pub use rules::Rules;
+pub use verdict::{Finding, Kind, Severity, Verdict};
+
+use again::Again;
+use ending::Ending;
+use filament::WayBack;
+use finished::Finished;
+use flow::Flow;
+use gap::Gaps;
+use glam::DVec3;
+use ground::{Adrift, Ground, PLOUGH, Wrong};
+use heat::{Heat, Readiness};
+use held::Held;
+use isoslice_base::limits;
+use isoslice_base::units::Mm;
+use isoslice_gcode_read::reader::{
+    Event, Heater, Info, Move, ReadError, Reader, Role,
+};
+use rules::ROUNDING;
+use std::io::Read;
+use tools::Tools;
+
+/// How far beside the bed templates may go to purge and to wipe, mm.
+const BESIDE: Mm = 15.0;
+
+/// Share of a speed by which rounding may exceed it: files have whole mm/min,
+/// or few decimals.
+const SPEED_ROUNDING: f64 = 1e-3;
+
+/// A bit for each axis that has been homed, from x.
+const HOMED: u8 = 0b111;
+
+/// Number of tools that are told apart; all others count as one.
+const TOOLS: u32 = 64;
+
+/// Moves in the plane without a bead after which a file is no print, or no
+/// longer one. No start, end or travel has as many.
+const IDLE_MOVES: u64 = 100;
+
+/// Checks a file.
+///
+/// # Errors
+/// If the file cannot be read or is not text.
+pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
+    let mut reader =
+        Reader::new(input).filament_diameter(rules.filament_diameter);
+    let mut checker = Checker::new(rules);
+    let nothing = loop {
+        limits::check();
+        match reader.next() {
+            Some(Ok(event)) => checker.take(event, &reader),
+            Some(Err(ReadError::NoGcode(why))) => break Some(why),
+            Some(Err(error)) => return Err(error),
+            None => break None,
+        }
+    };
+    match nothing {
+        Some(why) => checker.no_gcode(&why.to_string()),
+        None => checker.finish(&reader),
+    }
+    let mut verdict = checker.verdict;
+    verdict.lines = reader.lines();
+    verdict.generator = reader.info().generator.clone();
+    Ok(verdict)
+}
+
+/// What the check knows after each line.
+struct Checker<'a> {
+    rules: &'a Rules,
+    verdict: Verdict,
+    ground: Ground,
+    heat: Heat,
+    homed: u8,
+    ending: Ending,
+    /// True if the printer begins and ends prints by itself, as Ultimaker's
+    /// printers do.
+    own_start: bool,
+    /// Findings that count only if something is printed after them.
+    held: Vec<Held>,
+    /// The tool in use.
+    tool: u32,
+    tools: Tools,
+    /// True until a tool that was just taken begins a bead.
+    fresh_tool: bool,
+    /// Filament of each tool that is pulled back.
+    back: [Mm; TOOLS as usize],
+    /// A bit for each tool whose filament the firmware has pulled back.
+    firmware_back: u64,
+    /// Filament pushed since the head last moved sideways, beyond what was
+    /// pulled back.
+    pushed: Mm,
+    /// Filament that goes back while the head moves, and may be a wipe.
+    way_back: Option<WayBack>,
+    gaps: Gaps,
+    flow: Flow,
+    again: Again,
+    /// Line of the first move in the plane after the last bead, and number of
+    /// such moves.
+    idle: (u64, u64),
+    /// Filament of all beads.
+    laid: Mm,
+    /// Greatest height of a bead of the print so far.
+    top: Mm,
+    /// Parts that were printed before this one.
+    finished: Finished,
+    /// Height of the first bead of this layer and of the layer before, skirts
+    /// left out.
+    begun: Option<Mm>,
+    begun_before: Option<Mm>,
+    layer: u32,
+    /// Line of the layer's first bead.
+    layer_line: Option<u64>,
+    /// The layer that lies on the bed.
+    lowest_layer: u32,
+}
+
+impl<'a> Checker<'a> {
+    fn new(rules: &'a Rules) -> Self {
+        Checker {
+            rules,
+            verdict: Verdict::default(),
+            ground: Ground::new(rules.gap, rules.nozzle),
+            heat: Heat::new(rules.least_heat),
+            homed: 0,
+            ending: Ending::default(),
+            own_start: false,
+            held: Vec::new(),
+            tool: 0,
+            tools: Tools::default(),
+            fresh_tool: false,
+            back: [0.0; TOOLS as usize],
+            firmware_back: 0,
+            pushed: 0.0,
+            way_back: None,
+            gaps: Gaps::new(rules.travel),
+            flow: Flow::default(),
+            again: Again::default(),
+            idle: (0, 0),
+            laid: 0.0,
+            top: rules.base,
+            finished: Finished::default(),
+            begun: None,
+            begun_before: None,
+            layer: 0,
+            layer_line: None,
+            lowest_layer: 1,
+        }
+    }
+
+    fn take<R: Read>(&mut self, event: Event, reader: &Reader<R>) {
+        let words = reader.words();
+        match event {
+            Event::Move(step) => return self.step(&step),
+            Event::Layer { number, .. } => {
+                self.next_layer();
+                // What was purged before the first layer holds nothing.
+                if number == 1 {
+                    self.ground.clear();
+                }
+                self.layer = number;
+                self.verdict.layers = self.verdict.layers.max(number);
+                return;
+            }
+            Event::Problem { line, problem } => {
+                return self.problem(line, problem);
+            }
+            _ => self.ending.other(),
+        }
+        match event {
+            Event::Heat {
+                line,
+                heater,
+                to,
+                wait,
+            } => {
+                self.heat.set(heater, self.tool, to, wait);
+                if let Heater::Nozzle(Some(tool)) = heater {
+                    self.tools.know(tool);
+                }
+                if matches!(heater, Heater::Nozzle(_)) && to <= 0.0 {
+                    self.ending.off();
+                }
+                self.limit_heat(line, heater, to);
+                // The command may name a standby temperature, too.
+                if let (true, Some(standby)) =
+                    (words.has(b'S'), words.get(b'R'))
+                {
+                    self.limit_heat(line, heater, standby);
+                }
+            }
+            Event::WaitForHeat { heater, least, .. } => {
+                self.heat.wait(heater, least);
+            }
+            Event::HeatersOff { .. } => {
+                self.heat.off();
+                self.ending.off();
+            }
+            Event::Tool { line, tool } => self.take_tool(line, tool),
+            Event::Dwell { line, time } => self.dwell(line, time),
+            Event::FirmwareRetract { back, .. } => {
+                if back {
+                    self.firmware_back |= bit(self.tool)
+                } else {
+                    self.firmware_back &= !bit(self.tool)
+                }
+            }
+            Event::Home { line } => self.home(line, words),
+            Event::Fan { line, .. } => self.code(line, 'M', 1060, words),
+            Event::Macro { line } => self.named(line, reader),
+            Event::Other {
+                line,
+                letter,
+                tenths,
+            } => self.code(line, letter, tenths, words),
+            _ => {}
+        }
+    }
+
+    fn step(&mut self, step: &Move) {
+        self.verdict.moves += 1;
+        self.ending.step(step);
+        let template = step.layer == 0 || step.role == Role::Custom;
+        self.reach(step, template);
+        self.speed(step);
+        self.homed(step);
+        self.heat(step);
+        self.filament(step, template);
+        self.tools.several |= step.role == Role::PrimeTower;
+        if !template {
+            self.gap(step);
+        }
+        if step.prints() && sideways(step) {
+            self.idle = (0, 0);
+            self.laid += if template { 0.0 } else { step.filament };
+            self.bead(step, template);
+        } else if step.travels() && !template {
+            self.travel(step);
+            self.dive(step);
+        }
+        if !step.prints() && sideways(step) {
+            self.idle.0 = if self.idle.1 == 0 {
+                step.line
+            } else {
+                self.idle.0
+            };
+            self.idle.1 += 1;
+        }
+        self.collide(step);
+    }
+
+    /// Reports a move without filament in the middle of a bead.
+    fn gap(&mut self, step: &Move) {
+        let back = *self.back(step) > self.rules.missing
+            || self.firmware_back & bit(step.tool) != 0;
+        if let Some(gap) = self.gaps.step(step, back) {
+            let kind = Kind::Gap;
+            self.verdict.add(kind, gap.line, step.from, || {
+                format!(
+                    "{:.2} mm without filament in the middle of a bead, up to \
+                     {}",
+                    gap.length,
+                    place(step.from)
+                )
+            });
+        }
+    }
+
+    /// Takes in what a bead adds to the layer.
+    fn laid(&mut self, step: &Move, area: f64) {
+        self.layer_line.get_or_insert(step.line);
+        if self.within(step) {
+            self.flow.bead(step, area, &self.ground);
+        }
+        // Towers and ironing go where they went before.
+        if matches!(step.role, Role::Ironing | Role::PrimeTower) {
+            return;
+        }
+        if let Some(line) = self.again.bead(step, area, self.rules.nozzle) {
+            self.verdict.add(Kind::Again, line, step.from, || {
+                format!(
+                    "the same beads are laid again, at the same place and \
+                     height: {}",
+                    place(step.from)
+                )
+            });
+        }
+    }
+
+    /// Reports a move that leads where the head cannot go.
+    fn reach(&mut self, step: &Move, template: bool) {
+        let margin = if template { BESIDE } else { ROUNDING };
+        let rules = self.rules;
+        if !rules.reach(step.to, margin) {
+            self.verdict.add(Kind::OutOfReach, step.line, step.to, || {
+                format!(
+                    "the head goes to {}; the printer reaches from 0 to {} × \
+                     {} × {} mm",
+                    place(step.to),
+                    rules.bed.x,
+                    rules.bed.y,
+                    rules.height
+                )
+            });
+        }
+    }
+
+    fn speed(&mut self, step: &Move) {
+        let rules = self.rules;
+        if step.from == step.to {
+            return;
+        }
+        if step.speed <= 0.0 {
+            self.verdict.add(Kind::NoSpeed, step.line, step.to, || {
+                "a move before any speed was set".into()
+            });
+            return;
+        }
+        // The z axis does not move, and no other one is faster than the head.
+        if step.from.z == step.to.z && step.speed <= rules.speed {
+            return;
+        }
+        let way = (step.to - step.from).abs() / step.length() * step.speed;
+        let over =
+            |speed: f64, most: f64| speed > most * (1.0 + SPEED_ROUNDING);
+        let plane = way.truncate().length();
+        let kind = Kind::TooFast;
+        if over(way.z, rules.speed_z) {
+            self.verdict.add_about(kind, "z", step.line, step.to, || {
+                format!(
+                    "z moves at {:.1} mm/s; the printer can {}",
+                    way.z, rules.speed_z
+                )
+            });
+        } else if over(plane, rules.speed) {
+            self.verdict.add(kind, step.line, step.to, || {
+                format!("{plane:.1} mm/s; the printer can {}", rules.speed)
+            });
+        }
+    }
+
+    /// Reports a move before the head knows where it is.
+    fn homed(&mut self, step: &Move) {
+        if self.homed == HOMED {
+            return;
+        }
+        // Start codes often lift the nozzle before homing, and move to the
+        // place where z is homed.
+        let moved = (step.to - step.from).abs();
+        let axes = [moved.x, moved.y, moved.z];
+        let needed = (0..3)
+            .filter(|&i| step.prints() || (i < 2 && axes[i] > 0.0))
+            .fold(0, |needed, i| needed | 1 << i);
+        if needed & !self.homed == 0 {
+            return;
+        }
+        let names: Vec<&str> = ["x", "y", "z"]
+            .into_iter()
+            .enumerate()
+            .filter(|(i, _)| self.homed & 1 << i == 0)
+            .map(|(_, name)| name)
+            .collect();
+        // The finding names all axes, so it is reported once.
+        self.homed = HOMED;
+        self.verdict.add(Kind::NotHomed, step.line, step.to, || {
+            let (names, was) = match names.split_last() {
+                Some((last, [])) => ((*last).to_owned(), "was"),
+                Some((last, others)) => {
+                    (format!("{} and {last}", others.join(", ")), "were")
+                }
+                None => (String::new(), "was"),
+            };
+            format!(
+                "the head moves, and {names} {was} not homed (G28), or not \
+                 since the motors were turned off"
+            )
+        });
+    }
+
+    fn heat(&mut self, step: &Move) {
+        if step.filament <= 0.0 {
+            return;
+        }
+        let least = self.rules.least_heat;
+        let why = match self.heat.readiness(step.tool) {
+            Readiness::Hot => return,
+            Readiness::Unknown => {
+                self.verdict.add(Kind::Unknown, step.line, step.to, || {
+                    "no command waits for the nozzle's heat before filament \
+                     is pushed; a macro of the printer's may"
+                        .into()
+                });
+                // A tool is reported once.
+                return self.heat.trust(step.tool);
+            }
+            Readiness::Told(to) if to > 0.0 => format!(
+                "filament is pushed through a nozzle that is told {to} °C; \
+                 the least is {least} (filament.min_nozzle_temperature)"
+            ),
+            Readiness::Told(_) => {
+                "filament is pushed after the nozzle was turned off".into()
+            }
+            Readiness::NotAwaited => format!(
+                "filament is pushed before any command has waited for the \
+                 nozzle to have {least} °C or more"
+            ),
+            Readiness::Never => {
+                "filament is pushed before any command has heated the nozzle"
+                    .into()
+            }
+        };
+        self.verdict.add(Kind::Cold, step.line, step.to, || why);
+    }
+
+    /// Reports a head that would hit a finished part.
+    fn collide(&mut self, step: &Move) {
+        let room = self.rules.head_room.as_ref();
+        let hit = room.and_then(|room| self.finished.hit(step, room));
+        if let Some(what) = hit {
+            self.verdict
+                .add(Kind::Collision, step.line, step.to, || what);
+        }
+    }
+
+    /// Reports a travel that leads through what is printed.
+    fn travel(&mut self, step: &Move) {
+        let (low, top) = (step.from.z.min(step.to.z), self.top);
+        if !sideways(step) || low >= top - PLOUGH {
+            return;
+        }
+        if low < top - self.rules.nozzle {
+            self.verdict.add(Kind::Low, step.line, step.to, || {
+                format!(
+                    "the head moves at z = {low:.3}, below the top of what is \
+                     printed, {top:.3}"
+                )
+            });
+        } else if self.within(step)
+            && let Some(Wrong { at, top, .. }) = self.ground.travel(step)
+        {
+            self.verdict.add(Kind::Low, step.line, at, || {
+                format!(
+                    "the head leads through what is printed: at {}, where \
+                     that reaches up to {top:.3}",
+                    place(at)
+                )
+            });
+        }
+    }
+
+    /// True if a move stays where the head may be. Any other one has been
+    /// reported, and might take any number of cells.
+    fn within(&self, step: &Move) -> bool {
+        [step.from, step.to]
+            .into_iter()
+            .all(|p| self.rules.reach(p, BESIDE))
+    }
+
+    fn next_layer(&mut self) {
+        self.begun_before = self.begun.take().or(self.begun_before);
+        let verdict = &mut self.verdict;
+        let layer = self.layer;
+        let line = self.layer_line.take().unwrap_or(0);
+        let adrift = self.ground.next_layer(|at| {
+            verdict.add(Kind::InTheAir, line, at, || {
+                format!("layer {layer}: an island begins at {}", place(at))
+            });
+        });
+        if let Some(Adrift { at, reach }) = adrift {
+            verdict.add(Kind::Adrift, line, at, || {
+                format!(
+                    "layer {layer} reaches {reach:.0} mm into the air, to {}: \
+                     what is printed from there on may be shifted, or need \
+                     supports",
+                    place(at)
+                )
+            });
+        }
+        let rise = self.flow.rise(layer);
+        if let Some(flow) =
+            self.flow.next_layer(self.rules.flow, self.rules.widths)
+        {
+            verdict.add(Kind::Flow, flow.line, DVec3::NAN, || {
+                format!(
+                    "layer {layer} has {:.2} times the plastic that its beads \
+                     have room for",
+                    flow.share
+                )
+            });
+            return;
+        }
+        match rise {
+            // A bead that is too far above all others has been reported.
+            Some(rise::Wrong::Left { rise, .. })
+                if rise > self.rules.nozzle + ROUNDING => {}
+            Some(rise::Wrong::Left { rise, before }) => {
+                verdict.add(Kind::Jump, line, DVec3::NAN, || {
+                    format!(
+                        "layer {layer} lies {rise:.2} mm above the one below it, \
+                         with the plastic of {before:.2} mm: a layer may be \
+                         missing below it"
+                    )
+                });
+            }
+            Some(rise::Wrong::Thick { share }) => {
+                verdict.add(Kind::Flow, line, DVec3::NAN, || {
+                    format!(
+                        "layer {layer} has {share:.2} times the plastic of the \
+                         same beads in the layer below"
+                    )
+                });
+            }
+            None => {}
+        }
+    }
+
+    /// Reports a file whose beads take much more filament than it says.
+    fn compare_filament(&mut self, info: &Info) {
+        /// Share of what the file says from which on it is no rounding, and no
+        /// purge that only one of both counts.
+        const MUCH: f64 = 1.5;
+        let (said, laid) = (info.filament_length, self.laid);
+        if let Some(said) = said.filter(|said| laid > MUCH * said) {
+            self.verdict.add(Kind::Flow, 0, DVec3::NAN, || {
+                format!(
+                    "the beads take {:.2} m of filament; the file says {:.2} m",
+                    1e-3 * laid,
+                    1e-3 * said
+                )
+            });
+        }
+    }
+
+    /// Makes the verdict that the file is no G-code.
+    fn no_gcode(&mut self, why: &str) {
+        // Other findings about such a file help nobody.
+        self.verdict = Verdict::default();
+        self.verdict.add(Kind::NoGcode, 0, DVec3::NAN, || {
+            format!(
+                "this is no G-code: {why}; name the file that a slicer has \
+                 written"
+            )
+        });
+    }
+
+    fn finish<R: Read>(&mut self, reader: &Reader<R>) {
+        self.next_layer();
+        let tally = reader.tally();
+        let commands = tally.codes + tally.names;
+        if commands == 0 || tally.senseless > commands {
+            let senseless = tally.senseless;
+            let lines = commands + senseless;
+            return self.no_gcode(&match (commands, senseless) {
+                (0, 0) => "there is no command in it".to_owned(),
+                _ => format!("{senseless} of {lines} lines are no commands"),
+            });
+        }
+        self.missing_tools(reader.info().filaments);
+        self.compare_filament(reader.info());
+        let (line, nowhere) = (reader.lines(), DVec3::NAN);
+        let (from, moves) = self.idle;
+        if moves > IDLE_MOVES {
+            self.verdict.add(Kind::Empty, from, nowhere, || {
+                format!(
+                    "nothing is printed from here on, in {moves} moves: there \
+                     is no filament in them"
+                )
+            });
+        }
+        let unfinished = reader.is_unfinished();
+        if let Some(why) = self.ending.cut_off(reader.info(), unfinished) {
+            self.verdict
+                .add(Kind::CutOff, line, nowhere, || why.to_owned());
+        } else if !self.ending.by_macro && !self.own_start {
+            for (name, to) in self.heat.on() {
+                let kind = Kind::LeftOn;
+                self.verdict.add_about(kind, name, line, nowhere, || {
+                    format!("the file ends, and the {name} stays at {to} °C")
+                });
+            }
+        }
+    }
+}
+
+/// True if the head moves in the plane. Filament that is fed while only z moves
+/// primes the nozzle.
+fn sideways(step: &Move) -> bool {
+    step.from.truncate() != step.to.truncate()
+}
+
+/// The bit of a tool in a mask.
+fn bit(tool: u32) -> u64 {
+    1 << tool.min(TOOLS - 1)
+}
+
+/// A place, as people read it.
+fn place(p: DVec3) -> String {
+    format!("x = {:.2}, y = {:.2}, z = {:.2}", p.x, p.y, p.z)
+}
+
+#[cfg(test)]
+mod tests;

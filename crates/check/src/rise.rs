@@ -1,0 +1,208 @@
+//! How far layers rise above those below them, and how wide their beads are for
+//! that.
+//!
+//! In: beads with the air down to what lies below them, in order. Out: layers
+//! whose beads rise farther than they did, without more plastic, so that a layer
+//! was left out; and layers of the same beads with twice the plastic.
+//!
+//! A file that does not say how high its beads are does not tell either. Beads
+//! that lie straight on others do: in every layer, some do. The least rise of a
+//! layer is the height of these, since beads over sparse infill and overhangs
+//! rise farther.
+
+use isoslice_base::units::{Mm, Mm2};
+use std::collections::BTreeMap;
+
+/// Rises that are closer than this are alike.
+const STEP: Mm = 0.01;
+
+/// Greatest rise that is told from others.
+const HIGHEST: Mm = 3.0;
+
+/// Length of beads that tell the least rise, mm. Shorter ones may be chance.
+const ENOUGH: Mm = 2.0;
+
+/// How much farther beads rise that lie on others, too, as a share.
+const NEAR: f64 = 1.15;
+
+/// Length of the beads of a layer that is compared, mm.
+const LEAST: Mm = 10.0;
+
+/// Growth of the rise, or of the width, that is no change of settings: a layer that
+/// is left out doubles the rise, and thick layers of 0.3 mm follow on thin ones of
+/// 0.2 mm.
+const FARTHER: f64 = 1.7;
+
+/// What is left of the width, if layers rise farther without more plastic. If a
+/// layer is left out it is half.
+const NARROWER: f64 = 0.65;
+
+/// Difference between the lengths, and the rises, of two layers of the same beads,
+/// as a share.
+const ALIKE: f64 = 0.05;
+
+/// Layers over which a raft and its gap may lie. Files that do not say what beads
+/// are for do not tell this gap from a layer that is missing.
+const RAFT: u32 = 10;
+
+/// Beads that rise equally far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Beads {
+    length: Mm,
+    volume: f64,
+    rise: f64,
+}
+
+/// What is known of a layer.
+#[derive(Clone, Copy, Debug)]
+struct Layer {
+    /// Its least rise.
+    rise: Mm,
+    /// Cross-section of the beads that rise least, by their rise.
+    width: Mm,
+    /// Length of all beads, and their cross-section on average.
+    length: Mm,
+    area: Mm2,
+}
+
+/// What is wrong with a layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Wrong {
+    /// It rises by `rise`, with plastic for `before`.
+    Left { rise: Mm, before: Mm },
+    /// Its beads have this many times the plastic of those below.
+    Thick { share: f64 },
+}
+
+/// The layer being printed, and the one below.
+#[derive(Debug, Default)]
+pub(super) struct Rise {
+    beads: BTreeMap<i64, Beads>,
+    unnamed: bool,
+    last: Option<Layer>,
+    /// Least width of the beads of a layer. Cells do not tell a wall from the
+    /// next one, so that interlocked walls, each half a layer higher or lower than
+    /// the next, seem to rise by half a layer and to be twice as wide.
+    narrowest: Option<Mm>,
+}
+
+impl Rise {
+    /// Takes in a piece of a bead that rises by `rise` above what lies below it.
+    /// `named` is false if the file does not say what the bead is for.
+    pub(super) fn bead(
+        &mut self,
+        rise: Mm,
+        length: Mm,
+        area: Mm2,
+        named: bool,
+    ) {
+        self.unnamed |= !named;
+        let rise = rise.clamp(0.0, HIGHEST);
+        let beads = self.beads.entry((rise / STEP).round() as i64).or_default();
+        beads.length += length;
+        beads.volume += area * length;
+        beads.rise += rise * length;
+    }
+
+    /// Ends the layer with this number.
+    pub(super) fn next_layer(&mut self, number: u32) -> Option<Wrong> {
+        let beads = std::mem::take(&mut self.beads);
+        let unnamed = std::mem::take(&mut self.unnamed);
+        let here = summed(&beads)?;
+        let narrowest = self.narrowest.unwrap_or(f64::INFINITY);
+        let maybe_raft = unnamed && number <= RAFT;
+        if let Some(last) = self.last.filter(|_| !maybe_raft)
+            && here.rise > FARTHER * last.rise
+            && here.width < NARROWER * narrowest
+        {
+            // The next layer is compared with those before the gap.
+            let (rise, before) = (here.rise, last.rise);
+            return Some(Wrong::Left { rise, before });
+        }
+        self.narrowest = Some(narrowest.min(here.width));
+        let last = self.last.replace(here).filter(|_| !maybe_raft)?;
+        let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;
+        let same =
+            alike(here.length, last.length) && alike(here.rise, last.rise);
+        let share = (here.width / last.width).min(here.area / last.area);
+        (same && share > FARTHER).then_some(Wrong::Thick { share })
+    }
+}
+
+/// What the beads of a layer come to.
+fn summed(beads: &BTreeMap<i64, Beads>) -> Option<Layer> {
+    let mut low = Beads::default();
+    for beads in beads.values() {
+        // Beads that lie on others rise alike.
+        let alike = beads.rise * low.length <= NEAR * low.rise * beads.length;
+        if low.length < ENOUGH || alike {
+            low.length += beads.length;
+            low.volume += beads.volume;
+            low.rise += beads.rise;
+        }
+    }
+    let all = |part: fn(&Beads) -> f64| beads.values().map(part).sum::<f64>();
+    let length = all(|beads| beads.length);
+    let rise = low.rise / low.length;
+    (length >= LEAST && rise >= STEP).then(|| Layer {
+        rise,
+        width: low.volume / low.rise,
+        length,
+        area: all(|beads| beads.volume) / length,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is found in layers, each with its rise, area and length.
+    fn found(layers: &[(f64, f64, f64)], named: bool) -> Vec<(u32, Wrong)> {
+        let mut rise = Rise::default();
+        let mut number = 0;
+        let all = layers.iter().filter_map(|&(up, area, length)| {
+            number += 1;
+            // A tenth lies on others, and the rest over sparse infill.
+            rise.bead(up, 0.1 * length, area, named);
+            rise.bead(3.0 * up, 0.9 * length, area, named);
+            Some((number, rise.next_layer(number)?))
+        });
+        all.collect()
+    }
+
+    #[test]
+    fn a_layer_that_is_left_out_is_missed() {
+        let usual = (0.2, 0.08, 100.0);
+        let mut layers = vec![usual; 20];
+        assert_eq!(found(&layers, true), []);
+        layers[12] = (0.4, 0.08, 100.0);
+        for named in [true, false] {
+            let wrong = found(&layers, named);
+            let [(13, Wrong::Left { rise, before })] = wrong[..] else {
+                panic!("{wrong:?}");
+            };
+            assert!((rise - 0.4).abs() < 1e-9 && (before - 0.2).abs() < 1e-9);
+        }
+        // Thicker layers have more plastic, also if they begin at once.
+        layers[12..].fill((0.4, 0.16, 100.0));
+        assert_eq!(found(&layers, true), []);
+        // What looks like it may be a raft.
+        let mut raft = vec![usual; 20];
+        raft[4] = (0.4, 0.08, 100.0);
+        assert_eq!(found(&raft, false), []);
+        assert_eq!(found(&raft, true).len(), 1);
+    }
+
+    #[test]
+    fn the_same_beads_do_not_get_twice_the_plastic() {
+        let mut layers = vec![(0.2, 0.08, 100.0); 20];
+        layers[15..].fill((0.2, 0.16, 100.0));
+        let [(16, Wrong::Thick { share })] = found(&layers, true)[..] else {
+            panic!();
+        };
+        assert!((share - 2.0).abs() < 1e-9);
+        // Other beads may be as thick as they like.
+        layers[15..].fill((0.2, 0.16, 80.0));
+        assert_eq!(found(&layers, true), []);
+    }
+}

@@ -1,0 +1,474 @@
+//! What the commands do that the reader does not follow.
+//!
+//! In: a command. Out: an [`Effect`], or nothing if the command is unknown. A
+//! row in the table makes a command known. Sources: Marlin's G-code index,
+//! RepRapFirmware's and Klipper's G-code references, Prusa's and Bambu Lab's
+//! start and end codes.
+//!
+//! Of a command's rows the first one that applies counts. If none applies, the
+//! command is harmless.
+
+use isoslice_gcode_read::reader::{Named, Words};
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+/// What a command does to what the check has understood.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Effect {
+    /// The command does nothing that matters.
+    None,
+    /// The command should be looked at. The text says what it does, and
+    /// completes a sentence that begins with the command.
+    Warns(&'static str),
+    /// The command has no place between two beads of a print.
+    Disturbs(&'static str),
+    /// The command has no place in a file, or changes what the lines after it
+    /// mean.
+    Harms(&'static str),
+}
+use Effect::{Disturbs, Harms, Warns};
+
+/// When a row applies.
+#[derive(Clone, Copy, Debug)]
+enum When {
+    Always,
+    /// One of the letters stands in the command.
+    Has(&'static [u8]),
+    /// One of the letters has a number outside this range.
+    Beyond(&'static [u8], f64, f64),
+    /// The letter has this number.
+    Is(u8, f64),
+    /// None of the letters stands in the command.
+    Lacks(&'static [u8]),
+}
+use When::{Always, Beyond, Has, Is, Lacks};
+
+impl When {
+    fn applies(self, words: &Words) -> bool {
+        match self {
+            Always => true,
+            Has(letters) => letters.iter().any(|l| words.has(*l)),
+            Beyond(letters, least, most) => letters.iter().any(|l| {
+                words.get(*l).is_some_and(|n| !(least..=most).contains(&n))
+            }),
+            Is(letter, number) => words.get(letter) == Some(number),
+            Lacks(letters) => !letters.iter().any(|l| words.has(*l)),
+        }
+    }
+}
+
+/// Commands that the reader follows, and commands that neither move nor heat
+/// nor feed: they wait, measure, show, report, light, beep, label, or tell the
+/// firmware how to print well.
+const HARMLESS: &str = "
+    G0 G1 G2 G3 G4 G5 G5.1 G10 G11 G12 G17 G18 G19 G20 G21 G27 G28 G29.2
+    G29.4 G29.5 G29.6 G29.7 G29.8 G31 G36 G39 G53 G54 G60
+    G69 G75 G77 G81 G82 G83 G86 G87 G88 G89 G90 G91 G98 G99 G150
+    G162 G163 G164 G280 G392 G425 G9001
+    M5 M7 M8 M9 M10 M11 M16 M17 M18 M20 M21 M22 M27 M31 M36 M38 M39 M73
+    M73.2 M70 M72 M74 M75 M76 M77 M78 M80 M82 M83 M84 M85 M86 M87 M100
+    M104 M104.1 M105 M106 M107 M108 M109 M110 M111 M113 M114 M115 M116 M117
+    M118 M119 M122 M123 M132 M140 M141 M144 M145 M146 M150 M154 M155 M190
+    M191 M192 M200 M204.2 M208 M209 M211 M217 M220 M221 M240 M250 M255 M256
+    M280 M281 M282 M290 M300 M355 M360 M400 M401 M402 M404 M405 M406 M407
+    M408 M409 M411 M412 M413 M414 M415 M422 M430 M450 M451 M486 M493
+    M494 M503 M504 M510 M511 M512 M540 M550 M552 M557 M567 M568 M571
+    M572 M573 M575 M577 M578 M586 M591 M593 M595 M603 M604 M614 M615 M616
+    M617 M620 M620.1 M620.3 M620.10 M620.11 M621 M622 M622.1 M623 M624 M625
+    M630 M671 M672 M673 M674 M710 M711 M808 M855 M860 M861 M862 M862.1 M862.2
+    M862.3 M862.4 M862.5 M862.6 M863 M864 M865 M869 M871 M876 M900 M910 M911
+    M919 M951 M953 M954 M955 M956 M960 M961 M969 M970 M970.1 M970.2 M970.3
+    M971 M972 M973 M974 M975 M976 M977 M978 M980 M980.3 M981 M982 M982.2
+    M982.4 M982.5 M983 M983.1 M983.3 M984 M985 M986 M990 M991 M1002 M1003
+    M1004 M1005 M1006 M1007 M1010 M1011 M201.2
+    T255 T1000 T1001 T1100 T65279 T65535
+";
+
+/// Why a speed, an acceleration or a share looks like a mistake.
+const ABSURD: &str = "is far from anything a printer does";
+const NO_PRINT: &str = "has no place in a print";
+const ZERO: &str = "moves the zero that places are counted from, and \
+                    firmware differs in which way";
+const STEPS: &str = "changes how far a motor goes for a millimetre: every \
+                     length after it is another";
+const MEMORY: &str = "writes settings to the printer's memory, where they \
+                      stay after this print";
+const WAITS: &str = "stops the print until somebody is there";
+const UNSEEN: &str = "moves the head where the check cannot follow";
+const PROBES: &str = "measures the bed or moves its motors, with a print on the \
+                      bed that goes on after it: the nozzle or the probe \
+                      would meet the print";
+const LEVEL: &str = "changes how heights follow the measured bed in the middle \
+                     of the print";
+const CONTROL: &str = "changes how the printer controls a heater";
+const SHAPE: &str = "changes the machine's own geometry";
+const FREE: &str = "lets the head leave the printer's bounds";
+const FILES: &str = "writes, deletes or starts files on the printer";
+const MOTORS: &str = "changes the current or the set-up of motors";
+const RECALL: &str = "sets places and modes back to what was saved before, \
+                      which the check does not follow";
+const LOGIC: &str = "makes what follows depend on what only the printer knows";
+
+// Rows: a command, perhaps when the row applies, and the effect.
+macro_rules! rows {
+    ($($($part:expr),+ => $effect:expr;)*) => {
+        &[$(($($part,)+ $effect)),*]
+    };
+}
+
+/// The effects of the other commands.
+const ROWS: &[(&str, When, Effect)] = rows! {
+    "G6", Always => Harms(UNSEEN);
+    "G10", Has(b"L") => Harms(ZERO);
+    "G26", Always => Warns("prints a pattern of the firmware's own");
+    "G29", Always => Disturbs(PROBES);
+    "G29.1", Beyond(b"Z", -1.0, 1.0) => Harms(ZERO);
+    "G30", Always => Disturbs(PROBES);
+    "G32", Always => Disturbs(PROBES);
+    "G33", Always => Disturbs(PROBES);
+    "G34", Always => Disturbs(PROBES);
+    "G35", Always => Disturbs(PROBES);
+    "G38", Always => Warns(UNSEEN);
+    "G38.2", Always => Warns(UNSEEN);
+    "G38.3", Always => Warns(UNSEEN);
+    "G38.4", Always => Warns(UNSEEN);
+    "G38.5", Always => Warns(UNSEEN);
+    "G40", Always => Effect::None;
+    "G42", Always => Warns(UNSEEN);
+    "G55", Always => Harms(ZERO);
+    "G56", Always => Harms(ZERO);
+    "G57", Always => Harms(ZERO);
+    "G58", Always => Harms(ZERO);
+    "G59", Always => Harms(ZERO);
+    "G59.1", Always => Harms(ZERO);
+    "G59.2", Always => Harms(ZERO);
+    "G59.3", Always => Harms(ZERO);
+    "G61", Always => Warns(UNSEEN);
+    "G68", Always => Harms("turns every move after it about a point");
+    "G76", Always => Disturbs(PROBES);
+    "G80", Always => Disturbs(PROBES);
+    "G92", Has(b"XYZ") => Disturbs(ZERO);
+    "G92", Lacks(b"E") => Disturbs(ZERO);
+    "G92.1", Always => Warns(ZERO);
+    "G93", Always => Harms("makes every F a time and not a speed");
+    "G94", Always => Effect::None;
+    "G95", Always => Harms("makes every F a share of a turn");
+    "G380", Always => Warns(UNSEEN);
+    "G383", Always => Warns(UNSEEN);
+    "M0", Always => Warns(WAITS);
+    "M1", Always => Warns(WAITS);
+    "M3", Always => Warns("turns a spindle or a laser on");
+    "M4", Always => Warns("turns a spindle or a laser on");
+    "M23", Always => Harms(FILES);
+    "M24", Always => Warns("starts a file on the printer, or this one again");
+    "M25", Always => Warns(WAITS);
+    "M26", Always => Harms(FILES);
+    "M28", Always => Harms(FILES);
+    "M29", Always => Harms(FILES);
+    "M30", Always => Harms(FILES);
+    "M32", Always => Harms(FILES);
+    "M33", Always => Warns(FILES);
+    "M37", Always => Harms("makes the printer simulate and not print");
+    "M42", Always => Warns("switches a pin, and the check cannot know of what");
+    "M43", Always => Warns("switches pins, and the check cannot know of what");
+    "M48", Always => Disturbs(PROBES);
+    "M81", Always => Disturbs("turns the printer off");
+    "M92", Has(b"XYZ") => Harms(STEPS);
+    "M92", Always => Warns(STEPS);
+    "M106", Beyond(b"S", 0.0, 255.0)
+        => Warns("has a fan speed beyond 255, which is full");
+    "M112", Always => Harms("is the emergency stop");
+    "M120", Always
+        => Warns("turns end stops on, or saves the state of the machine");
+    "M121", Always
+        => Warns("turns end stops off, or sets the machine's state back");
+    "M125", Always => Warns(WAITS);
+    "M143", Always
+        => Warns("changes the greatest temperature that the printer allows");
+    "M149", Has(b"FK") => Harms("makes temperatures Fahrenheit or Kelvin");
+    "M163", Always => Warns("changes what is mixed");
+    "M164", Always => Warns("changes what is mixed");
+    "M165", Always => Warns("changes what is mixed");
+    "M166", Always => Warns("changes what is mixed");
+    "M201", Beyond(b"XYZE", 1.0, 200_000.0) => Warns(ABSURD);
+    "M202", Beyond(b"XYZE", 1.0, 200_000.0) => Warns(ABSURD);
+    "M203", Beyond(b"XYZE", 0.1, 200_000.0) => Warns(ABSURD);
+    "M204", Beyond(b"SPRT", 1.0, 200_000.0) => Warns(ABSURD);
+    "M205", Beyond(b"XYZE", 0.0, 200.0) => Warns(ABSURD);
+    "M205", Beyond(b"J", 0.0, 1.0) => Warns(ABSURD);
+    "M206", Beyond(b"XYZ", -1.0, 1.0) => Harms(ZERO);
+    "M206", Beyond(b"XYZ", 0.0, 0.0) => Warns(ZERO);
+    "M207", Beyond(b"S", 0.0, 20.0)
+        => Warns("retracts farther than a nozzle can bear");
+    "M207", Beyond(b"Z", 0.0, 20.0) => Warns(ABSURD);
+    "M208", Has(b"XYZ") => Warns("changes how far the axes reach");
+    "M210", Always => Warns("changes the speed of homing");
+    "M211", Is(b'S', 0.0) => Warns(FREE);
+    "M211", Has(b"XYZ") => Warns(FREE);
+    "M212", Always => Warns(ZERO);
+    "M218", Beyond(b"XY", -100.0, 100.0)
+        => Harms("moves a tool farther than tools are apart");
+    "M218", Beyond(b"Z", -5.0, 5.0)
+        => Harms("moves a tool farther than tools are apart");
+    "M218", Beyond(b"XYZ", 0.0, 0.0) => Warns("moves a tool's place");
+    "M220", Beyond(b"S", 10.0, 300.0)
+        => Warns("has a share of the speed beyond 10 to 300 %");
+    "M221", Beyond(b"S", 50.0, 200.0)
+        => Warns("has a share of the flow beyond 50 to 200 %");
+    "M226", Always => Warns(WAITS);
+    "M260", Always => Warns("talks to other devices");
+    "M290", Beyond(b"ZS", -1.0, 1.0) => Harms(ZERO);
+    "M301", Always => Warns(CONTROL);
+    "M302", Always => Warns("lets cold filament be pushed");
+    "M303", Always => Harms("tunes a heater, in the middle of a file");
+    "M304", Always => Warns(CONTROL);
+    "M305", Always => Warns(CONTROL);
+    "M306", Always => Warns(CONTROL);
+    "M307", Always => Warns(CONTROL);
+    "M308", Always => Warns(CONTROL);
+    "M309", Always => Warns(CONTROL);
+    "M350", Always
+        => Warns(
+            "changes the motors' microsteps, and with it lengths in some \
+             firmware"
+        );
+    "M410", Always => Harms("stops all motors at once");
+    "M420", Always => Disturbs(LEVEL);
+    "M421", Always => Warns("changes the measured bed");
+    "M425", Always => Warns("changes the backlash that is made up for");
+    "M428", Always => Harms(ZERO);
+    "M452", Always => Warns("makes the printer a laser");
+    "M453", Always => Warns("makes the printer a mill");
+    "M470", Always => Warns(FILES);
+    "M471", Always => Warns(FILES);
+    "M472", Always => Harms(FILES);
+    "M500", Always => Warns(MEMORY);
+    "M501", Always
+        => Warns("reads the settings back from the printer's memory");
+    "M502", Always
+        => Harms("resets the printer's settings: steps, offsets, limits");
+    "M524", Always => Harms("ends the print");
+    "M553", Always => Warns(NO_PRINT);
+    "M554", Always => Warns(NO_PRINT);
+    "M555", Always => Warns("changes what the printer takes commands for");
+    "M556", Always => Warns(SHAPE);
+    "M558", Always => Warns("changes the probe");
+    "M559", Always => Harms(FILES);
+    "M560", Always => Harms(FILES);
+    "M561", Always => Disturbs(LEVEL);
+    "M562", Always => Warns("resets a heater's fault");
+    "M563", Always => Warns("defines a tool anew");
+    "M564", Is(b'S', 0.0) => Warns(FREE);
+    "M564", Is(b'H', 0.0) => Warns("lets axes move that were not homed");
+    "M566", Beyond(b"XYZE", 0.0, 12_000.0) => Warns(ABSURD);
+    "M569", Has(b"P") => Harms(MOTORS);
+    "M569", Always => Effect::None;
+    "M570", Always => Warns("changes when a heater's fault is noticed");
+    "M574", Always => Warns("changes the end stops");
+    "M579", Always => Harms(STEPS);
+    "M581", Always => Warns(LOGIC);
+    "M582", Always => Warns(LOGIC);
+    "M584", Always => Harms(MOTORS);
+    "M585", Always => Warns(UNSEEN);
+    "M587", Always => Warns(NO_PRINT);
+    "M588", Always => Warns(NO_PRINT);
+    "M589", Always => Warns(NO_PRINT);
+    "M592", Always => Warns("makes the feed another at speed");
+    "M600", Always => Warns(WAITS);
+    "M601", Always => Warns(WAITS);
+    "M602", Always => Effect::None;
+    "M605", Beyond(b"S", 0.0, 1.0) => Warns("makes two heads print the same");
+    "M605", Always => Effect::None;
+    "M665", Always => Warns(SHAPE);
+    "M666", Always => Warns(SHAPE);
+    "M667", Always => Harms(SHAPE);
+    "M669", Always => Harms(SHAPE);
+    "M701", Always => Warns("loads filament in the firmware's own way");
+    "M702", Always => Warns("unloads filament in the firmware's own way");
+    "M703", Always => Warns(LOGIC);
+    "M851", Beyond(b"Z", -10.0, 10.0)
+        => Harms("changes how high the nozzle is over the bed");
+    "M851", Has(b"XYZ") => Warns("changes how high the nozzle is over the bed");
+    "M852", Always => Warns(SHAPE);
+    "M900", Beyond(b"KL", 0.0, 200.0) => Warns(ABSURD);
+    "M906", Beyond(b"XYZE", 0.0, 3000.0) => Harms(MOTORS);
+    "M906", Always => Warns(MOTORS);
+    "M907", Always => Warns(MOTORS);
+    "M908", Always => Warns(MOTORS);
+    "M909", Always => Warns(MOTORS);
+    "M912", Always => Effect::None;
+    "M913", Always => Warns(MOTORS);
+    "M914", Always => Warns(MOTORS);
+    "M915", Always => Warns(MOTORS);
+    "M928", Always => Warns(FILES);
+    "M929", Always => Effect::None;
+    "M950", Always => Warns("defines pins, heaters or fans anew");
+    "M997", Always => Harms("replaces the printer's firmware");
+    "M998", Always => Effect::None;
+    "M999", Always
+        => Harms("restarts the printer, or goes on after its emergency stop");
+};
+
+/// Commands that are names and neither move nor heat nor feed, or that the
+/// reader follows.
+const HARMLESS_NAMES: &str = "
+    ACTIVATE_EXTRUDER BED_MESH_MAP BED_MESH_OFFSET BED_MESH_OUTPUT
+    CALC_MEASURED_SKEW CLEAR_PAUSE ECHO EXCLUDE_OBJECT EXCLUDE_OBJECT_DEFINE
+    EXCLUDE_OBJECT_END EXCLUDE_OBJECT_START GET_POSITION GET_RETRACTION HELP
+    PALETTE_CLEAR QUERY_ENDSTOPS QUERY_FILAMENT_SENSOR QUERY_PROBE RESPOND
+    SAVE_GCODE_STATE SAVE_VARIABLE SET_DISPLAY_GROUP SET_DISPLAY_TEXT
+    SET_DOTSTAR SET_FAN_SPEED SET_FILAMENT_SENSOR SET_GCODE_VARIABLE
+    SET_HEATER_TEMPERATURE SET_IDLE_TIMEOUT SET_INPUT_SHAPER SET_LED
+    SET_LED_TEMPLATE SET_NEOPIXEL SET_PRESSURE_ADVANCE SET_PRINT_STATS_INFO
+    SET_RETRACTION SET_SERVO SET_SMOOTH_TIME SET_TEMPERATURE_FAN_TARGET
+    SET_VELOCITY_LIMIT STATUS TEMPERATURE_WAIT TIMELAPSE_TAKE_FRAME
+    TURN_OFF_HEATERS BREAK CONTINUE T? TX TC
+";
+
+/// The effects of the other commands that are names.
+const NAMES: &[(&str, Effect)] = rows! {
+    "@PAUSE" => Warns(WAITS);
+    "ABORT" => Harms("ends the print");
+    "AXIS_TWIST_COMPENSATION_CALIBRATE" => Warns(UNSEEN);
+    "BED_MESH_CALIBRATE" => Disturbs(PROBES);
+    "BED_MESH_CLEAR" => Disturbs(LEVEL);
+    "BED_MESH_PROFILE" => Disturbs(LEVEL);
+    "BED_SCREWS_ADJUST" => Warns(WAITS);
+    "BED_TILT_CALIBRATE" => Disturbs(PROBES);
+    "CANCEL_PRINT" => Harms("ends the print");
+    "DELTA_CALIBRATE" => Disturbs(PROBES);
+    "DUMP_TMC" => Effect::None;
+    "ELIF" => Warns(LOGIC);
+    "ELSE" => Warns(LOGIC);
+    "FIRMWARE_RESTART" => Harms("restarts the printer");
+    "FORCE_MOVE" => Harms("moves a motor without the printer's knowing where");
+    "GLOBAL" => Effect::None;
+    "IF" => Warns(LOGIC);
+    "INIT_TMC" => Warns(MOTORS);
+    "MANUAL_PROBE" => Warns(WAITS);
+    "MANUAL_STEPPER" => Warns(UNSEEN);
+    "PAUSE" => Warns(WAITS);
+    "PID_CALIBRATE" => Harms("tunes a heater, in the middle of a file");
+    "PROBE" => Disturbs(PROBES);
+    "PROBE_ACCURACY" => Disturbs(PROBES);
+    "PROBE_CALIBRATE" => Warns(WAITS);
+    "QUAD_GANTRY_LEVEL" => Disturbs(PROBES);
+    "RESTART" => Harms("restarts the printer");
+    "RESTORE_GCODE_STATE" => Warns(RECALL);
+    "RESUME" => Effect::None;
+    "SAVE_CONFIG" => Harms("writes the printer's settings and restarts it");
+    "SCREWS_TILT_CALCULATE" => Disturbs(PROBES);
+    "SDCARD_PRINT_FILE" => Harms(FILES);
+    "SDCARD_RESET_FILE" => Harms(FILES);
+    "SET" => Warns(LOGIC);
+    "SET_DUAL_CARRIAGE" => Warns("takes another carriage");
+    "SET_EXTRUDER_ROTATION_DISTANCE" => Harms(STEPS);
+    "SET_EXTRUDER_STEP_DISTANCE" => Harms(STEPS);
+    "SET_KINEMATIC_POSITION"
+        => Harms("tells the printer that the head is elsewhere");
+    "SET_PIN" => Warns("switches a pin, and the check cannot know of what");
+    "SET_SKEW" => Warns(SHAPE);
+    "SET_STEPPER_ENABLE" => Warns("turns motors on or off");
+    "SET_TMC_CURRENT" => Warns(MOTORS);
+    "SET_TMC_FIELD" => Warns(MOTORS);
+    "SKEW_PROFILE" => Warns(SHAPE);
+    "SKIP" => Effect::None;
+    "STEPPER_BUZZ" => Harms(NO_PRINT);
+    "SYNC_EXTRUDER_MOTION" => Warns("joins extruders to one another");
+    "TUNING_TOWER" => Warns("changes a setting of the printer's by height");
+    "UPDATE_DELAYED_GCODE" => Warns(LOGIC);
+    "VAR" => Effect::None;
+    "WHILE" => Warns(LOGIC);
+    "Z_ENDSTOP_CALIBRATE" => Warns(WAITS);
+    "Z_OFFSET_APPLY_ENDSTOP" => Warns(MEMORY);
+    "Z_OFFSET_APPLY_PROBE" => Warns(MEMORY);
+    "Z_TILT_ADJUST" => Disturbs(PROBES);
+};
+
+type Rows = Vec<(When, Effect)>;
+
+/// The rows of each command.
+static TABLE: LazyLock<BTreeMap<(u8, u32), Rows>> = LazyLock::new(|| {
+    let mut table: BTreeMap<_, Rows> = BTreeMap::new();
+    for key in HARMLESS.split_whitespace().filter_map(key) {
+        table.entry(key).or_default();
+    }
+    for (name, when, effect) in ROWS {
+        if let Some(key) = key(name) {
+            table.entry(key).or_default().push((*when, *effect));
+        }
+    }
+    table
+});
+
+/// The table's key for a command: `G38.2` is G and 382.
+fn key(name: &str) -> Option<(u8, u32)> {
+    let (letter, number) = name.split_at_checked(1)?;
+    let tenths = (number.parse::<f64>().ok()? * 10.0).round() as u32;
+    Some((letter.as_bytes()[0], tenths))
+}
+
+/// What a command of a letter and a number does; none if the command is
+/// unknown.
+pub(super) fn of_code(
+    letter: char,
+    tenths: u32,
+    words: &Words,
+) -> Option<Effect> {
+    let rows = TABLE.get(&(letter as u8, tenths))?;
+    let row = rows.iter().find(|(when, _)| when.applies(words));
+    Some(row.map_or(Effect::None, |(_, effect)| *effect))
+}
+
+/// What a command that is a name does; none if the command is unknown.
+pub(super) fn of_name(named: &Named) -> Option<Effect> {
+    if named.is("SET_GCODE_OFFSET") {
+        let far = |key| named.number(key).is_some_and(|n| n.abs() > 1.0);
+        return Some(if ["Z", "Z_ADJUST"].into_iter().any(far) {
+            Warns("moves every height by more than a millimetre")
+        } else {
+            Effect::None
+        });
+    }
+    if let Some((_, effect)) = NAMES.iter().find(|(name, _)| named.is(name)) {
+        return Some(*effect);
+    }
+    HARMLESS_NAMES
+        .split_ascii_whitespace()
+        .any(|name| named.is(name))
+        .then_some(Effect::None)
+}
+
+/// A command as it is written: `M104.1`.
+pub(super) fn code(letter: char, tenths: u32) -> String {
+    match (tenths / 10, tenths % 10) {
+        (whole, 0) => format!("{letter}{whole}"),
+        (whole, tenth) => format!("{letter}{whole}.{tenth}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_a_command_and_can_apply() {
+        for name in HARMLESS.split_whitespace() {
+            // Only Bambu Lab's commands have two digits after the point. They
+            // are rounded.
+            let (letter, tenths) = key(name).unwrap();
+            let written = code(char::from(letter), tenths);
+            assert!(written == name || name.starts_with("M620.1"), "{name}");
+        }
+        let mut last_of = BTreeMap::new();
+        for (i, (name, when, _)) in ROWS.iter().enumerate() {
+            let key = key(name).unwrap();
+            let before = last_of.insert(key, (i, matches!(when, Always)));
+            // Rows of a command stand together, and none follows a row that
+            // always applies.
+            assert!(before.is_none_or(|b| b == (i - 1, false)), "{name}");
+        }
+        let names: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
+        assert!(names.is_sorted() && names.iter().all(|n| !n.is_empty()));
+    }
+}

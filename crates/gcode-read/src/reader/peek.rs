@@ -1,0 +1,61 @@
+//! Finds what a file says about itself before the file is read.
+//!
+//! In: a file. Out: the diameter of the filament that it was made for. Slicers
+//! write it at the end, or at the beginning.
+
+use super::info::Info;
+use isoslice_base::units::Mm;
+use std::io::{Read, Seek, SeekFrom};
+
+/// How much is read at each end, bytes. Settings take up to 60 kB, and pictures
+/// may come before them.
+const ENDS: u64 = 1 << 18;
+
+/// The diameter of the filament that a text file was made for, if it says so. The
+/// file is then read from its beginning. Pipes are not read.
+pub fn filament_diameter(file: &mut (impl Read + Seek)) -> Option<Mm> {
+    let length = file.seek(SeekFrom::End(0)).ok()?;
+    let mut said = None;
+    for from in [length.saturating_sub(ENDS), 0] {
+        said = said.or_else(|| said_from(file, from));
+    }
+    file.rewind().ok()?;
+    said
+}
+
+/// What comments say that begin at a byte, or soon after it.
+fn said_from(file: &mut (impl Read + Seek), from: u64) -> Option<Mm> {
+    file.seek(SeekFrom::Start(from)).ok()?;
+    let mut text = Vec::new();
+    file.take(ENDS).read_to_end(&mut text).ok()?;
+    let mut info = Info::default();
+    for line in text.split(|b| *b == b'\n') {
+        if let Some(comment) = line.strip_prefix(b";") {
+            info.comment(comment);
+        }
+    }
+    info.filament_diameter
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    #[test]
+    fn both_ends_are_read() {
+        let moves = "G1 X1 Y1 E1\n".repeat(100_000);
+        let said = "; filament_diameter = 2.85,1.75\n";
+        for text in [
+            format!("{said}{moves}"),
+            format!("{moves}{said}"),
+            format!("{moves}{}", said.trim_end()),
+        ] {
+            let mut file = Cursor::new(text.as_bytes());
+            assert_eq!(filament_diameter(&mut file), Some(2.85));
+            assert_eq!(file.position(), 0);
+        }
+        assert_eq!(filament_diameter(&mut Cursor::new(moves)), None);
+        assert_eq!(filament_diameter(&mut Cursor::new("")), None);
+    }
+}

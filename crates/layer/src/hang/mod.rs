@@ -1,0 +1,144 @@
+//! What hangs: the places of a part that nothing below holds while they are
+//! printed, and what would need a support.
+//!
+//! ```text
+//!        ┌──────────────────────┐
+//!        └───────┐  ┌───────────┘   The underside of a plate on a post. Its
+//!          reach │  │├── reach ─┤   reach is how far it gets from what holds
+//!                │  │               it.
+//! ```
+//!
+//! In: the outline of a layer and that of the layer below. Out: what hangs, by
+//! kind, with its area, its widest reach and its first place.
+//!
+//! | kind | what it is |
+//! |---|---|
+//! | begins | an island with nothing below it |
+//! | leans | a face that leans by more than `support.angle` from the vertical, up to a ledge |
+//! | bridges | skin held at both ends, farther apart than `bridge_max` |
+//!
+//! Each layer holds h·tan(`support.angle`) of the layer above, where h is that
+//! layer's height. What sticks out farther adds up from layer to layer
+//! ([`Tracker`]). For example, if faces that lean by 55° hold themselves, the
+//! rim of a wall that leans by 60° gets 0.06 mm farther from what holds it with
+//! every layer of 0.2 mm. It comes back as slowly once the wall is upright
+//! again. Up to two lines' width hang without harm: a bead laid beside one that
+//! is held sticks to it, and so does the next. So lips, small holes and the
+//! undersides of most lattices carry themselves and are not reported. The tips
+//! of a lattice that begin on nothing and soon grow together with it are not
+//! reported, either (`tip`).
+//!
+//! Bridges are those that the skin's lines make: straight lines across a gap,
+//! in the direction that the [`skin`](crate::skin) has for them, held at both
+//! ends. They hold what is printed on them.
+//!
+//! Whether the whole part stands firmly is another matter: [`foot`].
+//!
+//! Not guaranteed: that a reach is counted in full if it adds up over more
+//! layers than the pipeline takes in one block, because what a run of a range
+//! reports about a layer must not depend on every layer below it. The material
+//! is unknown, too: the settings say how far a bridge or a slope holds.
+
+pub mod foot;
+mod gap;
+mod look;
+mod needs;
+mod places;
+mod reach;
+mod tip;
+mod track;
+mod words;
+
+pub use look::Look;
+pub use needs::Needs;
+pub use places::Unsupported;
+pub use track::Tracker;
+
+use glam::DVec3;
+use isoslice_base::units::{Mm, Mm2};
+
+/// Why something hangs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// An island begins on nothing.
+    Begins,
+    /// A face leans too far.
+    Leans,
+    /// A bridge is too long.
+    Bridge,
+}
+
+/// What hangs in some layers, of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sum {
+    /// Number of islands, or of gaps. Slopes have no number.
+    pub count: usize,
+    /// Content of the undersides, seen from below; of islands the greatest content
+    /// while nothing holds them.
+    pub area: Mm2,
+    /// Content of the largest connected underside, about.
+    pub largest: Mm2,
+    /// Greatest reach: of slopes the distance from what holds them, of bridges
+    /// their length; 0 for islands.
+    pub reach: Mm,
+    /// Place on the bed of the first finding, which is the lowest one.
+    pub first: Option<DVec3>,
+}
+
+impl Sum {
+    /// Adds `area`, which belongs to a place with the content `all`.
+    fn add(&mut self, area: Mm2, all: Mm2, reach: Mm, at: DVec3) {
+        self.count += 1;
+        self.area += area;
+        self.largest = self.largest.max(all);
+        self.reach = self.reach.max(reach);
+        self.first.get_or_insert(at);
+    }
+
+    /// True if there is nothing of this kind.
+    pub fn is_none(&self) -> bool {
+        self.first.is_none()
+    }
+}
+
+impl Sum {
+    /// Adds what hangs in each of several equal parts.
+    fn add_parts(&mut self, other: &Sum, copies: usize) {
+        self.count += copies * other.count;
+        self.area += copies as f64 * other.area;
+        self.largest = self.largest.max(other.largest);
+        self.reach = self.reach.max(other.reach);
+        let lower = |p: &DVec3| self.first.is_none_or(|first| p.z < first.z);
+        self.first = other.first.filter(lower).or(self.first);
+    }
+}
+
+impl Hanging {
+    /// Adds what hangs in each of several equal parts. Of two feet that are too
+    /// small, the one that holds less is kept.
+    pub fn add(&mut self, other: &Hanging, copies: usize) {
+        self.begins.add_parts(&other.begins, copies);
+        self.in_cavity.add_parts(&other.in_cavity, copies);
+        self.leans.add_parts(&other.leans, copies);
+        self.bridges.add_parts(&other.bridges, copies);
+        let less = |foot: &foot::Foot| {
+            self.foot.is_none_or(|known| foot.holds < known.holds)
+        };
+        self.foot = other.foot.filter(less).or(self.foot);
+    }
+}
+
+/// What hangs in some layers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hanging {
+    /// Islands that begin on nothing.
+    pub begins: Sum,
+    /// Islands among these that are inside the part, in a cavity.
+    pub in_cavity: Sum,
+    /// Faces that lean too far.
+    pub leans: Sum,
+    /// Bridges that are too long.
+    pub bridges: Sum,
+    /// The foot of the whole part, if it is too small for the part's height.
+    pub foot: Option<foot::Foot>,
+}

@@ -1,0 +1,99 @@
+//! Small islands of sparse infill that no line crosses.
+//!
+//! In: a layer's skin and sparse area, and the beads of its infill. Out: the
+//! areas, with such islands as skin, since what is above them would rest on
+//! nothing.
+
+use crate::region::exposure::FillAreas;
+use isoslice_base::units::Mm2;
+use isoslice_planar::Area;
+use isoslice_planar::bead::Bead;
+use isoslice_planar::clip::union;
+use isoslice_planar::nest::Nest;
+use isoslice_settings::{Settings, Varying};
+
+/// Makes skin of the islands of sparse infill in which no line of `infill`
+/// lies, if they are small. Does nothing where the density varies, or the
+/// pattern is an expression: no spacing then tells which islands are small.
+pub fn fill_bare(areas: &mut FillAreas, infill: &[Bead], settings: &Settings) {
+    /// A small island is no larger than a square of so many spacings.
+    const SIDE: f64 = 2.0;
+    let share = match settings.infill_density {
+        Varying::Constant(percent) if settings.infill_is_pattern() => {
+            percent / 100.0
+        }
+        _ => return,
+    };
+    if share <= 0.0 {
+        return;
+    }
+    let most: Mm2 = (SIDE * settings.infill_width() / share).powi(2);
+    let islands = areas.sparse.islands();
+    let is_small = |island: &Area| island.content() < most;
+    if !islands.iter().any(is_small) {
+        return;
+    }
+    let nest = Nest::new(islands.iter().filter_map(|i| i.rings.first()));
+    let mut has = vec![false; islands.len()];
+    for bead in infill {
+        // A bead's ends lie on the walls or the skin around the island.
+        for (a, b) in bead.segments() {
+            if let Some(island) = nest.around(a.midpoint(b)) {
+                has[island] = true;
+            }
+        }
+    }
+    let (bare, rest): (Vec<_>, Vec<_>) = islands
+        .into_iter()
+        .zip(has)
+        .partition(|(island, has)| !has && is_small(island));
+    if bare.is_empty() {
+        return;
+    }
+    let [bare, rest] = [bare, rest].map(|islands| {
+        islands.into_iter().flat_map(|(i, _)| i.rings).collect()
+    });
+    areas.skin = union(&areas.skin, &bare);
+    areas.sparse = rest;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+    use isoslice_planar::bead::{Role, Stroke};
+    use isoslice_planar::rect;
+
+    #[test]
+    fn small_islands_without_a_line_of_infill_become_skin() {
+        let joined = |areas: &[Area]| {
+            areas.iter().flat_map(|a| a.rings.clone()).collect()
+        };
+        // Lines 3 mm apart: an island of 36 mm² is small.
+        let [crossed, bare] = [0.0, 10.0].map(|x| rect(x, 0.0, x + 3.0, 3.0));
+        let large = rect(20.0, 0.0, 27.0, 7.0);
+        let beside = rect(0.0, 20.0, 9.0, 29.0);
+        let line = vec![DVec2::new(-0.2, 1.0), DVec2::new(3.2, 2.0)];
+        let stroke = Stroke::new(line, false, 0.45);
+        let infill = [Bead::new(Role::SparseInfill, stroke, 0.2)];
+        let areas = FillAreas {
+            skin: beside.clone(),
+            sparse: joined(&[crossed.clone(), bare.clone(), large.clone()]),
+        };
+        let filled = |density: f64| {
+            let settings = Settings {
+                infill_density: density.into(),
+                ..Settings::default()
+            };
+            let mut areas = areas.clone();
+            fill_bare(&mut areas, &infill, &settings);
+            areas
+        };
+        let found = filled(15.0);
+        assert_eq!(found.sparse, joined(&[crossed, large]));
+        let skin = bare.content() + beside.content();
+        assert!((found.skin.content() - skin).abs() < 1e-6);
+        // Nobody wants lines there.
+        assert_eq!(filled(0.0), areas);
+    }
+}

@@ -1,0 +1,211 @@
+//! Infill that stands on nothing, left out.
+//!
+//! ```text
+//!   ─┃ ○ ╭──────┃─   Where cells of two sizes blend into each other, some are
+//!   ─┃   ╰──────┃─   closed like bubbles: seen from below they begin as a
+//!   ─┃ ─────────┃─   ring (○) that neither lies on anything nor touches
+//!   ─┃──────────┃─   anything in its layer. It would fall into the infill.
+//! ```
+//!
+//! In: layers from below, as they are printed. Out: their infill without the
+//! beads that nothing holds. A bubble is left out up to the layer where it
+//! meets something that stands. Where cells blend, there are also rings and
+//! lines hardly longer than they are wide. Each would be a dot beside its
+//! travel, so a dot that touches nothing in its layer is left out, even if
+//! something is below it. Dots of a user's own pattern are kept: they may be
+//! meant.
+//!
+//! Patterns of one density have no such places. Patterns whose density varies,
+//! and users' own patterns, may have them.
+
+use isoslice_base::units::Mm;
+use isoslice_planar::bead::Bead;
+use isoslice_planar::grid::EdgeGrid;
+use isoslice_settings::Settings;
+
+/// Beads whose middles are within this share of their width of each other
+/// hold each other.
+const HELD: f64 = 0.75;
+/// Beads shorter than this many widths are dots.
+const DOT: f64 = 2.0;
+
+/// What a layer's infill may stand on.
+pub struct Standing {
+    reach: Mm,
+    /// The beads of the layer below, if it is known.
+    below: Option<EdgeGrid>,
+    /// True if the pattern is a user's own.
+    own: bool,
+}
+
+impl Standing {
+    /// A check of infill, if the infill is of a kind that needs it.
+    pub fn new(settings: &Settings) -> Option<Standing> {
+        let own = is_own(settings);
+        let graded = settings.infill_density.constant().is_none();
+        (own || graded).then(|| Standing {
+            reach: HELD * settings.infill_width(),
+            below: None,
+            own,
+        })
+    }
+
+    /// Forgets the layer below. Everything in the next layer then counts as
+    /// standing.
+    pub fn forget(&mut self) {
+        self.below = None;
+    }
+
+    /// Takes the next layer, and leaves out the infill that stands on nothing.
+    /// `others` are the layer's other beads.
+    pub fn kept<'a>(
+        &mut self,
+        mut infill: Vec<Bead>,
+        others: impl Iterator<Item = &'a Bead>,
+    ) -> Vec<Bead> {
+        isoslice_base::limits::check();
+        let below = self.below.take();
+        let held = |bead: &Bead, by: &EdgeGrid| {
+            let mut edges = bead.segments();
+            edges.any(|(a, b)| !by.clear(a, b, self.reach))
+        };
+        let dot = |bead: &Bead| !self.own && bead.length() < DOT * bead.width;
+        let stands = |bead: &Bead| {
+            !dot(bead) && below.as_ref().is_none_or(|below| held(bead, below))
+        };
+        let grid = |beads: &[&Bead]| {
+            EdgeGrid::of_lines(beads.iter().map(|b| b.path()), self.reach)
+        };
+        let mut kept: Vec<&Bead> = others.collect();
+        let mut stays: Vec<bool> = infill.iter().map(stands).collect();
+        kept.extend(infill.iter().zip(&stays).filter(|b| *b.1).map(|b| b.0));
+        let mut here = grid(&kept);
+        // A bead that touches a standing bead is held by it, and may hold more
+        // beads.
+        loop {
+            let mut found = false;
+            for (bead, stays) in infill.iter().zip(&mut stays) {
+                if !*stays && held(bead, &here) {
+                    (*stays, found) = (true, true);
+                    kept.push(bead);
+                }
+            }
+            if !found {
+                break;
+            }
+            here = grid(&kept);
+        }
+        self.below = Some(here);
+        let mut stays = stays.into_iter();
+        infill.retain(|_| stays.next().unwrap_or(true));
+        infill
+    }
+}
+
+/// True if the infill is a user's own pattern.
+fn is_own(settings: &Settings) -> bool {
+    !matches!(settings.infill, isoslice_settings::Infill::Pattern(_))
+}
+
+/// The warning about beads that were left out of a user's own pattern. Nobody
+/// needs to know of those left out of the shipped patterns.
+pub fn warning(left_out: usize, settings: &Settings) -> Option<String> {
+    (is_own(settings) && left_out > 0).then(|| {
+        format!(
+            "beads of the infill's shape that lie on nothing and touch \
+             nothing in their layer are left out: {left_out}"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_planar::Ring;
+    use isoslice_planar::bead::{Role, Stroke};
+    use isoslice_planar::shapes::{self, circle, moved};
+
+    fn along(points: Ring, closed: bool) -> Bead {
+        Bead::new(Role::SparseInfill, Stroke::new(points, closed, 0.45), 0.2)
+    }
+
+    fn bead(points: &[(f64, f64)]) -> Bead {
+        along(shapes::ring(points), false)
+    }
+
+    fn ring(x: f64, radius: f64) -> Bead {
+        along(moved(circle(radius, 40), x, 0.0), true)
+    }
+
+    #[test]
+    fn a_bubble_begins_where_it_meets_something() {
+        let settings = Settings {
+            infill_density: isoslice_settings::Varying::Expression(
+                "9+d".into(),
+            ),
+            ..Settings::default()
+        };
+        let mut standing = Standing::new(&settings).unwrap();
+        let wall = bead(&[(0.0, -9.0), (0.0, 9.0)]);
+        let line = bead(&[(0.3, 5.0), (20.0, 5.0)]);
+        let mut layer = |beads: &[Bead]| {
+            let infill = [std::slice::from_ref(&line), beads].concat();
+            let others = [&wall].into_iter();
+            standing.kept(infill, others).len() - 1
+        };
+        // All of the first layer stands on the bed.
+        assert_eq!(layer(&[ring(15.0, 1.0)]), 1);
+        // The second ring stands on nothing, and what is printed above it does
+        // not stand, either.
+        assert_eq!(layer(&[ring(15.0, 1.2), ring(7.0, 0.3)]), 1);
+        assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 0.6)]), 1);
+        // The ring stands once it meets the line.
+        assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 4.8)]), 2);
+        assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 4.9)]), 2);
+        // A bead that begins at a wall is held by the wall, and holds what it
+        // touches.
+        let from_wall = bead(&[(0.3, -4.0), (3.0, -4.0)]);
+        let beside = bead(&[(3.2, -4.0), (3.2, -8.0)]);
+        let alone = bead(&[(13.2, -4.0), (13.2, -8.0)]);
+        assert_eq!(layer(&[beside, from_wall, alone.clone()]), 2);
+        standing.forget();
+        let kept = standing.kept(vec![alone], [&wall].into_iter());
+        assert_eq!(kept.len(), 1);
+        assert!(Standing::new(&Settings::default()).is_none());
+    }
+
+    #[test]
+    fn a_dot_is_left_out_unless_it_touches_something() {
+        let graded = Settings {
+            infill_density: isoslice_settings::Varying::Expression(
+                "9+d".into(),
+            ),
+            ..Settings::default()
+        };
+        let own = Settings {
+            infill: isoslice_settings::Infill::Expression("x".into()),
+            ..Settings::default()
+        };
+        let line = bead(&[(0.0, 5.0), (20.0, 5.0)]);
+        // On the line below: a ring, a short line and one that is longer.
+        let ring = ring(5.0, 0.1);
+        let raised = |mut bead: Bead| {
+            bead.points.iter_mut().for_each(|p| p.y += 5.0);
+            bead
+        };
+        let short = bead(&[(10.0, 4.9), (10.0, 5.5)]);
+        let longer = bead(&[(15.0, 4.5), (15.0, 5.5)]);
+        let dots = vec![raised(ring), short.clone(), longer.clone()];
+        for (settings, left) in [(&graded, 1), (&own, 3)] {
+            let mut standing = Standing::new(settings).unwrap();
+            standing.kept(vec![line.clone()], [].into_iter());
+            let kept = standing.kept(dots.clone(), [].into_iter());
+            assert_eq!(kept.len(), left);
+            // Beside a longer line, the short one is not alone.
+            let beside = bead(&[(15.0, 4.0), (15.0, 6.0)]);
+            let near = bead(&[(15.3, 4.9), (15.3, 5.5)]);
+            let both = vec![beside, near];
+            assert_eq!(standing.kept(both, [].into_iter()).len(), 2);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! What the tests of infill share: areas, layers, and how much is in them.
+
+mod density;
+mod islands;
+mod place;
+mod shapes;
+
+use super::*;
+use isoslice_model::{Model, Placement, placed};
+use isoslice_planar::shapes::square;
+use isoslice_settings::Varying;
+
+fn settings(pattern: InfillPattern, density: f64) -> Settings {
+    Settings {
+        infill_density: density.into(),
+        infill: isoslice_settings::Infill::Pattern(pattern),
+        ..Settings::default()
+    }
+}
+
+/// Settings whose density is an expression.
+fn graded(pattern: InfillPattern, density: &str) -> Settings {
+    Settings {
+        infill_density: Varying::Expression(density.into()),
+        ..settings(pattern, 15.0)
+    }
+}
+
+/// A box of 100 mm on the bed.
+fn block() -> Model {
+    let block = "max(max(abs(x), abs(y)), abs(z)) - 50";
+    placed(block, &Placement::default())
+}
+
+const HERE: Site = Site {
+    part: Rect::new(DVec2::splat(-50.0), DVec2::splat(50.0)),
+    height: 100.0,
+    bed: DVec2::ZERO,
+    origin: DVec2::ZERO,
+};
+
+/// Beads of layers of an area.
+fn lay(
+    settings: &Settings,
+    site: Site,
+    area: &Area,
+    places: impl IntoIterator<Item = Target>,
+) -> Vec<Vec<Bead>> {
+    let block = block();
+    let around = Surroundings::new(&block);
+    let infill = Infill::new(settings, &around, site).unwrap();
+    let layers = places.into_iter();
+    layers
+        .map(|p| infill.beads(area, p, None).unwrap())
+        .collect()
+}
+
+fn layer(number: usize) -> Target {
+    Target {
+        number,
+        z: 0.2 * number as f64 + 0.1,
+        height: 0.2,
+    }
+}
+
+/// A layer at one of the heights spread evenly, out of step with any period.
+/// They span so many periods that their number need not be whole.
+fn spread(number: usize) -> Target {
+    Target {
+        z: 3000.0 * (0.618_034 * number as f64).fract(),
+        ..layer(number)
+    }
+}
+
+/// Length of what the beads of some layers have inside a box.
+fn length_within(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let window = Area::from(
+        corners
+            .map(|(x, y)| middle + half * DVec2::new(x, y))
+            .to_vec(),
+    );
+    let border = Border::new(&window);
+    let mut cutter = isoslice_planar::border::Cutter::new(&border);
+    for bead in layers.iter().flatten() {
+        cutter.line(&bead.points, bead.closed);
+    }
+    let pieces = cutter.finish();
+    let lengths = pieces.iter();
+    lengths
+        .map(|p| isoslice_planar::path_length(&p.points, p.closed))
+        .sum()
+}
+
+/// Percentage of the volume of some layers, within a box, that is in beads.
+fn share_at(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
+    let volume = length_within(layers, middle, half)
+        * isoslice_planar::bead::cross_section(0.45, 0.2);
+    let whole = 4.0 * half.x * half.y * 0.2 * layers.len() as f64;
+    100.0 * volume / whole
+}

@@ -1,0 +1,56 @@
+//! What is in a layer: walls, skin, infill, supports, adhesion and seams.
+//!
+//! In: the outlines of a layer and of the layers around it, their heights, and
+//! the settings. Out: areas of a layer's plane, and the [`Bead`]s that fill them,
+//! not yet in any order.
+//!
+//! | module | what it answers |
+//! |---|---|
+//! | [`resolution`] | how many points a stroke needs |
+//! | [`region`] | where walls lie, and which area inside them is skin or infill |
+//! | [`walls`], [`fuzzy`] | how walls are printed: overhangs, interlocked beads, texture |
+//! | [`skin`] | the lines that close tops and bottoms, and the bridges |
+//! | [`infill`] | the pattern inside |
+//! | [`adhesion`] | skirt, brim and ears |
+//! | [`hang`] | what nothing below holds |
+//! | [`support`] | what is printed to hold it |
+//! | [`seam`] | where loops may begin |
+//!
+//! Guarantees: the same input gives the same beads, on any number of threads.
+//! Distances are those of the layer's plane, not values of the field. Each
+//! module says how exact its answer is.
+//!
+//! Not known here: the order of beads, travels, speeds, and G-code.
+//!
+//! [`Bead`]: isoslice_planar::bead::Bead
+
+#![warn(unreachable_pub)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
+// Failures are errors, not panics; only tests may panic. Indices are allowed,
+// since geometry is full of them; the fuzzer and the hostile models test those.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
+pub mod adhesion;
+pub mod fuzzy;
+pub mod hang;
+pub mod infill;
+pub mod region;
+pub mod resolution;
+pub mod seam;
+pub mod skin;
+pub mod support;
+pub mod walls;

@@ -1,0 +1,458 @@
+//! Centre lines of walls, closed or cut open, of one width or of many.
+//!
+//! Two changes are made to the plain offsets of an outline. Where a ridge's
+//! bead takes a thin place, the wall's ring, whose two sides would run into
+//! each other there, is cut away. And where what is left between two walls is
+//! too thin for a bead of its own, the walls beside it become wider and move
+//! in, each taking half.
+
+use super::ridge::Ridge;
+use super::widen::{SEEN, Station, across, widened};
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::bead::Stroke;
+use isoslice_planar::grid::EdgeGrid;
+use isoslice_planar::{Area, Rect, edges};
+
+/// Distance of the places at which a line near a ridge is looked at, mm.
+const STEP: Mm = 0.2;
+/// Length from which a piece of a ring is laid, as a share of its width. Where
+/// three strips meet, short pieces are all that lies between their beads at the
+/// surface (measured on lattices: pieces longer than their width only leave a
+/// third more of the solid uncovered, with as many retractions).
+const SHORTEST: f64 = 0.25;
+/// Accuracy of the place at which a line has to end, mm.
+const END: Mm = 0.005;
+/// Distance of the places at which a line's width is looked at, mm.
+const WIDEN_STEP: Mm = 0.1;
+/// Number of places on an edge that are looked at together. What is near to one
+/// of these places is near to the others as well.
+const STRETCH: usize = 16;
+/// Number of edges of a line that are looked at together at first. No ridge is
+/// near to most of them.
+const GROUP: usize = 8;
+/// Least size of the cells in which ridges are looked up, mm.
+const CELL: Mm = 0.8;
+/// Slack in distances that are equal but for rounding and thinning, mm.
+const SLACK: Mm = 0.05;
+
+/// Ridges, sorted so that the nearest one is found quickly.
+pub(super) struct RidgeIndex<'a> {
+    ridges: &'a [Ridge],
+    grid: EdgeGrid,
+    /// Ridge and segment of each of the grid's numbers.
+    segments: Vec<(u32, u32)>,
+}
+
+impl<'a> RidgeIndex<'a> {
+    pub(super) fn new(ridges: &'a [Ridge], reach: Mm) -> Self {
+        let points = |r: &'a Ridge| {
+            let closing = if r.closed { 1 } else { 0 };
+            r.points.iter().chain(r.points.iter().take(closing))
+        };
+        let mut segments = Vec::new();
+        for (i, r) in ridges.iter().enumerate() {
+            let all = 0..points(r).count() as u32;
+            segments.extend(all.map(|k| (i as u32, k)));
+        }
+        let lines = ridges.iter().map(|r| points(r).copied());
+        RidgeIndex {
+            ridges,
+            grid: EdgeGrid::of_lines(lines, reach.max(CELL)),
+            segments,
+        }
+    }
+
+    /// True if no ridge comes within `reach` of a group of edges, which begins
+    /// at the `k`th point. A line that is closed returns to its first point.
+    fn group_clear(&self, points: &[DVec2], k: usize, reach: Mm) -> bool {
+        let all = points.iter().skip(k).take(GROUP + 1);
+        let closing = (k + GROUP >= points.len()).then(|| points.first());
+        let bounds = Rect::around(all.chain(closing.flatten()));
+        !self.grid.meets(bounds.grown(reach))
+    }
+
+    /// True if no ridge comes closer than `reach` to the segment from `a` to
+    /// `b`. `found` gets the ridges' segments that do, unless the `count`
+    /// places to be looked at on the segment are more than a stretch.
+    fn clear_of(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        reach: Mm,
+        count: usize,
+        found: &mut Vec<u32>,
+    ) -> bool {
+        if count > STRETCH {
+            return self.clear(a, b, reach);
+        }
+        self.around(a, b, reach, found);
+        found.is_empty()
+    }
+
+    /// Finds the ridges' segments that come closer than `reach` to the segment
+    /// from `a` to `b`, and a few that do not.
+    fn beside(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
+        found.clear();
+        let (lo, hi) = (a.min(b) - reach, a.max(b) + reach);
+        self.grid.visit_box(lo, hi, |edge| note(edge, found));
+    }
+
+    /// Finds the ridges' segments that come closer than `reach` to the segment
+    /// from `a` to `b`.
+    fn around(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
+        found.clear();
+        self.grid
+            .visit_edges_near(a, b, reach, |edge| note(edge, found));
+    }
+
+    /// Does what [`RidgeIndex::nearest`] does, but among some segments only.
+    pub(super) fn nearest_of(
+        &self,
+        segments: &[u32],
+        p: DVec2,
+        reach: Mm,
+    ) -> Option<(DVec2, Mm)> {
+        let (edge, q) = self.grid.nearest_of(segments, p, reach)?;
+        Some((q, self.thickness(edge, q)))
+    }
+
+    /// Does what [`RidgeIndex::nearest_of`] does, but only among segments for
+    /// whose nearest points `counts` is true.
+    pub(super) fn nearest_where(
+        &self,
+        segments: &[u32],
+        p: DVec2,
+        reach: Mm,
+        counts: impl Fn(DVec2) -> bool,
+    ) -> Option<(DVec2, Mm)> {
+        let mut best: Option<(DVec2, Mm)> = None;
+        for &segment in segments {
+            let limit = best.map_or(reach, |(q, _)| p.distance(q));
+            let found = self.nearest_of(&[segment], p, limit);
+            best = found.filter(|(q, _)| counts(*q)).or(best);
+        }
+        best
+    }
+
+    /// The thickness at a place on a segment.
+    fn thickness(&self, edge: usize, q: DVec2) -> Mm {
+        let (i, k) = self.segments[edge];
+        let (r, k) = (&self.ridges[i as usize], k as usize);
+        let (a, b) = self.grid.edge(edge);
+        let along = b - a;
+        let t = (q - a).dot(along) / along.length_squared();
+        let t = if t.is_finite() { t } else { 0.0 };
+        let next = if k + 1 == r.points.len() { 0 } else { k + 1 };
+        let (ta, tb) = (r.thickness[k], r.thickness[next]);
+        ta + t * (tb - ta)
+    }
+
+    /// True if no ridge comes closer than `reach` to the segment.
+    pub(super) fn clear(&self, a: DVec2, b: DVec2, reach: Mm) -> bool {
+        self.grid.clear(a, b, reach)
+    }
+
+    /// The nearest point of a ridge within `reach`, and the thickness there.
+    pub(super) fn nearest(&self, p: DVec2, reach: Mm) -> Option<(DVec2, Mm)> {
+        let (edge, q) = self.grid.nearest_edge(p, reach)?;
+        Some((q, self.thickness(edge, q)))
+    }
+}
+
+/// Adds an edge to those found, unless it is one of them.
+#[inline]
+fn note(edge: usize, found: &mut Vec<u32>) {
+    let edge = edge as u32;
+    if !found.contains(&edge) {
+        found.push(edge);
+    }
+}
+
+/// The rings of an offset `depth` below an area's border as lines, without
+/// what runs along ridges of the area.
+pub(super) fn cut(
+    rings: &Area,
+    ridges: &[Ridge],
+    depth: Mm,
+    width: Mm,
+) -> Vec<Stroke> {
+    let line = |points, closed| Stroke::new(points, closed, width);
+    if ridges.is_empty() {
+        return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
+    }
+    let thickest = ridges.iter().map(Ridge::thickest).fold(0.0, f64::max);
+    let reach = 0.5 * thickest - depth + 2.0 * SLACK;
+    if reach <= 0.0 {
+        return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
+    }
+    let index = RidgeIndex::new(ridges, reach);
+    // True if no ridge is too near to a place. `near` are the segments that may
+    // be.
+    let free = |p: DVec2, near: &[u32]| {
+        match index.nearest_of(near, p, reach) {
+            // The border is half the place's thickness away from the ridge, and
+            // the ring is `depth` nearer to the ridge than the border is.
+            Some((q, t)) => p.distance(q) > 0.5 * t - depth + SLACK,
+            None => true,
+        }
+    };
+    let mut near = Vec::new();
+    let mut lines = Vec::new();
+    for ring in &rings.rings {
+        isoslice_base::limits::check();
+        // Points, and whether the line goes on from there.
+        let mut all: Vec<(DVec2, bool)> = Vec::with_capacity(ring.len());
+        let mut changes = false;
+        let mut at_b = None;
+        let mut clear = false;
+        for (i, (a, b)) in edges(ring).enumerate() {
+            if i.is_multiple_of(GROUP) {
+                clear = index.group_clear(ring, i, reach);
+            }
+            if clear {
+                at_b = Some(true);
+                all.push((a, true));
+                continue;
+            }
+            let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
+            let place = |k: usize| match k as f64 / count {
+                t if t < 1.0 => a.lerp(b, t),
+                _ => b,
+            };
+            let count = count as usize;
+            let clear = if count > STRETCH {
+                index.clear(a, b, reach)
+            } else {
+                // On a short edge the segments that may be near are collected
+                // first, because each place on it looks at all of them.
+                index.beside(a, b, reach, &mut near);
+                near.is_empty()
+            };
+            if clear {
+                at_b = Some(true);
+                all.push((a, true));
+                continue;
+            }
+            let mut from = (a, at_b);
+            for first in (0..count).step_by(STRETCH) {
+                let last = (first + STRETCH).min(count);
+                if count > STRETCH {
+                    let (p, q) = (place(first), place(last));
+                    index.around(p, q, reach, &mut near);
+                }
+                let free = |p: DVec2| free(p, &near);
+                let mut on = from.1.unwrap_or_else(|| free(a));
+                if first == 0 {
+                    all.push((a, on));
+                }
+                for k in first + 1..=last {
+                    let to = (place(k), free(place(k)));
+                    if on != to.1 {
+                        changes = true;
+                        let (mut p, mut q) = (from.0, to.0);
+                        while p.distance(q) > END {
+                            let middle = p.midpoint(q);
+                            if free(middle) == on {
+                                p = middle
+                            } else {
+                                q = middle
+                            }
+                        }
+                        // A line ends or begins at the point that is free.
+                        all.push((if on { p } else { q }, to.1));
+                    }
+                    on = to.1;
+                    from = (to.0, Some(on));
+                }
+            }
+            at_b = from.1;
+        }
+        if !changes {
+            if all.iter().any(|p| p.1) {
+                lines.push(line(ring.clone(), true));
+            }
+            continue;
+        }
+        // The pieces are collected from a point on at which a line ends.
+        let n = all.len();
+        let end = (0..n).find(|&i| all[(i + n - 1) % n].1 && !all[i].1);
+        all.rotate_left(end.unwrap_or(0));
+        let mut points: Vec<DVec2> = Vec::new();
+        let mut pieces = Vec::new();
+        for &(p, on) in all.iter().chain(all.first()) {
+            if on || !points.is_empty() {
+                points.push(p);
+            }
+            if !on && !points.is_empty() {
+                pieces.push(line(std::mem::take(&mut points), false));
+            }
+        }
+        for piece in pieces {
+            if piece.length() > SHORTEST * width {
+                lines.push(piece);
+            }
+        }
+    }
+    lines
+}
+
+/// Widens the lines beside slivers. `away` is the distance of the lines from
+/// the border of the area that has the slivers as its ridges.
+pub(super) fn absorb(
+    lines: Vec<Stroke>,
+    slivers: &[Ridge],
+    away: Mm,
+    tolerance: Mm,
+) -> Vec<Stroke> {
+    if slivers.is_empty() {
+        return lines;
+    }
+    let thickest = slivers.iter().map(Ridge::thickest).fold(0.0, f64::max);
+    let reach = away + 0.5 * thickest + SLACK;
+    let index = RidgeIndex::new(slivers, reach);
+    lines
+        .into_iter()
+        .map(|line| widen(line, &index, away, reach, tolerance))
+        .collect()
+}
+
+fn widen(
+    line: Stroke,
+    index: &RidgeIndex<'_>,
+    away: Mm,
+    reach: Mm,
+    tolerance: Mm,
+) -> Stroke {
+    let width = line.width;
+    moved(line, index, reach, tolerance, SEEN, |p, across, _, near| {
+        let sliver = index
+            .nearest_of(near, p, reach)
+            .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
+        let left = across.normalize_or_zero();
+        Station {
+            at: p,
+            across,
+            width,
+            // The line moves straight inwards only: otherwise its outer side
+            // would move as well.
+            moves: sliver
+                .map(|(q, t)| 0.25 * t * left.dot((q - p).normalize_or_zero())),
+            narrows: sliver.is_some_and(|(_, t)| t < 0.0),
+        }
+    })
+}
+
+/// Moves the places of a line that ridges come near to. `station` gets a place,
+/// the way across the line there, the line's width, and the ridges' segments
+/// within `reach`. `slope` is the greatest change of the line's width along its way.
+pub(super) fn moved(
+    line: Stroke,
+    index: &RidgeIndex<'_>,
+    reach: Mm,
+    tolerance: Mm,
+    slope: f64,
+    station: impl Fn(DVec2, DVec2, Mm, &[u32]) -> Station,
+) -> Stroke {
+    let n = line.points.len();
+    let mut places: Vec<Station> = Vec::with_capacity(n);
+    let mut near = Vec::new();
+    let mut clear = false;
+    let segments = if line.closed { n } else { n.saturating_sub(1) };
+    for k in 0..segments {
+        if k.is_multiple_of(GROUP) {
+            clear = index.group_clear(&line.points, k, reach);
+        }
+        let (a, b) = (line.points[k], line.points[(k + 1) % n]);
+        let (v, w) = (line.width_at(k), line.width_at(k + 1));
+        let along = (b - a).normalize_or_zero();
+        let at_a = across(&line, k);
+        if clear {
+            near.clear();
+            places.push(station(a, at_a, v, &[]));
+            continue;
+        }
+        let count = (a.distance(b) / WIDEN_STEP).ceil().clamp(1.0, 1e6);
+        let share = |i: usize| i as f64 / count;
+        let place = |i: usize| a.lerp(b, share(i));
+        let count = count as usize;
+        if index.clear_of(a, b, reach, count, &mut near) {
+            places.push(station(a, at_a, v, &[]));
+            continue;
+        }
+        for first in (0..count).step_by(STRETCH) {
+            let last = (first + STRETCH).min(count);
+            if count > STRETCH {
+                index.around(place(first), place(last), reach, &mut near);
+            }
+            for i in first..last {
+                let across = if i == 0 { at_a } else { along.perp() };
+                let width = v + share(i) * (w - v);
+                places.push(station(place(i), across, width, &near));
+            }
+        }
+    }
+    if let (false, [_, .., b]) = (line.closed, line.points.as_slice()) {
+        let across = across(&line, n - 1);
+        places.push(station(*b, across, line.width_at(n - 1), &near));
+    }
+    widened(places, line.closed, tolerance, slope).unwrap_or(line)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ridge(points: &[(f64, f64)], thickness: f64) -> Ridge {
+        Ridge {
+            points: points.iter().map(|&(x, y)| DVec2::new(x, y)).collect(),
+            thickness: vec![thickness; points.len()],
+            closed: false,
+        }
+    }
+
+    fn rectangle(x: f64, y: f64) -> Area {
+        let ring = [(0.0, -y), (x, -y), (x, y), (0.0, y)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec();
+        Area::from(ring)
+    }
+
+    #[test]
+    fn rings_are_cut_where_a_ridge_runs() {
+        // A ring of half width 0.1 at depth 0.2 in a strip 0.6 thick.
+        let rings = rectangle(20.0, 0.1);
+        let half = ridge(&[(0.0, 0.0), (10.0, 0.0)], 0.6);
+        let lines = cut(&rings, &[half], 0.2, 0.45);
+        assert_eq!(lines.len(), 1);
+        assert!(!lines[0].closed);
+        assert!((lines[0].length() - 20.2).abs() < 0.4);
+        let whole = ridge(&[(0.0, 0.0), (20.0, 0.0)], 0.6);
+        assert!(cut(&rings, &[whole], 0.2, 0.45).is_empty());
+        assert!(cut(&rings, &[], 0.2, 0.45)[0].closed);
+    }
+
+    #[test]
+    fn slivers_are_shared_by_the_walls_beside_them() {
+        let walls = rectangle(20.0, 0.3);
+        let lines = cut(&walls, &[], 0.2, 0.45);
+        // A sliver 0.2 thick in the middle: the walls are 0.2 from it.
+        let sliver = ridge(&[(5.0, 0.0), (15.0, 0.0)], 0.2);
+        let lines = absorb(lines, &[sliver], 0.2, 0.005);
+        let line = &lines[0];
+        assert!(line.closed);
+        let middle = line
+            .points
+            .iter()
+            .zip(&line.widths)
+            .filter(|(p, _)| (6.0..14.0).contains(&p.x));
+        for (p, w) in middle {
+            assert!((p.y.abs() - 0.25).abs() < 1e-9);
+            assert!((w - 0.55).abs() < 1e-9);
+        }
+        let widest = line.widths.iter().copied().fold(0.0, f64::max);
+        let narrowest = line.widths.iter().copied().fold(1.0, f64::min);
+        assert!((widest - 0.55).abs() < 1e-9);
+        assert!((narrowest - 0.45).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,257 @@
+//! What runs around a solid area: a ring, and beads in places too thin for
+//! lines inside it.
+//!
+//! ```text
+//!   ╭───────────────────╮
+//!   │ ╭──────╮─ ─ ─ ─ ─ │   the ring; left, room for lines; right, one bead
+//!   │ ╰──────╯─ ─ ─ ─ ─ │   as wide as what the ring leaves; where that is
+//!   ╰───────────────────╯   too thin for a bead, the ring grows wider
+//! ```
+//!
+//! In: an area. Out: the ring's lines, the beads in thin places, and what is
+//! left for lines. Together they leave nothing open that is wider than the
+//! thinnest bead.
+
+use super::line::{RidgeIndex, absorb, cut};
+use super::ridge::Ridge;
+use super::thin::Counts;
+use super::{Lay, Skeleton, cell, joined, shrink};
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::bead::Stroke;
+use isoslice_planar::{Area, Solid};
+
+/// The beads around a solid area.
+pub struct Patch {
+    /// The ring, cut where a bead runs in the middle.
+    pub rings: Vec<Stroke>,
+    /// Beads in places too thin for two sides of the ring, or for lines
+    /// between them.
+    pub thin: Vec<Stroke>,
+    /// The ring whole.
+    pub whole: Area,
+    /// The area inside the ring that these beads run through.
+    core: Vec<Ridge>,
+}
+
+/// Accuracy of the place at which a line has to end, mm.
+const END: Mm = 0.005;
+/// Distance of the places at which a line is looked at, mm.
+const STEP: Mm = 0.2;
+/// Slack in distances that are equal but for rounding and thinning, mm.
+const SLACK: Mm = 0.02;
+
+/// Lays the beads around a solid area.
+pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
+    let counts = Counts::new(&[plan, plan], None);
+    let solid = Solid::of(area, cell(area));
+    let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
+    let nodes = skeleton.ends(counts.limit());
+    let places = skeleton.thin_places(&counts, &nodes);
+    let whole = skeleton.shrunk(plan.centre, tolerance);
+    let single = places.beads(1, 0.0);
+    let rings = cut(&whole, &single, plan.centre, plan.width);
+    let slivers = places.beads(2, plan.inner);
+    let core = places.beads(3, plan.inner);
+    let away = plan.inner - plan.centre;
+    let thin = single.iter().chain(&core);
+    let (rings, thin) = joined(
+        absorb(rings, &slivers, away, tolerance),
+        thin.map(|r| r.stroke(plan.extra)).collect(),
+        skeleton.solid,
+        0.0,
+        plan.extra,
+        true,
+    );
+    Patch {
+        rings,
+        thin,
+        whole,
+        core,
+    }
+}
+
+impl Patch {
+    /// The area that lies more than `distance` inside the ring's centre line.
+    pub fn inside(&self, distance: Mm, tolerance: Mm) -> Area {
+        shrink(&self.whole, distance, tolerance)
+    }
+
+    /// Where lines are not under the beads in thin places.
+    pub fn free(&self) -> Free<'_> {
+        let thickest =
+            self.core.iter().map(Ridge::thickest).fold(0.0, f64::max);
+        let reach = 0.5 * thickest + SLACK;
+        let index =
+            (!self.core.is_empty()).then(|| RidgeIndex::new(&self.core, reach));
+        Free { index, reach }
+    }
+}
+
+/// The places that the beads in thin places leave free.
+pub struct Free<'a> {
+    index: Option<RidgeIndex<'a>>,
+    /// No bead reaches farther from its middle.
+    reach: Mm,
+}
+
+impl Free<'_> {
+    /// The pieces of each line that are free, as ranges of its length from 0
+    /// to 1.
+    pub fn of(&self, lines: &[(DVec2, DVec2)]) -> Vec<Vec<(f64, f64)>> {
+        let Some(index) = &self.index else {
+            return vec![vec![(0.0, 1.0)]; lines.len()];
+        };
+        let reach = self.reach;
+        let free = |p: DVec2| match index.nearest(p, reach) {
+            Some((q, t)) => p.distance(q) > 0.5 * t + SLACK,
+            None => true,
+        };
+        lines
+            .iter()
+            .map(|&(a, b)| {
+                if index.clear(a, b, reach) {
+                    vec![(0.0, 1.0)]
+                } else {
+                    pieces(a, b, free)
+                }
+            })
+            .collect()
+    }
+}
+
+/// Rings inside one another that fill an area, the outermost first, and the
+/// beads of places too thin for them.
+pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
+    let mut counts = Counts::new(&[plan, plan], Some(plan));
+    let away = plan.inner - plan.centre;
+    let mut area = area.clone();
+    let mut strokes: Vec<Stroke> = Vec::new();
+    loop {
+        isoslice_base::limits::check();
+        // Two rings at a time, as walls.
+        let solid = Solid::of(&area, cell(&area));
+        let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
+        let nodes = skeleton.ends(counts.limit());
+        let places = skeleton.thin_places(&counts, &nodes);
+        let mut depth = 0.0;
+        for k in 0..2 {
+            let rings = skeleton.shrunk(depth + plan.centre, tolerance);
+            let beads = places.beads(2 * k + 1, depth);
+            let rings = cut(&rings, &beads, plan.centre, plan.width);
+            let slivers = places.beads(2 * k + 2, depth + plan.inner);
+            let (rings, thin) = joined(
+                absorb(rings, &slivers, away, tolerance),
+                beads.iter().map(|r| r.stroke(plan.extra)).collect(),
+                skeleton.solid,
+                depth,
+                plan.extra,
+                true,
+            );
+            strokes.extend(rings);
+            strokes.extend(thin);
+            depth += plan.inner;
+        }
+        let left = skeleton.shrunk(depth, tolerance);
+        // What a hole leaves on its own would grow, not shrink.
+        if !(0.0..area.content()).contains(&left.content()) || left.is_empty() {
+            return strokes;
+        }
+        area = left;
+        counts = Counts::new(&[plan.after(tolerance), plan], Some(plan));
+    }
+}
+
+/// The ranges of the line from `a` to `b` that are free.
+fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
+    let length = a.distance(b);
+    let count = (length / STEP).ceil().clamp(1.0, 1e6);
+    let mut from = (0.0, free(a));
+    let mut start = from.1.then_some(0.0);
+    let mut found = Vec::new();
+    for k in 1..=count as usize {
+        let t = k as f64 / count;
+        let to = (t, free(a.lerp(b, t)));
+        if from.1 != to.1 {
+            let (mut low, mut high) = (from.0, to.0);
+            while (high - low) * length > END {
+                let middle = 0.5 * (low + high);
+                if free(a.lerp(b, middle)) == from.1 {
+                    low = middle
+                } else {
+                    high = middle
+                }
+            }
+            match start.take() {
+                Some(start) => found.push((start, low)),
+                None => start = Some(high),
+            }
+        }
+        from = to;
+    }
+    found.extend(start.map(|s| (s, 1.0)));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_planar::shapes::disc;
+    use isoslice_settings::Settings;
+
+    fn strip(thickness: f64) -> Patch {
+        let ring = [(0.0, 0.0), (20.0, 0.0), (20.0, 1.0), (0.0, 1.0)]
+            .map(|(x, y)| DVec2::new(x, y * thickness))
+            .to_vec();
+        let plan = Lay::inside(0.45, 0.2, &Settings::default());
+        patch(&Area::from(ring), plan, 0.01)
+    }
+
+    #[test]
+    fn rings_fill_a_disc() {
+        let plan = Lay::inside(0.45, 0.2, &Settings::default());
+        let area = disc(5.0, 400);
+        let rings = concentric(&area, plan, 0.01);
+        let space = 2.0 * plan.centre;
+        let filled: f64 = rings
+            .iter()
+            .map(|l| l.length() * (l.width - plan.extra))
+            .sum();
+        assert_eq!(rings.len(), (5.0 / space) as usize);
+        assert!((filled / area.content() - 1.0).abs() < 0.01, "{filled}");
+    }
+
+    #[test]
+    fn a_hole_on_its_own_comes_to_an_end() {
+        let hole = [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec();
+        let plan = Lay::inside(0.45, 0.2, &Settings::default());
+        let alone = Area::from(hole);
+        assert!(concentric(&alone, plan, 0.01).len() < 9);
+    }
+
+    #[test]
+    fn what_a_ring_leaves_of_a_strip_is_filled() {
+        // The ring's two sides take 0.814 mm.
+        let wide = strip(4.0);
+        assert!(wide.thin.is_empty() && wide.rings[0].widths.is_empty());
+        assert_eq!(wide.rings.len(), 1);
+        // 0.486 mm are left: one bead as wide, and its round ends.
+        let one = strip(1.3);
+        assert_eq!(one.thin.len(), 1);
+        assert!((one.thin[0].width - 0.486 - 0.043).abs() < 0.003);
+        // No line runs where the bead does, all where it does not.
+        let across = (DVec2::new(10.0, 0.0), DVec2::new(10.0, 4.0));
+        let free = one.free().of(&[across]);
+        let length: f64 = free[0].iter().map(|(a, b)| b - a).sum();
+        assert!((4.0 * length - (4.0 - 0.486)).abs() < 0.05, "{length}");
+        assert_eq!(wide.free().of(&[across]), [[(0.0, 1.0)]]);
+        // 0.156 mm: the ring's sides share it.
+        let shared = strip(0.97);
+        assert!(shared.thin.is_empty());
+        let widest = |l: &Stroke| l.widths.iter().copied().fold(0.0, f64::max);
+        let width = widest(&shared.rings[0]);
+        assert!((width - 0.45 - 0.078).abs() < 0.003, "{width}");
+    }
+}

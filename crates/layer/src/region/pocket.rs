@@ -1,0 +1,198 @@
+//! Walls that take what nothing else fills where strips meet.
+//!
+//! ```text
+//!     ┃  ┃ ┃  ┃        Where two walls lie side by side in each of some
+//!   ━━╯  ╰─╯  ╰━━      strips, they leave a pocket where the strips meet. It
+//!          ○           is too small for a bead of its own, and no ridge runs
+//!   ━━╮  ╭─╮  ╭━━      through it. Each wall beside it becomes as much wider
+//!     ┃  ┃ ┃  ┃        as a ball is large that touches it from within.
+//! ```
+//!
+//! In: a wall's lines. Out: these lines, wider beside pockets. The balls are those
+//! of the medial axis of what the wall leaves, so that walls on all sides of a
+//! pocket meet in its middle.
+
+use super::line::RidgeIndex;
+use super::ridge::Ridge;
+use super::widen::{SEEN, Station, across, widened};
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::bead::Stroke;
+use isoslice_planar::grid::EdgeGrid;
+
+/// Distance of the places at which a line is looked at, mm.
+const STEP: Mm = 0.08;
+/// Pockets with smaller balls than this are left as they are, and so are walls
+/// that lack less, mm.
+const LEAST: Mm = 0.02;
+/// Slack in distances that are equal but for thinning, mm.
+const SLACK: Mm = 0.01;
+/// Accuracy of the size of a ball, mm.
+const EXACT: Mm = 0.002;
+/// Greatest number of times that a ball shrinks.
+const ROUNDS: usize = 8;
+/// Directions in which a place for other beads is looked for.
+const AROUND: usize = 8;
+
+/// The part of an area that a wall leaves, and what is laid there.
+pub(super) struct Left<'a> {
+    /// The area's edges.
+    pub grid: &'a EdgeGrid,
+    /// Depth in the area at which this part begins.
+    pub depth: Mm,
+    /// Distance of the wall's centre lines from this part.
+    pub away: Mm,
+    /// Width of the wall where nothing has widened it.
+    pub width: Mm,
+    /// Radius of the balls beside which another wall or skin is laid.
+    pub radius: Mm,
+    /// The beads in thin places of this part, as its ridges.
+    pub beads: &'a [Ridge],
+    /// The ends of the area's ridges, which are wherever strips meet.
+    pub nodes: &'a EdgeGrid,
+    /// Greatest distance of a pocket from such an end.
+    pub around: Mm,
+}
+
+impl Left<'_> {
+    /// Widens lines beside pockets. Lines are thinned to `tolerance`.
+    pub(super) fn shared(
+        &self,
+        lines: Vec<Stroke>,
+        tolerance: Mm,
+    ) -> Vec<Stroke> {
+        let beads = RidgeIndex::new(self.beads, self.reach());
+        lines
+            .into_iter()
+            .map(|line| self.filled(line, &beads, tolerance))
+            .collect()
+    }
+
+    /// Greatest distance from a pocket's middle of a bead that matters to it.
+    fn reach(&self) -> Mm {
+        2.0 * self.radius
+    }
+
+    fn filled(
+        &self,
+        line: Stroke,
+        beads: &RidgeIndex<'_>,
+        tolerance: Mm,
+    ) -> Stroke {
+        isoslice_base::limits::check();
+        let n = line.points.len();
+        let segments = if line.closed { n } else { n.saturating_sub(1) };
+        let mut places: Vec<Station> = Vec::with_capacity(n);
+        let mut push = |p: DVec2, width: Mm, across: DVec2, near: bool| {
+            let inwards = across.normalize_or_zero();
+            // Slivers may have widened it already.
+            let more = (width - self.width).max(0.0);
+            let usual = p - 0.5 * more * inwards;
+            let ball = if near {
+                self.pocket(usual, inwards, beads).unwrap_or(0.0)
+            } else {
+                0.0
+            };
+            let lacks = ball - more;
+            places.push(Station {
+                at: p,
+                across,
+                width,
+                moves: (lacks > LEAST).then_some(0.5 * lacks),
+                narrows: false,
+            });
+        };
+        let mut near = false;
+        for k in 0..segments {
+            let next = (k + 1) % n;
+            let (a, b) = (line.points[k], line.points[next]);
+            let along = (b - a).normalize_or_zero();
+            let at_a = across(&line, k);
+            let before = near;
+            near = !self.nodes.clear(a, b, self.around);
+            push(a, line.width_at(k), at_a, near || before);
+            if !near || self.is_thick(a, b, along.perp()) {
+                continue;
+            }
+            let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
+            for i in 1..count as usize {
+                let t = i as f64 / count;
+                let (v, w) = (line.width_at(k), line.width_at(next));
+                push(a.lerp(b, t), v + t * (w - v), along.perp(), true);
+            }
+        }
+        if let (false, [_, .., b]) = (line.closed, line.points.as_slice()) {
+            push(*b, line.width_at(n - 1), across(&line, n - 1), near);
+        }
+        // A single place is no pocket.
+        for i in 0..places.len() {
+            let stays =
+                |k: usize| places.get(k).is_none_or(|p| p.moves.is_none());
+            if stays(i.wrapping_sub(1)) && stays(i + 1) {
+                places[i].moves = None;
+            }
+        }
+        widened(places, line.closed, tolerance, SEEN).unwrap_or(line)
+    }
+
+    /// True if there is room for other beads all along a segment.
+    fn is_thick(&self, a: DVec2, b: DVec2, inwards: DVec2) -> bool {
+        let up = inwards * (self.away + self.radius);
+        // The wall's own border is no nearer than this.
+        self.grid
+            .clear(a + up, b + up, self.depth + self.radius - SLACK)
+    }
+
+    /// The radius of the ball that touches what the wall leaves beside a place
+    /// of its line, if nothing else is laid there.
+    fn pocket(
+        &self,
+        p: DVec2,
+        inwards: DVec2,
+        beads: &RidgeIndex<'_>,
+    ) -> Option<Mm> {
+        let fits = |p: DVec2, radius: Mm| {
+            let distance = self.depth + radius - SLACK;
+            self.grid.nearest_edge(p, distance).is_none()
+        };
+        let base = p + self.away * inwards;
+        if !fits(base + LEAST * inwards, LEAST) {
+            return None;
+        }
+        // A ball shrinks until it touches the border but nowhere reaches over
+        // it (Ma, Bae and Choi 2012).
+        let mut low = self.radius;
+        for round in 0..ROUNDS {
+            let depth = self.depth - SLACK;
+            let centre = base + low * inwards;
+            let Some((_, q)) = self.grid.nearest_edge(centre, depth + low)
+            else {
+                break;
+            };
+            // The radius with which the ball touches the border at `q`.
+            let way = base - q;
+            let room = 2.0 * (depth - way.dot(inwards));
+            let least = (way.length_squared() - depth * depth) / room;
+            if room <= 0.0 || least >= low - EXACT || round + 1 == ROUNDS {
+                break;
+            }
+            low = least.max(LEAST);
+        }
+        if low >= self.radius {
+            return None;
+        }
+        let bead_near = |p: DVec2, radius: Mm| {
+            beads
+                .nearest(p, self.reach())
+                .is_some_and(|(q, t)| p.distance(q) < 0.5 * (t + radius))
+        };
+        let centre = base + low * inwards;
+        let laid = (0..AROUND).any(|k| {
+            let turn = std::f64::consts::TAU * k as f64 / AROUND as f64;
+            let to = DVec2::from_angle(turn) * self.radius;
+            fits(centre + 0.6 * to, self.radius)
+                || fits(centre + 1.2 * to, self.radius)
+        });
+        (!laid && !bead_near(centre, low)).then_some(low - 0.5 * SLACK)
+    }
+}

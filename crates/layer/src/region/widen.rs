@@ -1,0 +1,295 @@
+//! Lines that become wider or narrower on their way, to one side only.
+//!
+//! ```text
+//!   ━━━━━━━━━━━━━━━━━━━━━━   The outer side of a wall stays where it is: the
+//!   ┄┄┄┄┄┄┄╮      ╭┄┄┄┄┄┄┄   centre line moves inwards by half of what the
+//!           ╰┄┄┄┄╯           wall is wider.
+//!   ━━━━╮            ╭━━━━
+//!        ╲━━━━━━━━━━╱
+//! ```
+//!
+//! In: places along a line, and how far each is to move. Out: the stroke.
+//!
+//! Guarantees: the width changes by no more than a slope along the way, so that
+//! pieces of constant width can follow it; the line does not fold over.
+
+use super::ridge::Ridge;
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::bead::Stroke;
+
+/// Greatest change of a line's width along its way, if the line may be seen.
+pub(super) const SEEN: f64 = 0.25;
+/// Greatest change of a line's width along its way, if nobody sees the line.
+pub(super) const HIDDEN: f64 = 1.0;
+/// Gaps between moving places that are shorter than this do not count, mm.
+const GAP: Mm = 0.6;
+/// Greatest distance by which a corner moves, as a multiple of the distance by
+/// which its sides move.
+const MITRE: f64 = 2.0;
+/// Least share of its length by which a piece of the line has to lead ahead
+/// when both its ends have moved.
+const AHEAD: f64 = 0.4;
+
+/// Share of a move that is left after each round in which places would pass
+/// each other.
+const LESS: f64 = 0.7;
+/// Moves smaller than this do not count, mm.
+const LEAST: Mm = 0.003;
+
+/// A place on a line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Station {
+    pub at: DVec2,
+    /// Across the line, to its left ([`across`]).
+    pub across: DVec2,
+    /// The line's own width there.
+    pub width: Mm,
+    /// How far the line moves to its left; nothing where it stays.
+    pub moves: Option<Mm>,
+    /// True if the line becomes narrower here, not wider.
+    pub narrows: bool,
+}
+
+impl Station {
+    fn moved(&self) -> DVec2 {
+        self.at + self.across * self.moves.unwrap_or(0.0)
+    }
+
+    /// The line's width after the move.
+    fn widened(&self) -> Mm {
+        let more = 2.0 * self.moves.map_or(0.0, f64::abs);
+        if self.narrows {
+            self.width - more
+        } else {
+            self.width + more
+        }
+    }
+}
+
+/// The vector across a line to its left at one of its points. If a corner moves
+/// by this vector, both of its sides move by 1 mm. Sharp corners move no
+/// farther than [`MITRE`].
+pub(super) fn across(line: &Stroke, k: usize) -> DVec2 {
+    let n = line.points.len();
+    let way = |from: usize| {
+        let (a, b) = (line.points[from % n], line.points[(from + 1) % n]);
+        (b - a).normalize_or_zero()
+    };
+    let (before, after) = if line.closed {
+        (way(k + n - 1), way(k))
+    } else {
+        (way(k.saturating_sub(1)), way(k.min(n.saturating_sub(2))))
+    };
+    let along = before + after;
+    let cos = 0.5 * along.length();
+    along.perp().normalize_or_zero() / cos.max(1.0 / MITRE)
+}
+
+/// The line with all places moved, thinned to `tolerance`; nothing if no place
+/// moves. `slope` is the greatest change of its width along the way.
+pub(super) fn widened(
+    mut places: Vec<Station>,
+    closed: bool,
+    tolerance: Mm,
+    slope: f64,
+) -> Option<Stroke> {
+    if places.iter().all(|p| p.moves.is_none()) {
+        return None;
+    }
+    bridge_gaps(&mut places);
+    unfold(&mut places, closed);
+    taper(&mut places, closed, slope);
+    // The line is thinned as a ridge is, with its width as a third coordinate.
+    let mut ridge = Ridge {
+        points: places.iter().map(Station::moved).collect(),
+        thickness: places.iter().map(Station::widened).collect(),
+        closed,
+    };
+    if closed {
+        // Thinning keeps both ends: with the first point there again, the
+        // closing segment is thinned as well.
+        ridge.points.extend(ridge.points.first().copied());
+        ridge.thickness.extend(ridge.thickness.first().copied());
+    }
+    let mut thin = ridge.thinned(tolerance);
+    if closed {
+        thin.points.pop();
+        thin.thickness.pop();
+    }
+    Some(thin.stroke(0.0))
+}
+
+/// Moves the places in a short gap between two places that move to the same
+/// side: in such a gap the line has no room to come back.
+fn bridge_gaps(places: &mut [Station]) {
+    let mut last: Option<usize> = None;
+    for k in 0..places.len() {
+        let Some(to) = places[k].moves else {
+            continue;
+        };
+        if let Some(i) = last.replace(k)
+            && i + 1 < k
+            && let Some(from) = places[i].moves
+            && places[i].at.distance(places[k].at) < GAP
+            && from * to > 0.0
+            && places[i].narrows == places[k].narrows
+        {
+            for j in i + 1..k {
+                let t = (j - i) as f64 / (k - i) as f64;
+                places[j].moves = Some(from + t * (to - from));
+                places[j].narrows = places[i].narrows;
+            }
+        }
+    }
+}
+
+/// Reduces the moves of neighbouring places that would pass each other, as
+/// around a corner, where places move towards each other.
+fn unfold(places: &mut [Station], closed: bool) {
+    let n = places.len();
+    let ways = if closed { n } else { n.saturating_sub(1) };
+    let mut folded = true;
+    while folded {
+        folded = false;
+        for i in 0..ways {
+            let (a, b) = (places[i], places[(i + 1) % n]);
+            if a.moves.is_none() && b.moves.is_none() {
+                continue;
+            }
+            let way = b.at - a.at;
+            let ahead = (b.moved() - a.moved()).dot(way);
+            if ahead < AHEAD * way.length_squared() {
+                for place in [i, (i + 1) % n] {
+                    let moves = places[place].moves.map(|m| LESS * m);
+                    places[place].moves = moves.filter(|m| m.abs() > LEAST);
+                }
+                folded = true;
+            }
+        }
+    }
+}
+
+/// Lets the width change no faster than pieces of constant width can follow.
+fn taper(places: &mut [Station], closed: bool, slope: f64) {
+    let n = places.len();
+    let ways = if closed { 2 * n } else { n };
+    let mut limit = |i: usize, j: usize| {
+        let (a, b) = (places[i], places[j]);
+        let from = a.moves.map_or(0.0, f64::abs);
+        // In a corner, places that move come nearer to each other.
+        let way = (b.at - a.at).normalize_or_zero();
+        let ahead = (b.moved() - a.moved()).dot(way).max(0.0);
+        let most = from + 0.5 * slope * ahead;
+        if let Some(moves) = &mut places[j].moves {
+            *moves = moves.clamp(-most, most);
+        }
+    };
+    for k in 1..ways {
+        limit((k - 1) % n, k % n);
+    }
+    for k in (1..ways).rev() {
+        limit(k % n, (k - 1) % n);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A place each 0.1 mm along a line to the right.
+    fn row(moves: impl Fn(usize) -> Option<Mm>) -> Vec<Station> {
+        (0..100)
+            .map(|i| Station {
+                at: DVec2::X * (0.1 * i as f64),
+                across: DVec2::Y,
+                width: 0.45,
+                moves: moves(i),
+                narrows: false,
+            })
+            .collect()
+    }
+
+    /// How far the right side is from where it was, and the steepest ramp.
+    fn measured(stroke: &Stroke) -> (Mm, f64) {
+        let n = stroke.points.len();
+        let off = |i: usize| {
+            let side = stroke.points[i].y - 0.5 * stroke.width_at(i);
+            (side + 0.225).abs()
+        };
+        let slope = |i: usize| {
+            let way = stroke.points[i].distance(stroke.points[i + 1]);
+            (stroke.width_at(i + 1) - stroke.width_at(i)).abs() / way
+        };
+        (
+            (0..n).map(off).fold(0.0, f64::max),
+            (0..n - 1).map(slope).fold(0.0, f64::max),
+        )
+    }
+
+    #[test]
+    fn the_outer_side_stays_and_the_width_has_no_steps() {
+        let places = row(|i| (40..60).contains(&i).then_some(0.05));
+        let stroke = widened(places, false, 1e-6, SEEN).unwrap();
+        let (off, slope) = measured(&stroke);
+        assert!(off < 1e-5 && slope < 1.01 * SEEN, "{off} {slope}");
+        let widest = stroke.widths.iter().copied().fold(0.0, f64::max);
+        assert!((widest - 0.55).abs() < 1e-9);
+    }
+
+    #[test]
+    fn short_gaps_are_none() {
+        let gap = |from: usize, to: usize| {
+            let moves = move |i| (!(from..to).contains(&i)).then_some(0.05);
+            let stroke = widened(row(moves), false, 1e-6, SEEN).unwrap();
+            let n = stroke.points.len();
+            (0..n).map(|i| stroke.width_at(i)).fold(1.0, f64::min)
+        };
+        assert!((gap(50, 53) - 0.55).abs() < 1e-9);
+        assert!((gap(50, 70) - 0.45).abs() < 1e-9);
+    }
+
+    #[test]
+    fn lines_do_not_fold_over_in_a_corner() {
+        // In a turn to the left, the places beside it move towards each other.
+        let mut places = row(|_| Some(0.1));
+        for (i, place) in places[50..].iter_mut().enumerate() {
+            place.at = DVec2::new(5.0, 0.1 * i as f64);
+            place.across = -DVec2::X;
+        }
+        places[50].across = DVec2::new(-1.0, 1.0);
+        let stroke = widened(places, false, 1e-6, SEEN).unwrap();
+        // It leads to the right and then up, on ramps to the corner and back.
+        let least = -0.5 * SEEN - 1e-9;
+        for (a, b) in stroke.segments() {
+            let way = (b - a).normalize();
+            assert!(way.x > least && way.y > least, "{a} {b}");
+        }
+        let ends = [stroke.width_at(0), stroke.width_at(usize::MAX - 1)];
+        assert!(ends[0] > 0.6, "{ends:?}");
+    }
+
+    #[test]
+    fn both_sides_of_a_corner_move_alike() {
+        let points = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(DVec2::from);
+        let line = Stroke::new(points.to_vec(), false, 0.45);
+        let all = [0, 1, 2].map(|k| across(&line, k));
+        let meant = [DVec2::Y, DVec2::new(-1.0, 1.0), DVec2::NEG_X];
+        for (is, meant) in all.into_iter().zip(meant) {
+            assert!(is.distance(meant) < 1e-9, "{is} {meant}");
+        }
+        let back = [(0.0, 0.0), (1.0, 0.0), (0.0, 0.01)].map(DVec2::from);
+        let sharp = Stroke::new(back.to_vec(), true, 0.45);
+        assert!(across(&sharp, 1).length() < MITRE + 1e-9);
+        let ring = [0.0, 1.0, 2.0, 3.0]
+            .map(|k| DVec2::from_angle(0.5 * std::f64::consts::PI * k));
+        let ring = Stroke::new(ring.to_vec(), true, 0.45);
+        assert!((across(&ring, 0) + 2.0_f64.sqrt() * DVec2::X).length() < 1e-9);
+    }
+
+    #[test]
+    fn lines_that_do_not_move_stay_as_they_are() {
+        assert_eq!(widened(row(|_| None), false, 1e-6, SEEN), None);
+        assert_eq!(widened(Vec::new(), true, 1e-6, SEEN), None);
+    }
+}

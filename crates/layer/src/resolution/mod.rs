@@ -1,0 +1,277 @@
+//! Resolution of paths: every stroke with as few points as its role permits.
+//!
+//! In: strokes, as exact as the geometry made them, and their roles. Out: these
+//! strokes with fewer points.
+//!
+//! Guarantees, of a stroke of a role whose tolerance is t ([`tolerance`]):
+//! - each point of the input is within t of the output;
+//! - the output lies on both sides of the input, so that rings hardly shrink;
+//! - an open stroke keeps its ends;
+//! - where the width varies, it is linear between the points that stay, to
+//!   [`WIDTH`] of itself, and to t/2 on each edge of a stroke that shows. Where
+//!   it changes faster than a printer can follow, this holds for its mean.
+//!
+//! A stroke that shows and varies in width is off by up to 0.8 of `accuracy`
+//! once it is cut into pieces.
+//!
+//! Not guaranteed: that strokes closer to each other than t do not touch.
+//!
+//! `runs` cuts beads of varying width into pieces of constant width.
+//!
+//! Fuzzy skin is rough on purpose: its points come after this stage.
+
+mod runs;
+
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::bead::{Bead, Role, Stroke};
+use isoslice_planar::simplify::{simplify_line, simplify_path};
+use isoslice_settings::Settings;
+
+/// Share of `accuracy` by which what shows is thinned. The outline has used
+/// most of it, and has few points already.
+const SHOWN: f64 = 0.3;
+
+/// Share of `path_accuracy` by which what lies beside the part is thinned.
+const BESIDE: f64 = 0.25;
+
+/// Share of `path_accuracy` by which supports are thinned: with less they take
+/// a quarter more moves, with more they hold a little less of what is above.
+const SUPPORT: f64 = 0.5;
+
+/// Share of `path_accuracy` by which fill that nobody sees is thinned. No wall
+/// lies against a stroke of it with a distance of its own, and strokes in the
+/// pockets of a lattice bend often: with 1.5 a gyroid ball's fill has an eighth
+/// fewer moves than with 1, and covers as much.
+const FILL: f64 = 1.5;
+
+/// How far a width may be from the line between those that stay, as a share
+/// of itself.
+const WIDTH: f64 = 0.015;
+
+/// Share of a role's tolerance by which strokes of varying width are thinned.
+/// Most of the thinning is left to the pieces of constant width that are made
+/// of them: a path that is thinned twice by as much as possible keeps too many
+/// points.
+const VARYING: f64 = 0.1;
+
+/// Share of `accuracy` by which the path of a bead that shows may be off where
+/// its width varies. The edges of its pieces step by more than that, and a path
+/// nearer to what is meant goes zigzag between them.
+const STEPPED: f64 = 0.8;
+
+/// Greatest distance of the path of a bead of this role from where it was
+/// meant. What shows and varies in width has [`STEPPED`] instead.
+pub fn tolerance(role: Role, settings: &Settings) -> Mm {
+    match role {
+        Role::Overhang | Role::OuterWall => SHOWN * settings.accuracy,
+        // Loops around the part keep a distance from it.
+        Role::Skirt | Role::Brim => BESIDE * settings.path_accuracy,
+        Role::Support | Role::SupportInterface => {
+            SUPPORT * settings.path_accuracy
+        }
+        Role::GapFill | Role::InternalSkin | Role::SparseInfill => {
+            FILL * settings.path_accuracy
+        }
+        _ => settings.path_accuracy,
+    }
+}
+
+/// Share of a role's tolerance that is for arcs, if the settings ask for them.
+/// Arcs are laid along what the thinning leaves.
+const ARCS: f64 = 0.7;
+
+/// Greatest distance of arcs from the path of a bead of this role.
+pub fn arc_tolerance(role: Role, settings: &Settings) -> Mm {
+    if role.shows() {
+        0.75 * settings.accuracy
+    } else {
+        ARCS * tolerance(role, settings)
+    }
+}
+
+/// Thins a stroke of a bead of this role.
+pub fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
+    let n = stroke.points.len();
+    if n < 3 {
+        return;
+    }
+    let varies = stroke.widths.len() == n;
+    // Arcs find the curve by themselves.
+    if role.shows() && settings.arcs() && !varies {
+        return;
+    }
+    let share = match (varies, settings.arcs()) {
+        (true, _) => VARYING,
+        (false, true) => 1.0 - ARCS,
+        (false, false) => 1.0,
+    };
+    let tolerance = share * tolerance(role, settings);
+    let short = runs::shortest(role);
+    let slack = |width: Mm| {
+        if role.shows() {
+            tolerance.min(WIDTH * width)
+        } else {
+            WIDTH * width
+        }
+    };
+    if !varies {
+        stroke.points = simplify_line(&stroke.points, stroke.closed, tolerance);
+        return;
+    }
+    let thinned = {
+        let Stroke {
+            points,
+            closed,
+            widths,
+            ..
+        } = &*stroke;
+        simplify_path(points, *closed, tolerance, |i, j| {
+            linear(points, widths, [i, j], short, slack)
+        })
+    };
+    stroke.widths = thinned.iter().map(|t| stroke.widths[t.1]).collect();
+    stroke.points = thinned.into_iter().map(|t| t.0).collect();
+}
+
+/// The bead in pieces of constant width, as long as the tolerances of its role
+/// permit.
+pub fn pieces(bead: Bead, settings: &Settings) -> Vec<Bead> {
+    // The arcs take the rest of the tolerance.
+    let path = match bead.role {
+        _ if settings.arcs() => 0.0,
+        role if role.shows() => STEPPED * settings.accuracy,
+        role => (1.0 - VARYING) * tolerance(role, settings),
+    };
+    runs::pieces_within(bead, settings.accuracy, path)
+}
+
+/// True if the widths between two points are near to those on the straight
+/// line; on a line that is too short for the printer to follow them, if their
+/// mean is.
+fn linear(
+    points: &[DVec2],
+    widths: &[Mm],
+    [i, j]: [usize; 2],
+    short: Mm,
+    slack: impl Fn(Mm) -> Mm,
+) -> bool {
+    let n = points.len();
+    let step = |k: usize| points[k % n].distance(points[(k + 1) % n]);
+    let length: Mm = (i..j).map(step).sum();
+    let (from, to) = (widths[i % n], widths[j % n]);
+    let (mut done, mut sum) = (0.0, 0.0);
+    let mut near = true;
+    for k in i..j {
+        let meant = from + done / length.max(1e-12) * (to - from);
+        let (width, next) = (widths[k % n], widths[(k + 1) % n]);
+        near &= (width - meant).abs() <= slack(width);
+        sum += 0.5 * (width + next) * step(k);
+        done += step(k);
+        if !near && length > short {
+            return false;
+        }
+    }
+    let mean = 0.5 * (from + to);
+    near || (sum - mean * length).abs() <= slack(mean) * length
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_planar::grid::nearest_on;
+    use isoslice_planar::shapes::circle;
+
+    fn off(from: &[DVec2], to: &Stroke) -> Mm {
+        let distance = |p: &DVec2| {
+            let all = to.segments().map(|(a, b)| nearest_on(*p, a, b));
+            all.map(|q| q.distance(*p)).fold(f64::INFINITY, f64::min)
+        };
+        from.iter().map(distance).fold(0.0, f64::max)
+    }
+
+    fn arc(radius: Mm, n: usize) -> Vec<DVec2> {
+        let at = |i: usize| DVec2::from_angle(2.0 * i as f64 / n as f64);
+        (0..=n).map(|i| radius * at(i)).collect()
+    }
+
+    #[test]
+    fn what_shows_is_thinned_less() {
+        let settings = Settings::default();
+        let points = arc(10.0, 2000);
+        let mut counts = Vec::new();
+        for role in [Role::OuterWall, Role::GapFill] {
+            let mut stroke = Stroke::new(points.clone(), false, 0.45);
+            thin(&mut stroke, role, &settings);
+            let worst = off(&points, &stroke);
+            let tolerance = tolerance(role, &settings);
+            assert!(worst <= 1.001 * tolerance, "{worst} {tolerance}");
+            assert!(worst > 0.5 * tolerance);
+            assert_eq!(stroke.points.first(), points.first());
+            assert_eq!(stroke.points.last(), points.last());
+            // On both sides: the length is that of the arc.
+            assert!((stroke.length() - 20.0).abs() < 0.2 * tolerance * 20.0);
+            // A chord's sagitta is twice the tolerance at most.
+            let least = 20.0 / (4.0 * (10.0 * tolerance).sqrt());
+            assert!((stroke.points.len() as f64) < 1.3 * least + 3.0);
+            counts.push(stroke.points.len());
+        }
+        assert!(counts[0] > 3 * counts[1], "{counts:?}");
+    }
+
+    #[test]
+    fn widths_keep_points_where_they_bend() {
+        let points: Vec<DVec2> =
+            (0..=100).map(|i| DVec2::X * (0.1 * i as f64)).collect();
+        // A ramp up to the middle, then even.
+        let meant = |x: Mm| 0.4 + 0.04 * x.min(5.0);
+        let mut stroke = Stroke::new(points, false, 0.5);
+        stroke.widths = stroke.points.iter().map(|p| meant(p.x)).collect();
+        thin(&mut stroke, Role::GapFill, &Settings::default());
+        assert!((3..=4).contains(&stroke.points.len()), "{stroke:?}");
+        assert_eq!(stroke.widths.len(), stroke.points.len());
+        for (p, w) in stroke.points.iter().zip(&stroke.widths) {
+            assert!((w - meant(p.x)).abs() < 1e-9);
+        }
+        assert!(stroke.points.iter().any(|p| (p.x - 5.0).abs() < 0.3));
+    }
+
+    #[test]
+    fn a_path_does_not_go_zigzag_where_its_width_varies_a_little() {
+        let settings = Settings::default();
+        // The places and widths that two noisy edges give: 2 µm to either side.
+        let noise = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let at = |i: usize| DVec2::new(0.07 * i as f64, 0.002 * noise(i));
+        let mut stroke = Stroke::new((0..=30).map(at).collect(), false, 0.5);
+        stroke.widths = (0..=30).map(|i| 0.5 + 0.004 * noise(i)).collect();
+        let points = stroke.points.clone();
+        let pieces = pieces(Bead::new(Role::OuterWall, stroke, 0.2), &settings);
+        let [piece] = pieces.as_slice() else {
+            panic!("{pieces:?}");
+        };
+        assert!(piece.points.len() <= 6, "{:?}", piece.points);
+        assert!(off(&points, piece) <= 1.001 * STEPPED * settings.accuracy);
+    }
+
+    #[test]
+    fn closed_strokes_stay_closed_and_nothing_vanishes() {
+        let settings = Settings::default();
+        let ring = circle(3.0, 400);
+        let mut stroke = Stroke::new(ring.clone(), true, 0.45);
+        thin(&mut stroke, Role::InnerWall, &settings);
+        assert!(stroke.closed && stroke.points.len() < 30);
+        assert!(off(&ring, &stroke) <= 0.02501);
+        // Where the width varies, most of the thinning comes later.
+        let mut varying = Stroke::new(ring.clone(), true, 0.45);
+        varying.widths = vec![0.45; 400];
+        thin(&mut varying, Role::InnerWall, &settings);
+        assert!(varying.closed && varying.points.len() < 100);
+        let most = VARYING * settings.path_accuracy;
+        assert!(off(&ring, &varying) <= 1.01 * most);
+        // A ring narrower than the tolerance stays as it is.
+        let tiny: Vec<DVec2> = ring.iter().map(|p| 0.003 * *p).collect();
+        let mut stroke = Stroke::new(tiny.clone(), true, 0.45);
+        thin(&mut stroke, Role::InnerWall, &settings);
+        assert!(stroke.points.len() >= 3 && off(&tiny, &stroke) < 0.025);
+    }
+}

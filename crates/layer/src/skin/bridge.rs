@@ -1,0 +1,399 @@
+//! Skin over nothing: where lines can hang from support to support, and in
+//! which direction.
+//!
+//! ```text
+//!   ▒▒▒▒┌────────────┐▒▒▒▒   ▒ what the layer below holds; lines run across
+//!   ▒▒══│════════════│══▒▒   the gap the way that makes them shortest, and
+//!   ▒▒══│════════════│══▒▒   reach onto both sides by `bridge_anchor`
+//!   ▒▒▒▒└────────────┘▒▒▒▒
+//! ```
+//!
+//! In: an area to be filled, and the layer below. Out: the parts of the area
+//! that are bridges, each with the direction of its lines. An area that hangs
+//! in the air without two sides to hang from (the next ring of a dome's inside,
+//! a balcony) is no bridge: it is left, and printed as ordinary skin.
+//!
+//! The directions tried are a fan of angles and those of the gap's longer
+//! sides. The one with the shortest spans wins, where an end that nothing holds
+//! makes a span several times as long. Near a corner any slanting line is
+//! short, so the shortest lines must not decide: a direction is judged by the
+//! span that three quarters of the lines' length stay below.
+
+use super::direction::{across, best, common, fan, rows};
+use super::gaps::{Gap, Span, spans};
+use crate::region::neighbour::Neighbour;
+use glam::DVec2;
+use isoslice_base::units::{Degrees, Mm};
+use isoslice_planar::clip::{difference, intersection};
+use isoslice_planar::grid::EdgeGrid;
+use isoslice_planar::hatch::{Lines, Segment, hatch};
+use isoslice_planar::nest::Nest;
+use isoslice_planar::offset::offset;
+use isoslice_planar::{Area, BoxTree, Ring, edges, point_beside, signed_area};
+use isoslice_settings::Settings;
+use std::collections::BTreeSet;
+
+/// A part of a fill whose lines hang between supports.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Bridge {
+    /// The area of the bridge, with the strips on both sides that its lines
+    /// reach onto.
+    pub area: Area,
+    /// Direction of the lines.
+    pub angle: Degrees,
+}
+
+/// Tolerance of the offsets. They are borders between lines inside the part,
+/// which nobody sees.
+const TOLERANCE: Mm = 0.02;
+/// Greatest number of directions of sides that are tried.
+const SIDES: usize = 16;
+/// Number of lines looked at for each direction.
+const ROWS: f64 = 24.0;
+/// What holds the end of a line is no farther from it than so many widths.
+pub(crate) const ANCHOR: f64 = 2.0;
+/// Share of the lines' length that must be held at both ends.
+const HELD: f64 = 0.6;
+
+/// The bridges of an area over a layer, and what they leave of the area.
+pub(super) fn bridges(
+    area: &Area,
+    below: &Neighbour<'_>,
+    settings: &Settings,
+) -> (Vec<Bridge>, Area) {
+    let width = settings.bottom_skin_width();
+    let below = below.near(area);
+    let hanging = difference(area, &below);
+    // A gap no wider than a bead is bridged by any bead: no direction is
+    // needed.
+    let core = offset(&hanging, -0.5 * width, TOLERANCE);
+    if core.is_empty() {
+        return (Vec::new(), area.clone());
+    }
+    let grid = EdgeGrid::new(&below, width);
+    let gaps = intersection(&offset(&core, 0.5 * width, TOLERANCE), area);
+    let reach = settings.bridge_anchor.max(0.5 * width);
+    let gaps = gaps.islands().into_iter().map(|gap| {
+        isoslice_base::limits::check();
+        let best = best_direction(&gap, &grid, width);
+        Gap::new(gap, best, reach, TOLERANCE)
+    });
+    let gaps: Vec<Gap> = gaps.collect();
+    let span = |gap: &Area, angle| held_span(gap, &grid, angle, width);
+    let spans = spans(&gaps, span, reach, TOLERANCE);
+    // Several pieces of a bridge are clipped each by itself.
+    let (mut owners, mut takers) = (Vec::new(), Vec::new());
+    for (i, span) in spans.iter().enumerate() {
+        let pieces = span.reached.islands();
+        owners.extend(std::iter::repeat_n(i, pieces.len()));
+        takers.extend(pieces);
+    }
+    let bridge = |span: Span| Bridge {
+        area: Area::EMPTY,
+        angle: span.angle,
+    };
+    let mut found: Vec<Bridge> = spans.into_iter().map(bridge).collect();
+    let (parts, left) = shared(area, &takers);
+    for (i, part) in owners.into_iter().zip(parts) {
+        found[i].area.rings.extend(part.rings);
+    }
+    found.retain(|b| !b.area.is_empty());
+    (found, left)
+}
+
+/// What each of `takers` takes of an area, and what all of them leave. Where
+/// several takers would take one place, the first one does.
+pub(super) fn shared(area: &Area, takers: &[Area]) -> (Vec<Area>, Area) {
+    let mut parts = vec![Area::EMPTY; takers.len()];
+    // Many places are clipped at a time: one by one, each would be clipped with
+    // the whole area.
+    let mut left = area.clone();
+    for set in apart(takers) {
+        let rings = set.iter().flat_map(|&i| takers[i].rings.iter().cloned());
+        let reached: Area = rings.collect();
+        let nest = Nest::new(set.iter().filter_map(|&i| outer(&takers[i])));
+        for part in intersection(&left, &reached).islands() {
+            let p = part.rings.first().and_then(|r| point_beside(r));
+            if let Some(k) = p.and_then(|p| nest.around(p)) {
+                parts[set[k]].rings.extend(part.rings);
+            }
+        }
+        left = difference(&left, &reached);
+    }
+    (parts, left)
+}
+
+/// Sorts areas into sets in which no two boxes meet, and returns their numbers.
+/// There are few sets if few boxes meet at one place. Empty areas are in no
+/// set.
+fn apart(areas: &[Area]) -> Vec<Vec<usize>> {
+    let filled = (0..areas.len()).filter(|&i| !areas[i].is_empty());
+    let boxes: Vec<_> = filled.map(|i| (i, areas[i].bounds())).collect();
+    let tree = BoxTree::new(boxes.iter().copied());
+    let mut set_of: Vec<Option<usize>> = vec![None; areas.len()];
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for (own, bounds) in boxes {
+        let beside = tree.meeting(bounds);
+        let taken: BTreeSet<usize> = beside.filter_map(|b| set_of[b]).collect();
+        let set = (0..).find(|k| !taken.contains(k)).unwrap_or(sets.len());
+        if set == sets.len() {
+            sets.push(Vec::new());
+        }
+        set_of[own] = Some(set);
+        sets[set].push(own);
+    }
+    sets
+}
+
+/// The ring around a connected area.
+fn outer(area: &Area) -> Option<&Ring> {
+    let content = |r: &&Ring| signed_area(r);
+    area.rings
+        .iter()
+        .max_by(|a, b| content(a).total_cmp(&content(b)))
+}
+
+/// The best direction of lines across a gap, if they can hang there.
+pub fn direction(gap: &Area, below: &EdgeGrid, width: Mm) -> Option<Degrees> {
+    best_direction(gap, below, width).map(|best| best.1)
+}
+
+/// The best direction of lines across a gap, if they can hang there, after the
+/// span that is common among them.
+fn best_direction(
+    gap: &Area,
+    below: &EdgeGrid,
+    width: Mm,
+) -> Option<(Mm, Degrees)> {
+    let mut sides: Vec<(Mm, Degrees)> = gap
+        .rings
+        .iter()
+        .flat_map(|r| edges(r))
+        .map(|(a, b)| {
+            let d = b - a;
+            (d.length(), d.to_angle().to_degrees().rem_euclid(180.0))
+        })
+        .collect();
+    sides.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let longest = sides.first().map_or(0.0, |s| s.0);
+    sides.retain(|s| s.0 > 0.2 * longest && s.0 > width);
+    sides.truncate(SIDES);
+    let sides = sides.iter().map(|s| s.1);
+    // The sides come first: of equally good directions the first one wins.
+    let tried = sides.clone().chain(sides.map(across)).chain(fan());
+    best(tried.filter_map(|angle| {
+        Some((held_span(gap, below, angle, width)?, angle))
+    }))
+}
+
+/// The span that is common among lines in a direction, if they can hang.
+fn held_span(
+    gap: &Area,
+    below: &EdgeGrid,
+    angle: Degrees,
+    width: Mm,
+) -> Option<Mm> {
+    let (span, held) = hang(gap, below, angle, width)?;
+    (held >= HELD).then_some(span)
+}
+
+/// For lines in a direction: the span that is common among them, and the share
+/// of their length that is held at both ends.
+fn hang(
+    gap: &Area,
+    below: &EdgeGrid,
+    angle: Degrees,
+    width: Mm,
+) -> Option<(f64, f64)> {
+    let lines = rows(gap, angle, ROWS, width);
+    let mut spans: Vec<(Mm, Mm)> = Vec::new();
+    let (mut held, mut total) = (0.0, 0.0);
+    for (line, ends) in hung(gap, below, lines, width) {
+        let length = line.from.distance(line.to);
+        let span = match ends.iter().filter(|e| **e).count() {
+            2 => {
+                held += length;
+                length
+            }
+            1 => 4.0 * length,
+            _ => 10.0 * length,
+        };
+        spans.push((span, length));
+        total += length;
+    }
+    common(spans).map(|span| (span, held / total))
+}
+
+/// Lines across a gap, and for each one whether `below` holds its ends.
+pub(crate) fn hung(
+    gap: &Area,
+    below: &EdgeGrid,
+    lines: Lines,
+    width: Mm,
+) -> Vec<(Segment, [bool; 2])> {
+    let along = DVec2::from_angle(lines.angle.to_radians());
+    // A wall may stand between the end of a line and what holds it.
+    let steps = [0.1, 0.5 * width, width, 1.5 * width, ANCHOR * width];
+    let holds = |p: DVec2, out: DVec2| {
+        steps.iter().any(|d| below.contains(p + out * *d))
+    };
+    let ends = |s: Segment| [holds(s.from, -along), holds(s.to, along)];
+    let all = hatch(gap, lines, 0.1).into_iter();
+    all.map(|s| (s, ends(s))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_planar::shapes::{disc, moved, rect, turned};
+
+    fn bridges(area: &Area, below: &Area) -> (Vec<Bridge>, Area) {
+        let settings = Settings::default();
+        super::bridges(area, &Neighbour::new(below), &settings)
+    }
+
+    fn joined(parts: &[Area]) -> Area {
+        let rings = parts.iter().flat_map(|a| a.rings.clone());
+        rings.collect()
+    }
+
+    #[test]
+    fn lines_run_from_pillar_to_pillar() {
+        // The gap is wider than it is long. Its free sides must not attract the
+        // lines.
+        let settings = Settings::default();
+        let deck = rect(0.0, 0.0, 30.0, 40.0);
+        let pillars = joined(&[
+            rect(-1.0, -1.0, 10.0, 41.0),
+            rect(20.0, -1.0, 31.0, 41.0),
+        ]);
+        let (found, rest) = bridges(&deck, &pillars);
+        let all = found[0].area.content() + rest.content();
+        assert!((all - deck.content()).abs() < 1e-3, "{all}");
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].angle, 0.0);
+        let reach = 10.0 + 2.0 * settings.bridge_anchor;
+        let content = found[0].area.content();
+        assert!((content - 40.0 * reach).abs() < 1.0, "{content}");
+        // The direction turns by 20° when everything else does.
+        let turned = |a: &Area| turned(a, 20.0_f64.to_radians());
+        let (found, _) = bridges(&turned(&deck), &turned(&pillars));
+        assert!((found[0].angle - 20.0).abs() < 0.1, "{}", found[0].angle);
+    }
+
+    #[test]
+    fn a_closed_hole_is_crossed_the_short_way() {
+        let roof = rect(0.0, 0.0, 40.0, 30.0);
+        let hole = rect(10.0, 10.0, 30.0, 16.0);
+        let below = difference(&rect(-1.0, -1.0, 41.0, 31.0), &hole);
+        let (found, _) = bridges(&roof, &below);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].angle, 90.0);
+    }
+
+    #[test]
+    fn a_balcony_is_no_bridge_nor_is_the_next_ring_of_a_dome() {
+        let deck = rect(0.0, 0.0, 30.0, 10.0);
+        let house = rect(-1.0, -1.0, 20.0, 11.0);
+        assert!(bridges(&deck, &house).0.is_empty());
+        let disc = |r: f64| disc(r, 200);
+        assert!(bridges(&disc(9.0), &disc(6.0)).0.is_empty());
+        assert!(bridges(&deck, &deck).0.is_empty());
+    }
+
+    #[test]
+    fn two_gaps_have_a_direction_each() {
+        let deck = rect(0.0, 0.0, 60.0, 30.0);
+        let holes =
+            joined(&[rect(5.0, 5.0, 25.0, 9.0), rect(40.0, 5.0, 44.0, 25.0)]);
+        let below = difference(&rect(-1.0, -1.0, 61.0, 31.0), &holes);
+        let mut angles: Vec<f64> =
+            bridges(&deck, &below).0.iter().map(|b| b.angle).collect();
+        angles.sort_by(f64::total_cmp);
+        assert_eq!(angles, [0.0, 90.0]);
+    }
+
+    #[test]
+    fn gaps_of_one_direction_beside_each_other_are_one_bridge() {
+        // The holes of the lattice are nearer to each other than two anchors
+        // are long.
+        let deck = rect(0.0, 0.0, 60.0, 60.0);
+        let mut below = rect(-1.0, -1.0, 61.0, 61.0);
+        let pitch = 6.0;
+        for i in 0..81 {
+            let (x, y) = (f64::from(i % 9), f64::from(i / 9));
+            let (x, y) = (4.0 + pitch * x, 4.0 + pitch * y);
+            let hole = rect(x, y, x + 5.0, y + 4.0);
+            below = difference(&below, &hole);
+        }
+        let (found, rest) = bridges(&deck, &below);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].angle, 90.0);
+        // All of the land between the holes is part of it.
+        let holes = rect(4.0, 4.0, 57.0, 56.0);
+        let over = intersection(&found[0].area, &holes).content();
+        assert!((over - 53.0 * 52.0).abs() < 0.01, "{over}");
+        let content = found[0].area.content();
+        let all = content + rest.content();
+        assert!((all - 3600.0).abs() < 0.01, "{all}");
+    }
+
+    #[test]
+    fn round_holes_beside_each_other_are_one_bridge() {
+        // Each has a best direction of its own, by rounding alone.
+        let deck = rect(0.0, 0.0, 30.0, 10.0);
+        let hole = |x: f64, turn: f64| {
+            let hole = turned(&disc(3.0, 40), turn).rings.remove(0);
+            Area::from(moved(hole, x, 5.0))
+        };
+        let holes = joined(&[hole(8.0, 0.0), hole(14.6, 0.7), hole(21.2, 1.1)]);
+        let below = difference(&rect(-1.0, -1.0, 31.0, 11.0), &holes);
+        let (found, _) = bridges(&deck, &below);
+        assert_eq!(found.len(), 1);
+        let over = intersection(&found[0].area, &holes).content();
+        assert!((over / holes.content() - 1.0).abs() < 0.01, "{over}");
+    }
+
+    #[test]
+    fn gaps_of_two_directions_share_the_land_between_them() {
+        let deck = rect(0.0, 0.0, 40.0, 30.0);
+        // Lines run along y in the first hole and along x in the second one,
+        // whichever is found first.
+        let (wide, tall) = ([2.0, 20.0, 10.0, 14.0], [20.6, 25.0, 2.0, 28.0]);
+        let hole = |[x0, x1, y0, y1]: [f64; 4]| rect(x0, y0, x1, y1);
+        let (wide, tall) = (hole(wide), hole(tall));
+        let below = rect(-1.0, -1.0, 41.0, 31.0);
+        let below = difference(&below, &joined(&[wide.clone(), tall.clone()]));
+        let (found, _) = bridges(&deck, &below);
+        assert_eq!(found.len(), 2);
+        for bridge in found {
+            let (own, other, side) = if bridge.angle == 90.0 {
+                (&wide, &tall, rect(20.0, 10.0, 20.6, 14.0))
+            } else {
+                assert_eq!(bridge.angle, 0.0);
+                (&tall, &wide, rect(20.0, 10.0, 20.6, 14.0))
+            };
+            let over = |what: &Area| intersection(&bridge.area, what).content();
+            assert!(over(other) < 1e-3, "{}", over(other));
+            assert!((over(own) - own.content()).abs() < 0.1);
+            // Each has half of the land.
+            assert!((over(&side) - 1.2).abs() < 0.1, "{}", over(&side));
+        }
+    }
+
+    #[test]
+    fn no_bridge_grows_into_a_gap_that_has_none() {
+        let deck = rect(0.0, 0.0, 40.0, 30.0);
+        // Beyond a rib of 0.6 mm a balcony hangs on one side alone.
+        let below = joined(&[
+            rect(-1.0, -1.0, 10.0, 31.0),
+            rect(14.0, -1.0, 14.6, 31.0),
+        ]);
+        let (found, _) = bridges(&deck, &below);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].angle, 0.0);
+        let beyond = rect(14.6, -1.0, 41.0, 31.0);
+        let beyond = intersection(&found[0].area, &beyond).content();
+        assert!(beyond < 0.05, "{beyond}");
+    }
+}

@@ -1,0 +1,494 @@
+//! Fills the inside of one skin's rings.
+//!
+//! In: an island of skin, how much its neighbours cover of it, and the sparse
+//! infill beside it. Out: its rings, and its fills by role, in print order:
+//! fills that are seen come last.
+
+use super::bridge::{Bridge, bridges};
+use super::roles::Sides;
+use super::strokes::strokes;
+use super::zigzag::{Joined, Turns, join};
+use super::{Face, Fill, Patch, sweep};
+use crate::region::Lay;
+use crate::region::cover::Covered;
+use crate::region::neighbour::Neighbour;
+use crate::region::patch::{Free, Patch as Around, concentric, patch};
+use glam::DVec2;
+use isoslice_base::units::{Degrees, Mm};
+use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
+use isoslice_planar::clip::difference;
+use isoslice_planar::grid::EdgeGrid;
+use isoslice_planar::hatch::{Lines, hatch};
+use isoslice_planar::offset::offset;
+use isoslice_planar::{Area, Solid, edges};
+use isoslice_settings::{Settings, SkinOrder, SkinPattern};
+use std::cell::OnceCell;
+
+/// Tolerance of the offsets inside a skin; nobody sees them.
+const TOLERANCE: Mm = 0.01;
+
+/// An area that is nowhere wider than this many lines is filled with strokes
+/// along it. That suits the arms of a lattice and the nodes between them, not a
+/// plate.
+const NESTED: f64 = 14.0;
+
+/// How one kind of skin is filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Look {
+    pattern: SkinPattern,
+    width: Mm,
+}
+
+/// What the islands of a layer have in common.
+pub(super) struct Filler<'a> {
+    pub above: Side<'a>,
+    pub below: Side<'a>,
+    /// The sparse infill beside the skin.
+    pub sparse: Solid<'a>,
+    pub on_bed: bool,
+    pub angle: Degrees,
+    pub height: Mm,
+    pub settings: &'a Settings,
+}
+
+/// A layer next to this one, sorted by place when an island first asks.
+pub(super) struct Side<'a> {
+    face: Option<Face<'a>>,
+    sorted: OnceCell<Neighbour<'a>>,
+}
+
+impl<'a> Side<'a> {
+    /// The neighbouring layer as an island's neighbour, if there is one.
+    pub(super) fn new(face: Option<Face<'a>>) -> Side<'a> {
+        Side {
+            face,
+            sorted: OnceCell::new(),
+        }
+    }
+
+    fn get(&self) -> Option<&Neighbour<'a>> {
+        let area = self.face?.rough.area();
+        Some(self.sorted.get_or_init(|| Neighbour::new(area)))
+    }
+}
+
+impl Filler<'_> {
+    /// The beads of an island; nothing if it is too small for any.
+    pub(super) fn patch(
+        &self,
+        island: &Area,
+        sides: Sides<'_>,
+    ) -> Option<Patch> {
+        isoslice_base::limits::check();
+        if let Some(nested) = self.nested(island, sides) {
+            return (!nested.rings.is_empty()).then_some(nested);
+        }
+        let settings = self.settings;
+        let plan = Lay::inside(settings.skin_width(), self.height, settings);
+        let around = patch(island, plan, TOLERANCE);
+        let inside = around.inside(settings.off_skin_ring(), TOLERANCE);
+        let fills = self.fills(&inside, &around, sides);
+        let mut lines = fills.iter().flat_map(|f| &f.lines);
+        let bridge = lines.any(|l| l.role == Role::Bridge);
+        let strokes = around.rings.iter().chain(&around.thin);
+        let rings = strokes.map(|l| {
+            let bead = self.bead(sides.most(l), l.clone());
+            if bridge && bead.role == Role::BottomSkin {
+                Bead {
+                    role: Role::Bridge,
+                    ..bead
+                }
+            } else {
+                bead
+            }
+        });
+        let rings: Vec<Bead> = rings.collect();
+        (!rings.is_empty()).then_some(Patch { rings, fills })
+    }
+
+    /// The beads of an island that is nowhere wider than some lines: rings one
+    /// inside the other. There are none if the island is wider, if its parts
+    /// are to look different, or if it hangs, as bridges run across.
+    fn nested(&self, island: &Area, sides: Sides<'_>) -> Option<Patch> {
+        let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
+        let looks = kinds.map(|role| self.look(role));
+        let look = match sides.only() {
+            Some(role) => self.look(role),
+            None if looks.iter().all(|l| *l == looks[0]) => looks[0],
+            None => return None,
+        };
+        let space = spacing(look.width, look.width, self.height);
+        if is_wider(island, NESTED * space)
+            || !self.bridged(island, sides).0.is_empty()
+        {
+            return None;
+        }
+        let plan = Lay::inside(look.width, self.height, self.settings);
+        // A strip between walls, as thin as one bead, is a gap if nobody sees
+        // it.
+        let hidden = sides.only().is_none_or(|r| r == Role::InternalSkin);
+        let gap = hidden
+            && !is_wider(island, plan.limit)
+            && self.is_between_walls(island);
+        let role = |stroke: &Stroke| match sides.most(stroke) {
+            Role::InternalSkin if gap => Role::GapFill,
+            role => role,
+        };
+        let strokes = concentric(island, plan, TOLERANCE).into_iter();
+        let rings = strokes.map(|l| self.bead(role(&l), l));
+        let ironing = || {
+            let whole = offset(island, -plan.inner, TOLERANCE);
+            self.ironing(&whole, sides)
+        };
+        let top = sides.only().is_none_or(|r| r == Role::TopSkin);
+        Some(Patch {
+            rings: rings.collect(),
+            fills: if self.settings.ironing && top {
+                ironing().into_iter().collect()
+            } else {
+                Vec::new()
+            },
+        })
+    }
+
+    /// True if sparse infill touches no more than the ends of a strip of skin.
+    fn is_between_walls(&self, strip: &Area) -> bool {
+        /// Share of a strip's border that its ends have at most.
+        const ENDS: f64 = 0.25;
+        let sparse = self.sparse.grid();
+        let touched = |a: DVec2, b: DVec2| {
+            let middle = a.midpoint(b);
+            sparse.nearest_edge(middle, 2.0 * TOLERANCE).is_some()
+        };
+        let edges = strip.rings.iter().flat_map(|ring| edges(ring));
+        let touching = edges.filter(|&(a, b)| touched(a, b));
+        let length: Mm = touching.map(|(a, b)| a.distance(b)).sum();
+        length <= ENDS * strip.perimeter()
+    }
+
+    /// The bridges of an area, and what they leave of it.
+    fn bridged(&self, area: &Area, sides: Sides<'_>) -> (Vec<Bridge>, Area) {
+        match self.below.get() {
+            Some(below)
+                if self.settings.bridges
+                    && !self.on_bed
+                    && sides.below.0 != Covered::Wholly =>
+            {
+                bridges(area, below, self.settings)
+            }
+            _ => (Vec::new(), area.clone()),
+        }
+    }
+
+    /// What is inside the rings.
+    fn fills(
+        &self,
+        inside: &Area,
+        around: &Around,
+        sides: Sides<'_>,
+    ) -> Vec<Fill> {
+        let (bridged, rest) = self.bridged(inside, sides);
+        let free = around.free();
+        // The roles go from below to above: what is seen is printed last.
+        let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
+        let looks = kinds.map(|role| self.look(role));
+        let only = sides.only();
+        let mut fills = Vec::new();
+        if only.is_some() || looks.iter().all(|l| *l == looks[0]) {
+            let look = self.look(only.unwrap_or(Role::InternalSkin));
+            let paths = self.paths(&rest, look, self.angle, &free);
+            let border = border(&rest, &paths);
+            let parts = match only {
+                Some(role) => vec![(role, paths)],
+                None => by_role(paths, kinds, sides),
+            };
+            for (role, pieces) in parts {
+                fills.push(self.fill(
+                    role,
+                    look,
+                    self.angle,
+                    pieces,
+                    border.as_ref(),
+                ));
+            }
+        } else {
+            for (area, role) in self.areas(&rest, sides) {
+                let look = self.look(role);
+                let paths = self.paths(&area, look, self.angle, &free);
+                let border = border(&area, &paths);
+                let border = border.as_ref();
+                fills.push(self.fill(role, look, self.angle, paths, border));
+            }
+        }
+        let look = Look {
+            pattern: SkinPattern::Lines,
+            width: self.settings.bottom_skin_width(),
+        };
+        let hung = bridged.iter().map(|bridge| {
+            let paths = self.paths(&bridge.area, look, bridge.angle, &free);
+            self.fill(Role::Bridge, look, bridge.angle, paths, None)
+        });
+        let at = fills.len().saturating_sub(1);
+        fills.splice(at..at, hung);
+        if self.settings.ironing && only.is_none_or(|r| r == Role::TopSkin) {
+            fills.extend(self.ironing(inside, sides));
+        }
+        fills.retain(|f| !f.lines.is_empty());
+        fills
+    }
+
+    fn look(&self, role: Role) -> Look {
+        let s = self.settings;
+        let (pattern, width) = match role {
+            Role::TopSkin => (s.top_skin_pattern, s.top_skin_width()),
+            Role::BottomSkin => (s.bottom_skin_pattern, s.bottom_skin_width()),
+            _ => (s.internal_skin_pattern, s.skin_width()),
+        };
+        Look { pattern, width }
+    }
+
+    /// Splits an area by role into parts that are wide enough for a bead. A
+    /// narrower part goes with the part beside it.
+    fn areas(&self, area: &Area, sides: Sides<'_>) -> Vec<(Area, Role)> {
+        let half = 0.5 * self.settings.skin_width();
+        let wide = |area: &Area| {
+            let core = offset(area, -half, TOLERANCE);
+            offset(&core, half + TOLERANCE, TOLERANCE)
+        };
+        let mut rest = area.clone();
+        let mut parts = Vec::new();
+        let faces = [
+            (Role::BottomSkin, sides.below.0, &self.below),
+            (Role::TopSkin, sides.above.0, &self.above),
+        ];
+        for (role, covers, face) in faces {
+            let part = match covers {
+                Covered::Wholly => continue,
+                Covered::Partly if let Some(face) = face.get() => {
+                    let part = wide(&face.open(&rest));
+                    let other = wide(&difference(&rest, &part));
+                    difference(&rest, &other)
+                }
+                _ => rest.clone(),
+            };
+            rest = difference(&rest, &part);
+            parts.push((part, role));
+        }
+        parts.insert(0, (rest, Role::InternalSkin));
+        parts
+    }
+
+    /// The centre lines that fill an area.
+    fn paths(
+        &self,
+        area: &Area,
+        look: Look,
+        angle: Degrees,
+        free: &Free<'_>,
+    ) -> Vec<(i64, Stroke)> {
+        if look.pattern == SkinPattern::Concentric {
+            let plan = Lay::inside(look.width, self.height, self.settings);
+            // Lines reach the near side of the ring's bead.
+            let rings = concentric(area, plan, TOLERANCE);
+            return rings.into_iter().map(|l| (0, l)).collect();
+        }
+        let lines = Lines {
+            angle,
+            spacing: spacing(look.width, look.width, self.height),
+            phase: 0.0,
+        };
+        let shortest = 0.5 * look.width;
+        let all = strokes(area, lines, look.width, shortest);
+        let ends: Vec<_> = all
+            .iter()
+            .filter_map(|(_, s)| Some((*s.points.first()?, *s.points.last()?)))
+            .collect();
+        let free = free.of(&ends);
+        all.into_iter()
+            .zip(free)
+            .flat_map(|((row, stroke), free)| {
+                free.into_iter().map(move |(a, b)| (row, stroke.part(a, b)))
+            })
+            .filter(|(_, stroke)| stroke.length() >= shortest)
+            .collect()
+    }
+
+    /// Lines as the beads of a fill, joined within a border, if there is one
+    /// and they are parallel.
+    fn fill(
+        &self,
+        role: Role,
+        look: Look,
+        angle: Degrees,
+        paths: Vec<(i64, Stroke)>,
+        border: Option<&EdgeGrid>,
+    ) -> Fill {
+        let parallel = look.pattern == SkinPattern::Lines;
+        let swept = match role {
+            Role::TopSkin => {
+                let order = self.settings.top_skin_order;
+                parallel && order == SkinOrder::Monotonic
+            }
+            Role::Ironing => true,
+            _ => false,
+        };
+        let after = if swept {
+            sweep::after(&paths, angle, look.width)
+        } else {
+            Vec::new()
+        };
+        let joined = match border.filter(|_| parallel) {
+            Some(border) => {
+                let turns = Turns {
+                    border,
+                    spacing: spacing(look.width, look.width, self.height),
+                    height: self.height,
+                };
+                join(paths, &after, turns)
+            }
+            None => Joined::apart(paths, after),
+        };
+        let lines = joined.strokes.into_iter().map(|l| self.bead(role, l));
+        Fill {
+            lines: lines.collect(),
+            after: joined.after,
+            one_way: joined.one_way,
+        }
+    }
+
+    /// A second pass over the parts that face upwards, one line's width off
+    /// their border.
+    fn ironing(&self, inside: &Area, sides: Sides<'_>) -> Option<Fill> {
+        let spacing = self.settings.ironing_spacing();
+        let face = match sides.above.0 {
+            Covered::Not => None,
+            _ => self.above.get(),
+        };
+        let top = match face {
+            Some(above) => above.open(inside),
+            None => inside.clone(),
+        };
+        let inset = 0.5 * self.settings.top_skin_width();
+        let top = offset(&top, -inset, TOLERANCE);
+        let lines = Lines {
+            angle: self.angle,
+            spacing,
+            phase: 0.0,
+        };
+        let segments = hatch(&top, lines, inset);
+        let paths = segments.into_iter().map(|s| {
+            let line = Stroke::new(vec![s.from, s.to], false, spacing);
+            (s.row, line)
+        });
+        let look = Look {
+            pattern: SkinPattern::Lines,
+            width: spacing,
+        };
+        let paths: Vec<(i64, Stroke)> = paths.collect();
+        (!paths.is_empty())
+            .then(|| self.fill(Role::Ironing, look, self.angle, paths, None))
+    }
+
+    fn bead(&self, role: Role, stroke: Stroke) -> Bead {
+        Bead::new(role, stroke, self.height)
+    }
+}
+
+/// True if some place of an area is wider than `width`.
+fn is_wider(area: &Area, width: Mm) -> bool {
+    let half = 0.5 * width;
+    // An area that is all within `half` of its border has no more content than
+    // this, so the cheap comparison settles most wide areas.
+    area.content() > half * area.perimeter()
+        || !offset(area, -half, TOLERANCE).is_empty()
+}
+
+/// The border of an area, if some of the lines are beside each other.
+fn border(area: &Area, lines: &[(i64, Stroke)]) -> Option<EdgeGrid> {
+    /// Size of the cells, mm: turns are shorter.
+    const CELL: Mm = 1.0;
+    (lines.len() > 1).then(|| EdgeGrid::new(area, CELL))
+}
+
+/// Lines cut into pieces of one role each, by role.
+fn by_role(
+    paths: Vec<(i64, Stroke)>,
+    roles: [Role; 3],
+    sides: Sides<'_>,
+) -> Vec<(Role, Vec<(i64, Stroke)>)> {
+    let mut parts: Vec<_> = roles.map(|role| (role, Vec::new())).into();
+    let mut push = |role, line| {
+        if let Some(part) = parts.iter_mut().find(|p| p.0 == role) {
+            part.1.push(line);
+        }
+    };
+    for (row, line) in paths {
+        let mut pieces = sides.cut(line.opened());
+        if let [(role, _)] = pieces.as_slice() {
+            push(*role, (row, line));
+            continue;
+        }
+        // A ring that has one role across its beginning is not cut there.
+        if line.closed
+            && let Some(last) = pieces.pop()
+        {
+            match pieces.first_mut() {
+                Some((role, first)) if *role == last.0 => {
+                    let before = std::mem::replace(first, last.1);
+                    first.append(&before);
+                }
+                _ => pieces.push(last),
+            }
+        }
+        for (role, piece) in pieces {
+            push(role, (row, piece));
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Vec<DVec2> {
+        [(x0, low), (x1, low), (x1, high), (x0, high)]
+            .map(DVec2::from)
+            .to_vec()
+    }
+
+    #[test]
+    fn rings_of_two_roles_keep_all_of_their_sides() {
+        // The right half of the ring has something above.
+        let above = Area::from(rect(5.0, 30.0, -20.0, 20.0));
+        let grid = EdgeGrid::new(&above, 1.0);
+        let sides = Sides {
+            above: (Covered::Partly, Some(&grid)),
+            below: (Covered::Wholly, None),
+        };
+        let ring = |points| Stroke {
+            widths: vec![0.4, 0.5, 0.4, 0.5],
+            ..Stroke::new(points, true, 0.4)
+        };
+        let lines = vec![
+            (0, ring(rect(0.0, 10.0, 0.0, 10.0))),
+            (0, ring(rect(0.0, 3.0, 12.0, 15.0))),
+        ];
+        let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
+        let parts = by_role(lines.clone(), kinds, sides);
+        let lengths = |role: Role| -> Vec<f64> {
+            let part = parts.iter().find(|p| p.0 == role);
+            let lines = part.iter().flat_map(|p| &p.1);
+            lines.map(|(_, l)| l.length()).collect()
+        };
+        assert_eq!(lengths(Role::InternalSkin), [20.0]);
+        assert!(lengths(Role::BottomSkin).is_empty());
+        // The part without anything above is one piece although the ring begins
+        // in it; the other ring stays whole.
+        assert_eq!(lengths(Role::TopSkin), [20.0, 12.0]);
+        assert_eq!(parts[2].1[1], lines[1]);
+        let piece = &parts[2].1[0].1;
+        assert_eq!(piece.widths.len(), piece.points.len());
+    }
+}

@@ -1,0 +1,428 @@
+//! Solid fill: a ring around each skin area, and lines at ±45° inside it.
+//!
+//! ```text
+//!   ╭────────────╮   the ring runs half a bead's spacing inside the area's
+//!   │ ╱╱╱╱╱╱╱╱╱╱ │   border, around holes as well; lines end half a nozzle
+//!   │ ╱╱╱╱╱╱╱╱╱╱ │   off the ring's centre line (`skin_ring_gap` more, if
+//!   ╰────────────╯   asked for), one spacing apart, turned by 90° from layer
+//!                    to layer
+//! ```
+//!
+//! Lines go on in their neighbours over narrow turns ([`zigzag`]). An area that
+//! is nowhere wider than some lines gets no lines: it gets rings one inside the
+//! other, and beads in the middle.
+//!
+//! Inside the ring the area is split by what the neighbouring layers leave
+//! open. It has bridges where it hangs between supports, then bottom, top and
+//! internal skin, each with its own width and pattern. Where two kinds have
+//! equal widths and patterns, lines run on from one kind to the other and only
+//! their roles change.
+
+pub mod bridge;
+mod direction;
+mod fill;
+mod gaps;
+pub mod over_infill;
+mod roles;
+mod short;
+mod strokes;
+mod sweep;
+mod zigzag;
+
+use crate::region::cover::{Covered, Islands};
+use fill::{Filler, Side};
+use isoslice_base::units::Mm;
+use isoslice_planar::bead::Bead;
+use isoslice_planar::clip::difference;
+use isoslice_planar::offset::offset;
+use isoslice_planar::{Area, Solid};
+use isoslice_settings::Settings;
+use roles::Sides;
+
+/// A connected skin area's beads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    /// Beads around the area and its holes, and those in the middle of
+    /// places too thin for lines. Internal bridges have none.
+    pub rings: Vec<Bead>,
+    /// What is inside the rings, in print order.
+    pub fills: Vec<Fill>,
+}
+
+impl Patch {
+    /// The bead that is printed first. If several may be, it is one of them.
+    pub fn first(&self) -> Option<&Bead> {
+        let lines = self.fills.iter().flat_map(|fill| &fill.lines);
+        self.rings.iter().chain(lines).next()
+    }
+}
+
+/// Beads of one role inside a skin's rings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fill {
+    /// The beads.
+    pub lines: Vec<Bead>,
+    /// For each bead the numbers of the beads that have to be printed before
+    /// it. Empty if any order will do.
+    pub after: Vec<Vec<u32>>,
+    /// For each bead whether it has to be printed the way it runs. Empty if no
+    /// bead has to.
+    pub one_way: Vec<bool>,
+}
+
+/// The layers directly above and below a layer, if there are any.
+#[derive(Clone, Copy, Debug)]
+pub struct Faces<'a> {
+    /// The layer above.
+    pub above: Option<Face<'a>>,
+    /// The layer below.
+    pub below: Option<Face<'a>>,
+}
+
+/// A neighbouring layer.
+#[derive(Clone, Copy, Debug)]
+pub struct Face<'a> {
+    /// The layer's exact outline: lines change their role right at its edge.
+    pub outline: &'a Solid<'a>,
+    /// The layer's outline, only as exact as areas need it.
+    pub rough: &'a Solid<'a>,
+}
+
+/// The beads of a layer's skin, beside which `sparse` infill lies. Even layers
+/// get lines at `skin_angle`, odd ones at right angles to it.
+pub fn patches(
+    skin: &Area,
+    sparse: &Area,
+    faces: Faces<'_>,
+    layer: usize,
+    height: Mm,
+    settings: &Settings,
+) -> Vec<Patch> {
+    let pressed = into_walls(skin, sparse, settings);
+    let islands = pressed.as_ref().unwrap_or(skin).islands();
+    let asked = Islands::new(&islands);
+    let side = |face: Option<Face<'_>>| match face {
+        Some(face) => asked.covered(face.rough),
+        None => vec![Covered::Not; islands.len()],
+    };
+    let (above, below) = (side(faces.above), side(faces.below));
+    let filler = Filler {
+        above: Side::new(faces.above),
+        below: Side::new(faces.below),
+        sparse: Solid::of(sparse, 1.0),
+        on_bed: layer == 0,
+        angle: settings.skin_direction(layer),
+        height,
+        settings,
+    };
+    let sides = above.into_iter().zip(below).map(|(above, below)| Sides {
+        above: (above, faces.above.map(|f| f.outline.grid())),
+        below: (below, faces.below.map(|f| f.outline.grid())),
+    });
+    islands
+        .iter()
+        .zip(sides)
+        .filter_map(|(island, sides)| filler.patch(island, sides))
+        .collect()
+}
+
+/// Skin that reaches into the walls around it, if the settings ask for that. It
+/// ends where sparse infill begins, and without walls where it ends in any case.
+fn into_walls(skin: &Area, sparse: &Area, settings: &Settings) -> Option<Area> {
+    /// Tolerance of the border, mm. It lies under walls.
+    const TOLERANCE: Mm = 0.01;
+    let reach = 0.01 * settings.skin_wall_overlap * settings.skin_width();
+    if reach <= 0.0 || settings.walls == 0 {
+        return None;
+    }
+    let grown = offset(skin, reach, TOLERANCE);
+    Some(if sparse.is_empty() {
+        grown
+    } else {
+        difference(&grown, sparse)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+    use isoslice_planar::bead::{Role, Stroke, spacing};
+    use isoslice_planar::shapes::{disc, rect, square};
+    use isoslice_settings::SkinPattern;
+
+    fn face<'a>(solid: &'a Solid<'a>) -> Face<'a> {
+        Face {
+            outline: solid,
+            rough: solid,
+        }
+    }
+
+    #[test]
+    fn a_square_gets_a_ring_and_lines_that_turn() {
+        let settings = Settings::default();
+        let area = square(12.0);
+        let area = Solid::new(area);
+        let faces = Faces {
+            above: None,
+            below: Some(face(&area)),
+        };
+        for layer in [0, 1] {
+            let patches = patches(
+                &square(10.0),
+                &Area::EMPTY,
+                faces,
+                layer,
+                0.2,
+                &settings,
+            );
+            assert_eq!(patches.len(), 1);
+            let p = &patches[0];
+            assert_eq!(p.rings.len(), 1);
+            assert_eq!(p.rings[0].role, Role::TopSkin);
+            let lines = &p.fills[0].lines;
+            let space = spacing(0.45, 0.45, 0.2);
+            let content: f64 =
+                lines.iter().map(|b| laid(b, 0.45 - space)).sum();
+            let side = 20.0 - space - 0.4;
+            assert!((content / (side * side) - 1.0).abs() < 0.01);
+            let d = lines[0].points[1] - lines[0].points[0];
+            let slope = d.y / d.x;
+            let expected = if layer == 0 { 1.0 } else { -1.0 };
+            assert!((slope - expected).abs() < 1e-9, "{slope}");
+        }
+    }
+
+    #[test]
+    fn skin_reaches_into_walls_as_asked_and_not_into_sparse_infill() {
+        let (skin, sparse) = (square(8.0), square(10.0));
+        let sparse = difference(&sparse, &skin);
+        let half = |overlap: f64, sparse: &Area| {
+            let settings = Settings {
+                skin_wall_overlap: overlap,
+                ..Settings::default()
+            };
+            let faces = Faces {
+                above: None,
+                below: None,
+            };
+            let all = patches(&skin, sparse, faces, 0, 0.2, &settings);
+            let points = all[0].rings[0].points.iter();
+            points.map(|p| p.x).fold(0.0, f64::max)
+        };
+        let beside = 8.0 - 0.5 * spacing(0.45, 0.45, 0.2);
+        for (overlap, sparse, expected) in [
+            (0.0, &Area::EMPTY, beside),
+            (25.0, &Area::EMPTY, beside + 0.25 * 0.45),
+            (25.0, &sparse, beside),
+        ] {
+            let is = half(overlap, sparse);
+            assert!((is - expected).abs() < 0.011, "{overlap}: {is}");
+        }
+    }
+
+    #[test]
+    fn a_narrow_ring_gets_strokes_along_it_and_not_across() {
+        let space = spacing(0.45, 0.45, 0.2);
+        let hole = disc(10.0 - 4.0 * space, 720);
+        let area = difference(&disc(10.0, 720), &hole);
+        let nothing = Faces {
+            above: None,
+            below: None,
+        };
+        let settings = Settings::default();
+        let all = patches(&area, &Area::EMPTY, nothing, 0, 0.2, &settings);
+        assert_eq!(all.len(), 1);
+        assert!(all[0].fills.is_empty());
+        let rings = &all[0].rings;
+        assert_eq!(rings.len(), 4);
+        let laid: f64 = rings.iter().map(|b| laid(b, 0.45 - space)).sum();
+        assert!((laid / area.content() - 1.0).abs() < 2e-3, "{laid}");
+        for ring in rings {
+            assert!(ring.closed && ring.role == Role::BottomSkin);
+        }
+    }
+
+    /// Content that a stroke lays, mm². Its share of the plane is its width
+    /// less `less`.
+    pub(super) fn laid(s: &Stroke, less: Mm) -> f64 {
+        let widths = |i: usize| 0.5 * (s.width_at(i) + s.width_at(i + 1));
+        let segments = s.segments().enumerate();
+        segments
+            .map(|(i, (a, b))| a.distance(b) * (widths(i) - less))
+            .sum()
+    }
+
+    /// Content by role: what its lines lay.
+    fn contents(patches: &[Patch], settings: &Settings) -> Vec<(Role, f64)> {
+        let space = spacing(settings.skin_width(), settings.skin_width(), 0.2);
+        let fills = patches.iter().flat_map(|p| &p.fills);
+        fills
+            .map(|f| {
+                let less = settings.skin_width() - space;
+                let lines = f.lines.iter().map(|b| laid(b, less));
+                (f.lines[0].role, lines.sum())
+            })
+            .collect()
+    }
+
+    #[test]
+    fn each_side_has_its_role_and_the_rest_is_internal() {
+        let base = Settings {
+            bridges: false,
+            ..Settings::default()
+        };
+        let wider = Settings {
+            top_skin_width: 0.5.into(),
+            bottom_skin_pattern: SkinPattern::Concentric,
+            ..base.clone()
+        };
+        let rect = |x0: f64, x1: f64| {
+            Area::from(
+                [(x0, -12.0), (x1, -12.0), (x1, 12.0), (x0, 12.0)]
+                    .map(DVec2::from)
+                    .to_vec(),
+            )
+        };
+        let [above, below] =
+            [rect(-12.0, 5.0), rect(-4.0, 12.0)].map(Solid::new);
+        let faces = Faces {
+            above: Some(face(&above)),
+            below: Some(face(&below)),
+        };
+        let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
+        let half = 0.5 * inner;
+        let expected = [
+            (Role::InternalSkin, 9.0 * inner),
+            (Role::BottomSkin, (half - 4.0) * inner),
+            (Role::TopSkin, (half - 5.0) * inner),
+        ];
+        let found = contents(
+            &patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &base),
+            &base,
+        );
+        // Two corners of what is hidden, in which lines are shorter than 4 mm, go
+        // with what is seen beside them.
+        let corner = 0.5 * 4.0 * 2.0;
+        let moved = [-2.0 * corner, corner, corner];
+        for (i, (role, is)) in found.iter().enumerate() {
+            let (own, should) = expected[i];
+            assert_eq!(*role, own);
+            let should = should + moved[i];
+            assert!((is / should - 1.0).abs() < 0.02, "{role:?} {is}");
+        }
+        // These are the areas above, with other widths and patterns.
+        let all = patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &wider);
+        let fills = &all[0].fills;
+        assert_eq!(fills.len(), 3);
+        for (fill, (role, should)) in fills.iter().zip(expected) {
+            let width = if role == Role::TopSkin { 0.5 } else { 0.45 };
+            let space = spacing(width, width, 0.2);
+            let lines = fill.lines.iter().map(|b| laid(b, width - space));
+            let is: f64 = lines.sum();
+            assert_eq!(fill.lines[0].role, role);
+            assert_eq!(fill.lines[0].width, width);
+            let closed = role == Role::BottomSkin;
+            assert_eq!(fill.lines[0].closed, closed);
+            // A ring's width is what its place leaves it.
+            assert!((is / should - 1.0).abs() < 0.06, "{role:?} {is}");
+        }
+    }
+
+    #[test]
+    fn a_roof_over_a_gap_is_a_bridge_but_not_on_the_bed() {
+        let settings = Settings::default();
+        let wide = square(12.0);
+        let frame = Solid::new(difference(&wide, &square(5.0)));
+        let faces = Faces {
+            above: None,
+            below: Some(face(&frame)),
+        };
+        let all =
+            patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &settings);
+        let found = contents(&all, &settings);
+        let reach = 10.0 + 2.0 * settings.bridge_anchor;
+        let bridge = found.iter().find(|f| f.0 == Role::Bridge).unwrap();
+        assert!((bridge.1 / reach.powi(2) - 1.0).abs() < 0.05, "{found:?}");
+        let above_bed = Faces {
+            below: None,
+            ..faces
+        };
+        let all =
+            patches(&square(10.0), &Area::EMPTY, above_bed, 0, 0.2, &settings);
+        assert_eq!(contents(&all, &settings)[0].0, Role::BottomSkin);
+    }
+
+    #[test]
+    fn ironing_goes_over_tops_alone() {
+        let settings = Settings {
+            ironing: true,
+            ..Settings::default()
+        };
+        let [wide, half] = [square(12.0), square(4.0)].map(Solid::new);
+        let faces = Faces {
+            above: Some(face(&half)),
+            below: Some(face(&wide)),
+        };
+        let all =
+            patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &settings);
+        let last = all[0].fills.last().unwrap();
+        assert_eq!(last.lines[0].role, Role::Ironing);
+        let length: f64 = last.lines.iter().map(|b| b.length()).sum();
+        let side = |inner: f64, off: f64| (inner + off).powi(2);
+        let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
+        let should = side(inner, -0.45) - side(8.0, 0.45);
+        let is = length * settings.ironing_spacing();
+        assert!((is / should - 1.0).abs() < 0.02, "{is} {should}");
+        for line in &last.lines {
+            let middle = line.points[0].midpoint(line.points[1]);
+            assert!(!half.grid().contains(middle));
+        }
+    }
+
+    #[test]
+    fn a_strip_that_nobody_sees_is_gap_fill_if_it_is_as_thin_as_a_bead() {
+        let around = Solid::new(square(12.0));
+        let hidden = Faces {
+            above: Some(face(&around)),
+            below: Some(face(&around)),
+        };
+        let open = Faces {
+            above: None,
+            ..hidden
+        };
+        let beside = |width: f64, sparse: &Area, faces: Faces<'_>| {
+            let strip = rect(-5.0, -0.5 * width, 5.0, 0.5 * width);
+            let settings = Settings::default();
+            let all = patches(&strip, sparse, faces, 1, 0.2, &settings);
+            let rings = all.iter().flat_map(|p| &p.rings);
+            rings.map(|b| b.role).collect::<Vec<_>>()
+        };
+        let roles = |width: f64, faces| beside(width, &Area::EMPTY, faces);
+        assert_eq!(roles(0.3, hidden), [Role::GapFill]);
+        assert_eq!(roles(0.7, hidden), [Role::GapFill]);
+        assert_eq!(roles(0.3, open), [Role::TopSkin]);
+        // Infill at the strip's end leaves it a gap between walls. Infill along
+        // it makes it the shell that the infill lies in.
+        let at_end = rect(5.0, -4.0, 9.0, 4.0);
+        assert_eq!(beside(0.3, &at_end, hidden), [Role::GapFill]);
+        let along = rect(-5.0, 0.15, 5.0, 4.0);
+        assert_eq!(beside(0.3, &along, hidden), [Role::InternalSkin]);
+        let wide = roles(1.2, hidden);
+        assert!(!wide.is_empty());
+        assert!(wide.iter().all(|role| *role == Role::InternalSkin));
+    }
+
+    #[test]
+    fn too_narrow_for_a_ring_is_left_out() {
+        let faces = Faces {
+            above: None,
+            below: None,
+        };
+        let settings = Settings::default();
+        assert!(
+            patches(&square(0.15), &Area::EMPTY, faces, 0, 0.2, &settings)
+                .is_empty()
+        );
+    }
+}

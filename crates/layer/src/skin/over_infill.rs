@@ -1,0 +1,654 @@
+//! Internal bridges: the lowest layer of skin over sparse infill.
+//!
+//! ```text
+//!   ══╪════╪════╪══▌    lines run across those of the infill below (╪), so
+//!   ══╪════╪════╪══▌    that no way from one to the next is longer than need
+//!   ══╪════╪════╪══▌    be; they end on a line of infill or at a wall (▌)
+//! ```
+//!
+//! In: a layer's skin, sparse area and walls, and the beads of the layer below.
+//! Out: lines over the infill, the skin that is left, and what they take of the
+//! sparse area where they go on to the next line of infill.
+//!
+//! The direction is the one in which the ways from one line of infill to the
+//! next are shortest: the directions across the infill's lines are tried, and a
+//! fan of angles. What three quarters of the lines' length stay below decides.
+//!
+//! Where the infill is so sparse that its bridges sag, more layers of bridges
+//! follow (`internal_bridge_layers`), each across the lines of the one below as
+//! if these were infill.
+//!
+//! Guarantees: each line ends on a bead of the layer below, or at a wall of its
+//! own layer. It goes on into the layer's sparse area for that, or, where the next
+//! bead is far away, back to the last place that one holds. Beads count where
+//! they are laid, and not where an area says that there should be some. Not
+//! guaranteed: that lines fill all of the skin. One of which an end cannot be
+//! held is left out, and the next layer lies over its place, with bridges unless
+//! it is seen. A place over infill in which no line at all can be held stays skin,
+//! whatever else the layer has. So does what hangs in the air, and what a bridge
+//! beside it is anchored on. The lowest layer of a block lies on what a
+//! rehearsal of the layer below finds.
+
+use super::bridge::shared;
+use super::direction::{across, best, common, fan, rows};
+use super::strokes::strokes;
+use super::{Face, Fill, Patch};
+use crate::region::cover::{Covered, Islands};
+use glam::DVec2;
+use isoslice_base::units::{Degrees, Mm, Percent};
+use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
+use isoslice_planar::clip::{difference, intersection, union, unite};
+use isoslice_planar::grid::EdgeGrid;
+use isoslice_planar::hatch::{Lines, hatch};
+use isoslice_planar::offset::offset;
+use isoslice_planar::{Area, Solid, signed_area};
+use isoslice_settings::Settings;
+
+/// Tolerance of the offsets inside a part; nobody sees them.
+const TOLERANCE: Mm = 0.02;
+
+/// How far a line goes on to the next line of infill, at most, in ways that are
+/// common from one line of infill to the next.
+const FARTHEST: f64 = 1.5;
+
+/// Directions of the infill's lines that are tried.
+const DIRECTIONS: usize = 4;
+
+/// Number of lines looked at for each direction.
+const ROWS: f64 = 64.0;
+
+/// Size of the cells of a grid of lines, mm.
+pub const CELL: Mm = 1.0;
+
+/// What lines leave counts if a line fits in that reaches this share of the usual
+/// width to both sides of its middle.
+const LEFT: f64 = 0.4;
+
+/// How far beyond a line's end the search asks what lies there, mm.
+const BEYOND: Mm = 0.05;
+
+/// Distance of the places along a line that are tried for a hold, mm.
+const STEP: Mm = 0.1;
+
+/// A bead of walls or of skin holds the end of a line whose middle is within this
+/// share of the line's width of the bead's own middle. Lines that lie side by side
+/// leave no place between them that is farther away.
+const ON_SOLID: f64 = 0.65;
+
+/// Infill sparser than this has more than one layer of bridges, unless the
+/// settings say how many there are, %.
+const SPARSE: Percent = 10.0;
+
+/// What the layer below has of infill, or of bridges that sag.
+#[derive(Clone, Copy)]
+pub struct Under<'a> {
+    /// Where the layer below has what is to be bridged.
+    pub area: &'a Solid<'a>,
+    /// All lines of the layer below that may be bridged.
+    pub lines: &'a EdgeGrid,
+    /// The lines of its walls and of its skin.
+    pub shell: &'a [Vec<DVec2>],
+}
+
+/// Bridges of a layer on which the next one is to lay more.
+pub struct Level {
+    /// What the bridges' lines cover.
+    area: Area,
+    lines: Vec<Vec<DVec2>>,
+    /// Number of layers of bridges that are to follow.
+    more: u32,
+}
+
+/// A [`Level`], with the infill beside it.
+pub struct Below {
+    area: Solid<'static>,
+    lines: EdgeGrid,
+    more: u32,
+}
+
+impl Level {
+    /// These bridges with the infill of their layer.
+    pub fn beside(self, infill: &[Bead]) -> Below {
+        let infill = infill.iter().map(|bead| bead.path().collect());
+        let lines: Vec<Vec<DVec2>> =
+            self.lines.into_iter().chain(infill).collect();
+        let lines = lines.iter().map(|line| line.iter().copied());
+        Below {
+            area: Solid::new(self.area),
+            lines: EdgeGrid::of_lines(lines, CELL),
+            more: self.more,
+        }
+    }
+}
+
+/// A layer that may lie on infill.
+#[derive(Clone, Copy)]
+pub struct Over<'a> {
+    /// The layer's skin.
+    pub skin: &'a Area,
+    /// The layer's own sparse area.
+    pub sparse: &'a Area,
+    /// The layer's own walls.
+    pub walls: &'a [Bead],
+    /// The layer above, which covers what is no top.
+    pub above: Face<'a>,
+    /// The layer below, beside which skin hangs in the air.
+    pub below: Face<'a>,
+    /// The layer's height, mm.
+    pub height: Mm,
+}
+
+/// Internal bridges, and what they leave.
+pub struct Bridged {
+    /// The bridges.
+    pub patches: Vec<Patch>,
+    /// The rest of the skin.
+    pub skin: Area,
+    /// The rest of the sparse area.
+    pub sparse: Area,
+    /// Where the layer has neither bridges, as no line of theirs would be held,
+    /// nor anything else.
+    pub left: Area,
+    /// The bridges on which the next layer is to lay more.
+    pub levels: Vec<Level>,
+}
+
+/// The internal bridges of a layer over the infill `under` it and over the
+/// bridges `levels` below it, if there are any.
+pub fn bridged(
+    over: Over<'_>,
+    under: Under<'_>,
+    levels: &[Below],
+    settings: &Settings,
+) -> Option<Bridged> {
+    let way = |way: Mm| more_layers(way, settings);
+    let mut all = on(over, under, false, way, settings);
+    for level in levels {
+        let under = Under {
+            area: &level.area,
+            lines: &level.lines,
+            ..under
+        };
+        let left = all.as_ref();
+        let left = left
+            .map_or((over.skin, over.sparse), |all| (&all.skin, &all.sparse));
+        let over = Over {
+            skin: left.0,
+            sparse: left.1,
+            ..over
+        };
+        let next = on(over, under, true, |_| level.more - 1, settings);
+        all = match (all, next) {
+            (Some(mut all), Some(mut next)) => {
+                all.patches.append(&mut next.patches);
+                all.levels.append(&mut next.levels);
+                Some(Bridged {
+                    patches: all.patches,
+                    levels: all.levels,
+                    left: all.left,
+                    ..next
+                })
+            }
+            (all, next) => next.or(all),
+        };
+    }
+    all
+}
+
+/// Number of layers of bridges that follow the lowest one over infill. `way` is
+/// the common way from one line of the infill to the next.
+fn more_layers(way: Mm, settings: &Settings) -> u32 {
+    let sparse = || match settings.infill_density.constant() {
+        Some(density) if settings.infill_is_pattern() => density < SPARSE,
+        // As far apart as the lines of a pattern that is as sparse.
+        _ => way > settings.infill_width() * (100.0 / SPARSE - 1.0),
+    };
+    match settings.internal_bridge_layers {
+        Some(layers) => layers.saturating_sub(1),
+        None => u32::from(sparse()),
+    }
+}
+
+/// The internal bridges of a layer over one kind of thing, if there are any.
+/// `on_bridges` is true if that is bridges: what gets no line then stays skin,
+/// since it does not sag far. `more` gives the number of layers of bridges that
+/// are to follow, by the common way.
+fn on(
+    over: Over<'_>,
+    under: Under<'_>,
+    on_bridges: bool,
+    more: impl Fn(Mm) -> u32,
+    settings: &Settings,
+) -> Option<Bridged> {
+    let width = settings.skin_width();
+    let hanging = intersection(over.skin, under.area.area());
+    let hanging = intersection(&hanging, over.above.rough.area());
+    // What is narrower than two lines lies on what is beside it.
+    let core = offset(&hanging, -width, TOLERANCE);
+    if core.is_empty() {
+        return None;
+    }
+    let kept = over.beside_gaps(settings);
+    let core = without(&core, &kept);
+    if core.is_empty() {
+        return None;
+    }
+    let free = without(over.skin, &kept);
+    let gaps = intersection(&offset(&core, width, TOLERANCE), &hanging);
+    let (way, angle) = direction(under, width)?;
+    let anchor = settings.bridge_anchor.max(0.5 * width);
+    let grown = gaps.islands().into_iter().map(|gap| {
+        isoslice_base::limits::check();
+        offset(&gap, anchor, TOLERANCE)
+    });
+    let grown: Vec<Area> = grown.collect();
+    let (mut parts, skin) = shared(&free, &grown);
+    let ground = Ground::new(over, under, FARTHEST * way + width, settings);
+    let space = spacing(width, width, over.height);
+    let mut taken = Area::EMPTY;
+    let mut patches = Vec::new();
+    // Places that stay skin, as if there were no other places.
+    let mut refused = Area::EMPTY;
+    parts.retain(|part| {
+        isoslice_base::limits::check();
+        let lines = Lines {
+            angle,
+            spacing: space,
+            phase: 0.0,
+        };
+        let shortest = 0.5 * width;
+        let mut beads = Vec::new();
+        let half = 0.5 * space + TOLERANCE;
+        for (_, stroke) in strokes(part, lines, width, shortest) {
+            let Some((stroke, ways)) = ground.held(stroke) else {
+                continue;
+            };
+            if stroke.length() >= shortest {
+                let strips = ways.into_iter().filter_map(|way| {
+                    let (from, to) = way?;
+                    strip(from, to, half)
+                });
+                taken.rings.extend(strips);
+                beads.push(Bead::new(
+                    Role::InternalBridge,
+                    stroke,
+                    over.height,
+                ));
+            }
+        }
+        if beads.is_empty() {
+            refused.rings.extend_from_slice(&part.rings);
+            return false;
+        }
+        patches.push(Patch {
+            rings: Vec::new(),
+            fills: vec![Fill {
+                lines: beads,
+                after: Vec::new(),
+                one_way: Vec::new(),
+            }],
+        });
+        true
+    });
+    if patches.is_empty() {
+        return None;
+    }
+    let skin = if refused.is_empty() {
+        skin
+    } else {
+        union(&skin, &unite(&refused))
+    };
+    // Lines beside one another end at one line of infill: the strips between
+    // them, thinner than a line, are no place for infill.
+    let taken = offset(&unite(&taken), 0.5 * space, TOLERANCE);
+    let taken = offset(&taken, -0.5 * space, TOLERANCE);
+    let more = more(way);
+    let lines = lines_of(&patches);
+    let area = covered(&lines, 0.5 * space + TOLERANCE);
+    // What the lines have taken of the sparse area has no infill, either.
+    let sparse = difference(over.sparse, &taken);
+    let meant = parts.into_iter().flat_map(|part| part.rings);
+    let meant = unite(&meant.chain(taken.rings).collect());
+    let left = difference(&meant, &area);
+    let left = offset(&left, -LEFT * width, TOLERANCE);
+    let left = offset(&left, LEFT * width, TOLERANCE);
+    let (held, left) = if on_bridges {
+        (left, Area::EMPTY)
+    } else {
+        // What lies beside skin that stays goes with it.
+        let beside = offset(&kept, width, TOLERANCE);
+        let (held, left): (Vec<Area>, Vec<Area>) = left
+            .islands()
+            .into_iter()
+            .partition(|left| !intersection(left, &beside).is_empty());
+        (held.into_iter().collect(), left.into_iter().collect())
+    };
+    let skin = [kept, held].iter().fold(skin, |skin, more| {
+        if more.is_empty() {
+            skin
+        } else {
+            union(&skin, more)
+        }
+    });
+    let level = Level { area, lines, more };
+    Some(Bridged {
+        patches,
+        skin,
+        sparse,
+        left,
+        levels: (more > 0).then_some(level).into_iter().collect(),
+    })
+}
+
+impl Over<'_> {
+    /// The skin that hangs in the air, and what its lines reach onto: there,
+    /// bridges have to be anchored.
+    fn beside_gaps(&self, settings: &Settings) -> Area {
+        let half = 0.5 * settings.bottom_skin_width();
+        let islands = self.skin.islands();
+        let covered = Islands::new(&islands).covered(self.below.rough);
+        let all = islands.iter().zip(covered);
+        let some = all.filter(|(_, covered)| *covered != Covered::Wholly);
+        let some: Area = some.map(|(island, _)| island.clone()).collect();
+        if some.is_empty() {
+            return Area::EMPTY;
+        }
+        let hanging = difference(&some, self.below.rough.area());
+        // Any bead bridges a gap that is no wider than itself.
+        let core = offset(&hanging, -half, TOLERANCE);
+        let ring = 0.5 * settings.skin_width() + settings.off_skin_ring();
+        let reach = settings.bridge_anchor.max(half) + ring;
+        intersection(&offset(&core, half + reach, TOLERANCE), self.skin)
+    }
+}
+
+/// An area without another one, which is often empty.
+fn without(area: &Area, other: &Area) -> Area {
+    if other.is_empty() {
+        area.clone()
+    } else {
+        difference(area, other)
+    }
+}
+
+/// The lines of some bridges.
+fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
+    let fills = patches.iter().flat_map(|patch| &patch.fills);
+    let lines = fills.flat_map(|fill| &fill.lines);
+    lines.map(|bead| bead.path().collect()).collect()
+}
+
+/// What straight lines cover that reach `half` to both sides.
+fn covered(lines: &[Vec<DVec2>], half: Mm) -> Area {
+    let ways = lines.iter().flat_map(|line| line.windows(2));
+    let strips = ways.filter_map(|way| strip(way[0], way[1], half));
+    unite(&strips.collect())
+}
+
+/// The rectangle on both sides of a way; nothing if it has no length.
+fn strip(from: DVec2, to: DVec2, half: Mm) -> Option<Vec<DVec2>> {
+    let along = (to - from).try_normalize()?;
+    let side = half * along.perp();
+    let back = TOLERANCE * along;
+    let mut ring =
+        vec![from - back - side, to - side, to + side, from - back + side];
+    if signed_area(&ring) < 0.0 {
+        ring.reverse();
+    }
+    Some(ring)
+}
+
+/// What lines may end on.
+struct Ground<'a> {
+    /// Lines of infill, or of bridges, of the layer below, and how far from its
+    /// middle one holds what lies on it.
+    lines: &'a EdgeGrid,
+    reach: Mm,
+    /// Walls and skin of the layer below, and how far one holds what lies on it.
+    shell: EdgeGrid,
+    on_shell: Mm,
+    /// The layer's own walls, and how far away a line may be that touches one.
+    walls: EdgeGrid,
+    beside_wall: Mm,
+    /// The layer's own sparse area.
+    sparse: EdgeGrid,
+    /// How far a line goes on to something that holds it.
+    farthest: Mm,
+}
+
+/// A way that a line goes on, from where it ended to where it ends.
+type Way = (DVec2, DVec2);
+
+impl<'a> Ground<'a> {
+    fn new(
+        over: Over<'_>,
+        under: Under<'a>,
+        farthest: Mm,
+        settings: &Settings,
+    ) -> Ground<'a> {
+        let width = settings.skin_width();
+        let shell = under.shell.iter().map(|line| line.iter().copied());
+        let walls = over.walls.iter().map(|wall| wall.path());
+        Ground {
+            lines: under.lines,
+            reach: 0.5 * settings.infill_width(),
+            shell: EdgeGrid::of_lines(shell, CELL),
+            on_shell: ON_SOLID * width,
+            walls: EdgeGrid::of_lines(walls, CELL),
+            beside_wall: 0.5 * (width + settings.inner_wall_width()),
+            sparse: EdgeGrid::new(over.sparse, CELL),
+            farthest,
+        }
+    }
+
+    /// A line whose ends are where something holds them, with the ways that it
+    /// goes on for that; nothing if there are no such places.
+    fn held(&self, mut line: Stroke) -> Option<(Stroke, [Option<Way>; 2])> {
+        let last = self.hold_last(&mut line)?;
+        line.reverse();
+        let first = self.hold_last(&mut line)?;
+        line.reverse();
+        Some((line, [first, last]))
+    }
+
+    /// Moves the last end of a line to where something holds it. Returns the way
+    /// if the line becomes longer, and nothing if there is no such place.
+    fn hold_last(&self, line: &mut Stroke) -> Option<Option<Way>> {
+        loop {
+            let p = *line.points.last()?;
+            if self.holds(p) {
+                return Some(None);
+            }
+            let inner = *line.points.iter().nth_back(1)?;
+            let out = (p - inner).normalize_or_zero();
+            if let Some(to) = self.next_hold(p, out) {
+                *line.points.last_mut()? = to;
+                return Some(Some((p, to)));
+            }
+            if let Some(to) = self.last_hold(p, inner) {
+                *line.points.last_mut()? = to;
+                return Some(None);
+            }
+            line.points.pop();
+            line.widths.pop();
+        }
+    }
+
+    /// True if something holds the end of a line.
+    fn holds(&self, p: DVec2) -> bool {
+        !self.lines.clear(p, p, self.reach + TOLERANCE)
+            || !self.shell.clear(p, p, self.on_shell)
+            || !self.walls.clear(p, p, self.beside_wall + TOLERANCE)
+    }
+
+    /// Where a way first crosses a bead of the layer below, as a share of the way.
+    /// A bead that runs the same way as the way itself is not crossed, though
+    /// rounding may find a place anywhere on it.
+    fn crossed(&self, from: DVec2, to: DVec2) -> Option<f64> {
+        let mut all = self.lines.crossings(from, to);
+        all.extend(self.shell.crossings(from, to));
+        all.sort_by(f64::total_cmp);
+        all.into_iter().find(|t| self.holds(from.lerp(to, *t)))
+    }
+
+    /// Where a line may end that goes on from its end `p` in the direction `out`
+    /// into the layer's sparse area; nothing if it cannot.
+    fn next_hold(&self, p: DVec2, out: DVec2) -> Option<DVec2> {
+        if !self.sparse.contains(p + BEYOND * out) {
+            return None;
+        }
+        let to = p + self.farthest * out;
+        let bead = self.crossed(p, to);
+        // The sparse area ends at a wall, or at other skin of the layer. The
+        // border at the line's end itself is passed already.
+        let passed = BEYOND / self.farthest;
+        let border = self.sparse.crossings(p, to).into_iter();
+        let border = border.filter(|t| *t > passed).min_by(f64::total_cmp);
+        match (bead, border) {
+            // The line lies on the whole width of the bead.
+            (Some(t), border) if border.is_none_or(|border| t < border) => {
+                let at = p.lerp(to, t);
+                let far = at + self.reach * out;
+                Some(if self.holds(far) { far } else { at })
+            }
+            (_, Some(t)) => {
+                let at = p.lerp(to, t);
+                self.holds(at).then_some(at)
+            }
+            _ => None,
+        }
+    }
+
+    /// Where a line may end that goes back from its end `p`, which nothing holds,
+    /// and no farther back than `inner`; nothing if it cannot.
+    fn last_hold(&self, p: DVec2, inner: DVec2) -> Option<DVec2> {
+        let length = p.distance(inner);
+        let out = (p - inner).normalize_or_zero();
+        let cut = self.crossed(p, inner).map(|t| t * length);
+        let end = cut.unwrap_or(length);
+        let mut back = STEP;
+        while back < end {
+            let at = p - back * out;
+            if self.holds(at) {
+                return Some(at);
+            }
+            back += STEP;
+        }
+        cut.map(|cut| p - cut * out)
+    }
+}
+
+/// The direction in which the ways over a layer's infill from one of its lines
+/// to the next are shortest, and the way that is common there. All of a layer
+/// has one direction, so that its lines do not get in one another's way.
+fn direction(under: Under<'_>, width: Mm) -> Option<(Mm, Degrees)> {
+    let along = infill_directions(under.lines, under.area.area());
+    let tried = along.into_iter().map(across).chain(fan());
+    best(tried.filter_map(|a| Some((common_way(under, a, width)?, a))))
+}
+
+/// The directions in which most of some infill's lines run.
+fn infill_directions(lines: &EdgeGrid, area: &Area) -> Vec<Degrees> {
+    /// Directions that count as one, degrees.
+    const BIN: usize = 2;
+    const BINS: usize = 180 / BIN;
+    let bounds = area.bounds();
+    let mut edges = Vec::new();
+    lines.visit_box(bounds.min, bounds.max, |edge| edges.push(edge));
+    edges.sort_unstable();
+    edges.dedup();
+    // Length, and length times angle, by direction.
+    let mut bins = [(0.0, 0.0); BINS];
+    for edge in edges {
+        let (a, b) = lines.edge(edge);
+        let angle = (b - a).to_angle().to_degrees();
+        // Whole degrees lie in the middle of a bin.
+        let angle = (angle + 0.5 * BIN as f64).rem_euclid(180.0);
+        let bin = &mut bins[(angle as usize / BIN).min(BINS - 1)];
+        let length = a.distance(b);
+        bin.0 += length;
+        bin.1 += length * (angle - 0.5 * BIN as f64);
+    }
+    let mut order: Vec<usize> =
+        (0..BINS).filter(|&i| bins[i].0 > 0.0).collect();
+    order.sort_by(|&a, &b| bins[b].0.total_cmp(&bins[a].0));
+    order.truncate(DIRECTIONS);
+    order.into_iter().map(|i| bins[i].1 / bins[i].0).collect()
+}
+
+/// The way from one line of infill to the next that most of the length of lines
+/// in a direction stays below; nothing if no line fits in.
+fn common_way(under: Under<'_>, angle: Degrees, width: Mm) -> Option<Mm> {
+    let gap = under.area.area();
+    let lines = rows(gap, angle, ROWS, width);
+    let mut ways: Vec<(Mm, Mm)> = Vec::new();
+    for line in hatch(gap, lines, 0.5 * width) {
+        let length = line.from.distance(line.to);
+        let mut stops = under.lines.crossings(line.from, line.to);
+        stops.extend([0.0, 1.0]);
+        stops.sort_by(f64::total_cmp);
+        let all = stops.windows(2);
+        let all = all.map(|pair| (pair[1] - pair[0]) * length);
+        ways.extend(all.map(|way| (way, way)));
+    }
+    common(ways)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_planar::rect;
+
+    /// What is left of the skin of a layer with skin in some places, over infill
+    /// whose lines are at these x; and how many patches of bridges the layer has.
+    fn skin_left(places: &[Area], lines: &[f64]) -> (f64, usize) {
+        let settings = Settings::default();
+        let all = Area::from_iter([rect(-30.0, -30.0, 30.0, 30.0)]);
+        let skin: Area = places.iter().cloned().collect();
+        let sparse = difference(&all, &skin);
+        let solid = Solid::new(all);
+        let line = |x: &f64| [DVec2::new(*x, -30.0), DVec2::new(*x, 30.0)];
+        let lines = EdgeGrid::of_lines(lines.iter().map(line), CELL);
+        let over = Over {
+            skin: &skin,
+            sparse: &sparse,
+            walls: &[],
+            above: Face {
+                outline: &solid,
+                rough: &solid,
+            },
+            below: Face {
+                outline: &solid,
+                rough: &solid,
+            },
+            height: 0.2,
+        };
+        let under = Under {
+            area: &solid,
+            lines: &lines,
+            shell: &[],
+        };
+        match bridged(over, under, &[], &settings) {
+            Some(found) => {
+                assert!(found.left.is_empty());
+                (found.skin.content(), found.patches.len())
+            }
+            None => (skin.content(), 0),
+        }
+    }
+
+    #[test]
+    fn skin_over_no_infill_stays_whatever_else_the_layer_bridges() {
+        let held = rect(-20.0, -4.0, -12.0, 4.0);
+        let alone = rect(12.0, -4.0, 20.0, 4.0);
+        let lines = [-26.0, -24.0, -22.0, -20.0, -18.0, -16.0, -14.0, -12.0];
+        let (left, patches) = skin_left(std::slice::from_ref(&held), &lines);
+        assert_eq!(patches, 1);
+        assert!(left < 0.01, "{left}");
+        let (left, patches) = skin_left(std::slice::from_ref(&alone), &lines);
+        assert_eq!((left, patches), (64.0, 0));
+        let (left, patches) = skin_left(&[held, alone], &lines);
+        assert_eq!(patches, 1);
+        assert!((left - 64.0).abs() < 0.01, "{left}");
+    }
+}

@@ -1,0 +1,367 @@
+//! Where a layer has room for supports.
+//!
+//! In: the outlines of all layers. Out: for each layer the area that the part
+//! takes with its gaps (taken), and the area from which no way leads down to
+//! the bed (closed):
+//!
+//! ```text
+//!         ╲░░░╱         A branch above the middle of a part cannot lean far
+//!        ┌─╲░╱─┐        enough on its way down to get past the part.
+//!        └─────┘
+//! ───────────────────
+//! ```
+//!
+//! The closed area shrinks upwards by what a branch may lean in a layer:
+//! closed(j) = taken(j) ∪ (closed(j − 1) shrunk by h·tan(angle)).
+//!
+//! A branch that may stand on the part can end in the air between two walls of
+//! the part. A second area keeps it out of there:
+//! dead(j) = taken(j) ∪ (dead(j − 1) shrunk by h·tan(angle), without the places
+//! where a branch can stand on the part).
+
+use super::TOLERANCE;
+use super::parts::Parts;
+use super::survey::thinned;
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::clip::{crop, difference, union, unite};
+use isoslice_planar::offset::offset;
+use isoslice_planar::{Area, Rect, Solid, edges};
+use isoslice_settings::{Settings, Supports};
+use rayon::prelude::*;
+
+/// How thick branches are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    /// Half the thickness of the thinnest neck.
+    pub core: Mm,
+    /// Half the thickness of the thinnest post.
+    pub post: Mm,
+    /// How far the top of a branch reaches beyond what it holds: a line fits
+    /// under a face of no width. More would touch faces that hold themselves.
+    pub beyond: Mm,
+}
+
+impl Size {
+    /// The size that the width of the lines allows.
+    pub(super) fn new(settings: &Settings) -> Size {
+        let width = settings.infill_width();
+        Size {
+            core: 0.45 * width,
+            post: 1.1 * width,
+            beyond: 0.55 * width,
+        }
+    }
+
+    /// Half the distance across which the cores of two branches grow together:
+    /// tops as wide as posts would overlap there.
+    pub(super) fn apart(self) -> Mm {
+        self.core + self.post - self.beyond
+    }
+}
+
+/// Where the lowest layers have no place for supports.
+pub(super) struct Room<'a> {
+    settings: &'a Settings,
+    /// By layer, what is too near to the part for the middle of a branch.
+    tight: Vec<Solid<'static>>,
+    /// By layer, the area from which the middle of a branch cannot get down to
+    /// the bed. It includes what is too near to the part.
+    closed: Vec<Solid<'static>>,
+    /// By layer, the area from which the middle of a branch gets down neither
+    /// to the bed nor to the part. There are no such areas if no support may
+    /// stand on the part.
+    dead: Vec<Solid<'static>>,
+}
+
+/// What a support stands on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Foot {
+    /// The bed.
+    Bed,
+    /// Whatever is below.
+    Part,
+}
+
+impl<'a> Room<'a> {
+    /// The room in the lowest `count` layers.
+    pub(super) fn new(
+        parts: Parts<'_>,
+        count: usize,
+        settings: &'a Settings,
+    ) -> Room<'a> {
+        // Each outline is beside several layers of supports.
+        let beside = BESIDE + TOLERANCE + margin(settings);
+        let grown = |outline: &Area| offset(outline, beside, TOLERANCE);
+        let grown: Vec<Area> = parts.outlines.par_iter().map(grown).collect();
+        let tight: Vec<Area> = (0..count)
+            .into_par_iter()
+            .map(|j| thinned(tight(parts, j, &grown, settings)))
+            .collect();
+        drop(grown);
+        let closed = || no_way_down(parts, &tight, settings, |_| None);
+        let on_part = |j: usize| {
+            let on = parts.heights.stands_on(j)?;
+            Some(offset(&parts.outlines[on], ASTRIDE, TOLERANCE))
+        };
+        let dead = || match settings.supports {
+            Supports::Auto => no_way_down(parts, &tight, settings, on_part),
+            _ => Vec::new(),
+        };
+        let (closed, dead) = rayon::join(closed, dead);
+        let solids = |areas: Vec<Area>| {
+            areas.into_iter().map(Solid::new).collect::<Vec<_>>()
+        };
+        Room {
+            settings,
+            tight: solids(tight),
+            closed: solids(closed),
+            dead: solids(dead),
+        }
+    }
+
+    /// Forgets a layer, and all layers above it.
+    pub(super) fn release(&mut self, j: usize) {
+        self.tight.truncate(j);
+        self.closed.truncate(j);
+        self.dead.truncate(j);
+    }
+
+    /// How far a point of layer `j` is from what is too near to the part for the
+    /// middle of a branch, and the direction away from it, if it is nearer than
+    /// `distance` or inside.
+    pub(super) fn way_out(
+        &self,
+        j: usize,
+        at: DVec2,
+        distance: Mm,
+    ) -> Option<(Mm, DVec2)> {
+        let grid = self.tight[j].grid();
+        let inside = grid.contains(at);
+        let found = grid.nearest_within(at, distance);
+        if found.is_none() && !inside {
+            return None;
+        }
+        let (far, away) = match found {
+            Some((_, near)) => (at.distance(near), at - near),
+            None => (distance, DVec2::ZERO),
+        };
+        let sign = if inside { -1.0 } else { 1.0 };
+        Some((sign * far, sign * away.normalize_or_zero()))
+    }
+
+    /// True if the middle of a branch that stands on `foot` has a place in layer
+    /// `j` at a point, and within `around` of it.
+    pub(super) fn has_place(
+        &self,
+        j: usize,
+        foot: Foot,
+        at: DVec2,
+        around: Mm,
+    ) -> bool {
+        let grid = self.of(foot)[j].grid();
+        !grid.contains(at) && grid.nearest_within(at, around).is_none()
+    }
+
+    /// The part in layer `j`, and what is too near to it, within a box. Notches
+    /// count as too near if no branch has room in them.
+    pub(super) fn taken(&self, j: usize, within: Rect) -> Area {
+        let margin = margin(self.settings);
+        let near = within.grown(3.0 * margin);
+        let tight = crop(&self.tight[j].area().rings, near);
+        crop(&offset(&tight, -margin, TOLERANCE).rings, within)
+    }
+
+    /// Splits an area of layer `j` in two: from the first one the middle of a
+    /// branch gets down to the bed, from the second one only to the part.
+    pub(super) fn split(&self, area: &Area, j: usize) -> [Area; 2] {
+        let bounds = area.bounds();
+        let near = |all: &Solid<'_>| crop(&all.area().rings, bounds);
+        let dead = self.dead.get(j).unwrap_or(&self.closed[j]);
+        let free = difference(area, &near(dead));
+        let to_bed = difference(&free, &near(&self.closed[j]));
+        // Rounding leaves slivers, which vanish in two offsets.
+        let to_part = offset(&difference(&free, &to_bed), -BESIDE, TOLERANCE);
+        let to_part = offset(&to_part, BESIDE, TOLERANCE);
+        [to_bed, to_part]
+    }
+
+    /// Where in a box the middle of a branch that stands on `foot` has no
+    /// place in layer `j`.
+    pub(super) fn blocked(&self, j: usize, foot: Foot, within: Rect) -> Area {
+        let all = &self.of(foot)[j];
+        let grid = all.grid();
+        if !grid.meets(within) && !grid.contains(within.min) {
+            Area::EMPTY
+        } else {
+            crop(&all.area().rings, within)
+        }
+    }
+
+    /// True if some of an area is no place for the middle of a branch that
+    /// stands on `foot` in layer `j`.
+    pub(super) fn meets(&self, j: usize, foot: Foot, area: &Area) -> bool {
+        let mut firsts = area.rings.iter().filter_map(|ring| ring.first());
+        let grid = self.of(foot)[j].grid();
+        let Rect { min, max } = area.bounds();
+        // Far from borders all of it is in such a place, or nothing.
+        if !grid.meets(Rect::new(min, max)) {
+            return firsts.next().is_some_and(|&first| grid.contains(first));
+        }
+        let mut edges = area.rings.iter().flat_map(|ring| edges(ring));
+        let mut meets = false;
+        grid.visit_box(min, max, |edge| {
+            meets |= !meets && area.contains(grid.edge(edge).0);
+        });
+        // One island may lie inside such a place, and another one outside.
+        meets
+            || firsts.any(|&first| grid.contains(first))
+            || edges.any(|(a, b)| !grid.crossings(a, b).is_empty())
+    }
+
+    /// True if nothing is between two points of layer `j` that a branch which
+    /// stands on `foot` has to go around.
+    pub(super) fn is_clear(
+        &self,
+        j: usize,
+        foot: Foot,
+        from: DVec2,
+        to: DVec2,
+    ) -> bool {
+        let grid = self.of(foot)[j].grid();
+        !grid.contains(from.midpoint(to)) && grid.crossings(from, to).is_empty()
+    }
+
+    /// By layer, what is no place for the middle of a branch that stands on
+    /// `foot`.
+    fn of(&self, foot: Foot) -> &[Solid<'static>] {
+        match foot {
+            Foot::Bed => &self.closed,
+            Foot::Part => &self.dead,
+        }
+    }
+}
+
+/// A post can stand on the part if its middle is no farther outside of the part
+/// than this, mm. More than a third of the thinnest post lies on the part then.
+const ASTRIDE: Mm = 0.1;
+
+/// By layer, the area from which no way leads the middle of a branch down to
+/// something that it can stand on: the bed, and in layer `j` the area that
+/// `lands(j)` gives. `tight` is what is too near to the part.
+fn no_way_down(
+    parts: Parts<'_>,
+    tight: &[Area],
+    settings: &Settings,
+    lands: impl Fn(usize) -> Option<Area>,
+) -> Vec<Area> {
+    let lean = settings.support.branch_angle.to_radians().tan();
+    let mut all: Vec<Area> = Vec::with_capacity(tight.len());
+    for (j, (tight, span)) in tight.iter().zip(parts.spans()).enumerate() {
+        isoslice_base::limits::check();
+        let reach = -lean * span.height();
+        let left = all.last().map(|below| offset(below, reach, TOLERANCE));
+        let left = left.filter(|left| !left.is_empty());
+        let left = left.map(|left| match lands(j) {
+            None => left,
+            Some(lands) => difference(&left, &lands),
+        });
+        all.push(match left {
+            None => tight.clone(),
+            Some(left) => thinned(union(tight, &left)),
+        });
+    }
+    all
+}
+
+/// Distance in the plane of a support from the part in the layers above and
+/// below it, as far as the gaps in z reach, mm.
+pub(super) const BESIDE: Mm = 0.05;
+
+/// How far the middle of a branch is from its side, with the tolerance of the
+/// offsets.
+fn margin(settings: &Settings) -> Mm {
+    Size::new(settings).core + TOLERANCE
+}
+
+/// Where layer `j` has no place for the middle of a branch: in the part, and too
+/// near to it. `grown` are the outlines, grown by [`BESIDE`] and [`margin`].
+fn tight(
+    parts: Parts<'_>,
+    j: usize,
+    grown: &[Area],
+    settings: &Settings,
+) -> Area {
+    isoslice_base::limits::check();
+    let Parts {
+        heights,
+        outlines,
+        sections,
+        ..
+    } = parts;
+    let section = &sections[j];
+    // The tolerances of later offsets may take some of the gap.
+    let gap = settings.support.xy_gap + 2.0 * TOLERANCE + margin(settings);
+    let area = offset(section, gap, TOLERANCE);
+    // The layers beside it, and those within the gaps above and below.
+    let level = heights.beside(j);
+    let first = level.start.min(heights.in_gap(j).start);
+    let above = (level.end..outlines.len())
+        .take_while(|&i| heights.below(i).is_none_or(|top| top < j));
+    let mut others = (first..level.end)
+        .chain(above)
+        .filter(|&k| outlines[k] != *section)
+        .map(|k| &grown[k])
+        .filter(|area| !area.is_empty())
+        .peekable();
+    if others.peek().is_none() {
+        return area;
+    }
+    let mut rings = area.rings;
+    for other in others {
+        rings.extend_from_slice(&other.rings);
+    }
+    unite(&Area { rings })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::heights::Heights;
+    use isoslice_planar::rect;
+    use isoslice_settings::layers::LayerSpan;
+
+    #[test]
+    fn a_branch_keeps_the_gap_from_walls_and_stays_out_of_thin_notches() {
+        let settings = Settings::default();
+        let heights = Heights::new(LayerSpan::stack(0.2, 4), &settings);
+        // Two walls, and a slot of 1 mm between them.
+        let walls = Area::from_iter([
+            rect(-10.0, -10.0, 0.0, 10.0),
+            rect(1.0, -10.0, 10.0, 10.0),
+        ]);
+        let outlines = vec![walls; 4];
+        let none = vec![Area::EMPTY; 4];
+        let parts = Parts::in_layers(&heights, &outlines, &none);
+        let room = Room::new(parts, 4, &settings);
+        let gap = settings.support.xy_gap + 2.0 * TOLERANCE;
+        let beside = rect(10.0, -1.0, 12.0, 1.0);
+        let taken = room.taken(1, beside.bounds()).content();
+        assert!((taken - 2.0 * gap).abs() < 0.03, "{taken}");
+        let slot = room.taken(1, rect(0.0, -1.0, 1.0, 1.0).bounds());
+        assert!((slot.content() - 2.0).abs() < 1e-3, "{}", slot.content());
+        // What lies beside it, what reaches into it, what is in it, and what is
+        // around it.
+        let meets = |area: &Area| room.meets(1, Foot::Bed, area);
+        let near = 10.0 + gap + margin(&settings);
+        assert!(!meets(&rect(near + 0.05, -1.0, 13.0, 1.0)));
+        assert!(meets(&rect(near - 0.05, -1.0, 13.0, 1.0)));
+        assert!(meets(&rect(3.0, 3.0, 4.0, 4.0)));
+        assert!(meets(&rect(-20.0, -20.0, 20.0, 20.0)));
+        // An island beside it, with one in it or without.
+        let far = rect(near + 1.0, -1.0, near + 2.0, 1.0);
+        let inner = rect(3.0, 3.0, 4.0, 4.0);
+        assert!(!meets(&far) && meets(&Area::from_iter([far, inner])));
+        assert!(!meets(&Area::EMPTY));
+    }
+}

@@ -1,0 +1,117 @@
+//! What names mean: coordinates, constants and functions.
+
+use super::FormulaError;
+use crate::functions::{FUNCTIONS, constant as number, function};
+use crate::param::nearest;
+use crate::term::Term;
+use fidget::context::Tree;
+
+/// Names without parentheses in a model's formula.
+pub(super) const CONSTANTS: &[&str] = &["x", "y", "z", "pi", "e", "tau"];
+
+/// The name of a fourth variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Name {
+    /// Distance to the nearest surface, mm.
+    Depth,
+    /// Curvature of an outline, 1/mm.
+    Curvature,
+}
+
+impl Name {
+    /// The name.
+    pub(crate) fn text(self) -> &'static str {
+        match self {
+            Name::Depth => "d",
+            Name::Curvature => "curvature",
+        }
+    }
+
+    /// The names without parentheses that are allowed beside the fourth
+    /// variable, and its own name.
+    pub(super) fn constants(self) -> &'static [&'static str] {
+        match self {
+            Name::Depth => &["x", "y", "z", "d", "pi", "e", "tau"],
+            Name::Curvature => &["x", "y", "z", "curvature", "pi", "e", "tau"],
+        }
+    }
+}
+
+/// The value of a name without parentheses, if it is one of `known`.
+pub(super) fn constant(
+    name: &str,
+    column: usize,
+    known: &[&str],
+) -> Result<Term, FormulaError> {
+    match name {
+        "x" => return Ok(Term::Field(Tree::x())),
+        "y" => return Ok(Term::Field(Tree::y())),
+        "z" => return Ok(Term::Field(Tree::z())),
+        _ => {}
+    }
+    if let Some(value) = number(name) {
+        return Ok(Term::Number(value));
+    }
+    let Some(called) = function(name) else {
+        return unknown(name, column, known);
+    };
+    Err(FormulaError {
+        column,
+        message: format!("`{name}` is a function: write {}", called.example),
+    })
+}
+
+/// How `x2` and `x²` are written in formulas.
+fn powers(name: &str) -> Option<String> {
+    let mut letters = name.chars();
+    let variable = letters.next().filter(|c| matches!(c, 'x' | 'y' | 'z'))?;
+    let power = match letters.as_str() {
+        "2" | "\u{b2}" => 2,
+        "3" | "\u{b3}" => 3,
+        "4" | "\u{2074}" => 4,
+        _ => return None,
+    };
+    Some(format!("{variable}^{power}"))
+}
+
+fn unknown(
+    name: &str,
+    column: usize,
+    known: &[&str],
+) -> Result<Term, FormulaError> {
+    let meant = powers(name)
+        .or_else(|| nearest(name, known.iter().copied()).map(str::to_owned))
+        .map(|meant| format!("; did you mean `{meant}`?"))
+        .unwrap_or_default();
+    Err(FormulaError {
+        column,
+        message: format!(
+            "unknown name `{name}`{meant} (known: {})",
+            known.join(", ")
+        ),
+    })
+}
+
+/// The value of a name with parentheses.
+pub(super) fn call(
+    name: &str,
+    arguments: &[Term],
+    column: usize,
+) -> Result<Term, FormulaError> {
+    if let Some(function) = function(name) {
+        return function.apply(arguments).map_err(|takes| FormulaError {
+            column,
+            message: format!("{takes}: write {}", function.example),
+        });
+    }
+    if CONSTANTS.contains(&name) {
+        return Err(FormulaError {
+            column,
+            message: format!(
+                "`{name}` is not a function; write multiplication as `*`"
+            ),
+        });
+    }
+    let known: Vec<&str> = FUNCTIONS.iter().map(|f| f.name).collect();
+    unknown(name, column, &known)
+}

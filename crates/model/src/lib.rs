@@ -1,0 +1,84 @@
+//! From a file or a formula to a model placed on the printer.
+//!
+//! ```text
+//! Source ──load──► Loaded ──place──► Model
+//! ```
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `source` | reads a model, in whichever format |
+//! | `script` | runs rhai scripts in a sandbox |
+//! | `vm` | reads fidget's text |
+//! | `formula` | reads one formula |
+//! | `functions`, `term` | what scripts, formulas and Python call by name |
+//! | `expression` | evaluates expressions of settings |
+//! | `param` | parameters of scripts, `-D name=value` |
+//! | `placement` | scale, rotation and place, by the box that [`isocontour::find_bounds`] finds |
+//! | `together` | makes one model of several |
+//! | `written` | writes a model as words |
+//!
+//! Guarantees: whatever the input, there is an error or a model within bounded
+//! time and memory, without panics and without recursion on the caller's stack.
+//! Equal input gives the same model (a time limit can only turn it into an
+//! error).
+//!
+//! Not guaranteed: that the model is printable, or one body.
+
+#![warn(unreachable_pub)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
+// Failures are errors, not panics; only tests may panic. Indices are allowed,
+// since geometry is full of them; the fuzzer and the hostile models test those.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
+mod allowed;
+pub mod contour;
+mod error;
+mod expression;
+mod formula;
+mod functions;
+pub mod heights;
+mod param;
+mod placement;
+mod power;
+mod probe;
+mod script;
+mod source;
+mod term;
+mod testing;
+mod together;
+mod value;
+pub mod vary;
+mod vm;
+mod written;
+
+pub use allowed::Allowed;
+pub use error::LoadError;
+pub use expression::Place;
+pub use expression::{Expression, ExpressionError};
+pub use formula::FormulaError;
+pub use isocontour::Bounds;
+pub use param::{ParamError, Parameter};
+pub use placement::{BuildVolume, Model, PlaceError, Placement, place};
+pub use probe::ProbeError;
+pub use probe::{Probe, Spot};
+pub use script::{Argument, ScriptError, ScriptLimits, call, makes_body};
+pub use source::{Loaded, Source, SourceKind, load, load_within};
+#[doc(hidden)]
+pub use testing::placed;
+pub use together::together;
+pub use vm::{VmError, parse_vm};
+pub use written::operations;

@@ -1,0 +1,45 @@
+//! The nozzle's way through a layer: order, travel and speed.
+//!
+//! In: the beads of a layer, with what the layer is made of. Out: for each
+//! layer a [`PacedLayer`](pace::PacedLayer): every move with its speed, and all
+//! retractions, lifts and fans between them.
+//!
+//! | module | what it decides |
+//! |---|---|
+//! | [`order`] | what is printed after what, and where loops begin |
+//! | [`spiral`] | the turns of a vase, which need no order |
+//! | [`relief`] | how far beads follow the surface above and below their layer |
+//! | [`travel`] | the ways between beads, and where to retract |
+//! | [`pace`] | the speed of each move, and the time of all |
+//!
+//! Guarantees: beads stay where they are but for what `relief` and `spiral`
+//! lift. The same input gives the same moves, on any number of threads. Times
+//! are those of the firmware's own planner.
+//!
+//! Not known here: the words of any firmware.
+
+#![warn(unreachable_pub)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
+// Failures are errors, not panics; only tests may panic. Indices are allowed,
+// since geometry is full of them; the fuzzer and the hostile models test those.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
+pub mod order;
+pub mod pace;
+pub mod relief;
+pub mod spiral;
+pub mod travel;

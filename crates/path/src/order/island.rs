@@ -1,0 +1,204 @@
+//! The way through one island: its walls, what fills gaps between them, its
+//! infill and its skin.
+
+use super::begin::{begin_near, nearest_spot};
+use super::islands::{Island, Loop};
+use super::jobs::{Job, print};
+use super::tour::{Stop, tour};
+use super::{Context, SEAM_REACH, sweep};
+use glam::DVec2;
+use isoslice_layer::skin::{Fill, Patch};
+use isoslice_planar::bead::{Bead, Role};
+use isoslice_planar::signed_area;
+use isoslice_settings::{SeamRule, Settings, Varying, WallOrder};
+
+/// Prints an island on a short way from where the head is, `at`, to `to`.
+pub(super) fn print_island(
+    island: Island,
+    at: &mut Option<DVec2>,
+    to: Option<DVec2>,
+    context: Context<'_>,
+    settings: &Settings,
+    out: &mut Vec<Bead>,
+) {
+    let inner_first = settings.wall_order == WallOrder::InnerFirst;
+    // Walls that pass no seam have a stage of their own, before all loops or
+    // after them.
+    let mut jobs: Vec<(u32, Job)> = Vec::new();
+    let stage = |inner_first| if inner_first { 0 } else { 2 };
+    let away_stage = stage(inner_first);
+    // The nozzle is low while it prints these: nothing may be beside it yet.
+    let mut sunk: Vec<(u32, Job)> = Vec::new();
+    for mut group in island.loops {
+        group.walls.iter_mut().for_each(orient);
+        let low = group.walls.extract_if(.., |wall| wall.sunk);
+        sunk.extend(low.map(|wall| (0, Job::of(wall))));
+        let mut inner_first = inner_first;
+        if settings.overhang_inner_first || settings.overhang_reverse {
+            let hangs = group.walls.first().is_some_and(|w| context.hangs(w));
+            inner_first |= hangs && settings.overhang_inner_first;
+            let odd = !context.number.is_multiple_of(2);
+            if hangs && odd && settings.overhang_reverse {
+                group.walls.iter_mut().for_each(turn_round);
+            }
+        }
+        let (job, away) = loop_job(group, inner_first, settings);
+        jobs.extend(job.map(|job| (1, job)));
+        let stage = stage(inner_first);
+        jobs.extend(away.into_iter().map(|b| (stage, Job::of(b))));
+    }
+    if !sunk.is_empty() {
+        print(sunk, at, None, out);
+    }
+    // If there are such walls, gaps lie between them. Otherwise gaps can be
+    // filled on the way through the infill.
+    let gap_stage = if jobs.iter().any(|j| j.0 == away_stage) {
+        away_stage
+    } else {
+        3
+    };
+    let gaps = island.gaps.into_iter();
+    jobs.extend(gaps.map(|b| (gap_stage, Job::of(b))));
+    let infill = island.infill.into_iter();
+    jobs.extend(infill.map(|b| (3, Job::of(b))));
+    if island.skin.is_empty() {
+        return print(jobs, at, to, out);
+    }
+    print(jobs, at, None, out);
+    print_skin(island.skin, at, to, out);
+}
+
+/// True for an open outer wall that goes round, as one does that is open at a
+/// tip. Its ends are near each other, so that no way is saved by turning it
+/// round.
+fn goes_round(wall: &Bead) -> bool {
+    /// Share of the wall's length up to which its ends are near.
+    const NEAR: f64 = 0.25;
+    let ends = wall.points.first().zip(wall.points.last());
+    wall.role == Role::OuterWall
+        && !wall.closed
+        && ends.is_some_and(|(a, b)| a.distance(*b) <= NEAR * wall.length())
+}
+
+/// Lets a wall that goes round do so in one direction in all layers.
+fn orient(wall: &mut Bead) {
+    if goes_round(wall) && signed_area(&wall.points) < 0.0 {
+        wall.reverse();
+    }
+}
+
+/// Turns a bead round; a closed one begins where it did.
+fn turn_round(bead: &mut Bead) {
+    bead.reverse();
+    if bead.closed {
+        let last = bead.points.len().saturating_sub(1);
+        bead.begin_at(last);
+    }
+}
+
+/// A loop's walls that pass its seam, in their order, and the loop's other
+/// walls.
+fn loop_job(
+    group: Loop,
+    inner_first: bool,
+    settings: &Settings,
+) -> (Option<Job>, Vec<Bead>) {
+    let mut walls = group.walls.into_iter();
+    let Some(outer) = walls.next() else {
+        return (None, Vec::new());
+    };
+    let (mut beside, mut away) = (Vec::new(), Vec::new());
+    let anywhere =
+        outer.closed && settings.seam == Varying::Constant(SeamRule::Nearest);
+    let seam = outer.points.first().copied().filter(|_| outer.closed);
+    for mut wall in walls {
+        let spot = seam
+            .filter(|_| wall.closed)
+            .and_then(|seam| Some((seam, nearest_spot(&wall, seam)?)));
+        match spot {
+            Some((seam, spot)) if seam.distance(spot.at) <= SEAM_REACH => {
+                begin_near(&mut wall, seam);
+                beside.push(wall);
+            }
+            _ => away.push(wall),
+        }
+    }
+    let leader = if inner_first { beside.len() } else { 0 };
+    if inner_first {
+        beside.reverse();
+        beside.push(outer);
+    } else {
+        beside.insert(0, outer);
+    }
+    let job = match (anywhere, beside.as_slice()) {
+        (true, _) => Job::rings(beside, leader),
+        (false, [one]) if !one.closed && !goes_round(one) => {
+            Job::of(beside.swap_remove(0))
+        }
+        // A ring without a seam of its own may begin anywhere, too.
+        (false, [one]) if one.role != Role::OuterWall => Job::rings(beside, 0),
+        _ => Job::Fixed(beside),
+    };
+    (Some(job), away)
+}
+
+/// Prints skins, one after the other.
+fn print_skin(
+    skin: Vec<Patch>,
+    at: &mut Option<DVec2>,
+    to: Option<DVec2>,
+    out: &mut Vec<Bead>,
+) {
+    let mut stops = Vec::new();
+    let mut patches = Vec::new();
+    for patch in skin {
+        let first = patch.first().and_then(|bead| bead.points.first());
+        if let Some(&p) = first {
+            stops.push(Stop {
+                from: p,
+                to: p,
+                turns: false,
+                stage: 0,
+            });
+            patches.push(Some(patch));
+        }
+    }
+    let mut jobs: Vec<(u32, Job)> = Vec::new();
+    let mut stage = 0;
+    for visit in tour(&stops, *at, to) {
+        let Some(patch) = patches[visit.stop].take() else {
+            continue;
+        };
+        // The rings around a patch come first. Beads in the middle of thin
+        // places can wait.
+        for ring in patch.rings {
+            let later = u32::from(!ring.closed);
+            jobs.push((stage + later, Job::of(ring)));
+        }
+        stage += 1;
+        for fill in patch.fills {
+            if !fill.after.is_empty() {
+                print(std::mem::take(&mut jobs), at, None, out);
+                sweep::print(fill, at, out);
+                continue;
+            }
+            stage += u32::from(!hidden(&fill));
+            let beads = fill.lines.into_iter();
+            jobs.extend(beads.map(|b| (stage, Job::of(b))));
+        }
+        stage += 1;
+    }
+    print(jobs, at, to, out);
+}
+
+/// True if a fill's beads may be printed together with the beads beside them:
+/// they are neither seen nor do they hang.
+fn hidden(fill: &Fill) -> bool {
+    let hidden = |b: &Bead| {
+        matches!(
+            b.role,
+            Role::InternalSkin | Role::BottomSkin | Role::GapFill
+        )
+    };
+    fill.lines.iter().all(hidden)
+}

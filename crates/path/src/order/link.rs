@@ -1,0 +1,583 @@
+//! Short ways between strokes that nobody sees, printed instead of hopped.
+//!
+//! ```text
+//!   ════════╗      The end of a stroke and the beginning of the next one are
+//!           ║      a hop apart. Both are shortened, and a narrow way leads from
+//!   ════════╝      one to the other: strokes and way lay what the strokes did.
+//! ```
+//!
+//! In: a layer's beads in print order. Out: these beads, of which some go on in
+//! the next one. Tops keep their ends, and so do bridges, whose lines have to
+//! hang straight. An outer wall keeps its whole length: where a way leads from
+//! its end or to it, the hidden stroke at the other end of the way gives some of
+//! what the way lays. A way stays off the outer walls: it comes no nearer to the
+//! outline than a wall beside them or than its ends do.
+
+use super::jobs;
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::bead::{Bead, Role, Stroke, narrowest, spacing};
+use isoslice_planar::grid::EdgeGrid;
+use isoslice_settings::Settings;
+use std::cell::OnceCell;
+
+/// Longest way from a stroke to the next, in widths.
+const REACH: f64 = 3.4;
+/// How far a way may lead back along a hidden stroke, in widths: it lies on what
+/// has just been printed, or soon will be.
+const BACK: f64 = 2.5;
+/// How far a way may lead back along an outer wall, in widths.
+const BESIDE: f64 = 1.5;
+/// Longest gap between walls that point at each other, in widths.
+const GAP: f64 = 2.0;
+/// Walls point at each other where a way leads on along both of them by more
+/// than this share of its length.
+const FACING: f64 = 0.5;
+/// Share of a stroke that may be taken from one of its ends.
+const SHARE: f64 = 0.4;
+/// Share of what a way between walls lays that has to be taken from the walls,
+/// which fill their places.
+const WALLS: f64 = 0.99;
+/// Share of what a way between a skin's strokes lays that has to be taken from
+/// the strokes, which leave corners open.
+const SKINS: f64 = 0.5;
+/// Share of what a way at an outer wall lays that is taken from the hidden
+/// stroke. The rest fills the corner where the wall ends.
+const CORNERS: f64 = 0.5;
+/// Slack in distances from the outline, mm.
+const SLACK: Mm = 0.03;
+/// Number of rounds in which the lengths are found. They depend on each other.
+const ROUNDS: usize = 6;
+
+/// Lets beads go on in the next one where a short way leads there. `solid` is
+/// the layer's outline.
+pub fn linked(
+    beads: Vec<Bead>,
+    solid: &EdgeGrid,
+    settings: &Settings,
+) -> Vec<Bead> {
+    let outer = settings.outer_wall_width();
+    let mut out: Vec<Bead> = Vec::with_capacity(beads.len());
+    let mut rest = beads.into_iter();
+    // All lines, once a way that fills a gap asks what crosses the gap.
+    let grid = OnceCell::new();
+    while let Some(mut bead) = rest.next() {
+        isoslice_base::limits::check();
+        let link = out
+            .last()
+            .filter(|before| may_go_on(before, &bead, settings))
+            .and_then(|before| Link::between(before, &bead))
+            .filter(|link| link.is_free(solid, outer))
+            .filter(|link| {
+                let all = || out.iter().chain([&bead]).chain(rest.as_slice());
+                let lines =
+                    || EdgeGrid::of_lines(all().map(|b| b.path()), outer);
+                !link.fills || !link.crosses(grid.get_or_init(lines))
+            });
+        if let (Some(before), Some(link)) = (out.last_mut(), link) {
+            for (bead, last, taken) in [
+                (&mut *before, true, link.taken[0]),
+                (&mut bead, false, link.taken[1]),
+            ] {
+                if taken > 0.0 {
+                    bead.stroke = shortened(bead, last, taken);
+                }
+            }
+            let way = link.bead(before, &bead);
+            out.extend(way);
+        }
+        out.push(bead);
+    }
+    out
+}
+
+/// A way from the end of one bead to the beginning of the next, once both have
+/// been shortened.
+struct Link {
+    from: DVec2,
+    to: DVec2,
+    /// Width of the way between the two beads.
+    width: Mm,
+    /// Lengths that are taken from the end of the first bead and from the
+    /// beginning of the second one.
+    taken: [Mm; 2],
+    /// True if the way fills a gap between two beads that point at each other.
+    fills: bool,
+}
+
+impl Link {
+    /// The way between two beads, if it is short, and if they are long enough
+    /// to make up for what it lays.
+    fn between(before: &Bead, after: &Bead) -> Option<Link> {
+        let ends = [End::of(before, true)?, End::of(after, false)?];
+        let [a, b] = &ends;
+        let mut way = a.at.distance(b.at);
+        let mean = 0.5 * (a.width() + b.width());
+        // Strokes may end in a point.
+        let wide = mean.max(0.5 * (before.width + after.width));
+        if way <= 0.0 || way > REACH * wide {
+            return None;
+        }
+        let (back, ahead) = (a.back(b.at)?, b.back(a.at)?);
+        if back > a.most_back() * wide || ahead > b.most_back() * wide {
+            return None;
+        }
+        let own = spacing(mean, mean, after.height);
+        let share = narrowest(after.height).min(own);
+        let mut link = Link {
+            from: a.at,
+            to: b.at,
+            width: mean - (own - share),
+            taken: [0.0; 2],
+            fills: false,
+        };
+        let walls = is_wall(role(before, after));
+        if walls && back.max(ahead) < -FACING * way {
+            link.fills = true;
+            let fits = own >= narrowest(after.height);
+            return (fits && way <= GAP * wide).then_some(link);
+        }
+        let most = [a.gives(), b.gives()];
+        let beside = before.role.shows() || after.role.shows();
+        let part = if beside { CORNERS } else { 1.0 };
+        let mut all = 0.0;
+        for _ in 0..ROUNDS {
+            all = part * way * share / own;
+            let half = most[0].min(0.5 * all);
+            link.taken[1] = most[1].min(all - half);
+            link.taken[0] = most[0].min(all - link.taken[1]);
+            link.from = before.place(true, link.taken[0])?;
+            link.to = after.place(false, link.taken[1])?;
+            way = link.from.distance(link.to);
+        }
+        let enough = if walls { WALLS } else { SKINS };
+        (link.taken[0] + link.taken[1] >= enough * all).then_some(link)
+    }
+
+    /// True if the way comes no nearer to the outline than a wall beside the
+    /// outer walls, or than the nearer one of its ends.
+    fn is_free(&self, solid: &EdgeGrid, outer: Mm) -> bool {
+        let inside = outer + 0.5 * self.width;
+        let depth = |p: DVec2| {
+            let near = solid.nearest_edge(p, inside);
+            near.map_or(inside, |(_, q)| p.distance(q))
+        };
+        let least = (depth(self.from).min(depth(self.to)) - SLACK).max(SLACK);
+        let mut free = true;
+        solid.visit_edges_near(self.from, self.to, least, |_| free = false);
+        free
+    }
+
+    /// True if the way crosses a line. Where strips cross, one bead goes through,
+    /// and those that it interrupts point at each other from its sides.
+    fn crosses(&self, lines: &EdgeGrid) -> bool {
+        let (from, to) = (self.from, self.to);
+        let (from, to) = (from.lerp(to, 0.01), to.lerp(from, 0.01));
+        let mut crosses = false;
+        lines.visit_crossed(from, to, |_, _| crosses = true);
+        crosses
+    }
+
+    /// The way as a bead between two that have been shortened. Between walls
+    /// the way is no wall.
+    fn bead(&self, before: &Bead, after: &Bead) -> Option<Bead> {
+        let ends = vec![jobs::end(before)?, *after.points.first()?];
+        let role = role(before, after);
+        let role = if is_wall(role) { Role::GapFill } else { role };
+        let stroke = Stroke::new(ends, false, self.width);
+        Some(Bead::new(role, stroke, after.height))
+    }
+}
+
+/// The end of a bead, or its beginning.
+struct End<'a> {
+    bead: &'a Bead,
+    last: bool,
+    at: DVec2,
+}
+
+impl End<'_> {
+    fn of(bead: &Bead, last: bool) -> Option<End<'_>> {
+        let at = if last {
+            jobs::end(bead)?
+        } else {
+            *bead.points.first()?
+        };
+        Some(End { bead, last, at })
+    }
+
+    fn width(&self) -> Mm {
+        let open = self.last && !self.bead.closed;
+        let last = self.bead.points.len() - 1;
+        self.bead.width_at(if open { last } else { 0 })
+    }
+
+    /// Length by which the straight way to a place leads back along the bead;
+    /// negative where it leads on.
+    fn back(&self, place: DVec2) -> Option<Mm> {
+        let far = self.bead.width.min(SHARE * self.bead.length());
+        let ahead = self.at - self.bead.place(self.last, far)?;
+        Some((self.at - place).dot(ahead.normalize_or_zero()))
+    }
+
+    /// How far a way may lead back along the bead, in widths.
+    fn most_back(&self) -> f64 {
+        if self.bead.role.shows() { BESIDE } else { BACK }
+    }
+
+    /// Length that may be taken from here: what shows gives nothing.
+    fn gives(&self) -> Mm {
+        if self.bead.role.shows() {
+            0.0
+        } else {
+            SHARE * self.bead.length()
+        }
+    }
+}
+
+/// True if a way may lead from one bead to the next: nobody sees where they end,
+/// or one of them is an outer wall that ends inside the part. An open wall ends
+/// where others meet it. A closed one ends at its seam; a way may lead from
+/// there into the gap behind it, unless the seam is a gap or a scarf.
+fn may_go_on(before: &Bead, after: &Bead, settings: &Settings) -> bool {
+    let hides = |bead: &Bead| hidden(bead.role, settings);
+    let open = |bead: &Bead| bead.role == Role::OuterWall && !bead.closed;
+    let whole = settings.seam_gap <= 0.0 && settings.seam_scarf <= 0.0;
+    let seam = before.role == Role::OuterWall && before.closed && whole;
+    let may = hides(before) && (hides(after) || open(after))
+        || open(before) && hides(after)
+        || seam && after.role == Role::GapFill;
+    may && !(before.sunk || after.sunk)
+}
+
+/// Role of the first of two beads that does not show.
+fn role(before: &Bead, after: &Bead) -> Role {
+    if before.role.shows() {
+        after.role
+    } else {
+        before.role
+    }
+}
+
+/// True for strokes of walls that are hidden.
+fn is_wall(role: Role) -> bool {
+    matches!(role, Role::InnerWall | Role::GapFill)
+}
+
+/// True if nobody sees where a bead of this role ends. In a gap that is asked
+/// for between skin and its ring there is no way either.
+fn hidden(role: Role, settings: &Settings) -> bool {
+    match role {
+        Role::InnerWall | Role::GapFill => true,
+        Role::InternalSkin | Role::BottomSkin => settings.skin_ring_gap <= 0.0,
+        _ => false,
+    }
+}
+
+/// A bead's stroke, open, without a length of its end or its beginning.
+fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
+    let open = bead.opened();
+    open.shortened(last, length / open.length())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_planar::{Area, rect};
+
+    const WIDTH: f64 = 0.45;
+    const HEIGHT: f64 = 0.2;
+
+    fn line(role: Role, at: &[(f64, f64)]) -> Bead {
+        let points = at.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
+        Bead::new(role, Stroke::new(points, false, WIDTH), HEIGHT)
+    }
+
+    fn ring(half: f64) -> Bead {
+        let points = rect(-half, -half, half, half).rings.remove(0);
+        let role = Role::InternalSkin;
+        Bead::new(role, Stroke::new(points, true, WIDTH), HEIGHT)
+    }
+
+    fn far_away() -> EdgeGrid {
+        EdgeGrid::new(&rect(-50.0, -50.0, 50.0, 50.0), 1.0)
+    }
+
+    fn linked_in(solid: &EdgeGrid, beads: &[Bead]) -> Vec<Bead> {
+        linked(beads.to_vec(), solid, &Settings::default())
+    }
+
+    fn linked_inside(beads: &[Bead]) -> Vec<Bead> {
+        linked_in(&far_away(), beads)
+    }
+
+    /// The plane that beads fill, mm².
+    fn laid(beads: &[Bead]) -> f64 {
+        let space = |w: f64| spacing(w, w, HEIGHT);
+        let of = |b: &Bead| -> f64 {
+            let each = b.segments().enumerate();
+            each.map(|(i, (p, q))| {
+                let w = 0.5 * (b.width_at(i) + b.width_at(i + 1));
+                p.distance(q) * space(w)
+            })
+            .sum()
+        };
+        beads.iter().map(of).sum()
+    }
+
+    /// How many strokes there are: beads that begin where no other ends.
+    fn strokes(beads: &[Bead]) -> usize {
+        let meet = |pair: &&[Bead]| {
+            !pair[0].closed && pair[0].points.last() == pair[1].points.first()
+        };
+        beads.len() - beads.windows(2).filter(meet).count()
+    }
+
+    fn apart() -> f64 {
+        spacing(WIDTH, WIDTH, HEIGHT)
+    }
+
+    #[test]
+    fn strokes_beside_each_other_become_one_and_lay_what_they_did() {
+        let role = Role::InternalSkin;
+        let y = apart();
+        let there = line(role, &[(0.0, 0.0), (5.0, 0.0)]);
+        // Even, uneven either way, at an angle, in line.
+        let next: [&[(f64, f64)]; 5] = [
+            &[(5.0, y), (0.0, y)],
+            &[(4.6, y), (0.0, y)],
+            &[(5.4, y), (0.0, y)],
+            &[(5.0, y), (5.0, 4.0)],
+            &[(5.5, 0.0), (9.0, 0.0)],
+        ];
+        for next in next {
+            let both = [there.clone(), line(role, next)];
+            let found = linked_inside(&both);
+            assert_eq!(strokes(&found), 1, "{next:?}");
+            let share = laid(&found) / laid(&both);
+            assert!((share - 1.0).abs() < 2e-3, "{next:?}: {share}");
+            assert_eq!(found[0].points.first(), both[0].points.first());
+            assert_eq!(found[2].points.last(), both[1].points.last());
+            // The way is as narrow as it can be: as wide as high.
+            assert!((found[1].width - HEIGHT).abs() < 1e-9, "{next:?}");
+            assert!(found.iter().all(|b| b.role == role));
+        }
+    }
+
+    #[test]
+    fn rings_inside_one_another_become_a_spiral() {
+        let rings = [0, 1, 2, 3].map(|k| ring(4.0 - apart() * f64::from(k)));
+        let found = linked_inside(&rings);
+        assert_eq!(strokes(&found), 1);
+        let share = laid(&found) / laid(&rings);
+        assert!((share - 1.0).abs() < 1e-3, "{share}");
+    }
+
+    #[test]
+    fn what_shows_keeps_its_ends_and_long_ways_are_travels() {
+        let pair = |a: Role, b: Role, gap: f64| {
+            let (a, b) = (
+                line(a, &[(0.0, 0.0), (5.0, 0.0)]),
+                line(b, &[(5.0, gap), (0.0, gap)]),
+            );
+            let both = [a, b];
+            let found = linked_inside(&both);
+            found != both
+        };
+        let inner = Role::InnerWall;
+        assert!(pair(inner, inner, 0.4));
+        assert!(pair(Role::InternalSkin, Role::BottomSkin, 1.4));
+        assert!(!pair(inner, inner, 1.6));
+        let shows = [
+            Role::Overhang,
+            Role::TopSkin,
+            Role::Bridge,
+            Role::Ironing,
+            Role::Skirt,
+        ];
+        for role in shows {
+            assert!(!pair(role, role, 0.4), "{role:?}");
+            assert!(!pair(inner, role, 0.4), "{role:?}");
+            assert!(!pair(role, inner, 0.4), "{role:?}");
+        }
+        let outer = Role::OuterWall;
+        assert!(!pair(outer, outer, 0.4));
+    }
+
+    /// What a way of the narrowest width lays, mm².
+    fn laid_by(way: &Bead) -> f64 {
+        way.length() * spacing(way.width, way.width, HEIGHT)
+    }
+
+    #[test]
+    fn an_outer_wall_stays_whole_where_a_way_leads_from_it() {
+        let outer = line(Role::OuterWall, &[(0.0, 0.0), (5.0, 0.0)]);
+        let inner = line(Role::InnerWall, &[(5.2, 0.5), (0.0, 0.5)]);
+        let check = |both: [Bead; 2], whole: usize| {
+            let found = linked_inside(&both);
+            assert_eq!(strokes(&found), 1);
+            assert_eq!(found[2 * whole], both[whole]);
+            assert_eq!(found[1].role, Role::GapFill);
+            // The other stroke gives a half of what the way lays.
+            let more = laid(&found) - laid(&both);
+            let half = 0.5 * laid_by(&found[1]);
+            assert!((more - half).abs() < 1e-3, "{more} {half}");
+        };
+        check([outer.clone(), inner.clone()], 0);
+        let turned = |bead: &Bead| {
+            let mut bead = bead.clone();
+            bead.reverse();
+            bead
+        };
+        check([turned(&inner), turned(&outer)], 1);
+        // A way that leads far back along the wall would lie on it.
+        let far = line(Role::InnerWall, &[(4.2, 0.5), (0.0, 0.5)]);
+        assert_eq!(linked_inside(&[outer.clone(), far]).len(), 2);
+        let far = line(Role::InnerWall, &[(4.4, 0.5), (0.0, 0.5)]);
+        assert_eq!(linked_inside(&[outer, far]).len(), 3);
+    }
+
+    #[test]
+    fn a_way_leads_from_a_seam_into_the_gap_behind_it() {
+        let points = rect(-5.0, -5.0, 5.0, 5.0).rings.remove(0);
+        let stroke = Stroke::new(points, true, WIDTH);
+        let mut wall = Bead::new(Role::OuterWall, stroke, HEIGHT);
+        let corner = DVec2::splat(-5.0);
+        let seam = wall.points.iter().position(|p| *p == corner);
+        wall.begin_at(seam.unwrap());
+        let gap = line(Role::GapFill, &[(-4.6, -4.6), (4.6, -4.6)]);
+        let outline = rect(-5.225, -5.225, 5.225, 5.225);
+        let solid = EdgeGrid::new(&outline, 1.0);
+        let both = [wall, gap];
+        let found = linked_in(&solid, &both);
+        assert_eq!(found.len(), 3);
+        assert_eq!(found[0], both[0]);
+        assert_eq!(found[1].points[0], corner);
+        assert_eq!(found[1].points[1], found[2].points[0]);
+        // No way leads from a seam that is a gap or a scarf, nor to a seam.
+        for (seam_gap, seam_scarf) in [(0.1, 0.0), (0.0, 5.0)] {
+            let apart = Settings {
+                seam_gap,
+                seam_scarf,
+                ..Settings::default()
+            };
+            assert_eq!(linked(both.to_vec(), &solid, &apart), both);
+        }
+        let back = [both[1].clone(), both[0].clone()];
+        assert_eq!(linked_in(&solid, &back), back);
+    }
+
+    #[test]
+    fn a_way_fills_the_gap_between_walls_that_point_at_each_other() {
+        let role = Role::GapFill;
+        let pair = |gap: f64| {
+            let both = [
+                line(role, &[(0.0, 0.0), (5.0, 0.0)]),
+                line(role, &[(5.0 + gap, 0.0), (9.0, 0.0)]),
+            ];
+            (linked_inside(&both), both)
+        };
+        let (found, both) = pair(0.8);
+        assert_eq!((found.len(), strokes(&found)), (3, 1));
+        assert_eq!([&found[0], &found[2]], [&both[0], &both[1]]);
+        let more = laid(&found) - laid(&both);
+        assert!((more - laid_by(&found[1])).abs() < 1e-9, "{more}");
+        assert!((found[1].length() - 0.8).abs() < 1e-9);
+        let (found, both) = pair(1.0);
+        assert_eq!(found, both);
+        // A bead that goes through between them fills the gap already,
+        // whether it comes before them or after.
+        let (_, [a, b]) = pair(0.8);
+        let through = line(role, &[(5.4, -2.0), (5.4, 2.0)]);
+        for beads in [[&through, &a, &b], [&a, &b, &through]] {
+            let beads = beads.map(Bead::clone);
+            assert_eq!(linked_inside(&beads), beads);
+        }
+    }
+
+    #[test]
+    fn no_way_leads_far_back_along_a_stroke_or_takes_most_of_one() {
+        let role = Role::InternalSkin;
+        let there = line(role, &[(0.0, 0.0), (5.0, 0.0)]);
+        let count = |next: &[(f64, f64)]| {
+            strokes(&linked_inside(&[there.clone(), line(role, next)]))
+        };
+        assert_eq!(count(&[(4.0, 0.4), (0.0, 0.4)]), 1);
+        assert_eq!(count(&[(3.7, 0.4), (0.0, 0.4)]), 2);
+        assert_eq!(count(&[(5.0, 0.4), (5.1, 0.4)]), 1);
+        // Two short ones have nothing to make up for the way; walls have to
+        // make up for all of it.
+        let crumbs = |role, length: f64| {
+            let crumb = |y| line(role, &[(5.0, y), (5.0 + length, y)]);
+            let mut crumbs = [crumb(0.0), crumb(0.4)];
+            crumbs[0].reverse();
+            strokes(&linked_inside(&crumbs))
+        };
+        assert_eq!(crumbs(role, 0.08), 2);
+        assert_eq!(crumbs(role, 0.12), 1);
+        assert_eq!(crumbs(Role::InnerWall, 0.12), 2);
+        assert_eq!(crumbs(Role::InnerWall, 0.25), 1);
+    }
+
+    #[test]
+    fn a_way_between_walls_is_no_wall() {
+        let role = Role::InnerWall;
+        let walls = [
+            line(role, &[(0.0, 0.0), (5.0, 0.0)]),
+            line(role, &[(5.0, 1.0), (0.0, 1.0)]),
+        ];
+        let found = linked_inside(&walls);
+        let roles: Vec<Role> = found.iter().map(|b| b.role).collect();
+        assert_eq!(roles, [role, Role::GapFill, role]);
+        assert_eq!(strokes(&found), 1);
+        let share = laid(&found) / laid(&walls);
+        assert!((share - 1.0).abs() < 2e-3, "{share}");
+    }
+
+    #[test]
+    fn ways_stay_off_the_outer_walls() {
+        // Two arms of a solid, and a notch between them.
+        let notched = |notch: f64| {
+            let ring = [
+                (0.0, -3.0),
+                (9.0, -3.0),
+                (9.0, -0.5 * notch),
+                (4.0, -0.5 * notch),
+                (4.0, 0.5 * notch),
+                (9.0, 0.5 * notch),
+                (9.0, 3.0),
+                (0.0, 3.0),
+            ];
+            let ring = ring.map(|(x, y)| DVec2::new(x, y)).to_vec();
+            EdgeGrid::new(&Area::from(ring), 1.0)
+        };
+        let role = Role::InnerWall;
+        let walls = [
+            line(role, &[(1.0, -0.7), (8.0, -0.7)]),
+            line(role, &[(8.0, 0.7), (1.0, 0.7)]),
+        ];
+        assert_eq!(linked_in(&notched(0.04), &walls), walls);
+        assert!(linked_inside(&walls) != walls);
+        // At the arms' foot there is solid between them, but not enough.
+        let foot = |x: f64| {
+            let at = |y: f64| line(role, &[(1.0, y), (x, y)]);
+            let mut walls = [at(-0.7), at(0.7)];
+            walls[1].reverse();
+            linked_in(&notched(0.04), &walls) != walls
+        };
+        assert!(foot(3.2));
+        assert!(!foot(3.9));
+    }
+
+    #[test]
+    fn beads_without_length_stay_as_they_are() {
+        let role = Role::GapFill;
+        let odd = [
+            line(role, &[]),
+            line(role, &[(1.0, 1.0)]),
+            line(role, &[(1.0, 1.0), (1.0, 1.0)]),
+            line(role, &[(1.0, 1.0), (1.0, 1.3)]),
+        ];
+        assert_eq!(linked_inside(&odd), odd);
+    }
+}

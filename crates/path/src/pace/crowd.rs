@@ -1,0 +1,227 @@
+//! Slows beads whose moves follow each other faster than the printer takes
+//! them (`printer.max_moves_per_second`).
+//!
+//! In: the beads of a stroke, one after another without a break. Out: the same
+//! beads, cut where their speed changes.
+//!
+//! Guaranteed: of any [`TOGETHER`] moves in a row the mean rate is at most the
+//! printer's. One short move among long ones is no reason to slow down, since
+//! firmware keeps moves in a buffer.
+
+use super::moves::Cause;
+use super::rates::Rates;
+use glam::DVec2;
+use isoslice_base::units::{Mm, MmPerSec, PerSec};
+use isoslice_planar::arc::Turn;
+use isoslice_planar::bead::{Bead, Stroke};
+
+/// Moves over which the rate is a mean. The smallest buffer, Marlin's, holds 16;
+/// some of them are always on their way. With 3 moves instead of 8, a fifth fewer
+/// of a gyroid ball's moves come faster than the printer takes them, and the print
+/// takes 0.3 % longer.
+const TOGETHER: usize = 3;
+
+/// Speeds are steps of this share of what was asked for, so that they change
+/// seldom.
+const STEP: f64 = 0.1;
+
+/// A bead with what is known of how it is printed.
+#[derive(Clone, Debug)]
+pub(super) struct Rated {
+    pub bead: Bead,
+    /// For each segment of the bead's path the arc in its place; empty if the
+    /// bead has no arcs.
+    pub turns: Vec<Option<Turn>>,
+    pub rates: Rates,
+    /// The speed asked for, and what has made it less so far.
+    pub wanted: MmPerSec,
+    pub by: Option<Cause>,
+}
+
+impl Rated {
+    /// Lengths of the moves.
+    pub(super) fn lengths(&self) -> impl Iterator<Item = Mm> + '_ {
+        self.bead.segments().enumerate().map(|(i, (a, b))| {
+            let turn = self.turns.get(i).copied().flatten();
+            turn.map_or(a.distance(b), |turn| turn.length(a))
+        })
+    }
+
+    /// Lowers the speed for a cause.
+    pub(super) fn slow(&mut self, speed: MmPerSec, cause: Cause) {
+        if speed < self.rates.speed {
+            self.rates.speed = speed;
+            self.by = Some(cause);
+        }
+    }
+
+    /// The part of the bead that the moves `from` to `to` make up.
+    pub(super) fn part(&self, from: usize, to: usize) -> Rated {
+        let path = self.bead.path().skip(from).take(to - from + 1);
+        let points: Vec<DVec2> = path.collect();
+        let mut stroke = Stroke::new(points, false, self.bead.width);
+        if !self.bead.levels.is_empty() {
+            stroke.levels = (from..=to).map(|i| self.bead.level(i)).collect();
+        }
+        Rated {
+            bead: Bead {
+                stroke,
+                ..self.bead
+            },
+            turns: self.turns.get(from..to).unwrap_or(&[]).to_vec(),
+            ..*self
+        }
+    }
+
+    /// The bead, which is a single move, cut after a share of its way.
+    pub(super) fn halves(&self, share: f64) -> (Rated, Rated) {
+        let turn = self.turns.first().copied().flatten();
+        let Some(turn) = turn else {
+            let half = |from: f64, to: f64| Rated {
+                bead: Bead {
+                    stroke: self.bead.stroke.part(from, to),
+                    ..self.bead
+                },
+                turns: self.turns.clone(),
+                ..*self
+            };
+            return (half(0.0, share), half(share, 1.0));
+        };
+        let ends = [self.bead.points[0], self.bead.points[1]];
+        let (middle, parts) = turn.halves(ends[0], share);
+        let half = |from, to, turn| Rated {
+            bead: Bead {
+                stroke: Stroke::new(vec![from, to], false, self.bead.width),
+                ..self.bead
+            },
+            turns: vec![Some(turn)],
+            ..*self
+        };
+        (
+            half(ends[0], middle, parts[0]),
+            half(middle, ends[1], parts[1]),
+        )
+    }
+
+    /// Adds a bead that follows at the same speed.
+    pub(super) fn append(&mut self, next: Rated) {
+        let stroke = &mut self.bead.stroke;
+        stroke.points.extend(next.bead.points.iter().skip(1));
+        stroke.levels.extend(next.bead.levels.iter().skip(1));
+        self.turns.extend(next.turns);
+    }
+}
+
+/// The beads at speeds that ask for at most `most` moves a second.
+pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> Vec<Rated> {
+    let lengths: Vec<Mm> = chain.iter().flat_map(Rated::lengths).collect();
+    let together = TOGETHER.min(lengths.len()).max(1);
+    let fastest = chain.iter().map(|r| r.rates.speed).fold(0.0, f64::max);
+    let limits: Vec<MmPerSec> = lengths
+        .windows(together)
+        .map(|moves| most * moves.iter().sum::<Mm>() / together as f64)
+        .collect();
+    if limits.iter().all(|limit| *limit >= fastest) {
+        return chain;
+    }
+    // Each move is in several windows.
+    let limit = |i: usize| {
+        let first = (i + 1).saturating_sub(together);
+        let windows = limits.iter().take(i + 1).skip(first);
+        windows.copied().fold(f64::INFINITY, f64::min)
+    };
+    let mut out = Vec::with_capacity(chain.len());
+    let mut done = 0;
+    for rated in chain {
+        let asked = rated.rates.speed;
+        let n = rated.lengths().count();
+        let speed = |i: usize| match limit(done + i) / asked {
+            share if share < 1.0 => {
+                asked * STEP * (share / STEP).floor().max(1.0)
+            }
+            _ => asked,
+        };
+        let mut from = 0;
+        for to in 1..=n {
+            let here = speed(from);
+            if to < n && speed(to) == here {
+                continue;
+            }
+            out.push(if to - from == n && here == asked {
+                rated.clone()
+            } else {
+                let mut part = rated.part(from, to);
+                part.slow(here, Cause::Moves);
+                part
+            });
+            from = to;
+        }
+        done += n;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_planar::bead::Role;
+
+    fn rated(steps: &[Mm], speed: MmPerSec) -> Rated {
+        let mut points = vec![DVec2::ZERO];
+        for step in steps {
+            points.extend(points.last().map(|p| p + DVec2::X * *step));
+        }
+        let stroke = Stroke::new(points, false, 0.4);
+        Rated {
+            bead: Bead::new(Role::GapFill, stroke, 0.2),
+            turns: Vec::new(),
+            rates: Rates {
+                speed,
+                flow: 1.0,
+                fan: 0.0,
+            },
+            wanted: speed,
+            by: None,
+        }
+    }
+
+    #[test]
+    fn crowded_moves_are_slower_and_others_are_not() {
+        let mut steps = vec![2.0; 10];
+        steps.extend([0.1; 20]);
+        steps.extend([2.0; 10]);
+        let whole: Mm = steps.iter().sum();
+        let out = slowed(vec![rated(&steps, 50.0)], 100.0);
+        let speeds: Vec<f64> = out.iter().map(|r| r.rates.speed).collect();
+        assert_eq!((speeds[0], speeds[speeds.len() - 1]), (50.0, 50.0));
+        let least = speeds.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+        assert_eq!(least, 10.0);
+        let slow = out.iter().filter(|r| r.by == Some(Cause::Moves));
+        let count: usize = slow.map(|r| r.lengths().count()).sum();
+        assert!((20..40).contains(&count), "{count}");
+        let length: Mm = out.iter().map(|r| r.bead.length()).sum();
+        assert!((length - whole).abs() < 1e-9);
+        for pair in out.windows(2) {
+            let end = pair[0].bead.points.last().copied();
+            assert_eq!(end, Some(pair[1].bead.points[0]));
+        }
+        // No three moves in a row take less than 0.03 s.
+        let times: Vec<f64> = out
+            .iter()
+            .flat_map(|r| r.lengths().map(|l| l / r.rates.speed))
+            .collect();
+        for moves in times.windows(TOGETHER) {
+            assert!(moves.iter().sum::<f64>() >= 0.03 - 1e-9);
+        }
+    }
+
+    #[test]
+    fn long_moves_and_a_short_one_among_them_stay() {
+        for steps in [&[5.0, 5.0][..], &[5.0, 0.1, 5.0, 5.0][..]] {
+            let out = slowed(vec![rated(steps, 50.0)], 100.0);
+            assert_eq!((out.len(), out[0].by), (1, None));
+            assert_eq!(out[0].rates.speed, 50.0);
+        }
+        assert!(slowed(Vec::new(), 100.0).is_empty());
+    }
+}

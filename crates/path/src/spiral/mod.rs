@@ -1,0 +1,368 @@
+//! The spiral vase: one wall that climbs without a break.
+//!
+//! In: the outlines of the layers, in order, and the field. Out: for each layer
+//! one turn, a bead whose points have levels, and one more for each wall inside
+//! the first (`spiral_walls`).
+//!
+//! A turn runs round the middle line of the layer's wall, and rises from the
+//! layer's bottom to its top. It begins as the wall of the layer below, and
+//! ends as that of its own layer. In between, each point is moved along the
+//! wall's normal to where the part's surface is at the middle of the material
+//! below the nozzle. So every point of the wall is as exact as the wall of a
+//! flat layer is at its middle.
+//!
+//! The first turn lies on a flat layer, and its height grows from next to
+//! nothing. The last one is followed by a flat turn whose height goes back to
+//! that, so that the wall ends level.
+//!
+//! Walls inside climb beside the outer one, each at the distance from the
+//! surface that its place among the walls gives it. A layer's turns go from the
+//! inside out, so the nozzle goes down by a layer's height between two of them.
+//! Nothing beside it is then higher, except for the end of the wall that it
+//! comes from, right behind it. So the flat turns at the end come after all
+//! turns that climb.
+//!
+//! Not guaranteed: that a wall follows a surface that moves by more than 1 mm
+//! from one layer to the next. It is laid as if the surface did not move.
+
+mod error;
+mod ring;
+
+pub use error::SpiralError;
+
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_layer::region::{OFFSET_SHARE, OUTLINE_SHARE};
+use isoslice_model::{Model, Probe, Spot};
+use isoslice_planar::bead::{Bead, Level, Role, Stroke, spacing};
+use isoslice_planar::offset::offset;
+use isoslice_planar::simplify::simplify_path;
+use isoslice_planar::{Area, Ring, signed_area};
+use isoslice_settings::layers::LayerSpan;
+use isoslice_settings::{Settings, THICKNESS_SLACK};
+use ring::{Point, begin, farthest, lonely, points, rear};
+
+/// Height from which and to which turns grow and shrink, mm. It is next to
+/// nothing, but even a step of 0.03 mm feeds what the G-code resolves, so that
+/// no step of a turn is without filament.
+const LEAST: Mm = 0.005;
+
+/// The wall of a part, turn by turn.
+pub struct Spiral<'a> {
+    settings: &'a Settings,
+    probe: Probe,
+    /// From the model's coordinates to the bed's.
+    offset: DVec2,
+    /// Height of the bed in the model's coordinates.
+    bed: Mm,
+    /// For each layer from the last flat one on, where the turn of each wall
+    /// ends and that of the next layer begins.
+    ends: Vec<Vec<DVec2>>,
+    /// True if a layer has a hole, which gets no wall.
+    holes: bool,
+    /// The middle line of the highest layer so far.
+    ring: Ring,
+    /// Height from which the wall is not held by the turn below.
+    flat: Option<Mm>,
+    /// Index of the first layer with a turn.
+    first: usize,
+}
+
+/// How many flat layers a vase has at its bottom: `bottom_layers` if set, else
+/// those that begin below `bottom_thickness`.
+fn flat_layers(settings: &Settings, spans: &[LayerSpan]) -> usize {
+    if let Some(layers) = settings.bottom_layers {
+        return layers as usize;
+    }
+    let thickness = settings.bottom_thickness() - THICKNESS_SLACK;
+    spans.partition_point(|span| span.bottom < thickness)
+}
+
+impl<'a> Spiral<'a> {
+    /// A spiral without turns.
+    ///
+    /// # Errors
+    /// If the field cannot be evaluated, or a skirt would stand beside the
+    /// wall.
+    pub fn new(
+        model: &Model,
+        settings: &'a Settings,
+        spans: &[LayerSpan],
+    ) -> Result<Self, SpiralError> {
+        let flat = flat_layers(settings, spans).max(1);
+        let skirt = settings.skirt.layers as usize;
+        if settings.skirt.loops > 0 && skirt > flat {
+            return Err(SpiralError::Skirt { skirt, flat });
+        }
+        Ok(Spiral {
+            settings,
+            probe: Probe::new(&model.tree)?,
+            offset: model.offset.truncate(),
+            bed: -model.offset.z,
+            ends: Vec::new(),
+            holes: false,
+            ring: Ring::new(),
+            flat: None,
+            first: flat,
+        })
+    }
+
+    /// Index of the first layer with a turn: all below are flat. There is at
+    /// least one of these, since the nozzle cannot begin on the bed.
+    pub fn first(&self) -> usize {
+        self.first
+    }
+
+    /// Takes the outline of the next layer, from the last flat one on.
+    ///
+    /// # Errors
+    /// If there is no single wall round it.
+    pub fn add(
+        &mut self,
+        span: &LayerSpan,
+        outline: &Area,
+    ) -> Result<(), SpiralError> {
+        let rings = self.middle_lines(span, outline)?;
+        let Some((ring, inside)) = rings.split_first() else {
+            return Ok(());
+        };
+        self.holes |= outline.rings.len() > 1;
+        let end = match self.ends.last().and_then(|below| below.first()) {
+            Some(&below) => begin(ring, below)[0],
+            // The turn begins at the back, where few look at it.
+            None => rear(ring),
+        };
+        // The walls inside end beside it.
+        let beside = inside.iter().map(|ring| begin(ring, end)[0]);
+        self.ends.push([end].into_iter().chain(beside).collect());
+        let width = self.settings.outer_wall_width();
+        if self.flat.is_none() && farthest(ring, &self.ring) > width {
+            self.flat = Some(span.bottom);
+        }
+        self.ring = ring.clone();
+        Ok(())
+    }
+
+    /// What the user should know.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        let holes = self.holes.then(|| {
+            "spiral = true prints the outer wall only: holes of the part get \
+             no walls"
+                .to_owned()
+        });
+        let flat = self.flat.map(|z| {
+            format!(
+                "spiral = true: above z = {z:.2} mm the part is so flat that \
+                 one turn of the wall does not lie on the other; cut it there \
+                 or make it steeper"
+            )
+        });
+        holes.into_iter().chain(flat)
+    }
+
+    /// Where the turn of a layer begins, if it goes on from one below.
+    pub fn start(&self, layer: usize) -> Option<DVec2> {
+        self.start_of(layer, 0)
+    }
+
+    /// Where the turn of a wall in a layer begins, if it goes on from one
+    /// below.
+    fn start_of(&self, layer: usize, wall: usize) -> Option<DVec2> {
+        let number = layer.checked_sub(self.first + 1)? + 1;
+        self.ends.get(number)?.get(wall).copied()
+    }
+
+    /// True if the layer has a turn.
+    pub fn has(&self, layer: usize) -> bool {
+        layer >= self.first
+    }
+
+    /// The turns of a layer that lies on a layer `below` and has an outline, in
+    /// print order: the outer wall's comes last.
+    ///
+    /// # Errors
+    /// If there is no single wall round the outline.
+    pub fn turns(
+        &self,
+        span: &LayerSpan,
+        below: &LayerSpan,
+        outline: &Area,
+    ) -> Result<Vec<Bead>, SpiralError> {
+        let rings = self.middle_lines(span, outline)?;
+        let alone = rings.len() == 1;
+        let (mut climbing, mut flat) = (Vec::new(), Vec::new());
+        for (wall, ring) in rings.into_iter().enumerate().rev() {
+            let (mut turn, last) = self.turn([span, below], ring, wall)?;
+            match last {
+                Some(last) if alone => turn.append(&last),
+                last => flat.extend(last.map(|last| bead(wall, last, span))),
+            }
+            climbing.push(bead(wall, turn, span));
+        }
+        climbing.extend(flat);
+        Ok(climbing)
+    }
+
+    /// A wall's turn round its middle line in a layer and on the one below, and
+    /// the flat turn after it if it is the highest.
+    fn turn(
+        &self,
+        [span, below]: [&LayerSpan; 2],
+        ring: Ring,
+        wall: usize,
+    ) -> Result<(Stroke, Option<Stroke>), SpiralError> {
+        let first = self.first;
+        let number = span.index - first;
+        let end = self.ends.get(number + 1).and_then(|ends| ends.get(wall));
+        let mut ring = match end {
+            Some(&end) => begin(&ring, end),
+            None => ring,
+        };
+        // Turns meet in the very points that are known of their ends.
+        if let (Some(&end), Some(first)) = (end, ring.first_mut()) {
+            *first = end;
+        }
+        // The middle of the material below the nozzle, and its height.
+        let (low, from) = match number {
+            0 => (span.bottom, 0.0),
+            _ => (below.sample_z(), below.height()),
+        };
+        let middle = |share: f64| low + share * (span.sample_z() - low);
+        let points = points(&ring);
+        let depth = self.depth(wall, span.height());
+        let mut way = self.moved(&points, depth, middle)?;
+        if let (Some(start), Some(p)) =
+            (self.start_of(span.index, wall), way.first_mut())
+        {
+            *p = start;
+        }
+        if let Some(p) = way.last_mut() {
+            *p = ring[0];
+        }
+        // Its points are on the surface, so that it has the outline's share.
+        let tolerance = OUTLINE_SHARE * self.settings.accuracy;
+        let width = self.width(wall);
+        let mut stroke = Stroke::new(Vec::new(), false, width);
+        let height = span.height();
+        let least = LEAST.min(height) - height;
+        for (p, i) in simplify_path(&way, false, tolerance, |_, _| true) {
+            let share = points[i].share;
+            stroke.points.push(p);
+            stroke.levels.push(Level {
+                rise: (share - 1.0) * height,
+                extra: ((1.0 - share) * (from - height)).max(least),
+            });
+        }
+        if number + 2 != self.ends.len() {
+            return Ok((stroke, None));
+        }
+        let flat: Vec<DVec2> = points.iter().map(|p| p.at).collect();
+        let mut last = Stroke::new(Vec::new(), false, width);
+        for (p, i) in simplify_path(&flat, false, tolerance, |_, _| true) {
+            last.points.push(p);
+            last.levels.push(Level {
+                rise: 0.0,
+                extra: (-points[i].share * height).max(least),
+            });
+        }
+        Ok((stroke, Some(last)))
+    }
+
+    /// Width of a wall, counted from the outside.
+    fn width(&self, wall: usize) -> Mm {
+        match wall {
+            0 => self.settings.outer_wall_width(),
+            _ => self.settings.inner_wall_width(),
+        }
+    }
+
+    /// Distance of a wall's middle from the outline, in a layer of a height.
+    fn depth(&self, wall: usize, height: Mm) -> Mm {
+        let pairs = (0..wall).map(|k| (self.width(k), self.width(k + 1)));
+        let between = pairs.map(|(a, b)| spacing(a, b, height));
+        0.5 * self.width(0) + between.sum::<Mm>()
+    }
+
+    /// The lines that the nozzle follows round an outline, from the outside.
+    fn middle_lines(
+        &self,
+        span: &LayerSpan,
+        outline: &Area,
+    ) -> Result<Vec<Ring>, SpiralError> {
+        let tolerance = OFFSET_SHARE * self.settings.accuracy;
+        let (z, layer) = (span.sample_z(), span.index + 1);
+        let walls = self.settings.spiral_walls;
+        let mut lines: Vec<Ring> = Vec::new();
+        for wall in 0..walls {
+            let depth = self.depth(wall as usize, span.height());
+            let inner = offset(outline, -depth, tolerance);
+            let outer = inner.rings.into_iter();
+            let mut outer: Vec<Ring> =
+                outer.filter(|ring| signed_area(ring) > 0.0).collect();
+            outer.sort_by(|a, b| signed_area(b).total_cmp(&signed_area(a)));
+            let at = |ring: &Ring| ring[0] + self.offset;
+            match (lines.last(), outer.as_slice()) {
+                (_, [one]) => lines.push(one.clone()),
+                (Some(outside), pieces) => {
+                    let near = lonely(outside, pieces);
+                    return Err(SpiralError::NoRoom {
+                        walls,
+                        wall: wall + 1,
+                        z,
+                        layer,
+                        at: near + self.offset,
+                    });
+                }
+                (None, []) => {
+                    let width = self.width(0);
+                    return Err(SpiralError::TooThin { z, layer, width });
+                }
+                (None, [a, b, ..]) => {
+                    return Err(SpiralError::Pieces {
+                        z,
+                        layer,
+                        count: outer.len(),
+                        at: [at(a), at(b)],
+                    });
+                }
+            }
+        }
+        Ok(lines)
+    }
+
+    /// The points, moved with the part's surface, which lies `depth` beside
+    /// them now. `middle` has for each point the height at which the surface is
+    /// looked for, by the point's share of the turn.
+    fn moved(
+        &self,
+        points: &[Point],
+        depth: Mm,
+        middle: impl Fn(f64) -> Mm,
+    ) -> Result<Vec<DVec2>, SpiralError> {
+        let beside =
+            depth - self.settings.xy_compensation.constant().unwrap_or(0.0);
+        let spots = points.iter().flat_map(|p| {
+            let z = middle(p.share) + self.bed;
+            let at = |out: DVec2| p.at + beside * out;
+            p.out.map(|out| (Spot { at: at(out), out }, z))
+        });
+        let ways = self.probe.ways(spots)?;
+        let ways = ways
+            .chunks(2)
+            .map(|w| DVec2::new(w[0].unwrap_or(0.0), w[1].unwrap_or(0.0)));
+        Ok(points
+            .iter()
+            .zip(ways)
+            .map(|(p, way)| p.at + p.shift(way))
+            .collect())
+    }
+}
+
+/// A wall's stroke as a bead of a layer.
+fn bead(wall: usize, stroke: Stroke, span: &LayerSpan) -> Bead {
+    let role = match wall {
+        0 => Role::OuterWall,
+        _ => Role::InnerWall,
+    };
+    Bead::new(role, stroke, span.height())
+}

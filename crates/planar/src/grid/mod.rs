@@ -1,0 +1,311 @@
+//! A uniform grid over edges, for questions about what is within a short
+//! distance.
+//!
+//! A grid is cheaper to build than a tree (two passes over the edges). It is as
+//! fast to ask where the edges are spread evenly, as a layer's edges are.
+//!
+//! | file | what it answers |
+//! |---|---|
+//! | `mod` | what is inside, what a segment crosses |
+//! | `near` | what is near to a segment, or meets a box |
+//! | `nearest` | what is nearest to a point |
+//! | `segment` | distances and crossings of single segments |
+
+mod near;
+mod nearest;
+mod segment;
+
+pub use isocontour::plane::nearest_on;
+
+use super::{Area, Rect, Ring};
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use segment::{crossing, is_left};
+
+/// Edges by the cells they pass through.
+///
+/// Edges are numbered in the order of their rings. Each ring takes one number
+/// more than it has edges: see [`EdgeGrid::numbers`].
+#[derive(Clone, Debug)]
+pub struct EdgeGrid {
+    /// The points of the rings, each ring with its first point again at the
+    /// end: an edge runs from the point with its number to the next. This takes
+    /// half the memory of pairs of points.
+    points: Vec<DVec2>,
+    /// The first point's number of each ring (or other chain of edges), and
+    /// the number of what it belongs to.
+    chains: Vec<(u32, u32)>,
+    origin: DVec2,
+    cell: Mm,
+    /// Cells per millimetre.
+    per_cell: f64,
+    columns: usize,
+    rows: usize,
+    /// Where each cell's edges begin in `members`; one more than cells.
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+/// Greatest number of cells per edge. A finer grid costs memory and saves
+/// nothing.
+const CELLS_PER_EDGE: f64 = 4.0;
+
+impl EdgeGrid {
+    /// A grid of the area's edges for questions about the distance `reach`.
+    pub fn new(area: &Area, reach: Mm) -> EdgeGrid {
+        let mut points = Vec::with_capacity(EdgeGrid::numbers(&area.rings));
+        let mut chains = Vec::with_capacity(area.rings.len());
+        for (i, ring) in area.rings.iter().enumerate() {
+            let Some(first) = ring.first() else { continue };
+            chains.push((points.len() as u32, i as u32));
+            points.extend_from_slice(ring);
+            points.push(*first);
+        }
+        EdgeGrid::build(points, chains, reach)
+    }
+
+    /// A grid of any segments, each with the number of what it belongs to.
+    pub fn of(
+        segments: impl Iterator<Item = (usize, (DVec2, DVec2))>,
+        reach: Mm,
+    ) -> EdgeGrid {
+        let mut points: Vec<DVec2> = Vec::new();
+        let mut chains: Vec<(u32, u32)> = Vec::new();
+        for (i, (a, b)) in segments {
+            let goes_on = chains.last().is_some_and(|c| c.1 == i as u32)
+                && points.last() == Some(&a);
+            if !goes_on {
+                chains.push((points.len() as u32, i as u32));
+                points.push(a);
+            }
+            points.push(b);
+        }
+        EdgeGrid::build(points, chains, reach)
+    }
+
+    /// A grid of lines' edges, each with the number of its line. As with rings,
+    /// a line takes one number more than it has edges. A line without points
+    /// takes no number.
+    pub fn of_lines<L: IntoIterator<Item = DVec2>>(
+        lines: impl Iterator<Item = L>,
+        reach: Mm,
+    ) -> EdgeGrid {
+        let mut points: Vec<DVec2> = Vec::new();
+        let mut chains: Vec<(u32, u32)> = Vec::new();
+        for (i, line) in lines.enumerate() {
+            let first = points.len();
+            points.extend(line);
+            if points.len() > first {
+                chains.push((first as u32, i as u32));
+            }
+        }
+        EdgeGrid::build(points, chains, reach)
+    }
+
+    /// How many numbers the edges of some rings take.
+    pub fn numbers(rings: &[Ring]) -> usize {
+        let of_ring = |r: &Ring| r.len() + usize::from(!r.is_empty());
+        rings.iter().map(of_ring).sum()
+    }
+
+    fn build(
+        points: Vec<DVec2>,
+        chains: Vec<(u32, u32)>,
+        reach: Mm,
+    ) -> EdgeGrid {
+        isoslice_base::limits::check();
+        let count = points.len() - chains.len();
+        let bounds = Rect::around(&points);
+        let (origin, size) = match count {
+            0 => (DVec2::ZERO, DVec2::ZERO),
+            _ => (bounds.min, bounds.size()),
+        };
+        let limit = CELLS_PER_EDGE * count as f64 + 16.0;
+        let even = (size.x * size.y / limit).sqrt();
+        let long = (size.x + size.y) / limit;
+        let cell = reach.max(even).max(long).max(1e-9);
+        let columns = (size.x / cell) as usize + 1;
+        let rows = (size.y / cell) as usize + 1;
+        let mut grid = EdgeGrid {
+            points,
+            chains,
+            origin,
+            cell,
+            per_cell: 1.0 / cell,
+            columns,
+            rows,
+            starts: Vec::new(),
+            members: Vec::new(),
+        };
+        // Count, sum up, then fill from the back of each cell's share.
+        let mut starts = vec![0; columns * rows + 1];
+        grid.walk_all(|c, _| starts[c + 1] += 1);
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        let total = starts.last().copied().unwrap_or(0);
+        let mut members = vec![0; total as usize];
+        let mut next = starts.clone();
+        grid.walk_all(|c, i| {
+            members[next[c] as usize] = i;
+            next[c] += 1;
+        });
+        grid.starts = starts;
+        grid.members = members;
+        grid
+    }
+
+    /// The cells of all edges, with the edges' numbers.
+    fn walk_all(&self, mut visit: impl FnMut(usize, u32)) {
+        let ends = self.chains.iter().skip(1).map(|c| c.0 as usize);
+        let ends = ends.chain([self.points.len()]);
+        for (chain, end) in self.chains.iter().zip(ends) {
+            for i in chain.0 as usize..end - 1 {
+                let (a, b) = self.edge(i);
+                self.walk(a, b, |c| visit(c, i as u32));
+            }
+        }
+    }
+
+    /// The number of what an edge belongs to.
+    pub fn owner(&self, edge: usize) -> usize {
+        let chain = self.chains.partition_point(|c| c.0 as usize <= edge);
+        self.chains[chain - 1].1 as usize
+    }
+
+    /// The ends of an edge.
+    pub fn edge(&self, number: usize) -> (DVec2, DVec2) {
+        (self.points[number], self.points[number + 1])
+    }
+
+    /// The ends of an edge, if there is an edge with this number.
+    pub(super) fn get(&self, number: u32) -> Option<(DVec2, DVec2)> {
+        let first = number as usize;
+        let ends = self.points.get(first..)?;
+        Some((*ends.first()?, *ends.get(1)?))
+    }
+
+    fn column(&self, x: f64) -> usize {
+        // A value that is not a number, or less than 0, becomes 0. The
+        // conversion to 64 bits would take several times as long.
+        let c = (x - self.origin.x) * self.per_cell;
+        (c as u32 as usize).min(self.columns - 1)
+    }
+
+    fn row(&self, y: f64) -> usize {
+        let r = (y - self.origin.y) * self.per_cell;
+        (r as u32 as usize).min(self.rows - 1)
+    }
+
+    /// The cells that the segment passes through, row by row.
+    fn walk(&self, a: DVec2, b: DVec2, mut visit: impl FnMut(usize)) {
+        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let (first, last) = (self.row(low.y), self.row(high.y));
+        let (from, to) = (self.column(low.x), self.column(high.x));
+        // Most edges stay in one row or one column.
+        if first == last || from == to {
+            for row in first..=last {
+                for column in from.min(to)..=from.max(to) {
+                    visit(row * self.columns + column);
+                }
+            }
+            return;
+        }
+        let slope = (high.x - low.x) / (high.y - low.y);
+        let at = |y: f64| {
+            let x = low.x + slope * (y - low.y);
+            x.clamp(low.x.min(high.x), low.x.max(high.x))
+        };
+        for row in first..=last {
+            let bottom = self.origin.y + row as f64 * self.cell;
+            let x0 = if row == first { low.x } else { at(bottom) };
+            let x1 = if row == last {
+                high.x
+            } else {
+                at(bottom + self.cell)
+            };
+            let (c0, c1) = (self.column(x0.min(x1)), self.column(x0.max(x1)));
+            for column in c0..=c1 {
+                visit(row * self.columns + column);
+            }
+        }
+    }
+
+    /// The cell's edges.
+    fn members(&self, cell: usize) -> &[u32] {
+        let (from, to) = (self.starts[cell], self.starts[cell + 1]);
+        &self.members[from as usize..to as usize]
+    }
+
+    /// True if the point is inside the area (even–odd rule; points on the
+    /// border may count either way).
+    pub fn contains(&self, p: DVec2) -> bool {
+        let top = self.origin.y + self.rows as f64 * self.cell;
+        if self.members.is_empty() || p.y < self.origin.y || p.y > top {
+            return false;
+        }
+        let row = self.row(p.y);
+        // Count the edges crossed on the way to the left. Each crossing is
+        // counted in the one cell that has it.
+        let mut inside = false;
+        for column in 0..=self.column(p.x) {
+            for &m in self.members(row * self.columns + column) {
+                let (a, b) = self.edge(m as usize);
+                if (a.y > p.y) == (b.y > p.y) {
+                    continue;
+                }
+                let x = a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
+                inside ^= x < p.x && self.column(x) == column;
+            }
+        }
+        inside
+    }
+
+    /// The places at which the segment from `a` to `b` crosses or touches
+    /// edges, as fractions of its length, in no particular order. A place may
+    /// be listed more than once.
+    pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<f64> {
+        let mut found = Vec::new();
+        if self.members.is_empty() {
+            return found;
+        }
+        self.walk(a, b, |cell| {
+            for &m in self.members(cell) {
+                let (c, d) = self.edge(m as usize);
+                found.extend(crossing(a, b, c, d));
+            }
+        });
+        found
+    }
+
+    /// Calls `visit` with every edge that the segment from `a` to `b` crosses,
+    /// and with the place of the crossing, as a fraction of the segment's
+    /// length. It may name a crossing more than once. An end of an edge that is
+    /// on the segment counts as right of it, so that a ring is crossed as often
+    /// inwards as outwards.
+    pub fn visit_crossed(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        mut visit: impl FnMut(f64, usize),
+    ) {
+        if self.members.is_empty() {
+            return;
+        }
+        self.walk(a, b, |cell| {
+            for &m in self.members(cell) {
+                let (c, d) = self.edge(m as usize);
+                let (c_left, d_left) = (is_left(a, b, c), is_left(a, b, d));
+                if c_left == d_left || is_left(c, d, a) == is_left(c, d, b) {
+                    continue;
+                }
+                let (u, v) = (b - a, d - c);
+                let t = (c - a).perp_dot(v) / u.perp_dot(v);
+                visit(t.clamp(0.0, 1.0), m as usize);
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,72 @@
+//! Geometry of one layer's plane: rings, areas, and what is done to them.
+//!
+//! An [`Area`] is a set of closed rings, outer ones counter-clockwise and holes
+//! clockwise, in millimetres.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`clip`] | combines areas |
+//! | [`offset`] | grows and shrinks areas; [`trim`] helps it |
+//! | [`simplify`] | thins rings within a tolerance |
+//! | [`along`] | finds the point at a length along a line, and cuts the line there |
+//! | [`arc`] | puts arcs in the place of segments |
+//! | [`bend`] | tells how rings bend |
+//! | [`hatch`] | draws parallel lines across an area |
+//! | [`border`] | cuts any lines at an area, and follows its border |
+//! | [`zero`] | finds where a function is zero near an area |
+//! | [`clusters`] | puts islands whose boxes meet together |
+//! | [`grid`] | answers which edges are near a place; [`places`] counts along rings |
+//! | [`nest`] | tells which ring is around a point |
+//!
+//! A [`Solid`] is an area with its grid, and [`BoxTree`] tells which boxes meet
+//! another one. [`hull()`] is the convex ring around points.
+
+#![warn(unreachable_pub)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
+// Failures are errors, not panics; only tests may panic. Indices are allowed,
+// since geometry is full of them; the fuzzer and the hostile models test those.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
+pub mod along;
+pub mod arc;
+pub mod bead;
+pub mod bend;
+pub mod border;
+mod box_tree;
+pub mod clip;
+pub mod clusters;
+pub mod curve;
+pub mod grid;
+pub mod hatch;
+mod hull;
+pub mod offset;
+#[cfg(test)]
+mod oracle;
+pub mod places;
+pub mod shapes;
+mod solid;
+mod trim;
+pub mod zero;
+
+pub use box_tree::BoxTree;
+pub use hull::hull;
+pub use isocontour::plane::{
+    Area, Rect, Ring, edges, nest, path_length, point_beside, ring_length,
+    signed_area, simplify,
+};
+pub use shapes::rect;
+pub use solid::Solid;

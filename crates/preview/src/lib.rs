@@ -1,0 +1,51 @@
+//! Pictures of what will be printed.
+//!
+//! `picture` draws the part and its supports: `raster` finds the visible surface,
+//! `slabs` has the faces of supports, `shade` lights the surface, `edges` says
+//! which pixels need a closer look, and `image` holds the pixels. `svg` draws a
+//! layer, and `folder` keeps the pictures of a run together. `html` makes an
+//! interactive page from any G-code that [`isoslice_gcode_read::reader`] reads: `toolpath` gathers its moves and
+//! their times, and `pack` makes them small.
+
+#![warn(unreachable_pub)]
+#![allow(
+    rustdoc::private_intra_doc_links,
+    reason = "in the documentation of private items these links lead somewhere"
+)]
+// Failures are errors, not panics; only tests may panic. Indices are allowed,
+// since geometry is full of them; the fuzzer and the hostile models test those.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
+mod edges;
+mod folder;
+mod html;
+mod image;
+mod pack;
+mod picture;
+mod raster;
+mod shade;
+mod slabs;
+mod svg;
+mod toolpath;
+mod view;
+
+pub use folder::Pictures;
+pub use html::live_html;
+pub use picture::thumbnails;
+pub use raster::PictureError;
+pub use raster::outline_from_above;
+pub use slabs::Slabs;
+pub(crate) use svg::layer_svg;
+pub use toolpath::{Toolpath, ToolpathError};
+pub use view::View;

@@ -1,0 +1,62 @@
+//! What the sparse infill is: one of the patterns, or an expression.
+
+use super::InfillPattern;
+use super::value::{
+    Kind, Measure, Raw, Refused, Value, formula, formula_to_toml,
+};
+
+/// Sparse infill. Settings keep expressions and scripts as text;
+/// the crate `isoslice-model` knows what they mean.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Infill {
+    /// A pattern by its name.
+    Pattern(InfillPattern),
+    /// A formula of x, y, z and d.
+    Expression(String),
+    /// The path of a `.rhai` script.
+    Script(String),
+}
+
+/// The extension of a script's path.
+const SCRIPT: &str = ".rhai";
+
+impl Value for Infill {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
+        if let Some(formula) = formula(raw) {
+            *self = Infill::Expression(formula);
+            return Ok(());
+        }
+        *self = match raw {
+            Raw::Text(text) | Raw::Word(text)
+                if text.trim().ends_with(SCRIPT) =>
+            {
+                Infill::Script(text.trim().to_owned())
+            }
+            _ => {
+                let mut pattern = InfillPattern::default();
+                pattern.assign(raw, measure)?;
+                Infill::Pattern(pattern)
+            }
+        };
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        match self {
+            Infill::Pattern(pattern) => pattern.to_toml(),
+            Infill::Expression(text) => formula_to_toml(text),
+            Infill::Script(path) => path.to_toml(),
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        match InfillPattern::default().kind() {
+            Kind::Word(words) => Kind::WordOrShape(words),
+            kind => kind,
+        }
+    }
+}

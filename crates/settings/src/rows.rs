@@ -1,0 +1,743 @@
+//! Every setting: its default, its range and what it means.
+//!
+//! A row is
+//!
+//! ```text
+//! /// Description.
+//! name: Type = default, in least..=greatest;
+//! ```
+//!
+//! and the unit is the type's. The structs, the names in files and on the
+//! command line, reading and writing all follow from the rows by the macro in
+//! `table`.
+
+use super::table;
+use super::words::*;
+use super::{ByNozzle, DraftShield, Infill, Sizes, Steps, Varying};
+use isoslice_base::units::*;
+
+table::settings! {
+    /// Everything a print depends on besides the model.
+    Settings {
+        ["Layers"]
+        /// Height of every layer above the first; auto is 50% of the nozzle's
+        /// diameter.
+        layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        /// Height of the first layer; auto is 50% of the nozzle's diameter.
+        first_layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        /// How high the layers above the first are: uniform, as layer_height
+        /// says, or adaptive, each as high as step_error allows. An expression
+        /// of z gives the height at each height. Unless they are uniform,
+        /// layers end exactly at level faces and at the part's top.
+        layer_heights: Varying<LayerHeights> =
+            Varying::Constant(LayerHeights::Uniform);
+        /// Least height of layers that are not uniform. A layer that ends at a
+        /// level face may be half as high. auto is 20% of the nozzle's
+        /// diameter, or layer_height if that is less.
+        layer_height_min: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        /// Greatest height of layers that are not uniform; auto is 75% of the
+        /// nozzle's diameter, or layer_height if that is more.
+        layer_height_max: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        /// Greatest step that adaptive layers may make on the surface, measured
+        /// across it. Where layers would have to be lower than
+        /// layer_height_min, the step is greater. auto takes layer_height, the
+        /// greatest step that uniform layers make.
+        step_error: ByNozzle = ByNozzle::Auto, in 0.001..=2.0;
+
+        ["Outlines"]
+        /// Greatest distance between an outline and the true surface.
+        accuracy: Mm = 0.005, in 0.0005..=0.1;
+        /// Greatest distance between a path that does not show (inner walls,
+        /// skin) and where it was meant. Gaps, infill and solid areas that
+        /// nobody sees may be off by one and a half times as much. No print
+        /// shows such differences, and longer moves are easier on the firmware.
+        path_accuracy: Mm = 0.025, in 0.0005..=0.2;
+        /// Spacing of the lattice on which the field is sampled to find the
+        /// outlines. Details smaller than this may be missed, and curves
+        /// tighter than a few times this are less accurate.
+        sample_spacing: Mm = 0.1, in 0.01..=2.0;
+        /// Slits in a layer that are narrower than twice this are closed, so
+        /// that bodies that almost touch are printed as one; 0 leaves them
+        /// open, and auto is 5% of the nozzle's diameter.
+        slit_closing: ByNozzle = ByNozzle::Auto, in 0.0..=1.0;
+
+        ["Walls"]
+        /// Number of walls around each island and hole.
+        walls: u32 = 2, in 0..=1000;
+        /// Number of walls around top skin, whose lines reach up to them. The
+        /// other walls go around what the next layer covers. auto is as many
+        /// as walls.
+        top_walls: Option<u32> = None, in 1..=1000;
+        /// Whether to print the part as a vase: bottom_layers flat layers,
+        /// and above them one wall that climbs without a break, without
+        /// infill, top skin, seams and retractions.
+        spiral: bool = false;
+        /// Number of walls that climb side by side if spiral is true. The nozzle
+        /// goes from each to the next one outside of it once a turn.
+        spiral_walls: u32 = 1, in 1..=100;
+        /// Line width of the outer wall; auto is 112.5% of the nozzle's
+        /// diameter.
+        outer_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
+        /// Line width of the walls behind the outer wall; auto is 112.5% of the
+        /// nozzle's diameter.
+        inner_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
+        /// Narrowest bead for places too thin for whole walls, as a share of
+        /// the wall's width; thinner places are left out.
+        thin_min: Percent = 60.0, in 10.0..=100.0;
+        /// Widest single bead for thin places, as a share of the wall's width;
+        /// wider places get two walls.
+        thin_max: Percent = 180.0, in 100.0..=300.0;
+        /// Whether every other inner wall lies half a layer lower than its layer,
+        /// so that the walls interlock and the part does not split so easily
+        /// between layers.
+        walls_interlocked: bool = false;
+        /// Which walls of an island are printed first.
+        wall_order: WallOrder = WallOrder::InnerFirst;
+        /// How walls are offset: by distance in the layer's plane, right for
+        /// every field, or by the field's own value, right only where the
+        /// field is that distance.
+        wall_offset: WallOffset = WallOffset::Distance;
+        /// How far outlines are moved outwards before anything else is made
+        /// of them (inwards, if negative), for plastic that shrinks or
+        /// spreads. An expression knows the outline's curvature beside x, y and
+        /// z: 1/r around a disc, -1/r around a hole with the radius r.
+        xy_compensation: Varying<Mm> = Varying::Constant(0.0), in -5.0..=5.0;
+        /// How much the first layer is drawn in on all sides, to make up for
+        /// being squeezed; places as thin as two walls keep their width.
+        elephant_foot: Mm = 0.0, in 0.0..=2.0;
+        /// Number of layers, from the bed, that are drawn in, each less than
+        /// the one below.
+        elephant_foot_layers: u32 = 1, in 1..=1000;
+        /// Where outer walls begin and end; an expression puts each wall's seam
+        /// where its value is least.
+        seam: Varying<SeamRule> = Varying::Constant(SeamRule::Aligned);
+        /// How far before its beginning an outer wall ends.
+        seam_gap: Mm = 0.0, in 0.0..=5.0;
+        /// Length over which the flow of an outer wall grows at its beginning,
+        /// and over which its end overlaps the beginning with shrinking flow; 0
+        /// for a plain seam. No bead becomes narrower than high.
+        seam_scarf: Mm = 0.0, in 0.0..=200.0;
+        /// Whether the nozzle rises with the flow at the beginning of a scarf,
+        /// from the layer below to its own height; the end of the wall fills
+        /// what is left above. The first layer's scarfs stay level.
+        seam_scarf_rise: bool = false;
+        /// Height at which a scarf that rises begins, as a share of its layer's.
+        seam_scarf_start: Percent = 10.0, in 0.0..=90.0;
+        /// How far the nozzle moves inwards, without printing, from the end
+        /// of an outer wall before it goes elsewhere.
+        seam_wipe: Mm = 0.3, in 0.0..=5.0;
+
+        ["Skin: the solid top and bottom"]
+        /// Where the part gets skin: at all of its exposed faces, or only at
+        /// its ends, where skin fills the lowest and the highest layers.
+        skin_where: SkinWhere = SkinWhere::Exposed;
+        /// Least thickness of solid material below each upward face; auto is
+        /// 200% of the nozzle's diameter.
+        top_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
+        /// Least thickness of solid material above each downward face; auto is
+        /// 150% of the nozzle's diameter.
+        bottom_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
+        /// Number of solid layers below each upward face; auto takes it from
+        /// top_thickness.
+        top_layers: Option<u32> = None, in 0..=50_000;
+        /// Number of solid layers above each downward face; auto takes it
+        /// from bottom_thickness.
+        bottom_layers: Option<u32> = None, in 0..=50_000;
+        /// Line width of skin and of the rings around it; auto is 112.5% of the
+        /// nozzle's diameter.
+        skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
+        /// Width of the lines of skin that faces upwards; auto takes
+        /// skin_width.
+        top_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
+        /// Width of the lines of skin that faces downwards, and of bridges;
+        /// auto takes skin_width.
+        bottom_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
+        /// Pattern of skin that faces upwards,
+        /// except where it is nowhere wider than 14 lines: there strokes
+        /// follow its border.
+        top_skin_pattern: SkinPattern = SkinPattern::Lines;
+        /// Pattern of skin that faces downwards,
+        /// except where it is nowhere wider than 14 lines: there strokes
+        /// follow its border.
+        bottom_skin_pattern: SkinPattern = SkinPattern::Lines;
+        /// Pattern of skin that the layers above and below cover,
+        /// except where it is nowhere wider than 14 lines: there strokes
+        /// follow its border.
+        internal_skin_pattern: SkinPattern = SkinPattern::Lines;
+        /// Order of the lines of skin that faces upwards.
+        top_skin_order: SkinOrder = SkinOrder::Monotonic;
+        /// Direction of skin lines on even layers, counter-clockwise from
+        /// the x axis; odd layers are turned by a right angle. Even and odd
+        /// layers change places where lines would run along those of rectilinear
+        /// or solid infill below them.
+        skin_angle: Degrees = 45.0, in -360.0..=360.0;
+        /// Gap between the ring around skin and the lines inside it; 0 for
+        /// lines that reach the ring.
+        skin_ring_gap: Mm = 0.0, in 0.0..=10.0;
+        /// How far skin reaches into the sparse infill beside it, so that
+        /// its lines are anchored; auto is 150% of the nozzle's diameter.
+        skin_overlap: ByNozzle = ByNozzle::Auto, in 0.0..=20.0;
+        /// How far skin reaches into the walls around it, as a share of its
+        /// line width. With 0 its ring lies beside the wall, and its lines end
+        /// in the ring: nothing is open there.
+        skin_wall_overlap: Percent = 0.0, in 0.0..=50.0;
+        /// Pieces of sparse area smaller than this are filled solid, as
+        /// skin. So are pieces that are narrower than two lines, and small ones
+        /// in which no line of infill would lie.
+        skin_min_area: Mm2 = 2.0, in 0.0..=1000.0;
+
+        ["Ironing: a second pass over tops"]
+        /// Whether to go over each top once more, with next to no material,
+        /// to make it smooth.
+        ironing: bool = false;
+        /// Distance between the lines of ironing; auto is 25% of the nozzle's
+        /// diameter.
+        ironing_spacing: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        /// Material for ironing, as a share of what would fill the layer.
+        ironing_flow: Percent = 10.0, in 0.0..=100.0;
+        /// How much walls, skin and ironing that lie open follow the surface
+        /// above them: 0 leaves the layers' steps, with 100 the nozzle runs on
+        /// the surface itself.
+        contour_z: Varying<Percent> = Varying::Constant(0.0), in 0.0..=100.0;
+        /// Angle from the level up to which faces get all of contour_z; it
+        /// fades over the next 10°.
+        contour_z_angle: Degrees = 15.0, in 0.0..=35.0;
+        /// How deep the nozzle's flat end may cut into higher lines beside the
+        /// one it prints, as a share of the layer's height; faces so steep that
+        /// it would cut deeper count as steeper than contour_z_angle.
+        contour_z_gouge: Percent = 75.0, in 0.0..=1000.0;
+        /// Whether undersides over supports and bridges follow the surface below
+        /// them, as far as contour_z says: the nozzle stays at the layer's top,
+        /// and the material goes as deep as the surface.
+        contour_z_below: bool = false;
+
+        ["Bridges and overhangs"]
+        /// Whether skin over nothing gets lines across the gap, from support
+        /// to support. A part's underside over a raft is a bridge in any case.
+        bridges: bool = true;
+        /// How far a bridge's lines reach onto what holds them.
+        bridge_anchor: Mm = 1.5, in 0.0..=20.0;
+        /// Longest bridge that the printer and the material can print. A longer
+        /// one is supported if supports are on, and gets a warning if not. With a
+        /// good fan PLA spans 20 mm or more.
+        bridge_max: Mm = 10.0, in 0.0..=1000.0;
+        /// Material of bridges, as a share of what skin would get.
+        bridge_flow: Percent = 100.0, in 10.0..=300.0;
+        /// Whether the lowest solid layer over sparse infill gets lines across
+        /// those of the infill, which end on the infill or on walls. The
+        /// following layers lie on it. Parts without walls have none.
+        internal_bridges: bool = true;
+        /// Number of layers of internal bridges over sparse infill, each across
+        /// the one below; auto is 2 where infill_density is below 10%, else 1.
+        /// If the density is an expression, the distance between the infill's
+        /// lines decides.
+        internal_bridge_layers: Option<u32> = None, in 1..=10;
+        /// Material of internal bridges, as a share of what skin would get.
+        internal_bridge_flow: Percent = 100.0, in 10.0..=300.0;
+        /// Share of its width by which a wall may hang over the layer below
+        /// before it is printed as an overhang; with 100 no wall is.
+        overhang_share: Percent = 50.0, in 0.0..=100.0;
+        /// Whether the walls round what hangs over by more than overhang_share
+        /// are printed from the inside out, whatever wall_order says: each is
+        /// laid beside one that holds it.
+        overhang_inner_first: bool = false;
+        /// Whether the walls round what hangs over by more than overhang_share
+        /// are printed the other way round on every other layer, so that what
+        /// the cooling plastic pulls at does not add up. Walls that interlock
+        /// keep their direction.
+        overhang_reverse: bool = false;
+
+        ["Supports"]
+        /// Whether to print supports under what nothing else holds: nowhere,
+        /// wherever they are needed (auto), or only where they stand on the
+        /// bed (plate).
+        supports: Supports = Supports::Off;
+
+        ["Draughts"]
+        /// Whether a wall, one line thick, stands around the part and its
+        /// supports and keeps draughts off: off, full, or up to a height above
+        /// the bed. It takes the skirt's place.
+        draft_shield: DraftShield = DraftShield::Off, in 0.1..=10_000.0;
+        /// Gap between the draft shield and what is within it, brims included.
+        draft_shield_gap: Mm = 10.0, in 0.5..=1000.0;
+
+        ["Sparse infill"]
+        /// Share of the inside that is printed; 0 leaves it hollow. Infill
+        /// that is an expression is as dense as the expression makes it.
+        infill_density: Varying<Percent> = Varying::Constant(15.0),
+            in 0.0..=100.0;
+        /// Pattern of the sparse infill. An expression, or the path of a
+        /// script, is a pattern of your own: beads where it is zero, or a shape
+        /// that is negative inside (infill_mode).
+        infill: Infill = Infill::Pattern(InfillPattern::Rectilinear);
+        /// What an expression of infill is: a surface to lay beads on, or a
+        /// solid to print like a part of its own.
+        infill_mode: InfillMode = InfillMode::Surface;
+        /// Number of walls of infill that is a solid.
+        infill_walls: u32 = 1, in 0..=1000;
+        /// Line width of sparse infill; auto is 112.5% of the nozzle's
+        /// diameter.
+        infill_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
+        /// Direction of infill lines, counter-clockwise from the x axis.
+        infill_angle: Degrees = 45.0, in -360.0..=360.0;
+        /// How far the pattern is moved along its repeat.
+        infill_phase: Percent = 0.0, in 0.0..=100.0;
+        /// What the pattern is laid out from. If it is the bed, parts on one
+        /// bed continue each other's pattern.
+        infill_centre: InfillCentre = InfillCentre::Object;
+        /// How far sparse infill reaches into the wall or skin around it, as
+        /// a share of its line width; skin has skin_wall_overlap.
+        infill_overlap: Percent = 25.0, in 0.0..=100.0;
+
+        ["Flow"]
+        /// Material extruded, as a share of the beads' volume; multiplies
+        /// filament.flow.
+        flow: Varying<Percent> = Varying::Constant(100.0),
+            in 10.0..=300.0;
+        /// Width of the beads of the part, as a share of their line width.
+        /// Their centre lines stay where they are.
+        bead_width: Varying<Percent> = Varying::Constant(100.0),
+            in 50.0..=180.0;
+    }
+    /// Fuzzy skin: a rough texture on the walls one sees.
+    fuzzy: FuzzySkin {
+        /// Greatest distance by which an outer wall is moved outwards or
+        /// inwards; 0 leaves it smooth.
+        thickness: Varying<Mm> = Varying::Constant(0.0), in 0.0..=5.0;
+        /// Size of the bumps.
+        grain: Mm = 0.8, in 0.1..=100.0;
+        /// Whether the walls of holes are fuzzy, too.
+        holes: bool = false;
+    }
+    /// What holds a part while it is printed.
+    support: Support {
+        /// How far a face may lean from the vertical and still hold itself; a
+        /// face that leans farther gets a warning.
+        angle: Degrees = 55.0, in 0.0..=89.0;
+        /// Where supports are wanted, if that is an expression: where it is
+        /// positive, under every face, whatever its angle; where it is
+        /// negative, under none; where it is 0, by the angle. z is the height
+        /// of the underside above the bed. A number holds everywhere.
+        where_: Varying = Varying::Constant(0.0), in -10.0..=10.0;
+        /// What supports look like below their dense tops.
+        style: SupportStyle = SupportStyle::Auto;
+        /// Distance between supports and the part beside them.
+        xy_gap: Mm = 0.35, in 0.0..=10.0;
+        /// Gap between a support and the underside above it, whatever the
+        /// layer height: supports have heights of their own.
+        z_gap: Mm = 0.2, in 0.0..=10.0;
+        /// Gap between the part and a support that stands on it.
+        z_gap_bottom: Mm = 0.2, in 0.0..=10.0;
+        /// How far branches of supports may lean from the vertical; 0 for
+        /// straight columns.
+        branch_angle: Degrees = 45.0, in 0.0..=70.0;
+        /// Share of a support's inside that is printed.
+        density: Percent = 12.0, in 1.0..=100.0;
+        /// Number of dense layers at the top of a support.
+        interface_layers: u32 = 2, in 0..=1000;
+        /// Share of the dense layers at the top of a support that is printed.
+        interface_density: Percent = 95.0, in 10.0..=100.0;
+        /// Distance between the lines of the dense layers at the top of a
+        /// support, from middle to middle; auto follows interface_density.
+        interface_spacing: Option<Mm> = None, in 0.1..=20.0;
+        /// Pattern of the dense layers at the top of a support.
+        interface_pattern: SkinPattern = SkinPattern::Lines;
+        /// Whether the top of a support is level in each layer, or follows the
+        /// underside above it; contour_z_below gives that underside no steps.
+        interface_shape: InterfaceShape = InterfaceShape::Flat;
+        /// Direction of the lines of the dense layers at the top of a support,
+        /// on even layers, counter-clockwise from the x axis; odd layers are
+        /// turned by a right angle. auto is infill_angle.
+        interface_angle: Option<Degrees> = None, in -360.0..=360.0;
+        /// Material extruded for supports, and for the first layer of a raft, as
+        /// a share of their beads' volume; multiplies flow.
+        flow: Percent = 100.0, in 10.0..=300.0;
+        /// Material extruded for the dense layers at the top of a support, and
+        /// for the solid layers of a raft, as a share of their beads' volume;
+        /// multiplies flow.
+        interface_flow: Percent = 100.0, in 10.0..=300.0;
+    }
+    /// Layers between the bed and the part, which come off after the print.
+    raft: Raft {
+        /// Number of the raft's layers; 0 for no raft. The first is thick and
+        /// sparse, those above it are solid.
+        layers: u32 = 0, in 0..=100;
+        /// Air between the raft and the part. auto is 0.2 mm, or the nozzle's
+        /// diameter less layer_height if that is less.
+        gap: Option<Mm> = None, in 0.0..=2.0;
+        /// How far the raft reaches beyond the first layer of the part and of
+        /// its supports.
+        expansion: Mm = 3.0, in 0.0..=100.0;
+    }
+    /// Speeds of the nozzle.
+    speed: Speed {
+        /// Speed of outer walls.
+        outer_wall: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
+        /// Speed of the walls behind the outer wall.
+        inner_wall: Varying<MmPerSec> = Varying::Constant(60.0),
+            in 0.1..=2000.0;
+        /// Speed of the beads that fill gaps between walls.
+        gap_fill: Varying<MmPerSec> = Varying::Constant(60.0),
+            in 0.1..=2000.0;
+        /// Speed of sparse infill.
+        sparse_infill: Varying<MmPerSec> = Varying::Constant(80.0),
+            in 0.1..=2000.0;
+        /// Speed of solid layers that are covered from both sides.
+        internal_skin: Varying<MmPerSec> = Varying::Constant(60.0),
+            in 0.1..=2000.0;
+        /// Greatest speed of closed walls shorter than small_wall_length:
+        /// around thin pins and small holes.
+        small_wall: MmPerSec = 25.0, in 0.1..=2000.0;
+        /// Closed walls shorter than this are printed at small_wall at most;
+        /// 0 for none.
+        small_wall_length: Mm = 20.0, in 0.0..=1000.0;
+        /// Speed of skin that faces upwards.
+        top_skin: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
+        /// Speed of skin that faces downwards.
+        bottom_skin: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
+        /// Speed of bridges.
+        bridge: Varying<MmPerSec> = Varying::Constant(30.0),
+            in 0.1..=2000.0;
+        /// Speed of internal bridges.
+        internal_bridge: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
+        /// Speed of walls that hang over the layer below.
+        overhang: Varying<MmPerSec> = Varying::Constant(20.0),
+            in 0.1..=2000.0;
+        /// Speeds of walls by the share of their width that reaches beyond the
+        /// layer below, instead of speed.overhang. Between steps the speed
+        /// changes evenly, from the wall's own at 0% on, and is never more than
+        /// that. What lies over a support counts half.
+        overhang_steps: Steps = Steps::of_speed();
+        /// Speed of ironing.
+        ironing: Varying<MmPerSec> = Varying::Constant(20.0),
+            in 0.1..=2000.0;
+        /// Speed of supports.
+        support: MmPerSec = 80.0, in 0.1..=2000.0;
+        /// Speed of the dense layers at the top of supports.
+        support_interface: MmPerSec = 60.0, in 0.1..=2000.0;
+        /// Speed of the skirt and the brim.
+        skirt: MmPerSec = 30.0, in 0.1..=2000.0;
+        /// Greatest printing speed on the first layer.
+        first_layer: MmPerSec = 20.0, in 0.1..=2000.0;
+        /// Speed of moves that do not print.
+        travel: MmPerSec = 150.0, in 0.1..=2000.0;
+    }
+    /// Accelerations of the nozzle by what is printed; 0 takes the printer's
+    /// own, printer.acceleration.
+    acceleration: Acceleration {
+        /// Acceleration of outer walls.
+        outer_wall: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+        /// Acceleration of the walls behind the outer wall, and of the beads
+        /// that fill gaps between walls.
+        inner_wall: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+        /// Acceleration of sparse infill.
+        sparse_infill: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+        /// Acceleration of solid layers that are covered from both sides.
+        internal_skin: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+        /// Acceleration of skin that faces upwards, and of ironing.
+        top_skin: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+        /// Acceleration of skin that faces downwards.
+        bottom_skin: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+        /// Acceleration of bridges, internal ones as well.
+        bridge: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+        /// Acceleration of walls that hang over the layer below.
+        overhang: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+        /// Greatest acceleration of everything printed on the first layer; 0
+        /// for no limit.
+        first_layer: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+        /// Acceleration of moves that do not print; 0 takes
+        /// printer.travel_acceleration.
+        travel: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
+    }
+    /// Travels: the way between beads.
+    travel: Travel {
+        /// Where travels may lead to avoid what is in their way: straight only,
+        /// anywhere inside the part, not over top skin, or over sparse infill
+        /// only. From one island to another they leave and enter square to the
+        /// border.
+        combing: Combing = Combing::NotOverTopSkin;
+        /// Travels that would become longer by more than this go straight,
+        /// retracted.
+        max_detour: Mm = 30.0, in 0.0..=10_000.0;
+    }
+    /// Pulling back the filament before a travel.
+    retract: Retract {
+        /// Whether only travels that cross something retract: those that leave
+        /// what hides their ooze (hidden), or cross a wall. If false, all
+        /// travels of at least min_travel retract.
+        when_crossing: bool = true;
+        /// Whether crossing a wall counts. A travel also crosses a wall if it
+        /// comes nearer to it than half a line's width.
+        check_walls: bool = true;
+        /// What hides the ooze of travels: sparse infill alone, or whatever is
+        /// inside the part and no top skin (covered). auto chooses for each
+        /// layer: sparse-infill if that fills a quarter of the layer or more,
+        /// otherwise covered, as in lattices and in solid skin; travels may
+        /// then also cross inner walls.
+        hidden: Hidden = Hidden::Auto;
+        /// Length of filament pulled back; 0 turns retraction off.
+        length: Mm = 0.8, in 0.0..=50.0;
+        /// Speed of pulling back.
+        speed: MmPerSec = 35.0, in 0.1..=500.0;
+        /// Speed of pushing forward again.
+        prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
+        /// Travels shorter than this never retract: they go straight, or round
+        /// what shows. A way round that is longer and shows as well retracts
+        /// if it is up to 3 times as long as the straight way; otherwise the
+        /// travel goes straight.
+        min_travel: Mm = 1.5, in 0.0..=1000.0;
+        /// Travels longer than this ooze too much: they retract even if the
+        /// ooze is hidden, or prime by ooze_prime.
+        max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
+        /// Length of filament pushed forward after a hidden travel longer than
+        /// max_unretracted, instead of a retraction; 0 retracts.
+        ooze_prime: Mm = 0.0, in 0.0..=5.0;
+        /// Length of filament pushed forward beyond what was pulled back, to
+        /// make up for what oozed; negative for less.
+        extra_prime: Mm = 0.0, in -5.0..=5.0;
+        /// How far the nozzle goes on along the bead just printed while it
+        /// retracts: round a closed one, back along an open one; 0 for no
+        /// wiping.
+        wipe: Mm = 0.0, in 0.0..=100.0;
+        /// Share of the retraction that is done before the wipe; the rest is
+        /// done during the wipe.
+        before_wipe: Percent = 0.0, in 0.0..=100.0;
+        /// How far the nozzle is lifted during a retracted travel.
+        z_hop: Mm = 0.0, in 0.0..=10.0;
+        /// Which retracted travels are lifted.
+        z_hop_when: HopWhen = HopWhen::Crossing;
+        /// Whether the firmware retracts (G10 and G11). The start of the file
+        /// tells it the lengths and speeds set here.
+        firmware: bool = false;
+    }
+    /// Loops around the part that start the flow before the part does.
+    skirt: Skirt {
+        /// Number of loops; 0 for no skirt.
+        loops: u32 = 1, in 0..=1000;
+        /// Gap between the part, or its brim, and the innermost loop.
+        distance: Mm = 6.0, in 0.0..=1000.0;
+        /// Number of layers, from the bed, that have a skirt.
+        layers: u32 = 1, in 0..=50_000;
+    }
+    /// Several parts on one plate.
+    plate: PlateSettings {
+        /// Distance between parts, with their brims, where they are arranged.
+        spacing: Mm = 5.0, in 0.0..=1000.0;
+        /// Whether all parts grow together, or one part is printed after the
+        /// other. Then the head must have room beside those that are finished
+        /// (printer.head_clearance_radius, printer.gantry_height).
+        sequence: PlateSequence = PlateSequence::AllAtOnce;
+    }
+    /// Loops beside the first layer that hold the part down.
+    brim: Brim {
+        /// Where the brim is: around the part, in its holes, both, or as ears,
+        /// discs at its sharp corners.
+        place: BrimPlace = BrimPlace::None;
+        /// Width of all loops together.
+        width: Mm = 5.0, in 0.1..=200.0;
+        /// Gap between the part and the first loop; the wider the gap, the
+        /// easier the brim comes off.
+        gap: Mm = 0.1, in 0.0..=20.0;
+        /// Corners of the first layer that are sharper than this get ears.
+        ear_angle: Degrees = 125.0, in 0.0..=180.0;
+        /// Radius of ears.
+        ear_radius: Mm = 5.0, in 0.5..=50.0;
+    }
+    /// Fan, and slowing down for small layers.
+    cooling: Cooling {
+        /// Speed of the part's fan.
+        fan_speed: Varying<Percent> = Varying::Constant(100.0),
+            in 0.0..=100.0;
+        /// Speed of the part's fan while bridges are printed.
+        bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speed of the part's fan while internal bridges are printed; auto is
+        /// bridge_fan_speed.
+        internal_bridge_fan_speed: Option<Percent> = None, in 0.0..=100.0;
+        /// Speed of the part's fan while the dense layers at the top of
+        /// supports, and the solid layers of a raft, are printed: the faster
+        /// the fan, the less they stick to the part. auto is fan_speed.
+        support_interface_fan_speed: Option<Percent> = None, in 0.0..=100.0;
+        /// Speed of the part's fan while overhanging walls are printed.
+        overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speeds of the part's fan by the share of a wall's width that reaches
+        /// beyond the layer below, instead of overhang_fan_speed. Between steps
+        /// the speed changes evenly, from fan_speed at 0% on. What lies over a
+        /// support counts half.
+        overhang_fan_steps: Steps = Steps::of_fan();
+        /// Number of layers, from the bed, printed without the fan.
+        fan_off_layers: u32 = 1, in 0..=50_000;
+        /// Number of the first layer, from the bed, whose fan runs at full
+        /// speed; from fan_off_layers up to it the fan comes up in even steps.
+        /// 0 for no steps.
+        full_fan_layer: u32 = 0, in 0..=50_000;
+        /// Speed of the part's fan on layers that take only min_layer_time, if
+        /// it is more than fan_speed; layers that take less than
+        /// long_layer_time get a speed in between. auto is fan_speed.
+        short_layer_fan_speed: Option<Percent> = None, in 0.0..=100.0;
+        /// A layer that takes this long or longer has fan_speed.
+        long_layer_time: Seconds = 30.0, in 0.0..=3600.0;
+        /// Least time of a layer; a layer that would take less is printed
+        /// slower.
+        min_layer_time: Seconds = 8.0, in 0.0..=3600.0;
+        /// Least speed to which min_layer_time slows beads down.
+        min_speed: MmPerSec = 10.0, in 0.1..=2000.0;
+    }
+    /// The material.
+    filament: Filament {
+        /// Diameter of the filament.
+        diameter: Mm = 1.75, in 0.5..=10.0;
+        /// Name of the material: PLA, PETG, ABS. Hosts show it, and warn if
+        /// another one is loaded.
+        material: String = String::from("PLA");
+        /// Density of the material, for the mass in the summary.
+        density: GramsPerCm3 = 1.24, in 0.1..=25.0;
+        /// Price of a kilogram, in any currency, for the summary; 0 to leave it
+        /// out.
+        cost: PricePerKg = 25.0, in 0.0..=100_000.0;
+        /// Material extruded, as a share of the beads' volume; multiplies
+        /// flow.
+        flow: Percent = 100.0, in 10.0..=300.0;
+        /// Greatest volume of plastic the hot end melts per second; faster
+        /// moves are slowed down to it.
+        max_flow: Mm3PerSec = 12.0, in 0.1..=500.0;
+        /// How fast the flow of plastic may change along a stroke: where it
+        /// would change faster, the faster side begins or ends in steps, for
+        /// hot ends whose pressure follows the filament late. 0 for no limit.
+        max_flow_change: Mm3PerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Pressure advance (linear advance): how long the filament's push
+        /// runs ahead of the nozzle; auto leaves it as the firmware has it.
+        pressure_advance: Option<Seconds> = None, in 0.0..=5.0;
+        /// Temperature of the nozzle above the first layer; an expression of
+        /// it may depend on z only, and holds for whole layers.
+        nozzle_temperature: Varying<Celsius> = Varying::Constant(210.0),
+            in 1.0..=600.0;
+        /// Least temperature of the nozzle at which plastic is pushed; auto
+        /// is 170, below which most firmware refuses to.
+        min_nozzle_temperature: Option<Celsius> = None, in 0.0..=600.0;
+        /// Temperature of the nozzle on the first layer.
+        first_layer_nozzle_temperature: Celsius = 215.0, in 1.0..=600.0;
+        /// Temperature of the bed above the first layer; 0 for no heating.
+        bed_temperature: Celsius = 60.0, in 0.0..=250.0;
+        /// Temperature of the bed on the first layer; 0 for no heating.
+        first_layer_bed_temperature: Celsius = 60.0, in 0.0..=250.0;
+    }
+    /// The machine.
+    printer: Printer {
+        /// Name by which a Prusa printer knows its model (MK3S, MINI, MK4, XL),
+        /// or under which a printer of Bambu Lab's is sold (Bambu Lab A1); its
+        /// firmware checks that the file is for it. Empty for no check.
+        model: String = String::new();
+        /// Width of the bed; x runs from 0 to this.
+        bed_x: Mm = 220.0, in 1.0..=10_000.0;
+        /// Depth of the bed; y runs from 0 to this.
+        bed_y: Mm = 220.0, in 1.0..=10_000.0;
+        /// Greatest height of a print.
+        height: Mm = 250.0, in 1.0..=10_000.0;
+        /// Diameter of the nozzle's hole. Line widths, layer heights and other
+        /// lengths that are auto, or a share such as 75%, follow it.
+        nozzle_diameter: Mm = 0.4, in 0.05..=5.0;
+        /// Diameter of the nozzle's flat end, which contour_z has to allow for;
+        /// auto is 250% of the nozzle's diameter.
+        nozzle_flat: Option<Mm> = None, in 0.0..=20.0;
+        /// Greatest temperature that the hot end bears; settings beyond it
+        /// are refused. auto if it is not known: 450.
+        max_nozzle_temperature: Option<Celsius> = None, in 1.0..=600.0;
+        /// Greatest temperature that the bed reaches; settings beyond it are
+        /// refused. auto if it is not known: 200.
+        max_bed_temperature: Option<Celsius> = None, in 1.0..=250.0;
+        /// Greatest temperature that a heated chamber reaches, for the check
+        /// of start templates and of files. auto if it is not known.
+        max_chamber_temperature: Option<Celsius> = None, in 1.0..=250.0;
+        /// Acceleration of printing moves if the group acceleration has no
+        /// other.
+        acceleration: MmPerSec2 = 1000.0, in 1.0..=100_000.0;
+        /// Acceleration of moves that do not print if acceleration.travel is 0.
+        travel_acceleration: MmPerSec2 = 1500.0, in 1.0..=100_000.0;
+        /// Speed at which a right-angled corner is passed.
+        square_corner_velocity: MmPerSec = 5.0, in 0.0..=200.0;
+        /// Greatest speed in the plane; no move is faster.
+        max_speed: MmPerSec = 500.0, in 1.0..=5000.0;
+        /// How far from the nozzle the head reaches, seen from above: the
+        /// radius of a circle around the nozzle that holds all of it. Parts
+        /// that are printed one by one keep that distance. auto if it is not
+        /// known.
+        head_clearance_radius: Option<Mm> = None, in 1.0..=500.0;
+        /// Height above the nozzle's tip up to which nothing but the nozzle is
+        /// within head_clearance_radius: parts no higher than this may stand
+        /// nearer to those printed after them.
+        head_clearance_height: Mm = 0.0, in 0.0..=500.0;
+        /// Height above the nozzle's tip of whatever moves across the whole bed
+        /// with the head, such as the beam that carries it. Of parts that are
+        /// printed one by one only the last may be higher. auto if it is not
+        /// known.
+        gantry_height: Option<Mm> = None, in 1.0..=1000.0;
+        /// How far the head reaches from the nozzle to the front (towards y =
+        /// 0), where the beam that carries the head, and its cables, are behind
+        /// the nozzle, as on printers whose bed moves in y. Parts that are
+        /// printed one by one may be higher than gantry_height if they stand
+        /// that far behind one another; the front one is printed first. auto
+        /// if it is not known: then only the last may be higher.
+        front_clearance: Option<Mm> = None, in 1.0..=1000.0;
+        /// How many moves a second the firmware takes: where beads bend more
+        /// often, they are slowed. auto for what is usual: 200 for Marlin, 400
+        /// for Prusa's, 500 for RepRapFirmware and Bambu Lab's, 1000 for
+        /// Klipper.
+        max_moves_per_second: Option<PerSec> = None, in 10.0..=100_000.0;
+        /// Whether the firmware follows arcs (G2 and G3) as closely as many
+        /// short moves.
+        takes_arcs: bool = false;
+        /// Greatest speed of the z axis.
+        max_speed_z: MmPerSec = 10.0, in 0.1..=1000.0;
+        /// Greatest acceleration of the z axis, for the estimate of the time
+        /// only: the printer keeps its own.
+        max_acceleration_z: MmPerSec2 = 100.0, in 1.0..=100_000.0;
+        /// Acceleration of the filament while nothing is printed, for the
+        /// estimate of the time only: Marlin's M204 R, RepRapFirmware's M201 E,
+        /// Klipper's max_extrude_only_accel.
+        retract_acceleration: MmPerSec2 = 5000.0, in 1.0..=100_000.0;
+    }
+    /// The G-code. Templates are text with placeholders such as {{
+    /// nozzle_temperature }}; docs/gcode.md lists them.
+    gcode: Gcode {
+        /// Firmware that will read the G-code.
+        flavour: Flavour = Flavour::Marlin;
+        /// The slicer whose words the comments use, for viewers and hosts.
+        comments: Comments = Comments::Prusa;
+        /// Whether extruder positions are relative to the last one instead of
+        /// absolute.
+        relative_e: bool = false;
+        /// Whether curved paths of constant width are written as arcs (G2 and
+        /// G3); auto writes them if printer.takes_arcs is true.
+        arcs: Emit = Emit::Auto;
+        /// Template for the start of the print; empty for homing only.
+        /// Temperatures that it does not set are set before it, and waited for
+        /// after it.
+        start: String = String::new();
+        /// Template for the end of the print, where the fan is already off.
+        /// Empty to turn the heaters off, move the head up and aside, and turn
+        /// the motors off.
+        end: String = String::new();
+        /// Template for the beginning of every layer; it must leave the
+        /// filament as it was, but may move the head.
+        layer: String = String::new();
+        /// Whether the start sets the printer's accelerations and its speed
+        /// through corners. If false, these only count for the estimate of the
+        /// time.
+        set_limits: bool = true;
+        /// Whether layers tell how far the print has come, and the minutes left
+        /// (M73); auto does so for Marlin, Prusa's and Bambu Lab's firmware. Only
+        /// files of a whole part can tell.
+        progress: Emit = Emit::Auto;
+        /// Whether the part has a label, by which hosts show and exclude it;
+        /// auto labels it for firmware that always understands labels.
+        labels: Emit = Emit::Auto;
+        /// Sizes of the pictures in the file's head that hosts and printers
+        /// show, such as "32x32, 300x300"; empty for none. Each is a PNG
+        /// unless the size says /QOI or /JPG.
+        thumbnails: Sizes = Sizes::thumbnails();
+    }
+}

@@ -1,0 +1,489 @@
+//! The table of settings: the macro that declares it and the rows it makes.
+//!
+//! In: the rows in `rows`. Out: the structs with their defaults,
+//! and [`keys`], one [`Key`] per setting with everything that can be said
+//! about it. A setting cannot exist without a row, nor a row without a
+//! setting.
+
+use super::Settings;
+use super::rows::{GROUPS, KEYS};
+use super::value::{Kind, Measure, Range, Raw, Value};
+
+/// One row of the table: a setting's name and all that is known about it.
+#[derive(Debug)]
+pub struct Key {
+    /// Name of the setting in files and on the command line: `layer_height`,
+    /// `speed.outer_wall`.
+    pub name: &'static str,
+    pub(super) section: &'static str,
+    /// Unit of the setting's value; empty if it has none.
+    pub unit: &'static str,
+    /// Allowed values, if the setting is a number.
+    pub range: Option<Range>,
+    pub(super) doc: &'static str,
+    pub(super) field: fn(&Settings) -> &dyn Value,
+    pub(super) field_mut: fn(&mut Settings) -> &mut dyn Value,
+}
+
+impl Key {
+    /// What the setting means, in a sentence or two.
+    pub fn description(&self) -> String {
+        tidy(self.doc)
+    }
+
+    /// Heading under which the setting is listed.
+    pub fn section(&self) -> String {
+        GROUPS
+            .iter()
+            .find(|(group, _)| *group == self.group())
+            .map_or_else(|| self.section.to_owned(), |(_, doc)| tidy(doc))
+    }
+
+    /// What may be assigned: `0.02 to 2 mm`, `marlin or klipper`.
+    pub fn allowed(&self) -> String {
+        let range = self.range_with(&self.spaced_unit());
+        match self.kind() {
+            Kind::Number | Kind::Whole => range,
+            Kind::Varying => format!("{range}, or \"expr: ...\""),
+            Kind::WholeOrAuto | Kind::NumberOrAuto => {
+                format!("auto, or {range}")
+            }
+            Kind::ByNozzle => {
+                format!("auto, {range}, or a share of the nozzle such as 75%")
+            }
+            Kind::Switch => "true or false".to_owned(),
+            Kind::Text => "any text".to_owned(),
+            Kind::Sizes => {
+                "32x32, 300x300 or other sizes, or nothing".to_owned()
+            }
+            Kind::Steps(allowed) => allowed.to_owned(),
+            Kind::Word(words) => alternatives(words),
+            Kind::WordOrShape(words) => {
+                format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
+            }
+            Kind::WordOrFormula(words) => {
+                format!("{} or \"expr: ...\"", words.join(", "))
+            }
+            Kind::WordOrNumber(words) => {
+                format!("{} or {range}", words.join(", "))
+            }
+        }
+    }
+
+    /// What may be assigned and how it is written, for a message about a wrong
+    /// type.
+    pub(super) fn expected(&self) -> String {
+        let range = self.range_with("");
+        match (self.kind(), self.unit) {
+            (Kind::Number, "") => format!("a number from {range}"),
+            (Kind::Number, "%") => format!(
+                "a percentage, {}, such as 25 or \"25%\"",
+                self.range_with("%")
+            ),
+            (Kind::Number, unit) => {
+                let from = match self.range {
+                    Some(Range { or_zero: true, .. }) => "",
+                    _ => "a number from ",
+                };
+                format!("{from}{range} (in {unit}, without quotes or unit)")
+            }
+            (Kind::Varying, unit) => format!(
+                "{range}{}{unit} or \"expr: ...\", a formula of x, y, z and {}",
+                if unit.is_empty() { "" } else { " " },
+                // `Quantity::of_outline` knows the curvature in place of the
+                // depth.
+                match self.name {
+                    "xy_compensation" => "curvature",
+                    _ => "d",
+                }
+            ),
+            (Kind::Whole, _) => format!("a whole number, {range}"),
+            (Kind::WholeOrAuto, _) => {
+                format!("\"auto\" or a whole number, {range}")
+            }
+            (Kind::NumberOrAuto, unit) => {
+                format!(
+                    "\"auto\" or a number from {range} (in {unit}, without \
+                     unit)"
+                )
+            }
+            (Kind::ByNozzle, unit) => format!(
+                "\"auto\", a number from {range} (in {unit}, without unit), \
+                 or a share of the nozzle's diameter, such as \"75%\""
+            ),
+            (Kind::Text, _) => "text in quotes".to_owned(),
+            (Kind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
+            (
+                Kind::Switch
+                | Kind::Steps(_)
+                | Kind::Word(_)
+                | Kind::WordOrShape(_)
+                | Kind::WordOrFormula(_)
+                | Kind::WordOrNumber(_),
+                _,
+            ) => self.allowed(),
+        }
+    }
+
+    fn range_with(&self, unit: &str) -> String {
+        self.range
+            .map_or_else(String::new, |range| format!("{range}{unit}"))
+    }
+
+    /// The words that may be assigned, if nothing else may.
+    pub fn words(&self) -> &'static [&'static str] {
+        match self.kind() {
+            Kind::Word(words) => words,
+            Kind::Switch => &["true", "false"],
+            _ => &[],
+        }
+    }
+
+    /// The words that may be assigned, whether or not numbers or formulas may be
+    /// assigned as well.
+    pub fn some_words(&self) -> &'static [&'static str] {
+        match self.kind() {
+            Kind::WordOrShape(words)
+            | Kind::WordOrFormula(words)
+            | Kind::WordOrNumber(words) => words,
+            Kind::WholeOrAuto | Kind::NumberOrAuto | Kind::ByNozzle => {
+                &["auto"]
+            }
+            _ => self.words(),
+        }
+    }
+
+    /// The setting's value in `settings`, as TOML.
+    pub fn get(&self, settings: &Settings) -> String {
+        (self.field)(settings).to_toml()
+    }
+
+    /// The length that the setting's value is with the nozzle of `settings`,
+    /// mm, if lengths of this setting may follow the nozzle.
+    pub fn length(&self, settings: &Settings) -> Option<f64> {
+        let all = settings.by_nozzle().into_iter();
+        let mut of_this = all.filter(|(name, _, _)| *name == self.name);
+        of_this.next().map(|(_, _, length)| length)
+    }
+
+    /// The setting's default, as TOML.
+    pub fn default(&self) -> String {
+        self.get(&Settings::default())
+    }
+
+    /// The group's name, empty for a setting outside the groups.
+    pub(super) fn group(&self) -> &'static str {
+        self.name.split_once('.').map_or("", |(group, _)| group)
+    }
+
+    /// The name within the group.
+    pub(super) fn leaf(&self) -> &'static str {
+        self.name
+            .split_once('.')
+            .map_or(self.name, |(_, leaf)| leaf)
+    }
+
+    /// The unit as text behind a number.
+    pub(super) fn spaced_unit(&self) -> String {
+        match self.unit {
+            "" => String::new(),
+            "%" | "°" => self.unit.to_owned(),
+            unit => format!(" {unit}"),
+        }
+    }
+
+    /// What a number for the setting is measured by.
+    pub(super) fn measure(&self) -> Measure {
+        Measure {
+            unit: self.unit,
+            range: self.range,
+        }
+    }
+
+    /// True if the setting takes a text.
+    pub(super) fn takes(&self, text: &str) -> bool {
+        let mut settings = Settings::default();
+        let field = (self.field_mut)(&mut settings);
+        field.assign(Raw::Text(text), self.measure()).is_ok()
+    }
+
+    pub(super) fn kind(&self) -> Kind {
+        (self.field)(&Settings::default()).kind()
+    }
+}
+
+/// Every setting, in the order in which they are listed.
+pub fn keys() -> &'static [Key] {
+    KEYS
+}
+
+/// Names that settings once had, and those they have now.
+const RENAMED: [(&str, &str); 2] = [
+    ("speed.small_perimeter", "speed.small_wall"),
+    ("speed.small_perimeter_length", "speed.small_wall_length"),
+];
+
+/// The key of a name, which may be one that the setting once had.
+pub(super) fn find(name: &str) -> Option<&'static Key> {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == name);
+    let name = renamed.map_or(name, |(_, new)| new);
+    keys().iter().find(|key| key.name == name)
+}
+
+/// True if there are settings named `name.…`.
+pub(super) fn is_group(name: &str) -> bool {
+    keys().iter().any(|key| key.group() == name)
+}
+
+/// The known name most like `name`, or nothing if all are very different.
+pub(super) fn nearest(name: &str) -> Option<&'static str> {
+    // Likeness below which suggestions are guesses that do not help.
+    const ALIKE: f64 = 0.6;
+    let name = name.to_lowercase().replace('-', "_");
+    let leaf = name.rsplit('.').next().unwrap_or(&name);
+    keys()
+        .iter()
+        .map(|key| {
+            let whole = strsim::normalized_damerau_levenshtein(&name, key.name);
+            // The right name in the wrong group, and a part of a name, are
+            // likelier than a misspelling. Between several the whole name
+            // decides.
+            let part = strsim::normalized_damerau_levenshtein(leaf, key.leaf());
+            let part = if leaf.len() > 2 && key.leaf().contains(leaf) {
+                part.max(0.9)
+            } else {
+                part
+            };
+            (whole.max(0.9 * part) + 0.01 * whole, key.name)
+        })
+        .filter(|(likeness, _)| *likeness >= ALIKE)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
+/// The names that have `name` as a part, in whole words, and as few other words
+/// as possible. They are in the table's order, and of the group that `name`
+/// has, if it has one.
+pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
+    const MOST: usize = 4;
+    let name = name.to_lowercase().replace('-', "_");
+    let (group, name) = name.split_once('.').unwrap_or(("", &name));
+    let of_group = |key: &&Key| group.is_empty() || key.group() == group;
+    let besides = |key: &Key| {
+        let (whole, part) = (format!("_{}_", key.leaf()), format!("_{name}_"));
+        whole
+            .contains(&part)
+            .then(|| key.leaf().matches('_').count())
+    };
+    let all = keys().iter().filter(of_group);
+    let Some(least) = all.clone().filter_map(besides).min() else {
+        return Vec::new();
+    };
+    let all = all.filter(|key| besides(key) == Some(least));
+    all.map(|key| key.name).take(MOST).collect()
+}
+
+/// Lists words as `a, b or c`.
+pub(super) fn alternatives(words: &[&str]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
+    }
+}
+
+/// A doc comment as one line: doc comments keep the spaces and line breaks of
+/// the source.
+pub(super) fn tidy(doc: &str) -> String {
+    doc.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Name of a field in files: its own, unless Rust keeps that for itself.
+macro_rules! name {
+    (where_) => {
+        "where"
+    };
+    ($field:ident) => {
+        stringify!($field)
+    };
+}
+
+/// Unit of a type in the table.
+macro_rules! unit {
+    (Varying<$inner:ident>) => {
+        $crate::table::unit!($inner)
+    };
+    (Mm) => {
+        "mm"
+    };
+    (Option<$inner:ident>) => {
+        $crate::table::unit!($inner)
+    };
+    (ByNozzle) => {
+        "mm"
+    };
+    (DraftShield) => {
+        "mm"
+    };
+    (Mm2) => {
+        "mm²"
+    };
+    (MmPerSec) => {
+        "mm/s"
+    };
+    (PerSec) => {
+        "1/s"
+    };
+    (MmPerSec2) => {
+        "mm/s²"
+    };
+    (Mm3PerSec) => {
+        "mm³/s"
+    };
+    (Mm3PerSec2) => {
+        "mm³/s²"
+    };
+    (Seconds) => {
+        "s"
+    };
+    (Degrees) => {
+        "°"
+    };
+    (Celsius) => {
+        "°C"
+    };
+    (Percent) => {
+        "%"
+    };
+    (GramsPerCm3) => {
+        "g/cm³"
+    };
+    (PricePerKg) => {
+        "per kg"
+    };
+    ($($other:tt)*) => {
+        ""
+    };
+}
+
+/// Range of a row, if it has one.
+macro_rules! range {
+    () => {
+        None
+    };
+    ($min:literal $max:literal) => {
+        Some($crate::Range {
+            min: $min as f64,
+            max: $max as f64,
+            or_zero: false,
+        })
+    };
+    ($min:literal $max:literal or_zero) => {
+        Some($crate::Range {
+            min: $min as f64,
+            max: $max as f64,
+            or_zero: true,
+        })
+    };
+}
+
+/// Declares the structs, their defaults and the table of keys.
+macro_rules! settings {
+    (
+        $(#[doc = $root_doc:literal])+
+        $root:ident {
+            $(
+                [$section:literal]
+                $(
+                    $(#[doc = $doc:literal])+
+                    $field:ident : $ty:ident $(<$inner:ident>)? = $default:expr
+                        $(, in $min:literal ..= $max:literal)?;
+                )+
+            )+
+        }
+        $(
+            $(#[doc = $group_doc:literal])+
+            $group:ident : $group_ty:ident {
+                $(
+                    $(#[doc = $gdoc:literal])+
+                    $gfield:ident : $gty:ident $(<$ginner:ident>)?
+                        = $gdefault:expr
+                        $(, in $gmin:literal ..= $gmax:literal
+                            $($gzero:ident)?)?;
+                )+
+            }
+        )+
+    ) => {
+        $(#[doc = $root_doc])+
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct $root {
+            $($(
+                $(#[doc = $doc])+
+                #[doc = concat!("\n\nDefault: `", stringify!($default), "`.")]
+                pub $field: $ty $(<$inner>)?,
+            )+)+
+            $(
+                $(#[doc = $group_doc])+
+                pub $group: $group_ty,
+            )+
+        }
+        impl Default for $root {
+            fn default() -> Self {
+                Self {
+                    $($($field: $default,)+)+
+                    $($group: $group_ty::default(),)+
+                }
+            }
+        }
+        $(
+            $(#[doc = $group_doc])+
+            #[derive(Clone, Debug, PartialEq)]
+            pub struct $group_ty {
+                $(
+                    $(#[doc = $gdoc])+
+                    #[doc = concat!(
+                        "\n\nDefault: `", stringify!($gdefault), "`."
+                    )]
+                    pub $gfield: $gty $(<$ginner>)?,
+                )+
+            }
+            impl Default for $group_ty {
+                fn default() -> Self {
+                    Self { $($gfield: $gdefault,)+ }
+                }
+            }
+        )+
+
+        /// Descriptions of the groups, by name.
+        pub(super) static GROUPS: &[(&str, &str)] = &[
+            $((stringify!($group), concat!($($group_doc, "\n"),+)),)+
+        ];
+
+        /// All rows, in their order.
+        pub(super) static KEYS: &[$crate::Key] = &[
+            $($($crate::Key {
+                name: $crate::table::name!($field),
+                section: $section,
+                unit: $crate::table::unit!($ty $(<$inner>)?),
+                range: $crate::table::range!($($min $max)?),
+                doc: concat!($($doc, "\n"),+),
+                field: |settings| &settings.$field,
+                field_mut: |settings| &mut settings.$field,
+            },)+)+
+            $($($crate::Key {
+                name: concat!(
+                    stringify!($group),
+                    ".",
+                    $crate::table::name!($gfield)
+                ),
+                section: stringify!($group),
+                unit: $crate::table::unit!($gty $(<$ginner>)?),
+                range: $crate::table::range!($($gmin $gmax $($gzero)?)?),
+                doc: concat!($($gdoc, "\n"),+),
+                field: |settings| &settings.$group.$gfield,
+                field_mut: |settings| &mut settings.$group.$gfield,
+            },)+)+
+        ];
+    };
+}
+pub(super) use {name, range, settings, unit};

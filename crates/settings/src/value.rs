@@ -1,0 +1,461 @@
+//! Values of settings: what each type reads from TOML or from the command
+//! line, and how it is written.
+//!
+//! In: a [`Raw`] value and the setting's [`Measure`]. Out: the field, changed
+//! only if the value is of the right type and within the range.
+
+use std::fmt;
+
+/// Least and greatest allowed value, both inclusive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
+    /// True if 0 is allowed, too.
+    pub or_zero: bool,
+}
+
+impl Range {
+    /// True if `value` is a number within the range.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.min..=self.max).contains(&value) || self.or_zero && value == 0.0
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.or_zero {
+            f.write_str("0 or ")?;
+        }
+        write!(f, "{} to {}", self.min, self.max)
+    }
+}
+
+/// What a number is measured by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Measure {
+    /// The number's unit; empty if it has none.
+    pub unit: &'static str,
+    /// The range of allowed values, if there is one.
+    pub range: Option<Range>,
+}
+
+/// A value as given, before its setting's type is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Raw<'a> {
+    /// A whole number in TOML.
+    Integer(i64),
+    /// A whole number in TOML beyond 64 bits, as written.
+    Huge(&'a str),
+    /// Any other number in TOML.
+    Float(f64),
+    /// A boolean in TOML.
+    Bool(bool),
+    /// A string in TOML.
+    Text(&'a str),
+    /// The text behind `key=` on the command line, which is read as the
+    /// setting's type.
+    Word(&'a str),
+    /// Something that no setting takes.
+    Other(&'static str),
+}
+
+impl Raw<'_> {
+    /// The value as it was given, for error messages.
+    pub(super) fn describe(&self) -> String {
+        match self {
+            Raw::Integer(i) => i.to_string(),
+            Raw::Float(x) => format!("{x:?}"),
+            Raw::Bool(b) => b.to_string(),
+            Raw::Text(s) => format!("{s:?}"),
+            Raw::Word(s) | Raw::Huge(s) => (*s).to_owned(),
+            Raw::Other(what) => (*what).to_owned(),
+        }
+    }
+}
+
+/// Why a value was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Refused {
+    /// The value is not of the setting's type, or not one of the setting's
+    /// words.
+    Type,
+    /// The value is outside the setting's range, or not finite.
+    Range,
+}
+
+/// What a setting takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    Number,
+    Whole,
+    WholeOrAuto,
+    /// A number or an expression.
+    Varying,
+    NumberOrAuto,
+    /// A length, a share of the nozzle's diameter, or auto.
+    ByNozzle,
+    Switch,
+    Text,
+    /// Sizes of pictures.
+    Sizes,
+    /// Values by steps. The text says what may be assigned.
+    Steps(&'static str),
+    Word(&'static [&'static str]),
+    /// A word, an expression, or the name of a script.
+    WordOrShape(&'static [&'static str]),
+    /// A word, or an expression.
+    WordOrFormula(&'static [&'static str]),
+    /// A word, or a number.
+    WordOrNumber(&'static [&'static str]),
+}
+
+/// A field of the settings.
+pub(super) trait Value {
+    /// Takes the value over, or leaves the field as it is.
+    fn assign(&mut self, raw: Raw<'_>, measure: Measure)
+    -> Result<(), Refused>;
+    /// The value as TOML that `assign` reads back as the same value.
+    fn to_toml(&self) -> String;
+    fn kind(&self) -> Kind;
+}
+
+impl Value for f64 {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
+        let parsed = match raw {
+            Raw::Integer(i) => Some(i as f64),
+            Raw::Float(x) => Some(x),
+            Raw::Huge(_) => return Err(Refused::Range),
+            Raw::Text(s) if measure.unit == "%" => percent(s),
+            Raw::Word(s) if measure.unit == "%" => {
+                percent(s).or(s.parse().ok())
+            }
+            Raw::Word(s) => s.parse().ok(),
+            _ => None,
+        };
+        *self = in_range(parsed.ok_or(Refused::Type)?, measure)?;
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        // Both forms print the shortest digits that read back exactly; the
+        // plain one would write out all zeros of very great or small numbers,
+        // past what a TOML integer holds.
+        let plain = self.abs() < 1e15 && (self.abs() > 1e-5 || *self == 0.0);
+        if plain {
+            format!("{self}")
+        } else {
+            format!("{self:?}")
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Number
+    }
+}
+
+/// `25%` as 25.
+fn percent(s: &str) -> Option<f64> {
+    s.strip_suffix('%')?.trim_end().parse().ok()
+}
+
+fn in_range(value: f64, measure: Measure) -> Result<f64, Refused> {
+    let inside = measure.range.is_none_or(|range| range.contains(value));
+    if value.is_finite() && inside {
+        Ok(value)
+    } else {
+        Err(Refused::Range)
+    }
+}
+
+/// A number, or another choice, that may differ from place to place.
+///
+/// Settings keep an expression as text; the crate `isoslice-model` knows what it means.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Varying<T = f64> {
+    /// One value everywhere.
+    Constant(T),
+    /// A formula of x, y, z and d.
+    Expression(String),
+}
+
+/// The formula of an expression, if a value is one.
+pub(super) fn formula(raw: Raw<'_>) -> Option<String> {
+    let (Raw::Text(text) | Raw::Word(text)) = raw else {
+        return None;
+    };
+    let formula = text.trim().strip_prefix(<Varying>::PREFIX)?;
+    Some(formula.trim().to_owned())
+}
+
+/// A formula as TOML that [`formula`] reads back.
+pub(super) fn formula_to_toml(text: &str) -> String {
+    format!("{} {text}", <Varying>::PREFIX).to_toml()
+}
+
+impl Varying {
+    /// The beginning of an expression, which tells it from other text.
+    pub(crate) const PREFIX: &str = "expr:";
+
+    /// The number, if there is one number for all places.
+    pub fn constant(&self) -> Option<f64> {
+        match self {
+            Varying::Constant(value) => Some(*value),
+            Varying::Expression(_) => None,
+        }
+    }
+
+    /// True if the value is this number everywhere.
+    pub fn is(&self, value: f64) -> bool {
+        self.constant() == Some(value)
+    }
+}
+
+impl<T> Varying<T> {
+    /// The formula, if there is one.
+    pub fn expression(&self) -> Option<&str> {
+        match self {
+            Varying::Constant(_) => None,
+            Varying::Expression(text) => Some(text),
+        }
+    }
+}
+
+impl From<f64> for Varying {
+    fn from(value: f64) -> Self {
+        Varying::Constant(value)
+    }
+}
+
+impl<T: Value + Default> Value for Varying<T> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
+        *self = match formula(raw) {
+            Some(formula) => Varying::Expression(formula),
+            None => {
+                let mut value = T::default();
+                value.assign(raw, measure)?;
+                Varying::Constant(value)
+            }
+        };
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        match self {
+            Varying::Constant(value) => value.to_toml(),
+            Varying::Expression(text) => formula_to_toml(text),
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        match T::default().kind() {
+            Kind::Word(words) => Kind::WordOrFormula(words),
+            _ => Kind::Varying,
+        }
+    }
+}
+
+impl Value for u32 {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
+        let whole = match raw {
+            Raw::Integer(i) => Some(i.into()),
+            Raw::Huge(_) => return Err(Refused::Range),
+            // A number that overflows an i128 is hardly meant as one.
+            Raw::Word(s) => s.parse::<i128>().ok(),
+            _ => None,
+        };
+        let whole = whole.ok_or(Refused::Type)?;
+        in_range(whole as f64, measure)?;
+        *self = u32::try_from(whole).map_err(|_| Refused::Range)?;
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        self.to_string()
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Whole
+    }
+}
+
+/// A value, or `auto`.
+macro_rules! or_auto {
+    ($value:ty, $kind:ident) => {
+        impl Value for Option<$value> {
+            fn assign(
+                &mut self,
+                raw: Raw<'_>,
+                measure: Measure,
+            ) -> Result<(), Refused> {
+                *self = match raw {
+                    Raw::Text("auto") | Raw::Word("auto") => None,
+                    _ => {
+                        let mut value = <$value>::default();
+                        value.assign(raw, measure)?;
+                        Some(value)
+                    }
+                };
+                Ok(())
+            }
+
+            fn to_toml(&self) -> String {
+                self.map_or_else(
+                    || "\"auto\"".to_owned(),
+                    |value| value.to_toml(),
+                )
+            }
+
+            fn kind(&self) -> Kind {
+                Kind::$kind
+            }
+        }
+    };
+}
+
+or_auto!(u32, WholeOrAuto);
+or_auto!(f64, NumberOrAuto);
+
+impl Value for bool {
+    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
+        *self = match raw {
+            Raw::Bool(b) => b,
+            Raw::Word("true") => true,
+            Raw::Word("false") => false,
+            _ => return Err(Refused::Type),
+        };
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        self.to_string()
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Switch
+    }
+}
+
+impl Value for String {
+    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
+        *self = match raw {
+            Raw::Text(s) | Raw::Word(s) => s.to_owned(),
+            _ => return Err(Refused::Type),
+        };
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        let lines = self.contains('\n');
+        let quotes = if lines { "\"\"\"" } else { "\"" };
+        let mut text = String::from(quotes);
+        if lines {
+            // TOML drops a line break directly after the opening quotes.
+            text.push('\n');
+        }
+        for c in self.chars() {
+            match c {
+                '"' => text.push_str("\\\""),
+                '\\' => text.push_str("\\\\"),
+                '\n' => text.push('\n'),
+                '\t' => text.push('\t'),
+                c if c.is_control() => {
+                    text.push_str(&format!("\\u{:04X}", u32::from(c)));
+                }
+                c => text.push(c),
+            }
+        }
+        text + quotes
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Text
+    }
+}
+
+/// Declares a setting's type that is one of a few words.
+macro_rules! words {
+    ($(
+        $(#[doc = $doc:literal])+
+        $name:ident {
+            $($(#[doc = $variant_doc:literal])+ $variant:ident = $word:literal,)+
+        }
+    )+) => {$(
+        $(#[doc = $doc])+
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $name {
+            $($(#[doc = $variant_doc])+ $variant,)+
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self::ALL[0]
+            }
+        }
+
+        impl $name {
+            /// Every value, in the order of the documentation.
+            pub const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
+
+            /// The value's word in files and assignments.
+            pub fn word(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $word,)+
+                }
+            }
+        }
+
+        impl $crate::value::Value for $name {
+            fn assign(
+                &mut self,
+                raw: $crate::value::Raw<'_>,
+                _: $crate::value::Measure,
+            ) -> Result<(), $crate::value::Refused> {
+                use $crate::value::{Raw, Refused};
+                *self = match raw {
+                    $(Raw::Text($word) | Raw::Word($word) => Self::$variant,)+
+                    _ => return Err(Refused::Type),
+                };
+                Ok(())
+            }
+
+            fn to_toml(&self) -> String {
+                format!("\"{}\"", self.word())
+            }
+
+            fn kind(&self) -> $crate::value::Kind {
+                $crate::value::Kind::Word(&[$($word),+])
+            }
+        }
+    )+};
+}
+pub(super) use words;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floats_are_printed_exactly() {
+        for exact in [0.1 + 0.2, 1.0 / 3.0, 5e-324, 1e-7, 123456.789, 1e300] {
+            let text = exact.to_toml();
+            assert_eq!(text.parse(), Ok(exact));
+            let table: Result<toml::Table, _> = format!("x = {text}").parse();
+            assert!(table.is_ok(), "{text} is not TOML");
+        }
+    }
+}
