@@ -1,7 +1,7 @@
 //! Keys of Cura.
 
 use super::Kind::{Filament, Print, Printer};
-use super::{As, CURA, Make, Outcome, Row, Rule, make};
+use super::{As, CURA, Make, Outcome, Row, Rule, make, patterns};
 use crate::given::Given;
 use Rule::{Ignored, Lost, Made, To};
 
@@ -200,32 +200,10 @@ pub(super) static ROWS: &[Row] = rows! {
         };
     CURA Print: "infill_sparse_density" => To("infill_density", As::Percent);
     CURA Print: "infill_pattern"
-        => To(
-            "infill",
-            As::Words(&[
-                ("lines", "rectilinear"),
-                ("zigzag", "rectilinear"),
-                ("grid", "grid"),
-                ("triangles", "triangles"),
-                ("trihexagon", "triangles"),
-                ("cubic", "cubic"),
-                ("cubicsubdiv", "cubic"),
-                ("quarter_cubic", "cubic"),
-                ("tetrahedral", "cubic"),
-                ("concentric", "concentric"),
-                ("gyroid", "gyroid"),
-            ]),
-        );
+        => To("infill", patterns::INFILL_OF_CURA);
     CURA Print: "infill_overlap" => To("infill_overlap", As::Percent);
     CURA Print: "top_bottom_pattern"
-        => To(
-            "bottom_skin_pattern",
-            As::Words(&[
-                ("lines", "lines"),
-                ("zigzag", "lines"),
-                ("concentric", "concentric"),
-            ]),
-        );
+        => To("bottom_skin_pattern", patterns::SKIN_OF_CURA);
     CURA Print: "z_seam_type"
         => To(
             "seam",
