@@ -144,6 +144,10 @@ const PRUSA: &[Slicer] = &[Slicer::Prusa];
 const ORCA: &[Slicer] = &[Slicer::Orca];
 const CURA: &[Slicer] = &[Slicer::Cura];
 
+/// Why the flows of walls, skin and infill have no counterparts.
+const FLOW: &str = "walls, skin and infill have one flow: flow, which may be a \
+                    formula of the place";
+
 /// Every row, in the order in which they are carried out.
 pub fn rows() -> impl Iterator<Item = &'static Row> {
     [printer::ROWS, filament::ROWS, print::ROWS, cura::ROWS]

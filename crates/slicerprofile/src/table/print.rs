@@ -1,7 +1,7 @@
 //! Keys of kinds of print.
 
 use super::Kind::Print;
-use super::{As, BOTH, Make, ORCA, PRUSA, Row, Rule, make, patterns};
+use super::{As, BOTH, FLOW, Make, ORCA, PRUSA, Row, Rule, make, patterns};
 use Rule::{Ignored, Lost, Made, To};
 
 const SEVERAL: &str = "isoslice prints with one extruder and one material";
@@ -374,11 +374,7 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "bridge_angle", "internal_bridge_angle"
         => Lost(&["0"], "isoslice lays bridges along the shortest span");
     BOTH Print: "top_solid_infill_flow_ratio", "bottom_solid_infill_flow_ratio"
-        => Lost(
-            &["1", "1.0", "1.00"],
-            "there is one flow for all of a part: flow, which may be a formula \
-             of the place",
-        );
+        => Lost(&["1", "1.0", "1.00"], FLOW);
     BOTH Print: "only_one_perimeter_top", "only_one_wall_top",
         "top_one_perimeter_type", "top_one_wall_type"
         => To(
@@ -565,10 +561,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "external_perimeter_extrusion_spacing", "infill_extrusion_spacing",
         "solid_infill_extrusion_spacing", "top_infill_extrusion_spacing",
         "apply_top_surface_compensation"
-        => Ignored(
-            "there is one flow for all walls and infill: flow, which may be a \
-                 formula of the place",
-        );
+        => Ignored(FLOW);
     BOTH Print: "acceleration_limit_mess", "speed_limit_to_height",
         "material_flow_temp_graph", "slowdown_start_height",
         "slowdown_start_speed", "slowdown_start_acc", "slowdown_end_height",
@@ -699,13 +692,9 @@ pub(super) static ROWS: &[Row] = rows! {
         "gap_fill_flow_ratio", "fill_top_flow_ratio", "scarf_joint_flow",
         "scarf_joint_flow_ratio", "spiral_starting_flow_ratio",
         "spiral_finishing_flow_ratio", "spiral_vase_flow"
-        => Lost(&["1", "1.0", "1.00", "100%"],
-            "there is one flow for all walls and infill: flow, which may be a \
-             formula of the place");
+        => Lost(&["1", "1.0", "1.00", "100%"], FLOW);
     BOTH Print: "small_area_infill_flow_compensation"
-        => Lost(&["0"],
-            "there is one flow for all walls and infill: flow, which may be a \
-             formula of the place");
+        => Lost(&["0"], FLOW);
     BOTH Print: "outer_wall_jerk", "inner_wall_jerk", "infill_jerk",
         "initial_layer_jerk", "top_surface_jerk", "travel_jerk",
         "default_junction_deviation"
