@@ -264,7 +264,8 @@ impl Expr {
             (name, default, value, description)
         });
         let parameters = parameters.collect();
-        Ok((again, (steps(&self.tree)?, self.name.clone(), parameters)))
+        let name = self.name.clone();
+        Ok((again, (steps(&self.tree)?, name, parameters, self.body)))
     }
 
     /// Number of distinct operations, constants and variables.
@@ -274,20 +275,24 @@ impl Expr {
     }
 }
 
-/// A field as pickle has it: its steps, its name, and for each parameter its
-/// name, default, value and description.
+/// A field as pickle has it: its steps, its name, for each parameter its
+/// name, default, value and description, and whether it is a body.
 type Pickled = (
     Vec<Step>,
     Option<String>,
     Vec<(String, String, String, String)>,
+    bool,
 );
 
-/// A field that pickle has read.
+/// A field that pickle has read. Pickles of earlier versions do not say whether
+/// it is a body.
 #[pyfunction]
+#[pyo3(signature = (steps, name, parameters, body = false))]
 pub(crate) fn unpickled_expr(
     steps: Vec<Step>,
     name: Option<String>,
     parameters: Vec<(String, String, String, String)>,
+    body: bool,
 ) -> PyResult<Expr> {
     let parameters = parameters.into_iter();
     let parameters =
@@ -300,7 +305,7 @@ pub(crate) fn unpickled_expr(
             counts: false,
         });
     Ok(Expr {
-        body: false,
+        body,
         tree: tree(&steps)?,
         name,
         parameters: parameters.collect(),

@@ -73,6 +73,25 @@ def test_shared_operations_stay_shared():
     assert copy.deepcopy(field).size == field.size
 
 
+def test_a_body_stays_a_body():
+    ball, hole = iso.sphere(4), iso.cylinder(1, 10)
+    for read, other in [
+        (again(ball), hole),
+        (ball, again(hole)),
+        (copy.deepcopy(ball), hole),
+        (again(ball | hole), again(hole)),
+    ]:
+        with pytest.raises(TypeError, match="isoslice.difference"):
+            read - other
+        with pytest.raises(TypeError, match="isoslice.union"):
+            read + other
+    # A field stays a field.
+    assert (again(1 * ball) - hole)(0, 0, 0) == -3
+    # Pickles of earlier versions do not say what the field is.
+    call, (steps, name, parameters, _) = ball.__reduce__()
+    assert same(call(steps, name, parameters), ball)
+
+
 def test_what_is_no_field():
     for steps in [
         [],

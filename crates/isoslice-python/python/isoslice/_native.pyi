@@ -187,6 +187,7 @@ def unpickled_expr(
     steps: Sequence[Any],
     name: Optional[str],
     parameters: Sequence[tuple[str, str, str, str]],
+    body: bool = False,
 ) -> Expr: ...
 def unpickled_sliced(
     own: str, bytes: Optional[bytes], path: Optional[Path], stream: bool
