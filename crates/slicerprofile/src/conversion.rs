@@ -4,6 +4,37 @@ use crate::Slicer;
 use crate::given::{Given, Value};
 use crate::values::{parse, share};
 
+/// Words of a key, each with isoslice's own. An empty one leaves it to isoslice.
+pub type Pairs = &'static [(&'static str, &'static str)];
+
+/// The word of isoslice for a word of any case.
+fn ours(pairs: Pairs, text: &str) -> Option<&'static str> {
+    let text = text.to_ascii_lowercase();
+    let found = pairs.iter().find(|(theirs, _)| *theirs == text);
+    found.map(|(_, ours)| *ours)
+}
+
+/// Pairs as documentation shows them.
+fn shown(pairs: Pairs) -> String {
+    let pairs = pairs
+        .iter()
+        .map(|(theirs, ours)| format!("{theirs} → {ours}"));
+    pairs.collect::<Vec<_>>().join(", ")
+}
+
+/// A setting's value from a word; none if the word is empty.
+fn value_of(word: &str) -> Option<Value> {
+    match word {
+        "" => None,
+        "true" => Some(true.into()),
+        "false" => Some(false.into()),
+        word => Some(match parse(word) {
+            Some(number) => number.into(),
+            None => word.into(),
+        }),
+    }
+}
+
 /// How a setting's value is made from a key's value.
 #[derive(Clone, Copy, Debug)]
 pub enum As {
@@ -26,7 +57,14 @@ pub enum As {
     /// A length or a share of another one; 0 is 0.
     Length,
     /// One of a few words.
-    Words(&'static [(&'static str, &'static str)]),
+    Words(Pairs),
+    /// One of a few patterns.
+    Patterns {
+        /// Patterns that isoslice has.
+        same: Pairs,
+        /// Patterns that isoslice does not have, each with the one most like it.
+        like: Pairs,
+    },
     /// A name.
     Name,
     /// G-code.
@@ -44,13 +82,36 @@ impl As {
             As::Width => "shares become shares of the nozzle".to_owned(),
             As::Amount => "shares become numbers; 0 leaves it".to_owned(),
             As::Length => "shares become lengths".to_owned(),
-            As::Words(words) => {
-                let pairs = words
-                    .iter()
-                    .map(|(theirs, ours)| format!("{theirs} → {ours}"));
-                pairs.collect::<Vec<_>>().join(", ")
+            As::Words(words) => shown(words),
+            As::Patterns { same, like: [] } => shown(same),
+            As::Patterns { same, like } => {
+                format!("{}; only alike: {}", shown(same), shown(like))
             }
             As::Template => "its placeholders are translated".to_owned(),
+        }
+    }
+
+    /// The word of isoslice for a word.
+    fn word(self, text: &str) -> Option<&'static str> {
+        match self {
+            As::Words(words) => ours(words, text),
+            As::Patterns { same, like } => {
+                ours(same, text).or_else(|| ours(like, text))
+            }
+            _ => None,
+        }
+    }
+
+    /// The pattern of isoslice that is the most like a key's, if isoslice does
+    /// not have the key's own.
+    pub(crate) fn alike(
+        self,
+        given: &Given<'_>,
+        key: &str,
+    ) -> Option<&'static str> {
+        match self {
+            As::Patterns { like, .. } => ours(like, given.values.first(key)?),
+            _ => None,
         }
     }
 
@@ -93,23 +154,13 @@ impl As {
             },
             As::Amount => given.amount(key)?.and_then(above),
             As::Length => given.amount(key)?.map(Value::from),
-            As::Words(words) => {
-                let lower = text.to_ascii_lowercase();
-                let found = words.iter().find(|(theirs, _)| *theirs == lower);
-                let Some((_, ours)) = found else {
-                    return Err(format!(
+            As::Words(_) | As::Patterns { .. } => {
+                let word = self.word(text).ok_or_else(|| {
+                    format!(
                         "isoslice has nothing like {text}; it keeps its own"
-                    ));
-                };
-                match *ours {
-                    "" => None,
-                    "true" => Some(true.into()),
-                    "false" => Some(false.into()),
-                    word => Some(match parse(word) {
-                        Some(number) => number.into(),
-                        None => word.into(),
-                    }),
-                }
+                    )
+                })?;
+                value_of(word)
             }
             As::Name => Some(text.into()),
             As::Template => {

@@ -29,24 +29,6 @@ pub struct Left {
     pub why: String,
 }
 
-/// Infill patterns that isoslice does not have, and that become others.
-const ALIKE: [&str; 14] = [
-    "crosszag",
-    "lockedzag",
-    "2dlattice",
-    "stars",
-    "tri-hexagon",
-    "trihexagon",
-    "3dhoneycomb",
-    "adaptivecubic",
-    "supportcubic",
-    "quartercubic",
-    "quarter_cubic",
-    "cubicsubdiv",
-    "tetrahedral",
-    "crosshatch",
-];
-
 /// What a profile means to isoslice.
 #[derive(Clone, Debug, Default)]
 pub struct Translation {
@@ -57,7 +39,7 @@ pub struct Translation {
     pub ignored: Vec<Left>,
     /// Keys that would change the print and have no counterpart.
     pub lost: Vec<Left>,
-    /// Keys that became the most alike of isoslice's, which is not the same.
+    /// Keys whose pattern isoslice does not have: they got the one most like it.
     pub alike: Vec<Left>,
     /// Keys that are not in the table.
     pub unknown: Vec<Left>,
@@ -127,22 +109,20 @@ impl Translation {
                 return;
             }
             Rule::To(setting, how) => {
-                let key = present[0];
-                match how.value(given, key) {
-                    Ok(Some(value)) => {
-                        self.alike.extend(given.alike(key, setting, &value));
-                        Outcome::Set(vec![(*setting, value)])
-                    }
-                    Ok(None) => Outcome::Nothing(
-                        "it leaves the choice to the slicer".to_owned(),
-                    ),
-                    Err(why) => Outcome::Lost(why),
-                }
+                Outcome::to(setting, *how, given, present[0])
             }
             Rule::Made { make, .. } => (make.0)(given),
         };
+        if let Outcome::Alike(_, ours) = &outcome
+            && let Some(key) = given.first_of(present)
+        {
+            let why = format!(
+                "isoslice has no such pattern; {ours} is the most like it"
+            );
+            self.alike.push(given.left(key, &why));
+        }
         match outcome {
-            Outcome::Set(settings) => {
+            Outcome::Set(settings) | Outcome::Alike(settings, _) => {
                 self.mapped += present.len();
                 for (name, value) in settings {
                     // Later rows of the table are more specific, and win.
@@ -167,19 +147,6 @@ impl Translation {
 }
 
 impl Given<'_> {
-    /// A pattern that became another one.
-    fn alike(&self, key: &str, setting: &str, ours: &Value) -> Option<Left> {
-        let text = self.values.first(key)?.to_ascii_lowercase();
-        let Value::Text(ours) = ours else { return None };
-        let other = setting == "infill" && ALIKE.contains(&text.as_str());
-        other.then(|| {
-            let why = format!(
-                "isoslice has no such pattern; {ours} is the most like it"
-            );
-            self.left(key, &why)
-        })
-    }
-
     fn left(&self, key: &str, why: &str) -> Left {
         Left {
             key: key.to_owned(),

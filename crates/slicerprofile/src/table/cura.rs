@@ -1,7 +1,7 @@
 //! Keys of Cura.
 
 use super::Kind::{Filament, Print, Printer};
-use super::{As, CURA, Make, Outcome, Row, Rule, make};
+use super::{As, CURA, FLOW, Make, Outcome, Row, Rule, make, patterns};
 use crate::given::Given;
 use Rule::{Ignored, Lost, Made, To};
 
@@ -200,32 +200,10 @@ pub(super) static ROWS: &[Row] = rows! {
         };
     CURA Print: "infill_sparse_density" => To("infill_density", As::Percent);
     CURA Print: "infill_pattern"
-        => To(
-            "infill",
-            As::Words(&[
-                ("lines", "rectilinear"),
-                ("zigzag", "rectilinear"),
-                ("grid", "grid"),
-                ("triangles", "triangles"),
-                ("trihexagon", "triangles"),
-                ("cubic", "cubic"),
-                ("cubicsubdiv", "cubic"),
-                ("quarter_cubic", "cubic"),
-                ("tetrahedral", "cubic"),
-                ("concentric", "concentric"),
-                ("gyroid", "gyroid"),
-            ]),
-        );
+        => To("infill", patterns::INFILL_OF_CURA);
     CURA Print: "infill_overlap" => To("infill_overlap", As::Percent);
     CURA Print: "top_bottom_pattern"
-        => To(
-            "bottom_skin_pattern",
-            As::Words(&[
-                ("lines", "lines"),
-                ("zigzag", "lines"),
-                ("concentric", "concentric"),
-            ]),
-        );
+        => To("bottom_skin_pattern", patterns::SKIN_OF_CURA);
     CURA Print: "z_seam_type"
         => To(
             "seam",
@@ -397,10 +375,7 @@ pub(super) static ROWS: &[Row] = rows! {
         };
     CURA Print: "infill_material_flow", "skin_material_flow",
         "wall_0_material_flow", "wall_x_material_flow"
-        => Lost(
-            &["100"],
-            "there is one flow: flow, which may be a formula of the place",
-        );
+        => Lost(&["100"], FLOW);
     CURA Print: "mold_enabled", "magic_mesh_surface_mode", "wire_frame_enabled",
         "conical_overhang_enabled", "ooze_shield_enabled"
         => Lost(
@@ -550,8 +525,8 @@ pub(super) static ROWS: &[Row] = rows! {
     CURA Print: "bridge_skin_density", "bridge_skin_material_flow",
         "bridge_wall_material_flow", "material_flow_layer_0"
         => Lost(&["100", "100.0"],
-            "bridges have one flow, bridge_flow, and all else has flow, which \
-             may be a formula of the place");
+            "bridges have one flow, bridge_flow; walls and skin have flow, \
+             which may be a formula of the place");
     CURA Print: "ironing_pattern"
         => Lost(&["zigzag"],
             "ironing runs in lines");

@@ -276,8 +276,8 @@ pub(super) static ROWS: &[Row] = rows! {
         => Lost(&["uniform_cooling", "uniform", "0"],
             "isoslice has rules of its own for which beads of a short layer \
              are slowed");
-    // SuperSlicer's default is 90: what is that slow is as slow as
-    // cooling.min_speed.
+    // SuperSlicer's default is 90 (%): beads slowed so far run at about
+    // cooling.min_speed, so nothing is lost.
     BOTH Filament: "max_speed_reduction"
         => Lost(&["90", "90%", "100", "100%"],
             "isoslice has rules of its own for which beads of a short layer \

@@ -1,6 +1,7 @@
 //! Settings that several keys decide together.
 
 use super::Outcome;
+use super::patterns::SKIN;
 use crate::Slicer;
 use crate::given::{Given, Value};
 use crate::values::{parse, share};
@@ -740,20 +741,20 @@ pub(super) fn top_pattern(given: &Given<'_>) -> Outcome {
         "top_surface_pattern",
         "external_fill_pattern",
     ];
-    let word = keys.iter().find_map(|key| given.values.first(key));
-    let word = word.unwrap_or("").to_ascii_lowercase();
-    let pattern = |pattern: &str| ("top_skin_pattern", Value::from(pattern));
-    let order = |order: &str| ("top_skin_order", Value::from(order));
-    match word.as_str() {
-        "concentric" => Outcome::of(vec![pattern("concentric")]),
-        "monotonic" | "monotonicline" | "monotoniclines" => {
-            Outcome::of(vec![pattern("lines"), order("monotonic")])
-        }
-        "rectilinear" | "alignedrectilinear" | "zig-zag" | "line" => {
-            Outcome::of(vec![pattern("lines"), order("nearest")])
-        }
-        _ => lost(format!("isoslice has nothing like {word} for tops")),
+    let Some(key) = given.first_of(&keys) else {
+        return Outcome::of(Vec::new());
+    };
+    let mut made = Outcome::to("top_skin_pattern", SKIN, given, key);
+    let word = given.values.first(key).unwrap_or("").to_ascii_lowercase();
+    let order = match word.as_str() {
+        "concentric" => None,
+        word if word.starts_with("monotonic") => Some("monotonic"),
+        _ => Some("nearest"),
+    };
+    if let Outcome::Set(all) | Outcome::Alike(all, _) = &mut made {
+        all.extend(order.map(|order| ("top_skin_order", order.into())));
     }
+    made
 }
 
 pub(super) fn scarf(given: &Given<'_>) -> Outcome {

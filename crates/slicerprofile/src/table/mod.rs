@@ -12,6 +12,7 @@ macro_rules! rows {
 mod cura;
 mod filament;
 mod make;
+mod patterns;
 mod print;
 mod printer;
 
@@ -99,6 +100,9 @@ impl std::fmt::Debug for Make {
 pub(crate) enum Outcome {
     /// Settings.
     Set(Vec<(&'static str, Value)>),
+    /// Settings that have a pattern of isoslice instead of one that isoslice does
+    /// not have, and the pattern.
+    Alike(Vec<(&'static str, Value)>, &'static str),
     /// Nothing is needed; the reason.
     Nothing(String),
     /// The keys have no counterpart; the reason, and what to do.
@@ -115,12 +119,34 @@ impl Outcome {
             Outcome::Set(settings)
         }
     }
+
+    /// One setting, from one key.
+    pub(crate) fn to(
+        setting: &'static str,
+        how: As,
+        given: &Given<'_>,
+        key: &str,
+    ) -> Outcome {
+        let value = match how.value(given, key) {
+            Ok(Some(value)) => vec![(setting, value)],
+            Ok(None) => Vec::new(),
+            Err(why) => return Outcome::Lost(why),
+        };
+        match how.alike(given, key) {
+            Some(ours) => Outcome::Alike(value, ours),
+            None => Outcome::of(value),
+        }
+    }
 }
 
 const BOTH: &[Slicer] = &[Slicer::Prusa, Slicer::Orca];
 const PRUSA: &[Slicer] = &[Slicer::Prusa];
 const ORCA: &[Slicer] = &[Slicer::Orca];
 const CURA: &[Slicer] = &[Slicer::Cura];
+
+/// Why the flows of walls, skin and infill have no counterparts.
+const FLOW: &str = "walls, skin and infill have one flow: flow, which may be a \
+                    formula of the place";
 
 /// Every row, in the order in which they are carried out.
 pub fn rows() -> impl Iterator<Item = &'static Row> {
@@ -182,10 +208,44 @@ mod tests {
         assert!(other[0].contains("gyroid is the most like it"), "{other:?}");
         assert_eq!(alike(Slicer::Prusa, "fill_pattern=stars").len(), 1);
         assert_eq!(alike(Slicer::Cura, "infill_pattern=tetrahedral").len(), 1);
+        let all = |slicer, key: &str, words: &[(&str, &str)]| {
+            for (word, ours) in words {
+                let found = alike(slicer, &format!("{key}={word}"));
+                let ours = format!("{ours} is the most like it");
+                assert_eq!(found.len(), 1, "{key}={word}");
+                assert!(found[0].contains(&ours), "{found:?}");
+            }
+        };
+        let of_orca = [
+            ("TPMSFK", "schwarz-p"),
+            ("alignedrectilinear", "rectilinear"),
+            ("aligned-rectilinear", "rectilinear"),
+            ("2dhoneycomb", "hexagons"),
+            ("lateral-honeycomb", "hexagons"),
+            ("lateral-lattice", "grid"),
+        ];
+        all(Slicer::Orca, "sparse_infill_pattern", &of_orca);
+        // The lines of isoslice turn with every layer.
+        let aligned = [("alignedrectilinear", "lines")];
+        for key in [
+            "top_fill_pattern",
+            "bottom_fill_pattern",
+            "solid_fill_pattern",
+        ] {
+            all(Slicer::Prusa, key, &aligned);
+        }
+        let crossed = [("grid", "lines")];
+        all(
+            Slicer::Prusa,
+            "support_material_interface_pattern",
+            &crossed,
+        );
         for same in ["gyroid", "honeycomb", "line", "monotonic", "cubic"] {
             let profile = format!("fill_pattern={same}");
             assert!(alike(Slicer::Prusa, &profile).is_empty(), "{same}");
         }
+        let top = "top_fill_pattern=monotonicline";
+        assert!(alike(Slicer::Prusa, top).is_empty(), "{top}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Keys of kinds of print.
 
 use super::Kind::Print;
-use super::{As, BOTH, Make, ORCA, PRUSA, Row, Rule, make};
+use super::{As, BOTH, FLOW, Make, ORCA, PRUSA, Row, Rule, make, patterns};
 use Rule::{Ignored, Lost, Made, To};
 
 const SEVERAL: &str = "isoslice prints with one extruder and one material";
@@ -21,51 +21,6 @@ const SHAPE: &str = "isoslice prints the shape as it is: change the model";
 const JERK: &str = "the speed through corners is one for all: \
                     printer.square_corner_velocity";
 const LOCKED: &str = "isoslice has no infill of two zones";
-
-/// Patterns of infill, each with isoslice's most similar one.
-const PATTERNS: As = As::Words(&[
-    ("rectilinear", "rectilinear"),
-    ("alignedrectilinear", "rectilinear"),
-    ("aligned-rectilinear", "rectilinear"),
-    ("zig-zag", "rectilinear"),
-    ("zigzag", "rectilinear"),
-    ("crosszag", "rectilinear"),
-    ("lockedzag", "rectilinear"),
-    ("line", "rectilinear"),
-    ("monotonic", "rectilinear"),
-    ("monotonicline", "rectilinear"),
-    ("monotoniclines", "rectilinear"),
-    ("rectilineargrid", "grid"),
-    ("grid", "grid"),
-    ("2dlattice", "grid"),
-    ("triangles", "triangles"),
-    ("stars", "triangles"),
-    ("tri-hexagon", "triangles"),
-    ("2dhoneycomb", "hexagons"),
-    ("honeycomb", "hexagons"),
-    ("3dhoneycomb", "cubic"),
-    ("cubic", "cubic"),
-    ("adaptivecubic", "cubic"),
-    ("supportcubic", "cubic"),
-    ("quartercubic", "cubic"),
-    ("quarter_cubic", "cubic"),
-    ("concentric", "concentric"),
-    ("gyroid", "gyroid"),
-    ("crosshatch", "gyroid"),
-    ("tpmsd", "diamond"),
-    ("tpmsfk", "schwarz-p"),
-]);
-
-const SKIN: As = As::Words(&[
-    ("rectilinear", "lines"),
-    ("monotonic", "lines"),
-    ("monotonicline", "lines"),
-    ("monotoniclines", "lines"),
-    ("alignedrectilinear", "lines"),
-    ("zig-zag", "lines"),
-    ("line", "lines"),
-    ("concentric", "concentric"),
-]);
 
 pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "layer_height" => To("layer_height", As::Width);
@@ -110,7 +65,7 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "fill_density", "sparse_infill_density"
         => To("infill_density", As::Percent);
     BOTH Print: "fill_pattern", "sparse_infill_pattern"
-        => To("infill", PATTERNS);
+        => To("infill", patterns::INFILL);
     BOTH Print: "fill_angle", "infill_direction"
         => Made {
             settings: &["infill_angle", "skin_angle"],
@@ -132,9 +87,9 @@ pub(super) static ROWS: &[Row] = rows! {
         };
     BOTH Print: "bottom_fill_pattern", "bottom_surface_pattern",
         "bottom_fill_patter"
-        => To("bottom_skin_pattern", SKIN);
+        => To("bottom_skin_pattern", patterns::SKIN);
     BOTH Print: "solid_fill_pattern", "internal_solid_infill_pattern"
-        => To("internal_skin_pattern", SKIN);
+        => To("internal_skin_pattern", patterns::SKIN);
     BOTH Print: "solid_infill_below_area", "minimum_sparse_infill_area"
         => To("skin_min_area", As::Number);
     BOTH Print: "seam_position"
@@ -402,18 +357,7 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "overhang_reverse" => To("overhang_reverse", As::Switch);
     BOTH Print: "support_material_interface_pattern",
         "support_interface_pattern"
-        => To(
-            "support.interface_pattern",
-            As::Words(&[
-                ("concentric", "concentric"),
-                ("auto", ""),
-                ("default", ""),
-                ("rectilinear", ""),
-                ("rectilinear_interlaced", ""),
-                ("monotonic", ""),
-                ("grid", ""),
-            ]),
-        );
+        => To("support.interface_pattern", patterns::INTERFACE);
     BOTH Print: "xy_hole_compensation", "xy_inner_size_compensation"
         => Lost(
             &["0", "0.0"],
@@ -430,11 +374,7 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "bridge_angle", "internal_bridge_angle"
         => Lost(&["0"], "isoslice lays bridges along the shortest span");
     BOTH Print: "top_solid_infill_flow_ratio", "bottom_solid_infill_flow_ratio"
-        => Lost(
-            &["1", "1.0", "1.00"],
-            "there is one flow for all of a part: flow, which may be a formula \
-             of the place",
-        );
+        => Lost(&["1", "1.0", "1.00"], FLOW);
     BOTH Print: "only_one_perimeter_top", "only_one_wall_top",
         "top_one_perimeter_type", "top_one_wall_type"
         => To(
@@ -621,10 +561,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "external_perimeter_extrusion_spacing", "infill_extrusion_spacing",
         "solid_infill_extrusion_spacing", "top_infill_extrusion_spacing",
         "apply_top_surface_compensation"
-        => Ignored(
-            "there is one flow for all walls and infill: flow, which may be a \
-                 formula of the place",
-        );
+        => Ignored(FLOW);
     BOTH Print: "acceleration_limit_mess", "speed_limit_to_height",
         "material_flow_temp_graph", "slowdown_start_height",
         "slowdown_start_speed", "slowdown_start_acc", "slowdown_end_height",
@@ -755,13 +692,9 @@ pub(super) static ROWS: &[Row] = rows! {
         "gap_fill_flow_ratio", "fill_top_flow_ratio", "scarf_joint_flow",
         "scarf_joint_flow_ratio", "spiral_starting_flow_ratio",
         "spiral_finishing_flow_ratio", "spiral_vase_flow"
-        => Lost(&["1", "1.0", "1.00", "100%"],
-            "there is one flow for all walls and infill: flow, which may be a \
-             formula of the place");
+        => Lost(&["1", "1.0", "1.00", "100%"], FLOW);
     BOTH Print: "small_area_infill_flow_compensation"
-        => Lost(&["0"],
-            "there is one flow for all walls and infill: flow, which may be a \
-             formula of the place");
+        => Lost(&["0"], FLOW);
     BOTH Print: "outer_wall_jerk", "inner_wall_jerk", "infill_jerk",
         "initial_layer_jerk", "top_surface_jerk", "travel_jerk",
         "default_junction_deviation"

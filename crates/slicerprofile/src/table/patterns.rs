@@ -1,0 +1,128 @@
+//! The patterns of other slicers, each with isoslice's own or the one most
+//! like it.
+//!
+//! A pattern is the same if its lines are: how a slicer joins them, and in which
+//! order it lays them, does not count. What is only like it is told to the user.
+
+use super::As;
+
+/// Infill of PrusaSlicer and its kin.
+pub(super) const INFILL: As = As::Patterns {
+    same: &[
+        ("rectilinear", "rectilinear"),
+        ("zig-zag", "rectilinear"),
+        ("zigzag", "rectilinear"),
+        ("line", "rectilinear"),
+        ("monotonic", "rectilinear"),
+        ("monotonicline", "rectilinear"),
+        ("monotoniclines", "rectilinear"),
+        ("rectilineargrid", "grid"),
+        ("grid", "grid"),
+        ("triangles", "triangles"),
+        ("honeycomb", "hexagons"),
+        ("cubic", "cubic"),
+        ("concentric", "concentric"),
+        ("gyroid", "gyroid"),
+        ("tpmsd", "diamond"),
+    ],
+    like: &[
+        // The lines of isoslice turn with every layer.
+        ("alignedrectilinear", "rectilinear"),
+        ("aligned-rectilinear", "rectilinear"),
+        ("crosszag", "rectilinear"),
+        ("lockedzag", "rectilinear"),
+        // These lattices and honeycombs stand upright: a layer has lines that
+        // change their places from layer to layer.
+        ("2dlattice", "grid"),
+        ("lateral-lattice", "grid"),
+        ("2dhoneycomb", "hexagons"),
+        ("lateral-honeycomb", "hexagons"),
+        ("stars", "triangles"),
+        ("tri-hexagon", "triangles"),
+        ("3dhoneycomb", "cubic"),
+        ("adaptivecubic", "cubic"),
+        ("supportcubic", "cubic"),
+        ("quartercubic", "cubic"),
+        ("quarter_cubic", "cubic"),
+        ("crosshatch", "gyroid"),
+        // The surface of Fischer and Koch.
+        ("tpmsfk", "schwarz-p"),
+    ],
+};
+
+/// Infill of Cura.
+pub(super) const INFILL_OF_CURA: As = As::Patterns {
+    same: &[
+        ("lines", "rectilinear"),
+        ("zigzag", "rectilinear"),
+        ("grid", "grid"),
+        ("triangles", "triangles"),
+        ("cubic", "cubic"),
+        ("concentric", "concentric"),
+        ("gyroid", "gyroid"),
+    ],
+    like: &[
+        ("trihexagon", "triangles"),
+        ("cubicsubdiv", "cubic"),
+        ("quarter_cubic", "cubic"),
+        ("tetrahedral", "cubic"),
+    ],
+};
+
+/// Skin of PrusaSlicer and its kin.
+pub(super) const SKIN: As = As::Patterns {
+    same: &[
+        ("rectilinear", "lines"),
+        ("monotonic", "lines"),
+        ("monotonicline", "lines"),
+        ("monotoniclines", "lines"),
+        ("zig-zag", "lines"),
+        ("line", "lines"),
+        ("concentric", "concentric"),
+    ],
+    // The lines of isoslice turn with every layer.
+    like: &[("alignedrectilinear", "lines")],
+};
+
+/// Skin of Cura.
+pub(super) const SKIN_OF_CURA: As = As::Patterns {
+    same: &[
+        ("lines", "lines"),
+        ("zigzag", "lines"),
+        ("concentric", "concentric"),
+    ],
+    like: &[],
+};
+
+/// The dense tops of supports of PrusaSlicer and its kin. Lines are isoslice's
+/// default.
+pub(super) const INTERFACE: As = As::Patterns {
+    same: &[
+        ("concentric", "concentric"),
+        ("auto", ""),
+        ("default", ""),
+        ("rectilinear", ""),
+        ("rectilinear_interlaced", ""),
+        ("monotonic", ""),
+    ],
+    like: &[("grid", "lines")],
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn a_word_is_the_same_or_only_like_it() {
+        for all in [INFILL, INFILL_OF_CURA, SKIN, SKIN_OF_CURA, INTERFACE] {
+            let As::Patterns { same, like } = all else {
+                panic!("{all:?} is no table of patterns");
+            };
+            let mut seen = BTreeSet::new();
+            for (theirs, _) in same.iter().chain(like) {
+                assert!(seen.insert(theirs), "{theirs} twice");
+            }
+        }
+    }
+}
