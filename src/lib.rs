@@ -10,10 +10,10 @@
 //!
 //! # The tour
 //!
-//! Data flows one way, from the top of this list to its end, and each part of the
-//! way is a crate below `crates/`. No crate knows the crates after it, which
-//! Cargo makes sure of, and no module of a crate those after it, which
-//! `tests/architecture.rs` does.
+//! Data flows one way, roughly from the top of this list to its end. Most parts
+//! of the way are crates in `crates/`. `CONTRIBUTING.md` has their order, which
+//! Cargo keeps. Inside `base`, `layer`, `gcode-read`, `path` and `src`,
+//! `tests/architecture.rs` keeps the order of the modules.
 //!
 //! 1. [`model`] reads a script, fidget's `.vm` text or a formula, bounds the
 //!    part by interval arithmetic and places it on the bed. [`settings`] say

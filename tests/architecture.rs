@@ -2,8 +2,8 @@
 //! imports.
 //!
 //! Cargo keeps the order of the crates: none can name one that comes after it.
-//! Inside the crates that hold several steps of the way, this test keeps it. It
-//! reads every file below their `src` and every path in it that leads to another
+//! Inside the crates listed in [`ORDER`], this test keeps the order of the
+//! modules. It reads every file below their `src` and every path in it that leads to another
 //! one (`crate::…`, `isoslice::…`, `super::…`, `self::…`). It fails where
 //! - a module imports one below it in [`ORDER`], or a sibling on its step;
 //! - files of one folder import one another in a circle ([`CIRCLES`] has the

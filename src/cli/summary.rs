@@ -178,7 +178,7 @@ impl HangingJson {
     }
 }
 
-/// A content in square millimetres, of which small ones are no 0.
+/// A content in square millimetres; small ones have one more decimal.
 fn content(area: f64) -> String {
     if area < 0.95 {
         format!("{area:.2}")
@@ -227,7 +227,7 @@ fn describe_hanging(
         format!("in {count} too long, of up to {span:.1} mm"),
     )?;
     if let Some(foot) = hanging.foot {
-        let good = if foot.holds < 1.0 {
+        let good = if foot.holds_nothing() {
             "less than 1".to_owned()
         } else {
             format!("{:.0}", foot.holds)

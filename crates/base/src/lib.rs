@@ -13,8 +13,8 @@
 //!
 //! In and out: plain values; each module says which.
 //!
-//! Guarantees: nothing here knows a model, a setting or a layer. No function
-//! panics on bad input. What is read from outside is bounded in size.
+//! Guarantees: nothing here knows a model, a setting or a layer. Bytes and files
+//! from outside give a value or an error, never a panic, and are bounded in size.
 
 #![warn(unreachable_pub)]
 #![allow(

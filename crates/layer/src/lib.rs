@@ -17,8 +17,7 @@
 //! | [`seam`] | where loops may begin |
 //!
 //! Guarantees: the same input gives the same beads, on any number of threads.
-//! Distances are those of the layer's plane, not values of the field. Each
-//! module says how exact its answer is.
+//! Distances are those of the layer's plane, not values of the field.
 //!
 //! Not known here: the order of beads, travels, speeds, and G-code.
 //!

@@ -16,6 +16,9 @@
 //! | `placement` | scale, rotation and place, by the box that [`isocontour::find_bounds`] finds |
 //! | `together` | makes one model of several |
 //! | `written` | writes a model as words |
+//! | [`vary`] | evaluates settings that are expressions |
+//! | [`heights`] | finds layers that follow the surface |
+//! | [`contour`] | makes outlines under a run's limits |
 //!
 //! Guarantees: whatever the input, there is an error or a model within bounded
 //! time and memory, without panics and without recursion on the caller's stack.

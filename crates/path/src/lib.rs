@@ -12,9 +12,10 @@
 //! | [`travel`] | the ways between beads, and where to retract |
 //! | [`pace`] | the speed of each move, and the time of all |
 //!
-//! Guarantees: beads stay where they are but for what `relief` and `spiral`
-//! lift. The same input gives the same moves, on any number of threads. Times
-//! are those of the firmware's own planner.
+//! Guarantees: no bead moves sideways, but `order` joins hidden ones over short
+//! ways, and `spiral` makes its own. The same input gives the same moves, on any
+//! number of threads. Times follow the rules of the firmware's planner; the
+//! folder `pace/motion` says what is left out.
 //!
 //! Not known here: the words of any firmware.
 

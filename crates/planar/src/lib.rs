@@ -1,7 +1,8 @@
 //! Geometry of one layer's plane: rings, areas, and what is done to them.
 //!
-//! An [`Area`] is a set of closed rings, outer ones counter-clockwise and holes
-//! clockwise, in millimetres.
+//! In: rings of finite points, in millimetres. Out: rings, areas, lines and the
+//! strokes of beads. An [`Area`] is a set of closed rings, outer ones
+//! counter-clockwise and holes clockwise.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -17,9 +18,14 @@
 //! | [`clusters`] | puts islands whose boxes meet together |
 //! | [`grid`] | answers which edges are near a place; [`places`] counts along rings |
 //! | [`nest`] | tells which ring is around a point |
+//! | [`bead`] | has the cross-section of a line, and its role |
+//! | [`shapes`] | makes rings and areas for tests |
 //!
 //! A [`Solid`] is an area with its grid, and [`BoxTree`] tells which boxes meet
 //! another one. [`hull()`] is the convex ring around points.
+//!
+//! Guarantees: the same input gives the same output. Each function that takes a
+//! tolerance says what lies within it. Nothing here knows settings or fields.
 
 #![warn(unreachable_pub)]
 #![allow(

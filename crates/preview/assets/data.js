@@ -1,4 +1,4 @@
-// The moves, unpacked. src/preview/pack.rs says how they are packed.
+// The moves, unpacked. crates/preview/src/pack.rs says how they are packed.
 
 function fromBase64(text) {
   if (Uint8Array.fromBase64) {

@@ -9,7 +9,7 @@
 //! program for the moves ([`Toolpath::live_moves`]) and for the state of its
 //! work.
 //!
-//! The page's parts are in `assets/preview`, with two libraries in `vendor`.
+//! The page's parts are in `crates/preview/assets`, with two libraries in `vendor`.
 
 use super::pack::{Packed, pack};
 use super::toolpath::{

@@ -4,8 +4,14 @@
 //! `slabs` has the faces of supports, `shade` lights the surface, `edges` says
 //! which pixels need a closer look, and `image` holds the pixels. `svg` draws a
 //! layer, and `folder` keeps the pictures of a run together. `html` makes an
-//! interactive page from any G-code that [`isoslice_gcode_read::reader`] reads: `toolpath` gathers its moves and
-//! their times, and `pack` makes them small.
+//! interactive page from any G-code that [`isoslice_gcode_read::reader`] reads:
+//! `toolpath` gathers its moves and their times, and `pack` makes them small.
+//! `view` says from where a picture is taken.
+//!
+//! In: a model, faces of supports, beads, or G-code. Out: PNG, JPEG and QOI
+//! pictures, SVG files, and pages that need nothing else.
+//!
+//! Guarantees: the same input gives the same bytes, on any number of threads.
 
 #![warn(unreachable_pub)]
 #![allow(

@@ -241,7 +241,8 @@ impl Settings {
     /// True if lines of skin that begins to turn in the first layer would run
     /// along those of the infill right below them.
     fn skin_follows_infill(&self) -> bool {
-        // Lines of these turn from layer to layer; others cross every direction.
+        // Only lines of rectilinear and of solid infill turn with the layer as
+        // skin does.
         let turns = match self.infill {
             Infill::Pattern(pattern) => pattern == InfillPattern::Rectilinear,
             Infill::Expression(_) | Infill::Script(_) => {

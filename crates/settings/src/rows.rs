@@ -115,7 +115,8 @@ table::settings! {
         seam_gap: Mm = 0.0, in 0.0..=5.0;
         /// Length over which the flow of an outer wall grows at its beginning,
         /// and over which its end overlaps the beginning with shrinking flow; 0
-        /// for a plain seam. No bead becomes narrower than high.
+        /// for a plain seam. No bead of a wall at least 1.8 times as wide as
+        /// high becomes narrower than high.
         seam_scarf: Mm = 0.0, in 0.0..=200.0;
         /// Whether the nozzle rises with the flow at the beginning of a scarf,
         /// from the layer below to its own height; the end of the wall fills
@@ -177,9 +178,9 @@ table::settings! {
         /// How far skin reaches into the sparse infill beside it, so that
         /// its lines are anchored; auto is 150% of the nozzle's diameter.
         skin_overlap: ByNozzle = ByNozzle::Auto, in 0.0..=20.0;
-        /// How far skin reaches into the walls around it, as a share of its
-        /// line width. With 0 its ring lies beside the wall, and its lines end
-        /// in the ring: nothing is open there.
+        /// How far skin reaches into the walls around it, as a share of
+        /// skin_width, at most half of the wall. 0 lays the ring beside the
+        /// wall, which leaves no pit; more than 10% lays too much there.
         skin_wall_overlap: Percent = 0.0, in 0.0..=50.0;
         /// Pieces of sparse area smaller than this are filled solid, as
         /// skin. So are pieces that are narrower than two lines, and small ones
@@ -485,10 +486,10 @@ table::settings! {
         speed: MmPerSec = 35.0, in 0.1..=500.0;
         /// Speed of pushing forward again.
         prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
-        /// Travels shorter than this never retract: they go straight, or round
-        /// what shows. A way round that is longer and shows as well retracts
-        /// if it is up to 3 times as long as the straight way; otherwise the
-        /// travel goes straight.
+        /// Straight travels shorter than this never retract. Where one would
+        /// show, the nozzle goes round if it can. If the way round shows, too,
+        /// and is at least this long, it retracts; if it is also more than 3
+        /// times the straight way, the travel goes straight.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
         /// Travels longer than this ooze too much: they retract even if the
         /// ooze is hidden, or prime by ooze_prime.

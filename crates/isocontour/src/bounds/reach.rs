@@ -106,10 +106,10 @@ impl Search<'_> {
         Ok(slack_mm)
     }
 
-    /// Takes the greatest slab off a side that is proved to be empty as a whole,
-    /// to within `tolerance`. Where a lattice is cut by a box, the box alone
-    /// proves it, while smaller boxes jump with the lattice in all directions,
-    /// and would be cut across all of these.
+    /// Cuts off the largest slab at a side that one enclosure proves empty, to
+    /// within `tolerance`. Where a body cuts a lattice, that body alone proves
+    /// the whole slab empty. Small cells would each have to be split where the
+    /// lattice jumps.
     fn trim(&mut self, side: Side, program: &Program, tolerance: f64) {
         let mut face = side.reach(&self.region);
         let mut inner = side.outward(side.inner_face(&self.region));
@@ -125,7 +125,7 @@ impl Search<'_> {
             side.set_reach(&mut slab, face);
             side.clip(&mut slab, middle);
             let f = program.enclose(&slab, &mut self.scratch);
-            if f.range.is_empty() || f.range.lo >= 0.0 {
+            if f.is_outside() {
                 face = middle;
             } else {
                 inner = middle;
@@ -316,7 +316,7 @@ impl Search<'_> {
                 side.clip(&mut cell, known);
             }
             let f = program.enclose(&cell, &mut self.scratch);
-            if f.range.is_empty() || f.range.lo >= 0.0 {
+            if f.is_outside() {
                 continue;
             }
             let wider = if cell.width(u) < cell.width(v) { v } else { u };

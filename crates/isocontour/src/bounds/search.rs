@@ -106,7 +106,7 @@ impl<'a> Search<'a> {
         program: Rc<Program>,
     ) -> Result<Vec<Part>, BoundsError> {
         let all = program.enclose(&self.region, &mut self.scratch);
-        if all.range.is_empty() || all.range.lo >= 0.0 {
+        if all.is_outside() {
             return Err(self.empty(&program));
         }
         if all.range.hi < 0.0 && !all.range.nan && self.options.within.is_none()
@@ -188,7 +188,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             let f = program.enclose(&cell, &mut self.scratch);
-            if f.range.is_empty() || f.range.lo >= 0.0 {
+            if f.is_outside() {
                 continue;
             }
             if f.centre < 0.0 {
@@ -240,7 +240,7 @@ impl<'a> Search<'a> {
                     let mut slab = self.region;
                     side.clip(&mut slab, reach);
                     let f = program.enclose(&slab, &mut self.scratch);
-                    if f.range.is_empty() || f.range.lo >= 0.0 {
+                    if f.is_outside() {
                         side.set_reach(&mut self.region, reach);
                         peeled = true;
                         best = best.min(nth);
@@ -294,7 +294,7 @@ impl<'a> Search<'a> {
                     hi: std::array::from_fn(|a| edges[a][at[a] + 1]),
                 };
                 let f = program.enclose(&cell, &mut self.scratch);
-                if f.range.is_empty() || f.range.lo >= 0.0 {
+                if f.is_outside() {
                     continue;
                 }
                 if f.centre < 0.0 {
@@ -364,7 +364,7 @@ impl<'a> Search<'a> {
         let mut looked_at = 0;
         while let Some((cell, depth)) = todo.pop() {
             let f = program.enclose(&cell, &mut self.scratch);
-            if f.range.is_empty() || f.range.lo >= 0.0 {
+            if f.is_outside() {
                 continue;
             }
             looked_at += 1;

@@ -137,8 +137,8 @@ impl Bracket {
     fn extrapolated(&self) -> f64 {
         /// Distance within which two places are one, as a share of the bracket.
         const SAME: f64 = 1e-3;
-        /// The part of the way to the outside end after which a point is looked
-        /// for if the slope of the inside node leads as far as that end.
+        /// If the slope at the inside node leads to the outside end or beyond,
+        /// the next point is tried at this share of the way there.
         const SHORTER: f64 = 0.98;
         let open = self.hi - self.lo;
         let [t, f] = self.before;

@@ -45,6 +45,14 @@ pub struct Foot {
     pub holds: Mm,
 }
 
+impl Foot {
+    /// True if the foot holds less than 1 mm, about the first layers of any part:
+    /// its figure would be told as 0.
+    pub fn holds_nothing(&self) -> bool {
+        self.holds < 1.0
+    }
+}
+
 /// Moments of area about the origin: of order 0, 1 and 2.
 #[derive(Default)]
 struct Moments {

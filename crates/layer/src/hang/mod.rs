@@ -119,12 +119,23 @@ impl Hanging {
     pub fn add(&mut self, other: &Hanging, copies: usize) {
         self.begins.add_parts(&other.begins, copies);
         self.in_cavity.add_parts(&other.in_cavity, copies);
+        self.in_the_open.add_parts(&other.in_the_open, copies);
         self.leans.add_parts(&other.leans, copies);
         self.bridges.add_parts(&other.bridges, copies);
         let less = |foot: &foot::Foot| {
             self.foot.is_none_or(|known| foot.holds < known.holds)
         };
         self.foot = other.foot.filter(less).or(self.foot);
+    }
+
+    /// Counts an island that begins on nothing by where it is.
+    fn add_where(&mut self, in_cavity: bool, area: Mm2, at: DVec3) {
+        let sum = if in_cavity {
+            &mut self.in_cavity
+        } else {
+            &mut self.in_the_open
+        };
+        sum.add(area, area, 0.0, at);
     }
 }
 
@@ -135,6 +146,8 @@ pub struct Hanging {
     pub begins: Sum,
     /// Islands among these that are inside the part, in a cavity.
     pub in_cavity: Sum,
+    /// Islands among these that are outside of all cavities.
+    pub in_the_open: Sum,
     /// Faces that lean too far.
     pub leans: Sum,
     /// Bridges that are too long.

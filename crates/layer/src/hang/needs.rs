@@ -7,11 +7,11 @@
 use super::gap::bridge;
 use super::places::{Found, Places};
 use super::{Hanging, Kind, Unsupported};
-use crate::region::floating::{Floating, floating};
+use crate::region::floating::floating;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::intersection;
-use isoslice_planar::{Area, Solid};
+use isoslice_planar::{Area, BoxTree, Solid};
 use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 use rayon::prelude::*;
@@ -65,8 +65,8 @@ impl Needs<'_> {
                     at,
                     around: piece.area.bounds(),
                 });
-                if piece.in_cavity {
-                    hanging.in_cavity.add(area, area, 0.0, at);
+                if piece.kind == Kind::Begins {
+                    hanging.add_where(piece.in_cavity, area, at);
                 }
             }
         }
@@ -92,12 +92,14 @@ impl Needs<'_> {
         let below = i.checked_sub(1).map(|k| self.outlines[k].clone());
         let below = Solid::new(below.unwrap_or(Area::EMPTY));
         let begins = floating(here, &below);
+        let boxes = begins.iter().map(|begun| begun.island.bounds());
+        let boxes = BoxTree::new(boxes.enumerate());
         let piece = |area: Area| {
-            let on_nothing = |f: &&Floating| {
-                f.island.bounds().meets(area.bounds())
-                    && !intersection(&f.island, &area).is_empty()
-            };
-            if let Some(begun) = begins.iter().find(on_nothing) {
+            let near = boxes.meeting(area.bounds());
+            let on_nothing = near.filter(|&k| {
+                !intersection(&begins[k].island, &area).is_empty()
+            });
+            if let Some(begun) = on_nothing.min().map(|k| &begins[k]) {
                 return Piece {
                     kind: Kind::Begins,
                     in_cavity: begun.in_cavity,

@@ -205,9 +205,7 @@ impl Tracker {
         for island in begins {
             let (area, at) = (island.most, island.at);
             self.sums.begins.add(area, area, 0.0, at);
-            if island.in_cavity {
-                self.sums.in_cavity.add(area, area, 0.0, at);
-            }
+            self.sums.add_where(island.in_cavity, area, at);
         }
     }
 

@@ -46,8 +46,8 @@ impl Hanging {
                 others(inside.count)
             ));
         }
-        let begins = &self.begins;
-        if begins.count > inside.count && begins.largest >= ISLAND {
+        let begins = &self.in_the_open;
+        if begins.largest >= ISLAND {
             all.push(format!(
                 "what begins at {} begins on nothing{}: it would be printed \
                  into the air; set supports = \"auto\", turn the part, or give \
@@ -93,8 +93,7 @@ impl Hanging {
 
 /// What a part of some height has to fear that stands on a small foot.
 fn off_the_bed(foot: Foot, height: Mm) -> String {
-    // Where the foot holds less than any layer, a height tells nothing.
-    let from = if foot.holds < 1.0 {
+    let from = if foot.holds_nothing() {
         "the nozzle may tear it off the bed from its first layers on".to_owned()
     } else {
         format!(
@@ -117,6 +116,22 @@ fn off_the_bed(foot: Foot, height: Mm) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
+
+    /// A ball in a closed cavity, and slivers elsewhere that need no word.
+    #[test]
+    fn no_island_is_told_twice() {
+        let mut hanging = Hanging::default();
+        let told = |hanging: &Hanging| {
+            let all = hanging.warnings(30.0, &Settings::default());
+            all.iter().map(|w| w.contains("cavity")).collect::<Vec<_>>()
+        };
+        hanging.add_where(true, 12.0, DVec3::new(1.0, 2.0, 3.0));
+        hanging.add_where(false, 0.36, DVec3::new(7.0, 8.0, 9.0));
+        assert_eq!(told(&hanging), [true]);
+        hanging.add_where(false, 4.0, DVec3::new(7.0, 8.0, 10.0));
+        assert_eq!(told(&hanging), [true, false]);
+    }
 
     #[test]
     fn no_foot_holds_a_height_of_0_mm() {

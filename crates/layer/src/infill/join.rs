@@ -9,8 +9,8 @@
 //! In: the pieces of a layer's pattern, which know where on the area's border
 //! they end. Two ends that follow each other on a ring of the border are joined
 //! along it, unless the way is longer than it is worth, or would make a path
-//! return to itself: as many as can be, and of these the shortest
-//! ([`super::pairing`]). Joins add material beside the wall. It does not count for
+//! return to itself. Short ways come first, then the others. Each round makes as
+//! many joins as can be, by the shortest ways ([`super::pairing`]). Joins add material beside the wall. It does not count for
 //! the density, which is the pattern's.
 
 use super::pairing::{Way, pairs};

@@ -418,8 +418,8 @@ impl Slope<'_> {
         }
         let bounds = open_beyond.bounds().grown(self.reach + 1.0);
         let here = crop(&outline.rings, bounds);
-        // Outlines of one shape leave slivers of one another open. A slope on
-        // which no more than these recede hides under the walls.
+        // Outlines of one shape differ by slivers up to `apart` wide. Skin for a
+        // slope no wider than that would lie under the walls.
         let half = 0.5 * self.apart;
         let receded = open(&here, self.last.area());
         let receded = offset(&receded, -half, TOLERANCE);

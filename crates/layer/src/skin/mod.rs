@@ -131,8 +131,15 @@ pub fn patches(
 fn into_walls(skin: &Area, sparse: &Area, settings: &Settings) -> Option<Area> {
     /// Tolerance of the border, mm. It lies under walls.
     const TOLERANCE: Mm = 0.01;
+    let wall = match settings.walls {
+        0 => return None,
+        1 => settings.outer_wall_width(),
+        _ => settings.inner_wall_width(),
+    };
+    // Skin may be wider than the wall. Half of the wall is left beside it.
     let reach = 0.01 * settings.skin_wall_overlap * settings.skin_width();
-    if reach <= 0.0 || settings.walls == 0 {
+    let reach = reach.min(0.5 * wall);
+    if reach <= 0.0 {
         return None;
     }
     let grown = offset(skin, reach, TOLERANCE);
@@ -219,6 +226,24 @@ mod tests {
             let is = half(overlap, sparse);
             assert!((is - expected).abs() < 0.011, "{overlap}: {is}");
         }
+    }
+
+    #[test]
+    fn wide_skin_leaves_half_of_a_narrow_wall() {
+        let width = isoslice_settings::ByNozzle::Length;
+        let mut settings = Settings {
+            walls: 1,
+            outer_wall_width: width(0.4),
+            skin_width: width(2.0),
+            skin_wall_overlap: 50.0,
+            ..Settings::default()
+        };
+        let skin = square(8.0);
+        let reach = || into_walls(&skin, &Area::EMPTY, &settings);
+        assert!((reach().unwrap().bounds().max.x - 8.2).abs() < 0.011);
+        settings.skin_wall_overlap = 5.0;
+        let reach = into_walls(&skin, &Area::EMPTY, &settings);
+        assert!((reach.unwrap().bounds().max.x - 8.1).abs() < 0.011);
     }
 
     #[test]

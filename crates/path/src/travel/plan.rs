@@ -3,7 +3,8 @@
 //! In: two points. Out: the way between them, and whether to retract on it.
 //! The first of these ways that will do is taken:
 //!
-//! 1. straight, if the way is too short for a retraction, or hidden;
+//! 1. straight, if it is hidden, or too short for a retraction and crosses
+//!    nothing that shows;
 //! 2. straight and retracted, from a support or a skirt: beside the part a string
 //!    would stay in the air, and over the part a blob;
 //! 3. over sparse infill, which hides the way;
@@ -33,11 +34,11 @@ const OFF_BORDER: f64 = 0.25;
 /// lattices less: in lattices nearly all travels lead through walls.
 const MUCH_INFILL: f64 = 0.25;
 
-/// How long a way round may be that shows, in straight ways that are too short
-/// for a retraction. Round a hole of 1.2 mm and more it is no longer than 3 of
-/// them. Longer ones lead from wall to wall of a vase, or all round an island of
-/// a gyroid (7 to 12), and cost more than the short string or the scar that they
-/// avoid.
+/// Greatest length of a way round that shows, as a multiple of the straight way,
+/// between places nearer than `retract.min_travel`. Round holes of 1.2 mm and
+/// more it is less than 3. Ways from wall to wall of a vase, or all round an
+/// island of a gyroid (7 to 12), cost more than the short string or the scar
+/// that they avoid.
 const MOST_ROUND: f64 = 3.0;
 
 /// What hides travels in a layer.
@@ -113,10 +114,11 @@ impl<'a> Planner<'a> {
         next: usize,
     ) -> Travel {
         let settings = self.settings;
-        if a.distance(b) < settings.retract.min_travel {
-            return self.short(a, b, before, next);
-        }
-        let mut travel = self.way(a, b, before, next);
+        let mut travel = if a.distance(b) < settings.retract.min_travel {
+            self.short(a, b, before, next)
+        } else {
+            self.way(a, b, before, next)
+        };
         if !travel.retract {
             return travel;
         }
@@ -135,8 +137,8 @@ impl<'a> Planner<'a> {
 
     /// The travel to a place that is too near for a retraction. It goes round what
     /// shows, unless the way round leads through the air as well. A way round
-    /// that shows itself is retracted if it is not short, and is not taken if
-    /// it is much longer than the straight one.
+    /// that shows itself asks for a retraction if it is not short, and is not
+    /// taken if it is much longer than the straight one.
     fn short(
         &self,
         a: DVec2,

@@ -224,6 +224,8 @@ fn no_long_way_round_shows_its_ooze() {
         let mut part = Part::with_hole([9.6, low, 10.4, top])
             .with(|s| s.retract.min_travel = min_travel)
             .with(|s| s.walls = 1)
+            .with(|s| s.retract.z_hop = 0.4)
+            .with(|s| s.retract.z_hop_when = HopWhen::Always)
             .with(|s| s.retract.hidden = Hidden::SparseInfill);
         if !hidden {
             part.sparse = Area::EMPTY;
@@ -241,6 +243,7 @@ fn no_long_way_round_shows_its_ooze() {
         let travel = hop(high, min_travel, hidden);
         assert!(travel.points.len() > 2, "{high} {min_travel}: {travel:?}");
         assert_eq!(travel.retract, retracts, "{high} {min_travel}");
+        assert_eq!(travel.hop, retracts, "{high} {min_travel}");
     }
 }
 

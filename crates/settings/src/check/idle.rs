@@ -91,16 +91,22 @@ pub(super) fn without_effect(
     scarfs_without_effect(s, idle);
     interlocking_without_effect(s, idle);
     top_walls_without_effect(s, idle);
+    let of_internal_bridges = [
+        "internal_bridge_flow",
+        "internal_bridge_layers",
+        "speed.internal_bridge",
+        "cooling.internal_bridge_fan_speed",
+    ];
     idle.all(
-        &[
-            "internal_bridge_flow",
-            "internal_bridge_layers",
-            "speed.internal_bridge",
-            "cooling.internal_bridge_fan_speed",
-        ],
+        &of_internal_bridges,
         !s.internal_bridges,
         "internal_bridges = false prints no internal bridges; set it to \
          true",
+    );
+    idle.all(
+        &of_internal_bridges,
+        s.internal_bridges && s.walls == 0 && !s.spiral,
+        "the ends of internal bridges need walls; set walls to 1 or more",
     );
     idle.warn(
         "skin_wall_overlap",
@@ -112,8 +118,8 @@ pub(super) fn without_effect(
     idle.warn(
         "internal_bridges",
         s.internal_bridges && s.walls == 0 && !s.spiral,
-        "internal_bridges = true has no effect, since their ends need walls \
-         that hold them; set walls to 1 or more"
+        "internal_bridges = true has no effect, since the ends of bridges need \
+         walls; set walls to 1 or more"
             .to_owned(),
     );
     idle.all(
