@@ -9,6 +9,7 @@
 use super::hanging::Follow;
 use super::job::Planned;
 use super::layer::{Filled, Layer, Ready};
+use super::plans::Plans;
 use super::supported::{Supported, Top};
 use crate::plate::Part;
 use crate::report::LayerFigures;
@@ -34,6 +35,7 @@ use std::sync::Arc;
 pub(super) struct PartOrder<'a> {
     part: &'a Part,
     settings: &'a Settings,
+    plans: &'a Plans,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// The climbing wall, if there is one.
@@ -87,6 +89,7 @@ impl<'a> PartOrder<'a> {
         PartOrder {
             part,
             settings: &part.settings,
+            plans: &stages.plans,
             offset: part.model.offset.truncate(),
             spiral: stages.spiral.as_ref(),
             head: Head::default(),
@@ -176,7 +179,7 @@ impl<'a> PartOrder<'a> {
             let beads = order(beads, context, &mut self.head, self.settings);
             let beads = linked(beads, solid, self.settings);
             let first = index == self.settings.raft_layers();
-            let mut ended = endings(beads, solid, first, self.settings);
+            let mut ended = endings(beads, solid, first, &self.plans.ending);
             ended.extend(turns.into_iter().map(Ended::from));
             ended
         });

@@ -7,6 +7,7 @@
 use super::job::Planned;
 use super::layer::Layer;
 use super::part::{Ordered, PartOrder};
+use super::plans::Plans;
 use super::supported::Top;
 use super::tally::Tally;
 use super::{BLOCK, SliceError};
@@ -30,6 +31,7 @@ use std::sync::Arc;
 /// The stages of one part that make its paths.
 pub(super) struct PartTravel<'a> {
     settings: &'a Settings,
+    plans: &'a Plans,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// What lets beads follow the surface, if they have to.
@@ -97,6 +99,7 @@ impl<'a> PartTravel<'a> {
         let part = planned.part;
         PartTravel {
             settings: &part.settings,
+            plans: &planned.stages.plans,
             offset: part.model.offset.truncate(),
             relief,
             under,
@@ -228,7 +231,7 @@ impl<'a> PartTravel<'a> {
         };
         let mut out = Vec::with_capacity(beads.len());
         for Ended { bead, wipe } in beads {
-            let placed = interlock.placed(bead, self.settings);
+            let placed = interlock.placed(bead, self.plans.resolution);
             let any = !placed.is_empty();
             out.extend(placed.into_iter().map(Ended::from));
             if let Some(last) = out.last_mut().filter(|_| any) {

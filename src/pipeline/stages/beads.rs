@@ -122,7 +122,7 @@ impl Stages<'_> {
     pub(super) fn thin<'b>(&self, beads: impl Iterator<Item = &'b mut Bead>) {
         for bead in beads {
             let role = bead.role;
-            self.resolution.thin(bead, role);
+            self.plans.resolution.thin(bead, role);
         }
     }
 }

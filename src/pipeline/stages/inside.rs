@@ -62,7 +62,7 @@ impl Stages<'_> {
                 let areas = layer.offsets.to_vec();
                 field_walls(outline, areas, height, self.settings)
             };
-            walls::thin(&mut walls, self.resolution);
+            walls::thin(&mut walls, self.plans.resolution);
             walls
         });
         let roomy = self
@@ -86,8 +86,9 @@ impl Stages<'_> {
             return Ok(None);
         }
         let rounded;
-        let walls = if self.resolution.arcs {
-            rounded = walls::rounded(walls, self.resolution);
+        let resolution = self.plans.resolution;
+        let walls = if resolution.arcs {
+            rounded = walls::rounded(walls, resolution);
             &rounded
         } else {
             walls

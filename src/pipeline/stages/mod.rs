@@ -26,6 +26,7 @@ mod support;
 
 use super::SliceError;
 use super::layer::Layer;
+use super::plans::Plans;
 use super::raft::Raft;
 use super::supported::Supported;
 use crate::report::Gauge;
@@ -38,7 +39,6 @@ use isoslice_layer::infill::standing::Standing;
 use isoslice_layer::infill::{self, Infill};
 use isoslice_layer::region::compensate::Growth;
 use isoslice_layer::region::exposure::Exposure;
-use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::{Guide, Seams};
 use isoslice_model::Model;
 use isoslice_model::contour::{Field, field};
@@ -55,7 +55,7 @@ use std::ops::Range;
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
-    resolution: Resolution,
+    pub plans: Plans,
     model: &'a Model,
     /// The part's box in the plane.
     rect: Rect,
@@ -108,14 +108,14 @@ impl<'a> Stages<'a> {
         let site = site(model, settings, rect);
         Ok(Stages {
             settings,
-            resolution: Resolution::of(settings),
+            plans: Plans::of(settings),
             model,
             rect,
             field,
             wall_fields,
-            seams: Seams::new(settings, around)?,
+            seams: Seams::new(&settings.seam, settings.accuracy, around)?,
             guide: None,
-            fuzzy: Fuzzy::new(settings, around)?,
+            fuzzy: Fuzzy::new(&settings.fuzzy, around)?,
             skirt: None,
             support: None,
             known: Vec::new(),

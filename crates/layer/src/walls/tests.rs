@@ -35,7 +35,7 @@ fn print(part: &Area) -> Print {
     let laid = walls(part, None, HEIGHT, &settings);
     let pieces: Vec<Bead> = beads(&laid, HEIGHT, 0.0)
         .into_iter()
-        .flat_map(|b| Resolution::of(&Settings::default()).pieces(b))
+        .flat_map(|b| Resolution::with(|_| {}).pieces(b))
         .collect();
     let bounds = part.bounds();
     let origin = bounds.min - 0.5;
