@@ -5,9 +5,7 @@
 //! and the layers of the file.
 
 use super::options::Extent;
-use super::raft;
 use super::stages::Stages;
-use super::supported::Fills;
 use super::{Options, SliceError};
 use crate::plate::{Part, Plate};
 use crate::report::Gauge;
@@ -42,8 +40,6 @@ pub(super) struct Base<'a> {
     pub part: &'a Part,
     pub spans: &'a [LayerSpan],
     pub around: Surroundings<'a>,
-    fills: Fills,
-    raft_fills: raft::Fills,
 }
 
 impl<'a> Base<'a> {
@@ -52,8 +48,6 @@ impl<'a> Base<'a> {
             part,
             spans,
             around: Surroundings::new(&part.model),
-            fills: Fills::new(&part.settings),
-            raft_fills: raft::Fills::new(&part.settings),
         }
     }
 
@@ -72,7 +66,6 @@ impl<'a> Base<'a> {
             part,
             spans,
             around,
-            ..
         } = self;
         let (model, settings) = (&part.model, &part.settings);
         // In a glimpse as few places are measured as in a layer of a whole run.
@@ -120,10 +113,8 @@ impl<'a> Planned<'a> {
         if !has_supports(self.part) {
             return Ok(());
         }
-        let Base { around, fills, .. } = base;
-        let room = self.part.room();
-        self.stages
-            .plan_supports(pool, self.spans, around, fills, room)
+        let (around, room) = (&base.around, self.part.room());
+        self.stages.plan_supports(pool, self.spans, around, room)
     }
 
     /// Plans what needs all of the part at once, for a run that makes the layers
@@ -134,16 +125,13 @@ impl<'a> Planned<'a> {
         first: usize,
         pool: &ThreadPool,
     ) -> Result<(), SliceError> {
-        let Base {
-            around, raft_fills, ..
-        } = base;
         let (part, spans) = (self.part, self.spans);
         let settings = &part.settings;
         self.stages.plan_spiral(pool, spans)?;
         self.stages.plan_guide(pool, spans, first)?;
         self.plan_supports(base, pool)?;
         let stages = &mut self.stages;
-        stages.plan_raft(spans, around, raft_fills, part.room())?;
+        stages.plan_raft(spans, &base.around, part.room())?;
         if settings.draft_shield == DraftShield::Off {
             stages.plan_skirt(spans)
         } else {

@@ -15,7 +15,7 @@ use crate::plate::Plate;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::Mm;
-use isoslice_layer::adhesion::{Skirt, keep_on_bed};
+use isoslice_layer::adhesion::{BedPlan, Skirt, keep_on_bed};
 use isoslice_path::order::{begin_near, in_turn};
 use isoslice_path::pace::rates::{Rater, Site};
 use isoslice_path::pace::{PacedLayer, Pacer, Stretch};
@@ -233,7 +233,8 @@ impl<'a> Pacing<'a> {
         // A finished part would be in the way of another's skirt.
         let skirt = self.skirt.as_ref().filter(|_| self.before == 0)?;
         let mut loops = skirt.beads(span.index, span.height());
-        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, self.settings);
+        let bed = BedPlan::of(self.settings);
+        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, bed);
         if span.index == 0 {
             self.warnings.extend(off_bed);
         }

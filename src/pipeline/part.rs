@@ -123,7 +123,7 @@ impl<'a> PartOrder<'a> {
         } = ready.filled;
         let index = layer.span.index;
         if index == 0 {
-            let without = without_ears(&beads.skirt, self.settings);
+            let without = without_ears(&beads.skirt, &self.plans.adhesion.brim);
             self.warnings.extend(without);
         }
         // A loop that leaves the bed in one place is left out in all, so that
@@ -133,7 +133,8 @@ impl<'a> PartOrder<'a> {
                 break;
             }
             let offset = self.offset + place.shift;
-            let off_bed = keep_on_bed(&mut beads.skirt, offset, self.settings);
+            let bed = self.plans.adhesion.bed;
+            let off_bed = keep_on_bed(&mut beads.skirt, offset, bed);
             for warning in off_bed {
                 if index == 0 && !self.warnings.contains(&warning) {
                     self.warnings.push(warning);
@@ -158,7 +159,8 @@ impl<'a> PartOrder<'a> {
             below.map(|below| below.top().clone());
         let support = self.timings.time(Stage::Travel, || {
             let below = below.as_deref()?;
-            Support::new(below, &layer.outline, self.settings)
+            let share = self.settings.overhang_share;
+            Support::new(below, &layer.outline, share, &self.plans.walls)
         });
         let support = support.as_ref();
         if let Some(guide) = self.guide.as_mut().filter(|_| !climbs) {
@@ -247,7 +249,7 @@ impl<'a> PartOrder<'a> {
 
     /// What the user should know, what hangs in the part, and what it stands on.
     pub(super) fn finish(mut self) -> (Vec<String>, Hanging, Option<Foot>) {
-        let warning = standing::warning(self.left_out, self.settings);
+        let warning = standing::warning(self.left_out, &self.plans.infill);
         self.warnings.extend(warning);
         (self.warnings, self.hanging.finish(), self.foot)
     }

@@ -17,7 +17,6 @@ use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::Mm;
 use isoslice_layer::hang::Hanging;
 use isoslice_layer::hang::foot::Foot;
-use isoslice_layer::region::wall_depths;
 use isoslice_layer::seam::ending::Ended;
 use isoslice_layer::walls::{Beside, Interlock, Reach};
 use isoslice_path::pace::rates;
@@ -148,7 +147,7 @@ impl<'a> PartTravel<'a> {
             }
         })?;
         let path = self.timings.time(Stage::Travel, || {
-            let (_, border) = wall_depths(layer.span.height(), self.settings);
+            let (_, border) = self.plans.walls.depths(layer.span.height());
             if written {
                 let of_part = beads.iter().filter(|b| b.bead.role.is_part());
                 let count = of_part.count();

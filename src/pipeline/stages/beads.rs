@@ -43,14 +43,14 @@ impl Stages<'_> {
         });
         let infill = self.infill_in(&areas.sparse, &layers[i])?;
         let mut skin = self.timings.time(Stage::Skin, || {
-            infill::fill_bare(&mut areas, &infill, self.settings);
+            infill::fill_bare(&mut areas, &infill, &self.plans.infill);
             skin::patches(
                 &areas.skin,
                 &areas.sparse,
                 faces(layers, i),
                 number,
                 height,
-                self.settings,
+                &self.plans.skin,
             )
         });
         if self.is_on_raft(number) {

@@ -28,7 +28,7 @@ use super::SliceError;
 use super::layer::Layer;
 use super::plans::Plans;
 use super::raft::Raft;
-use super::supported::Supported;
+use super::supported::{Fills, Supported};
 use crate::report::Gauge;
 use glam::DVec2;
 use isoslice_base::timings::Timings;
@@ -37,6 +37,7 @@ use isoslice_layer::adhesion::Skirt;
 use isoslice_layer::fuzzy::Fuzzy;
 use isoslice_layer::infill::standing::Standing;
 use isoslice_layer::infill::{self, Infill};
+use isoslice_layer::region::ExposurePlan;
 use isoslice_layer::region::compensate::Growth;
 use isoslice_layer::region::exposure::Exposure;
 use isoslice_layer::seam::{Guide, Seams};
@@ -94,6 +95,7 @@ impl<'a> Stages<'a> {
         gauge: Gauge<'a>,
         spans: &'a [LayerSpan],
     ) -> Result<Self, SliceError> {
+        let plans = Plans::of(settings);
         let rect = model.bounds.from_above();
         let spacing = settings.sample_spacing;
         let make = |depth: Mm| field(&model.tree, depth, rect, spacing);
@@ -101,14 +103,15 @@ impl<'a> Stages<'a> {
         let wall_fields = match settings.wall_offset {
             WallOffset::Distance => WallFields::None,
             WallOffset::Field if settings.is_uniform() => WallFields::Alike(
-                by_depth(settings.layer_height(), settings, make)?,
+                by_depth(settings.layer_height(), &plans.walls, make)?,
             ),
             WallOffset::Field => WallFields::ByHeight,
         };
         let site = site(model, settings, rect);
+        let plan = plans.infill.clone();
         Ok(Stages {
             settings,
-            plans: Plans::of(settings),
+            plans,
             model,
             rect,
             field,
@@ -123,9 +126,9 @@ impl<'a> Stages<'a> {
             raft_layers: settings.raft_layers(),
             bed: -model.offset.z,
             spiral: None,
-            exposure: Exposure::new(settings, spans),
-            growth: Growth::new(settings, model)?,
-            infill: Infill::new(settings, around, site)?,
+            exposure: Exposure::new(ExposurePlan::of(settings), spans),
+            growth: Growth::new(&settings.xy_compensation, model)?,
+            infill: Infill::new(plan, around, site)?,
             timings: Timings::default(),
             gauge,
         })
@@ -137,9 +140,13 @@ impl<'a> Stages<'a> {
         Rect::new(on_bed.min - offset, on_bed.max - offset)
     }
 
-    /// The site from which fillings of supports are laid out.
-    fn site(&self) -> infill::Site {
-        site(self.model, self.settings, self.rect)
+    /// What fills of supports and of a raft have in common.
+    fn fills(&self, around: &'a Surroundings<'a>) -> Fills<'_, 'a> {
+        Fills {
+            plans: &self.plans,
+            around,
+            site: site(self.model, self.settings, self.rect),
+        }
     }
 
     /// True if a layer is the part's first one, on a raft.
@@ -149,7 +156,7 @@ impl<'a> Stages<'a> {
 
     /// A check of infill that may stand on nothing, if the settings need one.
     pub(super) fn standing(&self) -> Option<Standing> {
-        Standing::new(self.settings)
+        Standing::new(&self.plans.infill)
     }
 
     /// Number of layers whose field is walked at a time.

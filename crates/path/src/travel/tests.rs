@@ -1,6 +1,6 @@
 use super::*;
 use decide::Obstacles;
-use isoslice_layer::region::wall_depths;
+use isoslice_layer::region::WallPlan;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Role;
 use isoslice_planar::bead::Stroke;
@@ -103,7 +103,7 @@ impl Part {
         act(Ground {
             outline: &Solid::of(&self.outline, 1.0),
             sparse: &Solid::of(&self.sparse, 1.0),
-            border: wall_depths(0.2, &self.settings).1,
+            border: WallPlan::of(&self.settings).depths(0.2).1,
             above: above.as_ref(),
         })
     }
