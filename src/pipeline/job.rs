@@ -15,6 +15,7 @@ use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Mm, Seconds};
 use isoslice_model::vary::Surroundings;
+use isoslice_path::pace::PacePlan;
 use isoslice_planar::Area;
 use isoslice_planar::offset::offset;
 use isoslice_preview::{PictureError, outline_from_above};
@@ -42,6 +43,7 @@ pub(super) struct Base<'a> {
     pub part: &'a Part,
     pub spans: &'a [LayerSpan],
     pub around: Surroundings<'a>,
+    pub pace: PacePlan,
     fills: Fills,
     raft_fills: raft::Fills,
 }
@@ -52,6 +54,7 @@ impl<'a> Base<'a> {
             part,
             spans,
             around: Surroundings::new(&part.model),
+            pace: PacePlan::of(&part.settings),
             fills: Fills::new(&part.settings),
             raft_fills: raft::Fills::new(&part.settings),
         }

@@ -22,7 +22,7 @@ use isoslice_layer::infill::standing;
 use isoslice_layer::seam::Guide;
 use isoslice_layer::seam::ending::{Ended, cut, endings};
 use isoslice_layer::walls::Support;
-use isoslice_path::order::{self, Head, linked, order};
+use isoslice_path::order::{self, Head, OrderPlan, linked, order};
 use isoslice_path::spiral::Spiral;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::Settings;
@@ -34,10 +34,11 @@ use std::sync::Arc;
 pub(super) struct PartOrder<'a> {
     part: &'a Part,
     settings: &'a Settings,
+    plan: OrderPlan,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// The climbing wall, if there is one.
-    spiral: Option<&'a Spiral<'a>>,
+    spiral: Option<&'a Spiral>,
     head: Head,
     /// Where seams come from that follow one another.
     guide: Option<Guide>,
@@ -87,6 +88,7 @@ impl<'a> PartOrder<'a> {
         PartOrder {
             part,
             settings: &part.settings,
+            plan: OrderPlan::of(&part.settings),
             offset: part.model.offset.truncate(),
             spiral: stages.spiral.as_ref(),
             head: Head::default(),
@@ -173,8 +175,8 @@ impl<'a> PartOrder<'a> {
                 support,
                 ground,
             };
-            let beads = order(beads, context, &mut self.head, self.settings);
-            let beads = linked(beads, solid, self.settings);
+            let beads = order(beads, context, &mut self.head, &self.plan);
+            let beads = linked(beads, solid, &self.plan);
             let first = index == self.settings.raft_layers();
             let mut ended = endings(beads, solid, first, self.settings);
             ended.extend(turns.into_iter().map(Ended::from));

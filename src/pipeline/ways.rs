@@ -21,7 +21,7 @@ use isoslice_layer::seam::ending::Ended;
 use isoslice_layer::walls::{Beside, Interlock, Reach};
 use isoslice_path::pace::rates;
 use isoslice_path::relief::{Relief, Side, Site};
-use isoslice_path::travel::{Ground, LayerPath, Move, connect};
+use isoslice_path::travel::{Ground, LayerPath, Move, TravelPlan, connect};
 use isoslice_planar::Solid;
 use isoslice_settings::Settings;
 use std::ops::Range;
@@ -30,6 +30,7 @@ use std::sync::Arc;
 /// The stages of one part that make its paths.
 pub(super) struct PartTravel<'a> {
     settings: &'a Settings,
+    plan: TravelPlan,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// What lets beads follow the surface, if they have to.
@@ -97,6 +98,7 @@ impl<'a> PartTravel<'a> {
         let part = planned.part;
         PartTravel {
             settings: &part.settings,
+            plan: TravelPlan::of(&part.settings),
             offset: part.model.offset.truncate(),
             relief,
             under,
@@ -173,7 +175,7 @@ impl<'a> PartTravel<'a> {
                 },
                 from,
                 self.offset,
-                self.settings,
+                &self.plan,
             );
             // If the head's place is unknown, the way may lead over anything.
             if from.is_none()

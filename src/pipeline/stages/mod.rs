@@ -77,7 +77,7 @@ pub(super) struct Stages<'a> {
     /// Height of the bed in the model's coordinates.
     bed: Mm,
     /// The climbing wall, if there is one.
-    pub spiral: Option<Spiral<'a>>,
+    pub spiral: Option<Spiral>,
     /// How far outlines grow, if that differs from place to place.
     growth: Option<Growth>,
     exposure: Exposure<'a>,
