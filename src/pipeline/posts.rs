@@ -9,6 +9,7 @@
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_layer::region::support_walls;
+use isoslice_layer::resolution::Resolution;
 use isoslice_layer::support::Disc;
 use isoslice_layer::walls;
 use isoslice_planar::bead::Bead;
@@ -34,7 +35,7 @@ impl Walled {
     /// Lays the walls around an area in a layer of some height.
     fn new(area: &Area, height: Mm, settings: &Settings) -> Walled {
         let mut walls = support_walls(area, height, settings);
-        walls::thin(&mut walls, settings);
+        walls::thin(&mut walls, Resolution::of(settings));
         let small = settings.speed.small_wall_length;
         Walled {
             beads: walls::beads(&walls, height, small),

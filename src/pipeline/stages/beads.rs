@@ -6,7 +6,6 @@ use crate::pipeline::layer::{Inside, Layer, faces, window};
 use isoslice_base::timings::Stage;
 use isoslice_layer::infill::{self, InfillError};
 use isoslice_layer::region::exposure::FillAreas;
-use isoslice_layer::resolution::thin;
 use isoslice_layer::skin;
 use isoslice_layer::skin::Patch;
 use isoslice_layer::walls;
@@ -123,7 +122,7 @@ impl Stages<'_> {
     pub(super) fn thin<'b>(&self, beads: impl Iterator<Item = &'b mut Bead>) {
         for bead in beads {
             let role = bead.role;
-            thin(bead, role, self.settings);
+            self.resolution.thin(bead, role);
         }
     }
 }

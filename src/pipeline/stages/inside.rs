@@ -62,7 +62,7 @@ impl Stages<'_> {
                 let areas = layer.offsets.to_vec();
                 field_walls(outline, areas, height, self.settings)
             };
-            walls::thin(&mut walls, self.settings);
+            walls::thin(&mut walls, self.resolution);
             walls
         });
         let roomy = self
@@ -86,8 +86,8 @@ impl Stages<'_> {
             return Ok(None);
         }
         let rounded;
-        let walls = if self.settings.arcs() {
-            rounded = walls::rounded(walls, self.settings);
+        let walls = if self.resolution.arcs {
+            rounded = walls::rounded(walls, self.resolution);
             &rounded
         } else {
             walls

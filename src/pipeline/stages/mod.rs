@@ -38,6 +38,7 @@ use isoslice_layer::infill::standing::Standing;
 use isoslice_layer::infill::{self, Infill};
 use isoslice_layer::region::compensate::Growth;
 use isoslice_layer::region::exposure::Exposure;
+use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::{Guide, Seams};
 use isoslice_model::Model;
 use isoslice_model::contour::{Field, field};
@@ -54,6 +55,7 @@ use std::ops::Range;
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
+    resolution: Resolution,
     model: &'a Model,
     /// The part's box in the plane.
     rect: Rect,
@@ -106,6 +108,7 @@ impl<'a> Stages<'a> {
         let site = site(model, settings, rect);
         Ok(Stages {
             settings,
+            resolution: Resolution::of(settings),
             model,
             rect,
             field,

@@ -16,6 +16,8 @@
 //! the scarf is to rise ([`scarf`](super::scarf)).
 
 use super::scarf::{Scarf, risen};
+#[cfg(test)]
+use crate::resolution::Resolution;
 use crate::walls::Support;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
@@ -260,7 +262,7 @@ fn inwards(
 /// Length of a path. Parts that are printed twice count twice.
 #[cfg(test)]
 fn printed(bead: &Bead) -> f64 {
-    let pieces = crate::resolution::pieces(bead.clone(), &Settings::default());
+    let pieces = Resolution::of(&Settings::default()).pieces(bead.clone());
     pieces.iter().map(|p| p.area() * p.length()).sum()
 }
 

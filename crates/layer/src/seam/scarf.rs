@@ -16,7 +16,7 @@
 //! elsewhere, within 0.1 % where the loop is of one width. The nozzle never
 //! leaves the layer.
 
-use crate::resolution::pieces;
+use crate::resolution::Resolution;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Level, Stroke, cross_section, height_of};
@@ -82,7 +82,7 @@ fn levelled(
     settings: &Settings,
     level: impl Fn(f64, Mm) -> Level,
 ) -> Vec<Bead> {
-    let parts = pieces(bead, settings);
+    let parts = Resolution::of(settings).pieces(bead);
     let length: Mm = parts.iter().map(|part| part.length()).sum();
     if length <= 0.0 {
         return Vec::new();
@@ -219,7 +219,7 @@ mod tests {
                 stroke: whole.part(from / 50.0, to / 50.0),
                 ..whole
             };
-            let parts = pieces(part, &settings);
+            let parts = Resolution::of(&settings).pieces(part);
             parts.iter().map(|p| p.area() * p.length()).sum::<f64>()
         };
         let ramps: Vec<Bead> =

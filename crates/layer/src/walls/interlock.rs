@@ -21,7 +21,7 @@
 //! The nozzle is lower than the layer's top while these walls are printed, so
 //! they have to be printed before what is beside them.
 
-use crate::resolution::pieces;
+use crate::resolution::Resolution;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Level, cross_section, height_of};
@@ -70,7 +70,7 @@ impl Interlock<'_> {
             return vec![bead];
         }
         isoslice_base::limits::check();
-        let parts = pieces(bead, settings).into_iter();
+        let parts = Resolution::of(settings).pieces(bead).into_iter();
         parts.flat_map(|part| self.cut(part)).collect()
     }
 

@@ -11,12 +11,11 @@ pub use overhang::Support;
 pub use reach::Reach;
 
 use crate::region::Walls;
-use crate::resolution;
+use crate::resolution::Resolution;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::arc;
 use isoslice_planar::bead::{Bead, Role, Stroke};
-use isoslice_settings::Settings;
 use std::iter;
 
 /// The walls' lines as beads, the outer wall's first. A part too thin for walls
@@ -49,12 +48,12 @@ pub fn interlocked(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
 }
 
 /// Thins the walls' lines to what their roles permit.
-pub fn thin(walls: &mut Walls, settings: &Settings) {
+pub fn thin(walls: &mut Walls, resolution: Resolution) {
     let all = walls.lines.iter_mut().zip(roles(Role::InnerWall));
     let thin = walls.thin.iter_mut().zip(roles(Role::GapFill));
     for (lines, role) in all.chain(thin) {
         for line in lines {
-            resolution::thin(line, role, settings);
+            resolution.thin(line, role);
         }
     }
 }
@@ -62,12 +61,12 @@ pub fn thin(walls: &mut Walls, settings: &Settings) {
 /// The walls, where arcs are laid along walls of one width and stand as fine
 /// polygons. The arcs begin at each wall's first point; in the print they begin
 /// at its seam.
-pub fn rounded(walls: &Walls, settings: &Settings) -> Walls {
+pub fn rounded(walls: &Walls, resolution: Resolution) -> Walls {
     /// Greatest distance of the polygons from the arcs, mm.
     const FLAT: Mm = 0.0002;
     let mut walls = walls.clone();
     for (lines, role) in walls.lines.iter_mut().zip(roles(Role::InnerWall)) {
-        let tolerance = resolution::arc_tolerance(role, settings);
+        let tolerance = resolution.arc_tolerance(role);
         for line in lines.iter_mut().filter(|l| l.widths.is_empty()) {
             let path: Vec<DVec2> = line.path().collect();
             let (points, turns) = arc::fit(&path, tolerance);

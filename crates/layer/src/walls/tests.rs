@@ -2,6 +2,7 @@
 //! paint outside of the part, and how much they extrude.
 
 use crate::region::{wall_depths, walls};
+use crate::resolution::Resolution;
 use crate::walls::beads;
 use glam::DVec2;
 use isoslice_planar::Area;
@@ -34,7 +35,7 @@ fn print(part: &Area) -> Print {
     let laid = walls(part, None, HEIGHT, &settings);
     let pieces: Vec<Bead> = beads(&laid, HEIGHT, 0.0)
         .into_iter()
-        .flat_map(|b| crate::resolution::pieces(b, &Settings::default()))
+        .flat_map(|b| Resolution::of(&Settings::default()).pieces(b))
         .collect();
     let bounds = part.bounds();
     let origin = bounds.min - 0.5;

@@ -57,7 +57,7 @@ use glam::{DVec2, DVec3};
 use isoslice_base::units::{
     MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, Seconds, filament_area,
 };
-use isoslice_layer::resolution::arc_tolerance;
+use isoslice_layer::resolution::Resolution;
 use isoslice_model::vary::VaryError;
 use isoslice_planar::arc;
 use isoslice_planar::bead::{Bead, Role, Stroke};
@@ -418,7 +418,8 @@ impl<'a> Pacer<'a> {
         if self.settings.arcs() && rated.bead.levels.is_empty() {
             let bead = &mut rated.bead;
             let path: Vec<DVec2> = bead.path().collect();
-            let tolerance = arc_tolerance(bead.role, self.settings);
+            let tolerance =
+                Resolution::of(self.settings).arc_tolerance(bead.role);
             let (points, turns) = arc::fit(&path, tolerance);
             bead.stroke = Stroke::new(points, false, bead.width);
             rated.turns = turns;

@@ -58,7 +58,7 @@ use chain::{Chain, Stop};
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Degrees, Mm, Mm2};
-use isoslice_layer::resolution::pieces;
+use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::ending::Ended;
 use isoslice_model::vary::{Quantity, Surroundings, VaryError};
 use isoslice_model::{Model, Probe, ProbeError};
@@ -319,11 +319,11 @@ impl<'a> Relief<'a> {
         }
         let cut = |ended: &Ended| {
             // A stroke with levels has one width.
-            let mut parts: Vec<Ended> =
-                pieces(ended.bead.clone(), self.settings)
-                    .into_iter()
-                    .map(Ended::from)
-                    .collect();
+            let mut parts: Vec<Ended> = Resolution::of(self.settings)
+                .pieces(ended.bead.clone())
+                .into_iter()
+                .map(Ended::from)
+                .collect();
             if let Some(last) = parts.last_mut() {
                 last.wipe = ended.wipe;
             }

@@ -24,7 +24,7 @@ mod wipe;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_layer::resolution::pieces;
+use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::ending::Ended;
 use isoslice_planar::Solid;
 use isoslice_planar::bead::Bead;
@@ -170,7 +170,7 @@ pub fn connect(
         moves.extend(travel.map(|travel| Move::Travel(travel.moved(offset))));
         // The pieces must not depend on where the part stands, so they are cut
         // before rounding does.
-        for mut piece in pieces(bead, settings) {
+        for mut piece in Resolution::of(settings).pieces(bead) {
             for p in &mut piece.points {
                 *p += offset;
             }
