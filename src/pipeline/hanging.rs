@@ -7,6 +7,7 @@ use super::start::pool;
 use super::{BLOCK, SliceError};
 use crate::report::Gauge;
 use glam::DVec2;
+use isoslice_base::limits;
 use isoslice_base::units::Mm;
 use isoslice_layer::hang::{Hanging, Look, Tracker, Unsupported};
 use isoslice_model::Model;
@@ -65,6 +66,7 @@ pub fn survey(
     // millions.
     let printed = stages.printed(&pool, &spans)?;
     let (hanging, places) = stages.needs(&pool, &spans[..printed], &around)?;
+    limits::go_on()?;
     Ok(Survey {
         hanging,
         places,

@@ -61,7 +61,9 @@ impl<'a> Fuzzy<'a> {
         }
         let fuzzy = &self.settings.fuzzy;
         for bead in beads {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let hole = signed_area(&bead.points) < 0.0;
             let meant = bead.closed && (fuzzy.holes || !hole);
             if bead.role == Role::OuterWall && meant {

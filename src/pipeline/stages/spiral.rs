@@ -28,7 +28,7 @@ impl<'a> Stages<'a> {
         let last_flat = spiral.first() - 1;
         let all = last_flat..spans.len();
         for slab in spans.chunks(self.slab_layers()) {
-            limits::check();
+            limits::go_on()?;
             // Offset fields are not asked for.
             let none = &WallFields::None;
             let made = || self.layers_of(&self.field, none, slab, &all);

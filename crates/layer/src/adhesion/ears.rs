@@ -53,7 +53,9 @@ pub(super) fn ears(
     let mut levels: Vec<Vec<Ring>> = Vec::new();
     let mut depth = 0.5 * width;
     loop {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return inwards(levels);
+        }
         let level = offset(&area, -depth, TOLERANCE).rings;
         if level.is_empty() {
             return inwards(levels);

@@ -61,7 +61,9 @@ pub fn linked(
     // All lines, once a way that fills a gap asks what crosses the gap.
     let grid = OnceCell::new();
     while let Some(mut bead) = rest.next() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let link = out
             .last()
             .filter(|before| may_go_on(before, &bead, plan))

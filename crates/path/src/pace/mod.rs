@@ -317,7 +317,9 @@ impl<'a> Pacer<'a> {
         // Beads that follow each other without a travel.
         let mut chain = Vec::new();
         for step in moves {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             match step {
                 Move::Travel(travel) => {
                     self.print_all(span, &mut chain, out);

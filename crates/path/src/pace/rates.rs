@@ -213,7 +213,6 @@ impl<'a> Rater<'a> {
         let quantities = [self.speed(role), &self.flow, &self.width, &self.fan];
         let constant =
             !self.varies || quantities.iter().all(|q| q.constant().is_some());
-        isoslice_base::limits::check();
         let reach = site.reach.filter(|_| by_reach.any());
         let (steps, shares) = self.reaching(&bead, reach, site.shift);
         let reaches = shares.iter().any(|share| *share > 0.0);

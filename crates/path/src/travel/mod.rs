@@ -152,7 +152,9 @@ pub fn connect(
     let mut at = from;
     let mut before: Option<&Bead> = None;
     for (next, bead) in beads.iter().enumerate() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let Some((start, end)) = ends(bead) else {
             travels.push(None);
             continue;
