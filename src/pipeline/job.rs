@@ -5,6 +5,7 @@
 //! and the layers of the file.
 
 use super::options::Extent;
+use super::plans::Plans;
 use super::stages::Stages;
 use super::{Options, SliceError};
 use crate::plate::{Part, Plate};
@@ -40,6 +41,7 @@ pub(super) struct Base<'a> {
     pub part: &'a Part,
     pub spans: &'a [LayerSpan],
     pub around: Surroundings<'a>,
+    pub plans: Plans,
 }
 
 impl<'a> Base<'a> {
@@ -48,6 +50,7 @@ impl<'a> Base<'a> {
             part,
             spans,
             around: Surroundings::new(&part.model),
+            plans: Plans::of(&part.settings),
         }
     }
 
@@ -66,6 +69,7 @@ impl<'a> Base<'a> {
             part,
             spans,
             around,
+            plans,
         } = self;
         let (model, settings) = (&part.model, &part.settings);
         // In a glimpse as few places are measured as in a layer of a whole run.
@@ -74,7 +78,7 @@ impl<'a> Base<'a> {
             None => layers.end.min(spans.len()).saturating_sub(layers.start),
         };
         let gauge = Gauge::new(model, settings, count.max(1), options.report)?;
-        let stages = Stages::new(model, settings, around, gauge, spans)?;
+        let stages = Stages::new(model, settings, plans, around, gauge, spans)?;
         let printed = stages.printed(pool, spans)?;
         if printed == 0 {
             return Err(SliceError::NothingToPrint {

@@ -39,7 +39,7 @@ pub(super) struct PartOrder<'a> {
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// The climbing wall, if there is one.
-    spiral: Option<&'a Spiral<'a>>,
+    spiral: Option<&'a Spiral>,
     head: Head,
     /// Where seams come from that follow one another.
     guide: Option<Guide>,
@@ -89,7 +89,7 @@ impl<'a> PartOrder<'a> {
         PartOrder {
             part,
             settings: &part.settings,
-            plans: &stages.plans,
+            plans: stages.plans,
             offset: part.model.offset.truncate(),
             spiral: stages.spiral.as_ref(),
             head: Head::default(),
@@ -178,8 +178,9 @@ impl<'a> PartOrder<'a> {
                 support,
                 ground,
             };
-            let beads = order(beads, context, &mut self.head, self.settings);
-            let beads = linked(beads, solid, self.settings);
+            let beads =
+                order(beads, context, &mut self.head, &self.plans.order);
+            let beads = linked(beads, solid, &self.plans.order);
             let first = index == self.settings.raft_layers();
             let mut ended = endings(beads, solid, first, &self.plans.ending);
             ended.extend(turns.into_iter().map(Ended::from));

@@ -6,6 +6,9 @@ use isoslice_layer::region::{OutlinePlan, WallPlan};
 use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::EndingPlan;
 use isoslice_layer::skin::SkinPlan;
+use isoslice_path::order::OrderPlan;
+use isoslice_path::pace::PacePlan;
+use isoslice_path::travel::TravelPlan;
 use isoslice_settings::Settings;
 
 /// The plans of a part.
@@ -17,6 +20,9 @@ pub(super) struct Plans {
     pub infill: InfillPlan,
     pub adhesion: AdhesionPlan,
     pub ending: EndingPlan,
+    pub order: OrderPlan,
+    pub travel: TravelPlan,
+    pub pace: PacePlan,
 }
 
 impl Plans {
@@ -30,6 +36,9 @@ impl Plans {
             infill: InfillPlan::of(settings),
             adhesion: AdhesionPlan::of(settings),
             ending: EndingPlan::of(settings),
+            order: OrderPlan::of(settings),
+            travel: TravelPlan::of(settings),
+            pace: PacePlan::of(settings),
         }
     }
 }

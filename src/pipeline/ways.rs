@@ -98,7 +98,7 @@ impl<'a> PartTravel<'a> {
         let part = planned.part;
         PartTravel {
             settings: &part.settings,
-            plans: &planned.stages.plans,
+            plans: planned.stages.plans,
             offset: part.model.offset.truncate(),
             relief,
             under,
@@ -175,7 +175,7 @@ impl<'a> PartTravel<'a> {
                 },
                 from,
                 self.offset,
-                self.settings,
+                &self.plans.travel,
             );
             // If the head's place is unknown, the way may lead over anything.
             if from.is_none()

@@ -15,7 +15,8 @@ use super::{SliceError, Summary};
 use crate::report::{Report, RunFigures};
 use isoslice_base::units::Mm3;
 use isoslice_gcode::{Writer, thick_beads};
-use isoslice_path::relief::Relief;
+use isoslice_path::pace::PacePlan;
+use isoslice_path::relief::{Relief, ReliefPlan};
 use isoslice_planar::Rect;
 use isoslice_preview::Pictures;
 use rayon::ThreadPool;
@@ -38,7 +39,8 @@ pub(super) fn write(
         bases.map(|(part, spans)| Base::new(part, spans)).collect();
     let job = Job::new(run, &bases)?;
     let skirt = pool.install(|| skirt_round(&job))?;
-    let rates = Rates::new(plate, &bases)?;
+    let pace = PacePlan::of(&plate.settings);
+    let rates = Rates::new(plate, &pace, &bases)?;
     // The check comes before hours of work, not after them.
     let printed = match job.turns {
         Some(_) => job.spans,
@@ -127,7 +129,8 @@ fn exits<'a>(
         let Planned { part, spans, .. } = *planned;
         let relief = [Relief::new, Relief::of_supports].map(|relief| {
             let timings = &planned.stages.timings;
-            relief(&part.model, &part.settings, &base.around, pool, timings)
+            let plan = ReliefPlan::of(&part.settings);
+            relief(&part.model, plan, &base.around, pool, timings)
                 .map_err(|e| job.plate.named(part, e.into()))
         });
         let [relief, under] = relief;

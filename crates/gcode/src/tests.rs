@@ -4,7 +4,7 @@
 use crate::{Header, Totals, WriteError, Writer};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::filament_area;
-use isoslice_path::pace::{PacedLayer, PacedMove, Pacer};
+use isoslice_path::pace::{PacePlan, PacedLayer, PacedMove, Pacer};
 use isoslice_path::travel::{LayerPath, Move, Travel};
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_settings::layers::LayerSpan;
@@ -132,17 +132,14 @@ fn header(layer_count: usize) -> Header {
     }
 }
 
-fn pacer(settings: &Settings) -> Pacer<'_> {
-    Pacer::new(settings)
-}
-
 fn written(settings: &Settings, job: Vec<LayerPath>) -> (String, Totals) {
     let mut out = Vec::new();
     let header = header(job.len());
     let mut nobody = |_: &[u8]| {};
     let mut writer = Writer::new(&mut out, settings, &header, &mut nobody)
         .expect("templates");
-    let mut pacer = pacer(settings);
+    let plan = PacePlan::of(settings);
+    let mut pacer = Pacer::new(&plan);
     for path in job {
         let paced = pacer.alone(path).unwrap();
         writer.layer(&paced).expect("layer");
@@ -639,7 +636,7 @@ fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
     if let Some(Move::Print(b)) = path.moves.get_mut(3) {
         b.points[1].y = f64::NAN;
     }
-    let paced = pacer(&s).alone(path).unwrap();
+    let paced = Pacer::new(&PacePlan::of(&s)).alone(path).unwrap();
     let mut nobody = |_: &[u8]| {};
     let mut writer = Writer::new(Vec::new(), &s, &header(1), &mut nobody)
         .expect("templates");

@@ -9,14 +9,15 @@ use super::{E, Writer, XYZ, flavour};
 use isoslice_base::units::{MICRON, Seconds};
 use isoslice_path::pace::PacedMove;
 use isoslice_path::pace::clock::time_of;
-use isoslice_path::pace::motion::{Limits, Motion};
+use isoslice_path::pace::limits;
+use isoslice_path::pace::motion::Motion;
 use isoslice_settings::Settings;
 use std::io::Write;
 
 impl<W: Write> Writer<'_, W> {
     /// Adds the time of the head, which is in the buffer, to the totals.
     pub(super) fn time_head(&mut self) {
-        let (time, at) = time_of(&self.buffer, self.settings);
+        let (time, at) = time_of(&self.buffer, limits(self.settings));
         self.totals.time += time;
         self.start = at;
     }
@@ -28,7 +29,7 @@ impl<W: Write> Writer<'_, W> {
     pub(super) fn time_approach(&mut self, moves: &[PacedMove]) {
         let settings = self.settings;
         let acceleration = settings.travel_acceleration();
-        let mut motion = Motion::new(Limits::new(settings), acceleration);
+        let mut motion = Motion::new(limits(settings), acceleration);
         let mut at = self.start;
         for step in moves {
             let (way, speed) = match step {
@@ -80,5 +81,5 @@ pub(super) fn of_foot(
     settings: &Settings,
 ) -> Seconds {
     let lines = [before.as_bytes(), text, end.as_bytes()].concat();
-    time_of(&lines, settings).0
+    time_of(&lines, limits(settings)).0
 }

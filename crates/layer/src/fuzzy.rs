@@ -59,7 +59,9 @@ impl<'a> Fuzzy<'a> {
             return Ok(());
         }
         for bead in beads {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let hole = signed_area(&bead.points) < 0.0;
             let meant = bead.closed && (self.skin.holes || !hole);
             if bead.role == Role::OuterWall && meant {

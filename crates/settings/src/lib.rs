@@ -87,10 +87,12 @@ pub use table::{Key, keys};
 pub use value::Range;
 
 pub use by_nozzle::ByNozzle;
-pub use derived::THICKNESS_SLACK;
+pub use derived::{FullAngle, THICKNESS_SLACK};
 pub use firmware::Refusals;
 pub use infill::Infill;
-pub use rows::{Acceleration, Brim, Cooling, FuzzySkin, Skirt, Speed, Support};
+pub use rows::{
+    Acceleration, Brim, Cooling, FuzzySkin, Retract, Skirt, Speed, Support,
+};
 pub use shield::DraftShield;
 pub use sizes::Sizes;
 pub use sizes::{ImageFormat, PictureSize};

@@ -56,7 +56,7 @@ use std::ops::Range;
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
-    pub plans: Plans,
+    pub plans: &'a Plans,
     model: &'a Model,
     /// The part's box in the plane.
     rect: Rect,
@@ -78,7 +78,7 @@ pub(super) struct Stages<'a> {
     /// Height of the bed in the model's coordinates.
     bed: Mm,
     /// The climbing wall, if there is one.
-    pub spiral: Option<Spiral<'a>>,
+    pub spiral: Option<Spiral>,
     /// How far outlines grow, if that differs from place to place.
     growth: Option<Growth>,
     exposure: Exposure<'a>,
@@ -91,11 +91,11 @@ impl<'a> Stages<'a> {
     pub(super) fn new(
         model: &'a Model,
         settings: &'a Settings,
+        plans: &'a Plans,
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
         spans: &'a [LayerSpan],
     ) -> Result<Self, SliceError> {
-        let plans = Plans::of(settings);
         let rect = model.bounds.from_above();
         let spacing = settings.sample_spacing;
         let make = |depth: Mm| field(&model.tree, depth, rect, spacing);
@@ -108,7 +108,7 @@ impl<'a> Stages<'a> {
             WallOffset::Field => WallFields::ByHeight,
         };
         let site = site(model, settings, rect);
-        let plan = plans.infill.clone();
+        let infill = Infill::new(plans.infill.clone(), around, site)?;
         Ok(Stages {
             settings,
             plans,
@@ -128,7 +128,7 @@ impl<'a> Stages<'a> {
             spiral: None,
             exposure: Exposure::new(ExposurePlan::of(settings), spans),
             growth: Growth::new(&settings.xy_compensation, model)?,
-            infill: Infill::new(plan, around, site)?,
+            infill,
             timings: Timings::default(),
             gauge,
         })
@@ -143,7 +143,7 @@ impl<'a> Stages<'a> {
     /// What fills of supports and of a raft have in common.
     fn fills(&self, around: &'a Surroundings<'a>) -> Fills<'_, 'a> {
         Fills {
-            plans: &self.plans,
+            plans: self.plans,
             around,
             site: site(self.model, self.settings, self.rect),
         }

@@ -161,7 +161,7 @@ impl Stages<'_> {
                 };
                 let mut all = Vec::with_capacity(spans.len());
                 for run in spans.chunk_by(alike) {
-                    limits::check();
+                    limits::go_on()?;
                     let spacing = self.settings.sample_spacing;
                     let tree = &self.model.tree;
                     let make = |d: Mm| field(tree, d, self.rect, spacing);

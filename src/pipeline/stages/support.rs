@@ -199,7 +199,7 @@ impl<'a> Stages<'a> {
         let half = 0.5 * s.thinnest_line();
         let mut under = Area::EMPTY;
         for span in spans.iter().skip(first) {
-            limits::check();
+            limits::go_on()?;
             let of_span =
                 self.layers(std::slice::from_ref(span), &ALL_LAYERS)?;
             if let Some(support) = self.support_area(span.index) {

@@ -69,7 +69,7 @@ impl Ranges {
         let mut files = Vec::new();
         let mut formats = Vec::new();
         for path in paths {
-            limits::check();
+            limits::go_on()?;
             let mut source = Source::open(path)?;
             let last = source.last(path)?;
             let manifest = source.manifest(path, &last)?;

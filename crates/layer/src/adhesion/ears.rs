@@ -48,7 +48,9 @@ pub(super) fn ears(outline: &Area, height: Mm, plan: &BrimPlan) -> Vec<Ring> {
     let mut levels: Vec<Vec<Ring>> = Vec::new();
     let mut depth = 0.5 * width;
     loop {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return inwards(levels);
+        }
         let level = offset(&area, -depth, TOLERANCE).rings;
         if level.is_empty() {
             return inwards(levels);

@@ -63,7 +63,9 @@ impl Standing {
         mut infill: Vec<Bead>,
         others: impl Iterator<Item = &'a Bead>,
     ) -> Vec<Bead> {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return infill;
+        }
         let below = self.below.take();
         let held = |bead: &Bead, by: &EdgeGrid| {
             let mut edges = bead.segments();

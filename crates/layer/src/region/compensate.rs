@@ -61,7 +61,9 @@ impl Growth {
         let (mut rings, mut most) = (Vec::new(), f64::NEG_INFINITY);
         let mut places = Vec::new();
         for ring in &area.rings {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let bends = bends(ring);
             places.clear();
             places.extend(bends.iter().map(|bend: &Bend| Place {
@@ -90,7 +92,9 @@ fn moved(area: &Area, rings: &[(Vec<Bend>, Vec<Mm>)]) -> Area {
     // that is filled.
     let (mut added, mut taken) = (Area::EMPTY, Area::EMPTY);
     for (bends, by) in rings {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let mut kept: Vec<(DVec2, DVec2, Mm)> = Vec::new();
         for (bend, &by) in bends.iter().zip(by) {
             let apart = |last: &(DVec2, DVec2, Mm)| {

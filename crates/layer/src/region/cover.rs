@@ -195,7 +195,9 @@ pub(super) fn exposed(
     let sorted: Vec<Neighbour<'_>> =
         covers.iter().map(|c| Neighbour::new(c.area())).collect();
     for i in left {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let touching = sorted.iter().zip(&touching).filter(|(_, t)| t[i]);
         let near: Vec<Area> =
             touching.map(|(cover, _)| cover.near(&islands[i])).collect();

@@ -307,7 +307,9 @@ impl<'a> Exposure<'a> {
             {
                 continue;
             }
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let here = crop(&lower.area().rings, near);
             let open = open(&here, upper.area());
             let wide = offset(&open, -0.5 * step, TOLERANCE);

@@ -128,7 +128,9 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
     let mut area = area.clone();
     let mut strokes: Vec<Stroke> = Vec::new();
     loop {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return strokes;
+        }
         // Two rings at a time, as walls.
         let solid = Solid::of(&area, cell(&area));
         let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);

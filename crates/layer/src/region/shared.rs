@@ -140,7 +140,9 @@ impl Sharing {
         let long = (LONG - 2.0 * LOOK) * self.line;
         let even = EVEN * self.line + self.slack;
         solid.area().rings.iter().any(|ring| {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                return false;
+            }
             // The length of an even stretch, and its thicknesses.
             let mut stretch = None;
             let (mut at, mut next) = (0.0, 0.0);

@@ -74,7 +74,6 @@ pub(super) fn bridges(
     let gaps = intersection(&offset(&core, 0.5 * width, TOLERANCE), area);
     let reach = anchor.max(0.5 * width);
     let gaps = gaps.islands().into_iter().map(|gap| {
-        isoslice_base::limits::check();
         let best = best_direction(&gap, &grid, width);
         Gap::new(gap, best, reach, TOLERANCE)
     });

@@ -73,7 +73,9 @@ impl Filler<'_> {
         island: &Area,
         sides: Sides<'_>,
     ) -> Option<Patch> {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return None;
+        }
         if let Some(nested) = self.nested(island, sides) {
             return (!nested.rings.is_empty()).then_some(nested);
         }

@@ -239,7 +239,9 @@ fn on(
     let (way, angle) = direction(under, width)?;
     let anchor = plan.anchor.max(0.5 * width);
     let grown = gaps.islands().into_iter().map(|gap| {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return Area::EMPTY;
+        }
         offset(&gap, anchor, TOLERANCE)
     });
     let grown: Vec<Area> = grown.collect();
@@ -251,7 +253,9 @@ fn on(
     // Places that stay skin, as if there were no other places.
     let mut refused = Area::EMPTY;
     parts.retain(|part| {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return false;
+        }
         let lines = Lines {
             angle,
             spacing: space,

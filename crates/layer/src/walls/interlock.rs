@@ -68,7 +68,9 @@ impl Interlock<'_> {
         if !bead.sunk || bead.points.len() < 2 {
             return vec![bead];
         }
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return vec![bead];
+        }
         let parts = resolution.pieces(bead).into_iter();
         parts.flat_map(|part| self.cut(part)).collect()
     }
