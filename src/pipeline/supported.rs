@@ -363,14 +363,8 @@ impl SupportFill<'_> {
         if area.is_empty() {
             return Ok(Vec::new());
         }
-        let height = span.height();
-        let walled = self.posts.walled(area, height);
-        let target = infill::Target {
-            number: span.index,
-            z: span.sample_z(),
-            height,
-        };
-        let lines = self.infill.beads(&walled.fill, target, None)?;
+        let walled = self.posts.walled(area, span.height());
+        let lines = self.infill.beads(&walled.fill, span, None)?;
         let mut beads = walled.beads;
         beads.extend(lines);
         for bead in &mut beads {

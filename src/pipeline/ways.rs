@@ -18,7 +18,7 @@ use isoslice_base::units::Mm;
 use isoslice_layer::hang::Hanging;
 use isoslice_layer::hang::foot::Foot;
 use isoslice_layer::seam::ending::Ended;
-use isoslice_layer::walls::{Beside, Interlock, Reach};
+use isoslice_layer::walls::{Interlock, Reach};
 use isoslice_path::pace::rates;
 use isoslice_path::relief::{Relief, Side, Site};
 use isoslice_path::travel::{Ground, LayerPath, Move, connect};
@@ -216,18 +216,8 @@ impl<'a> PartTravel<'a> {
         below: Option<&Layer>,
         above: Option<&Layer>,
     ) -> Vec<Ended> {
-        fn beside<'l>(layer: &Layer, other: &'l Layer) -> Beside<'l> {
-            let same = layer.same_outline(other);
-            Beside {
-                height: other.span.height(),
-                outline: (!same).then(|| other.outline.grid()),
-            }
-        }
-        let interlock = Interlock {
-            outline: layer.outline.grid(),
-            below: below.map(|below| beside(layer, below)),
-            above: above.map(|above| beside(layer, above)),
-        };
+        let view = layer.among(below, above);
+        let interlock = Interlock(&view);
         let mut out = Vec::with_capacity(beads.len());
         for Ended { bead, wipe } in beads {
             let placed = interlock.placed(bead, self.plans.resolution);
