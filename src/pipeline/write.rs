@@ -173,8 +173,8 @@ fn one_by_one(
         let supplies = Supplies::new([(stages, *spans)], pool, &extent);
         with_threads(|threads| {
             for layer in supplies.ahead(pool, threads)? {
-                for (_, ready) in layer?.parts {
-                    let passed = exit.pass(part, ready)?;
+                for (_, filled) in layer?.parts {
+                    let passed = exit.pass(part, filled)?;
                     exit.print_turn(part, &passed)?;
                     if !copies.is_empty() {
                         kept.push(passed);
