@@ -14,7 +14,7 @@ use super::ways::{PartTravel, Passed};
 use super::{SliceError, Summary};
 use crate::report::{Report, RunFigures};
 use isoslice_base::units::Mm3;
-use isoslice_gcode::{Writer, thick_beads};
+use isoslice_gcode::{Writer, WriterPlan};
 use isoslice_path::pace::PacePlan;
 use isoslice_path::relief::{Relief, ReliefPlan};
 use isoslice_planar::Rect;
@@ -51,7 +51,8 @@ pub(super) fn write(
     }
     let (header, no_picture) = header(run, &job, &rates.plate)?;
     let pictures = pictures(run, &job)?;
-    let writer = Writer::new(out, &plate.settings, &header, copy)?;
+    let plan = WriterPlan::of(&plate.settings);
+    let writer = Writer::new(out, plan, &header, copy)?;
     let mut warnings = told_of_writing(&job, writer.warnings());
     warnings.extend(no_picture);
     let parts = exits(&job, &bases, pool)?;
@@ -110,7 +111,9 @@ fn told_of_writing(job: &Job<'_>, of_writer: &[String]) -> Vec<String> {
         );
     }
     // The parts' lines may be wider than those of the plate's settings.
-    let of_parts = plate.parts.iter().filter_map(|p| thick_beads(&p.settings));
+    let of_parts = plate.parts.iter();
+    let of_parts =
+        of_parts.filter_map(|p| WriterPlan::of(&p.settings).thick_beads());
     for warning in of_parts {
         if !all.contains(&warning) {
             all.push(warning);
