@@ -2,6 +2,7 @@
 //! survey, all that supports would hold.
 
 use super::layer::Layer;
+use super::plans::Plans;
 use super::stages::Stages;
 use super::start::pool;
 use super::{BLOCK, SliceError};
@@ -61,7 +62,8 @@ pub fn survey(
     let spans = pool.install(|| heights(model, settings))?.spans;
     let around = Surroundings::new(model);
     let gauge = Gauge::new(model, settings, spans.len(), false)?;
-    let stages = Stages::new(model, settings, &around, gauge, &spans)?;
+    let plans = Plans::of(settings);
+    let stages = Stages::new(model, settings, &plans, &around, gauge, &spans)?;
     // What cannot be printed has no hanging places, of which there may be
     // millions.
     let printed = stages.printed(&pool, &spans)?;

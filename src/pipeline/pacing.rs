@@ -15,7 +15,7 @@ use crate::plate::Plate;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::Mm;
-use isoslice_layer::adhesion::{Skirt, keep_on_bed};
+use isoslice_layer::adhesion::{BedPlan, Skirt, keep_on_bed};
 use isoslice_path::order::{begin_near, in_turn};
 use isoslice_path::pace::rates::{Rater, Site};
 use isoslice_path::pace::{PacePlan, PacedLayer, Pacer, Stretch};
@@ -48,7 +48,8 @@ impl<'a> Rates<'a> {
             Rater::new(pace, &base.part.model, &base.around)
         };
         let of_part = |base: &'a Base<'a>| {
-            of(&base.pace, base).map_err(|e| plate.named(base.part, e.into()))
+            of(&base.plans.pace, base)
+                .map_err(|e| plate.named(base.part, e.into()))
         };
         let first = bases.first().ok_or(SliceError::NoParts)?;
         Ok(Rates {
@@ -235,7 +236,8 @@ impl<'a> Pacing<'a> {
         // A finished part would be in the way of another's skirt.
         let skirt = self.skirt.as_ref().filter(|_| self.before == 0)?;
         let mut loops = skirt.beads(span.index, span.height());
-        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, self.settings);
+        let bed = BedPlan::of(self.settings);
+        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, bed);
         if span.index == 0 {
             self.warnings.extend(off_bed);
         }

@@ -9,6 +9,7 @@
 use super::hanging::Follow;
 use super::job::Planned;
 use super::layer::{Filled, Layer};
+use super::plans::Plans;
 use super::supported::Supported;
 use crate::plate::Part;
 use glam::DVec2;
@@ -20,7 +21,7 @@ use isoslice_layer::infill::standing;
 use isoslice_layer::seam::Guide;
 use isoslice_layer::seam::ending::{Ended, cut, endings};
 use isoslice_layer::walls::Support;
-use isoslice_path::order::{self, Head, OrderPlan, linked, order};
+use isoslice_path::order::{self, Head, linked, order};
 use isoslice_path::spiral::Spiral;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::Settings;
@@ -32,7 +33,7 @@ use std::sync::Arc;
 pub(super) struct PartOrder<'a> {
     part: &'a Part,
     settings: &'a Settings,
-    plan: OrderPlan,
+    plans: &'a Plans,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// The climbing wall, if there is one.
@@ -78,7 +79,7 @@ impl<'a> PartOrder<'a> {
         PartOrder {
             part,
             settings: &part.settings,
-            plan: OrderPlan::of(&part.settings),
+            plans: stages.plans,
             offset: part.model.offset.truncate(),
             spiral: stages.spiral.as_ref(),
             head: Head::default(),
@@ -106,7 +107,7 @@ impl<'a> PartOrder<'a> {
         } = &filled;
         let index = layer.span.index;
         if index == 0 {
-            let without = without_ears(&beads.skirt, self.settings);
+            let without = without_ears(&beads.skirt, &self.plans.adhesion.brim);
             self.warnings.extend(without);
         }
         // A loop that leaves the bed in one place is left out in all, so that
@@ -116,7 +117,8 @@ impl<'a> PartOrder<'a> {
                 break;
             }
             let offset = self.offset + place.shift;
-            let off_bed = keep_on_bed(&mut beads.skirt, offset, self.settings);
+            let bed = self.plans.adhesion.bed;
+            let off_bed = keep_on_bed(&mut beads.skirt, offset, bed);
             for warning in off_bed {
                 if index == 0 && !self.warnings.contains(&warning) {
                     self.warnings.push(warning);
@@ -140,7 +142,8 @@ impl<'a> PartOrder<'a> {
         let stands_on = below.map(|below| below.top().clone());
         let support = self.timings.time(Stage::Travel, || {
             let below = stands_on.as_deref()?;
-            Support::new(below, &layer.outline, self.settings)
+            let share = self.settings.overhang_share;
+            Support::new(below, &layer.outline, share, &self.plans.walls)
         });
         let support = support.as_ref();
         if let Some(guide) = self.guide.as_mut().filter(|_| !climbs) {
@@ -158,10 +161,11 @@ impl<'a> PartOrder<'a> {
                 support,
                 ground,
             };
-            let beads = order(beads, context, &mut self.head, &self.plan);
-            let beads = linked(beads, solid, &self.plan);
+            let beads =
+                order(beads, context, &mut self.head, &self.plans.order);
+            let beads = linked(beads, solid, &self.plans.order);
             let first = index == self.settings.raft_layers();
-            let mut ended = endings(beads, solid, first, self.settings);
+            let mut ended = endings(beads, solid, first, &self.plans.ending);
             ended.extend(turns.into_iter().map(Ended::from));
             ended
         });
@@ -222,7 +226,7 @@ impl<'a> PartOrder<'a> {
 
     /// What the user should know, what hangs in the part, and what it stands on.
     pub(super) fn finish(mut self) -> (Vec<String>, Hanging, Option<Foot>) {
-        let warning = standing::warning(self.left_out, self.settings);
+        let warning = standing::warning(self.left_out, &self.plans.infill);
         self.warnings.extend(warning);
         (self.warnings, self.hanging.finish(), self.foot)
     }

@@ -16,7 +16,7 @@ use crate::report::{Report, RunFigures};
 use isoslice_base::units::Mm3;
 use isoslice_gcode::{Writer, WriterPlan};
 use isoslice_path::pace::PacePlan;
-use isoslice_path::relief::{Relief, ReliefPlan};
+use isoslice_path::relief::Relief;
 use isoslice_planar::Rect;
 use isoslice_preview::Pictures;
 use rayon::ThreadPool;
@@ -132,7 +132,7 @@ fn exits<'a>(
         let Planned { part, spans, .. } = *planned;
         let relief = [Relief::new, Relief::of_supports].map(|relief| {
             let timings = &planned.stages.timings;
-            let plan = ReliefPlan::of(&part.settings);
+            let plan = planned.stages.plans.relief.clone();
             relief(&part.model, plan, &base.around, pool, timings)
                 .map_err(|e| job.plate.named(part, e.into()))
         });

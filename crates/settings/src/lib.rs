@@ -90,8 +90,9 @@ pub use by_nozzle::ByNozzle;
 pub use derived::{FullAngle, THICKNESS_SLACK};
 pub use firmware::Refusals;
 pub use infill::Infill;
-pub use rows::{Acceleration, Cooling, Retract, Skirt, Speed};
-pub use rows::{Brim, Support};
+pub use rows::{
+    Acceleration, Brim, Cooling, FuzzySkin, Retract, Skirt, Speed, Support,
+};
 pub use shield::DraftShield;
 pub use sizes::Sizes;
 pub use sizes::{ImageFormat, PictureSize};

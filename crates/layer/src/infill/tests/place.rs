@@ -59,10 +59,9 @@ fn paths_are_long_and_stay_inside() {
     area.rings.push(hole);
     let grid = isoslice_planar::grid::EdgeGrid::new(&area, 1.0);
     for kind in InfillPattern::ALL {
-        let settings = settings(kind, 20.0);
+        let plan = even(kind, 20.0);
         let places = [0, 7, 12].map(layer);
-        for (i, beads) in lay(&settings, HERE, &area, places).iter().enumerate()
-        {
+        for (i, beads) in lay(&plan, HERE, &area, places).iter().enumerate() {
             for p in beads.iter().flat_map(|b| &b.points) {
                 assert!(grid.contains(*p), "{kind:?}: {p}");
                 let (_, near) = grid.nearest(*p).unwrap();
@@ -76,8 +75,8 @@ fn paths_are_long_and_stay_inside() {
 }
 
 /// Points of the pattern far from any border.
-fn points(settings: &Settings, site: Site, at: Target) -> Vec<DVec2> {
-    let beads = lay(settings, site, &square(40.0), [at]).remove(0);
+fn points(plan: &InfillPlan, site: Site, at: Target) -> Vec<DVec2> {
+    let beads = lay(plan, site, &square(40.0), [at]).remove(0);
     // Where the lines cross the middle row.
     let mut on_row: Vec<DVec2> = beads
         .iter()
@@ -93,7 +92,7 @@ fn points(settings: &Settings, site: Site, at: Target) -> Vec<DVec2> {
 #[test]
 fn angle_phase_and_centre_move_the_pattern() {
     for kind in InfillPattern::ALL {
-        let plain = settings(kind, 20.0);
+        let plain = even(kind, 20.0);
         let at = layer(5);
         let here = points(&plain, HERE, at);
         assert!(here.len() > 8, "{kind:?}");
@@ -107,16 +106,16 @@ fn angle_phase_and_centre_move_the_pattern() {
             };
             here.iter().filter(|p| near(p) > 0.05).count() * 2 > here.len()
         };
-        let turned = Settings {
-            infill_angle: 20.0,
+        let turned = InfillPlan {
+            angle: 20.0,
             ..plain.clone()
         };
-        let moved = Settings {
-            infill_phase: 30.0,
+        let moved = InfillPlan {
+            phase: 0.3,
             ..plain.clone()
         };
-        let bed = Settings {
-            infill_centre: InfillCentre::Bed,
+        let bed = InfillPlan {
+            centre: InfillCentre::Bed,
             ..plain.clone()
         };
         let aside = DVec2::new(0.7, 0.4);
@@ -140,13 +139,13 @@ fn angle_phase_and_centre_move_the_pattern() {
 
 #[test]
 fn concentric_rings_move_by_the_phase() {
-    let plain = settings(InfillPattern::Concentric, 20.0);
-    let moved = Settings {
-        infill_phase: 25.0,
+    let plain = even(InfillPattern::Concentric, 20.0);
+    let moved = InfillPlan {
+        phase: 0.25,
         ..plain.clone()
     };
     let at = layer(0);
-    let first = |s: &Settings| points(s, HERE, at)[5].x;
+    let first = |plan: &InfillPlan| points(plan, HERE, at)[5].x;
     let step = spacing(0.45, 0.45, 0.2) / 0.2;
     assert!((first(&moved) - first(&plain) - 0.25 * step).abs() < 1e-6);
 }
