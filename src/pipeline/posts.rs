@@ -41,8 +41,7 @@ impl Walled {
         let mut walls = support_walls(area, height, plan);
         walls::thin(&mut walls, resolution);
         Walled {
-            // Small ones are printed as others are.
-            beads: walls::beads(&walls, height, 0.0),
+            beads: walls::beads(&walls, height),
             fill: walls.fill,
         }
     }

@@ -371,11 +371,9 @@ impl SupportFill<'_> {
             height,
         };
         let lines = self.infill.beads(&walled.fill, target, None)?;
-        let mut beads = walled.beads;
-        beads.extend(lines);
-        for bead in &mut beads {
-            bead.role = self.role;
-        }
-        Ok(beads)
+        let all = walled.beads.into_iter().chain(lines);
+        // They are no walls, however they were laid.
+        let own = |bead: Bead| Bead::new(self.role, bead.stroke, bead.height);
+        Ok(all.map(own).collect())
     }
 }

@@ -4,7 +4,7 @@
 use crate::{Header, Totals, WriteError, Writer, WriterPlan};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::filament_area;
-use isoslice_path::pace::{PacePlan, PacedLayer, PacedMove, Pacer};
+use isoslice_path::pace::{PacePlan, PacedLayer, PacedMove, Pacer, Sums};
 use isoslice_path::travel::{LayerPath, Move, Travel};
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_settings::layers::LayerSpan;
@@ -619,10 +619,7 @@ fn what_is_no_number_is_an_error() {
             fan: 0.0,
             nozzle_temperature: 210.0,
             time: 1.0,
-            printing: 0,
-            slowed: 0,
-            lost: std::collections::BTreeMap::new(),
-            amounts: Default::default(),
+            sums: Sums::default(),
         };
         let error = writer.layer(&paced);
         assert!(matches!(

@@ -344,11 +344,11 @@ pub struct Bead {
     /// Height of the bead, which is the layer's. Points with a level are higher
     /// or lower.
     pub height: Mm,
-    /// True for a wall that goes round something small, such as a thin pin or a
-    /// hole. The pieces into which it is cut keep the mark.
-    pub small: bool,
-    /// True for a wall inside the outer wall, also where it hangs.
-    pub inner: bool,
+    /// The role that the bead was laid for: a wall that hangs is still that wall.
+    pub laid_as: Role,
+    /// Length of the closed wall of which this is all, or a piece; infinite for
+    /// other beads.
+    pub ring: Mm,
     /// True for a wall that is to lie half a layer lower.
     pub sunk: bool,
     /// Height above the layer's top of the plane to which the bead belongs:
@@ -371,14 +371,14 @@ impl DerefMut for Bead {
 }
 
 impl Bead {
-    /// A bead that goes round nothing small.
+    /// A bead that is no piece of a closed wall, and lies in its layer.
     pub fn new(role: Role, stroke: Stroke, height: Mm) -> Bead {
         Bead {
             role,
             stroke,
             height,
-            small: false,
-            inner: role == Role::InnerWall,
+            laid_as: role,
+            ring: f64::INFINITY,
             sunk: false,
             plane: 0.0,
         }

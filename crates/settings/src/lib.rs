@@ -91,7 +91,8 @@ pub use derived::{FullAngle, THICKNESS_SLACK};
 pub use firmware::Refusals;
 pub use infill::Infill;
 pub use rows::{
-    Acceleration, Brim, Cooling, FuzzySkin, Retract, Skirt, Speed, Support,
+    Acceleration, Brim, Cooling, FuzzySkin, Printer, Retract, Skirt, Speed,
+    Support,
 };
 pub use shield::DraftShield;
 pub use sizes::Sizes;

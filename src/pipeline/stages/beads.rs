@@ -60,11 +60,10 @@ impl Stages<'_> {
                 bead.role = Role::Bridge;
             }
         }
-        let small = self.settings.speed.small_wall_length;
         let mut walls = if self.settings.interlocks() {
-            walls::interlocked(walls, height, small)
+            walls::interlocked(walls, height)
         } else {
-            walls::beads(walls, height, small)
+            walls::beads(walls, height)
         };
         let sites = self.timings.time(Stage::Walls, || {
             self.seams.sites(&walls, number, span.sample_z(), solid)

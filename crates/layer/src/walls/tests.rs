@@ -31,7 +31,7 @@ struct Print {
 /// The walls of a part that is thin all over, as they are printed.
 fn print(part: &Area) -> Print {
     let laid = walls(part, None, HEIGHT, &WallPlan::with(|_| {}));
-    let pieces: Vec<Bead> = beads(&laid, HEIGHT, 0.0)
+    let pieces: Vec<Bead> = beads(&laid, HEIGHT)
         .into_iter()
         .flat_map(|b| Resolution::with(|_| {}).pieces(b))
         .collect();
@@ -417,8 +417,7 @@ fn walls_of_two_widths_lie_a_spacing_apart() {
         let depths = middles.map(|p| HALF - p.abs().max_element());
         depths.fold(f64::INFINITY, f64::min)
     };
-    let mut found: Vec<f64> =
-        beads(&laid, HEIGHT, 0.0).iter().map(depth).collect();
+    let mut found: Vec<f64> = beads(&laid, HEIGHT).iter().map(depth).collect();
     found.sort_by(f64::total_cmp);
     assert_eq!(found.len(), 3);
     for (found, meant) in found.iter().zip(plan.depths(HEIGHT).0) {

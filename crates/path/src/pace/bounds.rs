@@ -18,7 +18,7 @@ pub(super) fn speed_limit(
         0 => speed.first_layer,
         _ => f64::INFINITY,
     };
-    if bead.small {
+    if bead.ring < speed.small_wall_length {
         first.min(speed.small_wall)
     } else {
         first

@@ -48,7 +48,7 @@ pub use plan::{PacePlan, limits};
 
 pub use moves::Amount;
 pub use moves::Cause;
-pub use moves::{OfPart, PacedLayer, PacedMove};
+pub use moves::{OfPart, PacedLayer, PacedMove, Sums};
 
 use crate::travel::LayerPath;
 use crate::travel::{Move, Travel};
@@ -68,7 +68,6 @@ use isoslice_settings::layers::LayerSpan;
 use motion::{Limits, Motion};
 use rates::{Rater, Rates, Site};
 use slowing::{Slowing, slow_down};
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Height above the first layer at which the head comes from where the start
@@ -138,15 +137,6 @@ struct Printed {
     /// The speed asked for, and what has made it less before cooling.
     wanted: MmPerSec,
     by: Option<Cause>,
-}
-
-/// What a layer's beads amount to.
-#[derive(Default)]
-struct Sums {
-    amounts: BTreeMap<Role, Amount>,
-    printing: usize,
-    slowed: usize,
-    lost: BTreeMap<Cause, Seconds>,
 }
 
 impl<'a> Pacer<'a> {
@@ -251,7 +241,6 @@ impl<'a> Pacer<'a> {
             }
         }
         fan = fan_at(fan);
-        let sums = self.sums(slowing);
         Ok(PacedLayer {
             span,
             before: 0,
@@ -260,10 +249,7 @@ impl<'a> Pacer<'a> {
             fan,
             nozzle_temperature: whole.temperature(&span)?,
             time,
-            printing: sums.printing,
-            slowed: sums.slowed,
-            lost: sums.lost,
-            amounts: sums.amounts,
+            sums: self.sums(slowing),
         })
     }
 
@@ -651,11 +637,7 @@ impl<'a> Pacer<'a> {
 
 /// True for a bead that gives way last if a layer is slowed: an outer wall.
 fn is_spared(bead: &Bead) -> bool {
-    match bead.role {
-        Role::OuterWall => true,
-        Role::Overhang => !bead.inner,
-        _ => false,
-    }
+    bead.laid_as == Role::OuterWall
 }
 
 /// True if two points are one place.

@@ -205,10 +205,10 @@ impl<'a> Rater<'a> {
         site: Site<'_>,
     ) -> Result<Vec<(Bead, Rates)>, VaryError> {
         let by_reach = self.by_reach(&bead);
-        let role = match (by_reach.speed, bead.inner) {
-            (false, _) => bead.role,
-            (true, false) => Role::OuterWall,
-            (true, true) => Role::InnerWall,
+        let role = if by_reach.speed {
+            bead.laid_as
+        } else {
+            bead.role
         };
         let quantities = [self.speed(role), &self.flow, &self.width, &self.fan];
         let constant =

@@ -105,7 +105,10 @@ fn walls_round_small_things_are_slower() {
     let of = |s: &PacePlan, small| {
         // A wall that is cut open is still a small wall.
         let mut bead = square(Role::OuterWall, 4.9);
-        (bead.small, bead.closed) = (small, false);
+        bead.closed = false;
+        if small {
+            bead.ring = bead.length();
+        }
         speeds(&Pacer::new(s).paced(layer(1, vec![bead])))[0]
     };
     assert_eq!(of(&s, true), 25.0);
@@ -283,10 +286,11 @@ fn the_fastest_give_way_first_and_outer_walls_last() {
     let mut outer = Vec::new();
     for target in 0..16 {
         s.cooling.min_layer_time = f64::from(3 * target);
-        let all = beads.map(|(role, _)| square(role, 20.0)).to_vec();
+        let mut all = beads.map(|(role, _)| square(role, 20.0)).to_vec();
+        // The overhang is an outer wall's.
+        all[3].laid_as = Role::OuterWall;
         let l = Pacer::new(&s).paced(layer(1, all));
         let v = speeds(&l);
-        // The overhang is an outer wall's.
         assert_eq!(v[0].min(own[3]), v[3], "{v:?}");
         let cap = v[2];
         assert_eq!(v[1], cap.min(own[1]), "{v:?}");
@@ -313,11 +317,11 @@ fn lost_time_has_one_cause_at_final_speeds() {
     let lost = |s: &PacePlan| {
         let beads = vec![crowd(), square(Role::SparseInfill, 5.0)];
         let l = Pacer::new(s).paced(layer(1, beads));
-        let of = |cause| l.lost.get(&cause).copied().unwrap_or(0.0);
+        let of = |cause| l.sums.lost.get(&cause).copied().unwrap_or(0.0);
         let all = [Cause::Cooling, Cause::Flow, Cause::Moves].map(of);
         let whole = of(Cause::Acceleration) + all.iter().sum::<f64>();
         assert!(whole < l.time, "{whole} {}", l.time);
-        (all, l.slowed)
+        (all, l.sums.slowed)
     };
     let mut s = PacePlan::with(|_| ());
     s.cooling.min_layer_time = 0.0;
