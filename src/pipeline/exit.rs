@@ -272,13 +272,13 @@ fn volume(step: &PacedMove) -> Mm3 {
                 let turn = turns.get(i).copied().flatten();
                 let length = turn.map_or(a.distance(b), |t| t.length(a));
                 length
-                    * if bead.levels.is_empty() {
+                    * if bead.stroke.levels.is_empty() {
                         bead.area()
                     } else {
                         bead.area_along(i)
                     }
             };
-            flow * bead.segments().enumerate().map(along).sum::<Mm3>()
+            flow * bead.stroke.segments().enumerate().map(along).sum::<Mm3>()
         }
         _ => 0.0,
     }

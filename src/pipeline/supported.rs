@@ -267,7 +267,7 @@ impl<'a> Supported<'a> {
         beads.extend(self.body.beads(&slice.body, &own)?);
         for bead in &mut beads {
             let standing = || {
-                let from = bead.points.first();
+                let from = bead.stroke.points.first();
                 from.is_some_and(|p| slice.standing.contains(*p))
             };
             let deeper = match span.index == self.raft {
@@ -279,7 +279,7 @@ impl<'a> Supported<'a> {
             if deeper != 0.0 {
                 // Lines of the usual width are wide enough for that height.
                 // Lines that fit into a thin place may not be.
-                let most = Settings::FLAT * bead.width;
+                let most = Settings::FLAT * bead.stroke.width;
                 bead.height = (bead.height + deeper).min(most);
             }
         }

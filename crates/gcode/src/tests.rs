@@ -248,7 +248,7 @@ fn volume(job: &[LayerPath]) -> f64 {
     job.iter()
         .flat_map(|l| &l.moves)
         .map(|m| match m {
-            Move::Print(b) => b.area() * b.length(),
+            Move::Print(b) => b.area() * b.stroke.length(),
             Move::Travel(_) => 0.0,
         })
         .sum()
@@ -324,7 +324,7 @@ fn numbers_are_plain() {
             for m in job.iter_mut().flat_map(|l| &mut l.moves) {
                 let at = match m {
                     Move::Travel(travel) => &mut travel.points,
-                    Move::Print(b) => &mut b.points,
+                    Move::Print(b) => &mut b.stroke.points,
                 };
                 for p in at {
                     *p = (*p - DVec2::splat(25.0)) * 1e-3;
@@ -638,7 +638,7 @@ fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
     let s = settings();
     let mut path = tiny().remove(0);
     if let Some(Move::Print(b)) = path.moves.get_mut(3) {
-        b.points[1].y = f64::NAN;
+        b.stroke.points[1].y = f64::NAN;
     }
     let paced = Pacer::new(&PacePlan::of(&s)).alone(path).unwrap();
     let mut nobody = |_: &[u8]| {};

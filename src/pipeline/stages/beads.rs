@@ -121,7 +121,7 @@ impl Stages<'_> {
     pub(super) fn thin<'b>(&self, beads: impl Iterator<Item = &'b mut Bead>) {
         for bead in beads {
             let role = bead.role;
-            self.plans.resolution.thin(bead, role);
+            self.plans.resolution.thin(&mut bead.stroke, role);
         }
     }
 }

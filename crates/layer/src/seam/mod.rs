@@ -111,9 +111,9 @@ impl<'a> Seams<'a> {
         solid: &EdgeGrid,
     ) -> Result<Vec<Site>, VaryError> {
         let own = |(number, wall): (usize, &Bead)| {
-            let outer = wall.closed && wall.role == Role::OuterWall;
-            if outer && wall.points.len() > 2 {
-                self.site(&wall.points, [layer, number], z, solid)
+            let outer = wall.stroke.closed && wall.role == Role::OuterWall;
+            if outer && wall.stroke.points.len() > 2 {
+                self.site(&wall.stroke.points, [layer, number], z, solid)
             } else {
                 Ok(Site::default())
             }

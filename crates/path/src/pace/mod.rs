@@ -399,12 +399,12 @@ impl<'a> Pacer<'a> {
             rates,
         };
         // An arc is flat.
-        if self.plan.resolution.arcs && rated.bead.levels.is_empty() {
+        if self.plan.resolution.arcs && rated.bead.stroke.levels.is_empty() {
             let bead = &mut rated.bead;
-            let path: Vec<DVec2> = bead.path().collect();
+            let path: Vec<DVec2> = bead.stroke.path().collect();
             let tolerance = self.plan.resolution.arc_tolerance(bead.role);
             let (points, turns) = arc::fit(&path, tolerance);
-            bead.stroke = Stroke::new(points, false, bead.width);
+            bead.stroke = Stroke::new(points, false, bead.stroke.width);
             rated.turns = turns;
         }
         rated
@@ -437,10 +437,10 @@ impl<'a> Pacer<'a> {
             by,
         } = rated;
         let plan = self.plan;
-        let Some(&start) = bead.points.first() else {
+        let Some(&start) = bead.stroke.points.first() else {
             return;
         };
-        if bead.points.len() < 2 {
+        if bead.stroke.points.len() < 2 {
             return;
         }
         if !self.xy.is_some_and(|at| near(at, start)) {
@@ -450,7 +450,7 @@ impl<'a> Pacer<'a> {
         }
         self.lifted = false;
         let level = |rise: Option<Mm>| span.top + rise.unwrap_or(0.0);
-        self.lift(level(bead.rise(0)), out);
+        self.lift(level(bead.stroke.rise(0)), out);
         self.prime(out);
         if rates.fan != self.fan {
             self.fan = rates.fan;
@@ -462,14 +462,14 @@ impl<'a> Pacer<'a> {
         self.xy = Some(start);
         let first = self.motion.segments().len();
         let mut amount = Amount::default();
-        for (i, (from, to)) in bead.segments().enumerate() {
+        for (i, (from, to)) in bead.stroke.segments().enumerate() {
             let mut add = |way: Mm, filament: f64| {
                 amount.length += way;
                 amount.filament += way * filament;
             };
-            if let Some(rise) = bead.rise(i + 1) {
+            if let Some(rise) = bead.stroke.rise(i + 1) {
                 let fed = filament(bead.area_along(i));
-                let up = rise - bead.rise(i).unwrap_or(rise);
+                let up = rise - bead.stroke.rise(i).unwrap_or(rise);
                 add(from.distance(to).hypot(up), fed);
                 let to = to.extend(level(Some(rise)));
                 self.go_up(to, speed, acceleration, fed, true);
@@ -496,12 +496,12 @@ impl<'a> Pacer<'a> {
             role: bead.role,
             amount,
             segments,
-            moves: bead.segments().count(),
+            moves: bead.stroke.segments().count(),
             wanted,
             by,
         });
-        self.on_slope = !bead.levels.is_empty();
-        let rises = bead.levels.iter().map(|l| l.rise);
+        self.on_slope = !bead.stroke.levels.is_empty();
+        let rises = bead.stroke.levels.iter().map(|l| l.rise);
         self.raised = rises.fold(self.raised, f64::max);
         out.push(PacedMove::Print {
             bead,

@@ -48,7 +48,7 @@ fn layer(index: usize, beads: Vec<Bead>) -> LayerPath {
     let moves = beads
         .into_iter()
         .flat_map(|b| {
-            let points = vec![b.points[0]];
+            let points = vec![b.stroke.points[0]];
             [hop(points), Move::Print(b)]
         })
         .collect();
@@ -105,9 +105,9 @@ fn walls_round_small_things_are_slower() {
     let of = |s: &PacePlan, small| {
         // A wall that is cut open is still a small wall.
         let mut bead = square(Role::OuterWall, 4.9);
-        bead.closed = false;
+        bead.stroke.closed = false;
         if small {
-            bead.ring = bead.length();
+            bead.ring = bead.stroke.length();
         }
         speeds(&Pacer::new(s).paced(layer(1, vec![bead])))[0]
     };
@@ -150,8 +150,8 @@ fn roles_have_their_accelerations() {
         let mut s = s.clone();
         s.acceleration.outer_wall = a;
         let mut bead = square(Role::OuterWall, 1.0);
-        bead.points = vec![DVec2::splat(50.0), DVec2::new(150.0, 50.0)];
-        bead.closed = false;
+        bead.stroke.points = vec![DVec2::splat(50.0), DVec2::new(150.0, 50.0)];
+        bead.stroke.closed = false;
         let mut path = layer(1, vec![bead]);
         path.moves.remove(0);
         let mut pacer = Pacer::new(&s);
@@ -234,7 +234,7 @@ fn bridges_have_their_own_speed_flow_and_fan() {
     assert_eq!(fans(&pacer.paced(layer(2, back))), [100.0, 40.0]);
     assert!(fans(&pacer.paced(layer(0, beads))).is_empty());
     let mut ironed = square(Role::Ironing, 20.0);
-    ironed.width = 0.1;
+    ironed.stroke.width = 0.1;
     assert!((fed(ironed) - 0.1 * 0.1 * 0.2).abs() < 1e-12);
 }
 
@@ -438,7 +438,7 @@ fn between(plan: &PacePlan, travel: Travel) -> Vec<PacedMove> {
     let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
     path.moves.push(Move::Travel(travel));
     let mut next = square(Role::OuterWall, 10.0);
-    next.points.iter_mut().for_each(|p| *p += 20.0);
+    next.stroke.points.iter_mut().for_each(|p| *p += 20.0);
     path.moves.push(Move::Print(next));
     let moves = Pacer::new(plan).paced(path).moves;
     let print = |m: &PacedMove| matches!(m, PacedMove::Print { .. });
@@ -560,7 +560,7 @@ fn beads_that_meet_but_for_rounding_are_one_way() {
         path.moves
             .push(Move::Travel(Travel::straight(there, false)));
         let mut next = rising(there.x, 40.0);
-        next.levels[0].rise = 0.0;
+        next.stroke.levels[0].rise = 0.0;
         path.moves.push(Move::Print(next));
         let moves = pacer.paced(path).moves;
         let last = &moves[moves.len() - 2];

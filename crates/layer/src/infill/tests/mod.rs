@@ -92,7 +92,7 @@ fn length_within(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
     let border = Border::new(&window);
     let mut cutter = isoslice_planar::border::Cutter::new(&border);
     for bead in layers.iter().flatten() {
-        cutter.line(&bead.points, bead.closed);
+        cutter.line(&bead.stroke.points, bead.stroke.closed);
     }
     let pieces = cutter.finish();
     let lengths = pieces.iter();
