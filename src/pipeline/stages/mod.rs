@@ -29,7 +29,6 @@ use super::layer::Layer;
 use super::raft::Raft;
 use super::supported::Supported;
 use crate::report::Gauge;
-use glam::DVec2;
 use isoslice_base::timings::Timings;
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::Skirt;
@@ -105,7 +104,7 @@ impl<'a> Stages<'a> {
             ),
             WallOffset::Field => WallFields::ByHeight,
         };
-        let site = site(model, settings, rect);
+        let site = site(model, rect);
         Ok(Stages {
             settings,
             resolution: Resolution::of(settings),
@@ -139,7 +138,7 @@ impl<'a> Stages<'a> {
 
     /// The site from which fillings of supports are laid out.
     fn site(&self) -> infill::Site {
-        site(self.model, self.settings, self.rect)
+        site(self.model, self.rect)
     }
 
     /// True if a layer is the part's first one, on a raft.
@@ -185,13 +184,10 @@ impl<'a> Stages<'a> {
 }
 
 /// The site from which the fillings of a part are laid out.
-fn site(model: &Model, settings: &Settings, part: Rect) -> infill::Site {
-    let printer = &settings.printer;
-    let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
+fn site(model: &Model, part: Rect) -> infill::Site {
     infill::Site {
         part,
         height: model.bounds.size().z,
-        bed: bed - model.offset.truncate(),
         origin: model.origin.truncate(),
     }
 }

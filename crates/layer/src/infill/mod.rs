@@ -48,7 +48,7 @@ use isoslice_planar::border::{Border, Piece};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
-use isoslice_settings::{InfillCentre, InfillMode, InfillPattern, Settings};
+use isoslice_settings::{InfillMode, InfillPattern, Settings};
 use shape::{Around, Shape};
 use sheet::{Sheet, Surface};
 
@@ -101,8 +101,6 @@ struct Layer<'a> {
     origin: DVec2,
     /// Direction of the pattern.
     angle: Degrees,
-    /// Share of a period by which the pattern is moved, 0 to 1.
-    phase: f64,
     /// Length of the shortest piece that is worth a travel.
     shortest: Mm,
 }
@@ -218,8 +216,6 @@ pub struct Site {
     pub part: Rect,
     /// Height of the part.
     pub height: Mm,
-    /// The middle of the bed.
-    pub bed: DVec2,
     /// By how much x and y in formulas are more than the coordinates of layers.
     pub origin: DVec2,
 }
@@ -296,10 +292,7 @@ impl<'a> Infill<'a> {
             around,
             kind,
             density,
-            origin: match settings.infill_centre {
-                InfillCentre::Object => site.part.centre(),
-                InfillCentre::Bed => site.bed,
-            },
+            origin: site.part.centre(),
         })
     }
 
@@ -356,7 +349,6 @@ impl<'a> Infill<'a> {
             solid: spacing(width, width, target.height),
             origin: self.origin,
             angle: settings.infill_angle,
-            phase: settings.infill_phase / 100.0,
             shortest: width,
         };
         let bead =

@@ -473,7 +473,7 @@ fn hanging(
         }
     }
     // A gap that a bead's own width bridges needs no anchor.
-    let half = 0.5 * settings.bottom_skin_width();
+    let half = 0.5 * settings.skin_width();
     // `open` would not do: an offset would also shrink what it cuts off.
     let open = difference(&all, &near(&all, support.area()));
     let core = offset(&open, -half, TOLERANCE);
@@ -493,7 +493,7 @@ fn grown(part: &Area, hanging: &Area, settings: &Settings) -> Area {
     if hanging.is_empty() {
         return all;
     }
-    let half = 0.5 * settings.bottom_skin_width();
+    let half = 0.5 * settings.skin_width();
     let anchor = half + settings.bridge_anchor;
     union(&all, &offset(hanging, anchor, TOLERANCE))
 }

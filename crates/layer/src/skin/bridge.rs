@@ -61,7 +61,7 @@ pub(super) fn bridges(
     below: &Neighbour<'_>,
     settings: &Settings,
 ) -> (Vec<Bridge>, Area) {
-    let width = settings.bottom_skin_width();
+    let width = settings.skin_width();
     let below = below.near(area);
     let hanging = difference(area, &below);
     // A gap no wider than a bead is bridged by any bead: no direction is

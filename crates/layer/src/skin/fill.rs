@@ -222,7 +222,7 @@ impl Filler<'_> {
         }
         let look = Look {
             pattern: SkinPattern::Lines,
-            width: self.settings.bottom_skin_width(),
+            width: self.settings.skin_width(),
         };
         let hung = bridged.iter().map(|bridge| {
             let paths = self.paths(&bridge.area, look, bridge.angle, &free);
@@ -241,7 +241,7 @@ impl Filler<'_> {
         let s = self.settings;
         let (pattern, width) = match role {
             Role::TopSkin => (s.top_skin_pattern, s.top_skin_width()),
-            Role::BottomSkin => (s.bottom_skin_pattern, s.bottom_skin_width()),
+            Role::BottomSkin => (s.bottom_skin_pattern, s.skin_width()),
             _ => (s.internal_skin_pattern, s.skin_width()),
         };
         Look { pattern, width }

@@ -344,7 +344,7 @@ impl Over<'_> {
     /// The skin that hangs in the air, and what its lines reach onto: there,
     /// bridges have to be anchored.
     fn beside_gaps(&self, settings: &Settings) -> Area {
-        let half = 0.5 * settings.bottom_skin_width();
+        let half = 0.5 * settings.skin_width();
         let islands = self.skin.islands();
         let covered = Islands::new(&islands).covered(self.below.rough);
         let all = islands.iter().zip(covered);

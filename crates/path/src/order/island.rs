@@ -34,9 +34,11 @@ pub(super) fn print_island(
         let low = group.walls.extract_if(.., |wall| wall.sunk);
         sunk.extend(low.map(|wall| (0, Job::of(wall))));
         let mut inner_first = inner_first;
-        if settings.overhang_inner_first || settings.overhang_reverse {
+        let unless_overhang =
+            settings.wall_order == WallOrder::OuterFirstUnlessOverhang;
+        if unless_overhang || settings.overhang_reverse {
             let hangs = group.walls.first().is_some_and(|w| context.hangs(w));
-            inner_first |= hangs && settings.overhang_inner_first;
+            inner_first |= hangs && unless_overhang;
             let odd = !context.number.is_multiple_of(2);
             if hangs && odd && settings.overhang_reverse {
                 group.walls.iter_mut().for_each(turn_round);

@@ -182,7 +182,7 @@ fn travels_have_theirs_and_z_its_own() {
     };
     // Up 0.2 mm, too short for 10 mm/s at 100 mm/s²; then 60 mm.
     let up = |a: f64| 2.0 * (0.2 / a).sqrt();
-    s.acceleration.travel = 600.0;
+    s.printer.travel_acceleration = 600.0;
     s.printer.max_acceleration_z = 100.0;
     let along = 60.0 / 150.0 + 150.0 / 600.0;
     assert!((travel(&s, 60.0) - along - up(100.0)).abs() < 1e-9);
@@ -190,7 +190,7 @@ fn travels_have_theirs_and_z_its_own() {
     s.printer.max_acceleration_z = 5000.0;
     let quicker = 0.2 / 10.0 + 10.0 / 600.0;
     assert!((travel(&s, 60.0) - along - quicker).abs() < 1e-9);
-    s.acceleration.travel = 0.0;
+    s.printer.travel_acceleration = 1500.0;
     let along = 60.0 / 150.0 + 150.0 / 1500.0;
     let up = 0.2 / 10.0 + 10.0 / 1500.0;
     assert!((travel(&s, 60.0) - along - up).abs() < 1e-9);
@@ -467,27 +467,6 @@ fn filament_goes_back_and_forth_as_set() {
         speed,
     };
     assert_eq!(*forth, prime);
-}
-
-#[test]
-fn ooze_is_replaced_without_a_retraction() {
-    let mut s = Settings::default();
-    s.retract.extra_prime = 0.1;
-    let steps = between(
-        &s,
-        Travel {
-            prime: 0.02,
-            ..Travel::straight(DVec2::splat(70.0), false)
-        },
-    );
-    let [
-        PacedMove::Travel { .. },
-        PacedMove::Prime { length, extra, .. },
-    ] = steps[..]
-    else {
-        panic!("{steps:?}");
-    };
-    assert_eq!((length, extra), (0.0, 0.02));
 }
 
 #[test]
