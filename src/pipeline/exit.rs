@@ -306,6 +306,7 @@ impl Text<'_, '_> {
         paced: &PacedLayer,
         written: bool,
     ) -> Result<(), SliceError> {
+        limits::go_on()?;
         if written {
             self.printing += paced.printing;
             self.slowed += paced.slowed;

@@ -2,11 +2,13 @@
 //! survey, all that supports would hold.
 
 use super::layer::Layer;
+use super::plans::Plans;
 use super::stages::Stages;
 use super::start::pool;
 use super::{BLOCK, SliceError};
 use crate::report::Gauge;
 use glam::DVec2;
+use isoslice_base::limits;
 use isoslice_base::units::Mm;
 use isoslice_layer::hang::{Hanging, Look, Tracker, Unsupported};
 use isoslice_model::Model;
@@ -60,11 +62,13 @@ pub fn survey(
     let spans = pool.install(|| heights(model, settings))?.spans;
     let around = Surroundings::new(model);
     let gauge = Gauge::new(model, settings, spans.len(), false)?;
-    let stages = Stages::new(model, settings, &around, gauge, &spans)?;
+    let plans = Plans::of(settings);
+    let stages = Stages::new(model, settings, &plans, &around, gauge, &spans)?;
     // What cannot be printed has no hanging places, of which there may be
     // millions.
     let printed = stages.printed(&pool, &spans)?;
     let (hanging, places) = stages.needs(&pool, &spans[..printed], &around)?;
+    limits::go_on()?;
     Ok(Survey {
         hanging,
         places,

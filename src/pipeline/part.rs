@@ -9,6 +9,7 @@
 use super::hanging::Follow;
 use super::job::Planned;
 use super::layer::{Filled, Layer, Ready};
+use super::plans::Plans;
 use super::supported::{Supported, Top};
 use crate::plate::Part;
 use crate::report::LayerFigures;
@@ -34,10 +35,11 @@ use std::sync::Arc;
 pub(super) struct PartOrder<'a> {
     part: &'a Part,
     settings: &'a Settings,
+    plans: &'a Plans,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// The climbing wall, if there is one.
-    spiral: Option<&'a Spiral<'a>>,
+    spiral: Option<&'a Spiral>,
     head: Head,
     /// Where seams come from that follow one another.
     guide: Option<Guide>,
@@ -87,6 +89,7 @@ impl<'a> PartOrder<'a> {
         PartOrder {
             part,
             settings: &part.settings,
+            plans: stages.plans,
             offset: part.model.offset.truncate(),
             spiral: stages.spiral.as_ref(),
             head: Head::default(),
@@ -120,7 +123,7 @@ impl<'a> PartOrder<'a> {
         } = ready.filled;
         let index = layer.span.index;
         if index == 0 {
-            let without = without_ears(&beads.skirt, self.settings);
+            let without = without_ears(&beads.skirt, &self.plans.adhesion.brim);
             self.warnings.extend(without);
         }
         // A loop that leaves the bed in one place is left out in all, so that
@@ -130,7 +133,8 @@ impl<'a> PartOrder<'a> {
                 break;
             }
             let offset = self.offset + place.shift;
-            let off_bed = keep_on_bed(&mut beads.skirt, offset, self.settings);
+            let bed = self.plans.adhesion.bed;
+            let off_bed = keep_on_bed(&mut beads.skirt, offset, bed);
             for warning in off_bed {
                 if index == 0 && !self.warnings.contains(&warning) {
                     self.warnings.push(warning);
@@ -155,7 +159,8 @@ impl<'a> PartOrder<'a> {
             below.map(|below| below.top().clone());
         let support = self.timings.time(Stage::Travel, || {
             let below = below.as_deref()?;
-            Support::new(below, &layer.outline, self.settings)
+            let share = self.settings.overhang_share;
+            Support::new(below, &layer.outline, share, &self.plans.walls)
         });
         let support = support.as_ref();
         if let Some(guide) = self.guide.as_mut().filter(|_| !climbs) {
@@ -173,10 +178,11 @@ impl<'a> PartOrder<'a> {
                 support,
                 ground,
             };
-            let beads = order(beads, context, &mut self.head, self.settings);
-            let beads = linked(beads, solid, self.settings);
+            let beads =
+                order(beads, context, &mut self.head, &self.plans.order);
+            let beads = linked(beads, solid, &self.plans.order);
             let first = index == self.settings.raft_layers();
-            let mut ended = endings(beads, solid, first, self.settings);
+            let mut ended = endings(beads, solid, first, &self.plans.ending);
             ended.extend(turns.into_iter().map(Ended::from));
             ended
         });
@@ -244,7 +250,7 @@ impl<'a> PartOrder<'a> {
 
     /// What the user should know, what hangs in the part, and what it stands on.
     pub(super) fn finish(mut self) -> (Vec<String>, Hanging, Option<Foot>) {
-        let warning = standing::warning(self.left_out, self.settings);
+        let warning = standing::warning(self.left_out, &self.plans.infill);
         self.warnings.extend(warning);
         (self.warnings, self.hanging.finish(), self.foot)
     }

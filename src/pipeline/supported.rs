@@ -1,9 +1,11 @@
 //! The supports of a part, layer by layer.
 
+use super::plans::Plans;
 use super::posts::Posts;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Mm, Mm2, Percent};
-use isoslice_layer::infill::{self, Infill, InfillError};
+use isoslice_layer::infill::{self, Infill, InfillError, InfillPlan};
+use isoslice_layer::region::WallPlan;
 use isoslice_layer::support::{Plan, Slice};
 use isoslice_model::vary::Surroundings;
 use isoslice_planar::bead::{Bead, Role, spacing};
@@ -11,8 +13,7 @@ use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
 use isoslice_settings::{
-    InfillPattern, LineDensity, Settings, SkinPattern, Supports, Varying,
-    WallOffset,
+    InfillPattern, LineDensity, Settings, SkinPattern, Supports,
 };
 
 /// A gap beside supports that is wider than this, mm, may be why something has
@@ -46,17 +47,30 @@ pub(super) struct Supported<'a> {
 }
 
 impl<'a> Supported<'a> {
-    /// The supports of a plan, filled by `fills`.
+    /// The supports of a plan, filled as settings ask.
     pub(super) fn new(
         plan: Plan,
-        fills: &'a Fills,
-        around: &'a Surroundings<'a>,
-        site: infill::Site,
+        settings: &Settings,
+        fills: &Fills<'_, 'a>,
     ) -> Result<Supported<'a>, InfillError> {
-        let fill = |settings: &'a Settings, role| {
-            SupportFill::new(settings, role, around, site)
+        let width = settings.infill_width();
+        let support = &settings.support;
+        let density = match support.interface_density {
+            LineDensity::Spacing(apart) => {
+                (100.0 * side_by_side(settings) / apart).clamp(1.0, 100.0)
+            }
+            LineDensity::Share(share) => share,
         };
-        let settings = &fills.body;
+        let pattern = match support.interface_pattern {
+            SkinPattern::Lines => InfillPattern::Rectilinear,
+            SkinPattern::Concentric => InfillPattern::Concentric,
+        };
+        let body = fills.lines(width, support.density);
+        let interface = InfillPlan {
+            pattern: isoslice_settings::Infill::Pattern(pattern),
+            angle: support.interface_angle.unwrap_or(body.angle),
+            ..fills.lines(width, density)
+        };
         Ok(Supported {
             plan,
             raft: settings.raft_layers(),
@@ -65,8 +79,8 @@ impl<'a> Supported<'a> {
                 0 => 0.0,
                 _ => settings.raft_gap(),
             },
-            body: fill(&fills.body, Role::Support)?,
-            interface: fill(&fills.interface, Role::SupportInterface)?,
+            body: fills.fill(body, Role::Support)?,
+            interface: fills.fill(interface, Role::SupportInterface)?,
         })
     }
 
@@ -301,81 +315,47 @@ fn side_by_side(settings: &Settings) -> Mm {
     spacing(width, width, settings.layer_height())
 }
 
-/// The settings by which supports are filled.
-pub(super) struct Fills {
-    body: Settings,
-    interface: Settings,
+/// What fills of supports and of a raft have in common.
+pub(super) struct Fills<'p, 'a> {
+    pub plans: &'p Plans,
+    pub around: &'a Surroundings<'a>,
+    pub site: infill::Site,
 }
 
-impl Fills {
-    /// The fills of a run with these settings.
-    pub(super) fn new(settings: &Settings) -> Fills {
-        let width = settings.infill_width();
-        let of = |density| filled_by(width, density, settings);
-        let support = &settings.support;
-        let density = match support.interface_density {
-            LineDensity::Spacing(apart) => {
-                (100.0 * side_by_side(settings) / apart).clamp(1.0, 100.0)
-            }
-            LineDensity::Share(share) => share,
-        };
-        let pattern = match support.interface_pattern {
-            SkinPattern::Lines => InfillPattern::Rectilinear,
-            SkinPattern::Concentric => InfillPattern::Concentric,
-        };
-        let angle = support.interface_angle;
-        Fills {
-            body: of(support.density),
-            interface: Settings {
-                infill: isoslice_settings::Infill::Pattern(pattern),
-                infill_angle: angle.unwrap_or(settings.infill_angle),
-                ..of(density)
-            },
-        }
+impl<'a> Fills<'_, 'a> {
+    /// Parallel lines of a width and a density.
+    pub(super) fn lines(&self, width: Mm, density: Percent) -> InfillPlan {
+        self.plans.infill.lines(width, density)
     }
-}
 
-/// The settings for lines of a width and a density, in one wall.
-pub(super) fn filled_by(
-    width: Mm,
-    density: Percent,
-    settings: &Settings,
-) -> Settings {
-    Settings {
-        walls: 1,
-        outer_wall_width: width.into(),
-        infill_width: width.into(),
-        infill: isoslice_settings::Infill::Pattern(InfillPattern::Rectilinear),
-        infill_density: Varying::Constant(density),
-        wall_offset: WallOffset::Distance,
-        ..settings.clone()
+    /// A fill in one wall of lines as wide, for beads of a role.
+    pub(super) fn fill(
+        &self,
+        plan: InfillPlan,
+        role: Role,
+    ) -> Result<SupportFill<'a>, InfillError> {
+        let walls = WallPlan {
+            count: 1,
+            around_tops: 1,
+            outer: plan.width,
+            ..self.plans.walls
+        };
+        Ok(SupportFill {
+            infill: Infill::new(plan, self.around, self.site)?,
+            posts: Posts::new(walls, self.plans.resolution),
+            role,
+        })
     }
 }
 
 /// How an area of support is filled.
 pub(super) struct SupportFill<'a> {
-    settings: &'a Settings,
     infill: Infill<'a>,
     posts: Posts,
     role: Role,
 }
 
-impl<'a> SupportFill<'a> {
-    /// A fill by some settings, for beads of a role.
-    pub(super) fn new(
-        settings: &'a Settings,
-        role: Role,
-        around: &'a Surroundings<'a>,
-        site: infill::Site,
-    ) -> Result<SupportFill<'a>, InfillError> {
-        Ok(SupportFill {
-            settings,
-            infill: Infill::new(settings, around, site)?,
-            posts: Posts::default(),
-            role,
-        })
-    }
-
+impl SupportFill<'_> {
     /// A wall around the area, and lines inside it.
     pub(super) fn beads(
         &self,
@@ -386,7 +366,7 @@ impl<'a> SupportFill<'a> {
             return Ok(Vec::new());
         }
         let height = span.height();
-        let walled = self.posts.walled(area, height, self.settings);
+        let walled = self.posts.walled(area, height);
         let target = infill::Target {
             number: span.index,
             z: span.sample_z(),
@@ -397,7 +377,6 @@ impl<'a> SupportFill<'a> {
         beads.extend(lines);
         for bead in &mut beads {
             bead.role = self.role;
-            bead.small = false;
         }
         Ok(beads)
     }

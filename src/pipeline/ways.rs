@@ -7,6 +7,7 @@
 use super::job::Planned;
 use super::layer::Layer;
 use super::part::{Ordered, PartOrder};
+use super::plans::Plans;
 use super::supported::Top;
 use super::tally::Tally;
 use super::{BLOCK, SliceError};
@@ -16,7 +17,6 @@ use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::Mm;
 use isoslice_layer::hang::Hanging;
 use isoslice_layer::hang::foot::Foot;
-use isoslice_layer::region::wall_depths;
 use isoslice_layer::seam::ending::Ended;
 use isoslice_layer::walls::{Beside, Interlock, Reach};
 use isoslice_path::pace::rates;
@@ -30,6 +30,7 @@ use std::sync::Arc;
 /// The stages of one part that make its paths.
 pub(super) struct PartTravel<'a> {
     settings: &'a Settings,
+    plans: &'a Plans,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// What lets beads follow the surface, if they have to.
@@ -97,6 +98,7 @@ impl<'a> PartTravel<'a> {
         let part = planned.part;
         PartTravel {
             settings: &part.settings,
+            plans: planned.stages.plans,
             offset: part.model.offset.truncate(),
             relief,
             under,
@@ -145,7 +147,7 @@ impl<'a> PartTravel<'a> {
             }
         })?;
         let path = self.timings.time(Stage::Travel, || {
-            let (_, border) = wall_depths(layer.span.height(), self.settings);
+            let (_, border) = self.plans.walls.depths(layer.span.height());
             if written {
                 let of_part = beads.iter().filter(|b| b.bead.role.is_part());
                 let count = of_part.count();
@@ -173,7 +175,7 @@ impl<'a> PartTravel<'a> {
                 },
                 from,
                 self.offset,
-                self.settings,
+                &self.plans.travel,
             );
             // If the head's place is unknown, the way may lead over anything.
             if from.is_none()
@@ -228,7 +230,7 @@ impl<'a> PartTravel<'a> {
         };
         let mut out = Vec::with_capacity(beads.len());
         for Ended { bead, wipe } in beads {
-            let placed = interlock.placed(bead, self.settings);
+            let placed = interlock.placed(bead, self.plans.resolution);
             let any = !placed.is_empty();
             out.extend(placed.into_iter().map(Ended::from));
             if let Some(last) = out.last_mut().filter(|_| any) {

@@ -38,7 +38,7 @@ pub use file::PlateFile;
 use arrange::{Bed, Box as Piece, arrange};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::Mm;
-use isoslice_layer::adhesion::brim_reach;
+use isoslice_layer::adhesion::BrimPlan;
 use isoslice_model::{
     Bounds, BuildVolume, Model, Placement, Source, load, place, together,
 };
@@ -308,7 +308,7 @@ impl Part {
             0 => 0.0,
             _ => self.settings.raft.expansion,
         };
-        let brim = brim_reach(&self.settings).max(raft);
+        let brim = BrimPlan::of(&self.settings).reach.max(raft);
         Rect::new(low.truncate() - brim, high.truncate() + brim)
     }
 }

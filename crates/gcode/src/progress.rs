@@ -13,7 +13,7 @@ use super::Writer;
 use super::flavour::{self, Progress};
 use isoslice_base::units::Seconds;
 use isoslice_path::pace::{PacedLayer, PacedMove};
-use isoslice_settings::{Emit, Flavour, Settings};
+use isoslice_settings::Flavour;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Seek, Write};
@@ -210,15 +210,6 @@ impl<W: io::Write> Writer<'_, W> {
         } else if let Some(record) = &mut self.record {
             record.moment(ahead, time);
         }
-    }
-}
-
-/// True if layers are to tell how far the print has come.
-pub(super) fn tells_progress(settings: &Settings) -> bool {
-    match settings.gcode.progress {
-        Emit::On => true,
-        Emit::Off => false,
-        Emit::Auto => settings.gcode.flavour.firmware().shows_progress,
     }
 }
 

@@ -14,31 +14,30 @@ use isoslice_model::vary::{Quantity, Surroundings, VaryError};
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::signed_area;
-use isoslice_settings::Settings;
+use isoslice_settings::FuzzySkin;
 
 /// Number of points of a fuzzy wall for each grain.
 const POINTS: f64 = 4.0;
 
 /// The texture of a run.
 pub struct Fuzzy<'a> {
-    settings: &'a Settings,
+    skin: &'a FuzzySkin,
     thickness: Quantity,
     around: &'a Surroundings<'a>,
 }
 
 impl<'a> Fuzzy<'a> {
-    /// The texture that the settings ask for, if any.
+    /// The texture that is asked for, if any.
     ///
     /// # Errors
     /// If the expression of its thickness has a mistake.
     pub fn new(
-        settings: &'a Settings,
+        skin: &'a FuzzySkin,
         around: &'a Surroundings<'a>,
     ) -> Result<Option<Fuzzy<'a>>, VaryError> {
-        let thickness =
-            Quantity::new("fuzzy.thickness", &settings.fuzzy.thickness)?;
+        let thickness = Quantity::new("fuzzy.thickness", &skin.thickness)?;
         Ok((thickness.constant() != Some(0.0)).then_some(Fuzzy {
-            settings,
+            skin,
             thickness,
             around,
         }))
@@ -59,11 +58,12 @@ impl<'a> Fuzzy<'a> {
         if layer == 0 {
             return Ok(());
         }
-        let fuzzy = &self.settings.fuzzy;
         for bead in beads {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let hole = signed_area(&bead.points) < 0.0;
-            let meant = bead.closed && (fuzzy.holes || !hole);
+            let meant = bead.closed && (self.skin.holes || !hole);
             if bead.role == Role::OuterWall && meant {
                 self.roughen(bead, z, solid)?;
             }
@@ -77,7 +77,7 @@ impl<'a> Fuzzy<'a> {
         z: Mm,
         solid: &EdgeGrid,
     ) -> Result<(), VaryError> {
-        let grain = self.settings.fuzzy.grain;
+        let grain = self.skin.grain;
         let dense = resampled(bead, grain / POINTS);
         let mut places: Vec<Place> = Vec::with_capacity(dense.len());
         self.around.places(

@@ -1,8 +1,9 @@
 //! What is in a layer: walls, skin, infill, supports, adhesion and seams.
 //!
 //! In: the outlines of a layer and of the layers around it, their heights, and
-//! the settings. Out: areas of a layer's plane, and the [`Bead`]s that fill them,
-//! not yet in any order.
+//! plans: the plain numbers that a part needs of the settings. Each part's
+//! `plan.rs` reads the settings; nothing else here knows them. Out: areas of a
+//! layer's plane, and the [`Bead`]s that fill them, not yet in any order.
 //!
 //! | module | what it answers |
 //! |---|---|

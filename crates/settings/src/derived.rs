@@ -6,7 +6,7 @@ use super::{
     LayerHeights, Settings, Supports, Varying, WallOffset, check,
 };
 use isoslice_base::units::{
-    Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, PricePerKg,
+    Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, Percent, PricePerKg,
 };
 use std::path::Path;
 
@@ -135,16 +135,12 @@ impl Settings {
         self.printer.nozzle_flat.unwrap_or(usual)
     }
 
-    /// Steepest face that beads of a layer follow in full: `contour_z_angle`,
-    /// or less if the nozzle's flat end, whose edge is r·tan of the angle deeper
-    /// than a face, would cut too deep into the lines beside.
-    pub fn contour_z_full_angle(&self, height: Mm) -> Degrees {
-        /// Depth of the cut as a share of the layer's height: what is left of
-        /// the lines still holds the bead.
-        const GOUGE: f64 = 75.0;
-        let deep = 0.01 * GOUGE * height;
-        let bound = deep.atan2(0.5 * self.nozzle_flat()).to_degrees();
-        self.contour_z_angle.min(bound)
+    /// Steepest face that beads follow in full.
+    pub fn contour_z_full_angle(&self) -> FullAngle {
+        FullAngle {
+            wanted: self.contour_z_angle,
+            flat: self.nozzle_flat(),
+        }
     }
 
     /// True if all layers above the first have one height.
@@ -418,6 +414,29 @@ impl Settings {
             };
             more + u32::from(self.bottom_thickness() > 0.0)
         })
+    }
+}
+
+/// Steepest face that beads follow in full.
+#[derive(Clone, Copy, Debug)]
+pub struct FullAngle {
+    /// What was asked for.
+    pub wanted: Degrees,
+    /// Diameter of the nozzle's flat end.
+    flat: Mm,
+}
+
+impl FullAngle {
+    /// The angle in a layer of this height: what was asked for, or less if the
+    /// nozzle's flat end, whose edge is r·tan of the angle deeper than a face,
+    /// would cut too deep.
+    pub fn at(&self, height: Mm) -> Degrees {
+        /// Depth of the cut as a share of the layer's height: what is left of
+        /// the lines still holds the bead.
+        const GOUGE: Percent = 75.0;
+        let deep = 0.01 * GOUGE * height;
+        let bound = deep.atan2(0.5 * self.flat).to_degrees();
+        self.wanted.min(bound)
     }
 }
 

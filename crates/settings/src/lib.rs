@@ -89,12 +89,13 @@ pub use table::{Key, keys};
 pub use value::Range;
 
 pub use by_nozzle::ByNozzle;
-pub use derived::THICKNESS_SLACK;
+pub use derived::{FullAngle, THICKNESS_SLACK};
 pub use firmware::Refusals;
 pub use infill::Infill;
 pub use line_density::LineDensity;
-pub use rows::{Acceleration, Cooling, Skirt, Speed};
-pub use rows::{Brim, Support};
+pub use rows::{
+    Acceleration, Brim, Cooling, FuzzySkin, Retract, Skirt, Speed, Support,
+};
 pub use shield::DraftShield;
 pub use sizes::Sizes;
 pub use sizes::{ImageFormat, PictureSize};

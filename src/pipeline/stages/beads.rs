@@ -43,14 +43,14 @@ impl Stages<'_> {
         });
         let infill = self.infill_in(&areas.sparse, &layers[i])?;
         let mut skin = self.timings.time(Stage::Skin, || {
-            infill::fill_bare(&mut areas, &infill, self.settings);
+            infill::fill_bare(&mut areas, &infill, &self.plans.infill);
             skin::patches(
                 &areas.skin,
                 &areas.sparse,
                 faces(layers, i),
                 number,
                 height,
-                self.settings,
+                &self.plans.skin,
             )
         });
         if self.is_on_raft(number) {
@@ -122,7 +122,7 @@ impl Stages<'_> {
     pub(super) fn thin<'b>(&self, beads: impl Iterator<Item = &'b mut Bead>) {
         for bead in beads {
             let role = bead.role;
-            self.resolution.thin(bead, role);
+            self.plans.resolution.thin(bead, role);
         }
     }
 }

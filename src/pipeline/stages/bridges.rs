@@ -60,7 +60,7 @@ impl Stages<'_> {
             height,
         };
         let made = self.timings.time(Stage::Skin, || {
-            let bridged = bridged(over, under, levels, self.settings)?;
+            let bridged = bridged(over, under, levels, &self.plans.skin)?;
             let number = layer.span.index;
             let mut skin = skin::patches(
                 &bridged.skin,
@@ -68,7 +68,7 @@ impl Stages<'_> {
                 faces,
                 number,
                 height,
-                self.settings,
+                &self.plans.skin,
             );
             skin.extend(bridged.patches);
             self.thin(of_skin(&mut skin));

@@ -5,7 +5,6 @@ use crate::pipeline::layer::{Inside, Layer};
 use crate::report::{LayerFigures, LayerParts, ReportError};
 use isoslice_base::timings::Stage;
 use isoslice_layer::hang::Look;
-use isoslice_layer::region::exposure::roomy;
 use isoslice_layer::region::{Walls, field_walls, walls};
 use isoslice_layer::walls;
 use isoslice_planar::Area;
@@ -25,7 +24,7 @@ impl Stages<'_> {
 
     /// True if walls may depend on the layer above.
     pub(in crate::pipeline) fn may_divide(&self) -> bool {
-        self.settings.top_walls() < self.settings.walls
+        self.plans.walls.around_tops < self.plans.walls.count
     }
 
     /// The walls of layer `i` of the window and what they leave.
@@ -55,19 +54,19 @@ impl Stages<'_> {
         }
         let height = layer.span.height();
         let walls = self.timings.time(Stage::Walls, || {
-            let outline = layer.area();
+            let (outline, plan) = (layer.area(), &self.plans.walls);
             let mut walls = if layer.offsets.is_empty() {
-                walls(outline, above, height, self.settings)
+                walls(outline, above, height, plan)
             } else {
                 let areas = layer.offsets.to_vec();
-                field_walls(outline, areas, height, self.settings)
+                field_walls(outline, areas, height, plan)
             };
-            walls::thin(&mut walls, self.resolution);
+            walls::thin(&mut walls, self.plans.resolution);
             walls
         });
         let roomy = self
             .timings
-            .time(Stage::Skin, || roomy(&walls.fill, self.settings));
+            .time(Stage::Skin, || self.exposure.roomy(&walls.fill));
         Inside { walls, roomy }
     }
 
@@ -86,8 +85,9 @@ impl Stages<'_> {
             return Ok(None);
         }
         let rounded;
-        let walls = if self.resolution.arcs {
-            rounded = walls::rounded(walls, self.resolution);
+        let resolution = self.plans.resolution;
+        let walls = if resolution.arcs {
+            rounded = walls::rounded(walls, resolution);
             &rounded
         } else {
             walls

@@ -38,7 +38,7 @@ impl Stages<'_> {
         let slabs = below.rchunks(self.slab_layers());
         let mut sampled = false;
         for slab in std::iter::once(last).chain(slabs) {
-            limits::check();
+            limits::go_on()?;
             let looked = pool.install(|| self.look_at(slab))?;
             let highest = looked.iter().rposition(|l| l.prints);
             let thin = looked.iter().any(|l| l.found.is_suspicious());

@@ -5,7 +5,7 @@ use super::outlines::WallFields;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::Layer;
 use isoslice_base::limits;
-use isoslice_path::spiral::Spiral;
+use isoslice_path::spiral::{Spiral, SpiralPlan};
 use isoslice_planar::bead::Bead;
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
@@ -23,11 +23,12 @@ impl<'a> Stages<'a> {
         if !self.settings.spiral {
             return Ok(());
         }
-        let mut spiral = Spiral::new(self.model, self.settings, spans)?;
+        let plan = SpiralPlan::of(self.settings);
+        let mut spiral = Spiral::new(self.model, plan, spans)?;
         let last_flat = spiral.first() - 1;
         let all = last_flat..spans.len();
         for slab in spans.chunks(self.slab_layers()) {
-            limits::check();
+            limits::go_on()?;
             // Offset fields are not asked for.
             let none = &WallFields::None;
             let made = || self.layers_of(&self.field, none, slab, &all);
@@ -59,7 +60,7 @@ impl<'a> Stages<'a> {
     pub(in crate::pipeline) fn spiral_at(
         &self,
         layer: usize,
-    ) -> Option<&Spiral<'a>> {
+    ) -> Option<&Spiral> {
         self.spiral.as_ref().filter(|spiral| spiral.has(layer))
     }
 }

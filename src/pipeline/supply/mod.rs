@@ -15,6 +15,7 @@ use super::SliceError;
 use super::layer::{Filled, Inside, Layer, Ready};
 use super::options::Extent;
 use super::stages::Stages;
+use isoslice_base::limits;
 use isoslice_planar::Solid;
 use isoslice_settings::layers::LayerSpan;
 use lower::{Lower, Window};
@@ -151,6 +152,7 @@ impl<'a> Supply<'a> {
     fn fill(&mut self, which: Range<usize>) -> Batch {
         let mut batch = Vec::with_capacity(which.len());
         let filled = self.filled(which.clone())?;
+        limits::go_on()?;
         let near = |i: usize| {
             let layer = self.window.get(i)?;
             let inside = None;

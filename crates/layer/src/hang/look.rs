@@ -85,7 +85,6 @@ impl Look {
         height: Mm,
         settings: &Settings,
     ) -> Look {
-        isoslice_base::limits::check();
         let limits = Limits::new(height, settings);
         let begins = floating(here.area(), below);
         let rings_of = |f: &'_ Floating| -> Vec<Name> {

@@ -28,6 +28,7 @@ mod join;
 mod lidinoid;
 mod neovius;
 mod pairing;
+mod plan;
 mod rectilinear;
 mod schwarz_p;
 mod shape;
@@ -36,6 +37,7 @@ pub mod standing;
 mod triangles;
 
 pub use bare::fill_bare;
+pub use plan::InfillPlan;
 
 use glam::DVec2;
 use grading::Grading;
@@ -48,7 +50,7 @@ use isoslice_planar::border::{Border, Piece};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
-use isoslice_settings::{InfillMode, InfillPattern, Settings};
+use isoslice_settings::InfillPattern;
 use shape::{Around, Shape};
 use sheet::{Sheet, Surface};
 
@@ -143,7 +145,7 @@ impl Layer<'_> {
 }
 
 /// A way to fill an area with lines. Its lines have places in the plane,
-/// whatever the area is; `layer.origin`, `layer.angle` and `layer.phase` move
+/// whatever the area is; `layer.origin` and `layer.angle` move
 /// them.
 trait Pattern: Send + Sync {
     /// The pattern's centre lines, cut at `layer.border`. [`families::lines`]
@@ -220,15 +222,15 @@ pub struct Site {
     pub origin: DVec2,
 }
 
-/// Passes on the operations of the infill's script, if the settings name one.
+/// Passes on the operations of the infill's script, if it is one.
 ///
 /// # Errors
 /// If the script cannot be read or run.
 pub fn script_words(
-    settings: &Settings,
+    infill: &isoslice_settings::Infill,
     tell: &mut dyn FnMut(&str),
 ) -> Result<(), InfillError> {
-    let isoslice_settings::Infill::Script(path) = &settings.infill else {
+    let isoslice_settings::Infill::Script(path) = infill else {
         return Ok(());
     };
     let failed = |error| InfillError::Shape {
@@ -246,7 +248,7 @@ pub fn script_words(
 
 /// A part's sparse infill.
 pub struct Infill<'a> {
-    settings: &'a Settings,
+    plan: InfillPlan,
     around: &'a Surroundings<'a>,
     kind: Kind,
     density: Quantity,
@@ -254,20 +256,19 @@ pub struct Infill<'a> {
 }
 
 impl<'a> Infill<'a> {
-    /// The infill that the settings ask for.
+    /// The infill of a plan.
     ///
     /// # Errors
     /// If a text is not an expression, if a script cannot be run, or if the
     /// pattern cannot have the density.
     pub fn new(
-        settings: &'a Settings,
+        plan: InfillPlan,
         around: &'a Surroundings<'a>,
         site: Site,
     ) -> Result<Infill<'a>, InfillError> {
-        let density =
-            Quantity::new("infill_density", &settings.infill_density)?;
+        let density = Quantity::new("infill_density", &plan.density)?;
         let graded = density.constant().is_none();
-        let kind = match &settings.infill {
+        let kind = match &plan.pattern {
             isoslice_settings::Infill::Pattern(word) => {
                 let pattern = pattern(*word, graded);
                 if graded && !pattern.can_vary() {
@@ -277,22 +278,21 @@ impl<'a> Infill<'a> {
                 }
                 Kind::Pattern(pattern)
             }
-            isoslice_settings::Infill::Expression(text) => Kind::Shape(
-                Shape::of_formula(text, &site, settings.infill_width())?,
-            ),
+            isoslice_settings::Infill::Expression(text) => {
+                Kind::Shape(Shape::of_formula(text, &site, plan.width)?)
+            }
             isoslice_settings::Infill::Script(path) => {
                 let source = Source::File(path.into());
-                let width = settings.infill_width();
-                let shape = Shape::of_source(&source, path, &site, width)?;
-                Kind::Shape(shape)
+                let width = plan.width;
+                Kind::Shape(Shape::of_source(&source, path, &site, width)?)
             }
         };
         Ok(Infill {
-            settings,
             around,
             kind,
             density,
             origin: site.part.centre(),
+            plan,
         })
     }
 
@@ -311,12 +311,12 @@ impl<'a> Infill<'a> {
         target: Target,
         solid: Option<&EdgeGrid>,
     ) -> Result<Vec<Bead>, InfillError> {
-        let settings = self.settings;
-        let width = settings.infill_width();
-        if sparse.is_empty() || settings.is_hollow() {
+        let plan = &self.plan;
+        let width = plan.width;
+        if sparse.is_empty() || plan.is_hollow() {
             return Ok(Vec::new());
         }
-        let margin = width * (0.5 - settings.infill_overlap / 100.0);
+        let margin = width * (0.5 - plan.overlap / 100.0);
         let ends = offset(sparse, -margin, TOLERANCE);
         if ends.is_empty() && matches!(self.kind, Kind::Pattern(_)) {
             // No line fits in, and a density has no place to be asked for.
@@ -348,7 +348,7 @@ impl<'a> Infill<'a> {
             },
             solid: spacing(width, width, target.height),
             origin: self.origin,
-            angle: settings.infill_angle,
+            angle: plan.angle,
             shortest: width,
         };
         let bead =
@@ -357,14 +357,9 @@ impl<'a> Infill<'a> {
             Kind::Pattern(pattern) => {
                 (pattern.pieces(&layer), pattern.reach(&layer))
             }
-            Kind::Shape(shape) if settings.infill_mode == InfillMode::Solid => {
-                let lines = shape.solid(
-                    sparse,
-                    &layer,
-                    around,
-                    target.height,
-                    settings,
-                );
+            Kind::Shape(shape) if plan.solid => {
+                let lines =
+                    shape.solid(sparse, &layer, around, target.height, plan);
                 return Ok(lines?.into_iter().map(bead).collect());
             }
             Kind::Shape(shape) => {

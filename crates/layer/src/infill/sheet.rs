@@ -240,7 +240,9 @@ impl Sheet {
             let strand = Strand::new(curve.winding);
             let mut copies: Vec<(i64, i64, DVec2)> = Vec::new();
             for j in low.y as i64..=high.y as i64 {
-                isoslice_base::limits::check();
+                if isoslice_base::limits::is_stopped() {
+                    break;
+                }
                 for i in low.x as i64..=high.x as i64 {
                     let by = DVec2::new(i as f64, j as f64) * cell;
                     let by = frame.along(by);
@@ -255,7 +257,9 @@ impl Sheet {
             let mut last = None;
             let mut points: Vec<DVec2> = Vec::with_capacity(line.len());
             for (strand, number, by) in copies {
-                isoslice_base::limits::check();
+                if isoslice_base::limits::is_stopped() {
+                    break;
+                }
                 let goes_on = last == Some((strand, number - 1))
                     && curve.winding != [0, 0];
                 let skip = usize::from(goes_on);
@@ -293,7 +297,9 @@ impl Sheet {
         let first = octave(most).floor();
         let mut pieces = Vec::new();
         for cluster in clusters(layer.border.area()) {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let bounds = frame.bounds(cluster.bounds);
             let extent = bounds.size();
             let step = (FINE * layer.solid / most)

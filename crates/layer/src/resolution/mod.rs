@@ -20,13 +20,15 @@
 //!
 //! Fuzzy skin is rough on purpose: its points come after this stage.
 
+mod plan;
 mod runs;
+
+pub use plan::Resolution;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::simplify::{simplify_line, simplify_path};
-use isoslice_settings::Settings;
 
 /// Share of `accuracy` by which what shows is thinned. The outline has used
 /// most of it, and has few points already.
@@ -64,27 +66,7 @@ const STEPPED: f64 = 0.8;
 /// Arcs are laid along what the thinning leaves.
 const ARCS: f64 = 0.7;
 
-/// How near paths have to come to what is meant.
-#[derive(Clone, Copy, Debug)]
-pub struct Resolution {
-    /// Greatest error of what shows, mm.
-    accuracy: Mm,
-    /// Greatest error of what does not show, mm.
-    path_accuracy: Mm,
-    /// True if curved paths become arcs.
-    pub arcs: bool,
-}
-
 impl Resolution {
-    /// The resolution that settings ask for.
-    pub fn of(settings: &Settings) -> Resolution {
-        Resolution {
-            accuracy: settings.accuracy,
-            path_accuracy: settings.path_accuracy,
-            arcs: settings.arcs(),
-        }
-    }
-
     /// Greatest distance of the path of a bead of this role from where it was
     /// meant. What shows and varies in width has [`STEPPED`] instead.
     pub fn tolerance(&self, role: Role) -> Mm {
@@ -220,7 +202,7 @@ mod tests {
 
     #[test]
     fn what_shows_is_thinned_less() {
-        let meant = Resolution::of(&Settings::default());
+        let meant = Resolution::with(|_| {});
         let points = arc(10.0, 2000);
         let mut counts = Vec::new();
         for role in [Role::OuterWall, Role::GapFill] {
@@ -250,7 +232,7 @@ mod tests {
         let meant = |x: Mm| 0.4 + 0.04 * x.min(5.0);
         let mut stroke = Stroke::new(points, false, 0.5);
         stroke.widths = stroke.points.iter().map(|p| meant(p.x)).collect();
-        Resolution::of(&Settings::default()).thin(&mut stroke, Role::GapFill);
+        Resolution::with(|_| {}).thin(&mut stroke, Role::GapFill);
         assert!((3..=4).contains(&stroke.points.len()), "{stroke:?}");
         assert_eq!(stroke.widths.len(), stroke.points.len());
         for (p, w) in stroke.points.iter().zip(&stroke.widths) {
@@ -261,7 +243,7 @@ mod tests {
 
     #[test]
     fn a_path_does_not_go_zigzag_where_its_width_varies_a_little() {
-        let meant = Resolution::of(&Settings::default());
+        let meant = Resolution::with(|_| {});
         // The places and widths that two noisy edges give: 2 µm to either side.
         let noise = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let at = |i: usize| DVec2::new(0.07 * i as f64, 0.002 * noise(i));
@@ -278,7 +260,7 @@ mod tests {
 
     #[test]
     fn closed_strokes_stay_closed_and_nothing_vanishes() {
-        let meant = Resolution::of(&Settings::default());
+        let meant = Resolution::with(|_| {});
         let ring = circle(3.0, 400);
         let mut stroke = Stroke::new(ring.clone(), true, 0.45);
         meant.thin(&mut stroke, Role::InnerWall);

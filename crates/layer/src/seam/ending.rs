@@ -15,6 +15,7 @@
 //! A bead is as high as its layer, so a scarf changes only the width, unless
 //! the scarf is to rise ([`scarf`](super::scarf)).
 
+use super::plan::EndingPlan;
 use super::scarf::{Scarf, risen};
 #[cfg(test)]
 use crate::resolution::Resolution;
@@ -23,7 +24,6 @@ use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::bead::{Bead, Role, Stroke, cross_section};
 use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 
 /// A bead, and what follows it.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,9 +64,9 @@ pub fn endings(
     beads: Vec<Bead>,
     solid: &EdgeGrid,
     first: bool,
-    settings: &Settings,
+    plan: &EndingPlan,
 ) -> Vec<Ended> {
-    let rises = settings.scarf_rises() && !first;
+    let rises = plan.rises && !first;
     let mut beads = beads.into_iter().peekable();
     let mut out = Vec::with_capacity(beads.len());
     while let Some(bead) = beads.next() {
@@ -82,27 +82,27 @@ pub fn endings(
         }
         let length = bead.length();
         // At least half of a loop stays as it is.
-        let scarf = settings.seam_scarf.min(0.5 * length);
-        let gap = settings.seam_gap.min(0.5 * length);
+        let scarf = plan.scarf.min(0.5 * length);
+        let gap = plan.gap.min(0.5 * length);
         let beads = if scarf > 0.0 && rises {
             let whole = opened(&bead, length + scarf - gap, &[], None);
             let scarf = Scarf {
                 length: scarf,
                 round: length,
-                start: 0.01 * settings.seam_scarf_start,
+                start: plan.start,
             };
-            risen(&whole, scarf, settings)
+            risen(&whole, scarf, plan.resolution)
         } else if scarf > 0.0 || gap > 0.0 {
             vec![with_ramps(&bead, length, scarf, gap)]
         } else {
             vec![bead]
         };
         let mut all: Vec<Ended> = beads.into_iter().map(Ended::from).collect();
-        if settings.seam_wipe > 0.0
+        if plan.wipe > 0.0
             && !goes_on
             && let Some(last) = all.last_mut()
         {
-            last.wipe = inwards(&last.bead, settings, solid);
+            last.wipe = inwards(&last.bead, plan, solid);
         }
         out.extend(all);
     }
@@ -215,12 +215,8 @@ fn width_of(area: Mm2, height: Mm) -> Mm {
 
 /// A point farther inside the part than the bead's end; none if there is no
 /// such point.
-fn inwards(
-    bead: &Bead,
-    settings: &Settings,
-    solid: &EdgeGrid,
-) -> Option<DVec2> {
-    let length = settings.seam_wipe;
+fn inwards(bead: &Bead, plan: &EndingPlan, solid: &EdgeGrid) -> Option<DVec2> {
+    let length = plan.wipe;
     /// How far around the end edges are looked at, mm.
     const REACH: Mm = 2.0;
     let n = bead.points.len();
@@ -246,7 +242,7 @@ fn inwards(
     // The bead may have been turned round. This shows right at its end: farther
     // away the other side of a slot is inside, too.
     let near = 0.25 * bead.width * inward;
-    let side = if settings.overhang_reverse {
+    let side = if plan.reversed {
         [1.0, -1.0]
             .into_iter()
             .find(|side| depth(end + side * near) > here)?
@@ -262,7 +258,7 @@ fn inwards(
 /// Length of a path. Parts that are printed twice count twice.
 #[cfg(test)]
 fn printed(bead: &Bead) -> f64 {
-    let pieces = Resolution::of(&Settings::default()).pieces(bead.clone());
+    let pieces = Resolution::with(|_| {}).pieces(bead.clone());
     pieces.iter().map(|p| p.area() * p.length()).sum()
 }
 
@@ -280,38 +276,37 @@ mod tests {
         )
     }
 
-    fn ended(bead: Bead, settings: &Settings) -> Ended {
+    fn ended(bead: Bead, plan: &EndingPlan) -> Ended {
         let area = Area::from(square_ring(10.0));
         let grid = EdgeGrid::new(&area, 1.0);
-        endings(vec![bead], &grid, false, settings).remove(0)
+        endings(vec![bead], &grid, false, plan).remove(0)
     }
 
-    fn settings(scarf: f64, gap: f64, wipe: f64) -> Settings {
-        Settings {
-            seam_scarf: scarf,
-            seam_gap: gap,
-            seam_wipe: wipe,
-            ..Settings::default()
-        }
+    fn plan(scarf: f64, gap: f64, wipe: f64) -> EndingPlan {
+        EndingPlan::with(|s| {
+            s.seam_scarf = scarf;
+            s.seam_gap = gap;
+            s.seam_wipe = wipe;
+        })
     }
 
     #[test]
     fn without_any_of_it_a_loop_stays_as_it_is() {
         let wall = wall(9.775);
-        let own = ended(wall.clone(), &settings(0.0, 0.0, 0.0));
+        let own = ended(wall.clone(), &plan(0.0, 0.0, 0.0));
         assert_eq!(own.bead, wall);
         assert_eq!(own.wipe, None);
     }
 
     #[test]
     fn a_gap_is_left_open() {
-        let own = ended(wall(9.775), &settings(0.0, 0.2, 0.0)).bead;
+        let own = ended(wall(9.775), &plan(0.0, 0.2, 0.0)).bead;
         assert!(!own.closed && own.widths.is_empty());
         assert_eq!(own.points[0], DVec2::splat(-9.775));
         let last = own.points[own.points.len() - 1];
         assert!((last - DVec2::new(-9.775, -9.575)).length() < 1e-9);
         // A tiny loop is not opened as a whole.
-        let tiny = ended(wall(0.05), &settings(0.0, 2.0, 0.0)).bead;
+        let tiny = ended(wall(0.05), &plan(0.0, 2.0, 0.0)).bead;
         assert!((tiny.length() - 0.2).abs() < 1e-9);
     }
 
@@ -319,7 +314,7 @@ mod tests {
     fn a_scarf_overlaps_and_adds_up_to_the_loop() {
         for gap in [0.0, 0.1] {
             let mut wall = wall(9.775);
-            let own = ended(wall.clone(), &settings(25.0, gap, 0.0)).bead;
+            let own = ended(wall.clone(), &plan(25.0, gap, 0.0)).bead;
             // 25 mm are the way round the first corner and back onto the first
             // side.
             assert!((own.length() - (wall.length() + 25.0 - gap)).abs() < 1e-9);
@@ -347,7 +342,7 @@ mod tests {
             assert_eq!(own.widths.len(), own.points.len());
             // A wall of varying width gets the ramps, too.
             wall.widths = vec![0.4, 0.5, 0.4, 0.5];
-            let own = ended(wall.clone(), &settings(25.0, gap, 0.0)).bead;
+            let own = ended(wall.clone(), &plan(25.0, gap, 0.0)).bead;
             let share = printed(&own) / printed(&wall);
             assert!((share - 1.0).abs() < 5e-3, "{share}");
         }
@@ -367,7 +362,7 @@ mod tests {
         };
         let wipes = |from: DVec2| {
             let beads = vec![first.clone(), way(from)];
-            endings(beads, &grid, false, &settings(0.0, 0.0, 0.3))[0].wipe
+            endings(beads, &grid, false, &plan(0.0, 0.0, 0.3))[0].wipe
         };
         assert_eq!(wipes(first.points[0]), None);
         assert!(wipes(DVec2::splat(-9.0)).is_some());
@@ -398,9 +393,9 @@ mod tests {
             let bead = Bead::new(Role::OuterWall, stroke, 0.2);
             // A place 0.24 mm inside the thin wall is no place to go.
             for wipe in [0.3, 0.55, 1.0] {
-                let mut settings = settings(0.0, 0.0, wipe);
-                settings.overhang_reverse = true;
-                let all = endings(vec![bead.clone()], &grid, false, &settings);
+                let mut plan = plan(0.0, 0.0, wipe);
+                plan.reversed = true;
+                let all = endings(vec![bead.clone()], &grid, false, &plan);
                 let at = all[0].wipe.unwrap();
                 assert!(at.x > left, "{turned} {wipe}: {at}");
             }
@@ -416,9 +411,9 @@ mod tests {
         let stroke = Stroke::new(thin, true, 0.45);
         let bead = Bead::new(Role::OuterWall, stroke, 0.2);
         for wipe in [0.3, 0.6, 1.2] {
-            let mut settings = settings(0.0, 0.0, wipe);
-            settings.overhang_reverse = true;
-            let all = endings(vec![bead.clone()], &grid, false, &settings);
+            let mut plan = plan(0.0, 0.0, wipe);
+            plan.reversed = true;
+            let all = endings(vec![bead.clone()], &grid, false, &plan);
             assert_eq!(all[0].wipe, None, "{wipe}");
         }
     }
@@ -427,7 +422,7 @@ mod tests {
     fn a_wipe_leads_inwards() {
         let mut begun = wall(9.775);
         begun.points.insert(0, DVec2::new(-9.775, 0.0));
-        let own = ended(begun, &settings(0.0, 0.0, 0.3));
+        let own = ended(begun, &plan(0.0, 0.0, 0.3));
         let wipe = own.wipe.unwrap();
         assert!((wipe - DVec2::new(-9.475, 0.0)).length() < 1e-9, "{wipe}");
         // Around a hole the part is outside.
@@ -439,7 +434,7 @@ mod tests {
             ring
         }]);
         let grid = EdgeGrid::new(&area, 1.0);
-        let own = endings(vec![hole], &grid, false, &settings(0.0, 0.0, 0.3));
+        let own = endings(vec![hole], &grid, false, &plan(0.0, 0.0, 0.3));
         let wipe = own[0].wipe.unwrap();
         assert!(wipe.abs().min_element() > 2.2, "{wipe}");
         // A place that is too thin for a wipe gets no wipe.
@@ -449,9 +444,9 @@ mod tests {
             ring
         }]);
         let grid = EdgeGrid::new(&thin, 1.0);
-        let settings = settings(0.0, 0.0, 0.8);
+        let plan = plan(0.0, 0.0, 0.8);
         let mut begun = wall(9.775);
         begun.points.insert(0, DVec2::new(-9.775, 0.0));
-        assert_eq!(endings(vec![begun], &grid, false, &settings)[0].wipe, None);
+        assert_eq!(endings(vec![begun], &grid, false, &plan)[0].wipe, None);
     }
 }

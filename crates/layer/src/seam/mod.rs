@@ -25,6 +25,7 @@ pub mod ending;
 mod follow;
 mod guide;
 mod lowest;
+mod plan;
 mod scarf;
 
 use corners::Corners;
@@ -39,8 +40,9 @@ use isoslice_planar::along::point_at;
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::path_length;
-use isoslice_settings::{SeamRule, Settings, Varying};
+use isoslice_settings::{SeamRule, Varying};
 use lowest::lowest;
+pub use plan::EndingPlan;
 
 /// Where the seam of a wall may be.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,22 +70,23 @@ pub struct Seams<'a> {
 }
 
 impl<'a> Seams<'a> {
-    /// The rule of the settings.
+    /// The seams of a rule. Rings are exact to `accuracy`.
     ///
     /// # Errors
     /// If the rule is an expression with a mistake.
     pub fn new(
-        settings: &Settings,
+        rule: &Varying<SeamRule>,
+        accuracy: Mm,
         around: &'a Surroundings<'a>,
     ) -> Result<Seams<'a>, VaryError> {
-        let expression = settings.seam.expression().map(|text| {
+        let expression = rule.expression().map(|text| {
             Quantity::new("seam", &Varying::Expression(text.to_owned()))
         });
         Ok(Seams {
-            rule: settings.seam.clone(),
+            rule: rule.clone(),
             expression: expression.transpose()?,
             around,
-            accuracy: settings.accuracy,
+            accuracy,
         })
     }
 

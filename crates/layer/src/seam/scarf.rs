@@ -20,7 +20,6 @@ use crate::resolution::Resolution;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Level, Stroke, cross_section, height_of};
-use isoslice_settings::Settings;
 
 /// Number of points along the way over a ramp. Between them its height changes
 /// evenly, and its cross-section nearly does.
@@ -41,7 +40,7 @@ pub(super) struct Scarf {
 pub(super) fn risen(
     whole: &Bead,
     scarf: Scarf,
-    settings: &Settings,
+    resolution: Resolution,
 ) -> Vec<Bead> {
     let length = whole.length();
     let part = |from: Mm, to: Mm| Bead {
@@ -51,7 +50,7 @@ pub(super) fn risen(
     // Share of the height at a share of the ramp's length.
     let share = |t: f64| scarf.start + (1.0 - scarf.start) * t;
     let height = whole.height;
-    let ramp = levelled(part(0.0, scarf.length), 1.0, settings, |t, _| {
+    let ramp = levelled(part(0.0, scarf.length), 1.0, resolution, |t, _| {
         let less = (share(t) - 1.0) * height;
         Level {
             rise: less,
@@ -61,7 +60,7 @@ pub(super) fn risen(
     // A gap ends the way over the ramp early.
     let over = (length - scarf.round).max(0.0) / scarf.length;
     let over_ramp =
-        levelled(part(scarf.round, length), over, settings, |t, width| {
+        levelled(part(scarf.round, length), over, resolution, |t, width| {
             let below = cross_section(width, share(t) * height);
             let left = cross_section(width, height) - below;
             Level {
@@ -79,10 +78,10 @@ pub(super) fn risen(
 fn levelled(
     bead: Bead,
     all: f64,
-    settings: &Settings,
+    resolution: Resolution,
     level: impl Fn(f64, Mm) -> Level,
 ) -> Vec<Bead> {
-    let parts = Resolution::of(settings).pieces(bead);
+    let parts = resolution.pieces(bead);
     let length: Mm = parts.iter().map(|part| part.length()).sum();
     if length <= 0.0 {
         return Vec::new();
@@ -168,8 +167,8 @@ mod tests {
                 round: 40.0,
                 start,
             };
-            let settings = Settings::default();
-            let beads = risen(&line(50.0 - gap, &[]), scarf, &settings);
+            let resolution = Resolution::with(|_| {});
+            let beads = risen(&line(50.0 - gap, &[]), scarf, resolution);
             let last = beads.len() - 1;
             let area = cross_section(0.45, 0.2);
             for i in 0..20 {
@@ -205,8 +204,8 @@ mod tests {
             round: 40.0,
             start: 0.1,
         };
-        let settings = Settings::default();
-        let beads = risen(&whole, scarf, &settings);
+        let resolution = Resolution::with(|_| {});
+        let beads = risen(&whole, scarf, resolution);
         // Beads that leave the plane have one width.
         assert!(
             beads
@@ -219,7 +218,7 @@ mod tests {
                 stroke: whole.part(from / 50.0, to / 50.0),
                 ..whole
             };
-            let parts = Resolution::of(&settings).pieces(part);
+            let parts = resolution.pieces(part);
             parts.iter().map(|p| p.area() * p.length()).sum::<f64>()
         };
         let ramps: Vec<Bead> =

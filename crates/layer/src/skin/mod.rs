@@ -23,6 +23,7 @@ mod direction;
 mod fill;
 mod gaps;
 pub mod over_infill;
+mod plan;
 mod roles;
 mod short;
 mod strokes;
@@ -36,7 +37,7 @@ use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::difference;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Solid};
-use isoslice_settings::Settings;
+pub use plan::SkinPlan;
 use roles::Sides;
 
 /// A connected skin area's beads.
@@ -96,9 +97,9 @@ pub fn patches(
     faces: Faces<'_>,
     layer: usize,
     height: Mm,
-    settings: &Settings,
+    plan: &SkinPlan,
 ) -> Vec<Patch> {
-    let pressed = into_walls(skin, sparse, settings);
+    let pressed = into_walls(skin, sparse, plan.into_walls);
     let islands = pressed.as_ref().unwrap_or(skin).islands();
     let asked = Islands::new(&islands);
     let side = |face: Option<Face<'_>>| match face {
@@ -111,9 +112,9 @@ pub fn patches(
         below: Side::new(faces.below),
         sparse: Solid::of(sparse, 1.0),
         on_bed: layer == 0,
-        angle: settings.skin_direction(layer),
+        angle: plan.directions[layer % 2],
         height,
-        settings,
+        plan,
     };
     let sides = above.into_iter().zip(below).map(|(above, below)| Sides {
         above: (above, faces.above.map(|f| f.outline.grid())),
@@ -126,19 +127,11 @@ pub fn patches(
         .collect()
 }
 
-/// Skin that reaches into the walls around it, if the settings ask for that. It
-/// ends where sparse infill begins, and without walls where it ends in any case.
-fn into_walls(skin: &Area, sparse: &Area, settings: &Settings) -> Option<Area> {
+/// Skin that reaches so far into the walls around it, if at all. It ends where
+/// sparse infill begins.
+fn into_walls(skin: &Area, sparse: &Area, reach: Mm) -> Option<Area> {
     /// Tolerance of the border, mm. It lies under walls.
     const TOLERANCE: Mm = 0.01;
-    let wall = match settings.walls {
-        0 => return None,
-        1 => settings.outer_wall_width(),
-        _ => settings.inner_wall_width(),
-    };
-    // Skin may be wider than the wall. Half of the wall is left beside it.
-    let reach = 0.01 * settings.skin_wall_overlap * settings.skin_width();
-    let reach = reach.min(0.5 * wall);
     if reach <= 0.0 {
         return None;
     }
@@ -167,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_square_gets_a_ring_and_lines_that_turn() {
-        let settings = Settings::default();
+        let plan = SkinPlan::with(|_| {});
         let area = square(12.0);
         let area = Solid::new(area);
         let faces = Faces {
@@ -175,14 +168,8 @@ mod tests {
             below: Some(face(&area)),
         };
         for layer in [0, 1] {
-            let patches = patches(
-                &square(10.0),
-                &Area::EMPTY,
-                faces,
-                layer,
-                0.2,
-                &settings,
-            );
+            let patches =
+                patches(&square(10.0), &Area::EMPTY, faces, layer, 0.2, &plan);
             assert_eq!(patches.len(), 1);
             let p = &patches[0];
             assert_eq!(p.rings.len(), 1);
@@ -205,15 +192,12 @@ mod tests {
         let (skin, sparse) = (square(8.0), square(10.0));
         let sparse = difference(&sparse, &skin);
         let half = |overlap: f64, sparse: &Area| {
-            let settings = Settings {
-                skin_wall_overlap: overlap,
-                ..Settings::default()
-            };
+            let plan = SkinPlan::with(|s| s.skin_wall_overlap = overlap);
             let faces = Faces {
                 above: None,
                 below: None,
             };
-            let all = patches(&skin, sparse, faces, 0, 0.2, &settings);
+            let all = patches(&skin, sparse, faces, 0, 0.2, &plan);
             let points = all[0].rings[0].points.iter();
             points.map(|p| p.x).fold(0.0, f64::max)
         };
@@ -231,19 +215,19 @@ mod tests {
     #[test]
     fn wide_skin_leaves_half_of_a_narrow_wall() {
         let width = isoslice_settings::ByNozzle::Length;
-        let mut settings = Settings {
-            walls: 1,
-            outer_wall_width: width(0.4),
-            skin_width: width(2.0),
-            skin_wall_overlap: 50.0,
-            ..Settings::default()
+        let reach = |overlap: f64| {
+            let plan = SkinPlan::with(|s| {
+                s.walls = 1;
+                s.outer_wall_width = width(0.4);
+                s.skin_width = width(2.0);
+                s.skin_wall_overlap = overlap;
+            });
+            let skin = square(8.0);
+            let pressed = into_walls(&skin, &Area::EMPTY, plan.into_walls);
+            pressed.unwrap().bounds().max.x
         };
-        let skin = square(8.0);
-        let reach = || into_walls(&skin, &Area::EMPTY, &settings);
-        assert!((reach().unwrap().bounds().max.x - 8.2).abs() < 0.011);
-        settings.skin_wall_overlap = 5.0;
-        let reach = into_walls(&skin, &Area::EMPTY, &settings);
-        assert!((reach.unwrap().bounds().max.x - 8.1).abs() < 0.011);
+        assert!((reach(50.0) - 8.2).abs() < 0.011);
+        assert!((reach(5.0) - 8.1).abs() < 0.011);
     }
 
     #[test]
@@ -255,8 +239,8 @@ mod tests {
             above: None,
             below: None,
         };
-        let settings = Settings::default();
-        let all = patches(&area, &Area::EMPTY, nothing, 0, 0.2, &settings);
+        let plan = SkinPlan::with(|_| {});
+        let all = patches(&area, &Area::EMPTY, nothing, 0, 0.2, &plan);
         assert_eq!(all.len(), 1);
         assert!(all[0].fills.is_empty());
         let rings = &all[0].rings;
@@ -279,12 +263,13 @@ mod tests {
     }
 
     /// Content by role: what its lines lay.
-    fn contents(patches: &[Patch], settings: &Settings) -> Vec<(Role, f64)> {
-        let space = spacing(settings.skin_width(), settings.skin_width(), 0.2);
+    fn contents(patches: &[Patch], plan: &SkinPlan) -> Vec<(Role, f64)> {
+        let width = plan.internal.width;
+        let space = spacing(width, width, 0.2);
         let fills = patches.iter().flat_map(|p| &p.fills);
         fills
             .map(|f| {
-                let less = settings.skin_width() - space;
+                let less = width - space;
                 let lines = f.lines.iter().map(|b| laid(b, less));
                 (f.lines[0].role, lines.sum())
             })
@@ -293,15 +278,12 @@ mod tests {
 
     #[test]
     fn each_side_has_its_role_and_the_rest_is_internal() {
-        let base = Settings {
-            bridges: false,
-            ..Settings::default()
-        };
-        let wider = Settings {
-            top_skin_width: 0.5.into(),
-            bottom_skin_pattern: SkinPattern::Concentric,
-            ..base.clone()
-        };
+        let base = SkinPlan::with(|s| s.bridges = false);
+        let wider = SkinPlan::with(|s| {
+            s.bridges = false;
+            s.top_skin_width = 0.5.into();
+            s.bottom_skin_pattern = SkinPattern::Concentric;
+        });
         let rect = |x0: f64, x1: f64| {
             Area::from(
                 [(x0, -12.0), (x1, -12.0), (x1, 12.0), (x0, 12.0)]
@@ -356,17 +338,16 @@ mod tests {
 
     #[test]
     fn a_roof_over_a_gap_is_a_bridge_but_not_on_the_bed() {
-        let settings = Settings::default();
+        let plan = SkinPlan::with(|_| {});
         let wide = square(12.0);
         let frame = Solid::new(difference(&wide, &square(5.0)));
         let faces = Faces {
             above: None,
             below: Some(face(&frame)),
         };
-        let all =
-            patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &settings);
-        let found = contents(&all, &settings);
-        let reach = 10.0 + 2.0 * settings.bridge_anchor;
+        let all = patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &plan);
+        let found = contents(&all, &plan);
+        let reach = 10.0 + 2.0 * plan.anchor;
         let bridge = found.iter().find(|f| f.0 == Role::Bridge).unwrap();
         assert!((bridge.1 / reach.powi(2) - 1.0).abs() < 0.05, "{found:?}");
         let above_bed = Faces {
@@ -374,30 +355,26 @@ mod tests {
             ..faces
         };
         let all =
-            patches(&square(10.0), &Area::EMPTY, above_bed, 0, 0.2, &settings);
-        assert_eq!(contents(&all, &settings)[0].0, Role::BottomSkin);
+            patches(&square(10.0), &Area::EMPTY, above_bed, 0, 0.2, &plan);
+        assert_eq!(contents(&all, &plan)[0].0, Role::BottomSkin);
     }
 
     #[test]
     fn ironing_goes_over_tops_alone() {
-        let settings = Settings {
-            ironing: true,
-            ..Settings::default()
-        };
+        let plan = SkinPlan::with(|s| s.ironing = true);
         let [wide, half] = [square(12.0), square(4.0)].map(Solid::new);
         let faces = Faces {
             above: Some(face(&half)),
             below: Some(face(&wide)),
         };
-        let all =
-            patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &settings);
+        let all = patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &plan);
         let last = all[0].fills.last().unwrap();
         assert_eq!(last.lines[0].role, Role::Ironing);
         let length: f64 = last.lines.iter().map(|b| b.length()).sum();
         let side = |inner: f64, off: f64| (inner + off).powi(2);
         let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
         let should = side(inner, -0.45) - side(8.0, 0.45);
-        let is = length * settings.ironing_spacing();
+        let is = length * plan.ironing.unwrap();
         assert!((is / should - 1.0).abs() < 0.02, "{is} {should}");
         for line in &last.lines {
             let middle = line.points[0].midpoint(line.points[1]);
@@ -418,8 +395,8 @@ mod tests {
         };
         let beside = |width: f64, sparse: &Area, faces: Faces<'_>| {
             let strip = rect(-5.0, -0.5 * width, 5.0, 0.5 * width);
-            let settings = Settings::default();
-            let all = patches(&strip, sparse, faces, 1, 0.2, &settings);
+            let plan = SkinPlan::with(|_| {});
+            let all = patches(&strip, sparse, faces, 1, 0.2, &plan);
             let rings = all.iter().flat_map(|p| &p.rings);
             rings.map(|b| b.role).collect::<Vec<_>>()
         };
@@ -444,9 +421,9 @@ mod tests {
             above: None,
             below: None,
         };
-        let settings = Settings::default();
+        let plan = SkinPlan::with(|_| {});
         assert!(
-            patches(&square(0.15), &Area::EMPTY, faces, 0, 0.2, &settings)
+            patches(&square(0.15), &Area::EMPTY, faces, 0, 0.2, &plan)
                 .is_empty()
         );
     }

@@ -26,7 +26,6 @@ use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Level, cross_section, height_of};
 use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 
 /// Greatest lean of a face at which a wall goes on in the next layer, as a
 /// share of the wall's width from layer to layer.
@@ -65,12 +64,14 @@ struct Joined {
 
 impl Interlock<'_> {
     /// A wall in its place; other beads stay as they are.
-    pub fn placed(&self, bead: Bead, settings: &Settings) -> Vec<Bead> {
+    pub fn placed(&self, bead: Bead, resolution: Resolution) -> Vec<Bead> {
         if !bead.sunk || bead.points.len() < 2 {
             return vec![bead];
         }
-        isoslice_base::limits::check();
-        let parts = Resolution::of(settings).pieces(bead).into_iter();
+        if isoslice_base::limits::is_stopped() {
+            return vec![bead];
+        }
+        let parts = resolution.pieces(bead).into_iter();
         parts.flat_map(|part| self.cut(part)).collect()
     }
 
@@ -208,7 +209,7 @@ mod tests {
 
     #[test]
     fn a_wall_is_half_a_layer_lower_where_it_goes_on() {
-        let settings = Settings::default();
+        let resolution = Resolution::with(|_| {});
         let own = grid(square_ring(10.0));
         let same = |height| {
             Some(Beside {
@@ -229,7 +230,7 @@ mod tests {
                 below,
                 above,
             };
-            let all = interlock.placed(wall(9.4), &settings);
+            let all = interlock.placed(wall(9.4), resolution);
             assert_eq!(all.len(), 1);
             assert!(all[0].closed);
             assert!((all[0].height - height).abs() < 1e-12);
@@ -239,13 +240,13 @@ mod tests {
             // Others stay.
             let mut other = wall(9.4);
             other.sunk = false;
-            assert_eq!(interlock.placed(other.clone(), &settings), [other]);
+            assert_eq!(interlock.placed(other.clone(), resolution), [other]);
         }
     }
 
     #[test]
     fn a_wall_ends_at_a_ledge() {
-        let settings = Settings::default();
+        let resolution = Resolution::with(|_| {});
         let own = grid(square_ring(10.0));
         // The layer above ends at x = 2; its other sides are those of this one.
         let upper = grid(rect_ring(-10.0, -10.0, 2.0, 10.0));
@@ -260,7 +261,7 @@ mod tests {
                 outline: Some(&upper),
             }),
         };
-        let all = interlock.placed(wall(9.4), &settings);
+        let all = interlock.placed(wall(9.4), resolution);
         let ends = |b: &&Bead| b.level(0).rise == 0.0;
         let ended: Mm = all.iter().filter(ends).map(|b| b.length()).sum();
         // The far side, and what is left of two others: 8.6 mm of them lie

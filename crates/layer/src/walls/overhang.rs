@@ -14,13 +14,13 @@
 //! share of its width: at half of the width, it is the centre line that must
 //! not leave the solid.
 
+use crate::region::WallPlan;
 use glam::DVec2;
-use isoslice_base::units::Mm;
+use isoslice_base::units::{Mm, Percent};
 use isoslice_planar::Solid;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::offset;
-use isoslice_settings::Settings;
 
 /// The solid that holds a layer's walls.
 pub struct Support<'a> {
@@ -50,17 +50,18 @@ const TOLERANCE: Mm = 0.01;
 
 impl<'a> Support<'a> {
     /// The solid of the layer below for the walls of a layer whose own solid
-    /// is `own`; nothing if no wall is to be an overhang.
+    /// is `own`; nothing if no wall is to be an overhang. A wall may reach beyond
+    /// the layer below by this `share` of its width.
     pub fn new(
         below: &'a Solid<'_>,
         own: &'a Solid<'_>,
-        settings: &Settings,
+        share: Percent,
+        walls: &WallPlan,
     ) -> Option<Support<'a>> {
-        let share = settings.overhang_share;
         if share >= 100.0 {
             return None;
         }
-        let widths = [settings.outer_wall_width(), settings.inner_wall_width()];
+        let widths = [walls.outer, walls.inner];
         let share = 0.01 * share - 0.5;
         let grid = |width: Mm| {
             EdgeGrid::new(&offset(below.area(), share * width, TOLERANCE), 1.0)
@@ -75,7 +76,9 @@ impl<'a> Support<'a> {
 
     /// The bead, cut where it begins or ceases to hang, if it is a wall.
     pub fn cut(&self, bead: Bead) -> Vec<Bead> {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return vec![bead];
+        }
         match bead.role {
             Role::OuterWall | Role::InnerWall => {}
             _ => return vec![bead],
@@ -92,7 +95,9 @@ impl<'a> Support<'a> {
 
     /// True if a wall hangs somewhere.
     pub fn hangs(&self, bead: &Bead) -> bool {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return false;
+        }
         self.pieces(bead).iter().any(|piece| piece.hangs)
     }
 
@@ -321,12 +326,8 @@ mod tests {
     ) -> Vec<Bead> {
         let solid = |ring| Solid::new(Area::from(ring));
         let (own, below) = (solid(own), solid(below));
-        let settings = Settings {
-            overhang_share: share,
-            outer_wall_width: 0.4.into(),
-            ..Settings::default()
-        };
-        let support = Support::new(&below, &own, &settings);
+        let walls = WallPlan::with(|s| s.outer_wall_width = 0.4.into());
+        let support = Support::new(&below, &own, share, &walls);
         support.map_or(vec![bead.clone()], |s| s.cut(bead))
     }
 

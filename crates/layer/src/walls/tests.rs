@@ -1,7 +1,7 @@
 //! Walls of parts whose thickness is known: what they leave open, what they
 //! paint outside of the part, and how much they extrude.
 
-use crate::region::{wall_depths, walls};
+use crate::region::{WallPlan, walls};
 use crate::resolution::Resolution;
 use crate::walls::beads;
 use glam::DVec2;
@@ -9,7 +9,6 @@ use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::shapes::circle;
-use isoslice_settings::Settings;
 use std::f64::consts::PI;
 
 const HEIGHT: f64 = 0.2;
@@ -31,11 +30,10 @@ struct Print {
 
 /// The walls of a part that is thin all over, as they are printed.
 fn print(part: &Area) -> Print {
-    let settings = Settings::default();
-    let laid = walls(part, None, HEIGHT, &settings);
+    let laid = walls(part, None, HEIGHT, &WallPlan::with(|_| {}));
     let pieces: Vec<Bead> = beads(&laid, HEIGHT, 0.0)
         .into_iter()
-        .flat_map(|b| Resolution::of(&Settings::default()).pieces(b))
+        .flat_map(|b| Resolution::with(|_| {}).pieces(b))
         .collect();
     let bounds = part.bounds();
     let origin = bounds.min - 0.5;
@@ -407,14 +405,13 @@ fn walls_fill_the_pockets_between_them() {
 #[test]
 fn walls_of_two_widths_lie_a_spacing_apart() {
     const HALF: f64 = 15.0;
-    let settings = Settings {
-        outer_wall_width: 0.45.into(),
-        inner_wall_width: 0.6.into(),
-        walls: 3,
-        ..Settings::default()
-    };
+    let plan = WallPlan::with(|s| {
+        s.outer_wall_width = 0.45.into();
+        s.inner_wall_width = 0.6.into();
+        s.walls = 3;
+    });
     let square = isoslice_planar::shapes::rect(-HALF, -HALF, HALF, HALF);
-    let laid = walls(&square, None, HEIGHT, &settings);
+    let laid = walls(&square, None, HEIGHT, &plan);
     let depth = |bead: &Bead| {
         let middles = bead.segments().map(|(a, b)| a.midpoint(b));
         let depths = middles.map(|p| HALF - p.abs().max_element());
@@ -424,7 +421,7 @@ fn walls_of_two_widths_lie_a_spacing_apart() {
         beads(&laid, HEIGHT, 0.0).iter().map(depth).collect();
     found.sort_by(f64::total_cmp);
     assert_eq!(found.len(), 3);
-    for (found, meant) in found.iter().zip(wall_depths(HEIGHT, &settings).0) {
+    for (found, meant) in found.iter().zip(plan.depths(HEIGHT).0) {
         assert!((found - meant).abs() < 1e-3, "{found} for {meant}");
     }
 }

@@ -5,12 +5,11 @@ use super::begin::{begin_near, nearest_spot};
 use super::islands::{Island, Loop};
 use super::jobs::{Job, print};
 use super::tour::{Stop, tour};
-use super::{Context, SEAM_REACH, sweep};
+use super::{Context, OrderPlan, SEAM_REACH, sweep};
 use glam::DVec2;
 use isoslice_layer::skin::{Fill, Patch};
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::signed_area;
-use isoslice_settings::{SeamRule, Settings, Varying, WallOrder};
 
 /// Prints an island on a short way from where the head is, `at`, to `to`.
 pub(super) fn print_island(
@@ -18,33 +17,30 @@ pub(super) fn print_island(
     at: &mut Option<DVec2>,
     to: Option<DVec2>,
     context: Context<'_>,
-    settings: &Settings,
+    plan: &OrderPlan,
     out: &mut Vec<Bead>,
 ) {
-    let inner_first = settings.wall_order == WallOrder::InnerFirst;
     // Walls that pass no seam have a stage of their own, before all loops or
     // after them.
     let mut jobs: Vec<(u32, Job)> = Vec::new();
     let stage = |inner_first| if inner_first { 0 } else { 2 };
-    let away_stage = stage(inner_first);
+    let away_stage = stage(plan.inner_first);
     // The nozzle is low while it prints these: nothing may be beside it yet.
     let mut sunk: Vec<(u32, Job)> = Vec::new();
     for mut group in island.loops {
         group.walls.iter_mut().for_each(orient);
         let low = group.walls.extract_if(.., |wall| wall.sunk);
         sunk.extend(low.map(|wall| (0, Job::of(wall))));
-        let mut inner_first = inner_first;
-        let unless_overhang =
-            settings.wall_order == WallOrder::OuterFirstUnlessOverhang;
-        if unless_overhang || settings.overhang_reverse {
+        let mut inner_first = plan.inner_first;
+        if plan.inner_first_at_overhangs || plan.turns_overhangs {
             let hangs = group.walls.first().is_some_and(|w| context.hangs(w));
-            inner_first |= hangs && unless_overhang;
+            inner_first |= hangs && plan.inner_first_at_overhangs;
             let odd = !context.number.is_multiple_of(2);
-            if hangs && odd && settings.overhang_reverse {
+            if hangs && odd && plan.turns_overhangs {
                 group.walls.iter_mut().for_each(turn_round);
             }
         }
-        let (job, away) = loop_job(group, inner_first, settings);
+        let (job, away) = loop_job(group, inner_first, plan.begins_anywhere);
         jobs.extend(job.map(|job| (1, job)));
         let stage = stage(inner_first);
         jobs.extend(away.into_iter().map(|b| (stage, Job::of(b))));
@@ -99,19 +95,18 @@ fn turn_round(bead: &mut Bead) {
 }
 
 /// A loop's walls that pass its seam, in their order, and the loop's other
-/// walls.
+/// walls. A closed outer wall may begin `anywhere`.
 fn loop_job(
     group: Loop,
     inner_first: bool,
-    settings: &Settings,
+    anywhere: bool,
 ) -> (Option<Job>, Vec<Bead>) {
     let mut walls = group.walls.into_iter();
     let Some(outer) = walls.next() else {
         return (None, Vec::new());
     };
     let (mut beside, mut away) = (Vec::new(), Vec::new());
-    let anywhere =
-        outer.closed && settings.seam == Varying::Constant(SeamRule::Nearest);
+    let anywhere = outer.closed && anywhere;
     let seam = outer.points.first().copied().filter(|_| outer.closed);
     for mut wall in walls {
         let spot = seam

@@ -13,12 +13,11 @@
 //! what the way lays. A way stays off the outer walls: it comes no nearer to the
 //! outline than a wall beside them or than its ends do.
 
-use super::jobs;
+use super::{OrderPlan, jobs};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Role, Stroke, narrowest, spacing};
 use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 use std::cell::OnceCell;
 
 /// Longest way from a stroke to the next, in widths.
@@ -54,18 +53,20 @@ const ROUNDS: usize = 6;
 pub fn linked(
     beads: Vec<Bead>,
     solid: &EdgeGrid,
-    settings: &Settings,
+    plan: &OrderPlan,
 ) -> Vec<Bead> {
-    let outer = settings.outer_wall_width();
+    let outer = plan.outer_width;
     let mut out: Vec<Bead> = Vec::with_capacity(beads.len());
     let mut rest = beads.into_iter();
     // All lines, once a way that fills a gap asks what crosses the gap.
     let grid = OnceCell::new();
     while let Some(mut bead) = rest.next() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let link = out
             .last()
-            .filter(|before| may_go_on(before, &bead, settings))
+            .filter(|before| may_go_on(before, &bead, plan))
             .and_then(|before| Link::between(before, &bead))
             .filter(|link| link.is_free(solid, outer))
             .filter(|link| {
@@ -239,11 +240,11 @@ impl End<'_> {
 /// or one of them is an outer wall that ends inside the part. An open wall ends
 /// where others meet it. A closed one ends at its seam; a way may lead from
 /// there into the gap behind it, unless the seam is a gap or a scarf.
-fn may_go_on(before: &Bead, after: &Bead, settings: &Settings) -> bool {
-    let hides = |bead: &Bead| hidden(bead.role, settings);
+fn may_go_on(before: &Bead, after: &Bead, plan: &OrderPlan) -> bool {
+    let hides = |bead: &Bead| hidden(bead.role, plan);
     let open = |bead: &Bead| bead.role == Role::OuterWall && !bead.closed;
-    let whole = settings.seam_gap <= 0.0 && settings.seam_scarf <= 0.0;
-    let seam = before.role == Role::OuterWall && before.closed && whole;
+    let seam =
+        before.role == Role::OuterWall && before.closed && plan.whole_seams;
     let may = hides(before) && (hides(after) || open(after))
         || open(before) && hides(after)
         || seam && after.role == Role::GapFill;
@@ -266,10 +267,10 @@ fn is_wall(role: Role) -> bool {
 
 /// True if nobody sees where a bead of this role ends. In a gap that is asked
 /// for between skin and its ring there is no way either.
-fn hidden(role: Role, settings: &Settings) -> bool {
+fn hidden(role: Role, plan: &OrderPlan) -> bool {
     match role {
         Role::InnerWall | Role::GapFill => true,
-        Role::InternalSkin | Role::BottomSkin => settings.skin_ring_gap <= 0.0,
+        Role::InternalSkin | Role::BottomSkin => plan.skin_meets_ring,
         _ => false,
     }
 }
@@ -304,7 +305,7 @@ mod tests {
     }
 
     fn linked_in(solid: &EdgeGrid, beads: &[Bead]) -> Vec<Bead> {
-        linked(beads.to_vec(), solid, &Settings::default())
+        linked(beads.to_vec(), solid, &OrderPlan::with(|_| ()))
     }
 
     fn linked_inside(beads: &[Bead]) -> Vec<Bead> {
@@ -456,11 +457,9 @@ mod tests {
         assert_eq!(found[1].points[1], found[2].points[0]);
         // No way leads from a seam that is a gap or a scarf, nor to a seam.
         for (seam_gap, seam_scarf) in [(0.1, 0.0), (0.0, 5.0)] {
-            let apart = Settings {
-                seam_gap,
-                seam_scarf,
-                ..Settings::default()
-            };
+            let apart = OrderPlan::with(|s| {
+                (s.seam_gap, s.seam_scarf) = (seam_gap, seam_scarf);
+            });
             assert_eq!(linked(both.to_vec(), &solid, &apart), both);
         }
         let back = [both[1].clone(), both[0].clone()];

@@ -17,6 +17,7 @@
 //! | `begin` | where a closed bead begins |
 //! | `link` | short ways between hidden beads, printed instead of hopped |
 //! | `nearest`, `near_ends` | which points are near |
+//! | `plan` | what is needed of the settings |
 
 mod begin;
 mod island;
@@ -25,6 +26,7 @@ mod jobs;
 mod link;
 mod near_ends;
 mod nearest;
+mod plan;
 mod supports;
 mod sweep;
 mod tour;
@@ -41,8 +43,8 @@ use isoslice_layer::skin::Patch;
 use isoslice_layer::walls::Support;
 use isoslice_planar::Area;
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_settings::Settings;
 pub use link::linked;
+pub use plan::OrderPlan;
 pub use supports::supports_last;
 use tour::{Stop, tour};
 
@@ -117,7 +119,7 @@ pub fn order(
     mut beads: LayerBeads,
     context: Context<'_>,
     head: &mut Head,
-    settings: &Settings,
+    plan: &OrderPlan,
 ) -> Vec<Bead> {
     let mut out = Vec::new();
     for mut bead in std::mem::take(&mut beads.skirt) {
@@ -158,7 +160,7 @@ pub fn order(
         let next = visits.get(k + 1).unwrap_or(visit);
         let to = Some(stops[next.stop].from);
         if let Some(island) = left[visit.stop].take() {
-            print_island(island, &mut head.at, to, context, settings, &mut out);
+            print_island(island, &mut head.at, to, context, plan, &mut out);
         }
     }
     supports::print(last, outline, &mut head.at, &mut out);
@@ -292,8 +294,8 @@ mod tests {
             at: Some(DVec2::new(30.0, 0.0)),
             ..Head::default()
         };
-        let settings = Settings::default();
-        let out = order(beads, held(&outline), &mut head, &settings);
+        let plan = OrderPlan::with(|_| ());
+        let out = order(beads, held(&outline), &mut head, &plan);
         let side: Vec<bool> =
             out.iter().map(|b| b.points[0].x > 10.0).collect();
         assert_eq!(side, [true, true, false, false]);
@@ -317,8 +319,8 @@ mod tests {
             at: None,
             seams: vec![DVec2::new(1.2, -4.1)],
         };
-        let settings = Settings::default();
-        let out = order(beads, held(&outline), &mut head, &settings);
+        let plan = OrderPlan::with(|_| ());
+        let out = order(beads, held(&outline), &mut head, &plan);
         let starts: Vec<DVec2> = out
             .iter()
             .filter(|b| b.role == Role::OuterWall)
@@ -357,11 +359,8 @@ mod tests {
                 2
             ];
             let mut head = Head::default();
-            let settings = Settings {
-                wall_order,
-                ..Settings::default()
-            };
-            let out = order(beads, held(&outline), &mut head, &settings);
+            let plan = OrderPlan::with(|s| s.wall_order = wall_order);
+            let out = order(beads, held(&outline), &mut head, &plan);
             assert_eq!(out.len(), 6);
             let here = out.iter().filter(|b| b.points[0].x < 10.0);
             let roles: Vec<Role> = here.map(|b| b.role).collect();

@@ -38,7 +38,9 @@ pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
         }
     }
     while let Some(end) = free.pop(*at) {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let Some(mut bead) = lines[end / 2].take() else {
             continue;
         };

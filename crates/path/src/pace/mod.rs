@@ -40,8 +40,11 @@ mod evened;
 mod fan;
 pub mod motion;
 mod moves;
+mod plan;
 pub mod rates;
 mod slowing;
+
+pub use plan::{PacePlan, limits};
 
 pub use moves::Amount;
 pub use moves::Cause;
@@ -55,14 +58,12 @@ use evened::evened;
 use fan::fan_speed;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{
-    MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, Seconds, filament_area,
+    MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, Seconds,
 };
-use isoslice_layer::resolution::Resolution;
 use isoslice_model::vary::VaryError;
 use isoslice_planar::arc;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::path_length;
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 use motion::{Limits, Motion};
 use rates::{Rater, Rates, Site};
@@ -93,8 +94,7 @@ pub struct Stretch<'a, 'r> {
     pub place: Option<usize>,
     /// The moves, in print coordinates.
     pub moves: Vec<Move>,
-    /// The rates of the stretch's beads. The rater's settings hold for the
-    /// stretch.
+    /// The rates of the stretch's beads. The rater's plan holds for the stretch.
     pub rater: &'r Rater<'a>,
     /// Where the part is.
     pub site: Site<'r>,
@@ -103,8 +103,8 @@ pub struct Stretch<'a, 'r> {
 /// Gives speeds to one layer after another. Between two layers it knows where
 /// the head stands.
 pub struct Pacer<'a> {
-    /// The settings of the stretch that is being paced.
-    settings: &'a Settings,
+    /// The plan of the stretch that is being paced.
+    plan: &'a PacePlan,
     motion: Motion,
     /// Where the head is; none before the first move.
     xy: Option<DVec2>,
@@ -148,13 +148,10 @@ struct Sums {
 
 impl<'a> Pacer<'a> {
     /// A pacer for a print from the bed up.
-    pub fn new(settings: &'a Settings) -> Self {
+    pub fn new(plan: &'a PacePlan) -> Self {
         Self {
-            settings,
-            motion: Motion::new(
-                Limits::new(settings),
-                settings.travel_acceleration(),
-            ),
+            plan,
+            motion: Motion::new(plan.limits, plan.limits.travel_acceleration),
             xy: None,
             z: None,
             retracted: false,
@@ -174,16 +171,15 @@ impl<'a> Pacer<'a> {
         self.z = Some(z);
         self.lifted = false;
         self.on_slope = false;
-        self.motion.tell(self.settings.travel_acceleration());
+        self.motion.tell(self.plan.limits.travel_acceleration);
     }
 
-    /// Gives the next layer of a single part its speeds, with settings that are
-    /// all constant.
+    /// Gives the next layer of a single part its speeds, of which nothing varies.
     ///
     /// # Errors
     /// If a setting is an expression.
     pub fn alone(&mut self, path: LayerPath) -> Result<PacedLayer, VaryError> {
-        let rater = Rater::constant(self.settings)?;
+        let rater = Rater::constant(self.plan)?;
         let stretch = Stretch {
             place: Some(0),
             moves: path.moves,
@@ -218,7 +214,7 @@ impl<'a> Pacer<'a> {
             let moves = first..out.len();
             parts.push(OfPart { place, moves });
         }
-        self.settings = whole.settings();
+        self.plan = whole.plan;
         if fan.is_nan() {
             // The fan's speed for the first bead holds from the layer's
             // beginning.
@@ -238,9 +234,9 @@ impl<'a> Pacer<'a> {
         if let Some(last) = parts.last_mut() {
             last.moves.end = out.len();
         }
-        let (slowing, time) =
-            slow_down(&mut self.motion, &self.settings.cooling);
-        let fan_at = |asked| fan_speed(asked, span.index, time, self.settings);
+        let cooling = &self.plan.cooling;
+        let (slowing, time) = slow_down(&mut self.motion, cooling);
+        let fan_at = |asked| fan_speed(asked, span.index, time, cooling);
         for step in &mut out {
             match step {
                 PacedMove::Print { bead, speed, .. } => {
@@ -313,23 +309,25 @@ impl<'a> Pacer<'a> {
         let Stretch {
             moves, rater, site, ..
         } = stretch;
-        self.settings = rater.settings();
+        self.plan = rater.plan;
         // Beads that follow each other without a travel.
         let mut chain = Vec::new();
         for step in moves {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             match step {
                 Move::Travel(travel) => {
                     self.print_all(span, &mut chain, out);
                     self.travel(span, travel, out);
                 }
                 Move::Print(bead) => {
-                    let limit = speed_limit(&bead, span, self.settings);
+                    let limit = speed_limit(&bead, span, self.plan);
                     let pieces = rater.pieces(bead, span, site)?;
                     for (piece, mut rates) in pieces {
                         rates.speed = rates.speed.min(limit);
                         let [wanted, speed] =
-                            print_speed(self.settings, &piece, &rates);
+                            print_speed(self.plan, &piece, &rates);
                         rates.speed = wanted;
                         let mut rated = self.with_arcs(piece, rates);
                         rated.slow(speed, Cause::Flow);
@@ -361,16 +359,16 @@ impl<'a> Pacer<'a> {
         if points.is_empty() || nowhere && self.xy.is_some_and(stays) {
             return;
         }
-        let settings = self.settings;
+        let plan = self.plan;
         if std::mem::take(&mut self.on_slope) {
             // A level wipe would cut into what rises beside it.
             self.lift(span.top + self.raised, out);
         }
         if retract && !self.retracted {
             self.retract(wipe, out);
-            self.lifted |= hop && settings.retract.z_hop > 0.0;
+            self.lifted |= hop && plan.retract.z_hop > 0.0;
         }
-        let mut hop = settings.retract.z_hop.max(0.0);
+        let mut hop = plan.retract.z_hop.max(0.0);
         if self.z.is_none() {
             self.lifted = true;
             hop = hop.max(APPROACH);
@@ -384,15 +382,15 @@ impl<'a> Pacer<'a> {
             hop = hop.max(clear - low);
         }
         // A hop may not leave the machine.
-        let ceiling = settings.printer.height.max(low);
+        let ceiling = plan.height.max(low);
         let z = if self.lifted {
             (low + hop).min(ceiling)
         } else {
             low
         };
         self.lift(z, out);
-        let speed = settings.travel_speed();
-        let acceleration = settings.travel_acceleration();
+        let speed = plan.travel_speed;
+        let acceleration = plan.limits.travel_acceleration;
         for &to in &points {
             self.go(to, speed, acceleration, 0.0, false);
         }
@@ -409,11 +407,10 @@ impl<'a> Pacer<'a> {
             rates,
         };
         // An arc is flat.
-        if self.settings.arcs() && rated.bead.levels.is_empty() {
+        if self.plan.resolution.arcs && rated.bead.levels.is_empty() {
             let bead = &mut rated.bead;
             let path: Vec<DVec2> = bead.path().collect();
-            let tolerance =
-                Resolution::of(self.settings).arc_tolerance(bead.role);
+            let tolerance = self.plan.resolution.arc_tolerance(bead.role);
             let (points, turns) = arc::fit(&path, tolerance);
             bead.stroke = Stroke::new(points, false, bead.width);
             rated.turns = turns;
@@ -428,9 +425,8 @@ impl<'a> Pacer<'a> {
         chain: &mut Vec<Rated>,
         out: &mut Vec<PacedMove>,
     ) {
-        let most = self.settings.max_moves_per_second();
-        let beads = slowed(std::mem::take(chain), most);
-        for rated in evened(beads, self.settings.filament.max_flow_change) {
+        let beads = slowed(std::mem::take(chain), self.plan.max_moves);
+        for rated in evened(beads, self.plan.max_flow_change) {
             self.print(span, rated, out);
         }
     }
@@ -448,7 +444,7 @@ impl<'a> Pacer<'a> {
             wanted,
             by,
         } = rated;
-        let settings = self.settings;
+        let plan = self.plan;
         let Some(&start) = bead.points.first() else {
             return;
         };
@@ -469,10 +465,8 @@ impl<'a> Pacer<'a> {
             out.push(PacedMove::Fan(rates.fan));
         }
         let speed = rates.speed;
-        let acceleration = acceleration(bead.role, span, settings);
-        let filament = |area: Mm2| {
-            area * rates.flow / filament_area(settings.filament.diameter)
-        };
+        let acceleration = acceleration(bead.role, span, plan);
+        let filament = |area: Mm2| area * rates.flow / plan.filament_area;
         self.xy = Some(start);
         let first = self.motion.segments().len();
         let mut amount = Amount::default();
@@ -529,7 +523,7 @@ impl<'a> Pacer<'a> {
     /// Pulls the filament back, a part of it before the wipe and the rest
     /// during the wipe.
     fn retract(&mut self, wipe: Vec<DVec2>, out: &mut Vec<PacedMove>) {
-        let retract = &self.settings.retract;
+        let retract = &self.plan.retract;
         if retract.length <= 0.0 {
             return;
         }
@@ -556,9 +550,9 @@ impl<'a> Pacer<'a> {
         }
         let rest = retract.length - first;
         // The wipe is no faster than the filament may be pulled back.
-        let speed = (WIPE_SPEED * self.settings.travel_speed())
+        let speed = (WIPE_SPEED * self.plan.travel_speed)
             .min(retract.speed * way / rest);
-        let acceleration = self.settings.travel_acceleration();
+        let acceleration = self.plan.limits.travel_acceleration;
         for &to in &wipe {
             self.go(to, speed, acceleration, -rest / way, false);
         }
@@ -570,7 +564,7 @@ impl<'a> Pacer<'a> {
     }
 
     fn prime(&mut self, out: &mut Vec<PacedMove>) {
-        let retract = &self.settings.retract;
+        let retract = &self.plan.retract;
         if !std::mem::take(&mut self.retracted) {
             return;
         }
@@ -625,13 +619,16 @@ impl<'a> Pacer<'a> {
         if self.z.is_some_and(|at| (at - z).abs() <= SAME_HEIGHT) {
             return;
         }
-        let printer = &self.settings.printer;
-        let speed = printer.max_speed_z;
+        let Limits {
+            speed_z: speed,
+            travel_acceleration,
+            ..
+        } = self.plan.limits;
         if let Some(at) = self.z {
             self.motion.push(
                 DVec3::Z * (count(z) - count(at)) * MICRON,
                 speed,
-                self.settings.travel_acceleration(),
+                travel_acceleration,
                 0.0,
                 false,
             );

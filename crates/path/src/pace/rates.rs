@@ -7,6 +7,7 @@
 //! noticeably. Walls whose speed or fan depends on how far they reach beyond
 //! the layer below are cut in the same way.
 
+use super::PacePlan;
 use glam::DVec2;
 use isoslice_base::units::{Celsius, Mm, MmPerSec, Percent};
 use isoslice_layer::walls::Reach;
@@ -15,7 +16,7 @@ use isoslice_model::{Model, Place};
 use isoslice_planar::bead::{Bead, Level, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{Range, Settings, Speed, Varying};
+use isoslice_settings::{Speed, Varying};
 
 /// Distance between the points of a bead at which expressions are evaluated.
 const STEP: Mm = 1.0;
@@ -60,7 +61,8 @@ pub struct Rates {
 
 /// The rates of a run's beads.
 pub struct Rater<'a> {
-    settings: &'a Settings,
+    /// The speeds, flows and temperatures by which beads are rated.
+    pub plan: &'a PacePlan,
     /// What expressions know of the model; none if all settings are constant.
     around: Option<(&'a Surroundings<'a>, DVec2)>,
     /// The speeds of the roles, in the order of [`Role::ALL`].
@@ -110,11 +112,11 @@ impl<'a> Rater<'a> {
     /// # Errors
     /// If a setting is no valid expression.
     pub fn new(
-        settings: &'a Settings,
+        plan: &'a PacePlan,
         model: &Model,
         around: &'a Surroundings<'a>,
     ) -> Result<Rater<'a>, VaryError> {
-        Self::with(settings, Some((around, model.offset.truncate())))
+        Self::with(plan, Some((around, model.offset.truncate())))
     }
 
     /// A rater for settings that are all constant. An expression has no value
@@ -122,34 +124,31 @@ impl<'a> Rater<'a> {
     ///
     /// # Errors
     /// If a setting is no valid expression.
-    pub fn constant(settings: &'a Settings) -> Result<Rater<'a>, VaryError> {
-        Self::with(settings, None)
+    pub fn constant(plan: &'a PacePlan) -> Result<Rater<'a>, VaryError> {
+        Self::with(plan, None)
     }
 
     fn with(
-        settings: &'a Settings,
+        plan: &'a PacePlan,
         around: Option<(&'a Surroundings<'a>, DVec2)>,
     ) -> Result<Rater<'a>, VaryError> {
         let speeds: Vec<Quantity> = Role::ALL
             .iter()
             .map(|r| {
-                let (key, value) = speed_of(*r, &settings.speed);
+                let (key, value) = speed_of(*r, &plan.speed);
                 Quantity::new(key, &value)
             })
             .collect::<Result<_, _>>()?;
-        let flow = Quantity::new("flow", &settings.flow)?;
-        let width = Quantity::new("bead_width", &settings.bead_width)?;
-        let fan =
-            Quantity::new("cooling.fan_speed", &settings.cooling.fan_speed)?;
-        let temperature = Quantity::level(
-            "filament.nozzle_temperature",
-            &settings.filament.nozzle_temperature,
-        )?;
+        let flow = Quantity::new("flow", &plan.flow)?;
+        let width = Quantity::new("bead_width", &plan.bead_width)?;
+        let fan = Quantity::new("cooling.fan_speed", &plan.cooling.fan_speed)?;
+        let temperature =
+            Quantity::level("filament.nozzle_temperature", &plan.temperature)?;
         let all = || speeds.iter().chain([&flow, &width, &fan]);
         let varies = all().any(|q| q.constant().is_none());
         let measures = all().any(Quantity::uses_depth);
         Ok(Rater {
-            settings,
+            plan,
             around,
             speeds,
             flow,
@@ -161,11 +160,6 @@ impl<'a> Rater<'a> {
         })
     }
 
-    /// The settings by which beads are rated.
-    pub fn settings(&self) -> &'a Settings {
-        self.settings
-    }
-
     /// Temperature of the nozzle on a layer. The value of an expression is
     /// rounded to whole degrees.
     ///
@@ -174,28 +168,20 @@ impl<'a> Rater<'a> {
     /// value, or the printer does not bear it.
     pub fn temperature(&self, span: &LayerSpan) -> Result<Celsius, VaryError> {
         if span.index == 0 {
-            return Ok(self.settings.filament.first_layer_nozzle_temperature);
+            return Ok(self.plan.first_temperature);
         }
         if let Some(value) = self.temperature.constant() {
             return Ok(value);
         }
         // A value at which plastic does not melt, or that the printer does not
         // bear, is a mistake in the expression. It is not clamped.
-        let range = Range {
-            min: self.settings.min_nozzle_temperature(),
-            max: self
-                .settings
-                .printer
-                .max_nozzle_temperature
-                .unwrap_or(f64::INFINITY),
-            or_zero: false,
-        };
+        let range = self.plan.temperatures;
         Ok(self.temperature.at_height(span.top, range)?.round())
     }
 
     /// Speed of the fan at a layer's beginning; none if the first bead sets it.
     pub fn fan(&self, span: &LayerSpan) -> Option<Percent> {
-        if span.index < self.settings.cooling.fan_off_layers as usize {
+        if span.index < self.plan.cooling.fan_off_layers as usize {
             Some(0.0)
         } else {
             self.fan.constant()
@@ -227,7 +213,6 @@ impl<'a> Rater<'a> {
         let quantities = [self.speed(role), &self.flow, &self.width, &self.fan];
         let constant =
             !self.varies || quantities.iter().all(|q| q.constant().is_some());
-        isoslice_base::limits::check();
         let reach = site.reach.filter(|_| by_reach.any());
         let (steps, shares) = self.reaching(&bead, reach, site.shift);
         let reaches = shares.iter().any(|share| *share > 0.0);
@@ -241,7 +226,7 @@ impl<'a> Rater<'a> {
             quantity.evaluate(&places, values)?;
         }
         if reaches {
-            by_reach.apply(&shares, &mut values, self.settings);
+            by_reach.apply(&shares, &mut values, self.plan);
         }
         let at = |i: usize| [0, 1, 2, 3].map(|k: usize| values[k][i]);
         let rated = |run: std::ops::Range<usize>| {
@@ -261,7 +246,7 @@ impl<'a> Rater<'a> {
             bead.role,
             Role::OuterWall | Role::InnerWall | Role::Overhang
         );
-        let Settings { speed, cooling, .. } = self.settings;
+        let PacePlan { speed, cooling, .. } = self.plan;
         ByReach {
             speed: wall && !speed.overhang_steps.is_off(),
             fan: wall && !cooling.overhang_fan_steps.is_off(),
@@ -295,19 +280,13 @@ impl<'a> Rater<'a> {
 
     /// Share of a bead's volume that is printed, by the bead's role.
     fn share(&self, bead: &Bead) -> f64 {
+        let mut flows = self.plan.flows.iter();
+        let own = flows.find(|(role, _)| *role == bead.role);
+        let share = own.map_or(1.0, |(_, flow)| 0.01 * flow);
         match bead.role {
-            Role::Bridge => 0.01 * self.settings.bridge_flow,
-            Role::InternalBridge => 0.01 * self.settings.internal_bridge_flow,
-            Role::Support => 0.01 * self.settings.support.flow,
-            Role::SupportInterface => {
-                0.01 * self.settings.support.interface_flow
-            }
             // The skin that is ironed is full except for this share.
-            Role::Ironing => {
-                let full = bead.width * bead.height;
-                0.01 * self.settings.ironing_flow * full / bead.area()
-            }
-            _ => 1.0,
+            Role::Ironing => share * (bead.width * bead.height) / bead.area(),
+            _ => share,
         }
     }
 
@@ -353,7 +332,7 @@ impl<'a> Rater<'a> {
         if bead.role.is_part() {
             bead.width *= width / 100.0;
         }
-        let cooling = &self.settings.cooling;
+        let cooling = &self.plan.cooling;
         let fan = match bead.role {
             _ if span.index < cooling.fan_off_layers as usize => 0.0,
             Role::Overhang if !cooling.overhang_fan_steps.is_off() => fan,
@@ -369,7 +348,7 @@ impl<'a> Rater<'a> {
         };
         let rates = Rates {
             speed,
-            flow: flow * self.settings.filament.flow * 1e-4 * self.share(&bead),
+            flow: flow * self.plan.filament_flow * 1e-4 * self.share(&bead),
             fan,
         };
         (bead, rates)
@@ -392,16 +371,16 @@ impl ByReach {
         &self,
         shares: &[Percent],
         [speeds, _, _, fans]: &mut [Vec<f64>; 4],
-        settings: &Settings,
+        plan: &PacePlan,
     ) {
         if self.speed {
-            let steps = &settings.speed.overhang_steps;
+            let steps = &plan.speed.overhang_steps;
             for (speed, share) in speeds.iter_mut().zip(shares) {
                 *speed = steps.at(*share, *speed).min(*speed);
             }
         }
         if self.fan {
-            let steps = &settings.cooling.overhang_fan_steps;
+            let steps = &plan.cooling.overhang_fan_steps;
             for (fan, share) in fans.iter_mut().zip(shares) {
                 *fan = steps.at(*share, *fan);
             }
@@ -566,12 +545,11 @@ mod tests {
 
     #[test]
     fn constant_settings_leave_beads_whole() {
-        let settings = Settings {
-            flow: Varying::Constant(90.0),
-            bead_width: Varying::Constant(110.0),
-            ..Settings::default()
-        };
-        let rater = Rater::constant(&settings).unwrap();
+        let plan = PacePlan::with(|s| {
+            s.flow = Varying::Constant(90.0);
+            s.bead_width = Varying::Constant(110.0);
+        });
+        let rater = Rater::constant(&plan).unwrap();
         let span = LayerSpan {
             index: 4,
             bottom: 0.8,

@@ -46,26 +46,29 @@
 //!
 //! | file | what it does |
 //! |---|---|
+//! | `plan` | what is needed of the settings |
 //! | `surface` | where f = 0 is above a point, and how steep |
 //! | `chain` | beads that follow one another, as one path |
 //! | `profile` | how the nozzle's height goes on along a path |
 
 mod chain;
+mod plan;
 mod profile;
 mod surface;
+
+pub use plan::ReliefPlan;
 
 use chain::{Chain, Stop};
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Degrees, Mm, Mm2};
-use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::ending::Ended;
 use isoslice_model::vary::{Quantity, Surroundings, VaryError};
 use isoslice_model::{Model, Probe, ProbeError};
 use isoslice_planar::bead::{Bead, Role, cross_section, height_of};
 use isoslice_planar::grid::EdgeGrid;
+use isoslice_settings::Varying;
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{Settings, Varying};
 use profile::{Kind, Knot};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -100,7 +103,7 @@ pub enum ReliefError {
 
 /// What follows the surface of a model.
 pub struct Relief<'a> {
-    settings: &'a Settings,
+    plan: ReliefPlan,
     whose: Whose,
     probe: Probe,
     strength: Quantity,
@@ -178,17 +181,17 @@ impl<'a> Relief<'a> {
     /// If the strength is no expression, or the field cannot be evaluated.
     pub fn new(
         model: &Model,
-        settings: &'a Settings,
+        plan: ReliefPlan,
         around: &'a Surroundings<'a>,
         pool: &'a ThreadPool,
         timings: &'a Timings,
     ) -> Result<Option<Relief<'a>>, ReliefError> {
-        let strength = Quantity::new("contour_z", &settings.contour_z)?;
-        if strength.constant() == Some(0.0) || settings.spiral {
+        let strength = Quantity::new("contour_z", &plan.strength)?;
+        if strength.constant() == Some(0.0) || !plan.in_layers {
             return Ok(None);
         }
         Ok(Some(Relief {
-            settings,
+            plan,
             whose: Whose::Part,
             probe: Probe::new(&model.tree)?,
             strength,
@@ -206,19 +209,19 @@ impl<'a> Relief<'a> {
     /// If the field cannot be evaluated.
     pub fn of_supports(
         model: &Model,
-        settings: &'a Settings,
+        plan: ReliefPlan,
         around: &'a Surroundings<'a>,
         pool: &'a ThreadPool,
         timings: &'a Timings,
     ) -> Result<Option<Relief<'a>>, ReliefError> {
-        if !settings.supports_follow() {
+        let Some(gap) = plan.support_gap else {
             return Ok(None);
-        }
+        };
         let full = Varying::Constant(100.0);
         Ok(Some(Relief {
-            settings,
+            plan,
             whose: Whose::Supports,
-            probe: Probe::below(&model.tree, settings.support.z_gap)?,
+            probe: Probe::below(&model.tree, gap)?,
             strength: Quantity::new("support.interface_shape", &full)?,
             around,
             bed: -model.offset.z,
@@ -240,7 +243,7 @@ impl<'a> Relief<'a> {
             beads = self.facing(beads, site, Facing::Up)?;
         }
         let undersides = self.whose == Whose::Part
-            && self.settings.contour_z_below
+            && self.plan.undersides
             && !site.below.is_closed();
         if undersides {
             beads = self.facing(beads, site, Facing::Down)?;
@@ -310,7 +313,9 @@ impl<'a> Relief<'a> {
         site: Site<'_>,
         facing: Facing,
     ) -> Result<Vec<Ended>, ReliefError> {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return Ok(beads);
+        }
         let cover = site.side(facing).outline();
         // Most of a part's beads lie below others, and on others.
         let height = site.span.height();
@@ -319,7 +324,9 @@ impl<'a> Relief<'a> {
         }
         let cut = |ended: &Ended| {
             // A stroke with levels has one width.
-            let mut parts: Vec<Ended> = Resolution::of(self.settings)
+            let mut parts: Vec<Ended> = self
+                .plan
+                .resolution
                 .pieces(ended.bead.clone())
                 .into_iter()
                 .map(Ended::from)
@@ -332,7 +339,7 @@ impl<'a> Relief<'a> {
         let parts: Vec<Ended> = beads.iter().flat_map(cut).collect();
         let chain = Chain::new(parts);
         let stops = chain.stops(cover, STEP, height);
-        let bounds = Bounds::new(site, facing, self.settings);
+        let bounds = Bounds::new(site, facing, &self.plan);
         let Some(knots) = self.knots(&stops, site, &bounds)? else {
             return Ok(beads);
         };
@@ -456,7 +463,7 @@ impl Facing {
 }
 
 impl Bounds {
-    fn new(site: Site<'_>, facing: Facing, settings: &Settings) -> Bounds {
+    fn new(site: Site<'_>, facing: Facing, plan: &ReliefPlan) -> Bounds {
         let height = site.span.height();
         let next = match site.side(facing) {
             Side::Layer(next, _) => next,
@@ -464,7 +471,7 @@ impl Bounds {
         };
         // What is higher than the nozzle's hole is wide would not touch what is
         // below it.
-        let room = (settings.printer.nozzle_diameter - height).max(0.0);
+        let room = (plan.nozzle - height).max(0.0);
         Bounds {
             facing,
             height,
@@ -472,8 +479,8 @@ impl Bounds {
             high: room.min(0.5 * next),
             // The nozzle's flat end cuts into nothing that is below.
             full: match facing {
-                Facing::Up => settings.contour_z_full_angle(height),
-                Facing::Down => settings.contour_z_angle,
+                Facing::Up => plan.full_angle.at(height),
+                Facing::Down => plan.full_angle.wanted,
             },
         }
     }

@@ -23,15 +23,14 @@
 //! for them. Only parts that share a grid's cells and overlap with a way's box
 //! are compared with the way.
 
-use super::Ground;
 use super::cross::meets;
+use super::{Ground, TravelPlan};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
 use isoslice_planar::along::parted;
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 use std::cell::OnceCell;
 
 /// What a travel may cross in a layer.
@@ -65,19 +64,19 @@ impl<'a> Obstacles<'a> {
     pub(super) fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
-        settings: &Settings,
+        plan: &TravelPlan,
     ) -> Obstacles<'a> {
         Obstacles {
             ground,
             beads,
-            infill: (!ground.sparse.area().is_empty() && !settings.is_hollow())
+            infill: (!ground.sparse.area().is_empty() && !plan.hollow)
                 .then(|| ground.sparse.area().bounds()),
             walls: OnceCell::new(),
             open: OnceCell::new(),
             inner: OnceCell::new(),
             tops: OnceCell::new(),
-            width: settings.outer_wall_width(),
-            inner_width: settings.inner_wall_width(),
+            width: plan.outer_width,
+            inner_width: plan.inner_width,
         }
     }
 

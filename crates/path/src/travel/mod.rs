@@ -5,16 +5,18 @@
 //!
 //! | file | what it decides |
 //! |---|---|
-//! | `plan` | which of the possible ways is taken |
+//! | `choose` | which of the possible ways is taken |
 //! | `comb` | ways inside an area, round its holes and notches |
 //! | `gate` | ways from one island to another |
 //! | `decide` | whether a way shows, and has to be retracted |
 //! | `cross` | whether segments meet, exactly |
+//! | `plan` | what is needed of the settings |
 //! | `wipe` | where the nozzle goes while it retracts |
 //!
 //! Nothing is kept from one layer to the next. Grids and islands are made when
 //! the first travel of a layer asks for them, and dropped with the layer.
 
+mod choose;
 mod comb;
 mod cross;
 mod decide;
@@ -24,13 +26,13 @@ mod wipe;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::ending::Ended;
 use isoslice_planar::Solid;
 use isoslice_planar::bead::Bead;
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
-use plan::Planner;
+pub use plan::TravelPlan;
+
+use choose::Planner;
 
 /// One step of a layer's tool path, in print order.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,11 +100,11 @@ impl LayerPath {
     }
 }
 
-/// The travel from one part to another. There is no wipe: if the host leaves
+/// The travel from one part to another, lifted if it `hops`. There is no wipe: if the host leaves
 /// out the part, the nozzle must not go over the place where it was.
-pub fn between_parts(to: DVec2, settings: &Settings) -> Travel {
+pub fn between_parts(to: DVec2, hop: bool) -> Travel {
     Travel {
-        hop: settings.retract.z_hop > 0.0,
+        hop,
         ..Travel::straight(to, true)
     }
 }
@@ -138,16 +140,18 @@ pub fn connect(
     ground: Ground<'_>,
     from: Option<DVec2>,
     offset: DVec2,
-    settings: &Settings,
+    plan: &TravelPlan,
 ) -> LayerPath {
     let (beads, wipes): (Vec<Bead>, Vec<Option<DVec2>>) =
         beads.into_iter().map(|e| (e.bead, e.wipe)).unzip();
-    let planner = Planner::new(&beads, ground, settings);
+    let planner = Planner::new(&beads, ground, plan);
     let mut travels: Vec<Option<Travel>> = Vec::with_capacity(beads.len());
     let mut at = from;
     let mut before: Option<&Bead> = None;
     for (next, bead) in beads.iter().enumerate() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let Some((start, end)) = ends(bead) else {
             travels.push(None);
             continue;
@@ -167,7 +171,7 @@ pub fn connect(
         moves.extend(travel.map(|travel| Move::Travel(travel.moved(offset))));
         // The pieces must not depend on where the part stands, so they are cut
         // before rounding does.
-        for mut piece in Resolution::of(settings).pieces(bead) {
+        for mut piece in plan.resolution.pieces(bead) {
             for p in &mut piece.points {
                 *p += offset;
             }

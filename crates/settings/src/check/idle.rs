@@ -71,7 +71,7 @@ pub(super) fn without_effect(
             .to_owned(),
     );
     let height = s.thickest_layer();
-    let full = s.contour_z_full_angle(height);
+    let full = s.contour_z_full_angle().at(height);
     idle.warn(
         "contour_z_angle",
         !s.contour_z.is(0.0) && full < s.contour_z_angle,

@@ -10,19 +10,28 @@ use isoslice_model::{Model, Placement, placed};
 use isoslice_planar::shapes::square;
 use isoslice_settings::Varying;
 
-fn settings(pattern: InfillPattern, density: f64) -> Settings {
-    Settings {
-        infill_density: density.into(),
-        infill: isoslice_settings::Infill::Pattern(pattern),
-        ..Settings::default()
+/// A pattern of one density.
+fn even(pattern: InfillPattern, density: f64) -> InfillPlan {
+    InfillPlan::with(|s| {
+        s.infill_density = density.into();
+        s.infill = isoslice_settings::Infill::Pattern(pattern);
+    })
+}
+
+/// A pattern whose density is an expression.
+fn graded(pattern: InfillPattern, density: &str) -> InfillPlan {
+    InfillPlan {
+        density: Varying::Expression(density.into()),
+        ..even(pattern, 15.0)
     }
 }
 
-/// Settings whose density is an expression.
-fn graded(pattern: InfillPattern, density: &str) -> Settings {
-    Settings {
-        infill_density: Varying::Expression(density.into()),
-        ..settings(pattern, 15.0)
+/// A shape by its formula; `solid` if it is filled.
+fn shape(text: &str, solid: bool) -> InfillPlan {
+    InfillPlan {
+        pattern: isoslice_settings::Infill::Expression(text.into()),
+        solid,
+        ..InfillPlan::with(|_| {})
     }
 }
 
@@ -40,14 +49,14 @@ const HERE: Site = Site {
 
 /// Beads of layers of an area.
 fn lay(
-    settings: &Settings,
+    plan: &InfillPlan,
     site: Site,
     area: &Area,
     places: impl IntoIterator<Item = Target>,
 ) -> Vec<Vec<Bead>> {
     let block = block();
     let around = Surroundings::new(&block);
-    let infill = Infill::new(settings, &around, site).unwrap();
+    let infill = Infill::new(plan.clone(), &around, site).unwrap();
     let layers = places.into_iter();
     layers
         .map(|p| infill.beads(area, p, None).unwrap())

@@ -58,10 +58,9 @@ fn paths_are_long_and_stay_inside() {
     area.rings.push(hole);
     let grid = isoslice_planar::grid::EdgeGrid::new(&area, 1.0);
     for kind in InfillPattern::ALL {
-        let settings = settings(kind, 20.0);
+        let plan = even(kind, 20.0);
         let places = [0, 7, 12].map(layer);
-        for (i, beads) in lay(&settings, HERE, &area, places).iter().enumerate()
-        {
+        for (i, beads) in lay(&plan, HERE, &area, places).iter().enumerate() {
             for p in beads.iter().flat_map(|b| &b.points) {
                 assert!(grid.contains(*p), "{kind:?}: {p}");
                 let (_, near) = grid.nearest(*p).unwrap();
@@ -75,8 +74,8 @@ fn paths_are_long_and_stay_inside() {
 }
 
 /// Points of the pattern far from any border.
-fn points(settings: &Settings, site: Site, at: Target) -> Vec<DVec2> {
-    let beads = lay(settings, site, &square(40.0), [at]).remove(0);
+fn points(plan: &InfillPlan, site: Site, at: Target) -> Vec<DVec2> {
+    let beads = lay(plan, site, &square(40.0), [at]).remove(0);
     // Where the lines cross the middle row.
     let mut on_row: Vec<DVec2> = beads
         .iter()
@@ -92,7 +91,7 @@ fn points(settings: &Settings, site: Site, at: Target) -> Vec<DVec2> {
 #[test]
 fn angle_and_part_move_the_pattern() {
     for kind in InfillPattern::ALL {
-        let plain = settings(kind, 20.0);
+        let plain = even(kind, 20.0);
         let at = layer(5);
         let here = points(&plain, HERE, at);
         assert!(here.len() > 8, "{kind:?}");
@@ -106,8 +105,8 @@ fn angle_and_part_move_the_pattern() {
             };
             here.iter().filter(|p| near(p) > 0.05).count() * 2 > here.len()
         };
-        let turned = Settings {
-            infill_angle: 20.0,
+        let turned = InfillPlan {
+            angle: 20.0,
             ..plain.clone()
         };
         let aside = DVec2::new(0.7, 0.4);

@@ -5,12 +5,7 @@ use super::*;
 #[test]
 fn an_expression_is_a_surface_or_a_solid() {
     let area = square(20.0);
-    let surface = Settings {
-        infill: isoslice_settings::Infill::Expression(
-            "sqrt(x*x + y*y) - 0.1*z - 9".into(),
-        ),
-        ..Settings::default()
-    };
+    let surface = shape("sqrt(x*x + y*y) - 0.1*z - 9", false);
     let at = layer(24);
     let radius = 9.0 + 0.1 * at.z;
     let beads = lay(&surface, HERE, &area, [at]).remove(0);
@@ -21,9 +16,9 @@ fn an_expression_is_a_surface_or_a_solid() {
     }
     // Printed as a solid, it has the volume of the disc.
     for walls in [0, 1, 3] {
-        let solid = Settings {
-            infill_mode: InfillMode::Solid,
-            infill_walls: walls,
+        let solid = InfillPlan {
+            solid: true,
+            walls,
             ..surface.clone()
         };
         let beads = lay(&solid, HERE, &area, [at]).remove(0);
@@ -53,13 +48,9 @@ fn expressions_have_both_sides_of_a_sheet() {
     // The example of the documentation: |f| = 0.2 on both sides of f = 0.
     let text = "abs(sin(x/2)*cos(y/2) + sin(y/2)*cos(z/2) \
                 + sin(z/2)*cos(x/2)) - 0.2";
-    let settings = Settings {
-        infill: isoslice_settings::Infill::Expression(text.into()),
-        ..Settings::default()
-    };
     let area = square(20.0);
     let at = layer(30);
-    let beads = lay(&settings, HERE, &area, [at]).remove(0);
+    let beads = lay(&shape(text, false), HERE, &area, [at]).remove(0);
     let border = Border::new(&area);
     assert!(beads.len() > 1 && beads.iter().all(|b| b.points.len() > 1));
     let f = |p: &DVec2| {
@@ -76,15 +67,10 @@ fn expressions_have_both_sides_of_a_sheet() {
 #[test]
 fn an_expression_may_ask_for_the_distance_from_the_surface() {
     // 20 mm below the surface of a block of 100 mm: a square of 60 mm.
-    let settings = |mode| Settings {
-        infill: isoslice_settings::Infill::Expression("20 - d".into()),
-        infill_mode: mode,
-        ..Settings::default()
-    };
     let area = square(49.0);
     let at = layer(250);
-    let lay = |mode| lay(&settings(mode), HERE, &area, [at]).remove(0);
-    let beads = lay(InfillMode::Surface);
+    let lay = |solid| lay(&shape("20 - d", solid), HERE, &area, [at]).remove(0);
+    let beads = lay(false);
     assert_eq!(beads.len(), 1);
     assert!(beads[0].closed);
     for p in &beads[0].points {
@@ -94,9 +80,16 @@ fn an_expression_may_ask_for_the_distance_from_the_surface() {
     }
     let length = beads[0].length();
     assert!((length - 240.0).abs() < 2.0, "{length}");
-    let solid = lay(InfillMode::Solid);
+    let solid = lay(true);
     let volume: f64 = solid.iter().map(|b| b.area() * b.length()).sum();
     assert!((volume / (3600.0 * 0.2) - 1.0).abs() < 0.02, "{volume}");
+}
+
+fn script(path: String) -> InfillPlan {
+    InfillPlan {
+        pattern: isoslice_settings::Infill::Script(path),
+        ..InfillPlan::with(|_| {})
+    }
 }
 
 #[test]
@@ -104,11 +97,8 @@ fn a_script_is_a_shape() {
     let path = std::env::temp_dir()
         .join(format!("isoslice-infill-{}.rhai", std::process::id()));
     std::fs::write(&path, "sqrt(x*x + y*y) - 12").unwrap();
-    let settings = Settings {
-        infill: isoslice_settings::Infill::Script(path.display().to_string()),
-        ..Settings::default()
-    };
-    let beads = lay(&settings, HERE, &square(20.0), [layer(3)]).remove(0);
+    let plan = script(path.display().to_string());
+    let beads = lay(&plan, HERE, &square(20.0), [layer(3)]).remove(0);
     std::fs::remove_file(&path).unwrap();
     assert!(beads.len() == 1 && beads[0].closed);
     let length = beads[0].length();
@@ -122,23 +112,16 @@ fn a_script_is_a_shape() {
 fn mistakes_are_told() {
     let block = block();
     let around = Surroundings::new(&block);
-    let error = |settings: &Settings| {
-        let made = Infill::new(settings, &around, HERE);
+    let error = |plan: InfillPlan| {
+        let made = Infill::new(plan, &around, HERE);
         made.map(|_| ()).unwrap_err().to_string()
     };
-    let text = |text: &str| Settings {
-        infill: isoslice_settings::Infill::Expression(text.into()),
-        ..Settings::default()
-    };
-    let e = error(&text("sin(x"));
+    let e = error(shape("sin(x", false));
     assert!(e.starts_with("infill = \"expr: sin(x\""), "{e}");
-    let script = Settings {
-        infill: isoslice_settings::Infill::Script("nowhere.rhai".into()),
-        ..Settings::default()
-    };
-    assert!(error(&script).contains("nowhere.rhai"));
-    let e = error(&graded(InfillPattern::Hexagons, "x"));
+    let e = error(script("nowhere.rhai".into()));
+    assert!(e.contains("nowhere.rhai"), "{e}");
+    let e = error(graded(InfillPattern::Hexagons, "x"));
     assert!(e.contains("hexagons") && e.contains("gyroid"), "{e}");
-    let e = error(&graded(InfillPattern::Gyroid, "10 +"));
+    let e = error(graded(InfillPattern::Gyroid, "10 +"));
     assert!(e.starts_with("infill_density"), "{e}");
 }
