@@ -1,7 +1,10 @@
 //! What is known of a layer on its way through the stages.
 
+use super::SliceError;
+use super::ahead::Made;
 use super::supported::Top;
 use crate::report::LayerFigures;
+use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_layer::hang::Look;
 use isoslice_layer::region::Walls;
@@ -71,6 +74,14 @@ impl Layer {
         self.unchanged = None;
         self.squeezed = None;
         self.offsets = Arc::default();
+    }
+
+    /// The layer without what only a layer right above may share.
+    pub(super) fn without_inside(&self) -> Layer {
+        Layer {
+            inside: None,
+            ..self.clone()
+        }
     }
 
     /// The layer with solids of its own, whose grids are forgotten with it.
@@ -177,8 +188,11 @@ pub(super) fn faces(layers: &VecDeque<Layer>, i: usize) -> Faces<'_> {
     }
 }
 
-/// A layer that has been filled.
+/// A layer of a part that has been filled, and its neighbours.
 pub(super) struct Filled {
+    pub layer: Layer,
+    pub below: Option<Layer>,
+    pub above: Option<Layer>,
     pub beads: LayerBeads,
     /// Number of beads of the infill that are left out, since they stand on
     /// nothing.
@@ -201,10 +215,40 @@ pub(super) struct Filled {
     pub figures: Option<LayerFigures>,
 }
 
-/// A layer that can be written, and its neighbours.
-pub(super) struct Ready {
-    pub layer: Layer,
-    pub below: Option<Layer>,
-    pub above: Option<Layer>,
-    pub filled: Filled,
+/// A layer of the plate between two steps: what the last step has made of each
+/// part that is in it, with the part's number.
+pub(super) struct OnPlate<T> {
+    pub span: LayerSpan,
+    /// If a block begins.
+    pub restart: Option<Restart>,
+    pub parts: Vec<(usize, T)>,
+}
+
+/// The beginning of a block, where all is forgotten that layers pass on.
+#[derive(Clone, Copy)]
+pub(super) struct Restart {
+    /// Where the head is, on the bed, if every run knows that.
+    pub head: Option<DVec2>,
+}
+
+impl<T> OnPlate<T> {
+    /// The layer with what the next step makes of each part.
+    pub(super) fn after<U>(
+        self,
+        mut step: impl FnMut(usize, T) -> Made<U>,
+    ) -> Made<OnPlate<U>> {
+        let parts = self.parts.into_iter();
+        let parts = parts.map(|(k, part)| Ok((k, step(k, part)?)));
+        Ok(OnPlate {
+            span: self.span,
+            restart: self.restart,
+            parts: parts.collect::<Result<_, SliceError>>()?,
+        })
+    }
+
+    /// What there is of a part.
+    pub(super) fn part(&self, part: usize) -> Option<&T> {
+        let mut parts = self.parts.iter();
+        parts.find(|(k, _)| *k == part).map(|(_, of_part)| of_part)
+    }
 }

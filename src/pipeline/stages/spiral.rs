@@ -5,7 +5,7 @@ use super::outlines::WallFields;
 use crate::pipeline::SliceError;
 use crate::pipeline::layer::Layer;
 use isoslice_base::limits;
-use isoslice_path::spiral::{Spiral, SpiralPlan};
+use isoslice_path::spiral::Spiral;
 use isoslice_planar::bead::Bead;
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
@@ -23,8 +23,7 @@ impl<'a> Stages<'a> {
         if !self.settings.spiral {
             return Ok(());
         }
-        let plan = SpiralPlan::of(self.settings);
-        let mut spiral = Spiral::new(self.model, plan, spans)?;
+        let mut spiral = Spiral::new(self.model, self.plans.spiral, spans)?;
         let last_flat = spiral.first() - 1;
         let all = last_flat..spans.len();
         for slab in spans.chunks(self.slab_layers()) {

@@ -95,15 +95,14 @@ impl Lower {
             if self.is_new(window, i) {
                 self.standing.iter_mut().for_each(Standing::forget);
             }
-            let (beads, areas) = (&mut filled.beads, &filled.areas);
-            let Some(areas) = areas else {
+            let beads = &mut filled.beads;
+            let Some(mut areas) = filled.areas.take() else {
                 let standing = self.standing.as_mut();
                 filled.left_out = window.keep_standing(standing, beads);
                 continue;
             };
-            let from_block = self.early(window, i, beads, areas)?;
+            let from_block = self.early(window, i, beads, &areas)?;
             let under = self.under.as_ref();
-            let mut areas = areas.clone();
             let over = window.over(i, beads, &mut areas, under)?;
             let standing = self.standing.as_mut();
             filled.left_out = window.keep_standing(standing, beads);

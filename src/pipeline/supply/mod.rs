@@ -12,7 +12,7 @@ mod lower;
 pub(super) mod plate;
 
 use super::SliceError;
-use super::layer::{Filled, Inside, Layer, Ready};
+use super::layer::{Filled, Inside, Layer};
 use super::options::Extent;
 use super::stages::Stages;
 use isoslice_base::limits;
@@ -150,30 +150,10 @@ impl<'a> Supply<'a> {
     /// Fills some layers of the window, and drops layers on which no later
     /// layer depends.
     fn fill(&mut self, which: Range<usize>) -> Batch {
-        let mut batch = Vec::with_capacity(which.len());
-        let filled = self.filled(which.clone())?;
-        limits::go_on()?;
-        let near = |i: usize| {
-            let layer = self.window.get(i)?;
-            let inside = None;
-            Some(Layer {
-                inside,
-                ..layer.clone()
-            })
-        };
         let count = which.len();
-        for (i, filled) in which.zip(filled) {
-            let Some(layer) = near(i) else { break };
-            if layer.span.index < self.first {
-                continue;
-            }
-            batch.push(Ready {
-                layer,
-                below: i.checked_sub(1).and_then(near),
-                above: near(i + 1),
-                filled,
-            });
-        }
+        let mut batch = self.filled(which)?;
+        limits::go_on()?;
+        batch.retain(|filled| filled.layer.span.index >= self.first);
         self.next += count;
         let keep = self.next.saturating_sub(self.stages.reach_below());
         while self.window.front().is_some_and(|s| s.span.index < keep) {
@@ -205,6 +185,7 @@ impl<'a> Supply<'a> {
         }
         let fill = |i: usize, inside: &Inside| {
             let index = layers[i].span.index;
+            let below = i.checked_sub(1);
             let figures = if self.layers.contains(&index) {
                 let k = index - self.layers.start;
                 stages.figures(&layers[i], &inside.walls, k)?
@@ -214,6 +195,9 @@ impl<'a> Supply<'a> {
             let (beads, areas) = stages.beads(layers, i, inside)?;
             let bridges = stages.rehearsed_bridges() > 0;
             Ok(Filled {
+                layer: layers[i].without_inside(),
+                below: below.map(|k| layers[k].without_inside()),
+                above: layers.get(i + 1).map(Layer::without_inside),
                 beads,
                 left_out: 0,
                 areas: bridges.then(|| areas.clone()),
@@ -281,7 +265,7 @@ fn all_or_first<T>(
 }
 
 /// Layers that are written together.
-type Batch = Result<Vec<Ready>, SliceError>;
+type Batch = Result<Vec<Filled>, SliceError>;
 
 impl Iterator for Supply<'_> {
     type Item = Batch;
