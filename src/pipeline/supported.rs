@@ -12,7 +12,9 @@ use isoslice_planar::bead::{Bead, Role, spacing};
 use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{InfillPattern, Settings, SkinPattern, Supports};
+use isoslice_settings::{
+    InfillPattern, LineDensity, Settings, SkinPattern, Supports,
+};
 
 /// A gap beside supports that is wider than this, mm, may be why something has
 /// none.
@@ -53,11 +55,11 @@ impl<'a> Supported<'a> {
     ) -> Result<Supported<'a>, InfillError> {
         let width = settings.infill_width();
         let support = &settings.support;
-        let density = match support.interface_spacing {
-            Some(apart) => {
+        let density = match support.interface_density {
+            LineDensity::Spacing(apart) => {
                 (100.0 * side_by_side(settings) / apart).clamp(1.0, 100.0)
             }
-            None => support.interface_density,
+            LineDensity::Share(share) => share,
         };
         let pattern = match support.interface_pattern {
             SkinPattern::Lines => InfillPattern::Rectilinear,
@@ -161,12 +163,12 @@ impl<'a> Supported<'a> {
             ));
         }
         let beside = side_by_side(settings);
-        if let Some(apart) = settings.support.interface_spacing
+        if let LineDensity::Spacing(apart) = settings.support.interface_density
             && settings.support.interface_layers > 0
             && apart < beside
         {
             all.push(format!(
-                "support.interface_spacing = {apart} mm is less than the \
+                "support.interface_density = \"{apart} mm\" is less than the \
                  {beside:.3} mm that lines of infill_width = {:.3} mm need, so \
                  these lie side by side; raise it, or lower infill_width",
                 settings.infill_width(),

@@ -90,9 +90,7 @@ impl Rules {
             // A negative `retract.extra_prime` pushes forward less than was
             // pulled back.
             missing: SLACK + (-settings.retract.extra_prime).max(0.0),
-            prime: MORE
-                + settings.retract.extra_prime.max(0.0)
-                + settings.retract.ooze_prime,
+            prime: MORE + settings.retract.extra_prime.max(0.0),
             flow: flow(settings),
             widths: widths(settings),
             travel: settings.travel_speed(),
@@ -194,7 +192,7 @@ fn widths(settings: &Settings) -> [Mm; 2] {
         settings.outer_wall_width() * thin,
         settings.inner_wall_width() * thin,
         settings.top_skin_width(),
-        settings.bottom_skin_width(),
+        settings.skin_width(),
         settings.infill_width(),
     ];
     let least = lines.into_iter().fold(nozzle, f64::min);

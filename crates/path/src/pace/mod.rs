@@ -109,9 +109,6 @@ pub struct Pacer<'a> {
     xy: Option<DVec2>,
     z: Option<Mm>,
     retracted: bool,
-    /// Filament that has oozed out since the last bead and is replaced before
-    /// the next one, mm.
-    oozed: Mm,
     /// How far the highest bead of the layer so far reaches above the layer's
     /// top, mm.
     raised: Mm,
@@ -148,7 +145,6 @@ impl<'a> Pacer<'a> {
             xy: None,
             z: None,
             retracted: false,
-            oozed: 0.0,
             raised: 0.0,
             on_slope: false,
             lifted: false,
@@ -341,7 +337,6 @@ impl<'a> Pacer<'a> {
             points,
             retract,
             hop,
-            prime,
             clear,
         } = travel;
         // Without a retraction, no way is left of one that goes nowhere.
@@ -359,7 +354,6 @@ impl<'a> Pacer<'a> {
             self.retract(wipe, out);
             self.lifted |= hop && plan.retract.z_hop > 0.0;
         }
-        self.oozed += prime;
         let mut hop = plan.retract.z_hop.max(0.0);
         if self.z.is_none() {
             self.lifted = true;
@@ -557,15 +551,10 @@ impl<'a> Pacer<'a> {
 
     fn prime(&mut self, out: &mut Vec<PacedMove>) {
         let retract = &self.plan.retract;
-        let (length, extra) = if self.retracted {
-            (retract.length, retract.extra_prime)
-        } else {
-            (0.0, 0.0)
-        };
-        let extra = extra + std::mem::take(&mut self.oozed);
-        if !std::mem::take(&mut self.retracted) && extra <= 0.0 {
+        if !std::mem::take(&mut self.retracted) {
             return;
         }
+        let (length, extra) = (retract.length, retract.extra_prime);
         self.motion
             .push_filament(length + extra, retract.prime_speed);
         out.push(PacedMove::Prime {

@@ -172,7 +172,7 @@ fn travels_have_theirs_and_z_its_own() {
             // The move goes from rest to rest, as RepRapFirmware does in any
             // case.
             s.gcode.flavour = Flavour::Rrf;
-            s.acceleration.travel = of_travels;
+            s.printer.travel_acceleration = of_travels;
             s.printer.max_acceleration_z = of_z;
         });
         let mut pacer = Pacer::new(&plan);
@@ -192,7 +192,7 @@ fn travels_have_theirs_and_z_its_own() {
     assert!((travel(600.0, 5000.0) - along - quicker).abs() < 1e-9);
     let along = 60.0 / 150.0 + 150.0 / 1500.0;
     let up = 0.2 / 10.0 + 10.0 / 1500.0;
-    assert!((travel(0.0, 5000.0) - along - up).abs() < 1e-9);
+    assert!((travel(1500.0, 5000.0) - along - up).abs() < 1e-9);
 }
 
 #[test]
@@ -467,27 +467,6 @@ fn filament_goes_back_and_forth_as_set() {
         speed,
     };
     assert_eq!(*forth, prime);
-}
-
-#[test]
-fn ooze_is_replaced_without_a_retraction() {
-    let mut s = PacePlan::with(|_| ());
-    s.retract.extra_prime = 0.1;
-    let steps = between(
-        &s,
-        Travel {
-            prime: 0.02,
-            ..Travel::straight(DVec2::splat(70.0), false)
-        },
-    );
-    let [
-        PacedMove::Travel { .. },
-        PacedMove::Prime { length, extra, .. },
-    ] = steps[..]
-    else {
-        panic!("{steps:?}");
-    };
-    assert_eq!((length, extra), (0.0, 0.02));
 }
 
 #[test]

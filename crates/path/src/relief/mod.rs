@@ -42,7 +42,7 @@
 //! Not guaranteed: that undersides of beads that lie open above follow the surface
 //! as well, nor how smooth a face is across the beads, as each is level there.
 //! A nozzle has a flat end, which cuts into higher beads beside it that are
-//! printed before. How deep is bounded (`contour_z_gouge`).
+//! printed before. How deep is bounded.
 //!
 //! | file | what it does |
 //! |---|---|

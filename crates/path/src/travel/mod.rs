@@ -55,9 +55,6 @@ pub struct Travel {
     pub retract: bool,
     /// True if the nozzle is lifted, provided that the travel retracts.
     pub hop: bool,
-    /// Filament to push forward at the end, mm. It replaces what oozed out on a
-    /// travel without a retraction.
-    pub prime: Mm,
     /// Least height of the nozzle on the way, mm, if something stands there.
     pub clear: Option<Mm>,
 }

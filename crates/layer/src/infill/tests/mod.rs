@@ -44,7 +44,6 @@ fn block() -> Model {
 const HERE: Site = Site {
     part: Rect::new(DVec2::splat(-50.0), DVec2::splat(50.0)),
     height: 100.0,
-    bed: DVec2::ZERO,
     origin: DVec2::ZERO,
 };
 
