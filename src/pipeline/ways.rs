@@ -144,7 +144,7 @@ impl<'a> PartTravel<'a> {
                 let first = index == self.settings.raft_layers();
                 let on_pads = first && support.peek().is_some();
                 self.tally.support +=
-                    support.map(|b| b.area() * b.length()).sum::<f64>();
+                    support.map(|b| b.area() * b.stroke.length()).sum::<f64>();
                 self.beads += count;
                 if index >= self.settings.raft_layers() {
                     // What begins above an empty first layer stands on supports.
@@ -240,7 +240,7 @@ impl<'a> PartTravel<'a> {
             let all = beads.iter_mut().map(|ended| &mut ended.bead);
             for bead in all.filter(|bead| bead.role.is_support()) {
                 bead.plane = rise;
-                bead.rise_by(rise);
+                bead.stroke.rise_by(rise);
             }
         }
         Ok(beads)

@@ -60,8 +60,8 @@ impl<'a> Fuzzy<'a> {
             if isoslice_base::limits::is_stopped() {
                 break;
             }
-            let hole = signed_area(&bead.points) < 0.0;
-            let meant = bead.closed && (self.skin.holes || !hole);
+            let hole = signed_area(&bead.stroke.points) < 0.0;
+            let meant = bead.stroke.closed && (self.skin.holes || !hole);
             if bead.role == Role::OuterWall && meant {
                 self.roughen(bead, layer)?;
             }
@@ -87,7 +87,7 @@ impl<'a> Fuzzy<'a> {
         )?;
         let mut thickness = Vec::with_capacity(dense.len());
         self.thickness.evaluate(&places, &mut thickness)?;
-        bead.points = dense
+        bead.stroke.points = dense
             .iter()
             .zip(&thickness)
             .map(|(p, t)| {
@@ -95,8 +95,8 @@ impl<'a> Fuzzy<'a> {
                 p.at + p.normal * (t * bump)
             })
             .collect();
-        if !bead.widths.is_empty() {
-            bead.widths = dense.iter().map(|p| p.width).collect();
+        if !bead.stroke.widths.is_empty() {
+            bead.stroke.widths = dense.iter().map(|p| p.width).collect();
         }
         Ok(())
     }
@@ -113,14 +113,15 @@ struct Dense {
 /// The points of a closed bead, with more between them so that none are farther
 /// apart than `step`.
 fn resampled(bead: &Bead, step: Mm) -> Vec<Dense> {
-    let n = bead.points.len();
-    let width = |i: usize| bead.width_at(i);
+    let n = bead.stroke.points.len();
+    let width = |i: usize| bead.stroke.width_at(i);
     let out = |i: usize| -> DVec2 {
-        let (a, b) = (bead.points[i % n], bead.points[(i + 1) % n]);
+        let (a, b) =
+            (bead.stroke.points[i % n], bead.stroke.points[(i + 1) % n]);
         -(b - a).perp().normalize_or_zero()
     };
     let mut dense = Vec::new();
-    for (i, (a, b)) in bead.segments().enumerate() {
+    for (i, (a, b)) in bead.stroke.segments().enumerate() {
         let before = out((i + n - 1) % n);
         dense.push(Dense {
             at: a,
@@ -187,7 +188,7 @@ mod tests {
             .to_vec();
         let mut square =
             Bead::new(Role::OuterWall, Stroke::new(ring, true, 0.45), 0.2);
-        square.widths = vec![0.4, 0.5, 0.5, 0.4];
+        square.stroke.widths = vec![0.4, 0.5, 0.5, 0.4];
         let dense = resampled(&square, 0.5);
         assert_eq!(dense.len(), 32);
         assert!((dense[4].width - 0.45).abs() < 1e-12);

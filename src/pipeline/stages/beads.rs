@@ -49,11 +49,10 @@ impl Stages<'_> {
                 bead.role = Role::Bridge;
             }
         }
-        let small = self.settings.speed.small_wall_length;
         let mut walls = if self.settings.interlocks() {
-            walls::interlocked(walls, height, small)
+            walls::interlocked(walls, height)
         } else {
-            walls::beads(walls, height, small)
+            walls::beads(walls, height)
         };
         let sites = self
             .timings
@@ -105,7 +104,7 @@ impl Stages<'_> {
     pub(super) fn thin<'b>(&self, beads: impl Iterator<Item = &'b mut Bead>) {
         for bead in beads {
             let role = bead.role;
-            self.plans.resolution.thin(bead, role);
+            self.plans.resolution.thin(&mut bead.stroke, role);
         }
     }
 }

@@ -168,12 +168,15 @@ struct Bridges {
 impl Bridges {
     /// A layer of these beads that has these bridges.
     fn infilled(self, beads: &LayerBeads, sparse: &Area) -> Infilled {
-        let infill = beads.infill.iter().map(|bead| bead.path());
+        let infill = beads.infill.iter().map(|bead| bead.stroke.path());
         let beside = |level: Level| level.beside(&beads.infill);
         Infilled {
             open: Solid::new(union(sparse, &self.left)),
             infill: EdgeGrid::of_lines(infill, CELL),
-            shell: beads.shell().map(|bead| bead.path().collect()).collect(),
+            shell: beads
+                .shell()
+                .map(|bead| bead.stroke.path().collect())
+                .collect(),
             levels: self.levels.into_iter().map(beside).collect(),
         }
     }

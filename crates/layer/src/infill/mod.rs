@@ -50,8 +50,8 @@ use isoslice_planar::border::{Border, Piece};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
+use isoslice_settings::InfillPattern;
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{InfillCentre, InfillPattern};
 use shape::{Around, Shape};
 use sheet::{Sheet, Surface};
 
@@ -93,8 +93,6 @@ struct Layer<'a> {
     origin: DVec2,
     /// Direction of the pattern.
     angle: Degrees,
-    /// Share of a period by which the pattern is moved, 0 to 1.
-    phase: f64,
     /// Length of the shortest piece that is worth a travel.
     shortest: Mm,
 }
@@ -137,7 +135,7 @@ impl Layer<'_> {
 }
 
 /// A way to fill an area with lines. Its lines have places in the plane,
-/// whatever the area is; `layer.origin`, `layer.angle` and `layer.phase` move
+/// whatever the area is; `layer.origin` and `layer.angle` move
 /// them.
 trait Pattern: Send + Sync {
     /// The pattern's centre lines, cut at `layer.border`. [`families::lines`]
@@ -210,8 +208,6 @@ pub struct Site {
     pub part: Rect,
     /// Height of the part.
     pub height: Mm,
-    /// The middle of the bed.
-    pub bed: DVec2,
     /// By how much x and y in formulas are more than the coordinates of layers.
     pub origin: DVec2,
 }
@@ -285,10 +281,7 @@ impl<'a> Infill<'a> {
             around,
             kind,
             density,
-            origin: match plan.centre {
-                InfillCentre::Object => site.part.centre(),
-                InfillCentre::Bed => site.bed,
-            },
+            origin: site.part.centre(),
             plan,
         })
     }
@@ -348,7 +341,6 @@ impl<'a> Infill<'a> {
             solid: spacing(width, width, height),
             origin: self.origin,
             angle: plan.angle,
-            phase: plan.phase,
             shortest: width,
         };
         let bead = |stroke| Bead::new(Role::SparseInfill, stroke, height);

@@ -108,9 +108,9 @@ impl<'a> Seams<'a> {
         layer: &LayerFace<'_>,
     ) -> Result<Vec<Site>, VaryError> {
         let own = |(number, wall): (usize, &Bead)| {
-            let outer = wall.closed && wall.role == Role::OuterWall;
-            if outer && wall.points.len() > 2 {
-                self.site(&wall.points, number, layer)
+            let outer = wall.stroke.closed && wall.role == Role::OuterWall;
+            if outer && wall.stroke.points.len() > 2 {
+                self.site(&wall.stroke.points, number, layer)
             } else {
                 Ok(Site::default())
             }

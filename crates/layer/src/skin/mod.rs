@@ -165,10 +165,10 @@ mod tests {
             let lines = &p.fills[0].lines;
             let space = spacing(0.45, 0.45, 0.2);
             let content: f64 =
-                lines.iter().map(|b| laid(b, 0.45 - space)).sum();
+                lines.iter().map(|b| laid(&b.stroke, 0.45 - space)).sum();
             let side = 20.0 - space - 0.4;
             assert!((content / (side * side) - 1.0).abs() < 0.01);
-            let d = lines[0].points[1] - lines[0].points[0];
+            let d = lines[0].stroke.points[1] - lines[0].stroke.points[0];
             let slope = d.y / d.x;
             let expected = if layer == 0 { 1.0 } else { -1.0 };
             assert!((slope - expected).abs() < 1e-9, "{slope}");
@@ -182,7 +182,7 @@ mod tests {
         let half = |overlap: f64, sparse: &Area| {
             let plan = SkinPlan::with(|s| s.skin_wall_overlap = overlap);
             let all = laid_between(&skin, sparse, [None; 2], 0, &plan);
-            let points = all[0].rings[0].points.iter();
+            let points = all[0].rings[0].stroke.points.iter();
             points.map(|p| p.x).fold(0.0, f64::max)
         };
         let beside = 8.0 - 0.5 * spacing(0.45, 0.45, 0.2);
@@ -225,10 +225,11 @@ mod tests {
         assert!(all[0].fills.is_empty());
         let rings = &all[0].rings;
         assert_eq!(rings.len(), 4);
-        let laid: f64 = rings.iter().map(|b| laid(b, 0.45 - space)).sum();
+        let laid: f64 =
+            rings.iter().map(|b| laid(&b.stroke, 0.45 - space)).sum();
         assert!((laid / area.content() - 1.0).abs() < 2e-3, "{laid}");
         for ring in rings {
-            assert!(ring.closed && ring.role == Role::BottomSkin);
+            assert!(ring.stroke.closed && ring.role == Role::BottomSkin);
         }
     }
 
@@ -250,7 +251,7 @@ mod tests {
         fills
             .map(|f| {
                 let less = width - space;
-                let lines = f.lines.iter().map(|b| laid(b, less));
+                let lines = f.lines.iter().map(|b| laid(&b.stroke, less));
                 (f.lines[0].role, lines.sum())
             })
             .collect()
@@ -301,12 +302,13 @@ mod tests {
         for (fill, (role, should)) in fills.iter().zip(expected) {
             let width = if role == Role::TopSkin { 0.5 } else { 0.45 };
             let space = spacing(width, width, 0.2);
-            let lines = fill.lines.iter().map(|b| laid(b, width - space));
+            let lines =
+                fill.lines.iter().map(|b| laid(&b.stroke, width - space));
             let is: f64 = lines.sum();
             assert_eq!(fill.lines[0].role, role);
-            assert_eq!(fill.lines[0].width, width);
+            assert_eq!(fill.lines[0].stroke.width, width);
             let closed = role == Role::BottomSkin;
-            assert_eq!(fill.lines[0].closed, closed);
+            assert_eq!(fill.lines[0].stroke.closed, closed);
             // A ring's width is what its place leaves it.
             assert!((is / should - 1.0).abs() < 0.06, "{role:?} {is}");
         }
@@ -337,15 +339,15 @@ mod tests {
         let all = laid_between(&square(10.0), &Area::EMPTY, beside, 1, &plan);
         let last = all[0].fills.last().unwrap();
         assert_eq!(last.lines[0].role, Role::Ironing);
-        let length: f64 = last.lines.iter().map(|b| b.length()).sum();
+        let length: f64 = last.lines.iter().map(|b| b.stroke.length()).sum();
         let side = |inner: f64, off: f64| (inner + off).powi(2);
         let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
         let should = side(inner, -0.45) - side(8.0, 0.45);
         let is = length * plan.ironing.unwrap();
         assert!((is / should - 1.0).abs() < 0.02, "{is} {should}");
         for line in &last.lines {
-            let middle = line.points[0].midpoint(line.points[1]);
-            assert!(!half.contains(middle));
+            let points = &line.stroke.points;
+            assert!(!half.contains(points[0].midpoint(points[1])));
         }
     }
 

@@ -111,7 +111,7 @@ pub struct Below {
 impl Level {
     /// These bridges with the infill of their layer.
     pub fn beside(self, infill: &[Bead]) -> Below {
-        let infill = infill.iter().map(|bead| bead.path().collect());
+        let infill = infill.iter().map(|bead| bead.stroke.path().collect());
         let lines: Vec<Vec<DVec2>> =
             self.lines.into_iter().chain(infill).collect();
         let lines = lines.iter().map(|line| line.iter().copied());
@@ -378,7 +378,7 @@ fn without(area: &Area, other: &Area) -> Area {
 fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
     let fills = patches.iter().flat_map(|patch| &patch.fills);
     let lines = fills.flat_map(|fill| &fill.lines);
-    lines.map(|bead| bead.path().collect()).collect()
+    lines.map(|bead| bead.stroke.path().collect()).collect()
 }
 
 /// What straight lines cover that reach `half` to both sides.
@@ -430,7 +430,7 @@ impl<'a> Ground<'a> {
         plan: &SkinPlan,
     ) -> Ground<'a> {
         let shell = under.shell.iter().map(|line| line.iter().copied());
-        let walls = over.walls.iter().map(|wall| wall.path());
+        let walls = over.walls.iter().map(|wall| wall.stroke.path());
         Ground {
             lines: under.lines,
             reach: 0.5 * plan.over_infill.infill,

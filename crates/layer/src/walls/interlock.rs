@@ -49,7 +49,7 @@ struct Joined {
 impl Interlock<'_> {
     /// A wall in its place; other beads stay as they are.
     pub fn placed(&self, bead: Bead, resolution: Resolution) -> Vec<Bead> {
-        if !bead.sunk || bead.points.len() < 2 {
+        if !bead.sunk || bead.stroke.points.len() < 2 {
             return vec![bead];
         }
         if isoslice_base::limits::is_stopped() {
@@ -65,7 +65,7 @@ impl Interlock<'_> {
         if let [(_, joined)] = runs.as_slice() {
             return vec![self.lowered(bead, *joined)];
         }
-        let open = bead.opened();
+        let open = bead.stroke.opened();
         let length: Mm = runs.iter().map(|run| run.0).sum();
         let mut from = 0.0;
         let mut out = Vec::with_capacity(runs.len());
@@ -88,12 +88,12 @@ impl Interlock<'_> {
     /// way, with their lengths.
     fn runs(&self, bead: &Bead) -> Vec<(Mm, Joined)> {
         let mut runs: Vec<(Mm, Joined)> = Vec::new();
-        for (a, b) in bead.segments() {
+        for (a, b) in bead.stroke.segments() {
             let edge = a.distance(b);
             let count = (edge / STEP).ceil().max(1.0);
             for i in 0..count as usize {
                 let middle = a.lerp(b, (i as f64 + 0.5) / count);
-                let joined = self.joined(middle, bead.width);
+                let joined = self.joined(middle, bead.stroke.width);
                 match runs.last_mut() {
                     Some(last) if last.1 == joined => last.0 += edge / count,
                     _ => runs.push((edge / count, joined)),
@@ -146,10 +146,11 @@ impl Interlock<'_> {
         if !joined.above && !joined.below {
             return bead;
         }
-        let area = cross_section(bead.width, own) * height / own;
-        let extra = height_of(area, bead.width) - height;
+        let area = cross_section(bead.stroke.width, own) * height / own;
+        let extra = height_of(area, bead.stroke.width) - height;
         let mut bead = Bead { height, ..bead };
-        bead.levels = vec![Level { rise, extra }; bead.points.len()];
+        bead.stroke.levels =
+            vec![Level { rise, extra }; bead.stroke.points.len()];
         bead
     }
 }
@@ -190,7 +191,7 @@ mod tests {
     }
 
     fn volume(beads: &[Bead]) -> f64 {
-        beads.iter().map(|b| b.area() * b.length()).sum()
+        beads.iter().map(|b| b.area() * b.stroke.length()).sum()
     }
 
     #[test]
@@ -219,9 +220,9 @@ mod tests {
             let interlock = Interlock(&view);
             let all = interlock.placed(wall(9.4), resolution);
             assert_eq!(all.len(), 1);
-            assert!(all[0].closed);
+            assert!(all[0].stroke.closed);
             assert!((all[0].height - height).abs() < 1e-12);
-            assert!((all[0].level(2).rise - rise).abs() < 1e-12);
+            assert!((all[0].stroke.level(2).rise - rise).abs() < 1e-12);
             let share = volume(&all) / plain;
             assert!((share - height / 0.2).abs() < 1e-9, "{share}");
             // Others stay.
@@ -239,15 +240,19 @@ mod tests {
         let upper = solid(rect_ring(-10.0, -10.0, 2.0, 10.0));
         let view = LayerView::of(1, &own, &[&upper], &[&own]);
         let all = Interlock(&view).placed(wall(9.4), resolution);
-        let ends = |b: &&Bead| b.level(0).rise == 0.0;
-        let ended: Mm = all.iter().filter(ends).map(|b| b.length()).sum();
+        let ends = |b: &&Bead| b.stroke.level(0).rise == 0.0;
+        let ended: Mm =
+            all.iter().filter(ends).map(|b| b.stroke.length()).sum();
         // The far side, and what is left of two others: 8.6 mm of them lie
         // within 0.6 mm of the edge of the layer above, or beyond it.
         assert!((ended - (18.8 + 2.0 * 7.9)).abs() < 1.5, "{ended}");
-        let length: Mm = all.iter().map(|b| b.length()).sum();
+        let length: Mm = all.iter().map(|b| b.stroke.length()).sum();
         assert!((length - 8.0 * 9.4).abs() < 1e-9);
         for pair in all.windows(2) {
-            assert_eq!(pair[0].points.last(), Some(&pair[1].points[0]));
+            assert_eq!(
+                pair[0].stroke.points.last(),
+                Some(&pair[1].stroke.points[0])
+            );
         }
         // A face that leans a little goes on; one that leans more does not.
         for (aside, joined) in [(0.1, true), (0.13, false)] {

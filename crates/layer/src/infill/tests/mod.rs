@@ -44,7 +44,6 @@ fn block() -> Model {
 const HERE: Site = Site {
     part: Rect::new(DVec2::splat(-50.0), DVec2::splat(50.0)),
     height: 100.0,
-    bed: DVec2::ZERO,
     origin: DVec2::ZERO,
 };
 
@@ -94,7 +93,7 @@ fn length_within(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
     let border = Border::new(&window);
     let mut cutter = isoslice_planar::border::Cutter::new(&border);
     for bead in layers.iter().flatten() {
-        cutter.line(&bead.points, bead.closed);
+        cutter.line(&bead.stroke.points, bead.stroke.closed);
     }
     let pieces = cutter.finish();
     let lengths = pieces.iter();
