@@ -122,7 +122,7 @@ impl Layer {
     }
 
     /// The layer as others see it.
-    fn face(&self) -> LayerFace<'_> {
+    pub(super) fn face(&self) -> LayerFace<'_> {
         LayerFace {
             span: self.span,
             outline: &self.outline,
@@ -214,6 +214,13 @@ pub(super) struct Filled {
     pub look: Option<Look>,
     /// The layer's accuracy, if it was measured.
     pub figures: Option<LayerFigures>,
+}
+
+impl Filled {
+    /// The layer, and what is around it.
+    pub(super) fn view(&self) -> LayerView<'_> {
+        self.layer.among(&self.below, &self.above)
+    }
 }
 
 /// A layer of the plate between two steps: what the last step has made of each
