@@ -8,14 +8,12 @@
 
 use super::hanging::Follow;
 use super::job::Planned;
-use super::layer::{Filled, Layer, Ready};
+use super::layer::{Filled, Layer};
 use super::plans::Plans;
-use super::supported::{Supported, Top};
+use super::supported::Supported;
 use crate::plate::Part;
-use crate::report::LayerFigures;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
-use isoslice_base::units::Mm2;
 use isoslice_layer::adhesion::{keep_on_bed, without_ears};
 use isoslice_layer::hang::foot::Foot;
 use isoslice_layer::hang::{self, Hanging, Look};
@@ -64,18 +62,10 @@ pub(super) struct Ordered {
     pub beads: Vec<Ended>,
     /// Where the head comes from, if that is known.
     pub from: Option<DVec2>,
-    pub layer: Layer,
-    /// The layers right below and above.
-    pub beside: [Option<Layer>; 2],
     /// What the layer stands on, if its outline differs from the layer's.
-    pub below: Option<Arc<Solid<'static>>>,
-    /// Of [`Filled`], what has not been used yet.
-    pub sparse: Solid<'static>,
-    pub support_top: Option<Top>,
-    pub under_support: Option<Solid<'static>>,
-    pub held: Option<Solid<'static>>,
-    pub gap: Mm2,
-    pub figures: Option<LayerFigures>,
+    pub stands_on: Option<Arc<Solid<'static>>>,
+    /// The layer, without its beads.
+    pub filled: Filled,
 }
 
 impl<'a> PartOrder<'a> {
@@ -106,21 +96,15 @@ impl<'a> PartOrder<'a> {
     }
 
     /// Takes the next layer.
-    pub(super) fn layer(&mut self, ready: Ready) -> Ordered {
-        let layer = &ready.layer;
-        let below = ready.below.as_ref();
+    pub(super) fn layer(&mut self, mut filled: Filled) -> Ordered {
+        let mut beads = std::mem::take(&mut filled.beads);
+        let look = filled.look.take();
         let Filled {
-            mut beads,
-            left_out,
-            sparse,
-            gap,
-            look,
-            figures,
-            support_top,
-            held,
-            under_support,
-            areas: _,
-        } = ready.filled;
+            layer,
+            below,
+            above,
+            ..
+        } = &filled;
         let index = layer.span.index;
         if index == 0 {
             let without = without_ears(&beads.skirt, &self.plans.adhesion.brim);
@@ -143,7 +127,7 @@ impl<'a> PartOrder<'a> {
         }
         let written = self.layers.contains(&index);
         if written {
-            self.left_out += left_out;
+            self.left_out += filled.left_out;
         }
         self.follow_hanging(layer, look.as_ref(), written);
         let from = self.head.at;
@@ -152,20 +136,19 @@ impl<'a> PartOrder<'a> {
         let climbs = !turns.is_empty();
         // A climbing wall leans on the turn below. A raft holds what is on it.
         let on_raft = index == self.settings.raft_layers();
-        let below = below.filter(|_| !climbs && !on_raft);
+        let below = below.as_ref().filter(|_| !climbs && !on_raft);
         let ground = below.and_then(|below| layer.ground(below));
         let below = below.filter(|below| !layer.same_outline(below));
-        let below: Option<Arc<Solid<'static>>> =
-            below.map(|below| below.top().clone());
+        let stands_on = below.map(|below| below.top().clone());
         let support = self.timings.time(Stage::Travel, || {
-            let below = below.as_deref()?;
+            let below = stands_on.as_deref()?;
             let share = self.settings.overhang_share;
             Support::new(below, &layer.outline, share, &self.plans.walls)
         });
         let support = support.as_ref();
         if let Some(guide) = self.guide.as_mut().filter(|_| !climbs) {
             if guide.looks_at(index) {
-                layer.guide(guide, ground, ready.above.as_ref());
+                layer.guide(guide, ground, above.as_ref());
             }
             if self.head.seams.is_empty() {
                 self.head.seams = guide.seams(&layer.span);
@@ -194,15 +177,8 @@ impl<'a> PartOrder<'a> {
         Ordered {
             beads,
             from,
-            below,
-            sparse,
-            support_top,
-            under_support,
-            held,
-            gap,
-            figures,
-            layer: ready.layer,
-            beside: [ready.below, ready.above],
+            stands_on,
+            filled,
         }
     }
 

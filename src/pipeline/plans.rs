@@ -8,6 +8,8 @@ use isoslice_layer::seam::EndingPlan;
 use isoslice_layer::skin::SkinPlan;
 use isoslice_path::order::OrderPlan;
 use isoslice_path::pace::PacePlan;
+use isoslice_path::relief::ReliefPlan;
+use isoslice_path::spiral::SpiralPlan;
 use isoslice_path::travel::TravelPlan;
 use isoslice_settings::Settings;
 
@@ -20,7 +22,9 @@ pub(super) struct Plans {
     pub infill: InfillPlan,
     pub adhesion: AdhesionPlan,
     pub ending: EndingPlan,
+    pub spiral: SpiralPlan,
     pub order: OrderPlan,
+    pub relief: ReliefPlan,
     pub travel: TravelPlan,
     pub pace: PacePlan,
 }
@@ -36,7 +40,9 @@ impl Plans {
             infill: InfillPlan::of(settings),
             adhesion: AdhesionPlan::of(settings),
             ending: EndingPlan::of(settings),
+            spiral: SpiralPlan::of(settings),
             order: OrderPlan::of(settings),
+            relief: ReliefPlan::of(settings),
             travel: TravelPlan::of(settings),
             pace: PacePlan::of(settings),
         }

@@ -12,7 +12,9 @@ use isoslice_planar::bead::{Bead, Role, spacing};
 use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{InfillPattern, Settings, SkinPattern, Supports};
+use isoslice_settings::{
+    InfillPattern, LineDensity, Settings, SkinPattern, Supports,
+};
 
 /// A gap beside supports that is wider than this, mm, may be why something has
 /// none.
@@ -53,11 +55,11 @@ impl<'a> Supported<'a> {
     ) -> Result<Supported<'a>, InfillError> {
         let width = settings.infill_width();
         let support = &settings.support;
-        let density = match support.interface_spacing {
-            Some(apart) => {
+        let density = match support.interface_density {
+            LineDensity::Spacing(apart) => {
                 (100.0 * side_by_side(settings) / apart).clamp(1.0, 100.0)
             }
-            None => support.interface_density,
+            LineDensity::Share(share) => share,
         };
         let pattern = match support.interface_pattern {
             SkinPattern::Lines => InfillPattern::Rectilinear,
@@ -161,12 +163,12 @@ impl<'a> Supported<'a> {
             ));
         }
         let beside = side_by_side(settings);
-        if let Some(apart) = settings.support.interface_spacing
+        if let LineDensity::Spacing(apart) = settings.support.interface_density
             && settings.support.interface_layers > 0
             && apart < beside
         {
             all.push(format!(
-                "support.interface_spacing = {apart} mm is less than the \
+                "support.interface_density = \"{apart} mm\" is less than the \
                  {beside:.3} mm that lines of infill_width = {:.3} mm need, so \
                  these lie side by side; raise it, or lower infill_width",
                 settings.infill_width(),
@@ -267,7 +269,7 @@ impl<'a> Supported<'a> {
         beads.extend(self.body.beads(&slice.body, &own)?);
         for bead in &mut beads {
             let standing = || {
-                let from = bead.points.first();
+                let from = bead.stroke.points.first();
                 from.is_some_and(|p| slice.standing.contains(*p))
             };
             let deeper = match span.index == self.raft {
@@ -279,7 +281,7 @@ impl<'a> Supported<'a> {
             if deeper != 0.0 {
                 // Lines of the usual width are wide enough for that height.
                 // Lines that fit into a thin place may not be.
-                let most = Settings::FLAT * bead.width;
+                let most = Settings::FLAT * bead.stroke.width;
                 bead.height = (bead.height + deeper).min(most);
             }
         }
@@ -363,19 +365,11 @@ impl SupportFill<'_> {
         if area.is_empty() {
             return Ok(Vec::new());
         }
-        let height = span.height();
-        let walled = self.posts.walled(area, height);
-        let target = infill::Target {
-            number: span.index,
-            z: span.sample_z(),
-            height,
-        };
-        let lines = self.infill.beads(&walled.fill, target, None)?;
-        let mut beads = walled.beads;
-        beads.extend(lines);
-        for bead in &mut beads {
-            bead.role = self.role;
-        }
-        Ok(beads)
+        let walled = self.posts.walled(area, span.height());
+        let lines = self.infill.beads(&walled.fill, span, None)?;
+        let all = walled.beads.into_iter().chain(lines);
+        // They are no walls, however they were laid.
+        let own = |bead: Bead| Bead::new(self.role, bead.stroke, bead.height);
+        Ok(all.map(own).collect())
     }
 }

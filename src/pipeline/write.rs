@@ -16,7 +16,7 @@ use crate::report::{Report, RunFigures};
 use isoslice_base::units::Mm3;
 use isoslice_gcode::{Writer, WriterPlan};
 use isoslice_path::pace::PacePlan;
-use isoslice_path::relief::{Relief, ReliefPlan};
+use isoslice_path::relief::Relief;
 use isoslice_planar::Rect;
 use isoslice_preview::Pictures;
 use rayon::ThreadPool;
@@ -132,7 +132,7 @@ fn exits<'a>(
         let Planned { part, spans, .. } = *planned;
         let relief = [Relief::new, Relief::of_supports].map(|relief| {
             let timings = &planned.stages.timings;
-            let plan = ReliefPlan::of(&part.settings);
+            let plan = planned.stages.plans.relief.clone();
             relief(&part.model, plan, &base.around, pool, timings)
                 .map_err(|e| job.plate.named(part, e.into()))
         });
@@ -173,8 +173,8 @@ fn one_by_one(
         let supplies = Supplies::new([(stages, *spans)], pool, &extent);
         with_threads(|threads| {
             for layer in supplies.ahead(pool, threads)? {
-                for (_, ready) in layer?.parts {
-                    let passed = exit.pass(part, ready)?;
+                for (_, filled) in layer?.parts {
+                    let passed = exit.pass(part, filled)?;
                     exit.print_turn(part, &passed)?;
                     if !copies.is_empty() {
                         kept.push(passed);

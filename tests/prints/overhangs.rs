@@ -177,10 +177,13 @@ fn walls_that_hang_begin_with_the_innermost() {
         parse(&sliced(LEANING, &all)).iter().map(inner).collect()
     };
     assert!(first(&[]).iter().all(|inner| !inner));
-    let hanging = first(&["overhang_inner_first=true"]);
+    let hanging = first(&["wall_order=outer-first-unless-overhang"]);
     // The first layer lies on the bed.
     assert!(!hanging[0] && hanging[1..].iter().all(|inner| *inner));
-    let held = ["overhang_inner_first=true", "overhang_share=70"];
+    let held = [
+        "wall_order=outer-first-unless-overhang",
+        "overhang_share=70",
+    ];
     assert!(first(&held).iter().all(|inner| !inner));
 }
 

@@ -393,7 +393,6 @@ fn rafts_ears_shields_and_steps_are_settings_that_isoslice_takes() {
                 "overhang_reverse = true",
                 "interface_pattern = \"concentric\"",
                 "seam_scarf = 10",
-                "seam_scarf_rise = true",
                 "seam_scarf_start = 20",
             ],
         ),

@@ -217,7 +217,6 @@ fn lengths_follow_the_nozzle() {
     // These are the exact values: the G-code of defaults must not depend on how
     // they are found.
     let expected = [
-        ("bottom_skin_width", 0.45),
         ("bottom_thickness", 0.6),
         ("first_layer_height", 0.2),
         ("infill_width", 0.45),
@@ -502,7 +501,6 @@ fn unwise_settings_are_warned_of() {
                 &["retract.length=0", "retract.z_hop=0.4"],
                 &["ironing=true", "top_thickness=0"],
                 &["contour_z=100", "contour_z_angle=25"],
-                &["contour_z_gouge=50"],
                 &["internal_bridges=false", "internal_bridge_flow=90"],
                 &["internal_bridges=true", "walls=0"],
                 &["skin_wall_overlap=10", "walls=0"],
@@ -514,19 +512,17 @@ fn unwise_settings_are_warned_of() {
                 &["layer_height_min=0.1", "step_error=0.05"],
                 &["layer_heights=expr: 0.2", "step_error=0.05"],
                 &["spiral_walls=2"],
+                &["seam_scarf_start=10"],
                 &["infill_mode=solid"],
                 &[
                     "infill=expr: sin(x)",
                     "infill_density=30",
                     "infill_angle=10",
-                    "infill_phase=5",
-                    "infill_centre=bed",
                 ],
                 &[
                     "infill=expr: sin(x)",
                     "infill_mode=solid",
                     "infill_angle=10",
-                    "infill_phase=5",
                 ],
             ]
             .map(|given| (given.join(" "), warnings(given).join("\n    "))),

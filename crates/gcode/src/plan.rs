@@ -132,7 +132,7 @@ fn thickest(s: &Settings) -> Mm2 {
         s.outer_wall_width() * thin,
         s.inner_wall_width() * thin,
         s.top_skin_width(),
-        s.bottom_skin_width() * (s.bridge_flow / 100.0).max(1.0),
+        s.skin_width() * (s.bridge_flow / 100.0).max(1.0),
         s.infill_width(),
     ];
     let width = widths.into_iter().fold(0.0, f64::max) * widen;

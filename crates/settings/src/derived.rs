@@ -2,9 +2,8 @@
 
 use super::by_nozzle::share_of;
 use super::{
-    Acceleration, ByNozzle, Emit, Infill, InfillMode, InfillPattern,
-    InterfaceShape, LayerHeights, Settings, Supports, Varying, WallOffset,
-    check,
+    Acceleration, ByNozzle, Infill, InfillMode, InfillPattern, InterfaceShape,
+    LayerHeights, Settings, Supports, Varying, WallOffset, check,
 };
 use isoslice_base::units::{
     Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, Percent, PricePerKg,
@@ -63,12 +62,10 @@ by_nozzle! {
     outer_wall_width = 112.5;
     /// Line width of the walls behind the outer wall.
     inner_wall_width = 112.5;
-    /// Line width of skin and of the rings around it.
+    /// Line width of skin, of the rings around it and of bridges.
     skin_width = 112.5;
     /// Width of the lines of skin that faces upwards.
     top_skin_width = skin_width;
-    /// Width of the lines of skin that faces downwards, and of bridges.
-    bottom_skin_width = skin_width;
     /// Thickness of solid material below each upward face.
     top_thickness = 200.0;
     /// Thickness of solid material above each downward face.
@@ -119,7 +116,9 @@ impl Settings {
     /// True if scarfs rise with their flow. They do not if beads follow the
     /// surface above them, which then decides the beads' heights.
     pub fn scarf_rises(&self) -> bool {
-        self.seam_scarf_rise && self.contour_z.is(0.0)
+        /// Greatest share of the height at which a rise is worth while.
+        const HIGHEST: f64 = 90.0;
+        self.seam_scarf_start <= HIGHEST && self.contour_z.is(0.0)
     }
 
     /// True if walls depend on how far they reach beyond the layer below.
@@ -140,7 +139,6 @@ impl Settings {
     pub fn contour_z_full_angle(&self) -> FullAngle {
         FullAngle {
             wanted: self.contour_z_angle,
-            gouge: self.contour_z_gouge,
             flat: self.nozzle_flat(),
         }
     }
@@ -270,11 +268,7 @@ impl Settings {
 
     /// Acceleration of moves that do not print.
     pub fn travel_acceleration(&self) -> MmPerSec2 {
-        if self.acceleration.travel > 0.0 {
-            self.acceleration.travel
-        } else {
-            self.printer.travel_acceleration
-        }
+        self.printer.travel_acceleration
     }
 
     /// Moves a second that the firmware takes:
@@ -315,11 +309,7 @@ impl Settings {
 
     /// True if curved paths are written as arcs.
     pub fn arcs(&self) -> bool {
-        match self.gcode.arcs {
-            Emit::On => true,
-            Emit::Off => false,
-            Emit::Auto => self.printer.takes_arcs,
-        }
+        self.gcode.arcs
     }
 
     /// How far outer walls, or the raft, reach beyond the part, in the plane.
@@ -432,8 +422,6 @@ impl Settings {
 pub struct FullAngle {
     /// What was asked for.
     pub wanted: Degrees,
-    /// How deep the nozzle may cut, as a share of the layer's height.
-    gouge: Percent,
     /// Diameter of the nozzle's flat end.
     flat: Mm,
 }
@@ -443,7 +431,10 @@ impl FullAngle {
     /// nozzle's flat end, whose edge is r·tan of the angle deeper than a face,
     /// would cut too deep.
     pub fn at(&self, height: Mm) -> Degrees {
-        let deep = 0.01 * self.gouge * height;
+        /// Depth of the cut as a share of the layer's height: what is left of
+        /// the lines still holds the bead.
+        const GOUGE: Percent = 75.0;
+        let deep = 0.01 * GOUGE * height;
         let bound = deep.atan2(0.5 * self.flat).to_degrees();
         self.wanted.min(bound)
     }

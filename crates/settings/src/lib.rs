@@ -62,8 +62,10 @@ mod derived;
 mod error;
 mod firmware;
 mod foreign;
+mod gone;
 mod infill;
 pub mod layers;
+mod line_density;
 mod profile;
 mod read;
 mod rows;
@@ -90,8 +92,10 @@ pub use by_nozzle::ByNozzle;
 pub use derived::{FullAngle, THICKNESS_SLACK};
 pub use firmware::Refusals;
 pub use infill::Infill;
+pub use line_density::LineDensity;
 pub use rows::{
-    Acceleration, Brim, Cooling, FuzzySkin, Retract, Skirt, Speed, Support,
+    Acceleration, Brim, Cooling, FuzzySkin, Printer, Retract, Skirt, Speed,
+    Support,
 };
 pub use shield::DraftShield;
 pub use sizes::Sizes;
@@ -100,8 +104,7 @@ pub use steps::Steps;
 pub use value::Varying;
 pub(crate) use words::InterfaceShape;
 pub use words::{
-    BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
-    InfillMode, InfillPattern, LayerHeights, PlateSequence, SeamRule,
-    SkinOrder, SkinPattern, SkinWhere, SupportStyle, Supports, WallOffset,
-    WallOrder,
+    BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillMode,
+    InfillPattern, LayerHeights, PlateSequence, SeamRule, SkinOrder,
+    SkinPattern, SkinWhere, SupportStyle, Supports, WallOffset, WallOrder,
 };

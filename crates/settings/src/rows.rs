@@ -13,7 +13,9 @@
 
 use super::table;
 use super::words::*;
-use super::{ByNozzle, DraftShield, Infill, Sizes, Steps, Varying};
+use super::{
+    ByNozzle, DraftShield, Infill, LineDensity, Sizes, Steps, Varying,
+};
 use isoslice_base::units::*;
 
 table::settings! {
@@ -91,7 +93,9 @@ table::settings! {
         /// so that the walls interlock and the part does not split so easily
         /// between layers.
         walls_interlocked: bool = false;
-        /// Which walls of an island are printed first.
+        /// Which walls of an island are printed first: inner ones, the outer one,
+        /// or the outer one unless it hangs over by more than overhang_share,
+        /// so that each wall is laid beside one that holds it.
         wall_order: WallOrder = WallOrder::InnerFirst;
         /// How walls are offset: by distance in the layer's plane, right for
         /// every field, or by the field's own value, right only where the
@@ -118,12 +122,11 @@ table::settings! {
         /// for a plain seam. No bead of a wall at least 1.8 times as wide as
         /// high becomes narrower than high.
         seam_scarf: Mm = 0.0, in 0.0..=200.0;
-        /// Whether the nozzle rises with the flow at the beginning of a scarf,
-        /// from the layer below to its own height; the end of the wall fills
-        /// what is left above. The first layer's scarfs stay level.
-        seam_scarf_rise: bool = false;
-        /// Height at which a scarf that rises begins, as a share of its layer's.
-        seam_scarf_start: Percent = 10.0, in 0.0..=90.0;
+        /// Height at which a scarf begins, as a share of its layer's: from there
+        /// the nozzle rises with the flow, and the end of the wall fills what
+        /// is left above. Above 90% scarfs stay level, as those of the first
+        /// layer do.
+        seam_scarf_start: Percent = 100.0, in 0.0..=100.0;
         /// How far the nozzle moves inwards, without printing, from the end
         /// of an outer wall before it goes elsewhere.
         seam_wipe: Mm = 0.3, in 0.0..=5.0;
@@ -144,15 +147,12 @@ table::settings! {
         /// Number of solid layers above each downward face; auto takes it
         /// from bottom_thickness.
         bottom_layers: Option<u32> = None, in 0..=50_000;
-        /// Line width of skin and of the rings around it; auto is 112.5% of the
-        /// nozzle's diameter.
+        /// Line width of skin, of the rings around it and of bridges; auto is
+        /// 112.5% of the nozzle's diameter.
         skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Width of the lines of skin that faces upwards; auto takes
         /// skin_width.
         top_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
-        /// Width of the lines of skin that faces downwards, and of bridges;
-        /// auto takes skin_width.
-        bottom_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Pattern of skin that faces upwards,
         /// except where it is nowhere wider than 14 lines: there strokes
         /// follow its border.
@@ -203,10 +203,6 @@ table::settings! {
         /// Angle from the level up to which faces get all of contour_z; it
         /// fades over the next 10°.
         contour_z_angle: Degrees = 15.0, in 0.0..=35.0;
-        /// How deep the nozzle's flat end may cut into higher lines beside the
-        /// one it prints, as a share of the layer's height; faces so steep that
-        /// it would cut deeper count as steeper than contour_z_angle.
-        contour_z_gouge: Percent = 75.0, in 0.0..=1000.0;
         /// Whether undersides over supports and bridges follow the surface below
         /// them, as far as contour_z says: the nozzle stays at the layer's top,
         /// and the material goes as deep as the surface.
@@ -238,10 +234,6 @@ table::settings! {
         /// Share of its width by which a wall may hang over the layer below
         /// before it is printed as an overhang; with 100 no wall is.
         overhang_share: Percent = 50.0, in 0.0..=100.0;
-        /// Whether the walls round what hangs over by more than overhang_share
-        /// are printed from the inside out, whatever wall_order says: each is
-        /// laid beside one that holds it.
-        overhang_inner_first: bool = false;
         /// Whether the walls round what hangs over by more than overhang_share
         /// are printed the other way round on every other layer, so that what
         /// the cooling plastic pulls at does not add up. Walls that interlock
@@ -281,11 +273,6 @@ table::settings! {
         infill_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Direction of infill lines, counter-clockwise from the x axis.
         infill_angle: Degrees = 45.0, in -360.0..=360.0;
-        /// How far the pattern is moved along its repeat.
-        infill_phase: Percent = 0.0, in 0.0..=100.0;
-        /// What the pattern is laid out from. If it is the bed, parts on one
-        /// bed continue each other's pattern.
-        infill_centre: InfillCentre = InfillCentre::Object;
         /// How far sparse infill reaches into the wall or skin around it, as
         /// a share of its line width; skin has skin_wall_overlap.
         infill_overlap: Percent = 25.0, in 0.0..=100.0;
@@ -336,11 +323,11 @@ table::settings! {
         density: Percent = 12.0, in 1.0..=100.0;
         /// Number of dense layers at the top of a support.
         interface_layers: u32 = 2, in 0..=1000;
-        /// Share of the dense layers at the top of a support that is printed.
-        interface_density: Percent = 95.0, in 10.0..=100.0;
-        /// Distance between the lines of the dense layers at the top of a
-        /// support, from middle to middle; auto follows interface_density.
-        interface_spacing: Option<Mm> = None, in 0.1..=20.0;
+        /// Share of the dense layers at the top of a support that is printed, or
+        /// the distance between their lines, from middle to middle, such as
+        /// "0.8 mm".
+        interface_density: LineDensity = LineDensity::Share(95.0),
+            in 10.0..=100.0;
         /// Pattern of the dense layers at the top of a support.
         interface_pattern: SkinPattern = SkinPattern::Lines;
         /// Whether the top of a support is level in each layer, or follows the
@@ -450,9 +437,6 @@ table::settings! {
         /// Greatest acceleration of everything printed on the first layer; 0
         /// for no limit.
         first_layer: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
-        /// Acceleration of moves that do not print; 0 takes
-        /// printer.travel_acceleration.
-        travel: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
     }
     /// Travels: the way between beads.
     travel: Travel {
@@ -492,11 +476,8 @@ table::settings! {
         /// times the straight way, the travel goes straight.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
         /// Travels longer than this ooze too much: they retract even if the
-        /// ooze is hidden, or prime by ooze_prime.
+        /// ooze is hidden.
         max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
-        /// Length of filament pushed forward after a hidden travel longer than
-        /// max_unretracted, instead of a retraction; 0 retracts.
-        ooze_prime: Mm = 0.0, in 0.0..=5.0;
         /// Length of filament pushed forward beyond what was pulled back, to
         /// make up for what oozed; negative for less.
         extra_prime: Mm = 0.0, in -5.0..=5.0;
@@ -656,7 +637,7 @@ table::settings! {
         /// Acceleration of printing moves if the group acceleration has no
         /// other.
         acceleration: MmPerSec2 = 1000.0, in 1.0..=100_000.0;
-        /// Acceleration of moves that do not print if acceleration.travel is 0.
+        /// Acceleration of moves that do not print.
         travel_acceleration: MmPerSec2 = 1500.0, in 1.0..=100_000.0;
         /// Speed at which a right-angled corner is passed.
         square_corner_velocity: MmPerSec = 5.0, in 0.0..=200.0;
@@ -688,9 +669,6 @@ table::settings! {
         /// for Prusa's, 500 for RepRapFirmware and Bambu Lab's, 1000 for
         /// Klipper.
         max_moves_per_second: Option<PerSec> = None, in 10.0..=100_000.0;
-        /// Whether the firmware follows arcs (G2 and G3) as closely as many
-        /// short moves.
-        takes_arcs: bool = false;
         /// Greatest speed of the z axis.
         max_speed_z: MmPerSec = 10.0, in 0.1..=1000.0;
         /// Greatest acceleration of the z axis, for the estimate of the time
@@ -712,8 +690,8 @@ table::settings! {
         /// absolute.
         relative_e: bool = false;
         /// Whether curved paths of constant width are written as arcs (G2 and
-        /// G3); auto writes them if printer.takes_arcs is true.
-        arcs: Emit = Emit::Auto;
+        /// G3), for firmware that follows them as closely as many short moves.
+        arcs: bool = false;
         /// Template for the start of the print; empty for homing only.
         /// Temperatures that it does not set are set before it, and waited for
         /// after it.

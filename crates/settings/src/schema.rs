@@ -92,6 +92,7 @@ fn of(key: &Key) -> Value {
         Kind::ByNozzle => vec![number, auto, share.clone()],
         Kind::Switch => vec![json!({ "type": "boolean" })],
         Kind::Text | Kind::Sizes | Kind::Steps(_) => vec![text],
+        Kind::NumberOrText(_) => vec![number, text],
         Kind::Word(all) => vec![words(all)],
         // Besides its words the setting takes a script's name, or an
         // expression.

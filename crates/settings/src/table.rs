@@ -56,7 +56,9 @@ impl Key {
             Kind::Sizes => {
                 "32x32, 300x300 or other sizes, or nothing".to_owned()
             }
-            Kind::Steps(allowed) => allowed.to_owned(),
+            Kind::Steps(allowed) | Kind::NumberOrText(allowed) => {
+                allowed.to_owned()
+            }
             Kind::Word(words) => alternatives(words),
             Kind::WordOrShape(words) => {
                 format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
@@ -116,6 +118,7 @@ impl Key {
             (
                 Kind::Switch
                 | Kind::Steps(_)
+                | Kind::NumberOrText(_)
                 | Kind::Word(_)
                 | Kind::WordOrShape(_)
                 | Kind::WordOrFormula(_)
@@ -324,6 +327,9 @@ macro_rules! unit {
     };
     (DraftShield) => {
         "mm"
+    };
+    (LineDensity) => {
+        "%"
     };
     (Mm2) => {
         "mm²"

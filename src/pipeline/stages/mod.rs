@@ -30,7 +30,6 @@ use super::plans::Plans;
 use super::raft::Raft;
 use super::supported::{Fills, Supported};
 use crate::report::Gauge;
-use glam::DVec2;
 use isoslice_base::timings::Timings;
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::Skirt;
@@ -107,7 +106,7 @@ impl<'a> Stages<'a> {
             ),
             WallOffset::Field => WallFields::ByHeight,
         };
-        let site = site(model, settings, rect);
+        let site = site(model, rect);
         let infill = Infill::new(plans.infill.clone(), around, site)?;
         Ok(Stages {
             settings,
@@ -145,7 +144,7 @@ impl<'a> Stages<'a> {
         Fills {
             plans: self.plans,
             around,
-            site: site(self.model, self.settings, self.rect),
+            site: site(self.model, self.rect),
         }
     }
 
@@ -192,13 +191,10 @@ impl<'a> Stages<'a> {
 }
 
 /// The site from which the fillings of a part are laid out.
-fn site(model: &Model, settings: &Settings, part: Rect) -> infill::Site {
-    let printer = &settings.printer;
-    let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
+fn site(model: &Model, part: Rect) -> infill::Site {
     infill::Site {
         part,
         height: model.bounds.size().z,
-        bed: bed - model.offset.truncate(),
         origin: model.origin.truncate(),
     }
 }

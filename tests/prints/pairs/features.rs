@@ -128,7 +128,7 @@ pub static FEATURES: &[Feature] = &[
     on(
         BLOCK,
         "scarves that rise",
-        &["seam_scarf=8", "seam_scarf_rise=true"],
+        &["seam_scarf=8", "seam_scarf_start=10"],
     ),
     on(
         BLOCK,
@@ -159,7 +159,7 @@ pub static FEATURES: &[Feature] = &[
         &["supports=plate", "support.style=grid"],
     ),
     on(BLOCK, "a raft", &["raft.layers=3"]),
-    on(BLOCK, "arcs", &["gcode.arcs=on"]),
+    on(BLOCK, "arcs", &["gcode.arcs=true"]),
     directed(on(BLOCK, "fuzzy walls", &["fuzzy.thickness=0.2"])),
     on(BLOCK, "a brim", &["brim.place=both", "brim.width=2"]),
     on(

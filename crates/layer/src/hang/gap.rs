@@ -128,7 +128,7 @@ fn over(
     limits: Limits,
     settings: &Settings,
 ) -> Gap {
-    let width = settings.bottom_skin_width();
+    let width = settings.skin_width();
     let angle = if settings.bridges {
         direction(&area, below, width)
     } else {

@@ -2,9 +2,7 @@
 
 use crate::region::ThinPlan;
 use isoslice_base::units::{Degrees, Mm, Percent};
-use isoslice_settings::{
-    Infill, InfillCentre, InfillMode, InfillPattern, Settings, Varying,
-};
+use isoslice_settings::{Infill, InfillMode, InfillPattern, Settings, Varying};
 
 /// How infill is laid.
 #[derive(Clone, Debug)]
@@ -19,10 +17,6 @@ pub struct InfillPlan {
     pub overlap: Percent,
     /// Direction of the pattern.
     pub angle: Degrees,
-    /// Share of a period by which the pattern is moved, 0 to 1.
-    pub phase: f64,
-    /// What the pattern is laid out from.
-    pub centre: InfillCentre,
     /// True if a shape is filled, and not lines are laid along its surface.
     pub solid: bool,
     /// Number of walls around a shape that is filled.
@@ -42,8 +36,6 @@ impl InfillPlan {
             width: settings.infill_width(),
             overlap: settings.infill_overlap,
             angle: settings.infill_angle,
-            phase: settings.infill_phase / 100.0,
-            centre: settings.infill_centre,
             solid: settings.infill_mode == InfillMode::Solid,
             walls: settings.infill_walls,
             off_wall: 0.5 * settings.printer.nozzle_diameter,

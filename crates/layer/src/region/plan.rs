@@ -196,7 +196,7 @@ impl ExposurePlan {
             infill: settings.infill_width(),
             least: settings.skin_min_area,
             overlap: settings.skin_overlap(),
-            bridge: settings.bottom_skin_width(),
+            bridge: settings.skin_width(),
             anchor: settings.bridges.then_some(settings.bridge_anchor),
         }
     }

@@ -72,10 +72,7 @@ impl SkinPlan {
         let density = settings.infill_density.constant();
         SkinPlan {
             internal: look(settings.internal_skin_pattern, skin),
-            bottom: look(
-                settings.bottom_skin_pattern,
-                settings.bottom_skin_width(),
-            ),
+            bottom: look(settings.bottom_skin_pattern, settings.skin_width()),
             top: look(settings.top_skin_pattern, settings.top_skin_width()),
             thin: ThinPlan::of(settings),
             directions: [0, 1].map(|layer| settings.skin_direction(layer)),

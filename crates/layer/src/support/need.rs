@@ -224,7 +224,7 @@ fn unspanned(
     reach: Mm,
     settings: &Settings,
 ) -> Area {
-    let width = settings.bottom_skin_width();
+    let width = settings.skin_width();
     let bounds = gap.bounds();
     // A line looks this far for something that holds its ends.
     let around = below.within(bounds.grown(ANCHOR * width));

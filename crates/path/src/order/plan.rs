@@ -27,7 +27,8 @@ impl OrderPlan {
     pub fn of(s: &Settings) -> OrderPlan {
         OrderPlan {
             inner_first: s.wall_order == WallOrder::InnerFirst,
-            inner_first_at_overhangs: s.overhang_inner_first,
+            inner_first_at_overhangs: s.wall_order
+                == WallOrder::OuterFirstUnlessOverhang,
             turns_overhangs: s.overhang_reverse,
             begins_anywhere: s.seam == Varying::Constant(SeamRule::Nearest),
             outer_width: s.outer_wall_width(),

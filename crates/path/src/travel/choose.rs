@@ -127,7 +127,6 @@ impl<'a> Planner<'a> {
             // The travel begins where the wipe has ended.
             travel = self.way(end, b, before, next);
             travel.retract = true;
-            travel.prime = 0.0;
             travel.wipe = wipe;
         }
         let from = travel.wipe.last().copied().unwrap_or(a);
@@ -290,15 +289,9 @@ impl<'a> Planner<'a> {
     fn finished(&self, way: &[DVec2], retract: bool) -> Travel {
         let retract_if = &self.plan.retract;
         let long = path_length(way, false) > retract_if.max_unretracted;
-        let prime = if long && !retract {
-            retract_if.ooze_prime
-        } else {
-            0.0
-        };
         Travel {
             points: way[1..].to_vec(),
-            retract: retract || (long && prime <= 0.0),
-            prime,
+            retract: retract || long,
             ..Travel::default()
         }
     }

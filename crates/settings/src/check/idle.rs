@@ -78,8 +78,8 @@ pub(super) fn without_effect(
         format!(
             "contour_z_angle = {}° has no effect beyond {}° in layers of {} \
              mm, where the nozzle's flat end ({} mm) cuts as deep into the \
-             lines beside as contour_z_gouge allows; raise contour_z_gouge, \
-             or set printer.nozzle_flat if yours is smaller",
+             lines beside as they bear; set printer.nozzle_flat if yours is \
+             smaller",
             s.contour_z_angle,
             round(full),
             round(height),
@@ -123,7 +123,7 @@ pub(super) fn without_effect(
             .to_owned(),
     );
     idle.all(
-        &["contour_z_angle", "contour_z_gouge", "contour_z_below"],
+        &["contour_z_angle", "contour_z_below"],
         s.contour_z.is(0.0),
         "contour_z = 0% leaves the layers' steps; set contour_z to 100",
     );
@@ -219,9 +219,8 @@ fn spiral_without_effect(s: &Settings, idle: &mut Idle<'_>) {
             "contour_z",
             "internal_bridges",
             "supports",
-            "overhang_inner_first",
             "overhang_reverse",
-            "seam_scarf_rise",
+            "seam_scarf_start",
             "walls_interlocked",
             "speed.overhang_steps",
             "cooling.overhang_fan_steps",
@@ -300,7 +299,7 @@ fn adhesion_without_effect(s: &Settings, idle: &mut Idle<'_>) {
 /// Warns of settings of supports that are not printed.
 fn supports_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     for key in [
-        "support.interface_spacing",
+        "support.interface_density",
         "support.interface_pattern",
         "support.interface_angle",
     ] {
@@ -320,12 +319,6 @@ fn supports_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         "support.interface_angle has no effect on \
          support.interface_pattern = concentric; set that to \"lines\""
             .to_owned(),
-    );
-    idle.all(
-        &["support.interface_density"],
-        s.support.interface_spacing.is_some(),
-        "support.interface_spacing says how far apart lines are; leave one \
-         of them out",
     );
     idle.all(
         &["support.style", "support.where", "support.interface_shape"],
@@ -437,9 +430,9 @@ fn scarfs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         (false, true) => "",
     };
     idle.warn(
-        "seam_scarf_rise",
-        s.seam_scarf_rise && !why.is_empty(),
-        format!("seam_scarf_rise = true has no effect, since {why}"),
+        "seam_scarf_start",
+        !why.is_empty(),
+        format!("seam_scarf_start has no effect, since {why}"),
     );
     idle.warn(
         "seam_gap",
@@ -447,14 +440,9 @@ fn scarfs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         format!(
             "seam_gap = {} mm takes away all of the scarf's end (seam_scarf = \
              {} mm), so nothing covers its beginning, which rises from below; \
-             lower seam_gap, or set seam_scarf_rise = false",
+             lower seam_gap, or set seam_scarf_start = 100",
             s.seam_gap, s.seam_scarf,
         ),
-    );
-    idle.all(
-        &["seam_scarf_start"],
-        !s.seam_scarf_rise,
-        "seam_scarf_rise = false keeps scarfs level; set it to true",
     );
 }
 
@@ -481,28 +469,20 @@ fn overhangs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
             ),
         );
     }
-    for (key, on) in [
-        ("overhang_inner_first", s.overhang_inner_first),
-        ("overhang_reverse", s.overhang_reverse),
+    let unless = WallOrder::OuterFirstUnlessOverhang;
+    for (key, value, on) in [
+        ("wall_order", unless.word(), s.wall_order == unless),
+        ("overhang_reverse", "true", s.overhang_reverse),
     ] {
         idle.warn(
             key,
             on && s.overhang_share >= 100.0,
             format!(
-                "{key} = true has no effect, since overhang_share = 100% \
+                "{key} = {value} has no effect, since overhang_share = 100% \
                  leaves no wall that counts as an overhang; lower it"
             ),
         );
     }
-    idle.warn(
-        "overhang_inner_first",
-        s.overhang_inner_first && s.wall_order == WallOrder::InnerFirst,
-        format!(
-            "overhang_inner_first = true has no effect, since wall_order = {} \
-             prints all walls from the inside out; leave it out",
-            s.wall_order.word(),
-        ),
-    );
 }
 
 /// Warns of settings for patterns if infill is an expression, and of settings
@@ -525,8 +505,6 @@ fn infill_without_effect(s: &Settings, idle: &mut Idle<'_>) {
             "make its lines lie closer or farther apart",
         ),
         ("infill_angle", surface, "turn x and y in it"),
-        ("infill_phase", true, "add to x and y in it"),
-        ("infill_centre", true, "add to x and y in it"),
     ] {
         idle.warn(
             key,

@@ -119,11 +119,7 @@ fn limited_speeds(s: &Settings) -> Vec<Limited> {
         ),
         ("speed.internal_skin", &speed.internal_skin, s.skin_width()),
         ("speed.top_skin", &speed.top_skin, s.top_skin_width()),
-        (
-            "speed.bottom_skin",
-            &speed.bottom_skin,
-            s.bottom_skin_width(),
-        ),
+        ("speed.bottom_skin", &speed.bottom_skin, s.skin_width()),
     ]
     .into_iter()
     .filter_map(limited)

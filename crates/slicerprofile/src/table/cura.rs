@@ -269,7 +269,7 @@ pub(super) static ROWS: &[Row] = rows! {
                 "acceleration.bottom_skin",
                 "acceleration.top_skin",
                 "acceleration.first_layer",
-                "acceleration.travel",
+                "printer.travel_acceleration",
             ],
             how: "if accelerations are on",
             make: Make(accelerations),
@@ -742,7 +742,7 @@ fn accelerations(given: &Given<'_>) -> Outcome {
             one("acceleration_roofing").or(skin),
         ),
         ("acceleration.first_layer", one("acceleration_layer_0")),
-        ("acceleration.travel", one("acceleration_travel")),
+        ("printer.travel_acceleration", one("acceleration_travel")),
     ];
     let known = all
         .into_iter()

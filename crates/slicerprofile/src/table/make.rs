@@ -769,11 +769,7 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
     let Some(length) = length.filter(|l| on && *l > 0.0) else {
         return nothing("seams have no slope");
     };
-    let mut out = vec![
-        ("seam_scarf", length.into()),
-        // Scarfs of other slicers rise.
-        ("seam_scarf_rise", true.into()),
-    ];
+    let mut out = vec![("seam_scarf", length.into())];
     let start = ["seam_slope_start_height", "scarf_seam_start_height"]
         .iter()
         .find_map(|key| given.values.first(key));
@@ -782,9 +778,10 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
         let of_height = || Some(100.0 * parse(text)? / height?);
         share(text).or_else(of_height)
     });
-    if let Some(percent) = percent {
-        out.push(("seam_scarf_start", percent.clamp(0.0, 90.0).into()));
-    }
+    // Scarfs of other slicers rise, from the layer below if nothing is said.
+    const BEGINNING: f64 = 10.0;
+    let start = percent.map_or(BEGINNING, |p| p.clamp(0.0, 90.0));
+    out.push(("seam_scarf_start", start.into()));
     Outcome::of(out)
 }
 

@@ -303,7 +303,7 @@ mod tests {
                 Orca,
                 "seam_slope_type=all; seam_slope_min_length=10; \
                  seam_slope_start_height=0.05; layer_height=0.2",
-                "layer_height=0.2; seam_scarf=10; seam_scarf_rise=true; \
+                "layer_height=0.2; seam_scarf=10; \
                  seam_scarf_start=25"
                     .into(),
             ),
@@ -443,7 +443,7 @@ mod tests {
         let sandwich = "wall_sequence=inner-outer-inner wall";
         assert_eq!(translated(Slicer::Orca, sandwich).lost.len(), 1);
         let scarf = settings(Slicer::Orca, "seam_slope_type=external");
-        assert_eq!(scarf, "seam_scarf=20; seam_scarf_rise=true");
+        assert_eq!(scarf, "seam_scarf=20; seam_scarf_start=10");
         for word in ["auto_brim", "painted"] {
             let profile = format!("brim_type={word}; brim_width=5");
             assert_eq!(translated(Slicer::Orca, &profile).lost.len(), 2);

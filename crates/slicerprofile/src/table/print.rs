@@ -111,7 +111,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "scarf_seam_placement", "scarf_seam_length", "seam_slope_start_height",
         "scarf_seam_start_height"
         => Made {
-            settings: &["seam_scarf", "seam_scarf_rise", "seam_scarf_start"],
+            settings: &["seam_scarf", "seam_scarf_start"],
             how: "the slope's length, if walls have one; heights become shares \
                   of the layer's",
             make: Make(make::scarf),
@@ -223,7 +223,7 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "bridge_acceleration" => To("acceleration.bridge", As::Amount);
     BOTH Print: "first_layer_acceleration", "initial_layer_acceleration"
         => To("acceleration.first_layer", As::Amount);
-    BOTH Print: "travel_acceleration" => To("acceleration.travel", As::Amount);
+    BOTH Print: "travel_acceleration" => To("printer.travel_acceleration", As::Amount);
     BOTH Print: "default_jerk"
         => To("printer.square_corner_velocity", As::Positive);
     BOTH Print: "skirts", "skirt_loops" => To("skirt.loops", As::Number);
@@ -304,10 +304,10 @@ pub(super) static ROWS: &[Row] = rows! {
         => To(
             "gcode.arcs",
             As::Words(&[
-                ("1", "on"),
-                ("emit_center", "on"),
-                ("emit_radius", "on"),
-                ("bambu", "on"),
+                ("1", "true"),
+                ("emit_center", "true"),
+                ("emit_radius", "true"),
+                ("bambu", "true"),
                 ("0", ""),
                 ("disabled", ""),
             ]),

@@ -6,7 +6,7 @@ use super::*;
 fn triangles_stay_triangles_when_they_are_moved() {
     let area = square(30.0);
     let border = Border::new(&area);
-    for phase in [0.0, 0.2, 0.5, 0.77] {
+    for x in [0.0, 0.2, 0.5, 0.77] {
         let layer = Layer {
             border: &border,
             margin: 0.0,
@@ -14,9 +14,8 @@ fn triangles_stay_triangles_when_they_are_moved() {
             z: 0.7,
             density: Density::Even(0.15),
             solid: 0.4,
-            origin: DVec2::new(1.0, 2.0),
+            origin: DVec2::new(x, 2.0),
             angle: 10.0,
-            phase,
             shortest: 0.4,
         };
         let lines: Vec<(DVec2, DVec2)> = triangles::Triangles
@@ -43,7 +42,7 @@ fn triangles_stay_triangles_when_they_are_moved() {
                 }
                 let off = |&c: &(DVec2, DVec2)| way(c).perp_dot(p - c.0).abs();
                 let near = third.iter().map(off).fold(1e9, f64::min);
-                assert!(near < 1e-9, "{phase}: {near}");
+                assert!(near < 1e-9, "{x}: {near}");
                 met += 1;
             }
         }
@@ -62,25 +61,25 @@ fn paths_are_long_and_stay_inside() {
         let plan = even(kind, 20.0);
         let places = [0, 7, 12].map(layer);
         for (i, beads) in lay(&plan, HERE, &area, places).iter().enumerate() {
-            for p in beads.iter().flat_map(|b| &b.points) {
+            for p in beads.iter().flat_map(|b| &b.stroke.points) {
                 assert!(grid.contains(*p), "{kind:?}: {p}");
                 let (_, near) = grid.nearest(*p).unwrap();
                 assert!(near.distance(*p) > 0.1, "{kind:?}: {p}");
             }
             // Without joins there would be about 80 paths.
-            let open = beads.iter().filter(|b| !b.closed).count();
+            let open = beads.iter().filter(|b| !b.stroke.closed).count();
             assert!(open <= 20, "{kind:?}, layer {i}: {open} paths");
         }
     }
 }
 
 /// Points of the pattern far from any border.
-fn points(plan: &InfillPlan, site: Site, at: Target) -> Vec<DVec2> {
+fn points(plan: &InfillPlan, site: Site, at: LayerSpan) -> Vec<DVec2> {
     let beads = lay(plan, site, &square(40.0), [at]).remove(0);
     // Where the lines cross the middle row.
     let mut on_row: Vec<DVec2> = beads
         .iter()
-        .flat_map(|b| b.segments().collect::<Vec<_>>())
+        .flat_map(|b| b.stroke.segments().collect::<Vec<_>>())
         .filter(|(a, b)| (a.y > 0.3) != (b.y > 0.3))
         .map(|(a, b)| a.lerp(b, (0.3 - a.y) / (b.y - a.y)))
         .filter(|p| p.x.abs() < 30.0)
@@ -90,7 +89,7 @@ fn points(plan: &InfillPlan, site: Site, at: Target) -> Vec<DVec2> {
 }
 
 #[test]
-fn angle_phase_and_centre_move_the_pattern() {
+fn angle_and_part_move_the_pattern() {
     for kind in InfillPattern::ALL {
         let plain = even(kind, 20.0);
         let at = layer(5);
@@ -110,42 +109,16 @@ fn angle_phase_and_centre_move_the_pattern() {
             angle: 20.0,
             ..plain.clone()
         };
-        let moved = InfillPlan {
-            phase: 0.3,
-            ..plain.clone()
-        };
-        let bed = InfillPlan {
-            centre: InfillCentre::Bed,
-            ..plain.clone()
-        };
         let aside = DVec2::new(0.7, 0.4);
         let part_aside = Site {
             part: HERE.part.moved(aside),
             ..HERE
         };
-        let bed_aside = Site { bed: aside, ..HERE };
         for (what, other) in [
             ("angle", points(&turned, HERE, at)),
-            ("phase", points(&moved, HERE, at)),
             ("part", points(&plain, part_aside, at)),
-            ("bed", points(&bed, bed_aside, at)),
         ] {
             assert!(differs(&other), "{kind:?}: {what}");
         }
-        let same = points(&plain, bed_aside, at);
-        assert!(!differs(&same), "{kind:?}");
     }
-}
-
-#[test]
-fn concentric_rings_move_by_the_phase() {
-    let plain = even(InfillPattern::Concentric, 20.0);
-    let moved = InfillPlan {
-        phase: 0.25,
-        ..plain.clone()
-    };
-    let at = layer(0);
-    let first = |plan: &InfillPlan| points(plan, HERE, at)[5].x;
-    let step = spacing(0.45, 0.45, 0.2) / 0.2;
-    assert!((first(&moved) - first(&plain) - 0.25 * step).abs() < 1e-6);
 }
