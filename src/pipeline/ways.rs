@@ -5,7 +5,6 @@
 //! counts passes from one layer to the next.
 
 use super::job::Planned;
-use super::layer::Filled;
 use super::part::{Ordered, PartOrder};
 use super::plans::Plans;
 use super::supported::Top;
