@@ -365,14 +365,8 @@ impl SupportFill<'_> {
         if area.is_empty() {
             return Ok(Vec::new());
         }
-        let height = span.height();
-        let walled = self.posts.walled(area, height);
-        let target = infill::Target {
-            number: span.index,
-            z: span.sample_z(),
-            height,
-        };
-        let lines = self.infill.beads(&walled.fill, target, None)?;
+        let walled = self.posts.walled(area, span.height());
+        let lines = self.infill.beads(&walled.fill, span, None)?;
         let all = walled.beads.into_iter().chain(lines);
         // They are no walls, however they were laid.
         let own = |bead: Bead| Bead::new(self.role, bead.stroke, bead.height);

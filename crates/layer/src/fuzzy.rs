@@ -6,13 +6,13 @@
 //! part always gets one texture, and neighbouring layers get similar ones. The
 //! distance is a setting that may differ from place to place.
 
+use crate::view::LayerFace;
 use glam::{DVec2, DVec3};
 use isoslice_base::random::{mix, share};
 use isoslice_base::units::Mm;
 use isoslice_model::Place;
 use isoslice_model::vary::{Quantity, Surroundings, VaryError};
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::signed_area;
 use isoslice_settings::FuzzySkin;
 
@@ -43,19 +43,17 @@ impl<'a> Fuzzy<'a> {
         }))
     }
 
-    /// Moves the outer walls of a layer whose outline at height `z` above the
-    /// bed is `solid`. The first layer stays smooth, since it has to stick.
+    /// Moves the outer walls of a layer. The first layer stays smooth, since it
+    /// has to stick.
     ///
     /// # Errors
     /// If the thickness has no value somewhere.
     pub fn apply(
         &self,
         beads: &mut [Bead],
-        layer: usize,
-        z: Mm,
-        solid: &EdgeGrid,
+        layer: &LayerFace<'_>,
     ) -> Result<(), VaryError> {
-        if layer == 0 {
+        if layer.span.index == 0 {
             return Ok(());
         }
         for bead in beads {
@@ -65,7 +63,7 @@ impl<'a> Fuzzy<'a> {
             let hole = signed_area(&bead.stroke.points) < 0.0;
             let meant = bead.stroke.closed && (self.skin.holes || !hole);
             if bead.role == Role::OuterWall && meant {
-                self.roughen(bead, z, solid)?;
+                self.roughen(bead, layer)?;
             }
         }
         Ok(())
@@ -74,9 +72,9 @@ impl<'a> Fuzzy<'a> {
     fn roughen(
         &self,
         bead: &mut Bead,
-        z: Mm,
-        solid: &EdgeGrid,
+        layer: &LayerFace<'_>,
     ) -> Result<(), VaryError> {
+        let z = layer.span.sample_z();
         let grain = self.skin.grain;
         let dense = resampled(bead, grain / POINTS);
         let mut places: Vec<Place> = Vec::with_capacity(dense.len());
@@ -84,7 +82,7 @@ impl<'a> Fuzzy<'a> {
             dense.iter().map(|p| p.at),
             z,
             self.thickness.uses_depth(),
-            Some(solid),
+            Some(layer.outline.grid()),
             &mut places,
         )?;
         let mut thickness = Vec::with_capacity(dense.len());

@@ -11,7 +11,7 @@
 //! rehearsal finds, and the layers that are rehearsed keep the infill that they
 //! keep there.
 
-use super::super::layer::{Filled, Layer};
+use super::super::layer::{Filled, Layer, view};
 use super::super::stages::Stages;
 use super::super::{BLOCK, SliceError};
 use glam::DVec2;
@@ -195,11 +195,11 @@ impl Window<'_> {
         let Some(below) = under.filter(|_| !areas.skin.is_empty()) else {
             return Ok(Bridges::default());
         };
-        let (layers, levels) = (self.layers, &below.levels);
+        let view = view(self.layers, i);
         let made = self.pool.install(|| {
             let (walls, under) = (&beads.walls, below.under());
             self.stages
-                .over_infill(layers, i, areas, walls, under, levels)
+                .over_infill(&view, areas, walls, under, &below.levels)
         })?;
         let Some(over) = made else {
             return Ok(Bridges::default());

@@ -6,7 +6,7 @@ mod reach;
 #[cfg(test)]
 mod tests;
 
-pub use interlock::{Beside, Interlock};
+pub use interlock::Interlock;
 pub use overhang::Support;
 pub use reach::Reach;
 

@@ -74,7 +74,7 @@ fn paths_are_long_and_stay_inside() {
 }
 
 /// Points of the pattern far from any border.
-fn points(plan: &InfillPlan, site: Site, at: Target) -> Vec<DVec2> {
+fn points(plan: &InfillPlan, site: Site, at: LayerSpan) -> Vec<DVec2> {
     let beads = lay(plan, site, &square(40.0), [at]).remove(0);
     // Where the lines cross the middle row.
     let mut on_row: Vec<DVec2> = beads

@@ -7,7 +7,7 @@ fn an_expression_is_a_surface_or_a_solid() {
     let area = square(20.0);
     let surface = shape("sqrt(x*x + y*y) - 0.1*z - 9", false);
     let at = layer(24);
-    let radius = 9.0 + 0.1 * at.z;
+    let radius = 9.0 + 0.1 * at.sample_z();
     let beads = lay(&surface, HERE, &area, [at]).remove(0);
     assert_eq!(beads.len(), 1);
     assert!(beads[0].stroke.closed);
@@ -56,7 +56,7 @@ fn expressions_have_both_sides_of_a_sheet() {
     let border = Border::new(&area);
     assert!(beads.len() > 1 && beads.iter().all(|b| b.stroke.points.len() > 1));
     let f = |p: &DVec2| {
-        let (x, y, z) = (0.5 * p.x, 0.5 * p.y, 0.5 * at.z);
+        let (x, y, z) = (0.5 * p.x, 0.5 * p.y, 0.5 * at.sample_z());
         x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos()
     };
     for p in beads.iter().flat_map(|b| &b.stroke.points) {
