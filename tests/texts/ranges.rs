@@ -141,7 +141,7 @@ fn internal_bridges() {
 fn more_layers_of_internal_bridges() {
     // Stairs whose bridges lie on both sides of where a block begins.
     for layers in ["2", "3"] {
-        let layers = format!("internal_bridge_layers={layers}");
+        let layers = format!("internal_bridges={layers}");
         let settings = common::settings(&[
             "internal_bridges=true",
             "infill_density=8",

@@ -110,7 +110,7 @@ impl Stages<'_> {
         };
         let solid = layer.outline.grid();
         self.timings.time(Stage::Infill, || {
-            if self.settings.spiral {
+            if self.settings.is_vase() {
                 Ok(Vec::new())
             } else {
                 self.infill.beads(sparse, target, Some(solid))

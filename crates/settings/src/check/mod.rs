@@ -99,7 +99,7 @@ fn uneven_growth(s: &Settings) -> Result<(), Conflict> {
     if s.xy_compensation.constant().is_some() {
         return Ok(());
     }
-    let (key, remedy) = if s.spiral {
+    let (key, remedy) = if s.is_vase() {
         ("spiral", "spiral = true")
     } else if s.wall_offset == WallOffset::Field {
         ("wall_offset", "wall_offset = \"field\"")
@@ -252,7 +252,7 @@ fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
     if s.raft.layers == 0 {
         return Ok(());
     }
-    if s.spiral {
+    if s.is_vase() {
         return Err(conflict(
             ["raft.layers", "spiral"],
             "a climbing wall (spiral = true) stands on the bed and not on a \
@@ -318,7 +318,7 @@ fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
 /// Refuses what cannot stand beside a climbing wall: the nozzle would have to
 /// leave the wall in every layer.
 fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
-    if !s.spiral {
+    if !s.is_vase() {
         return Ok(());
     }
     if s.draft_shield != DraftShield::Off {

@@ -296,8 +296,7 @@ mod tests {
             (
                 Prusa,
                 "draft_shield=enabled; skirt_distance=4",
-                "draft_shield=full; draft_shield_gap=4; skirt.distance=4"
-                    .into(),
+                "draft_shield=full; skirt.distance=4".into(),
             ),
             (
                 Orca,
