@@ -79,7 +79,7 @@ fn meant(share: f64, own: f64) -> f64 {
 fn walls_are_slower_the_farther_they_reach() {
     let steps = "speed.overhang=50: 20, 100: 25%";
     let fan = "cooling.overhang_fan_speed=60: 80";
-    let gcode = sliced(LEANING, &[steps, fan, "speed.overhang=3"]);
+    let gcode = sliced(LEANING, &[steps, fan]);
     let layers = upper(&gcode);
     let (mut least, mut speeds) = (f64::INFINITY, Vec::new());
     for layer in &layers {

@@ -121,14 +121,7 @@ fn something_is_printed(s: &Settings) -> Result<(), Conflict> {
     let solid = s.top_layers() + s.bottom_layers() > 0;
     if s.walls == 0 && !solid && s.is_hollow() {
         return Err(conflict(
-            [
-                "walls",
-                "infill_density",
-                "top_layers",
-                "top_thickness",
-                "bottom_layers",
-                "bottom_thickness",
-            ],
+            ["walls", "infill_density", "top_layers", "bottom_layers"],
             "with walls = 0, infill_density = 0% and neither top nor bottom \
              layers nothing is printed; set walls to 1 or more"
                 .to_owned(),
@@ -334,12 +327,7 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
     let skirt = s.skirt.layers;
     if s.is_uniform() && s.skirt.loops > 0 && skirt > flat {
         return Err(conflict(
-            [
-                "skirt.layers",
-                "spiral",
-                "bottom_layers",
-                "bottom_thickness",
-            ],
+            ["skirt.layers", "spiral", "bottom_layers"],
             format!(
                 "skirt.layers = {skirt} would stand beside the climbing wall \
                  (spiral = true), which begins after {flat} flat layers and \
