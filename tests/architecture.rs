@@ -55,8 +55,9 @@ const ORDER: &[(&str, Steps)] = &[
     (
         "crates/layer/src",
         &[
-            // Any stage that makes strokes may thin them.
-            &["resolution"],
+            // Any stage that makes strokes may thin them, and all stages may ask
+            // what is around a layer.
+            &["resolution", "view"],
             &["region"],
             &["walls", "fuzzy", "skin", "infill", "adhesion"],
             // `hang` finds what hangs, except for what the skin's bridges hold.

@@ -15,15 +15,14 @@ use super::pacing::Pacing;
 use super::part::{Ordered, PartOrder};
 use super::ways::{PartDone, PartTravel, Passed};
 use super::{BLOCK, Options, SliceError};
-use crate::report::{self, RoleSum};
+use crate::report;
 use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::timings::{Stage, Timings};
-use isoslice_base::units::{Mm, Mm3, Seconds};
+use isoslice_base::units::{Mm, Mm3};
 use isoslice_gcode::{Totals, Writer};
-use isoslice_path::pace::{PacedLayer, PacedMove};
+use isoslice_path::pace::{PacedLayer, PacedMove, Sums};
 use isoslice_planar::bead::Role;
-use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 
@@ -51,29 +50,19 @@ struct Text<'a, 'w> {
     /// Number of layers that were written.
     done: usize,
     timings: &'a Timings,
-    printing: usize,
-    slowed: usize,
-    /// Time lost, by its cause.
-    lost: BTreeMap<&'static str, Seconds>,
+    sums: Sums,
     /// Volume extruded at each place.
     extruded: Vec<Mm3>,
-    /// What the beads of each role amount to.
-    roles: BTreeMap<&'static str, RoleSum>,
 }
 
 /// The results of a plate.
 pub(super) struct Done {
     /// The results of each part.
     pub parts: Vec<PartDone>,
-    /// The number of moves that print, and how many of them had to be slowed.
-    pub printing: usize,
-    pub slowed: usize,
-    /// Time lost, by its cause.
-    pub lost: BTreeMap<&'static str, Seconds>,
+    /// What the beads amount to.
+    pub sums: Sums,
     /// Volume extruded at each place.
     pub extruded: Vec<Mm3>,
-    /// What the beads of each role amount to.
-    pub roles: BTreeMap<&'static str, RoleSum>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// What the print takes: time and filament.
@@ -107,11 +96,8 @@ impl<'a, 'w> Exit<'a, 'w> {
                 layers: job.extent.layers.clone(),
                 done: 0,
                 timings: job.stopwatch(),
-                printing: 0,
-                slowed: 0,
-                lost: BTreeMap::new(),
+                sums: Sums::default(),
                 extruded: vec![0.0; job.plate.shifts().len()],
-                roles: BTreeMap::new(),
             },
         }
     }
@@ -184,12 +170,9 @@ impl<'a, 'w> Exit<'a, 'w> {
         let text = self.text;
         Ok(Done {
             parts: parts.map(|(order, ways)| ways.finish(order)).collect(),
-            printing: text.printing,
-            slowed: text.slowed,
-            lost: text.lost,
+            sums: text.sums,
             extruded: text.extruded,
             warnings: self.pacing.warnings,
-            roles: text.roles,
             totals: text.writer.finish()?,
             figures: self.ways.figures,
         })
@@ -250,18 +233,8 @@ impl Text<'_, '_> {
     ) -> Result<(), SliceError> {
         limits::go_on()?;
         if written {
-            self.printing += paced.printing;
-            self.slowed += paced.slowed;
-            for (cause, time) in &paced.lost {
-                *self.lost.entry(cause.name()).or_default() += time;
-            }
+            self.sums.add(&paced.sums);
             self.count(paced);
-            for (role, amount) in &paced.amounts {
-                let sum = self.roles.entry(role.name()).or_default();
-                sum.length_mm += amount.length;
-                sum.filament_mm += amount.filament;
-                sum.time_s += amount.time;
-            }
         }
         self.timings.time(Stage::Gcode, || {
             if written {
@@ -299,13 +272,13 @@ fn volume(step: &PacedMove) -> Mm3 {
                 let turn = turns.get(i).copied().flatten();
                 let length = turn.map_or(a.distance(b), |t| t.length(a));
                 length
-                    * if bead.levels.is_empty() {
+                    * if bead.stroke.levels.is_empty() {
                         bead.area()
                     } else {
                         bead.area_along(i)
                     }
             };
-            flow * bead.segments().enumerate().map(along).sum::<Mm3>()
+            flow * bead.stroke.segments().enumerate().map(along).sum::<Mm3>()
         }
         _ => 0.0,
     }

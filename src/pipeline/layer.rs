@@ -8,9 +8,9 @@ use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_layer::hang::Look;
 use isoslice_layer::region::Walls;
-use isoslice_layer::region::exposure::{FillAreas, Window};
+use isoslice_layer::region::exposure::FillAreas;
 use isoslice_layer::seam::{Ground, Guide};
-use isoslice_layer::skin::{Face, Faces};
+use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_path::order::LayerBeads;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
@@ -108,11 +108,26 @@ impl Layer {
         self.unchanged.as_deref().unwrap_or(self.area())
     }
 
-    /// The layer as a neighbour of skin.
-    fn face(&self) -> Face<'_> {
-        Face {
+    /// The layer among others, the nearest first.
+    pub(super) fn among<'l>(
+        &'l self,
+        below: impl IntoIterator<Item = &'l Layer>,
+        above: impl IntoIterator<Item = &'l Layer>,
+    ) -> LayerView<'l> {
+        LayerView {
+            here: self.face(),
+            above: above.into_iter().map(Layer::face).collect(),
+            below: below.into_iter().map(Layer::face).collect(),
+        }
+    }
+
+    /// The layer as others see it.
+    fn face(&self) -> LayerFace<'_> {
+        LayerFace {
+            span: self.span,
             outline: &self.outline,
             rough: &self.rough,
+            top: self.top(),
         }
     }
 
@@ -169,23 +184,9 @@ impl Layer {
     }
 }
 
-/// Layer `i` and the layers around it, as the skin stage looks at them.
-pub(super) fn window(layers: &VecDeque<Layer>, i: usize) -> Window<'_> {
-    Window {
-        number: layers[i].span.index,
-        height: layers[i].span.height(),
-        here: &layers[i].rough,
-        above: layers.range(i + 1..).map(|l| &*l.rough).collect(),
-        below: layers.range(..i).rev().map(|l| &*l.rough).collect(),
-    }
-}
-
-/// The layers right above and below layer `i`.
-pub(super) fn faces(layers: &VecDeque<Layer>, i: usize) -> Faces<'_> {
-    Faces {
-        above: layers.get(i + 1).map(Layer::face),
-        below: layers.range(..i).next_back().map(Layer::face),
-    }
+/// Layer `i` and the layers around it.
+pub(super) fn view(layers: &VecDeque<Layer>, i: usize) -> LayerView<'_> {
+    layers[i].among(layers.range(..i).rev(), layers.range(i + 1..))
 }
 
 /// A layer of a part that has been filled, and its neighbours.

@@ -247,7 +247,7 @@ impl<'a> Pacing<'a> {
             if let Some(at) = self.at {
                 begin_near(&mut bead, at);
             }
-            let Some(&to) = bead.points.first() else {
+            let Some(&to) = bead.stroke.points.first() else {
                 continue;
             };
             let travel = match (self.at, moves.is_empty()) {

@@ -41,8 +41,7 @@ impl Walled {
         let mut walls = support_walls(area, height, plan);
         walls::thin(&mut walls, resolution);
         Walled {
-            // Small ones are printed as others are.
-            beads: walls::beads(&walls, height, 0.0),
+            beads: walls::beads(&walls, height),
             fill: walls.fill,
         }
     }
@@ -51,7 +50,7 @@ impl Walled {
     fn add(&mut self, other: &Walled, by: DVec2) {
         self.beads.extend(other.beads.iter().map(|bead| {
             let mut bead = bead.clone();
-            bead.points.iter_mut().for_each(|p| *p += by);
+            bead.stroke.points.iter_mut().for_each(|p| *p += by);
             bead
         }));
         let moved = other.fill.rings.iter();
@@ -178,12 +177,16 @@ mod tests {
             let alone = Walled::new(&area, 0.2, &posts.plan, posts.resolution);
             assert_eq!(found.beads.len(), alone.beads.len());
             for (a, b) in found.beads.iter().zip(&alone.beads) {
-                assert_eq!((a.closed, a.role), (b.closed, b.role));
+                assert_eq!(
+                    (a.stroke.closed, a.role),
+                    (b.stroke.closed, b.role)
+                );
                 // They may begin elsewhere.
-                let near =
-                    |p: &DVec2| b.points.iter().any(|q| p.distance(*q) < 2e-4);
-                assert_eq!(a.points.len(), b.points.len());
-                assert!(a.points.iter().all(near), "{a:?} {b:?}");
+                let near = |p: &DVec2| {
+                    b.stroke.points.iter().any(|q| p.distance(*q) < 2e-4)
+                };
+                assert_eq!(a.stroke.points.len(), b.stroke.points.len());
+                assert!(a.stroke.points.iter().all(near), "{a:?} {b:?}");
             }
         }
         assert_eq!(posts.sizes.lock().unwrap().len(), 1);
@@ -200,7 +203,10 @@ mod tests {
         let second = posts.walled(&of(9.0), 0.2);
         assert_eq!((count(), second.beads.len()), (2, 2));
         let points = |beads: &[Bead]| -> Vec<Vec<DVec2>> {
-            beads.iter().map(|bead| bead.points.clone()).collect()
+            beads
+                .iter()
+                .map(|bead| bead.stroke.points.clone())
+                .collect()
         };
         assert_eq!(points(&first.beads[2..]), points(&second.beads));
         assert_eq!(first.fill.rings[1], second.fill.rings[0]);

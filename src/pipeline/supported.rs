@@ -269,7 +269,7 @@ impl<'a> Supported<'a> {
         beads.extend(self.body.beads(&slice.body, &own)?);
         for bead in &mut beads {
             let standing = || {
-                let from = bead.points.first();
+                let from = bead.stroke.points.first();
                 from.is_some_and(|p| slice.standing.contains(*p))
             };
             let deeper = match span.index == self.raft {
@@ -281,7 +281,7 @@ impl<'a> Supported<'a> {
             if deeper != 0.0 {
                 // Lines of the usual width are wide enough for that height.
                 // Lines that fit into a thin place may not be.
-                let most = Settings::FLAT * bead.width;
+                let most = Settings::FLAT * bead.stroke.width;
                 bead.height = (bead.height + deeper).min(most);
             }
         }
@@ -365,19 +365,11 @@ impl SupportFill<'_> {
         if area.is_empty() {
             return Ok(Vec::new());
         }
-        let height = span.height();
-        let walled = self.posts.walled(area, height);
-        let target = infill::Target {
-            number: span.index,
-            z: span.sample_z(),
-            height,
-        };
-        let lines = self.infill.beads(&walled.fill, target, None)?;
-        let mut beads = walled.beads;
-        beads.extend(lines);
-        for bead in &mut beads {
-            bead.role = self.role;
-        }
-        Ok(beads)
+        let walled = self.posts.walled(area, span.height());
+        let lines = self.infill.beads(&walled.fill, span, None)?;
+        let all = walled.beads.into_iter().chain(lines);
+        // They are no walls, however they were laid.
+        let own = |bead: Bead| Bead::new(self.role, bead.stroke, bead.height);
+        Ok(all.map(own).collect())
     }
 }

@@ -17,7 +17,7 @@ use isoslice_base::units::Mm;
 use isoslice_layer::hang::Hanging;
 use isoslice_layer::hang::foot::Foot;
 use isoslice_layer::seam::ending::Ended;
-use isoslice_layer::walls::{Beside, Interlock, Reach};
+use isoslice_layer::walls::{Interlock, Reach};
 use isoslice_path::pace::rates;
 use isoslice_path::relief::{Relief, Side, Site};
 use isoslice_path::travel::{Ground, LayerPath, Move, connect};
@@ -144,7 +144,7 @@ impl<'a> PartTravel<'a> {
                 let first = index == self.settings.raft_layers();
                 let on_pads = first && support.peek().is_some();
                 self.tally.support +=
-                    support.map(|b| b.area() * b.length()).sum::<f64>();
+                    support.map(|b| b.area() * b.stroke.length()).sum::<f64>();
                 self.beads += count;
                 if index >= self.settings.raft_layers() {
                     // What begins above an empty first layer stands on supports.
@@ -196,19 +196,8 @@ impl<'a> PartTravel<'a> {
 
     /// A layer's beads. Walls that lie half a layer lower are in their places.
     fn interlocked(&self, beads: Vec<Ended>, filled: &Filled) -> Vec<Ended> {
-        let outline = &filled.layer.outline;
-        let [below, above] = [&filled.below, &filled.above].map(|other| {
-            other.as_ref().map(|other| Beside {
-                height: other.span.height(),
-                outline: (!outline.is(&other.outline))
-                    .then(|| other.outline.grid()),
-            })
-        });
-        let interlock = Interlock {
-            outline: outline.grid(),
-            below,
-            above,
-        };
+        let view = filled.layer.among(&filled.below, &filled.above);
+        let interlock = Interlock(&view);
         let mut out = Vec::with_capacity(beads.len());
         for Ended { bead, wipe } in beads {
             let placed = interlock.placed(bead, self.plans.resolution);
@@ -251,7 +240,7 @@ impl<'a> PartTravel<'a> {
             let all = beads.iter_mut().map(|ended| &mut ended.bead);
             for bead in all.filter(|bead| bead.role.is_support()) {
                 bead.plane = rise;
-                bead.rise_by(rise);
+                bead.stroke.rise_by(rise);
             }
         }
         Ok(beads)

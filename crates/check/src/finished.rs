@@ -11,7 +11,7 @@ use isoslice_base::limits::MOST_PARTS;
 use isoslice_base::units::Mm;
 use isoslice_gcode_read::reader::{Move, Role};
 use isoslice_planar::Rect;
-use isoslice_settings::{PlateSequence, Settings};
+use isoslice_settings::Printer;
 
 /// What rounding may add to a distance, or take away.
 const ROUNDED: Mm = 1e-2;
@@ -30,13 +30,8 @@ pub(crate) struct HeadRoom {
 }
 
 impl HeadRoom {
-    /// The room that matters with these settings: none where all parts grow
-    /// together, or where it is not known.
-    pub(super) fn of(settings: &Settings) -> Option<HeadRoom> {
-        let printer = &settings.printer;
-        if settings.plate.sequence != PlateSequence::OneByOne {
-            return None;
-        }
+    /// The room that the head of a printer needs, if that is known.
+    pub(super) fn of(printer: &Printer) -> Option<HeadRoom> {
         Some(HeadRoom {
             radius: printer.head_clearance_radius?,
             free_below: printer.head_clearance_height,

@@ -69,7 +69,7 @@ impl<W: Write> Writer<'_, W> {
             self.role = Some(bead.role);
             self.on_way = false;
         }
-        let width = self.count("bead width", bead.width, WIDTH)?;
+        let width = self.count("bead width", bead.stroke.width, WIDTH)?;
         let height = self.count("bead height", bead.height, WIDTH)?;
         if let Some(words) = comments::words(self.plan.comments) {
             if self.shows_width(bead.role, width) {
@@ -86,16 +86,16 @@ impl<W: Write> Writer<'_, W> {
         let own = self.plan.filament_area;
         let filament = |area: Mm2| area * flow / own;
         let area = filament(bead.area());
-        let mut path = bead.path();
+        let mut path = bead.stroke.path();
         if let Some(start) = path.next() {
             self.begin_at(
                 start,
-                self.top + bead.rise(0).unwrap_or(0.0),
+                self.top + bead.stroke.rise(0).unwrap_or(0.0),
                 speed,
             )?;
         }
         for (i, p) in path.enumerate() {
-            if let Some(rise) = bead.rise(i + 1) {
+            if let Some(rise) = bead.stroke.rise(i + 1) {
                 let area = filament(bead.area_along(i));
                 self.go_up(p.extend(self.top + rise), speed, area)?;
                 continue;

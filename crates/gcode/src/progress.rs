@@ -258,7 +258,7 @@ impl Clock {
 
 fn printing(step: &PacedMove) -> Seconds {
     match step {
-        PacedMove::Print { bead, speed, .. } => bead.length() / speed,
+        PacedMove::Print { bead, speed, .. } => bead.stroke.length() / speed,
         _ => 0.0,
     }
 }

@@ -4,7 +4,7 @@
 use crate::{Header, Totals, WriteError, Writer, WriterPlan};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::filament_area;
-use isoslice_path::pace::{PacePlan, PacedLayer, PacedMove, Pacer};
+use isoslice_path::pace::{PacePlan, PacedLayer, PacedMove, Pacer, Sums};
 use isoslice_path::travel::{LayerPath, Move, Travel};
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_settings::layers::LayerSpan;
@@ -248,7 +248,7 @@ fn volume(job: &[LayerPath]) -> f64 {
     job.iter()
         .flat_map(|l| &l.moves)
         .map(|m| match m {
-            Move::Print(b) => b.area() * b.length(),
+            Move::Print(b) => b.area() * b.stroke.length(),
             Move::Travel(_) => 0.0,
         })
         .sum()
@@ -324,7 +324,7 @@ fn numbers_are_plain() {
             for m in job.iter_mut().flat_map(|l| &mut l.moves) {
                 let at = match m {
                     Move::Travel(travel) => &mut travel.points,
-                    Move::Print(b) => &mut b.points,
+                    Move::Print(b) => &mut b.stroke.points,
                 };
                 for p in at {
                     *p = (*p - DVec2::splat(25.0)) * 1e-3;
@@ -619,10 +619,7 @@ fn what_is_no_number_is_an_error() {
             fan: 0.0,
             nozzle_temperature: 210.0,
             time: 1.0,
-            printing: 0,
-            slowed: 0,
-            lost: std::collections::BTreeMap::new(),
-            amounts: Default::default(),
+            sums: Sums::default(),
         };
         let error = writer.layer(&paced);
         assert!(matches!(
@@ -641,7 +638,7 @@ fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
     let s = settings();
     let mut path = tiny().remove(0);
     if let Some(Move::Print(b)) = path.moves.get_mut(3) {
-        b.points[1].y = f64::NAN;
+        b.stroke.points[1].y = f64::NAN;
     }
     let paced = Pacer::new(&PacePlan::of(&s)).alone(path).unwrap();
     let mut nobody = |_: &[u8]| {};

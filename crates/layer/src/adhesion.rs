@@ -106,8 +106,8 @@ pub fn keep_on_bed(
     BedPlan { bed, shield }: BedPlan,
 ) -> Vec<String> {
     let leaves = |b: &mut Bead| {
-        let half = DVec2::splat(0.5 * b.width);
-        !b.points.iter().all(|&p| {
+        let half = DVec2::splat(0.5 * b.stroke.width);
+        !b.stroke.points.iter().all(|&p| {
             let p = p + offset;
             bed.contains(p - half) && bed.contains(p + half)
         })
@@ -292,7 +292,10 @@ mod tests {
         let without = plan(BrimPlace::None);
         let lengths = |outlines: &[Area], plan: SkirtPlan| {
             let beads = Skirt::new(outlines, plan).beads(0, 0.2);
-            beads.iter().map(|b| b.length()).collect::<Vec<f64>>()
+            beads
+                .iter()
+                .map(|b| b.stroke.length())
+                .collect::<Vec<f64>>()
         };
         let alone = lengths(std::slice::from_ref(&outline), without);
         assert_eq!(alone.len(), 2);
@@ -341,12 +344,13 @@ mod tests {
             let loops = brim(&frame, 0.2, &plan);
             for bead in &loops {
                 assert_eq!(bead.role, Role::Brim);
-                let away = grid.nearest(bead.points[0]).unwrap().1;
-                let k = (away.distance(bead.points[0]) - 0.425) / step;
+                let away = grid.nearest(bead.stroke.points[0]).unwrap().1;
+                let k = (away.distance(bead.stroke.points[0]) - 0.425) / step;
                 assert!((k - k.round()).abs() < 0.02, "{k}");
             }
-            let inside =
-                |b: &&Bead| rect(0.0, 0.0, 30.0, 30.0).contains(b.points[0]);
+            let inside = |b: &&Bead| {
+                rect(0.0, 0.0, 30.0, 30.0).contains(b.stroke.points[0])
+            };
             let within = loops.iter().filter(inside).count();
             (loops.len() - within, within)
         };
@@ -373,7 +377,7 @@ mod tests {
             let loops = brim(&pins, 0.2, &plan);
             let pin = |bead: &Bead| {
                 let inside = |ring: &Ring| {
-                    let area = Area::from(bead.points.clone());
+                    let area = Area::from(bead.stroke.points.clone());
                     area.contains(ring[0])
                 };
                 pins.rings.iter().map(inside).collect::<Vec<bool>>()
@@ -390,7 +394,8 @@ mod tests {
     fn the_brim_comes_from_outside_to_the_part() {
         let plan = BrimPlan::with(|s| s.brim.place = BrimPlace::Outer);
         let loops = brim(&rect(0.0, 0.0, 9.0, 9.0), 0.2, &plan);
-        let lengths: Vec<f64> = loops.iter().map(|b| b.length()).collect();
+        let lengths: Vec<f64> =
+            loops.iter().map(|b| b.stroke.length()).collect();
         assert!(lengths.is_sorted_by(|a, b| a > b), "{lengths:?}");
     }
 }

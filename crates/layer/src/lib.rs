@@ -7,6 +7,7 @@
 //!
 //! | module | what it answers |
 //! |---|---|
+//! | [`view`] | what is around a layer |
 //! | [`resolution`] | how many points a stroke needs |
 //! | [`region`] | where walls lie, and which area inside them is skin or infill |
 //! | [`walls`], [`fuzzy`] | how walls are printed: overhangs, interlocked beads, texture |
@@ -53,4 +54,5 @@ pub mod resolution;
 pub mod seam;
 pub mod skin;
 pub mod support;
+pub mod view;
 pub mod walls;

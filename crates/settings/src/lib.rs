@@ -99,7 +99,8 @@ pub use infill::Infill;
 pub use line_density::LineDensity;
 pub use overhang::{OfOverhangs, OverhangFan, OverhangSpeed};
 pub use rows::{
-    Acceleration, Brim, Cooling, FuzzySkin, Retract, Skirt, Speed, Support,
+    Acceleration, Brim, Cooling, FuzzySkin, Printer, Retract, Skirt, Speed,
+    Support,
 };
 pub use shell::Shell;
 pub use shield::DraftShield;

@@ -6,20 +6,16 @@ use crate::report::{LayerFigures, LayerParts, ReportError};
 use isoslice_base::timings::Stage;
 use isoslice_layer::hang::Look;
 use isoslice_layer::region::{Walls, field_walls, walls};
+use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_layer::walls;
 use isoslice_planar::Area;
-use std::collections::VecDeque;
 
 impl Stages<'_> {
-    /// True if layer `i` of the window needs walls of its own: it is seen from
-    /// above, and tops have fewer walls.
-    pub(in crate::pipeline) fn divides(
-        &self,
-        layers: &VecDeque<Layer>,
-        i: usize,
-    ) -> bool {
-        let covered = |above: &Layer| above.same_outline(&layers[i]);
-        self.may_divide() && !layers.get(i + 1).is_some_and(covered)
+    /// True if a layer needs walls of its own: it is seen from above, and tops
+    /// have fewer walls.
+    pub(in crate::pipeline) fn divides(&self, view: &LayerView<'_>) -> bool {
+        let covered = |above: &LayerFace<'_>| above.is_like(&view.here);
+        self.may_divide() && !view.above.first().is_some_and(covered)
     }
 
     /// True if walls may depend on the layer above.
@@ -27,16 +23,16 @@ impl Stages<'_> {
         self.plans.walls.around_tops < self.plans.walls.count
     }
 
-    /// The walls of layer `i` of the window and what they leave.
+    /// The walls of a layer and what they leave.
     pub(in crate::pipeline) fn inside(
         &self,
-        layers: &VecDeque<Layer>,
-        i: usize,
+        layer: &Layer,
+        view: &LayerView<'_>,
     ) -> Inside {
         let nothing = Area::EMPTY;
-        let above = layers.get(i + 1).map_or(&nothing, Layer::area);
-        let above = self.divides(layers, i).then_some(above);
-        self.inside_below(&layers[i], above)
+        let above = view.above.first();
+        let above = above.map_or(&nothing, |above| above.outline.area());
+        self.inside_below(layer, self.divides(view).then_some(above))
     }
 
     /// A layer's walls and what they leave. There are fewer walls around what
@@ -105,23 +101,22 @@ impl Stages<'_> {
             .time(Stage::Report, || self.gauge.layer(parts, k))
     }
 
-    /// How layer `i` of the window lies over the layer below. None if their
-    /// outlines are equal, or if layer `i` is the first.
+    /// How a layer lies over the layer below. None if their outlines are equal,
+    /// or if the layer is the first.
     pub(in crate::pipeline) fn look(
         &self,
-        layers: &VecDeque<Layer>,
-        i: usize,
+        view: &LayerView<'_>,
     ) -> Option<Look> {
-        let (here, below) = (&layers[i], layers.get(i.checked_sub(1)?)?);
+        let (here, below) = (&view.here, view.below.first()?);
         let span = here.span;
         // A raft holds all that is on it.
-        if here.same_outline(below) || self.is_on_raft(span.index) {
+        if here.is_like(below) || self.is_on_raft(span.index) {
             return None;
         }
         Some(self.timings.time(Stage::Hang, || {
             Look::new(
-                &here.outline,
-                &below.outline,
+                here.outline,
+                below.outline,
                 span.index,
                 span.height(),
                 self.settings,

@@ -2,10 +2,10 @@
 
 use super::{ALL_LAYERS, Stages};
 use crate::pipeline::SliceError;
-use crate::pipeline::layer::Layer;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::{Skirt, SkirtPlan, loops};
+use isoslice_layer::view::LayerFace;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Ring};
@@ -90,16 +90,17 @@ impl Stages<'_> {
     }
 
     /// The skirt and the brim of a layer.
-    pub(super) fn loops(&self, layer: &Layer) -> Vec<Bead> {
+    pub(super) fn loops(&self, layer: &LayerFace<'_>) -> Vec<Bead> {
         let number = layer.span.index;
         let beside = match number {
             0 => self.support_area(number),
             _ => None,
         };
-        let beside = beside.map(|area| union(&area, layer.area()));
+        let outline = layer.outline.area();
+        let beside = beside.map(|area| union(&area, outline));
         loops(
             number,
-            beside.as_ref().unwrap_or(layer.area()),
+            beside.as_ref().unwrap_or(outline),
             layer.span.height(),
             self.skirt.as_ref(),
             &self.plans.adhesion,

@@ -12,7 +12,7 @@ mod lower;
 pub(super) mod plate;
 
 use super::SliceError;
-use super::layer::{Filled, Inside, Layer};
+use super::layer::{Filled, Inside, Layer, view};
 use super::options::Extent;
 use super::stages::Stages;
 use isoslice_base::limits;
@@ -183,8 +183,10 @@ impl<'a> Supply<'a> {
                 _ => groups.push(i..i + 1),
             }
         }
+        let view = |i: usize| view(layers, i);
         let fill = |i: usize, inside: &Inside| {
             let index = layers[i].span.index;
+            let view = view(i);
             let below = i.checked_sub(1);
             let figures = if self.layers.contains(&index) {
                 let k = index - self.layers.start;
@@ -192,7 +194,7 @@ impl<'a> Supply<'a> {
             } else {
                 None
             };
-            let (beads, areas) = stages.beads(layers, i, inside)?;
+            let (beads, areas) = stages.beads(&view, inside)?;
             let bridges = stages.rehearsed_bridges() > 0;
             Ok(Filled {
                 layer: layers[i].without_inside(),
@@ -207,11 +209,12 @@ impl<'a> Supply<'a> {
                     .on_which_supports_stand(&layers[i].span)
                     .map(Solid::new),
                 held: stages.held_by_support(index).map(Solid::new),
-                look: stages.look(layers, i),
+                look: stages.look(&view),
                 gap: inside.walls.gap,
                 figures,
             })
         };
+        let own = |i: usize| stages.inside(&layers[i], &view(i));
         let fill_group = |group: &Range<usize>| {
             let first = group.start;
             let below = first
@@ -221,16 +224,16 @@ impl<'a> Supply<'a> {
             let known = [Some(&layers[first]), below].into_iter().flatten();
             let known = known.filter_map(|layer| layer.inside.clone()).next();
             // The highest of several equal layers may be a top.
-            let alike =
-                group.end - usize::from(stages.divides(layers, group.end - 1));
+            let highest = view(group.end - 1);
+            let alike = group.end - usize::from(stages.divides(&highest));
             let inside = known.or_else(|| {
                 let alike = first < alike;
-                alike.then(|| Arc::new(stages.inside(layers, first)))
+                alike.then(|| Arc::new(own(first)))
             });
             let filled = group.clone().into_par_iter();
             let filled = filled.map(|i| match &inside {
                 Some(inside) if i < alike => fill(i, inside),
-                _ => fill(i, &stages.inside(layers, i)),
+                _ => fill(i, &own(i)),
             });
             Ok((all_or_first(filled.collect())?, inside))
         };

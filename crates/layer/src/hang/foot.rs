@@ -116,13 +116,13 @@ impl Foot {
         let mut rim: Vec<(DVec2, Mm)> =
             rings().flatten().map(|p| (*p - origin, 0.0)).collect();
         for bead in brim(outline, height, &BrimPlan::of(settings)) {
-            let half = 0.5 * bead.width;
-            for (a, b) in edges(&bead.points) {
+            let half = 0.5 * bead.stroke.width;
+            for (a, b) in edges(&bead.stroke.points) {
                 if pads.contains(a.midpoint(b)) {
                     continue;
                 }
                 let (a, b) = (a - origin, b - origin);
-                moments.point(a.midpoint(b), a.distance(b) * bead.width);
+                moments.point(a.midpoint(b), a.distance(b) * bead.stroke.width);
                 rim.push((a, half));
             }
         }

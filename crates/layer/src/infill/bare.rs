@@ -32,7 +32,7 @@ pub fn fill_bare(areas: &mut FillAreas, infill: &[Bead], plan: &InfillPlan) {
     let mut has = vec![false; islands.len()];
     for bead in infill {
         // A bead's ends lie on the walls or the skin around the island.
-        for (a, b) in bead.segments() {
+        for (a, b) in bead.stroke.segments() {
             if let Some(island) = nest.around(a.midpoint(b)) {
                 has[island] = true;
             }

@@ -51,19 +51,9 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
 use isoslice_settings::InfillPattern;
+use isoslice_settings::layers::LayerSpan;
 use shape::{Around, Shape};
 use sheet::{Sheet, Surface};
-
-/// Which layer is to be filled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
-    /// Number of the layer, from 0.
-    pub number: usize,
-    /// Height of the layer's sample plane above the bed.
-    pub z: Mm,
-    /// Height of the layer itself.
-    pub height: Mm,
-}
 
 /// How dense a layer's pattern is.
 #[derive(Clone, Copy, Debug)]
@@ -308,11 +298,11 @@ impl<'a> Infill<'a> {
     pub fn beads(
         &self,
         sparse: &Area,
-        target: Target,
+        span: &LayerSpan,
         solid: Option<&EdgeGrid>,
     ) -> Result<Vec<Bead>, InfillError> {
         let plan = &self.plan;
-        let width = plan.width;
+        let (width, height) = (plan.width, span.height());
         if sparse.is_empty() || plan.is_hollow() {
             return Ok(Vec::new());
         }
@@ -334,32 +324,32 @@ impl<'a> Infill<'a> {
             Kind::Shape(_) => Some(100.0),
         };
         let grading = match even {
-            None => Some(self.grading(border.bounds(), target.z, around)?),
+            None => {
+                Some(self.grading(border.bounds(), span.sample_z(), around)?)
+            }
             Some(_) => None,
         };
         let layer = Layer {
             border: &border,
             margin,
-            number: target.number,
-            z: target.z,
+            number: span.index,
+            z: span.sample_z(),
             density: match (&grading, even) {
                 (Some(grading), _) => Density::Graded(grading),
                 (None, share) => Density::Even(share.unwrap_or(100.0) / 100.0),
             },
-            solid: spacing(width, width, target.height),
+            solid: spacing(width, width, height),
             origin: self.origin,
             angle: plan.angle,
             shortest: width,
         };
-        let bead =
-            |stroke| Bead::new(Role::SparseInfill, stroke, target.height);
+        let bead = |stroke| Bead::new(Role::SparseInfill, stroke, height);
         let (pieces, reach) = match &self.kind {
             Kind::Pattern(pattern) => {
                 (pattern.pieces(&layer), pattern.reach(&layer))
             }
             Kind::Shape(shape) if plan.solid => {
-                let lines =
-                    shape.solid(sparse, &layer, around, target.height, plan);
+                let lines = shape.solid(sparse, &layer, around, height, plan);
                 return Ok(lines?.into_iter().map(bead).collect());
             }
             Kind::Shape(shape) => {

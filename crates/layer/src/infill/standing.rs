@@ -68,15 +68,20 @@ impl Standing {
         }
         let below = self.below.take();
         let held = |bead: &Bead, by: &EdgeGrid| {
-            let mut edges = bead.segments();
+            let mut edges = bead.stroke.segments();
             edges.any(|(a, b)| !by.clear(a, b, self.reach))
         };
-        let dot = |bead: &Bead| !self.own && bead.length() < DOT * bead.width;
+        let dot = |bead: &Bead| {
+            !self.own && bead.stroke.length() < DOT * bead.stroke.width
+        };
         let stands = |bead: &Bead| {
             !dot(bead) && below.as_ref().is_none_or(|below| held(bead, below))
         };
         let grid = |beads: &[&Bead]| {
-            EdgeGrid::of_lines(beads.iter().map(|b| b.path()), self.reach)
+            EdgeGrid::of_lines(
+                beads.iter().map(|b| b.stroke.path()),
+                self.reach,
+            )
         };
         let mut kept: Vec<&Bead> = others.collect();
         let mut stays: Vec<bool> = infill.iter().map(stands).collect();
@@ -181,7 +186,7 @@ mod tests {
         // On the line below: a ring, a short line and one that is longer.
         let ring = ring(5.0, 0.1);
         let raised = |mut bead: Bead| {
-            bead.points.iter_mut().for_each(|p| p.y += 5.0);
+            bead.stroke.points.iter_mut().for_each(|p| p.y += 5.0);
             bead
         };
         let short = bead(&[(10.0, 4.9), (10.0, 5.5)]);

@@ -31,6 +31,7 @@ use super::cover::{
 };
 use super::plan::{ExposurePlan, ShellPlan};
 use super::shells::Shells;
+use crate::view::{LayerFace, LayerView};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{
@@ -47,23 +48,6 @@ pub struct FillAreas {
     pub skin: Area,
     /// The area that is filled at the infill's density.
     pub sparse: Area,
-}
-
-/// A layer and the layers around it, each as its outline, which is as exact as
-/// skin needs it. Equal layers share one outline.
-#[derive(Clone, Debug)]
-pub struct Window<'a> {
-    /// Number of the layer.
-    pub number: usize,
-    /// Height of the layer.
-    pub height: Mm,
-    /// Outline of the layer.
-    pub here: &'a Solid<'a>,
-    /// The layers above it, the nearest first, as far as the part and
-    /// [`Exposure::reach_above`] reach; more do no harm.
-    pub above: Vec<&'a Solid<'a>>,
-    /// The layers below it.
-    pub below: Vec<&'a Solid<'a>>,
 }
 
 /// The layers on one side of a layer, as far as a slope's shell reaches.
@@ -152,19 +136,19 @@ impl<'a> Exposure<'a> {
     /// farthest one that counts on a slope.
     fn distance(
         &self,
-        window: &Window<'_>,
+        view: &LayerView<'_>,
         layers: usize,
         upwards: bool,
     ) -> Mm {
         let farthest = slope_layers(layers);
         if self.plan.uniform {
-            return (farthest - layers) as f64 * window.height;
+            return (farthest - layers) as f64 * view.here.span.height();
         }
         let z = |away: usize| {
             let number = if upwards {
-                window.number + away
+                view.here.span.index + away
             } else {
-                window.number.saturating_sub(away)
+                view.here.span.index.saturating_sub(away)
             };
             let span = self.spans.get(number).or(self.spans.last());
             span.map_or(0.0, LayerSpan::sample_z)
@@ -177,11 +161,11 @@ impl<'a> Exposure<'a> {
         &self,
         fill: &Area,
         roomy: &Area,
-        window: &Window<'_>,
+        view: &LayerView<'_>,
     ) -> FillAreas {
-        let sparse = match self.covers(window) {
+        let sparse = match self.covers(view) {
             Some(covers) if !roomy.is_empty() => {
-                self.sparse(roomy, &covers, window)
+                self.sparse(roomy, &covers, view)
             }
             _ => Vec::new(),
         };
@@ -194,23 +178,23 @@ impl<'a> Exposure<'a> {
     }
 
     /// The layers that have to cover a layer, if the part goes on so far.
-    fn covers<'w>(&self, window: &Window<'w>) -> Option<Vec<&'w Solid<'w>>> {
-        if self.is_end(window.number) {
+    fn covers<'w>(&self, view: &LayerView<'w>) -> Option<Vec<&'w Solid<'w>>> {
+        if self.is_end(view.here.span.index) {
             return None;
         }
         // A neighbour is left out if it equals this layer or another neighbour:
         // it leaves nothing open that they do not.
-        let mut seen = vec![window.here];
+        let mut seen = vec![view.here.rough];
         let mut new = |near: &&'w Solid<'w>| {
             let new = !seen.iter().any(|s| s.is(near));
             seen.push(near);
             new
         };
-        let layers = self.covering(self.above.at(window.number));
-        let above = window.above.get(..layers)?.iter().copied();
+        let layers = self.covering(self.above.at(view.here.span.index));
+        let above = view.above.get(..layers)?.iter().map(|near| near.rough);
         let above: Vec<_> = above.filter(&mut new).collect();
-        let layers = self.covering(self.below.at(window.number));
-        let below = window.below.get(..layers)?.iter().copied();
+        let layers = self.covering(self.below.at(view.here.span.index));
+        let below = view.below.get(..layers)?.iter().map(|near| near.rough);
         let below: Vec<_> = below.filter(&mut new).collect();
         // The farthest layers come first: they differ most from this one, and
         // so leave the least to be looked at.
@@ -226,7 +210,7 @@ impl<'a> Exposure<'a> {
         &self,
         roomy: &Area,
         covers: &[&Solid<'_>],
-        window: &Window<'_>,
+        view: &LayerView<'_>,
     ) -> Vec<Area> {
         let plan = &self.plan;
         let islands = roomy.islands();
@@ -238,21 +222,22 @@ impl<'a> Exposure<'a> {
         };
         let asked = Islands::new(&islands);
         let mut exposed = exposed(&asked, covers, matters);
-        let outline = window.here.area();
-        let number = window.number;
+        let outline = view.here.rough.area();
+        let number = view.here.span.index;
         for (side, shells, upwards) in [
-            (&window.above, &self.above, true),
-            (&window.below, &self.below, false),
+            (&view.above, &self.above, true),
+            (&view.below, &self.below, false),
         ] {
             let layers = self.covering(shells.at(number));
-            let recedes = self.distance(window, layers, upwards);
-            if let Some(slope) = window.slope(side, layers, recedes, plan) {
+            let recedes = self.distance(view, layers, upwards);
+            if let Some(slope) = slope(view, side, layers, recedes, plan) {
                 slope.expose(&islands, &asked, &mut exposed, outline);
             }
         }
-        let support = window.below.first().filter(|s| !s.is(window.here));
-        let hanging = hanging(&exposed, support.copied(), plan);
-        let under = self.under_walls(&islands, &exposed, window);
+        let support = view.below.first().map(|below| below.rough);
+        let support = support.filter(|s| !s.is(view.here.rough));
+        let hanging = hanging(&exposed, support, plan);
+        let under = self.under_walls(&islands, &exposed, view);
         let mut sparse = Vec::new();
         let all = islands.into_iter().zip(exposed).zip(hanging).zip(under);
         for (((island, exposed), hanging), under) in all {
@@ -284,10 +269,10 @@ impl<'a> Exposure<'a> {
         &self,
         islands: &[Area],
         exposed: &[Exposed],
-        window: &Window<'_>,
+        view: &LayerView<'_>,
     ) -> Vec<Area> {
         let walls = &self.plan.walls;
-        let (_, depth) = walls.depths(window.height);
+        let (_, depth) = walls.depths(view.here.span.height());
         let step = 0.5 * walls.inner;
         let all = islands.iter().zip(exposed);
         let asked = all.filter(|(_, e)| **e != Exposed::Everywhere);
@@ -296,9 +281,9 @@ impl<'a> Exposure<'a> {
         let boxes = asked.iter().map(|island| island.bounds().grown(far));
         let near = boxes.clone().fold(Rect::EMPTY, |all, b| all.union(b));
         let boxes = BoxTree::new(boxes.enumerate());
-        let layers = self.covering(self.above.at(window.number));
-        let above = window.above.iter().take(layers).copied();
-        let lower = std::iter::once(window.here).chain(above.clone());
+        let layers = self.covering(self.above.at(view.here.span.index));
+        let above = view.above.iter().take(layers).map(|near| near.rough);
+        let lower = std::iter::once(view.here.rough).chain(above.clone());
         let mut found = Area::EMPTY;
         for (lower, upper) in lower.zip(above) {
             if depth <= 0.0
@@ -345,27 +330,24 @@ fn recedes(
     })
 }
 
-impl<'a> Window<'a> {
-    /// The layers that count on a slope besides the first `layers` on one side.
-    /// The last of these recedes by `reach` from the farthest layer.
-    fn slope(
-        &self,
-        side: &[&'a Solid<'a>],
-        layers: usize,
-        reach: Mm,
-        plan: &ExposurePlan,
-    ) -> Option<Slope<'a>> {
-        let all = slope_layers(layers);
-        let beyond = (layers..all).map(|k| side.get(k).copied());
-        Some(Slope {
-            last: side.get(layers.checked_sub(1)?)?,
-            beyond: beyond
-                .filter(|s| s.is_none_or(|s| !s.is(self.here)))
-                .collect(),
-            reach,
-            apart: apart(&plan.walls),
-        })
-    }
+/// The layers that count on a slope besides the first `layers` on one side of a
+/// layer. The last of these recedes by `reach` from the farthest layer.
+fn slope<'a>(
+    view: &LayerView<'a>,
+    side: &[LayerFace<'a>],
+    layers: usize,
+    reach: Mm,
+    plan: &ExposurePlan,
+) -> Option<Slope<'a>> {
+    let all = slope_layers(layers);
+    let beyond = (layers..all).map(|k| side.get(k).map(|face| face.rough));
+    let here = view.here.rough;
+    Some(Slope {
+        last: side.get(layers.checked_sub(1)?)?.rough,
+        beyond: beyond.filter(|s| s.is_none_or(|s| !s.is(here))).collect(),
+        reach,
+        apart: apart(&plan.walls),
+    })
 }
 
 impl Slope<'_> {
@@ -598,14 +580,11 @@ mod tests {
             below: Shells::Alike(below.len()),
             ..Exposure::new(plan, &[])
         };
-        let window = Window {
-            number: 50,
-            height: 0.2,
-            here: &Solid::of(fill, 1.0),
-            above: over.iter().collect(),
-            below: under.iter().collect(),
-        };
-        exposure.split(fill, &exposure.roomy(fill), &window)
+        let here = Solid::of(fill, 1.0);
+        let (over, under): (Vec<_>, Vec<_>) =
+            (over.iter().collect(), under.iter().collect());
+        let view = LayerView::of(50, &here, &over, &under);
+        exposure.split(fill, &exposure.roomy(fill), &view)
     }
 
     #[test]
@@ -713,15 +692,10 @@ mod tests {
                 below: Shells::Alike(0),
                 ..Exposure::new(plan, &[])
             };
-            let window = Window {
-                number: 50,
-                height: 0.2,
-                here: &Solid::new(outline),
-                above: vec![&last; 2],
-                below: Vec::new(),
-            };
+            let here = Solid::new(outline);
+            let view = LayerView::of(50, &here, &[&last; 2], &[]);
             let roomy = exposure.roomy(&fill);
-            exposure.split(&fill, &roomy, &window).sparse.content()
+            exposure.split(&fill, &roomy, &view).sparse.content()
         };
         let apart = apart(&plan.walls);
         assert_eq!([0.0, 0.9].map(|share| sparse(share * apart)), [400.0; 2]);

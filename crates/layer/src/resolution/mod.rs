@@ -254,8 +254,10 @@ mod tests {
         let [piece] = pieces.as_slice() else {
             panic!("{pieces:?}");
         };
-        assert!(piece.points.len() <= 6, "{:?}", piece.points);
-        assert!(off(&points, piece) <= 1.001 * STEPPED * meant.accuracy);
+        assert!(piece.stroke.points.len() <= 6, "{:?}", piece.stroke.points);
+        assert!(
+            off(&points, &piece.stroke) <= 1.001 * STEPPED * meant.accuracy
+        );
     }
 
     #[test]

@@ -43,10 +43,10 @@ impl From<Bead> for Ended {
 impl Ended {
     /// Where the nozzle is after the bead.
     pub fn end(&self) -> Option<DVec2> {
-        let end = if self.bead.closed {
-            self.bead.points.first()
+        let end = if self.bead.stroke.closed {
+            self.bead.stroke.points.first()
         } else {
-            self.bead.points.last()
+            self.bead.stroke.points.last()
         };
         self.wipe.or(end.copied())
     }
@@ -73,14 +73,14 @@ pub fn endings(
         // A way that leads from a seam into the part is as good as a wipe.
         let goes_on = beads.peek().is_some_and(|next| {
             next.role == Role::GapFill
-                && next.points.first() == bead.points.first()
+                && next.stroke.points.first() == bead.stroke.points.first()
         });
-        let meant = bead.closed && bead.role == Role::OuterWall;
-        if !meant || bead.points.len() < 3 {
+        let meant = bead.stroke.closed && bead.role == Role::OuterWall;
+        if !meant || bead.stroke.points.len() < 3 {
             out.push(bead.into());
             continue;
         }
-        let length = bead.length();
+        let length = bead.stroke.length();
         // At least half of a loop stays as it is.
         let scarf = plan.scarf.min(0.5 * length);
         let gap = plan.gap.min(0.5 * length);
@@ -162,12 +162,13 @@ fn opened(
     more: &[Mm],
     widths: Option<WidthAt<'_>>,
 ) -> Bead {
-    let n = bead.points.len();
-    let width = |i: usize| bead.width_at(i);
+    let n = bead.stroke.points.len();
+    let width = |i: usize| bead.stroke.width_at(i);
     let mut stops: Vec<(Mm, DVec2, Mm)> = Vec::new();
     let mut from = 0.0;
     for i in 0..2 * n {
-        let (a, b) = (bead.points[i % n], bead.points[(i + 1) % n]);
+        let (a, b) =
+            (bead.stroke.points[i % n], bead.stroke.points[(i + 1) % n]);
         let edge = a.distance(b);
         let at = |s: Mm| {
             let t = ((s - from) / edge).clamp(0.0, 1.0);
@@ -187,7 +188,7 @@ fn opened(
     }
     let widths = match widths {
         Some(of) => stops.iter().map(|&(s, _, w)| of(s, w)).collect(),
-        None if bead.widths.is_empty() => Vec::new(),
+        None if bead.stroke.widths.is_empty() => Vec::new(),
         None => stops.iter().map(|s| s.2).collect(),
     };
     Bead {
@@ -195,7 +196,7 @@ fn opened(
             points: stops.iter().map(|s| s.1).collect(),
             widths,
             closed: false,
-            width: bead.width,
+            width: bead.stroke.width,
             levels: Vec::new(),
         },
         ..*bead
@@ -219,14 +220,14 @@ fn inwards(bead: &Bead, plan: &EndingPlan, solid: &EdgeGrid) -> Option<DVec2> {
     let length = plan.wipe;
     /// How far around the end edges are looked at, mm.
     const REACH: Mm = 2.0;
-    let n = bead.points.len();
-    let ways: [(DVec2, DVec2); 2] = if bead.closed {
+    let n = bead.stroke.points.len();
+    let ways: [(DVec2, DVec2); 2] = if bead.stroke.closed {
         [
-            (bead.points[n - 1], bead.points[0]),
-            (bead.points[0], bead.points[1]),
+            (bead.stroke.points[n - 1], bead.stroke.points[0]),
+            (bead.stroke.points[0], bead.stroke.points[1]),
         ]
     } else {
-        [(bead.points[n - 2], bead.points[n - 1]); 2]
+        [(bead.stroke.points[n - 2], bead.stroke.points[n - 1]); 2]
     };
     let end = ways[0].1;
     // The part lies to the left of its walls.
@@ -241,7 +242,7 @@ fn inwards(bead: &Bead, plan: &EndingPlan, solid: &EdgeGrid) -> Option<DVec2> {
     let here = depth(end);
     // The bead may have been turned round. This shows right at its end: farther
     // away the other side of a slot is inside, too.
-    let near = 0.25 * bead.width * inward;
+    let near = 0.25 * bead.stroke.width * inward;
     let side = if plan.reversed {
         [1.0, -1.0]
             .into_iter()
@@ -259,7 +260,7 @@ fn inwards(bead: &Bead, plan: &EndingPlan, solid: &EdgeGrid) -> Option<DVec2> {
 #[cfg(test)]
 fn printed(bead: &Bead) -> f64 {
     let pieces = Resolution::with(|_| {}).pieces(bead.clone());
-    pieces.iter().map(|p| p.area() * p.length()).sum()
+    pieces.iter().map(|p| p.area() * p.stroke.length()).sum()
 }
 
 #[cfg(test)]
@@ -301,13 +302,13 @@ mod tests {
     #[test]
     fn a_gap_is_left_open() {
         let own = ended(wall(9.775), &plan(0.0, 0.2, 0.0)).bead;
-        assert!(!own.closed && own.widths.is_empty());
-        assert_eq!(own.points[0], DVec2::splat(-9.775));
-        let last = own.points[own.points.len() - 1];
+        assert!(!own.stroke.closed && own.stroke.widths.is_empty());
+        assert_eq!(own.stroke.points[0], DVec2::splat(-9.775));
+        let last = own.stroke.points[own.stroke.points.len() - 1];
         assert!((last - DVec2::new(-9.775, -9.575)).length() < 1e-9);
         // A tiny loop is not opened as a whole.
         let tiny = ended(wall(0.05), &plan(0.0, 2.0, 0.0)).bead;
-        assert!((tiny.length() - 0.2).abs() < 1e-9);
+        assert!((tiny.stroke.length() - 0.2).abs() < 1e-9);
     }
 
     #[test]
@@ -317,31 +318,36 @@ mod tests {
             let own = ended(wall.clone(), &plan(25.0, gap, 0.0)).bead;
             // 25 mm are the way round the first corner and back onto the first
             // side.
-            assert!((own.length() - (wall.length() + 25.0 - gap)).abs() < 1e-9);
-            let whole = wall.area() * wall.length();
+            assert!(
+                (own.stroke.length() - (wall.stroke.length() + 25.0 - gap))
+                    .abs()
+                    < 1e-9
+            );
+            let whole = wall.area() * wall.stroke.length();
             let share = printed(&own) / whole;
             assert!((share - 1.0).abs() < 3e-3, "{share}");
             // No bead is narrower than high. Both ways add up at each place.
-            assert!((own.widths[0] - 0.2).abs() < 1e-9);
-            let narrowest = own.widths.iter().copied().fold(1.0, f64::min);
+            assert!((own.stroke.widths[0] - 0.2).abs() < 1e-9);
+            let narrowest =
+                own.stroke.widths.iter().copied().fold(1.0, f64::min);
             assert!(narrowest > 0.2 - 1e-9, "{narrowest}");
             let part = |from: f64, to: f64| {
-                let all = own.length();
+                let all = own.stroke.length();
                 printed(&Bead {
-                    stroke: own.part(from / all, to / all),
+                    stroke: own.stroke.part(from / all, to / all),
                     ..own.clone()
                 })
             };
             for i in 0..24 {
-                let (from, round) = (f64::from(i), wall.length());
+                let (from, round) = (f64::from(i), wall.stroke.length());
                 let both = part(from, from + 0.9)
                     + part(round + from, round + from + 0.9);
                 let share = both / (0.9 * wall.area());
                 assert!((share - 1.0).abs() < 0.01, "{from}: {share}");
             }
-            assert_eq!(own.widths.len(), own.points.len());
+            assert_eq!(own.stroke.widths.len(), own.stroke.points.len());
             // A wall of varying width gets the ramps, too.
-            wall.widths = vec![0.4, 0.5, 0.4, 0.5];
+            wall.stroke.widths = vec![0.4, 0.5, 0.4, 0.5];
             let own = ended(wall.clone(), &plan(25.0, gap, 0.0)).bead;
             let share = printed(&own) / printed(&wall);
             assert!((share - 1.0).abs() < 5e-3, "{share}");
@@ -364,7 +370,7 @@ mod tests {
             let beads = vec![first.clone(), way(from)];
             endings(beads, &grid, false, &plan(0.0, 0.0, 0.3))[0].wipe
         };
-        assert_eq!(wipes(first.points[0]), None);
+        assert_eq!(wipes(first.stroke.points[0]), None);
         assert!(wipes(DVec2::splat(-9.0)).is_some());
     }
 
@@ -421,13 +427,13 @@ mod tests {
     #[test]
     fn a_wipe_leads_inwards() {
         let mut begun = wall(9.775);
-        begun.points.insert(0, DVec2::new(-9.775, 0.0));
+        begun.stroke.points.insert(0, DVec2::new(-9.775, 0.0));
         let own = ended(begun, &plan(0.0, 0.0, 0.3));
         let wipe = own.wipe.unwrap();
         assert!((wipe - DVec2::new(-9.475, 0.0)).length() < 1e-9, "{wipe}");
         // Around a hole the part is outside.
         let mut hole = wall(2.0);
-        hole.points.reverse();
+        hole.stroke.points.reverse();
         let area = Area::from_iter([square_ring(10.0), {
             let mut ring = square_ring(1.775);
             ring.reverse();
@@ -446,7 +452,7 @@ mod tests {
         let grid = EdgeGrid::new(&thin, 1.0);
         let plan = plan(0.0, 0.0, 0.8);
         let mut begun = wall(9.775);
-        begun.points.insert(0, DVec2::new(-9.775, 0.0));
+        begun.stroke.points.insert(0, DVec2::new(-9.775, 0.0));
         assert_eq!(endings(vec![begun], &grid, false, &plan)[0].wipe, None);
     }
 }

@@ -28,6 +28,7 @@ mod lowest;
 mod plan;
 mod scarf;
 
+use crate::view::LayerFace;
 use corners::Corners;
 pub use follow::{Below, Ground, follow};
 use glam::DVec2;
@@ -38,7 +39,6 @@ use isoslice_model::Place;
 use isoslice_model::vary::{Quantity, Surroundings, VaryError};
 use isoslice_planar::along::point_at;
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::path_length;
 use isoslice_settings::{SeamRule, Varying};
 use lowest::lowest;
@@ -97,8 +97,7 @@ impl<'a> Seams<'a> {
         aligned.then(|| Guide::new(first, self.accuracy))
     }
 
-    /// The sites of a layer's walls. `solid` is the layer's outline, and `z`
-    /// its height above the bed. Walls that are not closed outer ones have
+    /// The sites of a layer's walls. Walls that are not closed outer ones have
     /// empty sites.
     ///
     /// # Errors
@@ -106,14 +105,12 @@ impl<'a> Seams<'a> {
     pub fn sites(
         &self,
         walls: &[Bead],
-        layer: usize,
-        z: Mm,
-        solid: &EdgeGrid,
+        layer: &LayerFace<'_>,
     ) -> Result<Vec<Site>, VaryError> {
         let own = |(number, wall): (usize, &Bead)| {
-            let outer = wall.closed && wall.role == Role::OuterWall;
-            if outer && wall.points.len() > 2 {
-                self.site(&wall.points, [layer, number], z, solid)
+            let outer = wall.stroke.closed && wall.role == Role::OuterWall;
+            if outer && wall.stroke.points.len() > 2 {
+                self.site(&wall.stroke.points, number, layer)
             } else {
                 Ok(Site::default())
             }
@@ -124,16 +121,17 @@ impl<'a> Seams<'a> {
     fn site(
         &self,
         ring: &[DVec2],
-        number: [usize; 2],
-        z: Mm,
-        solid: &EdgeGrid,
+        number: usize,
+        layer: &LayerFace<'_>,
     ) -> Result<Site, VaryError> {
         let at = match (&self.rule, &self.expression) {
             (Varying::Constant(SeamRule::Aligned), _) => {
                 return Ok(aligned(ring, self.accuracy));
             }
             (Varying::Constant(SeamRule::Rear), _) => rear(ring, self.accuracy),
-            (Varying::Constant(SeamRule::Random), _) => random(ring, number),
+            (Varying::Constant(SeamRule::Random), _) => {
+                random(ring, [layer.span.index, number])
+            }
             (Varying::Expression(_), Some(value)) => {
                 let measure = value.uses_depth();
                 let mut places: Vec<Place> = Vec::new();
@@ -141,9 +139,9 @@ impl<'a> Seams<'a> {
                     places.clear();
                     self.around.places(
                         points.iter().copied(),
-                        z,
+                        layer.span.sample_z(),
                         measure,
-                        Some(solid),
+                        Some(layer.outline.grid()),
                         &mut places,
                     )?;
                     value.evaluate(&places, out)

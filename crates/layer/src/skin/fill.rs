@@ -9,11 +9,12 @@ use super::plan::{Look, SkinPlan};
 use super::roles::Sides;
 use super::strokes::strokes;
 use super::zigzag::{Joined, Turns, join};
-use super::{Face, Fill, Patch, sweep};
+use super::{Fill, Patch, sweep};
 use crate::region::Lay;
 use crate::region::cover::Covered;
 use crate::region::neighbour::Neighbour;
 use crate::region::patch::{Free, Patch as Around, concentric, patch};
+use crate::view::LayerFace;
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
@@ -47,15 +48,15 @@ pub(super) struct Filler<'a> {
 
 /// A layer next to this one, sorted by place when an island first asks.
 pub(super) struct Side<'a> {
-    face: Option<Face<'a>>,
+    face: Option<LayerFace<'a>>,
     sorted: OnceCell<Neighbour<'a>>,
 }
 
 impl<'a> Side<'a> {
     /// The neighbouring layer as an island's neighbour, if there is one.
-    pub(super) fn new(face: Option<Face<'a>>) -> Side<'a> {
+    pub(super) fn new(face: Option<&LayerFace<'a>>) -> Side<'a> {
         Side {
-            face,
+            face: face.copied(),
             sorted: OnceCell::new(),
         }
     }

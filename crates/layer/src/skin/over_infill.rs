@@ -34,8 +34,9 @@ use super::bridge::shared;
 use super::direction::{across, best, common, fan, rows};
 use super::plan::OverInfillPlan;
 use super::strokes::strokes;
-use super::{Face, Fill, Patch};
+use super::{Fill, Patch};
 use crate::region::cover::{Covered, Islands};
+use crate::view::LayerView;
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm, Percent};
 use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
@@ -110,7 +111,7 @@ pub struct Below {
 impl Level {
     /// These bridges with the infill of their layer.
     pub fn beside(self, infill: &[Bead]) -> Below {
-        let infill = infill.iter().map(|bead| bead.path().collect());
+        let infill = infill.iter().map(|bead| bead.stroke.path().collect());
         let lines: Vec<Vec<DVec2>> =
             self.lines.into_iter().chain(infill).collect();
         let lines = lines.iter().map(|line| line.iter().copied());
@@ -131,12 +132,8 @@ pub struct Over<'a> {
     pub sparse: &'a Area,
     /// The layer's own walls.
     pub walls: &'a [Bead],
-    /// The layer above, which covers what is no top.
-    pub above: Face<'a>,
-    /// The layer below, beside which skin hangs in the air.
-    pub below: Face<'a>,
-    /// The layer's height, mm.
-    pub height: Mm,
+    /// The layer, and those around it.
+    pub view: &'a LayerView<'a>,
 }
 
 /// Internal bridges, and what they leave.
@@ -223,13 +220,16 @@ fn on(
 ) -> Option<Bridged> {
     let width = plan.internal.width;
     let hanging = intersection(over.skin, under.area.area());
-    let hanging = intersection(&hanging, over.above.rough.area());
+    // The layer above covers what is no top.
+    let above = over.view.above.first()?;
+    let hanging = intersection(&hanging, above.rough.area());
     // What is narrower than two lines lies on what is beside it.
     let core = offset(&hanging, -width, TOLERANCE);
     if core.is_empty() {
         return None;
     }
-    let kept = over.beside_gaps(plan);
+    let height = over.view.here.span.height();
+    let kept = over.beside_gaps(plan)?;
     let core = without(&core, &kept);
     if core.is_empty() {
         return None;
@@ -247,7 +247,7 @@ fn on(
     let grown: Vec<Area> = grown.collect();
     let (mut parts, skin) = shared(&free, &grown);
     let ground = Ground::new(over, under, FARTHEST * way + width, plan);
-    let space = spacing(width, width, over.height);
+    let space = spacing(width, width, height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
     // Places that stay skin, as if there were no other places.
@@ -274,11 +274,7 @@ fn on(
                     strip(from, to, half)
                 });
                 taken.rings.extend(strips);
-                beads.push(Bead::new(
-                    Role::InternalBridge,
-                    stroke,
-                    over.height,
-                ));
+                beads.push(Bead::new(Role::InternalBridge, stroke, height));
             }
         }
         if beads.is_empty() {
@@ -348,22 +344,24 @@ fn on(
 impl Over<'_> {
     /// The skin that hangs in the air, and what its lines reach onto: there,
     /// bridges have to be anchored.
-    fn beside_gaps(&self, plan: &SkinPlan) -> Area {
+    fn beside_gaps(&self, plan: &SkinPlan) -> Option<Area> {
         let half = 0.5 * plan.bottom.width;
         let islands = self.skin.islands();
-        let covered = Islands::new(&islands).covered(self.below.rough);
+        let below = self.view.below.first()?.rough;
+        let covered = Islands::new(&islands).covered(below);
         let all = islands.iter().zip(covered);
         let some = all.filter(|(_, covered)| *covered != Covered::Wholly);
         let some: Area = some.map(|(island, _)| island.clone()).collect();
         if some.is_empty() {
-            return Area::EMPTY;
+            return Some(Area::EMPTY);
         }
-        let hanging = difference(&some, self.below.rough.area());
+        let hanging = difference(&some, below.area());
         // Any bead bridges a gap that is no wider than itself.
         let core = offset(&hanging, -half, TOLERANCE);
         let ring = 0.5 * plan.internal.width + plan.off_ring;
         let reach = plan.anchor.max(half) + ring;
-        intersection(&offset(&core, half + reach, TOLERANCE), self.skin)
+        let reached = offset(&core, half + reach, TOLERANCE);
+        Some(intersection(&reached, self.skin))
     }
 }
 
@@ -380,7 +378,7 @@ fn without(area: &Area, other: &Area) -> Area {
 fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
     let fills = patches.iter().flat_map(|patch| &patch.fills);
     let lines = fills.flat_map(|fill| &fill.lines);
-    lines.map(|bead| bead.path().collect()).collect()
+    lines.map(|bead| bead.stroke.path().collect()).collect()
 }
 
 /// What straight lines cover that reach `half` to both sides.
@@ -432,7 +430,7 @@ impl<'a> Ground<'a> {
         plan: &SkinPlan,
     ) -> Ground<'a> {
         let shell = under.shell.iter().map(|line| line.iter().copied());
-        let walls = over.walls.iter().map(|wall| wall.path());
+        let walls = over.walls.iter().map(|wall| wall.stroke.path());
         Ground {
             lines: under.lines,
             reach: 0.5 * plan.over_infill.infill,
@@ -616,15 +614,7 @@ mod tests {
             skin: &skin,
             sparse: &sparse,
             walls: &[],
-            above: Face {
-                outline: &solid,
-                rough: &solid,
-            },
-            below: Face {
-                outline: &solid,
-                rough: &solid,
-            },
-            height: 0.2,
+            view: &LayerView::of(1, &solid, &[&solid], &[&solid]),
         };
         let under = Under {
             area: &solid,

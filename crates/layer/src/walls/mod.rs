@@ -6,7 +6,7 @@ mod reach;
 #[cfg(test)]
 mod tests;
 
-pub use interlock::{Beside, Interlock};
+pub use interlock::Interlock;
 pub use overhang::Support;
 pub use reach::Reach;
 
@@ -20,21 +20,21 @@ use std::iter;
 
 /// The walls' lines as beads, the outer wall's first. A part too thin for walls
 /// is an outer wall. A bead in the middle of walls fills a gap, unless it goes
-/// on in one of the walls. Rings shorter than `small`, mm, are marked here,
-/// since later stages may open or cut them.
-pub fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
+/// on in one of the walls. The lengths of rings are kept, since later stages may
+/// open or cut them.
+pub fn beads(walls: &Walls, height: Mm) -> Vec<Bead> {
     let all = walls.lines.iter().zip(roles(Role::InnerWall));
     all.chain(walls.thin.iter().zip(roles(Role::GapFill)))
         .flat_map(|(lines, role)| {
-            lines.iter().map(move |l| bead(l, role, height, small))
+            lines.iter().map(move |l| bead(l, role, height))
         })
         .collect()
 }
 
 /// Does what [`beads`] does for walls that interlock: every other inner wall is
 /// to lie half a layer lower.
-pub fn interlocked(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
-    let mut all = beads(walls, height, small);
+pub fn interlocked(walls: &Walls, height: Mm) -> Vec<Bead> {
+    let mut all = beads(walls, height);
     // The beads come in the order of the walls.
     let mut counted = 0;
     for (k, lines) in walls.lines.iter().enumerate() {
@@ -85,11 +85,11 @@ fn roles(inside: Role) -> impl Iterator<Item = Role> {
     iter::once(Role::OuterWall).chain(iter::repeat(inside))
 }
 
-fn bead(stroke: &Stroke, role: Role, height: Mm, small: Mm) -> Bead {
+fn bead(stroke: &Stroke, role: Role, height: Mm) -> Bead {
     let wall = matches!(role, Role::OuterWall | Role::InnerWall);
-    let ring = wall && stroke.closed;
-    Bead {
-        small: ring && stroke.length() < small,
-        ..Bead::new(role, stroke.clone(), height)
+    let mut bead = Bead::new(role, stroke.clone(), height);
+    if wall && stroke.closed {
+        bead.ring = stroke.length();
     }
+    bead
 }

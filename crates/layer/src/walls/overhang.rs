@@ -116,24 +116,28 @@ impl<'a> Support<'a> {
     fn pieces(&self, bead: &Bead) -> Vec<Piece> {
         let wall = usize::from(bead.role != Role::OuterWall);
         let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
-        let n = bead.points.len();
+        let n = bead.stroke.points.len();
         // The places where edges are crossed, each as the segment's number plus
         // the share of it.
         let mut cuts: Vec<f64> = Vec::new();
-        for (i, (a, b)) in bead.segments().enumerate() {
+        for (i, (a, b)) in bead.stroke.segments().enumerate() {
             let first = cuts.len();
             cuts.extend(grid.crossings(a, b).iter().map(|t| i as f64 + t));
             cuts[first..].sort_by(f64::total_cmp);
         }
         let usual = self.wide[wall];
-        if !bead.widths.is_empty() {
-            let wide = |i: usize| bead.widths.get(i % n) > Some(&usual);
+        if !bead.stroke.widths.is_empty() {
+            let wide = |i: usize| bead.stroke.widths.get(i % n) > Some(&usual);
             let change = (0..n).filter(|&i| wide(i) != wide(i + 1));
             cuts.extend(change.flat_map(|i| [i as f64, (i + 1) as f64]));
             cuts.sort_by(f64::total_cmp);
         }
         cuts.dedup_by(|a, b| *a - *b < 1e-9);
-        let segments = if bead.closed { n } else { n.saturating_sub(1) };
+        let segments = if bead.stroke.closed {
+            n
+        } else {
+            n.saturating_sub(1)
+        };
         if segments == 0 {
             return Vec::new();
         }
@@ -148,7 +152,7 @@ impl<'a> Support<'a> {
             }
             let place = 0.5 * (pair[0] + pair[1]);
             let (middle, width) = at(bead, place);
-            let width = width.unwrap_or(bead.width);
+            let width = width.unwrap_or(bead.stroke.width);
             let wide = width > usual && self.leans(bead, place, width);
             let piece = Piece {
                 from: pair[0],
@@ -189,34 +193,35 @@ fn add(pieces: &mut Vec<Piece>, piece: Piece) {
 /// The point of a bead with which a place's segment begins, and the share of
 /// the segment up to the place.
 fn split(bead: &Bead, place: f64) -> (usize, f64) {
-    let n = bead.points.len();
-    let i = (place as usize).min(if bead.closed { n - 1 } else { n - 2 });
+    let n = bead.stroke.points.len();
+    let i =
+        (place as usize).min(if bead.stroke.closed { n - 1 } else { n - 2 });
     (i, place - i as f64)
 }
 
 /// A bead's point and width at a place along it.
 fn at(bead: &Bead, place: f64) -> (DVec2, Option<Mm>) {
     let (i, t) = split(bead, place);
-    let next = (i + 1) % bead.points.len();
-    let widths = bead.widths.get(i).zip(bead.widths.get(next));
+    let next = (i + 1) % bead.stroke.points.len();
+    let widths = bead.stroke.widths.get(i).zip(bead.stroke.widths.get(next));
     (
-        bead.points[i].lerp(bead.points[next], t),
+        bead.stroke.points[i].lerp(bead.stroke.points[next], t),
         widths.map(|(a, b)| a + t * (b - a)),
     )
 }
 
 /// The bead's part, with its points between the ends.
 fn part(bead: &Bead, piece: &Piece) -> Bead {
-    let n = bead.points.len();
+    let n = bead.stroke.points.len();
     let (mut points, mut widths) = (Vec::new(), Vec::new());
     let mut levels = Vec::new();
     let mut push = |place: f64| {
         let (p, w) = at(bead, place);
         points.push(p);
         widths.extend(w);
-        if !bead.levels.is_empty() {
+        if !bead.stroke.levels.is_empty() {
             let (i, t) = split(bead, place);
-            levels.push(bead.level(i).lerp(bead.level(i + 1), t));
+            levels.push(bead.stroke.level(i).lerp(bead.stroke.level(i + 1), t));
         }
     };
     push(piece.from);
@@ -228,9 +233,9 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
     push(piece.to);
     // The point where the loop closes must be exact: the next piece begins
     // there.
-    if bead.closed && piece.to >= n as f64 {
+    if bead.stroke.closed && piece.to >= n as f64 {
         points.pop();
-        points.push(bead.points[0]);
+        points.push(bead.stroke.points[0]);
     }
     Bead {
         role: if piece.hangs {
@@ -242,7 +247,7 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
             points,
             widths,
             closed: false,
-            width: bead.width,
+            width: bead.stroke.width,
             levels,
         },
         ..*bead
@@ -251,11 +256,11 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
 
 /// Length of the bead's part.
 fn length(bead: &Bead, piece: &Piece) -> Mm {
-    let n = bead.points.len();
+    let n = bead.stroke.points.len();
     let mut last = at(bead, piece.from).0;
     let mut sum = 0.0;
     for i in piece.from as usize + 1..piece.to.ceil() as usize {
-        let p = bead.points[i % n];
+        let p = bead.stroke.points[i % n];
         sum += last.distance(p);
         last = p;
     }
@@ -290,7 +295,7 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
 /// Lets pieces end at the bead's points that are near: a cut just beside such a
 /// point would cost a move of its own.
 fn snap(pieces: &mut [Piece], bead: &Bead) {
-    let near = SNAP * bead.width;
+    let near = SNAP * bead.stroke.width;
     for i in 1..pieces.len() {
         let (before, after) = (pieces[i - 1].from, pieces[i].to);
         let place = pieces[i].from;
@@ -332,7 +337,7 @@ mod tests {
     }
 
     fn lengths(beads: &[Bead]) -> Vec<(Role, f64)> {
-        beads.iter().map(|b| (b.role, b.length())).collect()
+        beads.iter().map(|b| (b.role, b.stroke.length())).collect()
     }
 
     #[test]
@@ -354,9 +359,15 @@ mod tests {
         }
         // The pieces are one path without a gap, back to where it began.
         for pair in pieces.windows(2) {
-            assert_eq!(pair[0].points.last(), pair[1].points.first());
+            assert_eq!(
+                pair[0].stroke.points.last(),
+                pair[1].stroke.points.first()
+            );
         }
-        assert_eq!(pieces[2].points.last(), pieces[0].points.first());
+        assert_eq!(
+            pieces[2].stroke.points.last(),
+            pieces[0].stroke.points.first()
+        );
         // A quarter of the width less, or more, moves the cut by 0.1 mm.
         for (share, reach) in [(25.0, 5.9), (75.0, 6.1)] {
             let found = lengths(&cut(loop_.clone(), below.clone(), share));
@@ -369,15 +380,15 @@ mod tests {
         let away = rect_ring(50.0, 0.0, 51.0, 1.0);
         let all = cut(loop_, away, 50.0);
         assert_eq!((all.len(), all[0].role), (1, Role::Overhang));
-        assert!(all[0].closed);
+        assert!(all[0].stroke.closed);
     }
 
     #[test]
     fn the_bead_of_a_thin_place_has_nothing_beside_it() {
         // A fin of 0.6 mm sticks out over nothing from x = 5 on.
         let mut fin = wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)]);
-        fin.closed = false;
-        fin.widths = vec![0.6, 0.6];
+        fin.stroke.closed = false;
+        fin.stroke.widths = vec![0.6, 0.6];
         let below = rect_ring(-1.0, -5.0, 5.0, 5.0);
         let thin = rect_ring(0.0, -0.3, 20.0, 0.3);
         let found =
@@ -386,8 +397,9 @@ mod tests {
         // This holds also where the middle of the hanging piece is one of its
         // points.
         let mut bent = fin.clone();
-        bent.points = [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec();
-        bent.widths = vec![0.6; 3];
+        bent.stroke.points =
+            [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec();
+        bent.stroke.widths = vec![0.6; 3];
         let away = rect_ring(-9.0, -5.0, -5.0, 5.0);
         let found = lengths(&cut_in(thin.clone(), bent, away, 50.0));
         assert_eq!(found, [(Role::Overhang, 20.0)]);
@@ -400,13 +412,17 @@ mod tests {
     #[test]
     fn widths_go_with_their_pieces_and_short_ones_do_not_count() {
         let mut bead = wall(rect_ring(0.0, 0.0, 10.0, 4.0));
-        bead.widths = vec![0.36, 0.4, 0.4, 0.36];
+        bead.stroke.widths = vec![0.36, 0.4, 0.4, 0.36];
         let pieces = cut(bead.clone(), rect_ring(-1.0, -1.0, 5.0, 5.0), 50.0);
-        assert!((pieces[0].widths[1] - 0.38).abs() < 1e-9);
-        assert!(pieces.iter().all(|p| p.widths.len() == p.points.len()));
+        assert!((pieces[0].stroke.widths[1] - 0.38).abs() < 1e-9);
+        assert!(
+            pieces
+                .iter()
+                .all(|p| p.stroke.widths.len() == p.stroke.points.len())
+        );
         // One side is wider and leans on another wall.
         let mut wide = bead.clone();
-        wide.widths = vec![0.4, 0.4, 0.6, 0.6];
+        wide.stroke.widths = vec![0.4, 0.4, 0.6, 0.6];
         let pieces = cut(wide, rect_ring(-1.0, -1.0, 5.0, 5.0), 50.0);
         let found = lengths(&pieces);
         assert_eq!(found.len(), 3, "{found:?}");

@@ -37,9 +37,13 @@ fn best<const N: usize>(
     points: impl Fn(DVec2, DVec2) -> [DVec2; N],
     cost: impl Fn(DVec2) -> Mm,
 ) -> Option<Spot> {
-    let spots = bead.segments().enumerate().flat_map(|(segment, (a, b))| {
-        points(a, b).map(|at| Spot { segment, at })
-    });
+    let spots =
+        bead.stroke
+            .segments()
+            .enumerate()
+            .flat_map(|(segment, (a, b))| {
+                points(a, b).map(|at| Spot { segment, at })
+            });
     spots
         .map(|spot| (cost(spot.at), spot))
         .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -57,25 +61,25 @@ pub fn begin_near(bead: &mut Bead, p: DVec2) {
 /// Lets a closed bead begin at a place on it.
 pub(super) fn begin_at(bead: &mut Bead, spot: Spot) {
     let Spot { segment: i, at: p } = spot;
-    let next = (i + 1) % bead.points.len();
-    let (a, b) = (bead.points[i], bead.points[next]);
+    let next = (i + 1) % bead.stroke.points.len();
+    let (a, b) = (bead.stroke.points[i], bead.stroke.points[next]);
     if p.distance(a) < SAME {
-        bead.begin_at(i);
+        bead.stroke.begin_at(i);
     } else if p.distance(b) < SAME {
-        bead.begin_at(next);
+        bead.stroke.begin_at(next);
     } else {
         if let (Some(&u), Some(&v)) =
-            (bead.widths.get(i), bead.widths.get(next))
+            (bead.stroke.widths.get(i), bead.stroke.widths.get(next))
         {
             let t = a.distance(p) / a.distance(b);
-            bead.widths.insert(i + 1, u + t * (v - u));
+            bead.stroke.widths.insert(i + 1, u + t * (v - u));
         }
-        if !bead.levels.is_empty() {
+        if !bead.stroke.levels.is_empty() {
             let t = a.distance(p) / a.distance(b);
-            let level = bead.level(i).lerp(bead.level(next), t);
-            bead.levels.insert(i + 1, level);
+            let level = bead.stroke.level(i).lerp(bead.stroke.level(next), t);
+            bead.stroke.levels.insert(i + 1, level);
         }
-        bead.points.insert(i + 1, p);
-        bead.begin_at(i + 1);
+        bead.stroke.points.insert(i + 1, p);
+        bead.stroke.begin_at(i + 1);
     }
 }

@@ -72,25 +72,26 @@ pub(super) fn print_island(
 fn goes_round(wall: &Bead) -> bool {
     /// Share of the wall's length up to which its ends are near.
     const NEAR: f64 = 0.25;
-    let ends = wall.points.first().zip(wall.points.last());
+    let ends = wall.stroke.points.first().zip(wall.stroke.points.last());
     wall.role == Role::OuterWall
-        && !wall.closed
-        && ends.is_some_and(|(a, b)| a.distance(*b) <= NEAR * wall.length())
+        && !wall.stroke.closed
+        && ends
+            .is_some_and(|(a, b)| a.distance(*b) <= NEAR * wall.stroke.length())
 }
 
 /// Lets a wall that goes round do so in one direction in all layers.
 fn orient(wall: &mut Bead) {
-    if goes_round(wall) && signed_area(&wall.points) < 0.0 {
-        wall.reverse();
+    if goes_round(wall) && signed_area(&wall.stroke.points) < 0.0 {
+        wall.stroke.reverse();
     }
 }
 
 /// Turns a bead round; a closed one begins where it did.
 fn turn_round(bead: &mut Bead) {
-    bead.reverse();
-    if bead.closed {
-        let last = bead.points.len().saturating_sub(1);
-        bead.begin_at(last);
+    bead.stroke.reverse();
+    if bead.stroke.closed {
+        let last = bead.stroke.points.len().saturating_sub(1);
+        bead.stroke.begin_at(last);
     }
 }
 
@@ -106,11 +107,16 @@ fn loop_job(
         return (None, Vec::new());
     };
     let (mut beside, mut away) = (Vec::new(), Vec::new());
-    let anywhere = outer.closed && anywhere;
-    let seam = outer.points.first().copied().filter(|_| outer.closed);
+    let anywhere = outer.stroke.closed && anywhere;
+    let seam = outer
+        .stroke
+        .points
+        .first()
+        .copied()
+        .filter(|_| outer.stroke.closed);
     for mut wall in walls {
         let spot = seam
-            .filter(|_| wall.closed)
+            .filter(|_| wall.stroke.closed)
             .and_then(|seam| Some((seam, nearest_spot(&wall, seam)?)));
         match spot {
             Some((seam, spot)) if seam.distance(spot.at) <= SEAM_REACH => {
@@ -129,7 +135,7 @@ fn loop_job(
     }
     let job = match (anywhere, beside.as_slice()) {
         (true, _) => Job::rings(beside, leader),
-        (false, [one]) if !one.closed && !goes_round(one) => {
+        (false, [one]) if !one.stroke.closed && !goes_round(one) => {
             Job::of(beside.swap_remove(0))
         }
         // A ring without a seam of its own may begin anywhere, too.
@@ -149,7 +155,7 @@ fn print_skin(
     let mut stops = Vec::new();
     let mut patches = Vec::new();
     for patch in skin {
-        let first = patch.first().and_then(|bead| bead.points.first());
+        let first = patch.first().and_then(|bead| bead.stroke.points.first());
         if let Some(&p) = first {
             stops.push(Stop {
                 from: p,
@@ -169,7 +175,7 @@ fn print_skin(
         // The rings around a patch come first. Beads in the middle of thin
         // places can wait.
         for ring in patch.rings {
-            let later = u32::from(!ring.closed);
+            let later = u32::from(!ring.stroke.closed);
             jobs.push((stage + later, Job::of(ring)));
         }
         stage += 1;

@@ -124,7 +124,7 @@ pub fn order(
     let mut out = Vec::new();
     for mut bead in std::mem::take(&mut beads.skirt) {
         if let Some(at) = head.at
-            && bead.closed
+            && bead.stroke.closed
         {
             begin_near(&mut bead, at);
         }
@@ -207,12 +207,12 @@ fn place_seams(
         let Some(outer) = group.walls.first_mut() else {
             continue;
         };
-        if !outer.closed || outer.role != Role::OuterWall {
+        if !outer.stroke.closed || outer.role != Role::OuterWall {
             continue;
         }
         let below = near.map(|n| n.1).filter(|_| group.site.follows);
         let below = below.map(Below::right);
-        let seam = follow(&group.site, &outer.points, below, ground);
+        let seam = follow(&group.site, &outer.stroke.points, below, ground);
         let Some(seam) = seam else {
             continue;
         };
@@ -233,7 +233,7 @@ fn island_start(island: &Island) -> Option<DVec2> {
         .chain(&island.infill)
         .chain(skin)
         .next()
-        .and_then(|b| b.points.first().copied())
+        .and_then(|b| b.stroke.points.first().copied())
 }
 
 #[cfg(test)]
@@ -297,7 +297,7 @@ mod tests {
         let plan = OrderPlan::with(|_| ());
         let out = order(beads, held(&outline), &mut head, &plan);
         let side: Vec<bool> =
-            out.iter().map(|b| b.points[0].x > 10.0).collect();
+            out.iter().map(|b| b.stroke.points[0].x > 10.0).collect();
         assert_eq!(side, [true, true, false, false]);
         let roles: Vec<Role> = out.iter().map(|b| b.role).collect();
         use Role::{InnerWall, OuterWall};
@@ -324,7 +324,7 @@ mod tests {
         let starts: Vec<DVec2> = out
             .iter()
             .filter(|b| b.role == Role::OuterWall)
-            .map(|b| b.points[0])
+            .map(|b| b.stroke.points[0])
             .collect();
         assert!(starts.contains(&DVec2::new(1.0, -4.0)), "{starts:?}");
         // The other seam starts anew, where it would be by itself.
@@ -332,7 +332,7 @@ mod tests {
         assert_eq!(head.seams.len(), 2);
         // The walls behind begin beside the seam.
         let inner = out.iter().filter(|b| b.role == Role::InnerWall);
-        let begins: Vec<DVec2> = inner.map(|b| b.points[0]).collect();
+        let begins: Vec<DVec2> = inner.map(|b| b.stroke.points[0]).collect();
         let beside = DVec2::new(1.0, -3.0);
         let near = |p: &DVec2| p.distance(beside) < 1e-9;
         assert!(begins.iter().any(near), "{begins:?}");
@@ -362,7 +362,7 @@ mod tests {
             let plan = OrderPlan::with(|s| s.wall_order = wall_order);
             let out = order(beads, held(&outline), &mut head, &plan);
             assert_eq!(out.len(), 6);
-            let here = out.iter().filter(|b| b.points[0].x < 10.0);
+            let here = out.iter().filter(|b| b.stroke.points[0].x < 10.0);
             let roles: Vec<Role> = here.map(|b| b.role).collect();
             let at = |role| roles.iter().position(|r| *r == role).unwrap();
             assert_eq!(roles.len(), 4, "{roles:?}");
@@ -384,8 +384,10 @@ mod tests {
         let mut out = Vec::new();
         let jobs = jobs.into_iter().map(|j| (0, j)).collect();
         jobs::print(jobs, &mut at, None, &mut out);
-        let path: Vec<(f64, f64)> =
-            out.iter().map(|b| (b.points[0].x, b.points[0].y)).collect();
+        let path: Vec<(f64, f64)> = out
+            .iter()
+            .map(|b| (b.stroke.points[0].x, b.stroke.points[0].y))
+            .collect();
         assert_eq!(path, [(10.0, 0.0), (0.0, 1.0), (10.0, 2.0)]);
         // A ring begins on the way, between its corners if need be.
         let around = Job::of(wall(Role::SparseInfill, square(20.0, 2.0)));
@@ -393,7 +395,7 @@ mod tests {
         let mut out = Vec::new();
         let end = at;
         jobs::print(vec![(0, around)], &mut at, end, &mut out);
-        assert_eq!(out[0].points.len(), 5);
+        assert_eq!(out[0].stroke.points.len(), 5);
         assert_eq!(at, Some(DVec2::new(18.0, 0.5)));
     }
 }

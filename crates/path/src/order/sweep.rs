@@ -21,7 +21,12 @@ pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
             next[k as usize].push(i);
         }
     }
-    let ends = |b: &Bead| (b.points.first().copied(), b.points.last().copied());
+    let ends = |b: &Bead| {
+        (
+            b.stroke.points.first().copied(),
+            b.stroke.points.last().copied(),
+        )
+    };
     let mut lines: Vec<Option<Bead>> = lines.into_iter().map(Some).collect();
     let mut free = Nearest::new(std::iter::empty());
     let add = |free: &mut Nearest, line: &Option<Bead>, i: usize| {
@@ -45,7 +50,7 @@ pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
             continue;
         };
         if end % 2 == 1 {
-            bead.reverse();
+            bead.stroke.reverse();
         }
         finish(bead, at, out);
         for &i in &next[end / 2] {
@@ -107,17 +112,19 @@ mod tests {
         for (i, b) in out.iter().enumerate() {
             for older in &out[..i] {
                 let x = |b: &Bead| {
-                    let (p, q) = (b.points[0].x, b.points[1].x);
+                    let (p, q) = (b.stroke.points[0].x, b.stroke.points[1].x);
                     (p.min(q), p.max(q))
                 };
                 let beside = x(b).0 < x(older).1 && x(older).0 < x(b).1;
-                assert!(!beside || older.points[0].y <= b.points[0].y);
+                assert!(
+                    !beside || older.stroke.points[0].y <= b.stroke.points[0].y
+                );
             }
         }
         // Row by row to and fro: the way between them is short.
         let way: f64 = out
             .windows(2)
-            .map(|w| w[0].points[1].distance(w[1].points[0]))
+            .map(|w| w[0].stroke.points[1].distance(w[1].stroke.points[0]))
             .sum();
         assert!(way < 25.0, "{way}");
     }

@@ -18,7 +18,7 @@ pub(super) fn speed_limit(
         0 => speed.first_layer,
         _ => f64::INFINITY,
     };
-    if bead.small {
+    if bead.ring < speed.small_wall_length {
         first.min(speed.small_wall)
     } else {
         first
@@ -46,10 +46,11 @@ pub(super) fn print_speed(
 
 /// Greatest rise or fall of a bead per length of its way; 0 for a flat one.
 fn steepest(bead: &Bead) -> f64 {
-    let flat = bead.levels.is_empty();
-    let segments = bead.segments().enumerate().filter(|_| !flat);
+    let flat = bead.stroke.levels.is_empty();
+    let segments = bead.stroke.segments().enumerate().filter(|_| !flat);
     let slopes = segments.map(|(i, (a, b))| {
-        let rise = (bead.level(i + 1).rise - bead.level(i).rise).abs();
+        let rise =
+            (bead.stroke.level(i + 1).rise - bead.stroke.level(i).rise).abs();
         if rise <= 0.0 {
             return 0.0;
         }

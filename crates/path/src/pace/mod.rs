@@ -48,7 +48,7 @@ pub use plan::{PacePlan, limits};
 
 pub use moves::Amount;
 pub use moves::Cause;
-pub use moves::{OfPart, PacedLayer, PacedMove};
+pub use moves::{OfPart, PacedLayer, PacedMove, Sums};
 
 use crate::travel::LayerPath;
 use crate::travel::{Move, Travel};
@@ -68,7 +68,6 @@ use isoslice_settings::layers::LayerSpan;
 use motion::{Limits, Motion};
 use rates::{Rater, Rates, Site};
 use slowing::{Slowing, slow_down};
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Height above the first layer at which the head comes from where the start
@@ -135,15 +134,6 @@ struct Printed {
     /// The speed asked for, and what has made it less before cooling.
     wanted: MmPerSec,
     by: Option<Cause>,
-}
-
-/// What a layer's beads amount to.
-#[derive(Default)]
-struct Sums {
-    amounts: BTreeMap<Role, Amount>,
-    printing: usize,
-    slowed: usize,
-    lost: BTreeMap<Cause, Seconds>,
 }
 
 impl<'a> Pacer<'a> {
@@ -247,7 +237,6 @@ impl<'a> Pacer<'a> {
             }
         }
         fan = fan_at(fan);
-        let sums = self.sums(slowing);
         Ok(PacedLayer {
             span,
             before: 0,
@@ -256,10 +245,7 @@ impl<'a> Pacer<'a> {
             fan,
             nozzle_temperature: whole.temperature(&span)?,
             time,
-            printing: sums.printing,
-            slowed: sums.slowed,
-            lost: sums.lost,
-            amounts: sums.amounts,
+            sums: self.sums(slowing),
         })
     }
 
@@ -407,12 +393,12 @@ impl<'a> Pacer<'a> {
             rates,
         };
         // An arc is flat.
-        if self.plan.resolution.arcs && rated.bead.levels.is_empty() {
+        if self.plan.resolution.arcs && rated.bead.stroke.levels.is_empty() {
             let bead = &mut rated.bead;
-            let path: Vec<DVec2> = bead.path().collect();
+            let path: Vec<DVec2> = bead.stroke.path().collect();
             let tolerance = self.plan.resolution.arc_tolerance(bead.role);
             let (points, turns) = arc::fit(&path, tolerance);
-            bead.stroke = Stroke::new(points, false, bead.width);
+            bead.stroke = Stroke::new(points, false, bead.stroke.width);
             rated.turns = turns;
         }
         rated
@@ -445,10 +431,10 @@ impl<'a> Pacer<'a> {
             by,
         } = rated;
         let plan = self.plan;
-        let Some(&start) = bead.points.first() else {
+        let Some(&start) = bead.stroke.points.first() else {
             return;
         };
-        if bead.points.len() < 2 {
+        if bead.stroke.points.len() < 2 {
             return;
         }
         if !self.xy.is_some_and(|at| near(at, start)) {
@@ -458,7 +444,7 @@ impl<'a> Pacer<'a> {
         }
         self.lifted = false;
         let level = |rise: Option<Mm>| span.top + rise.unwrap_or(0.0);
-        self.lift(level(bead.rise(0)), out);
+        self.lift(level(bead.stroke.rise(0)), out);
         self.prime(out);
         if rates.fan != self.fan {
             self.fan = rates.fan;
@@ -470,14 +456,14 @@ impl<'a> Pacer<'a> {
         self.xy = Some(start);
         let first = self.motion.segments().len();
         let mut amount = Amount::default();
-        for (i, (from, to)) in bead.segments().enumerate() {
+        for (i, (from, to)) in bead.stroke.segments().enumerate() {
             let mut add = |way: Mm, filament: f64| {
                 amount.length += way;
                 amount.filament += way * filament;
             };
-            if let Some(rise) = bead.rise(i + 1) {
+            if let Some(rise) = bead.stroke.rise(i + 1) {
                 let fed = filament(bead.area_along(i));
-                let up = rise - bead.rise(i).unwrap_or(rise);
+                let up = rise - bead.stroke.rise(i).unwrap_or(rise);
                 add(from.distance(to).hypot(up), fed);
                 let to = to.extend(level(Some(rise)));
                 self.go_up(to, speed, acceleration, fed, true);
@@ -504,12 +490,12 @@ impl<'a> Pacer<'a> {
             role: bead.role,
             amount,
             segments,
-            moves: bead.segments().count(),
+            moves: bead.stroke.segments().count(),
             wanted,
             by,
         });
-        self.on_slope = !bead.levels.is_empty();
-        let rises = bead.levels.iter().map(|l| l.rise);
+        self.on_slope = !bead.stroke.levels.is_empty();
+        let rises = bead.stroke.levels.iter().map(|l| l.rise);
         self.raised = rises.fold(self.raised, f64::max);
         out.push(PacedMove::Print {
             bead,
@@ -640,11 +626,7 @@ impl<'a> Pacer<'a> {
 
 /// True for a bead that gives way last if a layer is slowed: an outer wall.
 fn is_spared(bead: &Bead) -> bool {
-    match bead.role {
-        Role::OuterWall => true,
-        Role::Overhang => !bead.inner,
-        _ => false,
-    }
+    bead.laid_as == Role::OuterWall
 }
 
 /// True if two points are one place.

@@ -209,10 +209,10 @@ impl<'a> Rater<'a> {
         site: Site<'_>,
     ) -> Result<Vec<(Bead, Rates)>, VaryError> {
         let by_reach = self.by_reach(&bead);
-        let role = match (by_reach.speed, bead.inner) {
-            (false, _) => bead.role,
-            (true, false) => Role::OuterWall,
-            (true, true) => Role::InnerWall,
+        let role = if by_reach.speed {
+            bead.laid_as
+        } else {
+            bead.role
         };
         let quantities = [self.speed(role), &self.flow, &self.width, &self.fan];
         let constant =
@@ -274,7 +274,7 @@ impl<'a> Rater<'a> {
         let share = |step: &Step| {
             let middle = 0.5 * (step.from + step.to) - offset;
             let along = (step.to - step.from).normalize_or_zero();
-            let side = 0.5 * piece.width * along.perp();
+            let side = 0.5 * piece.stroke.width * along.perp();
             100.0 * reach.share(middle - side, middle + side)
         };
         let shares: Vec<Percent> = steps.iter().map(share).collect();
@@ -289,7 +289,9 @@ impl<'a> Rater<'a> {
         let share = own.map_or(1.0, |(_, flow)| 0.01 * flow);
         match bead.role {
             // The skin that is ironed is full except for this share.
-            Role::Ironing => share * (bead.width * bead.height) / bead.area(),
+            Role::Ironing => {
+                share * (bead.stroke.width * bead.height) / bead.area()
+            }
             _ => share,
         }
     }
@@ -334,7 +336,7 @@ impl<'a> Rater<'a> {
     ) -> (Bead, Rates) {
         // Neither skirt and brim nor supports belong to the part.
         if bead.role.is_part() {
-            bead.width *= width / 100.0;
+            bead.stroke.width *= width / 100.0;
         }
         let cooling = &self.plan.cooling;
         let fan = match bead.role {
@@ -445,8 +447,9 @@ struct Step {
 /// The bead in stretches of at most `longest`.
 fn steps(bead: &Bead, longest: Mm) -> Vec<Step> {
     let mut steps = Vec::new();
-    for (k, (a, b)) in bead.segments().enumerate() {
-        let level = |t: f64| bead.level(k).lerp(bead.level(k + 1), t);
+    for (k, (a, b)) in bead.stroke.segments().enumerate() {
+        let level =
+            |t: f64| bead.stroke.level(k).lerp(bead.stroke.level(k + 1), t);
         let count = (a.distance(b) / longest).ceil().max(1.0);
         for i in 0..count as usize {
             let last = i + 1 == count as usize;
@@ -502,8 +505,8 @@ fn part(bead: &Bead, steps: &[Step]) -> Bead {
     let begin = steps.first().map(|s| (s.from, s.levels[0]));
     let (points, levels): (Vec<DVec2>, Vec<Level>) =
         begin.into_iter().chain(ends).unzip();
-    let mut stroke = Stroke::new(points, false, bead.width);
-    if !bead.levels.is_empty() {
+    let mut stroke = Stroke::new(points, false, bead.stroke.width);
+    if !bead.stroke.levels.is_empty() {
         stroke.levels = levels;
     }
     Bead { stroke, ..*bead }
@@ -536,8 +539,8 @@ mod tests {
         assert!(longest.fold(0.0, f64::max) <= STEP);
         // Put together again, the bead has its corners and no other points.
         let whole = part(&square, &steps);
-        assert_eq!(whole.points.len(), 5);
-        assert_eq!(whole.length(), square.length());
+        assert_eq!(whole.stroke.points.len(), 5);
+        assert_eq!(whole.stroke.length(), square.stroke.length());
     }
 
     #[test]
@@ -566,7 +569,7 @@ mod tests {
         let pieces = rater.pieces(line, &span, Site::default()).unwrap();
         assert_eq!(pieces.len(), 1);
         let (bead, rates) = &pieces[0];
-        assert!((bead.width - 0.495).abs() < 1e-12);
+        assert!((bead.stroke.width - 0.495).abs() < 1e-12);
         assert!((rates.flow - 0.9).abs() < 1e-12);
         assert_eq!((rates.speed, rates.fan), (40.0, 100.0));
     }

@@ -48,7 +48,7 @@ fn layer(index: usize, beads: Vec<Bead>) -> LayerPath {
     let moves = beads
         .into_iter()
         .flat_map(|b| {
-            let points = vec![b.points[0]];
+            let points = vec![b.stroke.points[0]];
             [hop(points), Move::Print(b)]
         })
         .collect();
@@ -105,7 +105,10 @@ fn walls_round_small_things_are_slower() {
     let of = |s: &PacePlan, small| {
         // A wall that is cut open is still a small wall.
         let mut bead = square(Role::OuterWall, 4.9);
-        (bead.small, bead.closed) = (small, false);
+        bead.stroke.closed = false;
+        if small {
+            bead.ring = bead.stroke.length();
+        }
         speeds(&Pacer::new(s).paced(layer(1, vec![bead])))[0]
     };
     assert_eq!(of(&s, true), 25.0);
@@ -147,8 +150,8 @@ fn roles_have_their_accelerations() {
         let mut s = s.clone();
         s.acceleration.outer_wall = a;
         let mut bead = square(Role::OuterWall, 1.0);
-        bead.points = vec![DVec2::splat(50.0), DVec2::new(150.0, 50.0)];
-        bead.closed = false;
+        bead.stroke.points = vec![DVec2::splat(50.0), DVec2::new(150.0, 50.0)];
+        bead.stroke.closed = false;
         let mut path = layer(1, vec![bead]);
         path.moves.remove(0);
         let mut pacer = Pacer::new(&s);
@@ -231,7 +234,7 @@ fn bridges_have_their_own_speed_flow_and_fan() {
     assert_eq!(fans(&pacer.paced(layer(2, back))), [100.0, 40.0]);
     assert!(fans(&pacer.paced(layer(0, beads))).is_empty());
     let mut ironed = square(Role::Ironing, 20.0);
-    ironed.width = 0.1;
+    ironed.stroke.width = 0.1;
     assert!((fed(ironed) - 0.1 * 0.1 * 0.2).abs() < 1e-12);
 }
 
@@ -283,10 +286,11 @@ fn the_fastest_give_way_first_and_outer_walls_last() {
     let mut outer = Vec::new();
     for target in 0..16 {
         s.cooling.min_layer_time = f64::from(3 * target);
-        let all = beads.map(|(role, _)| square(role, 20.0)).to_vec();
+        let mut all = beads.map(|(role, _)| square(role, 20.0)).to_vec();
+        // The overhang is an outer wall's.
+        all[3].laid_as = Role::OuterWall;
         let l = Pacer::new(&s).paced(layer(1, all));
         let v = speeds(&l);
-        // The overhang is an outer wall's.
         assert_eq!(v[0].min(own[3]), v[3], "{v:?}");
         let cap = v[2];
         assert_eq!(v[1], cap.min(own[1]), "{v:?}");
@@ -313,11 +317,11 @@ fn lost_time_has_one_cause_at_final_speeds() {
     let lost = |s: &PacePlan| {
         let beads = vec![crowd(), square(Role::SparseInfill, 5.0)];
         let l = Pacer::new(s).paced(layer(1, beads));
-        let of = |cause| l.lost.get(&cause).copied().unwrap_or(0.0);
+        let of = |cause| l.sums.lost.get(&cause).copied().unwrap_or(0.0);
         let all = [Cause::Cooling, Cause::Flow, Cause::Moves].map(of);
         let whole = of(Cause::Acceleration) + all.iter().sum::<f64>();
         assert!(whole < l.time, "{whole} {}", l.time);
-        (all, l.slowed)
+        (all, l.sums.slowed)
     };
     let mut s = PacePlan::with(|_| ());
     s.cooling.min_layer_time = 0.0;
@@ -434,7 +438,7 @@ fn between(plan: &PacePlan, travel: Travel) -> Vec<PacedMove> {
     let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
     path.moves.push(Move::Travel(travel));
     let mut next = square(Role::OuterWall, 10.0);
-    next.points.iter_mut().for_each(|p| *p += 20.0);
+    next.stroke.points.iter_mut().for_each(|p| *p += 20.0);
     path.moves.push(Move::Print(next));
     let moves = Pacer::new(plan).paced(path).moves;
     let print = |m: &PacedMove| matches!(m, PacedMove::Print { .. });
@@ -535,7 +539,7 @@ fn beads_that_meet_but_for_rounding_are_one_way() {
         path.moves
             .push(Move::Travel(Travel::straight(there, false)));
         let mut next = rising(there.x, 40.0);
-        next.levels[0].rise = 0.0;
+        next.stroke.levels[0].rise = 0.0;
         path.moves.push(Move::Print(next));
         let moves = pacer.paced(path).moves;
         let last = &moves[moves.len() - 2];

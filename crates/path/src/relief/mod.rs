@@ -265,8 +265,8 @@ impl<'a> Relief<'a> {
         };
         own && !matches!(bead.role, Role::InternalBridge | Role::SparseInfill)
             && bead.role != apart
-            && bead.levels.is_empty()
-            && bead.points.len() > 1
+            && bead.stroke.levels.is_empty()
+            && bead.stroke.points.len() > 1
     }
 
     /// Lets beads follow the surface on one side of their layer.
@@ -528,9 +528,9 @@ impl Bounds {
 fn goes_on(before: &Ended, next: &Ended) -> bool {
     let bead = &before.bead;
     before.wipe.is_none()
-        && !bead.closed
-        && !next.bead.closed
-        && bead.points.last() == next.bead.points.first()
+        && !bead.stroke.closed
+        && !next.bead.stroke.closed
+        && bead.stroke.points.last() == next.bead.stroke.points.first()
 }
 
 /// How much higher than its layer a bead's material has to be counted so that
@@ -541,7 +541,7 @@ fn extra(bead: &Bead, fill: Mm) -> Mm {
     if bead.role == Role::Ironing {
         return 0.0;
     }
-    let own = cross_section(bead.width, bead.height);
+    let own = cross_section(bead.stroke.width, bead.height);
     let area: Mm2 = own * (1.0 + fill / bead.height);
-    height_of(area, bead.width) - bead.height
+    height_of(area, bead.stroke.width) - bead.height
 }

@@ -122,7 +122,7 @@ impl<'a> Obstacles<'a> {
     /// True for an outer wall that hangs, or for a part of one. Such a bead has
     /// the role of an overhang, but the outline is half its width away.
     fn hangs_outside(&self, bead: &Bead) -> bool {
-        let middle = bead.points.get(bead.points.len() / 2);
+        let middle = bead.stroke.points.get(bead.stroke.points.len() / 2);
         bead.role == Role::Overhang
             && middle.is_some_and(|&p| {
                 let reach = 0.5 * self.width + NEAR * self.inner_width;
@@ -141,7 +141,7 @@ impl<'a> Obstacles<'a> {
     ) -> EdgeGrid {
         let all = self.beads.iter().enumerate();
         let segments =
-            all.flat_map(|(i, b)| b.segments().map(move |s| (i, b, s)));
+            all.flat_map(|(i, b)| b.stroke.segments().map(move |s| (i, b, s)));
         let wanted = segments.filter(|(_, bead, s)| wanted(bead, *s));
         EdgeGrid::of(wanted.map(|(i, _, s)| (i, s)), CELL)
     }
@@ -181,7 +181,7 @@ impl<'a> Obstacles<'a> {
         let open = self.open.get_or_init(|| {
             self.grid(|b| {
                 (b.role == Role::OuterWall || self.hangs_outside(b))
-                    && (!b.closed || !b.widths.is_empty())
+                    && (!b.stroke.closed || !b.stroke.widths.is_empty())
             })
         });
         let ends = [points.first(), points.last()];

@@ -76,7 +76,7 @@ impl LayerPath {
             Move::Travel(travel) => Move::Travel(travel.clone().moved(by)),
             Move::Print(bead) => {
                 let mut bead = bead.clone();
-                for p in &mut bead.points {
+                for p in &mut bead.stroke.points {
                     *p += by;
                 }
                 Move::Print(bead)
@@ -89,7 +89,7 @@ impl LayerPath {
     /// no bead is printed.
     pub fn ends(&self) -> Option<(DVec2, DVec2)> {
         let begins = |step: &Move| match step {
-            Move::Print(bead) => bead.points.first().copied(),
+            Move::Print(bead) => bead.stroke.points.first().copied(),
             Move::Travel(_) => None,
         };
         let ended = match self.moves.last()? {
@@ -165,14 +165,14 @@ pub fn connect(
     }
     let mut moves = Vec::with_capacity(2 * beads.len());
     for (i, (bead, travel)) in beads.into_iter().zip(travels).enumerate() {
-        if bead.points.is_empty() {
+        if bead.stroke.points.is_empty() {
             continue;
         }
         moves.extend(travel.map(|travel| Move::Travel(travel.moved(offset))));
         // The pieces must not depend on where the part stands, so they are cut
         // before rounding does.
         for mut piece in plan.resolution.pieces(bead) {
-            for p in &mut piece.points {
+            for p in &mut piece.stroke.points {
                 *p += offset;
             }
             moves.push(Move::Print(piece));
@@ -185,11 +185,11 @@ pub fn connect(
 
 /// Where a bead begins and ends.
 fn ends(bead: &Bead) -> Option<(DVec2, DVec2)> {
-    let start = *bead.points.first()?;
-    let end = if bead.closed {
+    let start = *bead.stroke.points.first()?;
+    let end = if bead.stroke.closed {
         start
     } else {
-        bead.points.last().copied().unwrap_or(start)
+        bead.stroke.points.last().copied().unwrap_or(start)
     };
     Some((start, end))
 }

@@ -144,7 +144,7 @@ impl Part {
         let short =
             |p: (f64, f64)| bead(Role::SparseInfill, &[(p.0, p.1 + 0.1), p]);
         let mut to = short(to);
-        to.reverse();
+        to.stroke.reverse();
         self.travels(vec![short(from), to]).remove(0)
     }
 }
@@ -638,5 +638,5 @@ fn beads_are_moved_to_the_bed() {
     let Some(Move::Print(b)) = path.moves.last() else {
         panic!("nothing printed");
     };
-    assert_eq!(b.points[0], DVec2::new(101.0, 51.0));
+    assert_eq!(b.stroke.points[0], DVec2::new(101.0, 51.0));
 }

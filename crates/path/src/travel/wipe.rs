@@ -19,10 +19,10 @@ pub(super) fn path(
     if retract.wipe <= 0.0 || retract.length <= 0.0 {
         return None;
     }
-    let [mut way, _] = if bead.closed {
-        parted(bead.path(), retract.wipe)
+    let [mut way, _] = if bead.stroke.closed {
+        parted(bead.stroke.path(), retract.wipe)
     } else {
-        parted(bead.path().rev(), retract.wipe)
+        parted(bead.stroke.path().rev(), retract.wipe)
     };
     way.dedup();
     let way: Vec<DVec2> = way.into_iter().skip(1).collect();
@@ -79,7 +79,7 @@ mod tests {
         let closed = wiped(true, 50.0);
         assert_eq!(path_length(&closed, false), 3.0 + 5.0);
         let mut point = bead(false);
-        point.points.truncate(1);
+        point.stroke.points.truncate(1);
         let wipe = Retract {
             wipe: 1.0,
             ..Retract::default()

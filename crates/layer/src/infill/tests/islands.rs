@@ -45,7 +45,10 @@ fn islands_in_each_other_s_boxes_are_filled_once() {
         let content = area.content();
         let volume = |plan: &InfillPlan| {
             let beads = lay(plan, HERE, area, [layer(7)]).remove(0);
-            beads.iter().map(|b| b.area() * b.length()).sum::<f64>()
+            beads
+                .iter()
+                .map(|b| b.area() * b.stroke.length())
+                .sum::<f64>()
         };
         // The joins and the margin along the border are not part of the
         // pattern.
@@ -66,7 +69,7 @@ fn islands_in_each_other_s_boxes_are_filled_once() {
     let places = || (0..24).map(spread);
     let length = |area: &Area| -> f64 {
         let layers = lay(&plan, HERE, area, places());
-        layers.iter().flatten().map(|b| b.length()).sum()
+        layers.iter().flatten().map(|b| b.stroke.length()).sum()
     };
     let single: f64 = area.islands().iter().map(length).sum();
     let together = length(&area);
@@ -91,13 +94,13 @@ fn islands_continue_each_other() {
         let (whole, parts) = (beads(&square(40.0)), beads(&both));
         let all: Vec<(DVec2, DVec2)> = whole
             .iter()
-            .flat_map(|b| b.segments().collect::<Vec<_>>())
+            .flat_map(|b| b.stroke.segments().collect::<Vec<_>>())
             .collect();
         let grid = isoslice_planar::grid::EdgeGrid::of(
             all.into_iter().map(|s| (0, s)),
             0.5,
         );
-        for p in parts.iter().flat_map(|b| &b.points) {
+        for p in parts.iter().flat_map(|b| &b.stroke.points) {
             // Only places away from the joins are compared.
             if (p.x.abs() - 20.0).abs() > 11.5 || p.y.abs() > 11.5 {
                 continue;

@@ -52,31 +52,33 @@ fn lay(
     plan: &InfillPlan,
     site: Site,
     area: &Area,
-    places: impl IntoIterator<Item = Target>,
+    places: impl IntoIterator<Item = LayerSpan>,
 ) -> Vec<Vec<Bead>> {
     let block = block();
     let around = Surroundings::new(&block);
     let infill = Infill::new(plan.clone(), &around, site).unwrap();
     let layers = places.into_iter();
     layers
-        .map(|p| infill.beads(area, p, None).unwrap())
+        .map(|p| infill.beads(area, &p, None).unwrap())
         .collect()
 }
 
-fn layer(number: usize) -> Target {
-    Target {
-        number,
-        z: 0.2 * number as f64 + 0.1,
-        height: 0.2,
+fn layer(index: usize) -> LayerSpan {
+    LayerSpan {
+        index,
+        bottom: 0.2 * index as f64,
+        top: 0.2 * (index + 1) as f64,
     }
 }
 
 /// A layer at one of the heights spread evenly, out of step with any period.
 /// They span so many periods that their number need not be whole.
-fn spread(number: usize) -> Target {
-    Target {
-        z: 3000.0 * (0.618_034 * number as f64).fract(),
-        ..layer(number)
+fn spread(index: usize) -> LayerSpan {
+    let z = 3000.0 * (0.618_034 * index as f64).fract();
+    LayerSpan {
+        index,
+        bottom: z - 0.1,
+        top: z + 0.1,
     }
 }
 
@@ -91,7 +93,7 @@ fn length_within(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
     let border = Border::new(&window);
     let mut cutter = isoslice_planar::border::Cutter::new(&border);
     for bead in layers.iter().flatten() {
-        cutter.line(&bead.points, bead.closed);
+        cutter.line(&bead.stroke.points, bead.stroke.closed);
     }
     let pieces = cutter.finish();
     let lengths = pieces.iter();

@@ -61,25 +61,25 @@ fn paths_are_long_and_stay_inside() {
         let plan = even(kind, 20.0);
         let places = [0, 7, 12].map(layer);
         for (i, beads) in lay(&plan, HERE, &area, places).iter().enumerate() {
-            for p in beads.iter().flat_map(|b| &b.points) {
+            for p in beads.iter().flat_map(|b| &b.stroke.points) {
                 assert!(grid.contains(*p), "{kind:?}: {p}");
                 let (_, near) = grid.nearest(*p).unwrap();
                 assert!(near.distance(*p) > 0.1, "{kind:?}: {p}");
             }
             // Without joins there would be about 80 paths.
-            let open = beads.iter().filter(|b| !b.closed).count();
+            let open = beads.iter().filter(|b| !b.stroke.closed).count();
             assert!(open <= 20, "{kind:?}, layer {i}: {open} paths");
         }
     }
 }
 
 /// Points of the pattern far from any border.
-fn points(plan: &InfillPlan, site: Site, at: Target) -> Vec<DVec2> {
+fn points(plan: &InfillPlan, site: Site, at: LayerSpan) -> Vec<DVec2> {
     let beads = lay(plan, site, &square(40.0), [at]).remove(0);
     // Where the lines cross the middle row.
     let mut on_row: Vec<DVec2> = beads
         .iter()
-        .flat_map(|b| b.segments().collect::<Vec<_>>())
+        .flat_map(|b| b.stroke.segments().collect::<Vec<_>>())
         .filter(|(a, b)| (a.y > 0.3) != (b.y > 0.3))
         .map(|(a, b)| a.lerp(b, (0.3 - a.y) / (b.y - a.y)))
         .filter(|p| p.x.abs() < 30.0)
