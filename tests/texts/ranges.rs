@@ -144,7 +144,6 @@ fn more_layers_of_internal_bridges() {
             "sample_spacing=0.3",
             "accuracy=0.05",
             "gcode.progress=off",
-            &layers,
         ]);
         for shift in ["1.4", "1.6", "1.8"] {
             let part = format!(
