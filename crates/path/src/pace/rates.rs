@@ -266,9 +266,9 @@ impl<'a> Rater<'a> {
         shift: DVec2,
     ) -> (Vec<Step>, Vec<Percent>) {
         let Some(reach) = reach else {
-            return (steps(piece, STEP), Vec::new());
+            return (steps(&piece.stroke, STEP), Vec::new());
         };
-        let steps = steps(piece, REACH_STEP);
+        let steps = steps(&piece.stroke, REACH_STEP);
         let placed = self.around.map_or(DVec2::ZERO, |around| around.1);
         let offset = placed + shift;
         let share = |step: &Step| {
@@ -445,11 +445,10 @@ struct Step {
 }
 
 /// The bead in stretches of at most `longest`.
-fn steps(bead: &Bead, longest: Mm) -> Vec<Step> {
+fn steps(stroke: &Stroke, longest: Mm) -> Vec<Step> {
     let mut steps = Vec::new();
-    for (k, (a, b)) in bead.stroke.segments().enumerate() {
-        let level =
-            |t: f64| bead.stroke.level(k).lerp(bead.stroke.level(k + 1), t);
+    for (k, (a, b)) in stroke.segments().enumerate() {
+        let level = |t: f64| stroke.level(k).lerp(stroke.level(k + 1), t);
         let count = (a.distance(b) / longest).ceil().max(1.0);
         for i in 0..count as usize {
             let last = i + 1 == count as usize;
@@ -532,7 +531,7 @@ mod tests {
     fn stretches_are_the_bead() {
         let square =
             bead(&[(0.0, 0.0), (3.5, 0.0), (3.5, 2.0), (0.0, 2.0)], true);
-        let steps = steps(&square, STEP);
+        let steps = steps(&square.stroke, STEP);
         assert_eq!(steps.len(), 4 + 2 + 4 + 2);
         assert!(steps.windows(2).all(|w| w[0].to == w[1].from));
         let longest = steps.iter().map(|s| s.from.distance(s.to));
