@@ -99,7 +99,11 @@ fn speed_of(role: Role, speed: &Speed) -> (&'static str, Varying) {
         Role::InternalBridge => {
             ("speed.internal_bridge", &speed.internal_bridge)
         }
-        Role::Overhang => ("speed.overhang", &speed.overhang),
+        // Where speeds go by steps, the wall's own counts.
+        Role::Overhang => (
+            "speed.overhang",
+            speed.overhang.same().unwrap_or(&speed.outer_wall),
+        ),
         Role::Ironing => ("speed.ironing", &speed.ironing),
     };
     (key, value.clone())
@@ -248,8 +252,8 @@ impl<'a> Rater<'a> {
         );
         let PacePlan { speed, cooling, .. } = self.plan;
         ByReach {
-            speed: wall && !speed.overhang_steps.is_off(),
-            fan: wall && !cooling.overhang_fan_steps.is_off(),
+            speed: wall && speed.overhang.steps().is_some(),
+            fan: wall && cooling.overhang_fan_speed.steps().is_some(),
         }
     }
 
@@ -337,12 +341,13 @@ impl<'a> Rater<'a> {
         let cooling = &self.plan.cooling;
         let fan = match bead.role {
             _ if span.index < cooling.fan_off_layers as usize => 0.0,
-            Role::Overhang if !cooling.overhang_fan_steps.is_off() => fan,
             Role::Bridge => cooling.bridge_fan_speed,
             Role::InternalBridge => cooling
                 .internal_bridge_fan_speed
                 .unwrap_or(cooling.bridge_fan_speed),
-            Role::Overhang => cooling.overhang_fan_speed,
+            Role::Overhang => {
+                *cooling.overhang_fan_speed.same().unwrap_or(&fan)
+            }
             Role::SupportInterface => {
                 cooling.support_interface_fan_speed.unwrap_or(fan)
             }
@@ -375,14 +380,16 @@ impl ByReach {
         [speeds, _, _, fans]: &mut [Vec<f64>; 4],
         plan: &PacePlan,
     ) {
-        if self.speed {
-            let steps = &plan.speed.overhang_steps;
+        if self.speed
+            && let Some(steps) = plan.speed.overhang.steps()
+        {
             for (speed, share) in speeds.iter_mut().zip(shares) {
                 *speed = steps.at(*share, *speed).min(*speed);
             }
         }
-        if self.fan {
-            let steps = &plan.cooling.overhang_fan_steps;
+        if self.fan
+            && let Some(steps) = plan.cooling.overhang_fan_speed.steps()
+        {
             for (fan, share) in fans.iter_mut().zip(shares) {
                 *fan = steps.at(*share, *fan);
             }
