@@ -96,7 +96,7 @@ impl<'a> Base<'a> {
 
 /// True if a part is to have supports where it needs some.
 pub(super) fn has_supports(part: &Part) -> bool {
-    part.settings.supports != Supports::Off && !part.settings.spiral
+    part.settings.supports != Supports::Off && !part.settings.is_vase()
 }
 
 /// A part whose layers can be made.

@@ -245,7 +245,7 @@ impl<'a> Pacing<'a> {
         let mut moves = Vec::new();
         for mut bead in loops {
             if let Some(at) = self.at {
-                begin_near(&mut bead, at);
+                begin_near(&mut bead.stroke, at);
             }
             let Some(&to) = bead.stroke.points.first() else {
                 continue;

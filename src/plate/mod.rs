@@ -353,7 +353,7 @@ impl Wanted {
                 copies: self.copies,
             });
         }
-        if count > 1 && self.settings.spiral {
+        if count > 1 && self.settings.is_vase() {
             return Err(PlateError::Spiral { asked: asked() });
         }
         if self.placement.keep_position {

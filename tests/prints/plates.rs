@@ -140,7 +140,7 @@ fn supports_and_rafts_are_those_of_each_part_alone() {
         "supports=auto",
         "bridges=false",
         "raft.layers=2",
-        "speed.overhang_steps=25:40, 75:20",
+        "speed.overhang=25:40, 75:20",
     ];
     let plain = settings(&[&PLAIN[..], &set].concat());
     let all = [wanted("tee", tee, 2, &plain), wanted("box", BOX, 1, &plain)];

@@ -23,8 +23,8 @@
 //! RepRapFirmware M208 sets how far the axes reach, and a fan's speed of 1 is
 //! full.
 
-use super::WriterPlan;
 use super::number::text;
+use super::plan::{Board, WriterPlan};
 use isoslice_base::units::{MmPerSec, Percent, feed_rate};
 use isoslice_path::pace::motion::{Limits, Planner};
 use isoslice_settings::Flavour;
@@ -74,38 +74,6 @@ pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
             format!("M991 S0 P{}", number.saturating_sub(1)),
         ],
         Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => Vec::new(),
-    }
-}
-
-/// Which of Prusa's two firmwares a printer has, by what it calls itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Board {
-    /// The settings do not say: the file has only commands that both know.
-    Unknown,
-    /// The 8-bit firmware, of printers up to the MK3S+.
-    Old,
-    /// The firmware of the MINI, which has linear advance, M900.
-    Mini,
-    /// The firmware of MK3.5, MK4, XL and CORE One, which has pressure advance,
-    /// M572.
-    Buddy,
-}
-
-impl Board {
-    /// The firmware of a printer with this name.
-    pub(super) fn of(model: &str) -> Board {
-        let model = model.trim().to_uppercase();
-        let later = ["MK3.5", "MK3.9"].iter().any(|m| model.starts_with(m));
-        if model.is_empty() {
-            Board::Unknown
-        } else if model.starts_with("MINI") {
-            Board::Mini
-        } else if !later && ["MK2", "MK3"].iter().any(|m| model.starts_with(m))
-        {
-            Board::Old
-        } else {
-            Board::Buddy
-        }
     }
 }
 

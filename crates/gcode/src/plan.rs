@@ -1,6 +1,5 @@
 //! What the writer needs of the settings.
 
-use super::flavour::Board;
 use isoslice_base::units::{
     Celsius, Mm, Mm2, MmPerSec, Seconds, cross_section, filament_area,
 };
@@ -107,6 +106,38 @@ impl<'a> WriterPlan<'a> {
         let mut settings = Settings::default();
         change(&mut settings);
         WriterPlan::of(Box::leak(Box::new(settings)))
+    }
+}
+
+/// Which of Prusa's two firmwares a printer has, by what it calls itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Board {
+    /// The settings do not say: the file has only commands that both know.
+    Unknown,
+    /// The 8-bit firmware, of printers up to the MK3S+.
+    Old,
+    /// The firmware of the MINI, which has linear advance, M900.
+    Mini,
+    /// The firmware of MK3.5, MK4, XL and CORE One, which has pressure advance,
+    /// M572.
+    Buddy,
+}
+
+impl Board {
+    /// The firmware of a printer with this name.
+    pub(super) fn of(model: &str) -> Board {
+        let model = model.trim().to_uppercase();
+        let later = ["MK3.5", "MK3.9"].iter().any(|m| model.starts_with(m));
+        if model.is_empty() {
+            Board::Unknown
+        } else if model.starts_with("MINI") {
+            Board::Mini
+        } else if !later && ["MK2", "MK3"].iter().any(|m| model.starts_with(m))
+        {
+            Board::Old
+        } else {
+            Board::Buddy
+        }
     }
 }
 

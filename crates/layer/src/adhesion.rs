@@ -118,7 +118,7 @@ pub fn keep_on_bed(
             Role::Skirt,
             if shield {
                 "the draft shield does not fit on the bed and is left out; \
-                 lower draft_shield_gap or set draft_shield = off"
+                 lower skirt.distance or set draft_shield = off"
             } else {
                 "the skirt does not fit on the bed and is left out; lower \
                  skirt.distance or set skirt.loops = 0"

@@ -209,6 +209,13 @@ impl Stroke {
         self.points.iter().copied().chain(back)
     }
 
+    /// Where the stroke begins and ends; a closed one ends where it begins.
+    pub fn ends(&self) -> Option<(DVec2, DVec2)> {
+        let start = *self.points.first()?;
+        let last = self.points.last().filter(|_| !self.closed);
+        Some((start, last.copied().unwrap_or(start)))
+    }
+
     /// The segments of the centre line, the closing one included.
     pub fn segments(&self) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
         self.path().zip(self.path().skip(1))

@@ -66,10 +66,6 @@ by_nozzle! {
     skin_width = 112.5;
     /// Width of the lines of skin that faces upwards.
     top_skin_width = skin_width;
-    /// Thickness of solid material below each upward face.
-    top_thickness = 200.0;
-    /// Thickness of solid material above each downward face.
-    bottom_thickness = 150.0;
     /// How far skin reaches into the sparse infill beside it.
     skin_overlap = 150.0;
     /// Distance between the lines of ironing.
@@ -79,10 +75,28 @@ by_nozzle! {
 }
 
 impl Settings {
+    /// Thickness of solid material below each upward face.
+    pub fn top_thickness(&self) -> Mm {
+        let nozzle = self.printer.nozzle_diameter;
+        self.top_layers.thickness(nozzle, share_of(nozzle, 200.0))
+    }
+
+    /// Thickness of solid material above each downward face.
+    pub fn bottom_thickness(&self) -> Mm {
+        let nozzle = self.printer.nozzle_diameter;
+        self.bottom_layers
+            .thickness(nozzle, share_of(nozzle, 150.0))
+    }
+
+    /// True if the part is printed as a vase, in walls that climb.
+    pub fn is_vase(&self) -> bool {
+        self.spiral.is_on()
+    }
+
     /// True if every other inner wall lies half a layer lower.
     pub fn interlocks(&self) -> bool {
         self.walls_interlocked
-            && !self.spiral
+            && !self.is_vase()
             && self.contour_z.is(0.0)
             && self.highest_interlocked() <= self.printer.nozzle_diameter
     }
@@ -96,7 +110,7 @@ impl Settings {
     /// True if skin over sparse infill becomes internal bridges. At a border
     /// without a wall nothing would hold their ends.
     pub fn bridges_infill(&self) -> bool {
-        self.internal_bridges && self.walls > 0 && !self.spiral
+        self.internal_bridges.is_on() && self.walls > 0 && !self.is_vase()
     }
 
     /// Height of the highest bead where walls interlock, mm: it ends a wall that
@@ -110,7 +124,7 @@ impl Settings {
     pub fn supports_follow(&self) -> bool {
         self.support.interface_shape == InterfaceShape::Follow
             && self.supports != Supports::Off
-            && !self.spiral
+            && !self.is_vase()
     }
 
     /// True if scarfs rise with their flow. They do not if beads follow the
@@ -123,8 +137,8 @@ impl Settings {
 
     /// True if walls depend on how far they reach beyond the layer below.
     pub fn by_reach(&self) -> bool {
-        let speed = &self.speed.overhang_steps;
-        !(speed.is_off() && self.cooling.overhang_fan_steps.is_off())
+        self.speed.overhang.steps().is_some()
+            || self.cooling.overhang_fan_speed.steps().is_some()
     }
 
     /// Diameter of the nozzle's flat end: `printer.nozzle_flat` if set, else
@@ -181,7 +195,7 @@ impl Settings {
 
     /// True if walls can be led around tops.
     pub(crate) fn divides_walls(&self) -> bool {
-        !self.spiral
+        !self.is_vase()
             && !self.interlocks()
             && self.wall_offset == WallOffset::Distance
     }
@@ -189,7 +203,7 @@ impl Settings {
     /// Number of solid layers below an upward face: `top_layers` if set, else
     /// as many as `top_thickness` takes.
     pub fn top_layers(&self) -> u32 {
-        self.top_layers.unwrap_or_else(|| {
+        self.top_layers.layers().unwrap_or_else(|| {
             layers_in(self.top_thickness(), self.layer_height())
         })
     }
@@ -397,7 +411,7 @@ impl Settings {
     /// Number of solid layers above a downward face: `bottom_layers` if set,
     /// else as many as `bottom_thickness` takes.
     pub fn bottom_layers(&self) -> u32 {
-        self.bottom_layers.unwrap_or_else(|| {
+        self.bottom_layers.layers().unwrap_or_else(|| {
             layers_in(self.bottom_thickness(), self.layer_height())
         })
     }
@@ -405,7 +419,7 @@ impl Settings {
     /// Number of solid layers on the bed, of which the first has its own height,
     /// if the others are uniform.
     pub(super) fn layers_on_bed(&self) -> u32 {
-        self.bottom_layers.unwrap_or_else(|| {
+        self.bottom_layers.layers().unwrap_or_else(|| {
             let rest = self.bottom_thickness() - self.part_first_height();
             let more = if rest > THICKNESS_SLACK {
                 layers_in(rest, self.layer_height())
@@ -479,11 +493,12 @@ fn layers_in(thickness: Mm, layer_height: Mm) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Shell;
 
     fn settings(height: Mm, top: Mm) -> Settings {
         Settings {
             layer_height: height.into(),
-            top_thickness: top.into(),
+            top_layers: Shell::Thickness(top.into()),
             ..Settings::default()
         }
     }
@@ -532,8 +547,8 @@ mod tests {
     #[test]
     fn a_count_wins_over_a_thickness() {
         let s = Settings {
-            top_layers: Some(0),
-            bottom_layers: Some(7),
+            top_layers: Shell::Layers(0),
+            bottom_layers: Shell::Layers(7),
             ..Settings::default()
         };
         assert_eq!((s.top_layers(), s.bottom_layers()), (0, 7));

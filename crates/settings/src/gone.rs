@@ -4,6 +4,35 @@
 
 /// Names of settings that are no more, each with what to write instead.
 const GONE: &[(&str, &str)] = &[
+    (
+        "top_thickness",
+        "write the thickness in top_layers, such as \"0.8 mm\"",
+    ),
+    (
+        "bottom_thickness",
+        "write the thickness in bottom_layers, such as \"0.6 mm\"",
+    ),
+    (
+        "spiral_walls",
+        "write the number of walls in spiral, such as spiral = 2",
+    ),
+    (
+        "internal_bridge_layers",
+        "write the number of layers in internal_bridges, such as \
+         internal_bridges = 2",
+    ),
+    (
+        "draft_shield_gap",
+        "write skirt.distance, which is also the draft shield's",
+    ),
+    (
+        "speed.overhang_steps",
+        "write the steps in speed.overhang, such as \"25: 80%, 50: 30, 100: 10\"",
+    ),
+    (
+        "cooling.overhang_fan_steps",
+        "write the steps in cooling.overhang_fan_speed, such as \"25: 50, 100: 100\"",
+    ),
     ("acceleration.travel", "write printer.travel_acceleration"),
     (
         "bottom_skin_width",

@@ -58,6 +58,7 @@
 
 mod by_nozzle;
 mod check;
+mod count;
 mod derived;
 mod error;
 mod firmware;
@@ -66,10 +67,12 @@ mod gone;
 mod infill;
 pub mod layers;
 mod line_density;
+mod overhang;
 mod profile;
 mod read;
 mod rows;
 mod schema;
+mod shell;
 mod shield;
 mod shipped;
 mod sizes;
@@ -89,14 +92,17 @@ pub use table::{Key, keys};
 pub use value::Range;
 
 pub use by_nozzle::ByNozzle;
+pub use count::SwitchOrCount;
 pub use derived::{FullAngle, THICKNESS_SLACK};
 pub use firmware::Refusals;
 pub use infill::Infill;
 pub use line_density::LineDensity;
+pub use overhang::{OfOverhangs, OverhangFan, OverhangSpeed};
 pub use rows::{
     Acceleration, Brim, Cooling, FuzzySkin, Printer, Retract, Skirt, Speed,
     Support,
 };
+pub use shell::Shell;
 pub use shield::DraftShield;
 pub use sizes::Sizes;
 pub use sizes::{ImageFormat, PictureSize};

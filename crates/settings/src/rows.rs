@@ -14,7 +14,8 @@
 use super::table;
 use super::words::*;
 use super::{
-    ByNozzle, DraftShield, Infill, LineDensity, Sizes, Steps, Varying,
+    ByNozzle, DraftShield, Infill, LineDensity, OverhangFan, OverhangSpeed,
+    Shell, Sizes, SwitchOrCount, Varying,
 };
 use isoslice_base::units::*;
 
@@ -72,11 +73,10 @@ table::settings! {
         top_walls: Option<u32> = None, in 1..=1000;
         /// Whether to print the part as a vase: bottom_layers flat layers,
         /// and above them one wall that climbs without a break, without
-        /// infill, top skin, seams and retractions.
-        spiral: bool = false;
-        /// Number of walls that climb side by side if spiral is true. The nozzle
-        /// goes from each to the next one outside of it once a turn.
-        spiral_walls: u32 = 1, in 1..=100;
+        /// infill, top skin, seams and retractions. A number of walls climb
+        /// side by side, and the nozzle goes from each to the next one outside
+        /// of it once a turn.
+        spiral: SwitchOrCount = SwitchOrCount::Off, in 1..=100;
         /// Line width of the outer wall; auto is 112.5% of the nozzle's
         /// diameter.
         outer_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
@@ -135,18 +135,14 @@ table::settings! {
         /// Where the part gets skin: at all of its exposed faces, or only at
         /// its ends, where skin fills the lowest and the highest layers.
         skin_where: SkinWhere = SkinWhere::Exposed;
-        /// Least thickness of solid material below each upward face; auto is
-        /// 200% of the nozzle's diameter.
-        top_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
-        /// Least thickness of solid material above each downward face; auto is
-        /// 150% of the nozzle's diameter.
-        bottom_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
-        /// Number of solid layers below each upward face; auto takes it from
-        /// top_thickness.
-        top_layers: Option<u32> = None, in 0..=50_000;
-        /// Number of solid layers above each downward face; auto takes it
-        /// from bottom_thickness.
-        bottom_layers: Option<u32> = None, in 0..=50_000;
+        /// Number of solid layers below each upward face, or their least
+        /// thickness, such as "0.8 mm"; auto is a thickness of 200% of the
+        /// nozzle's diameter.
+        top_layers: Shell = Shell::AUTO, in 0..=50_000;
+        /// Number of solid layers above each downward face, or their least
+        /// thickness, such as "0.6 mm"; auto is a thickness of 150% of the
+        /// nozzle's diameter.
+        bottom_layers: Shell = Shell::AUTO, in 0..=50_000;
         /// Line width of skin, of the rings around it and of bridges; auto is
         /// 112.5% of the nozzle's diameter.
         skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
@@ -222,13 +218,11 @@ table::settings! {
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Whether the lowest solid layer over sparse infill gets lines across
         /// those of the infill, which end on the infill or on walls. The
-        /// following layers lie on it. Parts without walls have none.
-        internal_bridges: bool = true;
-        /// Number of layers of internal bridges over sparse infill, each across
-        /// the one below; auto is 2 where infill_density is below 10%, else 1.
-        /// If the density is an expression, the distance between the infill's
-        /// lines decides.
-        internal_bridge_layers: Option<u32> = None, in 1..=10;
+        /// following layers lie on it. Parts without walls have none. A number
+        /// is that of such layers, each across the one below; true is 2 where
+        /// infill_density is below 10%, else 1. If the density is an expression,
+        /// the distance between the infill's lines decides.
+        internal_bridges: SwitchOrCount = SwitchOrCount::On, in 1..=10;
         /// Material of internal bridges, as a share of what skin would get.
         internal_bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Share of its width by which a wall may hang over the layer below
@@ -251,8 +245,6 @@ table::settings! {
         /// supports and keeps draughts off: off, full, or up to a height above
         /// the bed. It takes the skirt's place.
         draft_shield: DraftShield = DraftShield::Off, in 0.1..=10_000.0;
-        /// Gap between the draft shield and what is within it, brims included.
-        draft_shield_gap: Mm = 10.0, in 0.5..=1000.0;
 
         ["Sparse infill"]
         /// Share of the inside that is printed; 0 leaves it hollow. Infill
@@ -392,14 +384,13 @@ table::settings! {
         /// Speed of internal bridges.
         internal_bridge: Varying<MmPerSec> = Varying::Constant(40.0),
             in 0.1..=2000.0;
-        /// Speed of walls that hang over the layer below.
-        overhang: Varying<MmPerSec> = Varying::Constant(20.0),
+        /// Speed of walls that hang over the layer below by more than
+        /// overhang_share, or speeds by the share of a wall's width that reaches
+        /// beyond that layer. Between steps the speed changes evenly, from the
+        /// wall's own at 0% on, and is never more than that. What lies over a
+        /// support counts half.
+        overhang: OverhangSpeed = OverhangSpeed::Same(Varying::Constant(20.0)),
             in 0.1..=2000.0;
-        /// Speeds of walls by the share of their width that reaches beyond the
-        /// layer below, instead of speed.overhang. Between steps the speed
-        /// changes evenly, from the wall's own at 0% on, and is never more than
-        /// that. What lies over a support counts half.
-        overhang_steps: Steps = Steps::of_speed();
         /// Speed of ironing.
         ironing: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0;
@@ -500,8 +491,9 @@ table::settings! {
     skirt: Skirt {
         /// Number of loops; 0 for no skirt.
         loops: u32 = 1, in 0..=1000;
-        /// Gap between the part, or its brim, and the innermost loop.
-        distance: Mm = 6.0, in 0.0..=1000.0;
+        /// Gap between the part, or its brim, and the innermost loop or the
+        /// draft shield; auto is 6 mm, and 10 mm for a draft shield.
+        distance: Option<Mm> = None, in 0.0..=1000.0;
         /// Number of layers, from the bed, that have a skirt.
         layers: u32 = 1, in 0..=50_000;
     }
@@ -543,13 +535,12 @@ table::settings! {
         /// supports, and the solid layers of a raft, are printed: the faster
         /// the fan, the less they stick to the part. auto is fan_speed.
         support_interface_fan_speed: Option<Percent> = None, in 0.0..=100.0;
-        /// Speed of the part's fan while overhanging walls are printed.
-        overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
-        /// Speeds of the part's fan by the share of a wall's width that reaches
-        /// beyond the layer below, instead of overhang_fan_speed. Between steps
-        /// the speed changes evenly, from fan_speed at 0% on. What lies over a
-        /// support counts half.
-        overhang_fan_steps: Steps = Steps::of_fan();
+        /// Speed of the part's fan while overhanging walls are printed, or
+        /// speeds by the share of a wall's width that reaches beyond the layer
+        /// below. Between steps the speed changes evenly, from fan_speed at 0%
+        /// on. What lies over a support counts half.
+        overhang_fan_speed: OverhangFan = OverhangFan::Same(100.0),
+            in 0.0..=100.0;
         /// Number of layers, from the bed, printed without the fan.
         fan_off_layers: u32 = 1, in 0..=50_000;
         /// Number of the first layer, from the bed, whose fan runs at full

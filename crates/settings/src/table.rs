@@ -56,7 +56,8 @@ impl Key {
             Kind::Sizes => {
                 "32x32, 300x300 or other sizes, or nothing".to_owned()
             }
-            Kind::Steps(allowed) | Kind::NumberOrText(allowed) => {
+            Kind::SwitchOrWhole => format!("true, false, or {range}"),
+            Kind::NumberOrText(allowed) | Kind::WholeOrText(allowed) => {
                 allowed.to_owned()
             }
             Kind::Word(words) => alternatives(words),
@@ -117,8 +118,9 @@ impl Key {
             (Kind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
             (
                 Kind::Switch
-                | Kind::Steps(_)
                 | Kind::NumberOrText(_)
+                | Kind::WholeOrText(_)
+                | Kind::SwitchOrWhole
                 | Kind::Word(_)
                 | Kind::WordOrShape(_)
                 | Kind::WordOrFormula(_)
@@ -329,6 +331,12 @@ macro_rules! unit {
         "mm"
     };
     (LineDensity) => {
+        "%"
+    };
+    (OverhangSpeed) => {
+        "mm/s"
+    };
+    (OverhangFan) => {
         "%"
     };
     (Mm2) => {

@@ -109,10 +109,13 @@ pub(super) enum Kind {
     Text,
     /// Sizes of pictures.
     Sizes,
-    /// Values by steps. The text says what may be assigned.
-    Steps(&'static str),
     /// A number, or text of another kind. The text says what may be assigned.
     NumberOrText(&'static str),
+    /// A whole number, or text of another kind. The text says what may be
+    /// assigned.
+    WholeOrText(&'static str),
+    /// True, false or a whole number.
+    SwitchOrWhole,
     Word(&'static [&'static str]),
     /// A word, an expression, or the name of a script.
     WordOrShape(&'static [&'static str]),

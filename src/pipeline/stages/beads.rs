@@ -92,7 +92,7 @@ impl Stages<'_> {
     ) -> Result<Vec<Bead>, InfillError> {
         let solid = layer.outline.grid();
         self.timings.time(Stage::Infill, || {
-            if self.settings.spiral {
+            if self.settings.is_vase() {
                 Ok(Vec::new())
             } else {
                 self.infill.beads(sparse, &layer.span, Some(solid))

@@ -29,7 +29,7 @@ impl Stages<'_> {
         }
         // What the lowest of these lie on is not known. They decide only where
         // the ends of lines of the layers above them are held.
-        1 + self.settings.internal_bridge_layers.unwrap_or(2) as usize
+        1 + self.settings.internal_bridges.count().unwrap_or(2) as usize
     }
 
     /// A layer with internal bridges over the infill of the layer below, and over

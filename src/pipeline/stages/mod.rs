@@ -183,7 +183,7 @@ impl<'a> Stages<'a> {
     /// Number of layers below a layer that it depends on.
     pub(super) fn reach_below(&self) -> usize {
         // A turn lies on a layer that has to be known.
-        let below = usize::from(self.settings.spiral);
+        let below = usize::from(self.settings.is_vase());
         // Internal bridges lie on infill, which has to be known as well.
         let infill = self.rehearsed_bridges();
         self.exposure.reach_below().max(below) + infill

@@ -187,8 +187,11 @@ impl ExposurePlan {
         };
         ExposurePlan {
             walls: WallPlan::of(settings),
-            top: shell(settings.top_layers, settings.top_thickness()),
-            bottom: shell(settings.bottom_layers, settings.bottom_thickness()),
+            top: shell(settings.top_layers.layers(), settings.top_thickness()),
+            bottom: shell(
+                settings.bottom_layers.layers(),
+                settings.bottom_thickness(),
+            ),
             ends_alone: settings.skin_where == SkinWhere::Ends,
             uniform: settings.is_uniform(),
             raft_layers: settings.raft_layers(),

@@ -213,20 +213,18 @@ impl Slack {
 /// that shows may be off, `path` how far the middle of a piece may be from the
 /// bead's. All of the bead lies at the level of its first point.
 pub(super) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
-    if bead.stroke.widths.len() != bead.stroke.points.len()
-        || bead.stroke.points.is_empty()
-    {
+    let own = &bead.stroke;
+    if own.widths.len() != own.points.len() || own.points.is_empty() {
         return vec![bead];
     }
     let slack = Slack::of(&bead, edge);
     // Beads that vary in width lie in one plane.
-    let level: Vec<_> =
-        bead.stroke.levels.first().copied().into_iter().collect();
+    let level: Vec<_> = own.levels.first().copied().into_iter().collect();
     // The bead in parts, each from a point to the next one.
-    let mut points = vec![bead.stroke.points[0]];
+    let mut points = vec![own.points[0]];
     let mut parts: Vec<Stretch> = Vec::new();
-    for (i, (a, b)) in bead.stroke.segments().enumerate() {
-        let widths = [bead.stroke.width_at(i), bead.stroke.width_at(i + 1)];
+    for (i, (a, b)) in own.segments().enumerate() {
+        let widths = [own.width_at(i), own.width_at(i + 1)];
         let ramp = Stretch::ramp([a, b], widths);
         // Without a length the width jumps.
         if ramp.length <= 0.0 {

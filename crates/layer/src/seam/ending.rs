@@ -43,12 +43,8 @@ impl From<Bead> for Ended {
 impl Ended {
     /// Where the nozzle is after the bead.
     pub fn end(&self) -> Option<DVec2> {
-        let end = if self.bead.stroke.closed {
-            self.bead.stroke.points.first()
-        } else {
-            self.bead.stroke.points.last()
-        };
-        self.wipe.or(end.copied())
+        let end = self.bead.stroke.ends();
+        self.wipe.or(end.map(|ends| ends.1))
     }
 }
 

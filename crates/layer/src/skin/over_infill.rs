@@ -15,7 +15,7 @@
 //! fan of angles. What three quarters of the lines' length stay below decides.
 //!
 //! Where the infill is so sparse that its bridges sag, more layers of bridges
-//! follow (`internal_bridge_layers`), each across the lines of the one below as
+//! follow (`internal_bridges`), each across the lines of the one below as
 //! if these were infill.
 //!
 //! Guarantees: each line ends on a bead of the layer below, or at a wall of its

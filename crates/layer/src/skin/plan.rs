@@ -85,7 +85,7 @@ impl SkinPlan {
             bridges: settings.bridges,
             anchor: settings.bridge_anchor,
             over_infill: OverInfillPlan {
-                layers: settings.internal_bridge_layers,
+                layers: settings.internal_bridges.count(),
                 density: density.filter(|_| settings.infill_is_pattern()),
                 infill: settings.infill_width(),
                 beside_wall: 0.5 * (skin + inner),

@@ -105,39 +105,36 @@ impl<'a> Support<'a> {
     fn leans(&self, bead: &Bead, place: f64, width: Mm) -> bool {
         // The segment that the place is on, or that begins there.
         let from = place.floor();
-        let (a, b) = (at(bead, from).0, at(bead, from + 1.0).0);
+        let (a, b) = (at(&bead.stroke, from).0, at(&bead.stroke, from + 1.0).0);
         let side = (b - a).perp().normalize_or_zero() * BESIDE * width;
-        let p = at(bead, place).0;
+        let p = at(&bead.stroke, place).0;
         self.own.contains(p + side) || self.own.contains(p - side)
     }
 
     /// The parts of a bead, each of which hangs or does not. A bead without a
     /// length has no parts.
     fn pieces(&self, bead: &Bead) -> Vec<Piece> {
+        let stroke = &bead.stroke;
         let wall = usize::from(bead.role != Role::OuterWall);
         let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
-        let n = bead.stroke.points.len();
+        let n = stroke.points.len();
         // The places where edges are crossed, each as the segment's number plus
         // the share of it.
         let mut cuts: Vec<f64> = Vec::new();
-        for (i, (a, b)) in bead.stroke.segments().enumerate() {
+        for (i, (a, b)) in stroke.segments().enumerate() {
             let first = cuts.len();
             cuts.extend(grid.crossings(a, b).iter().map(|t| i as f64 + t));
             cuts[first..].sort_by(f64::total_cmp);
         }
         let usual = self.wide[wall];
-        if !bead.stroke.widths.is_empty() {
-            let wide = |i: usize| bead.stroke.widths.get(i % n) > Some(&usual);
+        if !stroke.widths.is_empty() {
+            let wide = |i: usize| stroke.widths.get(i % n) > Some(&usual);
             let change = (0..n).filter(|&i| wide(i) != wide(i + 1));
             cuts.extend(change.flat_map(|i| [i as f64, (i + 1) as f64]));
             cuts.sort_by(f64::total_cmp);
         }
         cuts.dedup_by(|a, b| *a - *b < 1e-9);
-        let segments = if bead.stroke.closed {
-            n
-        } else {
-            n.saturating_sub(1)
-        };
+        let segments = n.saturating_sub(usize::from(!stroke.closed));
         if segments == 0 {
             return Vec::new();
         }
@@ -151,8 +148,8 @@ impl<'a> Support<'a> {
                 continue;
             }
             let place = 0.5 * (pair[0] + pair[1]);
-            let (middle, width) = at(bead, place);
-            let width = width.unwrap_or(bead.stroke.width);
+            let (middle, width) = at(stroke, place);
+            let width = width.unwrap_or(stroke.width);
             let wide = width > usual && self.leans(bead, place, width);
             let piece = Piece {
                 from: pair[0],
@@ -192,36 +189,36 @@ fn add(pieces: &mut Vec<Piece>, piece: Piece) {
 
 /// The point of a bead with which a place's segment begins, and the share of
 /// the segment up to the place.
-fn split(bead: &Bead, place: f64) -> (usize, f64) {
-    let n = bead.stroke.points.len();
-    let i =
-        (place as usize).min(if bead.stroke.closed { n - 1 } else { n - 2 });
+fn split(stroke: &Stroke, place: f64) -> (usize, f64) {
+    let n = stroke.points.len();
+    let i = (place as usize).min(if stroke.closed { n - 1 } else { n - 2 });
     (i, place - i as f64)
 }
 
 /// A bead's point and width at a place along it.
-fn at(bead: &Bead, place: f64) -> (DVec2, Option<Mm>) {
-    let (i, t) = split(bead, place);
-    let next = (i + 1) % bead.stroke.points.len();
-    let widths = bead.stroke.widths.get(i).zip(bead.stroke.widths.get(next));
+fn at(stroke: &Stroke, place: f64) -> (DVec2, Option<Mm>) {
+    let (i, t) = split(stroke, place);
+    let next = (i + 1) % stroke.points.len();
+    let widths = stroke.widths.get(i).zip(stroke.widths.get(next));
     (
-        bead.stroke.points[i].lerp(bead.stroke.points[next], t),
+        stroke.points[i].lerp(stroke.points[next], t),
         widths.map(|(a, b)| a + t * (b - a)),
     )
 }
 
 /// The bead's part, with its points between the ends.
 fn part(bead: &Bead, piece: &Piece) -> Bead {
-    let n = bead.stroke.points.len();
+    let own = &bead.stroke;
+    let n = own.points.len();
     let (mut points, mut widths) = (Vec::new(), Vec::new());
     let mut levels = Vec::new();
     let mut push = |place: f64| {
-        let (p, w) = at(bead, place);
+        let (p, w) = at(own, place);
         points.push(p);
         widths.extend(w);
-        if !bead.stroke.levels.is_empty() {
-            let (i, t) = split(bead, place);
-            levels.push(bead.stroke.level(i).lerp(bead.stroke.level(i + 1), t));
+        if !own.levels.is_empty() {
+            let (i, t) = split(own, place);
+            levels.push(own.level(i).lerp(own.level(i + 1), t));
         }
     };
     push(piece.from);
@@ -233,9 +230,9 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
     push(piece.to);
     // The point where the loop closes must be exact: the next piece begins
     // there.
-    if bead.stroke.closed && piece.to >= n as f64 {
+    if own.closed && piece.to >= n as f64 {
         points.pop();
-        points.push(bead.stroke.points[0]);
+        points.push(own.points[0]);
     }
     Bead {
         role: if piece.hangs {
@@ -247,7 +244,7 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
             points,
             widths,
             closed: false,
-            width: bead.stroke.width,
+            width: own.width,
             levels,
         },
         ..*bead
@@ -255,22 +252,22 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
 }
 
 /// Length of the bead's part.
-fn length(bead: &Bead, piece: &Piece) -> Mm {
-    let n = bead.stroke.points.len();
-    let mut last = at(bead, piece.from).0;
+fn length(stroke: &Stroke, piece: &Piece) -> Mm {
+    let n = stroke.points.len();
+    let mut last = at(stroke, piece.from).0;
     let mut sum = 0.0;
     for i in piece.from as usize + 1..piece.to.ceil() as usize {
-        let p = bead.stroke.points[i % n];
+        let p = stroke.points[i % n];
         sum += last.distance(p);
         last = p;
     }
-    sum + last.distance(at(bead, piece.to).0)
+    sum + last.distance(at(stroke, piece.to).0)
 }
 
 /// Joins short pieces to the pieces beside them. A short held piece between two
 /// hanging ones hangs with them, and a short hanging piece does not count.
 fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
-    let length = |p: &Piece| length(bead, p);
+    let length = |p: &Piece| length(&bead.stroke, p);
     // Gaps between hanging pieces come first, so that a row of short hanging
     // pieces counts.
     for hangs in [false, true] {
@@ -300,7 +297,9 @@ fn snap(pieces: &mut [Piece], bead: &Bead) {
         let (before, after) = (pieces[i - 1].from, pieces[i].to);
         let place = pieces[i].from;
         let point = place.round();
-        let apart = at(bead, place).0.distance(at(bead, point).0);
+        let apart = at(&bead.stroke, place)
+            .0
+            .distance(at(&bead.stroke, point).0);
         if point > before && point < after && apart <= near {
             pieces[i - 1].to = point;
             pieces[i].from = point;

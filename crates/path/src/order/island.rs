@@ -72,11 +72,11 @@ pub(super) fn print_island(
 fn goes_round(wall: &Bead) -> bool {
     /// Share of the wall's length up to which its ends are near.
     const NEAR: f64 = 0.25;
-    let ends = wall.stroke.points.first().zip(wall.stroke.points.last());
+    let stroke = &wall.stroke;
+    let near = |(a, b): (DVec2, DVec2)| a.distance(b) <= NEAR * stroke.length();
     wall.role == Role::OuterWall
-        && !wall.stroke.closed
-        && ends
-            .is_some_and(|(a, b)| a.distance(*b) <= NEAR * wall.stroke.length())
+        && !stroke.closed
+        && stroke.ends().is_some_and(near)
 }
 
 /// Lets a wall that goes round do so in one direction in all layers.
@@ -88,10 +88,11 @@ fn orient(wall: &mut Bead) {
 
 /// Turns a bead round; a closed one begins where it did.
 fn turn_round(bead: &mut Bead) {
-    bead.stroke.reverse();
-    if bead.stroke.closed {
-        let last = bead.stroke.points.len().saturating_sub(1);
-        bead.stroke.begin_at(last);
+    let stroke = &mut bead.stroke;
+    stroke.reverse();
+    if stroke.closed {
+        let last = stroke.points.len().saturating_sub(1);
+        stroke.begin_at(last);
     }
 }
 
@@ -108,19 +109,15 @@ fn loop_job(
     };
     let (mut beside, mut away) = (Vec::new(), Vec::new());
     let anywhere = outer.stroke.closed && anywhere;
-    let seam = outer
-        .stroke
-        .points
-        .first()
-        .copied()
-        .filter(|_| outer.stroke.closed);
+    let seam = outer.stroke.points.first().copied();
+    let seam = seam.filter(|_| outer.stroke.closed);
     for mut wall in walls {
         let spot = seam
             .filter(|_| wall.stroke.closed)
-            .and_then(|seam| Some((seam, nearest_spot(&wall, seam)?)));
+            .and_then(|seam| Some((seam, nearest_spot(&wall.stroke, seam)?)));
         match spot {
             Some((seam, spot)) if seam.distance(spot.at) <= SEAM_REACH => {
-                begin_near(&mut wall, seam);
+                begin_near(&mut wall.stroke, seam);
                 beside.push(wall);
             }
             _ => away.push(wall),

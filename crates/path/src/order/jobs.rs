@@ -46,7 +46,7 @@ impl Job {
     /// Where the job begins and ends; nothing if that is not known yet.
     pub(super) fn ends(&self) -> Option<(DVec2, DVec2)> {
         match self {
-            Job::Line(bead) => Some((*bead.stroke.points.first()?, end(bead)?)),
+            Job::Line(bead) => bead.stroke.ends(),
             Job::Rings {
                 beads,
                 leader,
@@ -79,8 +79,8 @@ impl Job {
         // A wall begins where the nozzle comes from, whatever follows.
         let after = after.filter(|_| ring.role != Role::OuterWall);
         *spot = match (before, after) {
-            (Some(a), Some(b)) => spot_between(ring, a, b),
-            (Some(p), None) | (None, Some(p)) => nearest_spot(ring, p),
+            (Some(a), Some(b)) => spot_between(&ring.stroke, a, b),
+            (Some(p), None) | (None, Some(p)) => nearest_spot(&ring.stroke, p),
             (None, None) => None,
         };
     }
@@ -102,9 +102,9 @@ impl Job {
                 let Some(spot) = spot else { return beads };
                 for (i, bead) in beads.iter_mut().enumerate() {
                     if bead.stroke.closed && i == leader {
-                        begin_at(bead, spot);
+                        begin_at(&mut bead.stroke, spot);
                     } else if bead.stroke.closed {
-                        begin_near(bead, spot.at);
+                        begin_near(&mut bead.stroke, spot.at);
                     }
                 }
                 beads
@@ -116,11 +116,7 @@ impl Job {
 
 /// Where a bead ends.
 pub(super) fn end(bead: &Bead) -> Option<DVec2> {
-    if bead.stroke.closed {
-        bead.stroke.points.first().copied()
-    } else {
-        bead.stroke.points.last().copied()
-    }
+    bead.stroke.ends().map(|ends| ends.1)
 }
 
 /// Prints jobs, those of lower stages first, on a short way from where the

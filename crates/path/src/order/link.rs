@@ -200,29 +200,24 @@ struct End<'a> {
 
 impl End<'_> {
     fn of(bead: &Bead, last: bool) -> Option<End<'_>> {
-        let at = if last {
-            jobs::end(bead)?
-        } else {
-            *bead.stroke.points.first()?
-        };
+        let (start, end) = bead.stroke.ends()?;
+        let at = if last { end } else { start };
         Some(End { bead, last, at })
     }
 
     fn width(&self) -> Mm {
-        let open = self.last && !self.bead.stroke.closed;
-        let last = self.bead.stroke.points.len() - 1;
-        self.bead.stroke.width_at(if open { last } else { 0 })
+        let stroke = &self.bead.stroke;
+        let open = self.last && !stroke.closed;
+        let last = stroke.points.len() - 1;
+        stroke.width_at(if open { last } else { 0 })
     }
 
     /// Length by which the straight way to a place leads back along the bead;
     /// negative where it leads on.
     fn back(&self, place: DVec2) -> Option<Mm> {
-        let far = self
-            .bead
-            .stroke
-            .width
-            .min(SHARE * self.bead.stroke.length());
-        let ahead = self.at - self.bead.stroke.place(self.last, far)?;
+        let stroke = &self.bead.stroke;
+        let far = stroke.width.min(SHARE * stroke.length());
+        let ahead = self.at - stroke.place(self.last, far)?;
         Some((self.at - place).dot(ahead.normalize_or_zero()))
     }
 

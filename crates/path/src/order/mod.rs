@@ -126,7 +126,7 @@ pub fn order(
         if let Some(at) = head.at
             && bead.stroke.closed
         {
-            begin_near(&mut bead, at);
+            begin_near(&mut bead.stroke, at);
         }
         jobs::finish(bead, &mut head.at, &mut out);
     }
@@ -217,8 +217,8 @@ fn place_seams(
             continue;
         };
         seams.push(seam);
-        if let Some(spot) = nearest_spot(outer, seam) {
-            begin::begin_at(outer, spot);
+        if let Some(spot) = nearest_spot(&outer.stroke, seam) {
+            begin::begin_at(&mut outer.stroke, spot);
         }
     }
     seams

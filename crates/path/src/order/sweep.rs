@@ -22,10 +22,8 @@ pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
         }
     }
     let ends = |b: &Bead| {
-        (
-            b.stroke.points.first().copied(),
-            b.stroke.points.last().copied(),
-        )
+        let points = &b.stroke.points;
+        (points.first().copied(), points.last().copied())
     };
     let mut lines: Vec<Option<Bead>> = lines.into_iter().map(Some).collect();
     let mut free = Nearest::new(std::iter::empty());

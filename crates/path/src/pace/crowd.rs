@@ -57,12 +57,12 @@ impl Rated {
 
     /// The part of the bead that the moves `from` to `to` make up.
     pub(super) fn part(&self, from: usize, to: usize) -> Rated {
-        let path = self.bead.stroke.path().skip(from).take(to - from + 1);
+        let own = &self.bead.stroke;
+        let path = own.path().skip(from).take(to - from + 1);
         let points: Vec<DVec2> = path.collect();
-        let mut stroke = Stroke::new(points, false, self.bead.stroke.width);
-        if !self.bead.stroke.levels.is_empty() {
-            stroke.levels =
-                (from..=to).map(|i| self.bead.stroke.level(i)).collect();
+        let mut stroke = Stroke::new(points, false, own.width);
+        if !own.levels.is_empty() {
+            stroke.levels = (from..=to).map(|i| own.level(i)).collect();
         }
         Rated {
             bead: Bead {
@@ -88,15 +88,12 @@ impl Rated {
             };
             return (half(0.0, share), half(share, 1.0));
         };
-        let ends = [self.bead.stroke.points[0], self.bead.stroke.points[1]];
+        let own = &self.bead.stroke;
+        let ends = [own.points[0], own.points[1]];
         let (middle, parts) = turn.halves(ends[0], share);
         let half = |from, to, turn| Rated {
             bead: Bead {
-                stroke: Stroke::new(
-                    vec![from, to],
-                    false,
-                    self.bead.stroke.width,
-                ),
+                stroke: Stroke::new(vec![from, to], false, own.width),
                 ..self.bead
             },
             turns: vec![Some(turn)],

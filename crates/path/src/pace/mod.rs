@@ -431,10 +431,11 @@ impl<'a> Pacer<'a> {
             by,
         } = rated;
         let plan = self.plan;
-        let Some(&start) = bead.stroke.points.first() else {
+        let stroke = &bead.stroke;
+        let Some(&start) = stroke.points.first() else {
             return;
         };
-        if bead.stroke.points.len() < 2 {
+        if stroke.points.len() < 2 {
             return;
         }
         if !self.xy.is_some_and(|at| near(at, start)) {
@@ -444,7 +445,7 @@ impl<'a> Pacer<'a> {
         }
         self.lifted = false;
         let level = |rise: Option<Mm>| span.top + rise.unwrap_or(0.0);
-        self.lift(level(bead.stroke.rise(0)), out);
+        self.lift(level(stroke.rise(0)), out);
         self.prime(out);
         if rates.fan != self.fan {
             self.fan = rates.fan;
@@ -456,14 +457,14 @@ impl<'a> Pacer<'a> {
         self.xy = Some(start);
         let first = self.motion.segments().len();
         let mut amount = Amount::default();
-        for (i, (from, to)) in bead.stroke.segments().enumerate() {
+        for (i, (from, to)) in stroke.segments().enumerate() {
             let mut add = |way: Mm, filament: f64| {
                 amount.length += way;
                 amount.filament += way * filament;
             };
-            if let Some(rise) = bead.stroke.rise(i + 1) {
+            if let Some(rise) = stroke.rise(i + 1) {
                 let fed = filament(bead.area_along(i));
-                let up = rise - bead.stroke.rise(i).unwrap_or(rise);
+                let up = rise - stroke.rise(i).unwrap_or(rise);
                 add(from.distance(to).hypot(up), fed);
                 let to = to.extend(level(Some(rise)));
                 self.go_up(to, speed, acceleration, fed, true);
@@ -490,12 +491,12 @@ impl<'a> Pacer<'a> {
             role: bead.role,
             amount,
             segments,
-            moves: bead.stroke.segments().count(),
+            moves: stroke.segments().count(),
             wanted,
             by,
         });
-        self.on_slope = !bead.stroke.levels.is_empty();
-        let rises = bead.stroke.levels.iter().map(|l| l.rise);
+        self.on_slope = !stroke.levels.is_empty();
+        let rises = stroke.levels.iter().map(|l| l.rise);
         self.raised = rises.fold(self.raised, f64::max);
         out.push(PacedMove::Print {
             bead,

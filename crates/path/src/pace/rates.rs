@@ -99,7 +99,11 @@ fn speed_of(role: Role, speed: &Speed) -> (&'static str, Varying) {
         Role::InternalBridge => {
             ("speed.internal_bridge", &speed.internal_bridge)
         }
-        Role::Overhang => ("speed.overhang", &speed.overhang),
+        // Where speeds go by steps, the wall's own counts.
+        Role::Overhang => (
+            "speed.overhang",
+            speed.overhang.same().unwrap_or(&speed.outer_wall),
+        ),
         Role::Ironing => ("speed.ironing", &speed.ironing),
     };
     (key, value.clone())
@@ -248,8 +252,8 @@ impl<'a> Rater<'a> {
         );
         let PacePlan { speed, cooling, .. } = self.plan;
         ByReach {
-            speed: wall && !speed.overhang_steps.is_off(),
-            fan: wall && !cooling.overhang_fan_steps.is_off(),
+            speed: wall && speed.overhang.steps().is_some(),
+            fan: wall && cooling.overhang_fan_speed.steps().is_some(),
         }
     }
 
@@ -262,9 +266,9 @@ impl<'a> Rater<'a> {
         shift: DVec2,
     ) -> (Vec<Step>, Vec<Percent>) {
         let Some(reach) = reach else {
-            return (steps(piece, STEP), Vec::new());
+            return (steps(&piece.stroke, STEP), Vec::new());
         };
-        let steps = steps(piece, REACH_STEP);
+        let steps = steps(&piece.stroke, REACH_STEP);
         let placed = self.around.map_or(DVec2::ZERO, |around| around.1);
         let offset = placed + shift;
         let share = |step: &Step| {
@@ -337,12 +341,13 @@ impl<'a> Rater<'a> {
         let cooling = &self.plan.cooling;
         let fan = match bead.role {
             _ if span.index < cooling.fan_off_layers as usize => 0.0,
-            Role::Overhang if !cooling.overhang_fan_steps.is_off() => fan,
             Role::Bridge => cooling.bridge_fan_speed,
             Role::InternalBridge => cooling
                 .internal_bridge_fan_speed
                 .unwrap_or(cooling.bridge_fan_speed),
-            Role::Overhang => cooling.overhang_fan_speed,
+            Role::Overhang => {
+                *cooling.overhang_fan_speed.same().unwrap_or(&fan)
+            }
             Role::SupportInterface => {
                 cooling.support_interface_fan_speed.unwrap_or(fan)
             }
@@ -375,14 +380,16 @@ impl ByReach {
         [speeds, _, _, fans]: &mut [Vec<f64>; 4],
         plan: &PacePlan,
     ) {
-        if self.speed {
-            let steps = &plan.speed.overhang_steps;
+        if self.speed
+            && let Some(steps) = plan.speed.overhang.steps()
+        {
             for (speed, share) in speeds.iter_mut().zip(shares) {
                 *speed = steps.at(*share, *speed).min(*speed);
             }
         }
-        if self.fan {
-            let steps = &plan.cooling.overhang_fan_steps;
+        if self.fan
+            && let Some(steps) = plan.cooling.overhang_fan_speed.steps()
+        {
             for (fan, share) in fans.iter_mut().zip(shares) {
                 *fan = steps.at(*share, *fan);
             }
@@ -438,11 +445,10 @@ struct Step {
 }
 
 /// The bead in stretches of at most `longest`.
-fn steps(bead: &Bead, longest: Mm) -> Vec<Step> {
+fn steps(stroke: &Stroke, longest: Mm) -> Vec<Step> {
     let mut steps = Vec::new();
-    for (k, (a, b)) in bead.stroke.segments().enumerate() {
-        let level =
-            |t: f64| bead.stroke.level(k).lerp(bead.stroke.level(k + 1), t);
+    for (k, (a, b)) in stroke.segments().enumerate() {
+        let level = |t: f64| stroke.level(k).lerp(stroke.level(k + 1), t);
         let count = (a.distance(b) / longest).ceil().max(1.0);
         for i in 0..count as usize {
             let last = i + 1 == count as usize;
@@ -525,7 +531,7 @@ mod tests {
     fn stretches_are_the_bead() {
         let square =
             bead(&[(0.0, 0.0), (3.5, 0.0), (3.5, 2.0), (0.0, 2.0)], true);
-        let steps = steps(&square, STEP);
+        let steps = steps(&square.stroke, STEP);
         assert_eq!(steps.len(), 4 + 2 + 4 + 2);
         assert!(steps.windows(2).all(|w| w[0].to == w[1].from));
         let longest = steps.iter().map(|s| s.from.distance(s.to));

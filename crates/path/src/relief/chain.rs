@@ -61,19 +61,11 @@ pub(super) fn any_open(
     let Some(cover) = cover else { return true };
     let open = |p: DVec2| !cover.contains(p);
     beads.iter().any(|ended| {
-        let bead = &ended.bead;
-        let widths = bead
-            .stroke
-            .widths
-            .iter()
-            .copied()
-            .fold(bead.stroke.width, f64::max);
+        let stroke = &ended.bead.stroke;
+        let widths = stroke.widths.iter().copied().fold(stroke.width, f64::max);
         let half = 0.5 * spacing(widths, widths, height);
-        bead.stroke.points.first().copied().is_some_and(open)
-            || bead
-                .stroke
-                .segments()
-                .any(|(a, b)| !cover.clear(a, b, half))
+        stroke.points.first().copied().is_some_and(open)
+            || stroke.segments().any(|(a, b)| !cover.clear(a, b, half))
     })
 }
 

@@ -29,7 +29,7 @@ impl ReliefPlan {
     pub fn of(s: &Settings) -> ReliefPlan {
         ReliefPlan {
             strength: s.contour_z.clone(),
-            in_layers: !s.spiral,
+            in_layers: !s.is_vase(),
             undersides: s.contour_z_below,
             support_gap: s.supports_follow().then_some(s.support.z_gap),
             nozzle: s.printer.nozzle_diameter,

@@ -2,7 +2,7 @@
 //!
 //! In: the outlines of the layers, in order, and the field. Out: for each layer
 //! one turn, a bead whose points have levels, and one more for each wall inside
-//! the first (`spiral_walls`).
+//! the first (`spiral`).
 //!
 //! A turn runs round the middle line of the layer's wall, and rises from the
 //! layer's bottom to its top. It begins as the wall of the layer below, and

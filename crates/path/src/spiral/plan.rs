@@ -26,7 +26,7 @@ impl SpiralPlan {
     /// The plan that settings ask for.
     pub fn of(s: &Settings) -> SpiralPlan {
         SpiralPlan {
-            walls: s.spiral_walls,
+            walls: s.spiral.count().unwrap_or(1),
             widths: [s.outer_wall_width(), s.inner_wall_width()],
             growth: s.xy_compensation.constant().unwrap_or(0.0),
             accuracy: s.accuracy,
@@ -34,7 +34,10 @@ impl SpiralPlan {
                 0 => 0,
                 _ => s.skirt.layers as usize,
             },
-            flat: (s.bottom_layers, s.bottom_thickness() - THICKNESS_SLACK),
+            flat: (
+                s.bottom_layers.layers(),
+                s.bottom_thickness() - THICKNESS_SLACK,
+            ),
         }
     }
 

@@ -94,7 +94,7 @@ impl LayerPath {
             Move::Travel(_) => None,
         };
         let ended = match self.moves.last()? {
-            Move::Print(bead) => ends(bead)?.1,
+            Move::Print(bead) => bead.stroke.ends()?.1,
             Move::Travel(travel) => *travel.points.last()?,
         };
         Some((self.moves.iter().find_map(begins)?, ended))
@@ -157,7 +157,7 @@ pub fn connect(
         if isoslice_base::limits::is_stopped() {
             break;
         }
-        let Some((start, end)) = ends(bead) else {
+        let Some((start, end)) = bead.stroke.ends() else {
             travels.push(None);
             continue;
         };
@@ -187,17 +187,6 @@ pub fn connect(
     }
     let span = ground.view.here.span;
     LayerPath { span, moves }
-}
-
-/// Where a bead begins and ends.
-fn ends(bead: &Bead) -> Option<(DVec2, DVec2)> {
-    let start = *bead.stroke.points.first()?;
-    let end = if bead.stroke.closed {
-        start
-    } else {
-        bead.stroke.points.last().copied().unwrap_or(start)
-    };
-    Some((start, end))
 }
 
 /// True if a bead belongs to the part, and so lies inside it.

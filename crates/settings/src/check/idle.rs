@@ -66,8 +66,8 @@ pub(super) fn without_effect(
     idle.warn(
         "ironing",
         s.ironing && s.top_layers() == 0,
-        "ironing = true has no effect without solid tops; set top_layers or \
-         top_thickness to more than 0"
+        "ironing = true has no effect without solid tops; set top_layers to \
+         more than 0"
             .to_owned(),
     );
     let height = s.thickest_layer();
@@ -93,19 +93,18 @@ pub(super) fn without_effect(
     top_walls_without_effect(s, idle);
     let of_internal_bridges = [
         "internal_bridge_flow",
-        "internal_bridge_layers",
         "speed.internal_bridge",
         "cooling.internal_bridge_fan_speed",
     ];
     idle.all(
         &of_internal_bridges,
-        !s.internal_bridges,
+        !s.internal_bridges.is_on(),
         "internal_bridges = false prints no internal bridges; set it to \
          true",
     );
     idle.all(
         &of_internal_bridges,
-        s.internal_bridges && s.walls == 0 && !s.spiral,
+        s.internal_bridges.is_on() && s.walls == 0 && !s.is_vase(),
         "the ends of internal bridges need walls; set walls to 1 or more",
     );
     idle.warn(
@@ -117,7 +116,7 @@ pub(super) fn without_effect(
     );
     idle.warn(
         "internal_bridges",
-        s.internal_bridges && s.walls == 0 && !s.spiral,
+        s.internal_bridges.is_on() && s.walls == 0 && !s.is_vase(),
         "internal_bridges = true has no effect, since the ends of bridges need \
          walls; set walls to 1 or more"
             .to_owned(),
@@ -200,16 +199,15 @@ fn spiral_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         "infill",
         "infill_density",
         "top_layers",
-        "top_thickness",
         "ironing",
         "fuzzy.thickness",
     ] {
         idle.warn(
             key,
-            s.spiral,
+            s.is_vase(),
             format!(
                 "{key} has no effect above the flat layers, since spiral = \
-                 true prints plain walls there, as many as spiral_walls; leave \
+                 true prints plain walls there, as many as it says; leave \
                  one of them out"
             ),
         );
@@ -222,17 +220,10 @@ fn spiral_without_effect(s: &Settings, idle: &mut Idle<'_>) {
             "overhang_reverse",
             "seam_scarf_start",
             "walls_interlocked",
-            "speed.overhang_steps",
-            "cooling.overhang_fan_steps",
         ],
-        s.spiral,
+        s.is_vase(),
         "spiral = true prints flat layers and plain walls only; leave one \
          of them out",
-    );
-    idle.all(
-        &["spiral_walls"],
-        !s.spiral,
-        "spiral = false prints walls in layers; set walls, or spiral = true",
     );
 }
 
@@ -266,15 +257,9 @@ fn adhesion_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     }
     let shield = s.draft_shield != DraftShield::Off;
     idle.all(
-        &["draft_shield_gap"],
-        !shield,
-        "draft_shield = off prints none; set it to \"full\", or to a height",
-    );
-    idle.all(
-        &["skirt.loops", "skirt.distance", "skirt.layers"],
+        &["skirt.loops", "skirt.layers"],
         shield,
-        "the draft shield takes the skirt's place; set draft_shield_gap, or \
-         draft_shield to \"off\"",
+        "the draft shield takes the skirt's place; set draft_shield to \"off\"",
     );
     idle.all(
         &["raft.gap", "raft.expansion"],
@@ -389,7 +374,7 @@ fn interlocking_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     };
     idle.warn(
         "walls_interlocked",
-        s.walls_interlocked && !s.spiral,
+        s.walls_interlocked && !s.is_vase(),
         format!("walls_interlocked = true has no effect, since {why}"),
     );
 }
@@ -412,7 +397,7 @@ fn top_walls_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     };
     idle.warn(
         "top_walls",
-        !s.spiral && s.top_walls() == s.walls,
+        !s.is_vase() && s.top_walls() == s.walls,
         format!("top_walls = {tops} has no effect, since {why}"),
     );
 }
@@ -448,27 +433,6 @@ fn scarfs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
 
 /// Warns of settings for walls that hang over the layer below.
 fn overhangs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
-    for (key, steps, is_off) in [
-        (
-            "speed.overhang",
-            "speed.overhang_steps",
-            s.speed.overhang_steps.is_off(),
-        ),
-        (
-            "cooling.overhang_fan_speed",
-            "cooling.overhang_fan_steps",
-            s.cooling.overhang_fan_steps.is_off(),
-        ),
-    ] {
-        idle.warn(
-            key,
-            !is_off,
-            format!(
-                "{key} has no effect, since {steps} says it for each share of \
-                 a wall's width; leave one of them out"
-            ),
-        );
-    }
     let unless = WallOrder::OuterFirstUnlessOverhang;
     for (key, value, on) in [
         ("wall_order", unless.word(), s.wall_order == unless),

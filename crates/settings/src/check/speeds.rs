@@ -68,7 +68,10 @@ pub(crate) fn speed_note(s: &Settings) -> Option<String> {
         ("speed.bottom_skin", speed.bottom_skin.constant()),
         ("speed.bridge", speed.bridge.constant()),
         ("speed.internal_bridge", speed.internal_bridge.constant()),
-        ("speed.overhang", speed.overhang.constant()),
+        (
+            "speed.overhang",
+            speed.overhang.same().and_then(Varying::constant),
+        ),
         ("speed.ironing", speed.ironing.constant()),
         ("speed.skirt", Some(speed.skirt)),
         ("speed.travel", Some(speed.travel)),

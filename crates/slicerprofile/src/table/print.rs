@@ -51,14 +51,14 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "top_solid_layers", "top_shell_layers",
         "top_solid_min_thickness", "top_shell_thickness"
         => Made {
-            settings: &["top_layers", "top_thickness"],
+            settings: &["top_layers"],
             how: "whichever is more with the profile's layers",
             make: Make(make::top),
         };
     BOTH Print: "bottom_solid_layers", "bottom_shell_layers",
         "bottom_solid_min_thickness", "bottom_shell_thickness"
         => Made {
-            settings: &["bottom_layers", "bottom_thickness"],
+            settings: &["bottom_layers"],
             how: "whichever is more with the profile's layers",
             make: Make(make::bottom),
         };
@@ -179,7 +179,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "overhang_1_4_speed", "overhang_2_4_speed", "overhang_3_4_speed",
         "overhang_4_4_speed"
         => Made {
-            settings: &["speed.overhang_steps"],
+            settings: &["speed.overhang"],
             how: "at 25, 50, 75 and 100 % of the width that reaches out; 0 is \
                   the wall's own speed",
             make: Make(make::overhang_speed),
@@ -349,7 +349,7 @@ pub(super) static ROWS: &[Row] = rows! {
         };
     BOTH Print: "draft_shield"
         => Made {
-            settings: &["draft_shield", "draft_shield_gap"],
+            settings: &["draft_shield"],
             how: "full, as far off as the skirt; limited is a skirt of many \
                   layers",
             make: Make(make::draft_shield),
@@ -501,7 +501,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "overhang_threshold_participating_cooling"
         => Ignored(
             "speeds of overhangs are steps by how far they reach out: \
-                 speed.overhang_steps",
+                 speed.overhang",
         );
     BOTH Print: "support_material_interface_contact_loops",
         "support_interface_loop_pattern", "support_material_with_sheath",
@@ -750,7 +750,7 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "overhang_speed_classic", "slowdown_for_curled_perimeters"
         => Lost(&["0"],
             "speeds of overhangs are steps by how far they reach out: \
-             speed.overhang_steps");
+             speed.overhang");
     PRUSA Print: "automatic_extrusion_widths" => Ignored(THIN);
     ORCA Print: "is_custom_print" => Ignored(SHOWN);
 };
