@@ -195,6 +195,8 @@ pub(super) struct Filled {
     pub below: Option<Layer>,
     pub above: Option<Layer>,
     pub beads: LayerBeads,
+    /// True if its skin has no beads yet, since it may get internal bridges.
+    pub bare: bool,
     /// Number of beads of the infill that are left out, since they stand on
     /// nothing.
     pub left_out: usize,

@@ -15,7 +15,8 @@ use isoslice_planar::Area;
 use isoslice_planar::bead::{Bead, Role};
 
 impl Stages<'_> {
-    /// Everything there is to print in a layer, and where it has sparse infill.
+    /// Everything there is to print in a layer but for the beads of its skin, and
+    /// where it has skin and sparse infill.
     pub(in crate::pipeline) fn beads(
         &self,
         view: &LayerView<'_>,
@@ -38,17 +39,9 @@ impl Stages<'_> {
             self.exposure.split(&walls.fill, roomy, view)
         });
         let infill = self.infill_in(&areas.sparse, here)?;
-        let mut skin = self.timings.time(Stage::Skin, || {
+        self.timings.time(Stage::Skin, || {
             infill::fill_bare(&mut areas, &infill, &self.plans.infill);
-            skin::patches(&areas.skin, &areas.sparse, view, &self.plans.skin)
         });
-        if self.is_on_raft(number) {
-            // The skin's underside lies over the air above the raft.
-            let down = of_skin(&mut skin);
-            for bead in down.filter(|b| b.role == Role::BottomSkin) {
-                bead.role = Role::Bridge;
-            }
-        }
         let mut walls = if self.settings.interlocks() {
             walls::interlocked(walls, height)
         } else {
@@ -73,15 +66,35 @@ impl Stages<'_> {
             walls,
             sites,
             infill,
-            skin,
+            skin: Vec::new(),
         };
         // The walls have been thinned already.
         self.timings.time(Stage::Infill, || {
             let all = beads.skirt.iter_mut().chain(&mut beads.support);
             self.thin(all.chain(&mut beads.infill));
-            self.thin(of_skin(&mut beads.skin));
         });
         Ok((beads, areas))
+    }
+
+    /// The beads of a layer's skin.
+    pub(in crate::pipeline) fn skin(
+        &self,
+        view: &LayerView<'_>,
+        areas: &FillAreas,
+    ) -> Vec<Patch> {
+        self.timings.time(Stage::Skin, || {
+            let (own, sparse) = (&areas.skin, &areas.sparse);
+            let mut skin = skin::patches(own, sparse, view, &self.plans.skin);
+            if self.is_on_raft(view.here.span.index) {
+                // The skin's underside lies over the air above the raft.
+                let down = of_skin(&mut skin);
+                for bead in down.filter(|b| b.role == Role::BottomSkin) {
+                    bead.role = Role::Bridge;
+                }
+            }
+            self.thin(of_skin(&mut skin));
+            skin
+        })
     }
 
     /// A layer's sparse infill.

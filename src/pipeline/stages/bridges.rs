@@ -6,7 +6,7 @@ use crate::pipeline::SliceError;
 use isoslice_base::timings::Stage;
 use isoslice_layer::region::exposure::FillAreas;
 use isoslice_layer::skin::over_infill::{Below, Level, Over, Under, bridged};
-use isoslice_layer::skin::{self, Patch};
+use isoslice_layer::skin::{self, Patch, over_infill};
 use isoslice_layer::view::LayerView;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
@@ -30,6 +30,19 @@ impl Stages<'_> {
         // What the lowest of these lie on is not known. They decide only where
         // the ends of lines of the layers above them are held.
         1 + self.settings.internal_bridges.count().unwrap_or(2) as usize
+    }
+
+    /// False if no internal bridge fits where skin lies over what is `open` in the
+    /// layer below.
+    pub(in crate::pipeline) fn may_bridge(
+        &self,
+        areas: &FillAreas,
+        open: &Area,
+    ) -> bool {
+        self.timings.time(Stage::Skin, || {
+            let plan = &self.plans.skin;
+            over_infill::may_bridge(&areas.skin, open, plan)
+        })
     }
 
     /// A layer with internal bridges over the infill of the layer below, and over

@@ -83,6 +83,11 @@ impl Lower {
         }
     }
 
+    /// Where the layer that was decided last has nothing that is solid.
+    pub(super) fn open(&self) -> Option<&Area> {
+        self.under.as_ref().map(|under| under.open.area())
+    }
+
     /// Decides some layers, the first of which is layer `start` of the window.
     pub(super) fn settle(
         &mut self,
@@ -101,9 +106,10 @@ impl Lower {
                 filled.left_out = window.keep_standing(standing, beads);
                 continue;
             };
-            let from_block = self.early(window, i, beads, &areas)?;
+            let bare = filled.bare;
+            let from_block = self.early(window, i, bare, beads, &areas)?;
             let under = self.under.as_ref();
-            let over = window.over(i, beads, &mut areas, under)?;
+            let over = window.over(i, bare, beads, &mut areas, under)?;
             let standing = self.standing.as_mut();
             filled.left_out = window.keep_standing(standing, beads);
             let own = || over.infilled(beads, &areas.sparse);
@@ -126,11 +132,13 @@ impl Lower {
     /// What the next block's lowest layer lies on, if layer `i` of the window is
     /// right below it. It follows from the layers that a run rehearses which
     /// begins there, so their infill is as if nothing lay on what is below.
-    /// `beads` and `areas` are the layer's, without bridges.
+    /// `beads` and `areas` are the layer's, without bridges; `bare` is true if the
+    /// skin has no beads.
     fn early(
         &mut self,
         window: &Window<'_>,
         i: usize,
+        bare: bool,
         beads: &LayerBeads,
         areas: &FillAreas,
     ) -> Result<Option<Infilled>, SliceError> {
@@ -146,7 +154,8 @@ impl Lower {
             _ => (window.stages.standing(), None),
         };
         let (mut beads, mut areas) = (beads.clone(), areas.clone());
-        let over = window.over(i, &mut beads, &mut areas, below.as_ref())?;
+        let over =
+            window.over(i, bare, &mut beads, &mut areas, below.as_ref())?;
         window.keep_standing(standing.as_mut(), &mut beads);
         let infilled = over.infilled(&beads, &areas.sparse);
         if away == 1 {
@@ -184,24 +193,29 @@ impl Bridges {
 
 impl Window<'_> {
     /// Gives layer `i` of the window internal bridges over what is `under` it, in
-    /// place of some of its beads, if there are any to be laid.
+    /// place of some of its beads, if there are any to be laid; else its skin, if
+    /// that is `bare`.
     fn over(
         &self,
         i: usize,
+        bare: bool,
         beads: &mut LayerBeads,
         areas: &mut FillAreas,
         under: Option<&Infilled>,
     ) -> Result<Bridges, SliceError> {
-        let Some(below) = under.filter(|_| !areas.skin.is_empty()) else {
-            return Ok(Bridges::default());
-        };
         let view = view(self.layers, i);
+        let under = under.filter(|_| !areas.skin.is_empty());
         let made = self.pool.install(|| {
+            let Some(below) = under else { return Ok(None) };
             let (walls, under) = (&beads.walls, below.under());
             self.stages
                 .over_infill(&view, areas, walls, under, &below.levels)
         })?;
         let Some(over) = made else {
+            if bare {
+                let lay = || self.stages.skin(&view, areas);
+                beads.skin = self.pool.install(lay);
+            }
             return Ok(Bridges::default());
         };
         beads.skin = over.skin;

@@ -16,6 +16,7 @@ use super::layer::{Filled, Inside, Layer, view};
 use super::options::Extent;
 use super::stages::Stages;
 use isoslice_base::limits;
+use isoslice_layer::skin::Patch;
 use isoslice_planar::Solid;
 use isoslice_settings::layers::LayerSpan;
 use lower::{Lower, Window};
@@ -194,13 +195,17 @@ impl<'a> Supply<'a> {
             } else {
                 None
             };
-            let (beads, areas) = stages.beads(&view, inside)?;
+            let (mut beads, areas) = stages.beads(&view, inside)?;
             let bridges = stages.rehearsed_bridges() > 0;
+            if !bridges {
+                beads.skin = stages.skin(&view, &areas);
+            }
             Ok(Filled {
                 layer: layers[i].without_inside(),
                 below: below.map(|k| layers[k].without_inside()),
                 above: layers.get(i + 1).map(Layer::without_inside),
                 beads,
+                bare: bridges,
                 left_out: 0,
                 areas: bridges.then(|| areas.clone()),
                 sparse: Solid::new(areas.sparse),
@@ -250,6 +255,7 @@ impl<'a> Supply<'a> {
                 self.window[group.end - 1].inside = inside;
             }
         }
+        self.lay_skin(which.start, &mut all);
         let window = Window {
             stages,
             pool: self.pool,
@@ -257,6 +263,31 @@ impl<'a> Supply<'a> {
         };
         self.lower.settle(&window, which.start, &mut all)?;
         Ok(all)
+    }
+
+    /// Lays the skin of those layers that get no internal bridges, on all threads.
+    /// The first one is layer `start` of the window.
+    fn lay_skin(&self, start: usize, all: &mut [Filled]) {
+        let open = |k: usize| match k.checked_sub(1) {
+            Some(below) => all[below].areas.as_ref().map(|a| &a.sparse),
+            None => self.lower.open(),
+        };
+        let lay = |k: usize| {
+            let areas = all[k].areas.as_ref()?;
+            let bridges = |open| self.stages.may_bridge(areas, open);
+            (!open(k).is_some_and(bridges)).then(|| {
+                self.stages.skin(&view(&self.window, start + k), areas)
+            })
+        };
+        let laid: Vec<Option<Vec<Patch>>> = self
+            .pool
+            .install(|| (0..all.len()).into_par_iter().map(lay).collect());
+        for (filled, laid) in all.iter_mut().zip(laid) {
+            if let Some(skin) = laid {
+                filled.beads.skin = skin;
+                filled.bare = false;
+            }
+        }
     }
 }
 

@@ -193,6 +193,18 @@ pub fn bridged(
     all
 }
 
+/// False if no bridge fits where skin lies over what is `open` in the layer below.
+pub fn may_bridge(skin: &Area, open: &Area, plan: &SkinPlan) -> bool {
+    let core = core(&intersection(skin, open), plan);
+    !core.is_empty()
+}
+
+/// What of hanging skin is wide enough for bridges: what is narrower than two
+/// lines lies on what is beside it.
+fn core(hanging: &Area, plan: &SkinPlan) -> Area {
+    offset(hanging, -plan.internal.width, TOLERANCE)
+}
+
 /// Number of layers of bridges that follow the lowest one over infill. `way` is
 /// the common way from one line of the infill to the next.
 fn more_layers(way: Mm, plan: &OverInfillPlan) -> u32 {
@@ -223,8 +235,7 @@ fn on(
     // The layer above covers what is no top.
     let above = over.view.above.first()?;
     let hanging = intersection(&hanging, above.rough.area());
-    // What is narrower than two lines lies on what is beside it.
-    let core = offset(&hanging, -width, TOLERANCE);
+    let core = core(&hanging, plan);
     if core.is_empty() {
         return None;
     }
