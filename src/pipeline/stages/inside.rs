@@ -105,27 +105,34 @@ impl Stages<'_> {
             .time(Stage::Report, || self.gauge.layer(parts, k))
     }
 
-    /// How layer `i` of the window lies over the layer below. None if their
-    /// outlines are equal, or if layer `i` is the first.
+    /// How layer `i` of the window lies over the layer below. None if supports are
+    /// planned, which see to what hangs, or if layer `i` is the first.
     pub(in crate::pipeline) fn look(
         &self,
         layers: &VecDeque<Layer>,
         i: usize,
     ) -> Option<Look> {
-        let (here, below) = (&layers[i], layers.get(i.checked_sub(1)?)?);
-        let span = here.span;
-        // A raft holds all that is on it.
-        if here.same_outline(below) || self.is_on_raft(span.index) {
+        let below = layers.get(i.checked_sub(1)?)?;
+        if self.support().is_some() {
             return None;
         }
-        Some(self.timings.time(Stage::Hang, || {
-            Look::new(
-                &here.outline,
-                &below.outline,
-                span.index,
-                span.height(),
-                self.settings,
-            )
-        }))
+        self.look_over(&layers[i], below)
+    }
+
+    /// How a layer lies over the layer below. None if their outlines are equal, or
+    /// if they are on a raft, which holds all that is on it.
+    pub(super) fn look_over(
+        &self,
+        here: &Layer,
+        below: &Layer,
+    ) -> Option<Look> {
+        let number = here.span.index;
+        if here.same_outline(below) || self.is_on_raft(number) {
+            return None;
+        }
+        let heights = [here, below].map(|layer| layer.span.height());
+        let outlines = [here, below].map(|layer| layer.outline.as_ref());
+        let look = || Look::new(outlines, number, heights, self.settings);
+        Some(self.timings.time(Stage::Hang, look))
     }
 }
