@@ -202,7 +202,8 @@ impl Look {
         for i in 0..self.rim.len() {
             let place = self.rim[i];
             let asked = place.said == Said::Asked;
-            if !asked && !(place.beyond > self.limits.held) {
+            let hangs = place.beyond > self.limits.held;
+            if !asked && !hangs {
                 continue;
             }
             // The ledge's border runs along the rim here, so a point a little
