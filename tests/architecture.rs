@@ -8,7 +8,8 @@
 //! - a module imports one below it in [`ORDER`], or a sibling on its step;
 //! - files of one folder import one another in a circle ([`CIRCLES`] has the
 //!   exceptions);
-//! - a module names a crate that belongs elsewhere ([`CONFINED`]).
+//! - a module names a crate that belongs elsewhere ([`CONFINED`]);
+//! - a part names the whole `Settings` and not a plan of its own ([`PLANNED`]).
 //!
 //! Not seen: what a glob re-exports, and circles between a folder's `mod.rs`
 //! and the files below it. `mod.rs` is the folder's face: it declares the
@@ -54,8 +55,9 @@ const ORDER: &[(&str, Steps)] = &[
     (
         "crates/layer/src",
         &[
-            // Any stage that makes strokes may thin them.
-            &["resolution"],
+            // Any stage that makes strokes may thin them, and all stages may ask
+            // what is around a layer.
+            &["resolution", "view"],
             &["region"],
             &["walls", "fuzzy", "skin", "infill", "adhesion"],
             // `hang` finds what hangs, except for what the skin's bridges hold.
@@ -128,6 +130,14 @@ const CIRCLES: &[(&str, &[&str])] = &[
             "table",
         ],
     ),
+];
+
+/// Crates whose parts follow plans of plain numbers: none but files named
+/// `plan.rs` know `Settings`. Modules that still do are listed, and whoever
+/// gives one a plan takes it off this list.
+const PLANNED: &[(&str, &[&str])] = &[
+    ("crates/layer/src", &["hang", "support"]),
+    ("crates/path/src", &[]),
 ];
 
 /// Crates that only some modules of the root package may name.
@@ -244,6 +254,25 @@ fn files_of_a_folder_import_one_another_in_no_circle() {
         "new circles: {new:#?}\nno longer circles, so take them off CIRCLES: \
          {opened:#?}"
     );
+}
+
+#[test]
+fn only_plans_know_the_settings() {
+    for (folder, listed) in PLANNED {
+        let sources = sources(folder);
+        let knowing = sources.values().filter(|source| {
+            let is_plan = source.module.last().is_some_and(|m| m == "plan");
+            source.words.contains("Settings") && !is_plan
+        });
+        let (known, new): (Vec<&Source>, Vec<_>) =
+            knowing.partition(|s| listed.iter().any(|m| s.is_in(m)));
+        let new: Vec<_> = new.iter().map(|source| &source.name).collect();
+        assert!(new.is_empty(), "{folder}: a plan.rs may ask for {new:?}");
+        for module in *listed {
+            let any = known.iter().any(|source| source.is_in(module));
+            assert!(any, "{folder}: take {module} off the list PLANNED");
+        }
+    }
 }
 
 /// Whether the root package hands a name out: a module of other crates' items,

@@ -57,8 +57,8 @@ impl Template {
 const USEFUL: &[&str] = &[
     "layer_height",
     "walls",
-    "top_thickness",
-    "bottom_thickness",
+    "top_layers",
+    "bottom_layers",
     "infill",
     "infill_density",
     "seam",

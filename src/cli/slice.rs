@@ -133,7 +133,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let format = match args.layers {
         // Plates hold whole prints.
         Some(_) => Format::Text,
-        None => Format::usual_for(of_all),
+        None => Format::usual_for(of_all.gcode.flavour),
     };
     let path = args.output_path(format);
     // Outputs are opened before the work, so that a mistaken name costs no
@@ -209,7 +209,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     }
 
     let mut of_print = summary.warnings.clone();
-    of_print.extend(format.unusual_for(settings));
+    of_print.extend(format.unusual_for(settings.gcode.flavour));
     terminal::warn(&of_print);
     let sums = Sums {
         model: &plate.name,

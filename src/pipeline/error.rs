@@ -2,7 +2,7 @@
 
 use crate::plate::{Part, Plate};
 use crate::report::ReportError;
-use isocontour::ExpandError;
+use isocontour::{Cancelled, ExpandError};
 use isoslice_base::units::Mm;
 use isoslice_gcode::WriteError;
 use isoslice_gcode_read::reader::ReadError;
@@ -33,6 +33,9 @@ pub enum SliceError {
     /// A setting that is an expression has no value somewhere.
     #[error(transparent)]
     Vary(#[from] VaryError),
+    /// The watch has stopped the work.
+    #[error(transparent)]
+    Stopped(#[from] Cancelled),
     /// The expression is too large.
     #[error(transparent)]
     Expression(#[from] ExpandError),

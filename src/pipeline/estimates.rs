@@ -11,6 +11,7 @@
 use crate::pipeline::{Options, slice};
 use isoslice_model::{Placement, placed};
 use isoslice_path::pace::clock::time_of;
+use isoslice_path::pace::limits;
 use isoslice_settings::{Flavour, Settings};
 use std::fmt::Write;
 
@@ -31,7 +32,8 @@ fn klipper() -> Settings {
 
 #[track_caller]
 fn takes(text: &str, seconds: f64) {
-    let (time, _) = time_of(format!("{HEAD}{text}").as_bytes(), &klipper());
+    let (time, _) =
+        time_of(format!("{HEAD}{text}").as_bytes(), limits(&klipper()));
     let off = time / seconds - 1.0;
     assert!(off.abs() < 2e-4, "{time} s instead of {seconds} s");
 }
@@ -111,7 +113,7 @@ fn the_estimate_is_what_the_text_takes() {
             let mut text = Vec::new();
             let options = Options::default();
             let summary = slice(&cup, &settings, &options, &mut text).unwrap();
-            let (read, _) = time_of(&text, &settings);
+            let (read, _) = time_of(&text, limits(&settings));
             let off = summary.time / read - 1.0;
             assert!(
                 off.abs() < 3e-3,

@@ -10,22 +10,19 @@
 
 use super::ahead::{Made, Threads};
 use super::job::Job;
-use super::layer::Ready;
+use super::layer::{Filled, OnPlate, Restart};
 use super::pacing::Pacing;
 use super::part::{Ordered, PartOrder};
-use super::supply::plate::OnPlate;
 use super::ways::{PartDone, PartTravel, Passed};
 use super::{BLOCK, Options, SliceError};
-use crate::report::{self, RoleSum};
+use crate::report;
 use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::timings::{Stage, Timings};
-use isoslice_base::units::{Mm, Mm3, Seconds};
+use isoslice_base::units::{Mm, Mm3};
 use isoslice_gcode::{Totals, Writer};
-use isoslice_path::pace::{PacedLayer, PacedMove};
+use isoslice_path::pace::{PacedLayer, PacedMove, Sums};
 use isoslice_planar::bead::Role;
-use isoslice_settings::layers::LayerSpan;
-use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 
@@ -53,44 +50,19 @@ struct Text<'a, 'w> {
     /// Number of layers that were written.
     done: usize,
     timings: &'a Timings,
-    printing: usize,
-    slowed: usize,
-    /// Time lost, by its cause.
-    lost: BTreeMap<&'static str, Seconds>,
+    sums: Sums,
     /// Volume extruded at each place.
     extruded: Vec<Mm3>,
-    /// What the beads of each role amount to.
-    roles: BTreeMap<&'static str, RoleSum>,
-}
-
-/// A layer of the plate between two steps.
-struct OnWay<T> {
-    span: LayerSpan,
-    /// If a block begins.
-    restart: Option<Restart>,
-    what: T,
-}
-
-/// The beginning of a block, where all is forgotten that layers pass on.
-#[derive(Clone, Copy)]
-struct Restart {
-    /// Where the head is, on the bed, if every run knows that.
-    head: Option<DVec2>,
 }
 
 /// The results of a plate.
 pub(super) struct Done {
     /// The results of each part.
     pub parts: Vec<PartDone>,
-    /// The number of moves that print, and how many of them had to be slowed.
-    pub printing: usize,
-    pub slowed: usize,
-    /// Time lost, by its cause.
-    pub lost: BTreeMap<&'static str, Seconds>,
+    /// What the beads amount to.
+    pub sums: Sums,
     /// Volume extruded at each place.
     pub extruded: Vec<Mm3>,
-    /// What the beads of each role amount to.
-    pub roles: BTreeMap<&'static str, RoleSum>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// What the print takes: time and filament.
@@ -124,11 +96,8 @@ impl<'a, 'w> Exit<'a, 'w> {
                 layers: job.extent.layers.clone(),
                 done: 0,
                 timings: job.stopwatch(),
-                printing: 0,
-                slowed: 0,
-                lost: BTreeMap::new(),
+                sums: Sums::default(),
                 extruded: vec![0.0; job.plate.shifts().len()],
-                roles: BTreeMap::new(),
             },
         }
     }
@@ -140,7 +109,7 @@ impl<'a, 'w> Exit<'a, 'w> {
     /// The error of the lowest layer that has one.
     pub(super) fn layers<'s>(
         &'s mut self,
-        layers: impl Iterator<Item = Made<OnPlate>> + Send + 's,
+        layers: impl Iterator<Item = Made<OnPlate<Filled>>> + Send + 's,
         threads: &Threads<'s, '_>,
         apart: bool,
     ) -> Result<(), SliceError> {
@@ -150,22 +119,20 @@ impl<'a, 'w> Exit<'a, 'w> {
             pacing,
             text,
         } = self;
-        let ordered = layers.map(|layer| Ok(in_order(parts, layer?)));
+        let ordered = layers.map(|layer| in_order(parts, layer?));
         let ordered = threads.ahead(apart, "order", ordered)?;
-        let passed = ordered.map(|layer| ways.layer(layer?));
+        let passed =
+            ordered.map(|layer| layer?.after(|k, part| ways.pass(k, part)));
         let passed = threads.ahead(apart, "travel", passed)?;
-        let paced = passed.map(|layer| paced(pacing, layer?));
+        let paced = passed.map(|layer| paced(pacing, &layer?));
         for layer in threads.ahead(apart, "pace", paced)? {
-            let OnWay {
-                span,
-                restart,
-                what,
-            } = layer?;
+            let (restart, layer) = layer?;
+            let span = layer.span;
             if let Some(Restart { head }) = restart {
                 text.writer.restart(head.map(|p| p.extend(span.bottom)))?;
             }
             let written = text.layers.contains(&span.index);
-            text.layer(&what, written)?;
+            text.layer(&layer, written)?;
         }
         Ok(())
     }
@@ -174,9 +141,9 @@ impl<'a, 'w> Exit<'a, 'w> {
     pub(super) fn pass(
         &mut self,
         part: usize,
-        ready: Ready,
+        filled: Filled,
     ) -> Result<Passed, SliceError> {
-        let ordered = self.parts[part].layer(ready);
+        let ordered = self.parts[part].layer(filled);
         self.ways.pass(part, ordered)
     }
 
@@ -203,12 +170,9 @@ impl<'a, 'w> Exit<'a, 'w> {
         let text = self.text;
         Ok(Done {
             parts: parts.map(|(order, ways)| ways.finish(order)).collect(),
-            printing: text.printing,
-            slowed: text.slowed,
-            lost: text.lost,
+            sums: text.sums,
             extruded: text.extruded,
             warnings: self.pacing.warnings,
-            roles: text.roles,
             totals: text.writer.finish()?,
             figures: self.ways.figures,
         })
@@ -218,84 +182,45 @@ impl<'a, 'w> Exit<'a, 'w> {
 /// Puts the beads of each part in a layer in order.
 fn in_order(
     parts: &mut [PartOrder<'_>],
-    layer: OnPlate,
-) -> OnWay<Vec<(usize, Ordered)>> {
-    let OnPlate { span, parts: ready } = layer;
-    let block = span.index > 0 && span.index.is_multiple_of(BLOCK);
-    let restart = block.then(|| {
+    mut layer: OnPlate<Filled>,
+) -> Made<OnPlate<Ordered>> {
+    let span = layer.span;
+    if span.index > 0 && span.index.is_multiple_of(BLOCK) {
         let heads = parts.iter_mut().map(|part| part.restart(&span));
         let heads: Vec<Option<DVec2>> = heads.collect();
-        match *heads {
-            [head] => Restart { head },
-            _ => Restart { head: None },
-        }
-    });
-    let ready = ready.into_iter();
-    let what = ready.map(|(k, ready)| (k, parts[k].layer(ready))).collect();
-    OnWay {
-        span,
-        restart,
-        what,
+        let head = match *heads {
+            [head] => head,
+            _ => None,
+        };
+        layer.restart = Some(Restart { head });
     }
+    layer.after(|k, filled| Ok(parts[k].layer(filled)))
 }
 
 /// Gives the moves of a layer their speeds.
 fn paced(
     pacing: &mut Pacing<'_>,
-    layer: OnWay<Vec<(usize, Passed)>>,
-) -> Made<OnWay<PacedLayer>> {
-    let OnWay {
-        span,
-        restart,
-        what,
-    } = layer;
-    if let Some(Restart { head }) = restart {
-        pacing.restart(head, &span);
+    layer: &OnPlate<Passed>,
+) -> Made<(Option<Restart>, PacedLayer)> {
+    if let Some(Restart { head }) = layer.restart {
+        pacing.restart(head, &layer.span);
     }
-    let of_part = |part| {
-        let mut all = what.iter();
-        all.find(|(k, _)| *k == part).map(|(_, passed)| passed)
-    };
-    let what = pacing.layer(span, &of_part)?;
-    Ok(OnWay {
-        span,
-        restart,
-        what,
-    })
+    let paced = pacing.layer(layer.span, &|part| layer.part(part))?;
+    Ok((layer.restart, paced))
 }
 
 impl Ways<'_> {
-    /// Makes the paths of the parts in a layer.
-    fn layer(
-        &mut self,
-        layer: OnWay<Vec<(usize, Ordered)>>,
-    ) -> Made<OnWay<Vec<(usize, Passed)>>> {
-        let OnWay {
-            span,
-            restart,
-            what,
-        } = layer;
-        let parts = what.into_iter();
-        let passed = parts.map(|(k, ordered)| Ok((k, self.pass(k, ordered)?)));
-        let what = passed.collect::<Result<_, SliceError>>()?;
-        Ok(OnWay {
-            span,
-            restart,
-            what,
-        })
-    }
-
     /// Makes the path of a part's next layer.
     fn pass(
         &mut self,
         part: usize,
         ordered: Ordered,
     ) -> Result<Passed, SliceError> {
-        let layer = self.parts[part].layer(ordered)?;
-        if let Some(figures) = &layer.figures {
+        let figures = ordered.filled.figures.as_ref();
+        if let Some(figures) = figures {
             self.figures.add(figures, self.options.report);
         }
-        Ok(layer)
+        self.parts[part].layer(ordered)
     }
 }
 
@@ -306,19 +231,10 @@ impl Text<'_, '_> {
         paced: &PacedLayer,
         written: bool,
     ) -> Result<(), SliceError> {
+        limits::go_on()?;
         if written {
-            self.printing += paced.printing;
-            self.slowed += paced.slowed;
-            for (cause, time) in &paced.lost {
-                *self.lost.entry(cause.name()).or_default() += time;
-            }
+            self.sums.add(&paced.sums);
             self.count(paced);
-            for (role, amount) in &paced.amounts {
-                let sum = self.roles.entry(role.name()).or_default();
-                sum.length_mm += amount.length;
-                sum.filament_mm += amount.filament;
-                sum.time_s += amount.time;
-            }
         }
         self.timings.time(Stage::Gcode, || {
             if written {
@@ -356,13 +272,13 @@ fn volume(step: &PacedMove) -> Mm3 {
                 let turn = turns.get(i).copied().flatten();
                 let length = turn.map_or(a.distance(b), |t| t.length(a));
                 length
-                    * if bead.levels.is_empty() {
+                    * if bead.stroke.levels.is_empty() {
                         bead.area()
                     } else {
                         bead.area_along(i)
                     }
             };
-            flow * bead.segments().enumerate().map(along).sum::<Mm3>()
+            flow * bead.stroke.segments().enumerate().map(along).sum::<Mm3>()
         }
         _ => 0.0,
     }

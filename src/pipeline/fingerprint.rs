@@ -72,7 +72,7 @@ impl Digest {
             self.add(key.name);
             self.add(&key.get(settings));
         }
-        script_words(settings, &mut |word| self.add(word))?;
+        script_words(&settings.infill, &mut |word| self.add(word))?;
         Ok(())
     }
 

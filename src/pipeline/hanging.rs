@@ -1,9 +1,11 @@
 //! What hangs in a part, and all that supports would hold.
 
 use super::SliceError;
+use super::plans::Plans;
 use super::stages::Stages;
 use super::start::pool;
 use crate::report::Gauge;
+use isoslice_base::limits;
 use isoslice_base::units::Mm;
 use isoslice_layer::hang::{Hanging, Unsupported};
 use isoslice_model::Model;
@@ -57,11 +59,13 @@ pub fn survey(
     let spans = pool.install(|| heights(model, settings))?.spans;
     let around = Surroundings::new(model);
     let gauge = Gauge::new(model, settings, spans.len(), false)?;
-    let stages = Stages::new(model, settings, &around, gauge, &spans)?;
+    let plans = Plans::of(settings);
+    let stages = Stages::new(model, settings, &plans, &around, gauge, &spans)?;
     // What cannot be printed has no hanging places, of which there may be
     // millions.
     let printed = stages.printed(&pool, &spans)?;
     let (hanging, places) = stages.needs(&pool, &spans[..printed], &around)?;
+    limits::go_on()?;
     Ok(Survey {
         hanging,
         places,

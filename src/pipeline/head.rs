@@ -5,7 +5,7 @@ use super::fingerprint::fingerprint;
 use super::job::{Job, Run, outline_of};
 use crate::plate::Plate;
 use isoslice_base::timings::Stage;
-use isoslice_gcode::{Header, Standing, Thumbnail, needs_outline};
+use isoslice_gcode::{Header, Standing, Thumbnail, WriterPlan};
 use isoslice_path::pace::rates::Rater;
 use isoslice_preview::{PictureError, thumbnails};
 
@@ -68,7 +68,7 @@ pub(super) fn header(
 fn standing(plate: &Plate) -> Result<Vec<Standing>, PictureError> {
     let mut all = Vec::new();
     for part in &plate.parts {
-        let outline = if needs_outline(&plate.settings) {
+        let outline = if WriterPlan::of(&plate.settings).needs_outline() {
             outline_of(part)?
         } else {
             Vec::new()

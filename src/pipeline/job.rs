@@ -5,9 +5,8 @@
 //! and the layers of the file.
 
 use super::options::Extent;
-use super::raft;
+use super::plans::Plans;
 use super::stages::Stages;
-use super::supported::Fills;
 use super::{Options, SliceError};
 use crate::plate::{Part, Plate};
 use crate::report::Gauge;
@@ -42,8 +41,7 @@ pub(super) struct Base<'a> {
     pub part: &'a Part,
     pub spans: &'a [LayerSpan],
     pub around: Surroundings<'a>,
-    fills: Fills,
-    raft_fills: raft::Fills,
+    pub plans: Plans,
 }
 
 impl<'a> Base<'a> {
@@ -52,8 +50,7 @@ impl<'a> Base<'a> {
             part,
             spans,
             around: Surroundings::new(&part.model),
-            fills: Fills::new(&part.settings),
-            raft_fills: raft::Fills::new(&part.settings),
+            plans: Plans::of(&part.settings),
         }
     }
 
@@ -72,7 +69,7 @@ impl<'a> Base<'a> {
             part,
             spans,
             around,
-            ..
+            plans,
         } = self;
         let (model, settings) = (&part.model, &part.settings);
         // In a glimpse as few places are measured as in a layer of a whole run.
@@ -81,7 +78,7 @@ impl<'a> Base<'a> {
             None => layers.end.min(spans.len()).saturating_sub(layers.start),
         };
         let gauge = Gauge::new(model, settings, count.max(1), options.report)?;
-        let stages = Stages::new(model, settings, around, gauge, spans)?;
+        let stages = Stages::new(model, settings, plans, around, gauge, spans)?;
         let printed = stages.printed(pool, spans)?;
         if printed == 0 {
             return Err(SliceError::NothingToPrint {
@@ -99,7 +96,7 @@ impl<'a> Base<'a> {
 
 /// True if a part is to have supports where it needs some.
 pub(super) fn has_supports(part: &Part) -> bool {
-    part.settings.supports != Supports::Off && !part.settings.spiral
+    part.settings.supports != Supports::Off && !part.settings.is_vase()
 }
 
 /// A part whose layers can be made.
@@ -120,10 +117,8 @@ impl<'a> Planned<'a> {
         if !has_supports(self.part) {
             return Ok(());
         }
-        let Base { around, fills, .. } = base;
-        let room = self.part.room();
-        self.stages
-            .plan_supports(pool, self.spans, around, fills, room)
+        let (around, room) = (&base.around, self.part.room());
+        self.stages.plan_supports(pool, self.spans, around, room)
     }
 
     /// Plans what needs all of the part at once, for a run that makes the layers
@@ -134,16 +129,13 @@ impl<'a> Planned<'a> {
         first: usize,
         pool: &ThreadPool,
     ) -> Result<(), SliceError> {
-        let Base {
-            around, raft_fills, ..
-        } = base;
         let (part, spans) = (self.part, self.spans);
         let settings = &part.settings;
         self.stages.plan_spiral(pool, spans)?;
         self.stages.plan_guide(pool, spans, first)?;
         self.plan_supports(base, pool)?;
         let stages = &mut self.stages;
-        stages.plan_raft(spans, around, raft_fills, part.room())?;
+        stages.plan_raft(spans, &base.around, part.room())?;
         if settings.draft_shield == DraftShield::Off {
             stages.plan_skirt(spans)
         } else {

@@ -1,13 +1,16 @@
 //! What is known of a layer on its way through the stages.
 
+use super::SliceError;
+use super::ahead::Made;
 use super::supported::Top;
 use crate::report::LayerFigures;
+use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_layer::hang::Look;
 use isoslice_layer::region::Walls;
-use isoslice_layer::region::exposure::{FillAreas, Window};
+use isoslice_layer::region::exposure::FillAreas;
 use isoslice_layer::seam::{Ground, Guide};
-use isoslice_layer::skin::{Face, Faces};
+use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_path::order::LayerBeads;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
@@ -73,6 +76,14 @@ impl Layer {
         self.offsets = Arc::default();
     }
 
+    /// The layer without what only a layer right above may share.
+    pub(super) fn without_inside(&self) -> Layer {
+        Layer {
+            inside: None,
+            ..self.clone()
+        }
+    }
+
     /// The layer with solids of its own, whose grids are forgotten with it.
     /// `below` is the layer below, and a copy of it that was made like this.
     pub(super) fn copied(&self, below: Option<(&Layer, &Layer)>) -> Layer {
@@ -97,11 +108,26 @@ impl Layer {
         self.unchanged.as_deref().unwrap_or(self.area())
     }
 
-    /// The layer as a neighbour of skin.
-    fn face(&self) -> Face<'_> {
-        Face {
+    /// The layer among others, the nearest first.
+    pub(super) fn among<'l>(
+        &'l self,
+        below: impl IntoIterator<Item = &'l Layer>,
+        above: impl IntoIterator<Item = &'l Layer>,
+    ) -> LayerView<'l> {
+        LayerView {
+            here: self.face(),
+            above: above.into_iter().map(Layer::face).collect(),
+            below: below.into_iter().map(Layer::face).collect(),
+        }
+    }
+
+    /// The layer as others see it.
+    pub(super) fn face(&self) -> LayerFace<'_> {
+        LayerFace {
+            span: self.span,
             outline: &self.outline,
             rough: &self.rough,
+            top: self.top(),
         }
     }
 
@@ -158,27 +184,16 @@ impl Layer {
     }
 }
 
-/// Layer `i` and the layers around it, as the skin stage looks at them.
-pub(super) fn window(layers: &VecDeque<Layer>, i: usize) -> Window<'_> {
-    Window {
-        number: layers[i].span.index,
-        height: layers[i].span.height(),
-        here: &layers[i].rough,
-        above: layers.range(i + 1..).map(|l| &*l.rough).collect(),
-        below: layers.range(..i).rev().map(|l| &*l.rough).collect(),
-    }
+/// Layer `i` and the layers around it.
+pub(super) fn view(layers: &VecDeque<Layer>, i: usize) -> LayerView<'_> {
+    layers[i].among(layers.range(..i).rev(), layers.range(i + 1..))
 }
 
-/// The layers right above and below layer `i`.
-pub(super) fn faces(layers: &VecDeque<Layer>, i: usize) -> Faces<'_> {
-    Faces {
-        above: layers.get(i + 1).map(Layer::face),
-        below: layers.range(..i).next_back().map(Layer::face),
-    }
-}
-
-/// A layer that has been filled.
+/// A layer of a part that has been filled, and its neighbours.
 pub(super) struct Filled {
+    pub layer: Layer,
+    pub below: Option<Layer>,
+    pub above: Option<Layer>,
     pub beads: LayerBeads,
     /// Number of beads of the infill that are left out, since they stand on
     /// nothing.
@@ -201,10 +216,40 @@ pub(super) struct Filled {
     pub figures: Option<LayerFigures>,
 }
 
-/// A layer that can be written, and its neighbours.
-pub(super) struct Ready {
-    pub layer: Layer,
-    pub below: Option<Layer>,
-    pub above: Option<Layer>,
-    pub filled: Filled,
+/// A layer of the plate between two steps: what the last step has made of each
+/// part that is in it, with the part's number.
+pub(super) struct OnPlate<T> {
+    pub span: LayerSpan,
+    /// If a block begins.
+    pub restart: Option<Restart>,
+    pub parts: Vec<(usize, T)>,
+}
+
+/// The beginning of a block, where all is forgotten that layers pass on.
+#[derive(Clone, Copy)]
+pub(super) struct Restart {
+    /// Where the head is, on the bed, if every run knows that.
+    pub head: Option<DVec2>,
+}
+
+impl<T> OnPlate<T> {
+    /// The layer with what the next step makes of each part.
+    pub(super) fn after<U>(
+        self,
+        mut step: impl FnMut(usize, T) -> Made<U>,
+    ) -> Made<OnPlate<U>> {
+        let parts = self.parts.into_iter();
+        let parts = parts.map(|(k, part)| Ok((k, step(k, part)?)));
+        Ok(OnPlate {
+            span: self.span,
+            restart: self.restart,
+            parts: parts.collect::<Result<_, SliceError>>()?,
+        })
+    }
+
+    /// What there is of a part.
+    pub(super) fn part(&self, part: usize) -> Option<&T> {
+        let mut parts = self.parts.iter();
+        parts.find(|(k, _)| *k == part).map(|(_, of_part)| of_part)
+    }
 }

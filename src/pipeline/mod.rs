@@ -30,6 +30,7 @@
 //! | `write` | the steps of a run, one after the other |
 //! | `head` | what a file's start says, and its pictures |
 //! | `skirt` | the skirt round several parts |
+//! | `plans` | what the stages of a part do, resolved from its settings |
 //! | `layer` | what is known of a layer on its way |
 //! | `stages` | what can be done for many layers at a time |
 //! | `raft` | layers between the bed and the part |
@@ -61,6 +62,7 @@ mod layer;
 mod options;
 mod pacing;
 mod part;
+mod plans;
 mod posts;
 mod raft;
 mod run;

@@ -15,10 +15,10 @@ use crate::plate::Plate;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::Mm;
-use isoslice_layer::adhesion::{Skirt, keep_on_bed};
+use isoslice_layer::adhesion::{BedPlan, Skirt, keep_on_bed};
 use isoslice_path::order::{begin_near, in_turn};
 use isoslice_path::pace::rates::{Rater, Site};
-use isoslice_path::pace::{PacedLayer, Pacer, Stretch};
+use isoslice_path::pace::{PacePlan, PacedLayer, Pacer, Stretch};
 use isoslice_path::travel::{
     LayerPath, Move, Travel, between_parts, over_parts,
 };
@@ -34,25 +34,27 @@ pub(super) struct Rates<'a> {
 }
 
 impl<'a> Rates<'a> {
-    /// The rates of a plate, whose parts have these bases.
+    /// The rates of a plate, whose parts have these bases. `pace` is the
+    /// plate's own plan.
     ///
     /// # Errors
     /// If a setting is no valid expression, or if there is no part.
     pub(super) fn new(
         plate: &'a Plate,
+        pace: &'a PacePlan,
         bases: &'a [Base<'a>],
     ) -> Result<Rates<'a>, SliceError> {
-        let of = |settings: &'a Settings, base: &'a Base<'a>| {
-            Rater::new(settings, &base.part.model, &base.around)
+        let of = |pace: &'a PacePlan, base: &'a Base<'a>| {
+            Rater::new(pace, &base.part.model, &base.around)
         };
         let of_part = |base: &'a Base<'a>| {
-            of(&base.part.settings, base)
+            of(&base.plans.pace, base)
                 .map_err(|e| plate.named(base.part, e.into()))
         };
         let first = bases.first().ok_or(SliceError::NoParts)?;
         Ok(Rates {
             parts: bases.iter().map(of_part).collect::<Result<_, _>>()?,
-            plate: of(&plate.settings, first)?,
+            plate: of(pace, first)?,
         })
     }
 }
@@ -106,7 +108,7 @@ impl<'a> Pacing<'a> {
             skirt,
             last: None,
             at: None,
-            pacer: Pacer::new(settings),
+            pacer: Pacer::new(rates.plate.plan),
             layers: job.extent.layers.clone(),
             next: job.extent.made.start,
             turn: None,
@@ -196,6 +198,7 @@ impl<'a> Pacing<'a> {
             }
             there.push((place, part, shift, passed));
         }
+        let hop = self.settings.retract.z_hop > 0.0;
         for k in in_turn(&ways, self.at) {
             let (place, part, shift, passed) = there[k];
             let mut moves = passed.path.moved(shift);
@@ -210,7 +213,7 @@ impl<'a> Pacing<'a> {
                 let first = moves.iter().position(prints).unwrap_or(0);
                 let travel = match self.clear.take() {
                     Some(clear) => over_parts(ways[k].0, clear),
-                    None => between_parts(ways[k].0, self.settings),
+                    None => between_parts(ways[k].0, hop),
                 };
                 moves.splice(..first, [Move::Travel(travel)]);
             }
@@ -233,21 +236,23 @@ impl<'a> Pacing<'a> {
         // A finished part would be in the way of another's skirt.
         let skirt = self.skirt.as_ref().filter(|_| self.before == 0)?;
         let mut loops = skirt.beads(span.index, span.height());
-        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, self.settings);
+        let bed = BedPlan::of(self.settings);
+        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, bed);
         if span.index == 0 {
             self.warnings.extend(off_bed);
         }
+        let hop = self.settings.retract.z_hop > 0.0;
         let mut moves = Vec::new();
         for mut bead in loops {
             if let Some(at) = self.at {
-                begin_near(&mut bead, at);
+                begin_near(&mut bead.stroke, at);
             }
-            let Some(&to) = bead.points.first() else {
+            let Some(&to) = bead.stroke.points.first() else {
                 continue;
             };
             let travel = match (self.at, moves.is_empty()) {
                 (None, _) => Travel::straight(to, span.index >= BLOCK),
-                (Some(_), true) => between_parts(to, self.settings),
+                (Some(_), true) => between_parts(to, hop),
                 // From loop to loop the way is a line's width.
                 (Some(_), false) => Travel::straight(to, false),
             };

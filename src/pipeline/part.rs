@@ -8,13 +8,12 @@
 
 use super::follow::Follow;
 use super::job::Planned;
-use super::layer::{Filled, Layer, Ready};
-use super::supported::{Supported, Top};
+use super::layer::{Filled, Layer};
+use super::plans::Plans;
+use super::supported::Supported;
 use crate::plate::Part;
-use crate::report::LayerFigures;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
-use isoslice_base::units::Mm2;
 use isoslice_layer::adhesion::{keep_on_bed, without_ears};
 use isoslice_layer::hang::foot::Foot;
 use isoslice_layer::hang::{self, Hanging, Look};
@@ -34,10 +33,11 @@ use std::sync::Arc;
 pub(super) struct PartOrder<'a> {
     part: &'a Part,
     settings: &'a Settings,
+    plans: &'a Plans,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// The climbing wall, if there is one.
-    spiral: Option<&'a Spiral<'a>>,
+    spiral: Option<&'a Spiral>,
     head: Head,
     /// Where seams come from that follow one another.
     guide: Option<Guide>,
@@ -62,18 +62,10 @@ pub(super) struct Ordered {
     pub beads: Vec<Ended>,
     /// Where the head comes from, if that is known.
     pub from: Option<DVec2>,
-    pub layer: Layer,
-    /// The layers right below and above.
-    pub beside: [Option<Layer>; 2],
     /// What the layer stands on, if its outline differs from the layer's.
-    pub below: Option<Arc<Solid<'static>>>,
-    /// Of [`Filled`], what has not been used yet.
-    pub sparse: Solid<'static>,
-    pub support_top: Option<Top>,
-    pub under_support: Option<Solid<'static>>,
-    pub held: Option<Solid<'static>>,
-    pub gap: Mm2,
-    pub figures: Option<LayerFigures>,
+    pub stands_on: Option<Arc<Solid<'static>>>,
+    /// The layer, without its beads.
+    pub filled: Filled,
 }
 
 impl<'a> PartOrder<'a> {
@@ -87,6 +79,7 @@ impl<'a> PartOrder<'a> {
         PartOrder {
             part,
             settings: &part.settings,
+            plans: stages.plans,
             offset: part.model.offset.truncate(),
             spiral: stages.spiral.as_ref(),
             head: Head::default(),
@@ -103,24 +96,18 @@ impl<'a> PartOrder<'a> {
     }
 
     /// Takes the next layer.
-    pub(super) fn layer(&mut self, ready: Ready) -> Ordered {
-        let layer = &ready.layer;
-        let below = ready.below.as_ref();
+    pub(super) fn layer(&mut self, mut filled: Filled) -> Ordered {
+        let mut beads = std::mem::take(&mut filled.beads);
+        let look = filled.look.take();
         let Filled {
-            mut beads,
-            left_out,
-            sparse,
-            gap,
-            look,
-            figures,
-            support_top,
-            held,
-            under_support,
-            areas: _,
-        } = ready.filled;
+            layer,
+            below,
+            above,
+            ..
+        } = &filled;
         let index = layer.span.index;
         if index == 0 {
-            let without = without_ears(&beads.skirt, self.settings);
+            let without = without_ears(&beads.skirt, &self.plans.adhesion.brim);
             self.warnings.extend(without);
         }
         // A loop that leaves the bed in one place is left out in all, so that
@@ -130,7 +117,8 @@ impl<'a> PartOrder<'a> {
                 break;
             }
             let offset = self.offset + place.shift;
-            let off_bed = keep_on_bed(&mut beads.skirt, offset, self.settings);
+            let bed = self.plans.adhesion.bed;
+            let off_bed = keep_on_bed(&mut beads.skirt, offset, bed);
             for warning in off_bed {
                 if index == 0 && !self.warnings.contains(&warning) {
                     self.warnings.push(warning);
@@ -139,7 +127,7 @@ impl<'a> PartOrder<'a> {
         }
         let written = self.layers.contains(&index);
         if written {
-            self.left_out += left_out;
+            self.left_out += filled.left_out;
         }
         self.follow_hanging(layer, look.as_ref(), written);
         let from = self.head.at;
@@ -148,19 +136,19 @@ impl<'a> PartOrder<'a> {
         let climbs = !turns.is_empty();
         // A climbing wall leans on the turn below. A raft holds what is on it.
         let on_raft = index == self.settings.raft_layers();
-        let below = below.filter(|_| !climbs && !on_raft);
+        let below = below.as_ref().filter(|_| !climbs && !on_raft);
         let ground = below.and_then(|below| layer.ground(below));
         let below = below.filter(|below| !layer.same_outline(below));
-        let below: Option<Arc<Solid<'static>>> =
-            below.map(|below| below.top().clone());
+        let stands_on = below.map(|below| below.top().clone());
         let support = self.timings.time(Stage::Travel, || {
-            let below = below.as_deref()?;
-            Support::new(below, &layer.outline, self.settings)
+            let below = stands_on.as_deref()?;
+            let share = self.settings.overhang_share;
+            Support::new(below, &layer.outline, share, &self.plans.walls)
         });
         let support = support.as_ref();
         if let Some(guide) = self.guide.as_mut().filter(|_| !climbs) {
             if guide.looks_at(index) {
-                layer.guide(guide, ground, ready.above.as_ref());
+                layer.guide(guide, ground, above.as_ref());
             }
             if self.head.seams.is_empty() {
                 self.head.seams = guide.seams(&layer.span);
@@ -173,10 +161,11 @@ impl<'a> PartOrder<'a> {
                 support,
                 ground,
             };
-            let beads = order(beads, context, &mut self.head, self.settings);
-            let beads = linked(beads, solid, self.settings);
+            let beads =
+                order(beads, context, &mut self.head, &self.plans.order);
+            let beads = linked(beads, solid, &self.plans.order);
             let first = index == self.settings.raft_layers();
-            let mut ended = endings(beads, solid, first, self.settings);
+            let mut ended = endings(beads, solid, first, &self.plans.ending);
             ended.extend(turns.into_iter().map(Ended::from));
             ended
         });
@@ -188,15 +177,8 @@ impl<'a> PartOrder<'a> {
         Ordered {
             beads,
             from,
-            below,
-            sparse,
-            support_top,
-            under_support,
-            held,
-            gap,
-            figures,
-            layer: ready.layer,
-            beside: [ready.below, ready.above],
+            stands_on,
+            filled,
         }
     }
 
@@ -244,7 +226,7 @@ impl<'a> PartOrder<'a> {
 
     /// What the user should know, what hangs in the part, and what it stands on.
     pub(super) fn finish(mut self) -> (Vec<String>, Hanging, Option<Foot>) {
-        let warning = standing::warning(self.left_out, self.settings);
+        let warning = standing::warning(self.left_out, &self.plans.infill);
         self.warnings.extend(warning);
         (self.warnings, self.hanging.finish(), self.foot)
     }

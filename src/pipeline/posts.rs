@@ -8,12 +8,12 @@
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_layer::region::support_walls;
+use isoslice_layer::region::{WallPlan, support_walls};
+use isoslice_layer::resolution::Resolution;
 use isoslice_layer::support::Disc;
 use isoslice_layer::walls;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::{Area, Rect, Ring, signed_area};
-use isoslice_settings::Settings;
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -32,12 +32,16 @@ pub(super) struct Walled {
 
 impl Walled {
     /// Lays the walls around an area in a layer of some height.
-    fn new(area: &Area, height: Mm, settings: &Settings) -> Walled {
-        let mut walls = support_walls(area, height, settings);
-        walls::thin(&mut walls, settings);
-        let small = settings.speed.small_wall_length;
+    fn new(
+        area: &Area,
+        height: Mm,
+        plan: &WallPlan,
+        resolution: Resolution,
+    ) -> Walled {
+        let mut walls = support_walls(area, height, plan);
+        walls::thin(&mut walls, resolution);
         Walled {
-            beads: walls::beads(&walls, height, small),
+            beads: walls::beads(&walls, height),
             fill: walls.fill,
         }
     }
@@ -46,7 +50,7 @@ impl Walled {
     fn add(&mut self, other: &Walled, by: DVec2) {
         self.beads.extend(other.beads.iter().map(|bead| {
             let mut bead = bead.clone();
-            bead.points.iter_mut().for_each(|p| *p += by);
+            bead.stroke.points.iter_mut().for_each(|p| *p += by);
             bead
         }));
         let moved = other.fill.rings.iter();
@@ -62,20 +66,29 @@ type Size = (Disc, u64);
 type Shape = (Vec<Vec<[u64; 2]>>, u64);
 
 /// The walls of the sizes and of the islands that have been met.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Posts {
+    plan: WallPlan,
+    resolution: Resolution,
     sizes: Mutex<HashMap<Size, Arc<Walled>>>,
     islands: Mutex<HashMap<Shape, Arc<Walled>>>,
 }
 
 impl Posts {
+    pub(super) fn new(plan: WallPlan, resolution: Resolution) -> Posts {
+        Posts {
+            plan,
+            resolution,
+            sizes: Mutex::default(),
+            islands: Mutex::default(),
+        }
+    }
+
     /// Lays the walls around an area of support in a layer of some height.
-    pub(super) fn walled(
-        &self,
-        area: &Area,
-        height: Mm,
-        settings: &Settings,
-    ) -> Walled {
+    pub(super) fn walled(&self, area: &Area, height: Mm) -> Walled {
+        let new = |area: &Area| {
+            Walled::new(area, height, &self.plan, self.resolution)
+        };
         let (discs, rest) = discs(area);
         let mut all = Walled::default();
         for island in rest.islands() {
@@ -84,16 +97,12 @@ impl Posts {
                 points.map(|p| p.to_array().map(f64::to_bits)).collect()
             };
             let shape = island.rings.iter().map(ring).collect();
-            let lay = || Walled::new(&island, height, settings);
-            let walls =
-                kept(&self.islands, (shape, height.to_bits()), ISLANDS, lay);
+            let key = (shape, height.to_bits());
+            let walls = kept(&self.islands, key, ISLANDS, || new(&island));
             all.add(&walls, DVec2::ZERO);
         }
         for (disc, middle) in discs {
-            let lay = || {
-                let area = Area::from(disc.ring());
-                Walled::new(&area, height, settings)
-            };
+            let lay = || new(&Area::from(disc.ring()));
             let size = (disc, height.to_bits());
             let walls = kept(&self.sizes, size, SIZES, lay);
             all.add(&walls, middle);
@@ -151,24 +160,33 @@ mod tests {
     use super::*;
     use isoslice_planar::rect;
     use isoslice_planar::shapes::{circle, moved};
+    use isoslice_settings::Settings;
+
+    fn posts() -> Posts {
+        let settings = Settings::default();
+        Posts::new(WallPlan::of(&settings), Resolution::of(&settings))
+    }
 
     #[test]
     fn posts_have_the_walls_that_they_would_have_by_themselves() {
-        let settings = Settings::default();
         let ring = |x: f64, y: f64| moved(circle(0.495, 12), x, y);
-        let posts = Posts::default();
+        let posts = posts();
         for at in [DVec2::new(3.0, 4.0), DVec2::new(-71.3, 0.123)] {
             let area = Area::from(ring(at.x, at.y));
-            let found = posts.walled(&area, 0.2, &settings);
-            let alone = Walled::new(&area, 0.2, &settings);
+            let found = posts.walled(&area, 0.2);
+            let alone = Walled::new(&area, 0.2, &posts.plan, posts.resolution);
             assert_eq!(found.beads.len(), alone.beads.len());
             for (a, b) in found.beads.iter().zip(&alone.beads) {
-                assert_eq!((a.closed, a.role), (b.closed, b.role));
+                assert_eq!(
+                    (a.stroke.closed, a.role),
+                    (b.stroke.closed, b.role)
+                );
                 // They may begin elsewhere.
-                let near =
-                    |p: &DVec2| b.points.iter().any(|q| p.distance(*q) < 2e-4);
-                assert_eq!(a.points.len(), b.points.len());
-                assert!(a.points.iter().all(near), "{a:?} {b:?}");
+                let near = |p: &DVec2| {
+                    b.stroke.points.iter().any(|q| p.distance(*q) < 2e-4)
+                };
+                assert_eq!(a.stroke.points.len(), b.stroke.points.len());
+                assert!(a.stroke.points.iter().all(near), "{a:?} {b:?}");
             }
         }
         assert_eq!(posts.sizes.lock().unwrap().len(), 1);
@@ -176,23 +194,25 @@ mod tests {
 
     #[test]
     fn islands_of_one_shape_and_place_are_laid_once() {
-        let settings = Settings::default();
-        let posts = Posts::default();
+        let posts = posts();
         let of = |x: f64| rect(x, 0.0, x + 3.0, 2.0);
         let both: Area = [of(0.0), of(9.0)].into_iter().collect();
         let count = || posts.islands.lock().unwrap().len();
-        let first = posts.walled(&both, 0.2, &settings);
+        let first = posts.walled(&both, 0.2);
         assert_eq!(count(), 2);
-        let second = posts.walled(&of(9.0), 0.2, &settings);
+        let second = posts.walled(&of(9.0), 0.2);
         assert_eq!((count(), second.beads.len()), (2, 2));
         let points = |beads: &[Bead]| -> Vec<Vec<DVec2>> {
-            beads.iter().map(|bead| bead.points.clone()).collect()
+            beads
+                .iter()
+                .map(|bead| bead.stroke.points.clone())
+                .collect()
         };
         assert_eq!(points(&first.beads[2..]), points(&second.beads));
         assert_eq!(first.fill.rings[1], second.fill.rings[0]);
         // Another layer height, and another place.
-        posts.walled(&of(9.0), 0.3, &settings);
-        posts.walled(&of(9.5), 0.2, &settings);
+        posts.walled(&of(9.0), 0.3);
+        posts.walled(&of(9.5), 0.2);
         assert_eq!(count(), 4);
     }
 

@@ -12,10 +12,9 @@
 //! Out: the beads of the raft's layers. They count as layers of the print from
 //! the bed up, in which the part has no outline.
 
-use super::supported::{SupportFill, filled_by};
+use super::supported::{Fills, SupportFill};
 use isoslice_base::units::{Mm, Percent};
-use isoslice_layer::infill::{self, InfillError};
-use isoslice_model::vary::Surroundings;
+use isoslice_layer::infill::InfillError;
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::clip::{crop, unite};
 use isoslice_planar::offset::offset;
@@ -30,22 +29,6 @@ const TOLERANCE: Mm = 0.02;
 /// Gaps in the raft narrower than this are closed, mm.
 const CLOSED: Mm = 4.0;
 
-/// The settings by which a raft is filled.
-pub(super) struct Fills {
-    base: Settings,
-    solid: Settings,
-}
-
-impl Fills {
-    /// The fills of a run with these settings.
-    pub(super) fn new(settings: &Settings) -> Fills {
-        Fills {
-            base: filled_by(settings.raft_line_width(), SPARSE, settings),
-            solid: filled_by(settings.infill_width(), 100.0, settings),
-        }
-    }
-}
-
 /// The raft of a print.
 pub(super) struct Raft<'a> {
     /// Where the raft is.
@@ -59,22 +42,20 @@ impl<'a> Raft<'a> {
     pub(super) fn new(
         under: &Area,
         bed: Rect,
-        fills: &'a Fills,
-        around: &'a Surroundings<'a>,
-        site: infill::Site,
+        settings: &Settings,
+        fills: &Fills<'_, 'a>,
     ) -> Result<Raft<'a>, InfillError> {
-        let settings = &fills.solid;
         let reach = settings.raft.expansion + 0.5 * CLOSED;
         let wide = offset(under, reach, TOLERANCE);
         let area = offset(&wide, -0.5 * CLOSED, TOLERANCE);
         // The raft keeps to the part of the bed that supports may use.
         let area = unite(&crop(&area.rings, bed));
-        let fill =
-            |settings, role| SupportFill::new(settings, role, around, site);
+        let base = fills.lines(settings.raft_line_width(), SPARSE);
+        let solid = fills.lines(settings.infill_width(), 100.0);
         Ok(Raft {
             area,
-            base: fill(&fills.base, Role::Support)?,
-            solid: fill(&fills.solid, Role::SupportInterface)?,
+            base: fills.fill(base, Role::Support)?,
+            solid: fills.fill(solid, Role::SupportInterface)?,
         })
     }
 

@@ -5,7 +5,7 @@
 use super::SliceError;
 use super::job::{Job, Planned, outline_of};
 use super::stages::shielded;
-use isoslice_layer::adhesion::{Skirt, brim_reach};
+use isoslice_layer::adhesion::{BrimPlan, Skirt, SkirtPlan};
 use isoslice_planar::{Area, Ring, hull};
 use isoslice_settings::DraftShield;
 
@@ -22,7 +22,7 @@ pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
     // A higher one would be in the way of the head.
     let layers = match job.turns {
         Some(_) => 1,
-        None => skirt.layers,
+        None => skirt.layers as usize,
     };
     let mut areas = Vec::new();
     for Planned {
@@ -34,7 +34,7 @@ pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
         let beside = if shield {
             stages.seen_from_above(spans, &outline_of(part)?)
         } else {
-            stages.beside(spans, layers as usize)?
+            stages.beside(spans, layers)?
         };
         // The hull of the parts' hulls is the hull of them all.
         let hulls = beside.iter().map(|area| area.rings.iter().flatten());
@@ -47,17 +47,16 @@ pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
         }
     }
     // The skirt goes round the widest brim.
-    let mut widest = settings.clone();
-    let brims = plate.parts.iter().map(|part| &part.settings);
-    let brims = brims.max_by(|a, b| brim_reach(a).total_cmp(&brim_reach(b)));
-    if let Some(brim) = brims {
-        widest.brim = brim.brim.clone();
-    }
-    if shield {
+    let brims = plate.parts.iter().map(|part| BrimPlan::of(&part.settings));
+    let brim = brims.map(|brim| brim.reach).fold(0.0, f64::max);
+    let plan = if shield {
         let high = job.parts.iter().map(|p| shielded(p.spans, settings));
-        let high = high.max().unwrap_or(0);
-        return Ok(Some(Skirt::shield(&areas, high, &widest)));
-    }
-    widest.skirt.layers = layers;
-    Ok(Some(Skirt::new(&areas, &widest)))
+        SkirtPlan::of_shield(settings, high.max().unwrap_or(0))
+    } else {
+        SkirtPlan {
+            layers,
+            ..SkirtPlan::of(settings)
+        }
+    };
+    Ok(Some(Skirt::new(&areas, SkirtPlan { brim, ..plan })))
 }

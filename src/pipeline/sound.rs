@@ -112,7 +112,7 @@ pub(super) fn sample(
     found_in: impl Fn(Rect, &LayerSpan) -> Result<Found, SliceError> + Sync,
 ) -> Result<(), SliceError> {
     let look = |k: usize| -> Result<Found, SliceError> {
-        limits::check();
+        limits::go_on()?;
         let (height, window) = window(k, part);
         let i = (height * spans.len() as f64) as usize;
         match spans.get(i) {

@@ -71,6 +71,7 @@ pub fn split(
             *sum += 0.5 * (1.0 + times) * cost;
         }
     }
+    limits::go_on()?;
     let blocks: Vec<f64> =
         costs.chunks(BLOCK).map(|b| b.iter().sum()).collect();
     let all: f64 = blocks.iter().sum();
@@ -97,7 +98,7 @@ fn costs_of(
     // These layers are in the middles of equal pieces of the height.
     let at = |k: usize| (2 * k + 1) * count / (2 * looks);
     let look = |k: usize| {
-        limits::check();
+        limits::go_on()?;
         cost(stages, &spans[at(k)], settings)
     };
     let found: Result<Vec<f64>, SliceError> =

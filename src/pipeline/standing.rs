@@ -5,6 +5,7 @@ use super::job::{Base, has_supports};
 use super::options::Options;
 use super::start::{layers_of, pool};
 use crate::plate::Plate;
+use isoslice_base::limits;
 use isoslice_preview::Slabs;
 
 /// Plans the supports of the parts on a plate that are to have some, on `threads`
@@ -31,6 +32,7 @@ pub fn supports(
         let planned = base.stages(&all, &Options::default(), &pool);
         let planned = planned.and_then(|mut planned| {
             planned.plan_supports(&base, &pool)?;
+            limits::go_on()?;
             Ok(planned)
         });
         let planned = planned.map_err(|e| plate.named(part, e))?;

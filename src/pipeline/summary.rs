@@ -11,7 +11,9 @@ use isoslice_base::units::{Mm, Mm2, Seconds, filament_area};
 use isoslice_check::Verdict;
 use isoslice_layer::hang::Hanging;
 use isoslice_model::heights::Steps;
+use isoslice_path::pace::Amount;
 use isoslice_path::spiral::Spiral;
+use isoslice_planar::bead::Role;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -103,7 +105,15 @@ impl Summary {
     ) -> Summary {
         let plate = job.plate;
         let settings = &plate.settings;
-        let totals = done.totals;
+        let (totals, sums) = (done.totals, &done.sums);
+        let role = |(role, all): (&Role, &Amount)| {
+            let sum = RoleSum {
+                length_mm: all.length,
+                filament_mm: all.filament,
+                time_s: all.time,
+            };
+            (role.name(), sum)
+        };
         let mut summary = Summary {
             size: plate.size(),
             layers: job.extent.layers.clone(),
@@ -114,12 +124,12 @@ impl Summary {
             filament_length: totals.filament_length,
             filament_mass_g: totals.filament_mass_g,
             support_length: 0.0,
-            roles: done.roles,
+            roles: sums.amounts.iter().map(role).collect(),
             unfilled_area: 0.0,
             solid_area: 0.0,
-            printing_moves: done.printing,
-            slowed_moves: done.slowed,
-            time_lost: done.lost,
+            printing_moves: sums.printing,
+            slowed_moves: sums.slowed,
+            time_lost: sums.lost.iter().map(|(c, t)| (c.name(), *t)).collect(),
             dropped_rings: 0,
             hanging: Hanging::default(),
             outline_error: None,

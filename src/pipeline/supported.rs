@@ -1,9 +1,11 @@
 //! The supports of a part, layer by layer.
 
+use super::plans::Plans;
 use super::posts::Posts;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Mm, Mm2, Percent};
-use isoslice_layer::infill::{self, Infill, InfillError};
+use isoslice_layer::infill::{self, Infill, InfillError, InfillPlan};
+use isoslice_layer::region::WallPlan;
 use isoslice_layer::support::{Plan, Slice};
 use isoslice_model::vary::Surroundings;
 use isoslice_planar::bead::{Bead, Role, spacing};
@@ -11,7 +13,7 @@ use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
 use isoslice_settings::{
-    InfillPattern, Settings, SkinPattern, Supports, Varying, WallOffset,
+    InfillPattern, LineDensity, Settings, SkinPattern, Supports,
 };
 
 /// A gap beside supports that is wider than this, mm, may be why something has
@@ -45,17 +47,30 @@ pub(super) struct Supported<'a> {
 }
 
 impl<'a> Supported<'a> {
-    /// The supports of a plan, filled by `fills`.
+    /// The supports of a plan, filled as settings ask.
     pub(super) fn new(
         plan: Plan,
-        fills: &'a Fills,
-        around: &'a Surroundings<'a>,
-        site: infill::Site,
+        settings: &Settings,
+        fills: &Fills<'_, 'a>,
     ) -> Result<Supported<'a>, InfillError> {
-        let fill = |settings: &'a Settings, role| {
-            SupportFill::new(settings, role, around, site)
+        let width = settings.infill_width();
+        let support = &settings.support;
+        let density = match support.interface_density {
+            LineDensity::Spacing(apart) => {
+                (100.0 * side_by_side(settings) / apart).clamp(1.0, 100.0)
+            }
+            LineDensity::Share(share) => share,
         };
-        let settings = &fills.body;
+        let pattern = match support.interface_pattern {
+            SkinPattern::Lines => InfillPattern::Rectilinear,
+            SkinPattern::Concentric => InfillPattern::Concentric,
+        };
+        let body = fills.lines(width, support.density);
+        let interface = InfillPlan {
+            pattern: isoslice_settings::Infill::Pattern(pattern),
+            angle: support.interface_angle.unwrap_or(body.angle),
+            ..fills.lines(width, density)
+        };
         Ok(Supported {
             plan,
             raft: settings.raft_layers(),
@@ -64,8 +79,8 @@ impl<'a> Supported<'a> {
                 0 => 0.0,
                 _ => settings.raft_gap(),
             },
-            body: fill(&fills.body, Role::Support)?,
-            interface: fill(&fills.interface, Role::SupportInterface)?,
+            body: fills.fill(body, Role::Support)?,
+            interface: fills.fill(interface, Role::SupportInterface)?,
         })
     }
 
@@ -148,12 +163,12 @@ impl<'a> Supported<'a> {
             ));
         }
         let beside = side_by_side(settings);
-        if let Some(apart) = settings.support.interface_spacing
+        if let LineDensity::Spacing(apart) = settings.support.interface_density
             && settings.support.interface_layers > 0
             && apart < beside
         {
             all.push(format!(
-                "support.interface_spacing = {apart} mm is less than the \
+                "support.interface_density = \"{apart} mm\" is less than the \
                  {beside:.3} mm that lines of infill_width = {:.3} mm need, so \
                  these lie side by side; raise it, or lower infill_width",
                 settings.infill_width(),
@@ -254,7 +269,7 @@ impl<'a> Supported<'a> {
         beads.extend(self.body.beads(&slice.body, &own)?);
         for bead in &mut beads {
             let standing = || {
-                let from = bead.points.first();
+                let from = bead.stroke.points.first();
                 from.is_some_and(|p| slice.standing.contains(*p))
             };
             let deeper = match span.index == self.raft {
@@ -266,7 +281,7 @@ impl<'a> Supported<'a> {
             if deeper != 0.0 {
                 // Lines of the usual width are wide enough for that height.
                 // Lines that fit into a thin place may not be.
-                let most = Settings::FLAT * bead.width;
+                let most = Settings::FLAT * bead.stroke.width;
                 bead.height = (bead.height + deeper).min(most);
             }
         }
@@ -300,81 +315,47 @@ fn side_by_side(settings: &Settings) -> Mm {
     spacing(width, width, settings.layer_height())
 }
 
-/// The settings by which supports are filled.
-pub(super) struct Fills {
-    body: Settings,
-    interface: Settings,
+/// What fills of supports and of a raft have in common.
+pub(super) struct Fills<'p, 'a> {
+    pub plans: &'p Plans,
+    pub around: &'a Surroundings<'a>,
+    pub site: infill::Site,
 }
 
-impl Fills {
-    /// The fills of a run with these settings.
-    pub(super) fn new(settings: &Settings) -> Fills {
-        let width = settings.infill_width();
-        let of = |density| filled_by(width, density, settings);
-        let support = &settings.support;
-        let density = match support.interface_spacing {
-            Some(apart) => {
-                (100.0 * side_by_side(settings) / apart).clamp(1.0, 100.0)
-            }
-            None => support.interface_density,
-        };
-        let pattern = match support.interface_pattern {
-            SkinPattern::Lines => InfillPattern::Rectilinear,
-            SkinPattern::Concentric => InfillPattern::Concentric,
-        };
-        let angle = support.interface_angle;
-        Fills {
-            body: of(support.density),
-            interface: Settings {
-                infill: isoslice_settings::Infill::Pattern(pattern),
-                infill_angle: angle.unwrap_or(settings.infill_angle),
-                ..of(density)
-            },
-        }
+impl<'a> Fills<'_, 'a> {
+    /// Parallel lines of a width and a density.
+    pub(super) fn lines(&self, width: Mm, density: Percent) -> InfillPlan {
+        self.plans.infill.lines(width, density)
     }
-}
 
-/// The settings for lines of a width and a density, in one wall.
-pub(super) fn filled_by(
-    width: Mm,
-    density: Percent,
-    settings: &Settings,
-) -> Settings {
-    Settings {
-        walls: 1,
-        outer_wall_width: width.into(),
-        infill_width: width.into(),
-        infill: isoslice_settings::Infill::Pattern(InfillPattern::Rectilinear),
-        infill_density: Varying::Constant(density),
-        wall_offset: WallOffset::Distance,
-        ..settings.clone()
+    /// A fill in one wall of lines as wide, for beads of a role.
+    pub(super) fn fill(
+        &self,
+        plan: InfillPlan,
+        role: Role,
+    ) -> Result<SupportFill<'a>, InfillError> {
+        let walls = WallPlan {
+            count: 1,
+            around_tops: 1,
+            outer: plan.width,
+            ..self.plans.walls
+        };
+        Ok(SupportFill {
+            infill: Infill::new(plan, self.around, self.site)?,
+            posts: Posts::new(walls, self.plans.resolution),
+            role,
+        })
     }
 }
 
 /// How an area of support is filled.
 pub(super) struct SupportFill<'a> {
-    settings: &'a Settings,
     infill: Infill<'a>,
     posts: Posts,
     role: Role,
 }
 
-impl<'a> SupportFill<'a> {
-    /// A fill by some settings, for beads of a role.
-    pub(super) fn new(
-        settings: &'a Settings,
-        role: Role,
-        around: &'a Surroundings<'a>,
-        site: infill::Site,
-    ) -> Result<SupportFill<'a>, InfillError> {
-        Ok(SupportFill {
-            settings,
-            infill: Infill::new(settings, around, site)?,
-            posts: Posts::default(),
-            role,
-        })
-    }
-
+impl SupportFill<'_> {
     /// A wall around the area, and lines inside it.
     pub(super) fn beads(
         &self,
@@ -384,20 +365,11 @@ impl<'a> SupportFill<'a> {
         if area.is_empty() {
             return Ok(Vec::new());
         }
-        let height = span.height();
-        let walled = self.posts.walled(area, height, self.settings);
-        let target = infill::Target {
-            number: span.index,
-            z: span.sample_z(),
-            height,
-        };
-        let lines = self.infill.beads(&walled.fill, target, None)?;
-        let mut beads = walled.beads;
-        beads.extend(lines);
-        for bead in &mut beads {
-            bead.role = self.role;
-            bead.small = false;
-        }
-        Ok(beads)
+        let walled = self.posts.walled(area, span.height());
+        let lines = self.infill.beads(&walled.fill, span, None)?;
+        let all = walled.beads.into_iter().chain(lines);
+        // They are no walls, however they were laid.
+        let own = |bead: Bead| Bead::new(self.role, bead.stroke, bead.height);
+        Ok(all.map(own).collect())
     }
 }

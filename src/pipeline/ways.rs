@@ -5,20 +5,19 @@
 //! counts passes from one layer to the next.
 
 use super::job::Planned;
-use super::layer::Layer;
+use super::layer::{Filled, Layer};
 use super::part::{Ordered, PartOrder};
+use super::plans::Plans;
 use super::supported::Top;
 use super::tally::Tally;
 use super::{BLOCK, SliceError};
-use crate::report::LayerFigures;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::Mm;
 use isoslice_layer::hang::Hanging;
 use isoslice_layer::hang::foot::Foot;
-use isoslice_layer::region::wall_depths;
 use isoslice_layer::seam::ending::Ended;
-use isoslice_layer::walls::{Beside, Interlock, Reach};
+use isoslice_layer::walls::{Interlock, Reach};
 use isoslice_path::pace::rates;
 use isoslice_path::relief::{Relief, Side, Site};
 use isoslice_path::travel::{Ground, LayerPath, Move, connect};
@@ -30,6 +29,7 @@ use std::sync::Arc;
 /// The stages of one part that make its paths.
 pub(super) struct PartTravel<'a> {
     settings: &'a Settings,
+    plans: &'a Plans,
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// What lets beads follow the surface, if they have to.
@@ -55,8 +55,6 @@ pub(super) struct Passed {
     /// differs, and supports.
     below: Option<Arc<Solid<'static>>>,
     held: Option<Solid<'static>>,
-    /// The layer's accuracy, if it was measured.
-    pub figures: Option<LayerFigures>,
 }
 
 impl Passed {
@@ -97,6 +95,7 @@ impl<'a> PartTravel<'a> {
         let part = planned.part;
         PartTravel {
             settings: &part.settings,
+            plans: planned.stages.plans,
             offset: part.model.offset.truncate(),
             relief,
             under,
@@ -115,37 +114,27 @@ impl<'a> PartTravel<'a> {
         let Ordered {
             beads,
             from,
-            layer,
-            beside,
-            below: stands_on,
-            sparse,
-            support_top,
-            under_support,
-            held,
-            gap,
-            figures,
+            stands_on,
+            filled,
         } = ordered;
-        let [below, above] = beside.each_ref().map(Option::as_ref);
+        let Filled { layer, above, .. } = &filled;
         let index = layer.span.index;
         let written = self.layers.contains(&index);
         let beads = if self.settings.interlocks() {
-            self.timings.time(Stage::Walls, || {
-                self.interlocked(beads, &layer, below, above)
-            })
+            self.timings
+                .time(Stage::Walls, || self.interlocked(beads, &filled))
         } else {
             beads
         };
         let beads = self.timings.time(Stage::Relief, || {
-            let under_support = under_support.as_ref();
-            let beads =
-                self.on_surface(beads, &layer, [below, above], under_support)?;
-            match &support_top {
+            let beads = self.on_surface(beads, &filled)?;
+            match &filled.support_top {
                 Some(top) => self.support_below(beads, top, layer.span.top),
                 None => Ok(beads),
             }
         })?;
         let path = self.timings.time(Stage::Travel, || {
-            let (_, border) = wall_depths(layer.span.height(), self.settings);
+            let (_, border) = self.plans.walls.depths(layer.span.height());
             if written {
                 let of_part = beads.iter().filter(|b| b.bead.role.is_part());
                 let count = of_part.count();
@@ -155,11 +144,11 @@ impl<'a> PartTravel<'a> {
                 let first = index == self.settings.raft_layers();
                 let on_pads = first && support.peek().is_some();
                 self.tally.support +=
-                    support.map(|b| b.area() * b.length()).sum::<f64>();
+                    support.map(|b| b.area() * b.stroke.length()).sum::<f64>();
                 self.beads += count;
                 if index >= self.settings.raft_layers() {
                     // What begins above an empty first layer stands on supports.
-                    self.tally.add(&layer, gap, count == 0 && !on_pads);
+                    self.tally.add(layer, filled.gap, count == 0 && !on_pads);
                 }
             }
             let mut path = connect(
@@ -167,13 +156,13 @@ impl<'a> PartTravel<'a> {
                 beads,
                 Ground {
                     outline: &layer.outline,
-                    sparse: &sparse,
+                    sparse: &filled.sparse,
                     border,
-                    above: above.map(|above| &*above.outline),
+                    above: above.as_ref().map(|above| &*above.outline),
                 },
                 from,
                 self.offset,
-                self.settings,
+                &self.plans.travel,
             );
             // If the head's place is unknown, the way may lead over anything.
             if from.is_none()
@@ -188,9 +177,8 @@ impl<'a> PartTravel<'a> {
         Ok(Passed {
             path,
             below: stands_on.filter(|_| self.settings.by_reach()),
-            held,
-            outline: layer.outline.clone(),
-            figures,
+            held: filled.held,
+            outline: filled.layer.outline,
         })
     }
 
@@ -207,28 +195,12 @@ impl<'a> PartTravel<'a> {
     }
 
     /// A layer's beads. Walls that lie half a layer lower are in their places.
-    fn interlocked(
-        &self,
-        beads: Vec<Ended>,
-        layer: &Layer,
-        below: Option<&Layer>,
-        above: Option<&Layer>,
-    ) -> Vec<Ended> {
-        fn beside<'l>(layer: &Layer, other: &'l Layer) -> Beside<'l> {
-            let same = layer.same_outline(other);
-            Beside {
-                height: other.span.height(),
-                outline: (!same).then(|| other.outline.grid()),
-            }
-        }
-        let interlock = Interlock {
-            outline: layer.outline.grid(),
-            below: below.map(|below| beside(layer, below)),
-            above: above.map(|above| beside(layer, above)),
-        };
+    fn interlocked(&self, beads: Vec<Ended>, filled: &Filled) -> Vec<Ended> {
+        let view = filled.layer.among(&filled.below, &filled.above);
+        let interlock = Interlock(&view);
         let mut out = Vec::with_capacity(beads.len());
         for Ended { bead, wipe } in beads {
-            let placed = interlock.placed(bead, self.settings);
+            let placed = interlock.placed(bead, self.plans.resolution);
             let any = !placed.is_empty();
             out.extend(placed.into_iter().map(Ended::from));
             if let Some(last) = out.last_mut().filter(|_| any) {
@@ -268,46 +240,43 @@ impl<'a> PartTravel<'a> {
             let all = beads.iter_mut().map(|ended| &mut ended.bead);
             for bead in all.filter(|bead| bead.role.is_support()) {
                 bead.plane = rise;
-                bead.rise_by(rise);
+                bead.stroke.rise_by(rise);
             }
         }
         Ok(beads)
     }
 
     /// A layer's beads, moved onto the surfaces above and below them if they
-    /// have to follow these. `under_support` is where supports stand on the
-    /// layer.
+    /// have to follow these.
     fn on_surface(
         &self,
         beads: Vec<Ended>,
-        layer: &Layer,
-        [below, above]: [Option<&Layer>; 2],
-        under_support: Option<&Solid<'static>>,
+        filled: &Filled,
     ) -> Result<Vec<Ended>, SliceError> {
         let Some(relief) = self.relief.as_ref() else {
             return Ok(beads);
         };
         fn side<'l>(layer: &Layer, other: Option<&'l Layer>) -> Side<'l> {
-            let Some(other) = other else {
-                return Side::Open;
-            };
-            if layer.same_outline(other) {
-                Side::Closed
-            } else {
-                Side::Layer(other.span.height(), other.outline.grid())
+            match other {
+                None => Side::Open,
+                Some(other) if layer.same_outline(other) => Side::Closed,
+                Some(other) => {
+                    Side::Layer(other.span.height(), other.outline.grid())
+                }
             }
         }
+        let layer = &filled.layer;
         // The bed and a raft are flat.
         let flat = layer.span.index <= self.settings.raft_layers();
         let site = Site {
             span: layer.span,
-            above: side(layer, above),
+            above: side(layer, filled.above.as_ref()),
             below: if flat {
                 Side::Closed
             } else {
-                side(layer, below)
+                side(layer, filled.below.as_ref())
             },
-            under_support: under_support.map(Solid::grid),
+            under_support: filled.under_support.as_ref().map(Solid::grid),
         };
         Ok(relief.apply(beads, site)?)
     }

@@ -14,7 +14,8 @@ use super::ways::{PartTravel, Passed};
 use super::{SliceError, Summary};
 use crate::report::{Report, RunFigures};
 use isoslice_base::units::Mm3;
-use isoslice_gcode::{Writer, thick_beads};
+use isoslice_gcode::{Writer, WriterPlan};
+use isoslice_path::pace::PacePlan;
 use isoslice_path::relief::Relief;
 use isoslice_planar::Rect;
 use isoslice_preview::Pictures;
@@ -38,7 +39,8 @@ pub(super) fn write(
         bases.map(|(part, spans)| Base::new(part, spans)).collect();
     let job = Job::new(run, &bases)?;
     let skirt = pool.install(|| skirt_round(&job))?;
-    let rates = Rates::new(plate, &bases)?;
+    let pace = PacePlan::of(&plate.settings);
+    let rates = Rates::new(plate, &pace, &bases)?;
     // The check comes before hours of work, not after them.
     let printed = match job.turns {
         Some(_) => job.spans,
@@ -49,7 +51,8 @@ pub(super) fn write(
     }
     let (header, no_picture) = header(run, &job, &rates.plate)?;
     let pictures = pictures(run, &job)?;
-    let writer = Writer::new(out, &plate.settings, &header, copy)?;
+    let plan = WriterPlan::of(&plate.settings);
+    let writer = Writer::new(out, plan, &header, copy)?;
     let mut warnings = told_of_writing(&job, writer.warnings());
     warnings.extend(no_picture);
     let parts = exits(&job, &bases, pool)?;
@@ -108,7 +111,9 @@ fn told_of_writing(job: &Job<'_>, of_writer: &[String]) -> Vec<String> {
         );
     }
     // The parts' lines may be wider than those of the plate's settings.
-    let of_parts = plate.parts.iter().filter_map(|p| thick_beads(&p.settings));
+    let of_parts = plate.parts.iter();
+    let of_parts =
+        of_parts.filter_map(|p| WriterPlan::of(&p.settings).thick_beads());
     for warning in of_parts {
         if !all.contains(&warning) {
             all.push(warning);
@@ -127,7 +132,8 @@ fn exits<'a>(
         let Planned { part, spans, .. } = *planned;
         let relief = [Relief::new, Relief::of_supports].map(|relief| {
             let timings = &planned.stages.timings;
-            relief(&part.model, &part.settings, &base.around, pool, timings)
+            let plan = planned.stages.plans.relief.clone();
+            relief(&part.model, plan, &base.around, pool, timings)
                 .map_err(|e| job.plate.named(part, e.into()))
         });
         let [relief, under] = relief;
@@ -167,8 +173,8 @@ fn one_by_one(
         let supplies = Supplies::new([(stages, *spans)], pool, &extent);
         with_threads(|threads| {
             for layer in supplies.ahead(pool, threads)? {
-                for (_, ready) in layer?.parts {
-                    let passed = exit.pass(part, ready)?;
+                for (_, filled) in layer?.parts {
+                    let passed = exit.pass(part, filled)?;
                     exit.print_turn(part, &passed)?;
                     if !copies.is_empty() {
                         kept.push(passed);

@@ -189,7 +189,9 @@ fn packed(
     }
     let mut placed = Vec::with_capacity(order.len());
     for (k, &i) in order.iter().enumerate() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let mut size = boxes[i].size + spacing;
         if boxes[i].alone {
             size.x = size.x.max(region.size().x + spacing.x);

@@ -38,12 +38,12 @@ pub use file::PlateFile;
 use arrange::{Bed, Box as Piece, arrange};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::Mm;
-use isoslice_layer::adhesion::brim_reach;
+use isoslice_layer::adhesion::BrimPlan;
 use isoslice_model::{
     Bounds, BuildVolume, Model, Placement, Source, load, place, together,
 };
 use isoslice_planar::Rect;
-use isoslice_settings::{DraftShield, InfillCentre, Settings};
+use isoslice_settings::{DraftShield, Settings};
 use sequence::Arrangement;
 use std::collections::BTreeMap;
 
@@ -308,7 +308,7 @@ impl Part {
             0 => 0.0,
             _ => self.settings.raft.expansion,
         };
-        let brim = brim_reach(&self.settings).max(raft);
+        let brim = BrimPlan::of(&self.settings).reach.max(raft);
         Rect::new(low.truncate() - brim, high.truncate() + brim)
     }
 }
@@ -353,7 +353,7 @@ impl Wanted {
                 copies: self.copies,
             });
         }
-        if count > 1 && self.settings.spiral {
+        if count > 1 && self.settings.is_vase() {
             return Err(PlateError::Spiral { asked: asked() });
         }
         if self.placement.keep_position {
@@ -384,10 +384,7 @@ fn kinds(wanted: &[Wanted]) -> Vec<Vec<usize>> {
         if one.copies == 0 {
             continue;
         }
-        // A pattern that is laid out from the bed differs from place to place.
-        let shares = one.settings.infill_centre == InfillCentre::Object;
-        let like =
-            |kind: &&mut Vec<usize>| shares && wanted[kind[0]].is_like(one);
+        let like = |kind: &&mut Vec<usize>| wanted[kind[0]].is_like(one);
         match kinds.iter_mut().find(like) {
             Some(kind) => kind.push(i),
             None => kinds.push(vec![i]),
@@ -493,19 +490,7 @@ fn place_all(
                 part.model.offset += place.shift.extend(0.0);
                 place.shift = DVec2::ZERO;
             }
-        } else if part.settings.infill_centre == InfillCentre::Bed {
-            // Each place has a pattern of its own, and so is a part of its own.
-            for place in std::mem::take(&mut part.places) {
-                let mut one = part.clone();
-                one.model.offset += place.shift.extend(0.0);
-                one.room = Some(room(&one, &[DVec2::ZERO], free, bed.size));
-                let shift = DVec2::ZERO;
-                one.places.push(PartPlace { shift, ..place });
-                plate.parts.push(one);
-            }
-            continue;
-        }
-        if count > 1 {
+        } else {
             let shifts: Vec<DVec2> =
                 part.places.iter().map(|p| p.shift).collect();
             part.room = Some(room(&part, &shifts, free, bed.size));

@@ -19,7 +19,7 @@ const GROUPS: [&str; 10] = [
 
 /// Settings outside of groups that all parts of a layer share, and the speed
 /// between parts.
-const SINGLE: [&str; 9] = [
+const SINGLE: [&str; 8] = [
     "layer_height",
     "first_layer_height",
     "layer_heights",
@@ -28,7 +28,6 @@ const SINGLE: [&str; 9] = [
     "step_error",
     "speed.travel",
     "draft_shield",
-    "draft_shield_gap",
 ];
 
 /// A setting of a part that differs from the plate's, although all parts share

@@ -304,7 +304,7 @@ fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
 mod tests {
     use super::*;
     use fidget::context::Tree;
-    use isoslice_layer::region;
+    use isoslice_layer::region::{self, WallPlan};
     use isoslice_planar::shapes::{circle, moved};
 
     fn disc() -> Probe {
@@ -343,7 +343,12 @@ mod tests {
     #[test]
     fn a_true_outline_has_no_errors() {
         let area = ring(DVec2::ZERO, 5.0);
-        let walls = region::walls(&area, None, 0.2, &Settings::default());
+        let walls = region::walls(
+            &area,
+            None,
+            0.2,
+            &WallPlan::of(&Settings::default()),
+        );
         let found = figures(&area, &walls, FULL);
         // Chords of half a degree are 48 nm inside at their middle.
         let d = found.outline.figures().unwrap();
@@ -394,7 +399,7 @@ mod tests {
     fn misplaced_walls_show() {
         let settings = Settings::default();
         let area = ring(DVec2::ZERO, 5.0);
-        let good = region::walls(&area, None, 0.2, &settings);
+        let good = region::walls(&area, None, 0.2, &WallPlan::of(&settings));
         let mut walls = good.clone();
         for p in &mut walls.lines[0][0].points {
             // The outer wall is 30 µm too far in, and so nearer to the next
@@ -420,7 +425,12 @@ mod tests {
     #[test]
     fn a_narrower_bead_is_measured_at_its_own_edge() {
         let area = ring(DVec2::ZERO, 5.0);
-        let mut walls = region::walls(&area, None, 0.2, &Settings::default());
+        let mut walls = region::walls(
+            &area,
+            None,
+            0.2,
+            &WallPlan::of(&Settings::default()),
+        );
         let line = &mut walls.lines[0][0];
         // A post's ring is like this: thinner, and farther out by half of that.
         line.width -= 0.1;

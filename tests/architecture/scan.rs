@@ -7,6 +7,7 @@
 //! and what a glob brings in is not followed.
 
 use crate::CONFINED;
+use std::collections::BTreeSet;
 
 /// A module, from the crate's root down: `vary::depth` is `["vary", "depth"]`.
 pub type Module = Vec<String>;
@@ -17,6 +18,8 @@ pub struct Source {
     pub name: String,
     pub module: Module,
     pub references: Vec<Reference>,
+    /// All words of its code.
+    pub words: BTreeSet<String>,
 }
 
 pub struct Reference {
@@ -105,6 +108,7 @@ impl Source {
             name: name.to_owned(),
             module,
             references,
+            words: tokens.iter().map(|token| token.1.to_owned()).collect(),
         }
     }
 }

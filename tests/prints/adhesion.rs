@@ -46,7 +46,7 @@ fn extent(layer: &Layer) -> Option<DVec2> {
 fn a_shield_stands_around_the_whole_part_in_every_layer() {
     for (set, count) in [("full", 33), ("3", 15), ("3.1", 15), ("99", 33)] {
         let shield = format!("draft_shield={set}");
-        let all = ["draft_shield_gap=4", &shield];
+        let all = ["skirt.distance=4", &shield];
         let (layers, summary, _) = run(TEE, &all, "..");
         assert_eq!(summary.warnings.len(), 1, "{:?}", summary.warnings);
         assert!(summary.warnings[0].contains("undersides"));

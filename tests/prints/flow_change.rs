@@ -31,7 +31,7 @@ fn worst(text: &str, most: f64, more: &[&str]) -> (f64, usize, f64) {
         "speed.inner_wall=80",
         "gcode.relative_e=true",
         "gcode.progress=off",
-        "gcode.arcs=off",
+        "gcode.arcs=false",
     ];
     all.push(&limit);
     all.extend(more);

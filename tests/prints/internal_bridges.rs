@@ -312,11 +312,8 @@ fn over_sparse_infill_there_are_more_layers_each_across_the_other() {
     for (more, expected) in [
         (&["infill_density=8"][..], &[16, 17][..]),
         (&["infill_density=10"], &[16]),
-        (&["infill_density=8", "internal_bridge_layers=1"], &[16]),
-        (
-            &["infill_density=15", "internal_bridge_layers=3"],
-            &[16, 17, 18],
-        ),
+        (&["infill_density=8", "internal_bridges=1"], &[16]),
+        (&["infill_density=15", "internal_bridges=3"], &[16, 17, 18]),
         // A density of 8 % has lines as far apart as the first case.
         (&["infill_density=expr: 8"], &[16, 17]),
         (&["infill_density=expr: 15"], &[16]),

@@ -337,7 +337,8 @@ fn the_skirt_keeps_off_the_part() {
         for m in skirt {
             let (a, b) = m.ends();
             // The hull is offset with arcs of chords, good to 10 µm.
-            let gap = number(&print.settings, "skirt.distance") + 0.5 * m.width
+            let gap = print.settings.skirt.distance.unwrap_or(6.0)
+                + 0.5 * m.width
                 - 0.02;
             for p in [a, a.midpoint(b), b] {
                 assert!(!area.contains(p), "{}", print.at(m));

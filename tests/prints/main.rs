@@ -25,6 +25,7 @@ mod raft;
 mod relief;
 mod seams;
 mod spiral;
+mod stopping;
 mod supports;
 mod top_walls;
 mod vases;

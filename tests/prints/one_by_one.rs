@@ -98,6 +98,22 @@ fn distance(way: &Way, points: &[DVec2]) -> f64 {
 }
 
 #[test]
+fn a_skirt_that_is_not_named_is_no_finished_part() {
+    for layer_height in ["layer_height=0.1", "layer_height=0.2"] {
+        let more = [
+            "gcode.comments=none",
+            layer_height,
+            "first_layer_height=0.2",
+            "skirt.loops=2",
+        ];
+        let (plate, settings) = plate(&more);
+        let gcode = run(&plate, 1);
+        let verdict = check(gcode.as_bytes(), &Rules::new(&settings)).unwrap();
+        assert!(verdict.counts.is_empty(), "{:?}", verdict.findings);
+    }
+}
+
+#[test]
 fn each_part_is_finished_before_the_next_begins_and_nothing_is_hit() {
     let (plate, settings) = plate(&[]);
     assert_eq!(plate.order().unwrap(), ["low_1", "low_2", "high"]);

@@ -77,9 +77,9 @@ fn meant(share: f64, own: f64) -> f64 {
 
 #[test]
 fn walls_are_slower_the_farther_they_reach() {
-    let steps = "speed.overhang_steps=50: 20, 100: 25%";
-    let fan = "cooling.overhang_fan_steps=60: 80";
-    let gcode = sliced(LEANING, &[steps, fan, "speed.overhang=3"]);
+    let steps = "speed.overhang=50: 20, 100: 25%";
+    let fan = "cooling.overhang_fan_speed=60: 80";
+    let gcode = sliced(LEANING, &[steps, fan]);
     let layers = upper(&gcode);
     let (mut least, mut speeds) = (f64::INFINITY, Vec::new());
     for layer in &layers {
@@ -128,8 +128,8 @@ fn what_stands_upright_keeps_its_bytes() {
         gcode[from..to].to_owned()
     };
     for own in [
-        "speed.overhang_steps=10: 5, 100: 1",
-        "cooling.overhang_fan_steps=10: 100",
+        "speed.overhang=10: 5, 100: 1",
+        "cooling.overhang_fan_speed=10: 100",
         "overhang_reverse=true",
     ] {
         assert!(body(&sliced(upright, &[own])) == body(&plain), "{own}");
@@ -177,10 +177,13 @@ fn walls_that_hang_begin_with_the_innermost() {
         parse(&sliced(LEANING, &all)).iter().map(inner).collect()
     };
     assert!(first(&[]).iter().all(|inner| !inner));
-    let hanging = first(&["overhang_inner_first=true"]);
+    let hanging = first(&["wall_order=outer-first-unless-overhang"]);
     // The first layer lies on the bed.
     assert!(!hanging[0] && hanging[1..].iter().all(|inner| *inner));
-    let held = ["overhang_inner_first=true", "overhang_share=70"];
+    let held = [
+        "wall_order=outer-first-unless-overhang",
+        "overhang_share=70",
+    ];
     assert!(first(&held).iter().all(|inner| !inner));
 }
 
@@ -191,7 +194,7 @@ fn what_lies_over_a_support_counts_half() {
     let tee = format!("max(max(abs(x) - {half}, abs(y) - 6), abs(z - 2) - 2)");
     let speeds = |more: &[&str]| {
         let mut all = vec![
-            "speed.overhang_steps=50: 20, 100: 10",
+            "speed.overhang=50: 20, 100: 10",
             "overhang_share=100",
             "walls=1",
         ];

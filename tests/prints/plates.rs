@@ -140,7 +140,7 @@ fn supports_and_rafts_are_those_of_each_part_alone() {
         "supports=auto",
         "bridges=false",
         "raft.layers=2",
-        "speed.overhang_steps=25:40, 75:20",
+        "speed.overhang=25:40, 75:20",
     ];
     let plain = settings(&[&PLAIN[..], &set].concat());
     let all = [wanted("tee", tee, 2, &plain), wanted("box", BOX, 1, &plain)];
@@ -345,6 +345,38 @@ fn hosts_can_leave_out_each_part() {
     assert_eq!(lines(3, "M486 A").len(), 3);
 }
 
+/// Least distance between some points and some segments.
+fn between(segments: &[(DVec2, DVec2)], points: &[DVec2]) -> f64 {
+    let away = |p: &DVec2| {
+        let to = segments.iter().map(|&(a, b)| {
+            let t = (p - a).dot(b - a) / (b - a).length_squared();
+            p.distance(a.lerp(b, t.clamp(0.0, 1.0)))
+        });
+        to.fold(f64::INFINITY, f64::min)
+    };
+    points.iter().map(away).fold(f64::INFINITY, f64::min)
+}
+
+/// A brim of wide lines ends elsewhere than one of the plate's own lines.
+#[test]
+fn the_skirt_keeps_away_from_a_brim_of_other_lines() {
+    let loops = [&PLAIN[..], &["skirt.loops=1"]].concat();
+    let of_all = settings(&loops);
+    let own = ["brim.place=outer", "outer_wall_width=0.8"];
+    let with_brim = settings(&[&loops[..], &own].concat());
+    let all = [
+        wanted("cylinder", CYLINDER, 1, &of_all),
+        wanted("box", BOX, 1, &with_brim),
+    ];
+    let plate = Plate::new("p", &all, &of_all).unwrap();
+    let all = printed(&run(&plate, "1..1", 2).0);
+    let skirt = &all[&(String::new(), 1)];
+    let of_box = &all[&("box".to_owned(), 1)];
+    let of_box: Vec<DVec2> = of_box.iter().map(|s| s.0).collect();
+    let gap = between(skirt, &of_box) - 0.5 * (0.45 + 0.8);
+    assert!((5.95..6.1).contains(&gap), "{gap}");
+}
+
 #[test]
 fn the_skirt_goes_round_all_and_each_part_has_its_brim() {
     let loops = [&PLAIN[..], &["skirt.loops=1"]].concat();
@@ -365,15 +397,7 @@ fn the_skirt_goes_round_all_and_each_part_has_its_brim() {
         .filter(|((label, _), _)| !label.is_empty())
         .flat_map(|(_, segments)| segments.iter().flat_map(|s| [s.0, s.1]))
         .collect();
-    let away = |p: DVec2| {
-        let to = skirt.iter().map(|&(a, b)| {
-            let t = (p - a).dot(b - a) / (b - a).length_squared();
-            p.distance(a.lerp(b, t.clamp(0.0, 1.0)))
-        });
-        to.fold(f64::INFINITY, f64::min)
-    };
-    let nearest = of_parts.iter().map(|p| away(*p));
-    let nearest = nearest.fold(f64::INFINITY, f64::min);
+    let nearest = between(&skirt, &of_parts);
     assert!((6.3..6.6).contains(&nearest), "{nearest}");
     let (low, high) = skirt
         .iter()

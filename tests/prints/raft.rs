@@ -171,7 +171,7 @@ fn scarfs_rise_from_the_layer_below_and_not_from_a_rafts_air() {
     let set = [
         "raft.layers=3",
         "seam_scarf=10",
-        "seam_scarf_rise=true",
+        "seam_scarf_start=10",
         "gcode.progress=off",
     ];
     let (layers, ..) = run(BLOCK, &set);

@@ -98,8 +98,11 @@ fn settings(more: &[&str]) -> Settings {
 }
 
 /// A nozzle that may follow all of these parts.
-const STEEP: [&str; 3] =
-    ["contour_z=100", "contour_z_angle=30", "contour_z_gouge=200"];
+const STEEP: [&str; 3] = [
+    "contour_z=100",
+    "contour_z_angle=30",
+    "printer.nozzle_flat=0.3",
+];
 
 /// A move that extrudes.
 struct Step {

@@ -125,7 +125,7 @@ fn it_lays_what_fills_the_wall() {
 #[test]
 fn walls_inside_climb_beside_the_outer_one() {
     let (alone, _) = cone(&[]);
-    let (steps, text) = cone(&["spiral_walls=3", "inner_wall_width=0.5"]);
+    let (steps, text) = cone(&["spiral=3", "inner_wall_width=0.5"]);
     // Distances of neighbours: half of both widths, less what ends overlap.
     let overlap = HEIGHT * (1.0 - std::f64::consts::FRAC_PI_4);
     let depth =
@@ -173,7 +173,7 @@ fn walls_inside_climb_beside_the_outer_one() {
 
 #[test]
 fn walls_without_room_are_an_error_that_says_where() {
-    let settings = settings(&["spiral_walls=2"]);
+    let settings = settings(&["spiral=2"]);
     // A dumb-bell with a waist of 1 mm, up to 2.5 mm.
     let part = "max(min(min(sqrt((x-9)^2 + y^2), sqrt((x+9)^2 + y^2)) - 6, \
                 max(abs(x) - 9, abs(y) - 0.5 - max(0, z - 2.5))), \

@@ -394,13 +394,13 @@ fn dense_layers_have_a_pattern_direction_and_spacing_of_their_own() {
     let turned = interface(&["support.interface_angle=20"]);
     assert!(both(&plain, 45.0) > 300.0 && both(&plain, 20.0) < 5.0);
     assert!(both(&turned, 20.0) > 300.0 && both(&turned, 45.0) < 5.0);
-    let dense = ["supports=auto", "support.interface_spacing=0.2"];
+    let dense = ["supports=auto", "support.interface_density=0.2 mm"];
     let told = run(TEE, &dense).1.warnings.join("\n");
     assert!(
-        told.contains("support.interface_spacing = 0.2 mm is"),
+        told.contains("support.interface_density = \"0.2 mm\" is"),
         "{told}"
     );
-    let wide = interface(&["support.interface_spacing=2"]);
+    let wide = interface(&["support.interface_density=2mm"]);
     // 95 % in lines of 0.407 mm, against 2 mm.
     let ratio = both(&plain, 45.0) / both(&wide, 45.0);
     assert!((ratio / (2.0 / 0.407 * 0.95) - 1.0).abs() < 0.15, "{ratio}");

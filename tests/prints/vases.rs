@@ -105,7 +105,7 @@ fn a_vase_is_one_bead_whatever_else_is_in_the_file() {
         &["gcode.relative_e=false"][..],
         &["gcode.relative_e=true"],
         &["gcode.flavour=klipper", "gcode.labels=on"],
-        &["gcode.flavour=rrf", "gcode.labels=on", "gcode.arcs=on"],
+        &["gcode.flavour=rrf", "gcode.labels=on", "gcode.arcs=true"],
         &["gcode.flavour=prusa", "retract.firmware=true"],
         &["gcode.flavour=bambu", "gcode.progress=on"],
         &["retract.z_hop=0.2", "retract.wipe=2", "seam_wipe=1"],

@@ -100,12 +100,8 @@ fn a_spiral() {
     let part = "max(sqrt(x^2 + y^2) - 8 - sin(0.2*z), max(-z, z - 30))";
     let model = common::formula(part, &settings);
     assert_same_in_ranges(&model, &settings, &[2, 40, 128, 131]);
-    let settings = common::settings(&[
-        "spiral=true",
-        "spiral_walls=2",
-        "accuracy=0.05",
-        "gcode.progress=off",
-    ]);
+    let settings =
+        common::settings(&["spiral=2", "accuracy=0.05", "gcode.progress=off"]);
     assert_same_in_ranges(&model, &settings, &[2, 40, 128, 131]);
 }
 
@@ -141,14 +137,13 @@ fn internal_bridges() {
 fn more_layers_of_internal_bridges() {
     // Stairs whose bridges lie on both sides of where a block begins.
     for layers in ["2", "3"] {
-        let layers = format!("internal_bridge_layers={layers}");
+        let layers = format!("internal_bridges={layers}");
         let settings = common::settings(&[
-            "internal_bridges=true",
+            &layers,
             "infill_density=8",
             "sample_spacing=0.3",
             "accuracy=0.05",
             "gcode.progress=off",
-            &layers,
         ]);
         for shift in ["1.4", "1.6", "1.8"] {
             let part = format!(

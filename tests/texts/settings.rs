@@ -217,8 +217,6 @@ fn lengths_follow_the_nozzle() {
     // These are the exact values: the G-code of defaults must not depend on how
     // they are found.
     let expected = [
-        ("bottom_skin_width", 0.45),
-        ("bottom_thickness", 0.6),
         ("first_layer_height", 0.2),
         ("infill_width", 0.45),
         ("inner_wall_width", 0.45),
@@ -232,7 +230,6 @@ fn lengths_follow_the_nozzle() {
         ("slit_closing", 0.02),
         ("step_error", 0.2),
         ("top_skin_width", 0.45),
-        ("top_thickness", 0.8),
     ];
     assert_eq!(lengths(&[]), BTreeMap::from(expected));
     for nozzle in [0.1, 0.25, 0.6, 0.8, 2.0] {
@@ -449,7 +446,7 @@ fn settings_that_do_not_work_together_are_refused() {
                     "walls=0",
                     "infill_density=0",
                     "top_layers=0",
-                    "bottom_thickness=0",
+                    "bottom_layers=0",
                 ],
                 &["filament.nozzle_temperature=20"],
                 &["filament.first_layer_nozzle_temperature=169"],
@@ -500,9 +497,8 @@ fn unwise_settings_are_warned_of() {
                 &["cooling.long_layer_time=8"],
                 &["retract.min_travel=40"],
                 &["retract.length=0", "retract.z_hop=0.4"],
-                &["ironing=true", "top_thickness=0"],
+                &["ironing=true", "top_layers=0"],
                 &["contour_z=100", "contour_z_angle=25"],
-                &["contour_z_gouge=50"],
                 &["internal_bridges=false", "internal_bridge_flow=90"],
                 &["internal_bridges=true", "walls=0"],
                 &["skin_wall_overlap=10", "walls=0"],
@@ -513,20 +509,17 @@ fn unwise_settings_are_warned_of() {
                 ],
                 &["layer_height_min=0.1", "step_error=0.05"],
                 &["layer_heights=expr: 0.2", "step_error=0.05"],
-                &["spiral_walls=2"],
+                &["seam_scarf_start=10"],
                 &["infill_mode=solid"],
                 &[
                     "infill=expr: sin(x)",
                     "infill_density=30",
                     "infill_angle=10",
-                    "infill_phase=5",
-                    "infill_centre=bed",
                 ],
                 &[
                     "infill=expr: sin(x)",
                     "infill_mode=solid",
                     "infill_angle=10",
-                    "infill_phase=5",
                 ],
             ]
             .map(|given| (given.join(" "), warnings(given).join("\n    "))),

@@ -11,7 +11,10 @@ use isoslice_base::limits::MOST_PARTS;
 use isoslice_base::units::Mm;
 use isoslice_gcode_read::reader::{Move, Role};
 use isoslice_planar::Rect;
-use isoslice_settings::{PlateSequence, Settings};
+use isoslice_settings::Printer;
+
+/// What rounding may add to a distance, or take away.
+const ROUNDED: Mm = 1e-2;
 
 /// What the head needs beside finished parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,13 +30,8 @@ pub(crate) struct HeadRoom {
 }
 
 impl HeadRoom {
-    /// The room that matters with these settings: none where all parts grow
-    /// together, or where it is not known.
-    pub(super) fn of(settings: &Settings) -> Option<HeadRoom> {
-        let printer = &settings.printer;
-        if settings.plate.sequence != PlateSequence::OneByOne {
-            return None;
-        }
+    /// The room that the head of a printer needs, if that is known.
+    pub(super) fn of(printer: &Printer) -> Option<HeadRoom> {
         Some(HeadRoom {
             radius: printer.head_clearance_radius?,
             free_below: printer.head_clearance_height,
@@ -64,19 +62,22 @@ impl Block {
 pub(super) struct Finished {
     done: Vec<Block>,
     here: Option<Block>,
+    /// Height of the part's first bead.
+    lowest: Option<Mm>,
 }
 
 impl Finished {
-    /// Takes a bead. A skirt and a brim are no higher than a layer.
+    /// Takes a bead. Those of the lowest layer are no higher than the nozzle ever
+    /// is; a skirt around all parts is among them, in files that do not name it.
     pub(super) fn bead(&mut self, step: &Move) {
-        if matches!(step.role, Role::SkirtBrim) {
+        let top = step.from.z.max(step.to.z);
+        let lowest = *self.lowest.get_or_insert(top);
+        if matches!(step.role, Role::SkirtBrim) || top < lowest + ROUNDED {
             return;
         }
         let (from, to) = (step.from.truncate(), step.to.truncate());
-        let own = Block {
-            area: Rect::new(from.min(to), from.max(to)),
-            top: step.from.z.max(step.to.z),
-        };
+        let area = Rect::new(from.min(to), from.max(to));
+        let own = Block { area, top };
         self.here.get_or_insert(own).add(own);
     }
 
@@ -85,6 +86,7 @@ impl Finished {
     /// Moves are compared with each finished part, so there is a bound on their
     /// number: parts beyond it count as one with the last.
     pub(super) fn next_part(&mut self) {
+        self.lowest = None;
         let Some(here) = self.here.take() else {
             return;
         };
@@ -97,8 +99,6 @@ impl Finished {
 
     /// What a move would hit, in words.
     pub(super) fn hit(&self, step: &Move, room: &HeadRoom) -> Option<String> {
-        /// What rounding may take away, mm.
-        const ROUNDED: Mm = 1e-2;
         let low = step.from.z.min(step.to.z);
         let (from, to) = (step.from.truncate(), step.to.truncate());
         let (min, max) = (from.min(to), from.max(to));

@@ -54,9 +54,16 @@ struct Window {
     weighed: f64,
 }
 
-/// What is known of the layer being printed.
+/// The plastic in the layer being printed, and how the file's layers rise.
 #[derive(Debug, Default)]
 pub(super) struct Flow {
+    layer: Layer,
+    rise: Rise,
+}
+
+/// What is known of the layer being printed.
+#[derive(Debug, Default)]
+struct Layer {
     /// Volume that the beads have, and that they should have by what the file
     /// says.
     volume: f64,
@@ -66,7 +73,6 @@ pub(super) struct Flow {
     windows: BTreeMap<(i32, i32), Window>,
     /// The first line of the layer.
     line: Option<u64>,
-    rise: Rise,
 }
 
 /// A layer with too much plastic, or too little.
@@ -84,11 +90,8 @@ impl Flow {
         if !counts(step.role) {
             return;
         }
-        self.line.get_or_insert(step.line);
         let length = step.length();
-        self.volume += area * length;
-        self.said += cross_section(step.width, step.height) * length;
-        self.upright += step.height * length;
+        self.layer.bead(step, area * length);
         let (from, to) = (step.from.truncate(), step.to.truncate());
         // Places in the middle of steps of a cell's size, or less.
         let count = (from.distance(to) / CELL).ceil().max(1.0);
@@ -101,12 +104,38 @@ impl Flow {
             // distance then is not the height of either.
             let below = ground.below(cell).unwrap_or(0.0);
             let room = step.height.max(at.z - below);
-            self.cover(cell, volume, room);
+            self.layer.cover(cell, volume, room);
             if !ground.is_over_support(cell) {
                 let named = step.role != Role::Unknown;
                 self.rise.bead(at.z - below, length / count, area, named);
             }
         }
+    }
+
+    /// What is wrong with the rise of the layer with this number, which ends.
+    pub(super) fn rise(&mut self, number: u32) -> Option<rise::Wrong> {
+        self.rise.next_layer(number)
+    }
+
+    /// Ends a layer. `flow` and `widths` are the least and the greatest ones by
+    /// the settings.
+    pub(super) fn next_layer(
+        &mut self,
+        flow: [f64; 2],
+        widths: [Mm; 2],
+    ) -> Option<Wrong> {
+        std::mem::take(&mut self.layer).wrong(flow, widths)
+    }
+}
+
+impl Layer {
+    /// Takes in a bead with this volume.
+    fn bead(&mut self, step: &Move, volume: f64) {
+        let length = step.length();
+        self.line.get_or_insert(step.line);
+        self.volume += volume;
+        self.said += cross_section(step.width, step.height) * length;
+        self.upright += step.height * length;
     }
 
     /// Adds a part of a bead to its window.
@@ -123,28 +152,10 @@ impl Flow {
         window.weighed += volume * height;
     }
 
-    /// What is wrong with the rise of the layer with this number, which ends.
-    pub(super) fn rise(&mut self, number: u32) -> Option<rise::Wrong> {
-        self.rise.next_layer(number)
-    }
-
-    /// Ends a layer. `flow` and `widths` are the least and the greatest ones by
-    /// the settings.
-    pub(super) fn next_layer(
-        &mut self,
-        flow: [f64; 2],
-        widths: [Mm; 2],
-    ) -> Option<Wrong> {
-        let rise = std::mem::take(&mut self.rise);
-        let here = std::mem::replace(
-            self,
-            Flow {
-                rise,
-                ..Flow::default()
-            },
-        );
-        let line = here.line?;
-        if here.upright < LITTLE {
+    /// What is wrong with it, if its flow and its widths should be about these.
+    fn wrong(&self, flow: [f64; 2], widths: [Mm; 2]) -> Option<Wrong> {
+        let line = self.line?;
+        if self.upright < LITTLE {
             return None;
         }
         let [least, most] = flow;
@@ -152,11 +163,11 @@ impl Flow {
             let usual = little * least..=much * most;
             (!usual.contains(&share)).then_some(share)
         };
-        let said = beyond(here.volume / here.said, TOO_LITTLE, TOO_MUCH);
+        let said = beyond(self.volume / self.said, TOO_LITTLE, TOO_MUCH);
         // Sparse infill may leave no cell uncovered, so that only too much is
         // wrong there.
-        let filled = || beyond(here.filled()?, 0.0, TOO_MUCH);
-        let width = here.volume / here.upright;
+        let filled = || beyond(self.filled()?, 0.0, TOO_MUCH);
+        let width = self.volume / self.upright;
         let [narrow, wide] = [TOO_NARROW * widths[0], TOO_WIDE * widths[1]];
         let is_wide = || Some(beyond(width, narrow, wide)? / widths[0]);
         let share = said.or_else(filled).or_else(is_wide)?;

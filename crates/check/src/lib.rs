@@ -98,7 +98,6 @@ use glam::DVec3;
 use ground::{Adrift, Ground, PLOUGH, Wrong};
 use heat::{Heat, Readiness};
 use held::Held;
-use isoslice_base::limits;
 use isoslice_base::units::Mm;
 use isoslice_gcode_read::reader::{
     Event, Heater, Info, Move, ReadError, Reader, Role,
@@ -133,7 +132,6 @@ pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
         Reader::new(input).filament_diameter(rules.filament_diameter);
     let mut checker = Checker::new(rules);
     let nothing = loop {
-        limits::check();
         match reader.next() {
             Some(Ok(event)) => checker.take(event, &reader),
             Some(Err(ReadError::NoGcode(why))) => break Some(why),

@@ -8,7 +8,7 @@ use super::heat::HeatLimit;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Celsius, Mm, Mm2, MmPerSec};
 use isoslice_gcode_read::reader::Heater;
-use isoslice_settings::Settings;
+use isoslice_settings::{PlateSequence, Settings};
 
 /// Precision of the positions in a file, mm.
 pub(super) const ROUNDING: Mm = 2e-3;
@@ -90,9 +90,7 @@ impl Rules {
             // A negative `retract.extra_prime` pushes forward less than was
             // pulled back.
             missing: SLACK + (-settings.retract.extra_prime).max(0.0),
-            prime: MORE
-                + settings.retract.extra_prime.max(0.0)
-                + settings.retract.ooze_prime,
+            prime: MORE + settings.retract.extra_prime.max(0.0),
             flow: flow(settings),
             widths: widths(settings),
             travel: settings.travel_speed(),
@@ -101,7 +99,10 @@ impl Rules {
             speed_z: printer.max_speed_z,
             least_heat: settings.min_nozzle_temperature(),
             gap: settings.support.z_gap.max(settings.support.z_gap_bottom),
-            head_room: HeadRoom::of(settings),
+            head_room: match settings.plate.sequence {
+                PlateSequence::OneByOne => HeadRoom::of(printer),
+                PlateSequence::AllAtOnce => None,
+            },
             // If the printer's own limits are not set, these hold: what usual
             // hot ends, beds and chambers bear, and what hardly any bears.
             nozzle_heat: HeatLimit::new(
@@ -191,7 +192,7 @@ fn widths(settings: &Settings) -> [Mm; 2] {
         settings.outer_wall_width() * thin,
         settings.inner_wall_width() * thin,
         settings.top_skin_width(),
-        settings.bottom_skin_width(),
+        settings.skin_width(),
         settings.infill_width(),
     ];
     let least = lines.into_iter().fold(nozzle, f64::min);

@@ -5,13 +5,12 @@ use super::scan::{self, Heating, heating};
 use super::template::{TemplateError, Templates};
 use super::time::of_foot;
 use super::{
-    Format, Header, Standing, Thumbnail, Totals, WriteError, Writer, XYZ,
-    flavour, limits, own, text, thumbnail,
+    Format, Header, Standing, Thumbnail, Totals, WriteError, Writer,
+    WriterPlan, XYZ, flavour, limits, own, text, thumbnail,
 };
-use isoslice_base::units::filament_area;
 use isoslice_gcode_read::bgcode::{About, Key};
 use isoslice_gcode_read::package;
-use isoslice_settings::{Comments, ImageFormat, Settings};
+use isoslice_settings::{Comments, ImageFormat};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::time::SystemTime;
@@ -70,10 +69,11 @@ pub(super) fn about(said: Option<Said>, facts: &[Fact]) -> About {
 /// What a plate for Bambu Lab's printers says of the print beside the text.
 pub(super) fn of_plate(
     said: Option<Said>,
-    settings: &Settings,
+    plan: &WriterPlan<'_>,
     totals: &Totals,
     [labelled, supports]: [bool; 2],
 ) -> package::About {
+    let settings = plan.all;
     let filament = &settings.filament;
     let one_by_one = said.as_ref().is_some_and(|said| said.one_by_one);
     let (parts, thumbnails) = match said {
@@ -125,10 +125,9 @@ impl<W: Write> Writer<'_, W> {
         start: &str,
         header: &Header,
     ) -> Result<(), WriteError> {
-        let settings = self.settings;
-        let flavour = settings.gcode.flavour;
+        let flavour = self.plan.flavour;
         self.head_comments(header);
-        self.lines(&flavour::checks(settings));
+        self.lines(&flavour::checks(&self.plan));
         self.mark(0.0);
         let mark = self.at();
         if let Some(record) = &mut self.record {
@@ -142,21 +141,21 @@ impl<W: Write> Writer<'_, W> {
         }
         self.heated_start(start, header);
         self.line("G92 E0");
-        self.lines(&flavour::limits(settings));
-        if let Some(advance) = flavour::pressure_advance(settings) {
+        self.lines(&flavour::limits(&self.plan));
+        if let Some(advance) = flavour::pressure_advance(&self.plan) {
             self.line(&advance);
         }
-        self.lines(&flavour::retraction(settings));
+        self.lines(&flavour::retraction(&self.plan));
         if flavour.firmware().print_stats {
             let count = header.layer_count;
             self.line(&format!("SET_PRINT_STATS_INFO TOTAL_LAYER={count}"));
         }
-        self.warnings
-            .extend(limits::warnings("gcode.start", start, settings));
-        self.warnings.extend(limits::thick_beads(settings));
+        let plan = &self.plan;
+        self.warnings = limits::warnings("gcode.start", start, plan);
+        self.warnings.extend(plan.thick_beads());
         let end = self.templates.try_end()?;
         self.warnings
-            .extend(limits::warnings("gcode.end", &end, settings));
+            .extend(limits::warnings("gcode.end", &end, plan));
         Ok(())
     }
 
@@ -182,10 +181,9 @@ impl<W: Write> Writer<'_, W> {
                 ),
             });
         }
-        let gcode = &self.settings.gcode;
         let (layers, count) = (&header.layers, header.layer_count);
         let own = self.at();
-        if *layers != (0..count) && gcode.comments != Comments::None {
+        if *layers != (0..count) && self.plan.comments != Comments::None {
             let (first, last) = (layers.start + 1, layers.end);
             self.line(&format!("; layers {first} to {last} of {count}"));
         }
@@ -200,8 +198,8 @@ impl<W: Write> Writer<'_, W> {
             let block = thumbnail::block(picture);
             self.buffer.extend_from_slice(block.as_bytes());
         }
-        if gcode.comments == Comments::Cura {
-            let name = gcode.flavour.firmware().cura_name;
+        if self.plan.comments == Comments::Cura {
+            let name = self.plan.flavour.firmware().cura_name;
             self.line(&format!(";FLAVOR:{name}"));
             let start = self.at();
             self.line(&layer_count(layers.len()));
@@ -220,10 +218,10 @@ impl<W: Write> Writer<'_, W> {
     /// Writes the start template, with the heating that the template leaves to
     /// the writer.
     fn heated_start(&mut self, start: &str, header: &Header) {
-        let settings = self.settings;
-        let filament = &settings.filament;
         let source = self.templates.start_source();
-        let bed = if bed_heated(settings) {
+        // A printer without a heated bed may not know the commands for one.
+        let [first_bed, bed_above] = self.plan.bed_temperatures;
+        let bed = if first_bed > 0.0 || bed_above > 0.0 {
             heating(
                 source,
                 start,
@@ -244,11 +242,8 @@ impl<W: Write> Writer<'_, W> {
         // Above the first layer, the second layer's text changes the
         // temperatures.
         let (bed_to, nozzle_to) = match header.layers.start {
-            0 | 1 => (
-                filament.first_layer_bed_temperature,
-                filament.first_layer_nozzle_temperature,
-            ),
-            _ => (filament.bed_temperature, header.nozzle_temperature),
+            0 | 1 => (first_bed, self.plan.nozzle_temperatures.0),
+            _ => (bed_above, header.nozzle_temperature),
         };
         self.nozzle = Some(nozzle_to);
         if bed == Heating::Not {
@@ -283,29 +278,28 @@ impl<W: Write> Writer<'_, W> {
 pub(super) fn end(
     totals: &mut Totals,
     templates: &Templates<'_>,
-    settings: &Settings,
+    plan: &WriterPlan<'_>,
     before: &str,
     text: &[u8],
 ) -> Result<String, TemplateError> {
-    let filament = &settings.filament;
-    totals.filament_volume =
-        totals.filament_length * filament_area(filament.diameter);
+    totals.filament_volume = totals.filament_length * plan.filament_area;
     // Density is in g/cm³.
-    totals.filament_mass_g = totals.filament_volume * 1e-3 * filament.density;
+    let density = plan.all.filament.density;
+    totals.filament_mass_g = totals.filament_volume * 1e-3 * density;
     // The template may name the whole time, which includes the foot's own time.
     // So the template is filled in twice.
     let trial = templates.end(*totals)?;
-    totals.time += of_foot(before, text, &trial, settings);
+    totals.time += of_foot(before, text, &trial, plan.limits);
     templates.end(*totals)
 }
 
 /// The end of a text file: what the print takes, in the words that hosts read.
 pub(super) fn footer(
-    settings: &Settings,
+    plan: &WriterPlan<'_>,
     totals: &Totals,
     facts: &[Fact],
 ) -> String {
-    if settings.gcode.comments == Comments::None {
+    if plan.comments == Comments::None {
         return String::new();
     }
     // Without this line Moonraker and RepRapFirmware would take the last
@@ -319,7 +313,7 @@ pub(super) fn footer(
     for Fact { key, value, .. } in facts {
         lines += &format!("; {key} = {value}\n");
     }
-    lines + &own::lines(settings)
+    lines + &own::lines(plan.all)
 }
 
 /// The text that all files of one version have in common: the program's name,
@@ -342,13 +336,6 @@ fn day_and_time(at: SystemTime) -> Option<(String, String)> {
     write!(text, "{}", humantime::format_rfc3339_seconds(at)).ok()?;
     let (day, time) = text.trim_end_matches('Z').split_once('T')?;
     Some((day.to_owned(), time.to_owned()))
-}
-
-/// False if the bed stays cold: a printer without a heated bed may not know
-/// the commands for one.
-fn bed_heated(settings: &Settings) -> bool {
-    let filament = &settings.filament;
-    filament.bed_temperature > 0.0 || filament.first_layer_bed_temperature > 0.0
 }
 
 #[cfg(test)]

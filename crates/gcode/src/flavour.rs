@@ -3,7 +3,7 @@
 //! The commands for labels of parts are in `label`. A firmware's [`Planner`]
 //! says how fast the firmware takes corners.
 //!
-//! In: the settings. Out: the firmware's own commands for its limits, pressure
+//! In: the writer's plan. Out: the firmware's own commands for its limits, pressure
 //! advance, fan, progress and retraction, and the start and end templates for
 //! settings that give none.
 //!
@@ -24,9 +24,10 @@
 //! full.
 
 use super::number::text;
+use super::plan::{Board, WriterPlan};
 use isoslice_base::units::{MmPerSec, Percent, feed_rate};
-use isoslice_path::pace::motion::Planner;
-use isoslice_settings::{Flavour, Settings};
+use isoslice_path::pace::motion::{Limits, Planner};
+use isoslice_settings::Flavour;
 
 /// The start template for settings that have none. It homes and lifts the
 /// nozzle off the bed. The writer adds the heating before and after it.
@@ -61,15 +62,6 @@ pub(super) fn print_acceleration(flavour: Flavour) -> &'static [u8] {
     }
 }
 
-/// True if the beads set accelerations; false if the file's start sets the only
-/// one.
-pub(super) fn sets_acceleration(settings: &Settings) -> bool {
-    let gcode = &settings.gcode;
-    gcode.set_limits
-        && (gcode.flavour.firmware().one_acceleration
-            || settings.acceleration.by_role())
-}
-
 /// Lines that tell the printer that a layer begins, by its number from 1.
 pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
     match flavour {
@@ -85,41 +77,10 @@ pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
     }
 }
 
-/// Which of Prusa's two firmwares a printer has, by what it calls itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Board {
-    /// The settings do not say: the file has only commands that both know.
-    Unknown,
-    /// The 8-bit firmware, of printers up to the MK3S+.
-    Old,
-    /// The firmware of the MINI, which has linear advance, M900.
-    Mini,
-    /// The firmware of MK3.5, MK4, XL and CORE One, which has pressure advance,
-    /// M572.
-    Buddy,
-}
-
-impl Board {
-    pub(super) fn of(settings: &Settings) -> Board {
-        let model = settings.printer.model.trim().to_uppercase();
-        let later = ["MK3.5", "MK3.9"].iter().any(|m| model.starts_with(m));
-        if model.is_empty() {
-            Board::Unknown
-        } else if model.starts_with("MINI") {
-            Board::Mini
-        } else if !later && ["MK2", "MK3"].iter().any(|m| model.starts_with(m))
-        {
-            Board::Old
-        } else {
-            Board::Buddy
-        }
-    }
-}
-
 /// Lines that ask the firmware whether the file is for this printer.
-pub(super) fn checks(settings: &Settings) -> Vec<String> {
-    let printer = &settings.printer;
-    if !settings.gcode.flavour.firmware().asks_printer {
+pub(super) fn checks(plan: &WriterPlan<'_>) -> Vec<String> {
+    let printer = &plan.all.printer;
+    if !plan.flavour.firmware().asks_printer {
         return Vec::new();
     }
     let mut lines = Vec::new();
@@ -143,21 +104,22 @@ pub(super) fn checks(settings: &Settings) -> Vec<String> {
 /// change of each axis: at a right angle one axis loses v and the other gains
 /// v. A junction deviation of v²·(√2 − 1)/a gives the same speed at a right
 /// angle.
-pub(super) fn limits(settings: &Settings) -> Vec<String> {
-    let printer = &settings.printer;
-    let print = printer.acceleration;
-    let travel = settings.travel_acceleration();
-    let corner = printer.square_corner_velocity;
-    let flavour = settings.gcode.flavour;
+pub(super) fn limits(plan: &WriterPlan<'_>) -> Vec<String> {
+    let Limits {
+        acceleration: print,
+        travel_acceleration: travel,
+        ..
+    } = plan.limits;
+    let corner = plan.corner;
     let two = || {
         let [p, t] = [print, travel].map(|a| text(a, COARSE));
         format!("M204 P{p} T{t}")
     };
-    if !settings.gcode.set_limits {
+    if !plan.sets_limits {
         return Vec::new();
     }
     let v = text(corner, COARSE);
-    match flavour {
+    match plan.flavour {
         Flavour::Marlin => {
             let deviation = Planner::deviation(corner, print);
             vec![two(), format!("M205 X{v} Y{v} J{}", text(deviation, 3))]
@@ -178,12 +140,12 @@ pub(super) fn limits(settings: &Settings) -> Vec<String> {
     }
 }
 
-/// The line that sets the pressure advance; nothing if the settings have none.
-pub(super) fn pressure_advance(settings: &Settings) -> Option<String> {
-    let k = text(settings.filament.pressure_advance?, 4);
-    Some(match settings.gcode.flavour {
+/// The line that sets the pressure advance; nothing if it is to stay as it is.
+pub(super) fn pressure_advance(plan: &WriterPlan<'_>) -> Option<String> {
+    let k = text(plan.pressure_advance?, 4);
+    Some(match plan.flavour {
         Flavour::Marlin => format!("M900 K{k}"),
-        Flavour::Prusa => match Board::of(settings) {
+        Flavour::Prusa => match plan.board {
             Board::Buddy => format!("M572 S{k}"),
             Board::Old | Board::Mini | Board::Unknown => format!("M900 K{k}"),
         },
@@ -196,8 +158,8 @@ pub(super) fn pressure_advance(settings: &Settings) -> Option<String> {
 
 /// Lines that tell the firmware how to retract; none if the firmware does not
 /// retract.
-pub(super) fn retraction(settings: &Settings) -> Vec<String> {
-    let retract = &settings.retract;
+pub(super) fn retraction(plan: &WriterPlan<'_>) -> Vec<String> {
+    let retract = plan.retract;
     if !retract.firmware || retract.length <= 0.0 {
         return Vec::new();
     }
@@ -205,7 +167,7 @@ pub(super) fn retraction(settings: &Settings) -> Vec<String> {
     let extra = text(retract.extra_prime, 5);
     let feed = |speed: MmPerSec| text(feed_rate(speed), 0);
     let (back, forth) = (feed(retract.speed), feed(retract.prime_speed));
-    match settings.gcode.flavour {
+    match plan.flavour {
         // The file lifts the nozzle itself.
         Flavour::Marlin | Flavour::Prusa | Flavour::Bambu => vec![
             format!("M207 S{length} F{back} Z0"),
@@ -268,32 +230,32 @@ pub(super) fn progress(flavour: Flavour, now: Progress) -> String {
 mod tests {
     use super::*;
 
-    fn settings(flavour: Flavour, model: &str) -> Settings {
-        let mut s = Settings::default();
-        s.gcode.flavour = flavour;
-        s.printer.model = model.to_owned();
-        s
+    fn plan(flavour: Flavour, model: &str) -> WriterPlan<'static> {
+        WriterPlan::with(|s| {
+            s.gcode.flavour = flavour;
+            s.printer.model = model.to_owned();
+        })
     }
 
     #[test]
     fn the_limits_agree_about_a_right_angle() {
-        let mut s = settings(Flavour::Marlin, "");
-        s.printer.square_corner_velocity = 10.0;
+        let mut s = plan(Flavour::Marlin, "");
+        s.corner = 10.0;
         assert_eq!(limits(&s), ["M204 P1000 T1500", "M205 X10 Y10 J0.041"]);
-        s.gcode.flavour = Flavour::Rrf;
+        s.flavour = Flavour::Rrf;
         assert_eq!(limits(&s)[1], "M566 X600 Y600");
-        s.gcode.flavour = Flavour::Klipper;
+        s.flavour = Flavour::Klipper;
         let all = "SET_VELOCITY_LIMIT ACCEL=1500 SQUARE_CORNER_VELOCITY=10";
         assert_eq!(limits(&s), [all]);
-        s.gcode.set_limits = false;
+        s.sets_limits = false;
         assert!(limits(&s).is_empty());
     }
 
     #[test]
     fn prusa_printers_get_the_words_of_their_firmware() {
         let advance = |model| {
-            let mut s = settings(Flavour::Prusa, model);
-            s.filament.pressure_advance = Some(0.05);
+            let mut s = plan(Flavour::Prusa, model);
+            s.pressure_advance = Some(0.05);
             pressure_advance(&s).unwrap_or_default()
         };
         for old in ["", "MK3S", "mk2.5", "MINI"] {
@@ -303,11 +265,11 @@ mod tests {
             assert_eq!(advance(new), "M572 S0.05", "{new}");
         }
         assert_eq!(
-            checks(&settings(Flavour::Prusa, "MK\"3S\n")),
+            checks(&plan(Flavour::Prusa, "MK\"3S\n")),
             ["M862.3 P \"MK3S\"", "M862.1 P0.4"]
         );
-        assert_eq!(checks(&settings(Flavour::Prusa, "")), ["M862.1 P0.4"]);
-        assert!(checks(&settings(Flavour::Marlin, "MK3S")).is_empty());
+        assert_eq!(checks(&plan(Flavour::Prusa, "")), ["M862.1 P0.4"]);
+        assert!(checks(&plan(Flavour::Marlin, "MK3S")).is_empty());
     }
 
     #[test]

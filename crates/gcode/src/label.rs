@@ -5,14 +5,12 @@
 //! every layer. Beads that belong to no part, such as a skirt's, are outside of
 //! these lines.
 
-use super::Header;
-use super::Standing;
-use super::flavour::Board;
 use super::number::text;
+use super::{Header, Standing, WriterPlan};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec2;
-use isoslice_settings::{Emit, Flavour, Settings};
+use isoslice_settings::Flavour;
 use std::collections::BTreeSet;
 use std::iter::once;
 
@@ -42,8 +40,8 @@ pub(super) struct Around {
 
 impl Labels {
     /// The labels of the file's parts; none if the settings ask for none.
-    pub(super) fn new(settings: &Settings, header: &Header) -> Labels {
-        let flavour = settings.gcode.flavour;
+    pub(super) fn new(plan: &WriterPlan<'_>, header: &Header) -> Labels {
+        let flavour = plan.flavour;
         let too_many = match flavour {
             Flavour::Bambu => header.parts.len() > MOST_BITS,
             Flavour::Marlin
@@ -51,7 +49,7 @@ impl Labels {
             | Flavour::Rrf
             | Flavour::Prusa => false,
         };
-        if !wanted(settings) || too_many {
+        if !plan.labels || too_many {
             return Labels::default();
         }
         let names = names(&header.parts);
@@ -128,32 +126,6 @@ fn names(parts: &[Standing]) -> Vec<String> {
         name
     };
     parts.iter().map(unique).collect()
-}
-
-/// True if the part's label needs the part's outline, as Klipper's does.
-pub fn needs_outline(settings: &Settings) -> bool {
-    settings.gcode.flavour.firmware().outlines_parts && wanted(settings)
-}
-
-fn wanted(settings: &Settings) -> bool {
-    match settings.gcode.labels {
-        Emit::On => true,
-        Emit::Off => false,
-        Emit::Auto => known(settings.gcode.flavour, settings),
-    }
-}
-
-/// True if the firmware of these settings is sure to understand labels. Marlin
-/// understands them only if it was built with an option that is off by default.
-/// Prusa's 8-bit firmware does not understand them.
-fn known(flavour: Flavour, settings: &Settings) -> bool {
-    match flavour {
-        Flavour::Klipper | Flavour::Rrf | Flavour::Bambu => true,
-        Flavour::Marlin => false,
-        Flavour::Prusa => {
-            matches!(Board::of(settings), Board::Buddy | Board::Mini)
-        }
-    }
 }
 
 /// A name of ASCII letters, digits and underscores, which every parser reads.

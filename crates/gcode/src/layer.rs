@@ -35,7 +35,7 @@ impl<W: Write> Writer<'_, W> {
         }
         self.layer_template(layer)?;
         self.reset_filament();
-        let flavour = self.settings.gcode.flavour;
+        let flavour = self.plan.flavour;
         for line in flavour::layer_begins(flavour, self.layer + 1) {
             self.line(&line);
         }
@@ -124,7 +124,7 @@ impl<W: Write> Writer<'_, W> {
             way.iter().try_for_each(|step| self.step(step))?;
         }
         (self.feed, self.acceleration) = (feed, acceleration);
-        let flavour = self.settings.gcode.flavour;
+        let flavour = self.plan.flavour;
         if let Some(pwm) = self.fan.filter(|&pwm| pwm > 0) {
             self.line(&flavour::fan(flavour, pwm));
         }
@@ -150,11 +150,11 @@ impl<W: Write> Writer<'_, W> {
         let z = z as f64 * MICRON;
         let lift = |z| PacedMove::Lift {
             z,
-            speed: self.settings.printer.max_speed_z,
+            speed: self.plan.limits.speed_z,
         };
         let travel = PacedMove::Travel {
             points: vec![at],
-            speed: self.settings.travel_speed(),
+            speed: self.plan.travel_speed,
         };
         Some([lift(z + APPROACH), travel, lift(z)])
     }
@@ -164,7 +164,7 @@ impl<W: Write> Writer<'_, W> {
         &mut self,
         layer: &PacedLayer,
     ) -> Result<(), WriteError> {
-        if self.settings.gcode.comments == Comments::Cura {
+        if self.plan.comments == Comments::Cura {
             self.line(&format!(";LAYER:{}", self.layer));
         }
         self.plane = 0.0;
@@ -195,7 +195,7 @@ impl<W: Write> Writer<'_, W> {
         // role and width.
         self.role = None;
         self.width = None;
-        if let Some(words) = comments::words(self.settings.gcode.comments) {
+        if let Some(words) = comments::words(self.plan.comments) {
             self.line(words.layer);
             self.comment_number(words.z, z, XYZ);
             self.comment_number(words.height, height, WIDTH);
@@ -235,16 +235,16 @@ impl<W: Write> Writer<'_, W> {
     /// Sets the temperatures of the first layer for a part that follows others.
     /// Nothing waits for them, since both temperatures are near each other.
     fn first_layer_again(&mut self) {
-        let f = &self.settings.filament;
-        if f.bed_temperature != f.first_layer_bed_temperature {
-            self.temperature("M140", f.first_layer_bed_temperature);
+        let [first, above] = self.plan.bed_temperatures;
+        if above != first {
+            self.temperature("M140", first);
         }
     }
 
     pub(super) fn second_layer_temperature(&mut self) {
-        let f = &self.settings.filament;
-        if f.bed_temperature != f.first_layer_bed_temperature {
-            self.temperature("M140", f.bed_temperature);
+        let [first, above] = self.plan.bed_temperatures;
+        if above != first {
+            self.temperature("M140", above);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Writes the G-code. Every decision about geometry and speed has been made
 //! before.
 //!
-//! In: [`PacedLayer`]s in print order, the settings, and a [`Header`]. Out:
+//! In: [`PacedLayer`]s in print order, a [`WriterPlan`], and a [`Header`]. Out:
 //! lines of G-code, written as they come, and the print's [`Totals`].
 //!
 //! Guarantees:
@@ -33,6 +33,7 @@
 //! | `ends` | the file's head and foot; `facts`, what the foot says |
 //! | `sink` | text, or the binary form of it |
 //! | `layer` | what a layer's text consists of |
+//! | `plan` | what is needed of the settings |
 //! | `moves` | moves, as lines that say only what changes; `filament`, how far it has been fed; `lines`, `number`, how they are written |
 //! | `thumbnail` | the pictures in the head |
 //! | `label` | the parts' names and outlines, for hosts |
@@ -77,6 +78,7 @@ mod name;
 mod number;
 mod own;
 mod placeholders;
+mod plan;
 mod progress;
 mod scan;
 mod sink;
@@ -88,12 +90,11 @@ mod time;
 
 pub use ends::version;
 pub use join::{JoinError, Joined, Ranges};
-pub use label::needs_outline;
-pub use limits::thick_beads;
 pub use manifest::Fingerprint;
 pub use name::FormatError;
 pub use own::settings_in_gcode;
 pub(crate) use placeholders::PLACEHOLDERS;
+pub use plan::WriterPlan;
 pub use template::{TemplateError, try_templates, understands_placeholder};
 pub use thumbnail::Thumbnail;
 
@@ -104,11 +105,11 @@ use isoslice_gcode_read::bgcode;
 use isoslice_gcode_read::package;
 use isoslice_path::pace::PacedLayer;
 use isoslice_planar::bead::Role;
-use isoslice_settings::{Comments, Settings};
+use isoslice_settings::{Comments, Flavour};
 use label::Labels;
 use manifest::Record;
 use number::text;
-use progress::{Waiting, tells_progress};
+use progress::Waiting;
 use sink::Sink;
 use std::io::Write;
 use std::ops::Range;
@@ -141,9 +142,9 @@ pub enum Format {
 }
 
 impl Format {
-    /// A warning if the printer of these settings may not read such a file.
-    pub fn unusual_for(self, settings: &Settings) -> Option<String> {
-        let firmware = settings.gcode.flavour.firmware();
+    /// A warning if printers with this firmware may not read such a file.
+    pub fn unusual_for(self, flavour: Flavour) -> Option<String> {
+        let firmware = flavour.firmware();
         let told = match self {
             Format::Binary if !firmware.reads_binary => {
                 "binary G-code is for Prusa's printers from the MINI and \
@@ -158,10 +159,10 @@ impl Format {
         Some(told.to_owned())
     }
 
-    /// The format of files for the printer of these settings, if nobody names
+    /// The format of files for printers with this firmware, if nobody names
     /// another one.
-    pub fn usual_for(settings: &Settings) -> Format {
-        if settings.gcode.flavour.firmware().reads_plates {
+    pub fn usual_for(flavour: Flavour) -> Format {
+        if flavour.firmware().reads_plates {
             Format::Plate
         } else {
             Format::Text
@@ -179,8 +180,8 @@ pub struct Standing {
     /// Upper corner of what is printed of the part, on the bed.
     pub max: DVec2,
     /// The part seen from above, on the bed: a convex ring around it. If the
-    /// ring is empty, the part's box is used. [`needs_outline`] says whether
-    /// the ring is needed.
+    /// ring is empty, the part's box is used.
+    /// [`WriterPlan::needs_outline`] says whether the ring is needed.
     pub outline: Vec<DVec2>,
 }
 
@@ -266,7 +267,7 @@ pub struct Writer<'a, W: Write> {
     said: Option<ends::Said>,
     /// Gets the text as soon as it is composed.
     copy: &'a mut dyn FnMut(&[u8]),
-    settings: &'a Settings,
+    plan: WriterPlan<'a>,
     templates: Templates<'a>,
     labels: Labels,
     /// Holds the text until the whole time is known, if a line in it tells the
@@ -287,8 +288,6 @@ pub struct Writer<'a, W: Write> {
     top: Mm,
     /// True once a bead of support has been written.
     supports: bool,
-    /// True if beads differ in their acceleration from what was told before.
-    sets_acceleration: bool,
 
     // What the machine has been told so far, in units of the last decimal;
     // nothing where a template may have changed it.
@@ -319,16 +318,15 @@ impl<'a, W: Write> Writer<'a, W> {
     /// If a template is wrong or the output cannot be written.
     pub fn new(
         out: W,
-        settings: &'a Settings,
+        plan: WriterPlan<'a>,
         header: &Header,
         copy: &'a mut dyn FnMut(&[u8]),
     ) -> Result<Self, WriteError> {
-        let templates = Templates::new(settings, header)?;
+        let templates = Templates::new(plan.all, header)?;
         let start = templates.start()?;
         let whole = header.layers == (0..header.layer_count);
-        let tells = tells_progress(settings);
-        let waiting = if whole && tells {
-            Some(Waiting::new(settings.gcode.flavour)?)
+        let waiting = if whole && plan.tells_progress {
+            Some(Waiting::new(plan.flavour)?)
         } else {
             None
         };
@@ -336,11 +334,10 @@ impl<'a, W: Write> Writer<'a, W> {
             out: Sink::new(out, header.format)?,
             said: ends::said(header),
             copy,
-            settings,
             templates,
-            labels: Labels::new(settings, header),
+            labels: Labels::new(&plan, header),
             waiting,
-            record: Record::new(settings, header, tells),
+            record: Record::new(&plan, header),
             warnings: Vec::new(),
             buffer: Vec::with_capacity(2 * FULL),
             totals: Totals::default(),
@@ -349,7 +346,6 @@ impl<'a, W: Write> Writer<'a, W> {
             layer: 0,
             top: 0.0,
             supports: false,
-            sets_acceleration: flavour::sets_acceleration(settings),
             xy: None,
             z: None,
             feed: None,
@@ -363,10 +359,11 @@ impl<'a, W: Write> Writer<'a, W> {
             plane: 0.0,
             retracted: false,
             filament: Filament {
-                relative: settings.gcode.relative_e,
+                relative: plan.relative_e,
                 zero: Some(0),
                 ..Filament::default()
             },
+            plan,
         };
         writer.begin(&start, header)?;
         writer.time_head();
@@ -446,7 +443,7 @@ impl<'a, W: Write> Writer<'a, W> {
         self.feed = None;
         self.fan = None;
         // A constant temperature need not be told again.
-        self.nozzle = self.settings.filament.nozzle_temperature.constant();
+        self.nozzle = self.plan.nozzle_temperatures.1;
         self.acceleration = None;
         self.retracted = false;
         self.extra = 0.0;
@@ -464,10 +461,10 @@ impl<'a, W: Write> Writer<'a, W> {
     /// If the output cannot be written.
     pub fn finish(mut self) -> Result<Totals, WriteError> {
         let before = self.place();
-        if self.settings.gcode.comments != Comments::None {
+        if self.plan.comments != Comments::None {
             self.line(comments::END_OF_LAYERS);
         }
-        let retract = &self.settings.retract;
+        let retract = self.plan.retract;
         if self.totals.layers > 0 && !self.retracted && retract.length > 0.0 {
             // The file retracts here even if the firmware retracts elsewhere:
             // that firmware would take the next print's first retraction for
@@ -480,7 +477,7 @@ impl<'a, W: Write> Writer<'a, W> {
         let end = ends::end(
             &mut self.totals,
             &self.templates,
-            self.settings,
+            &self.plan,
             &before,
             &self.buffer,
         )?;
@@ -499,13 +496,13 @@ impl<'a, W: Write> Writer<'a, W> {
             self.buffer.extend_from_slice(lines.as_bytes());
             manifest.end = record.at(self.buffer.len());
         }
-        let facts = facts::facts(self.settings, &self.totals);
+        let facts = facts::facts(self.plan.all, &self.totals);
         if let Sink::Plate(_) = self.out {
             self.line("; EXECUTABLE_BLOCK_END");
         }
         // Binary files have the totals in their tables.
         if !matches!(self.out, Sink::Binary(_)) {
-            let footer = ends::footer(self.settings, &self.totals, &facts);
+            let footer = ends::footer(&self.plan, &self.totals, &facts);
             self.buffer.extend_from_slice(footer.as_bytes());
         }
         self.flush()?;
@@ -519,11 +516,11 @@ impl<'a, W: Write> Writer<'a, W> {
         }
         let said = self.said.take();
         let labelled = !self.labels.around.is_empty();
-        let (settings, totals) = (self.settings, &self.totals);
+        let (plan, totals) = (&self.plan, &self.totals);
         match &self.out {
             Sink::Plate(_) => {
                 let has = [labelled, self.supports];
-                let about = ends::of_plate(said, settings, totals, has);
+                let about = ends::of_plate(said, plan, totals, has);
                 self.out.finish(bgcode::About::default, || about)?;
             }
             _ => {

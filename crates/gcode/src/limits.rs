@@ -1,17 +1,17 @@
 //! Looks for what Klipper refuses to extrude, in the user's templates and in
 //! the settings of beads.
 //!
-//! In: a template's lines, as they will be written; settings. Out: warnings. By default
+//! In: a template's lines, as they will be written; the writer's plan. Out: warnings. By default
 //! Klipper stops a print at a move that lays a line thicker than
 //! 4·nozzle² (0.64 mm² for 0.4 mm), or that pushes more than 50 mm of filament
 //! without moving: purge lines made for other firmware often do.
 //!
 //! Not seen: what macros do, and moves from an unknown position.
 
+use super::WriterPlan;
 use super::number::text;
 use glam::DVec2;
-use isoslice_base::units::{cross_section, filament_area};
-use isoslice_settings::{Refusals, Settings, Varying};
+use isoslice_settings::Refusals;
 
 /// The position of the head and of the filament.
 #[derive(Clone, Copy, Debug)]
@@ -26,21 +26,21 @@ struct Position {
 pub(super) fn warnings(
     name: &str,
     rendered: &str,
-    settings: &Settings,
+    plan: &WriterPlan<'_>,
 ) -> Vec<String> {
-    let Some(refuses) = settings.gcode.flavour.firmware().refuses else {
+    let Some(refuses) = plan.flavour.firmware().refuses else {
         return Vec::new();
     };
     let mut state = Position {
         at: DVec2::NAN,
         e: 0.0,
         relative: false,
-        relative_e: settings.gcode.relative_e,
+        relative_e: plan.relative_e,
     };
     let lines = rendered.lines().enumerate();
     lines
         .filter_map(|(i, line)| {
-            let fault = step(&mut state, line, settings, refuses)?;
+            let fault = step(&mut state, line, plan, refuses)?;
             Some(format!(
                 "{name}, line {} as written ({}): {fault}",
                 i + 1,
@@ -50,41 +50,27 @@ pub(super) fn warnings(
         .collect()
 }
 
-/// A warning about beads that are too thick.
-pub fn thick_beads(settings: &Settings) -> Option<String> {
-    let s = settings;
-    let refuses = s.gcode.flavour.firmware().refuses?;
-    let constant = |v: &Varying| v.constant().unwrap_or(100.0) / 100.0;
-    let flow = constant(&s.flow) * s.filament.flow / 100.0;
-    let widen = constant(&s.bead_width);
-    let thin = s.thin_max / 100.0;
-    let height = s.thickest_layer().max(s.bed_layer_height());
-    let widths = [
-        s.outer_wall_width() * thin,
-        s.inner_wall_width() * thin,
-        s.top_skin_width(),
-        s.bottom_skin_width() * (s.bridge_flow / 100.0).max(1.0),
-        s.infill_width(),
-    ];
-    let width = widths.into_iter().fold(0.0, f64::max) * widen;
-    let section = flow * cross_section(width, height);
-    let nozzle = s.printer.nozzle_diameter;
-    let most = refuses.section * nozzle * nozzle;
-    (section > most).then(|| {
-        format!(
-            "the thickest beads may have {} mm², but Klipper by default \
-             refuses more than {} mm² (max_extrude_cross_section); lower line \
-             widths, thin_max or flow, or raise it in your printer.cfg",
-            text(section, 2),
-            text(most, 2)
-        )
-    })
+impl WriterPlan<'_> {
+    /// A warning about beads that are too thick.
+    pub fn thick_beads(&self) -> Option<String> {
+        let refuses = self.flavour.firmware().refuses?;
+        let most = refuses.section * self.nozzle * self.nozzle;
+        (self.thickest > most).then(|| {
+            format!(
+                "the thickest beads may have {} mm², but Klipper by default \
+                 refuses more than {} mm² (max_extrude_cross_section); lower \
+                 line widths, thin_max or flow, or raise it in your printer.cfg",
+                text(self.thickest, 2),
+                text(most, 2)
+            )
+        })
+    }
 }
 
 fn step(
     state: &mut Position,
     line: &str,
-    settings: &Settings,
+    plan: &WriterPlan<'_>,
     refuses: Refusals,
 ) -> Option<String> {
     let code = line.split(';').next().unwrap_or("");
@@ -106,7 +92,7 @@ fn step(
             state.at.x = number('X').unwrap_or(state.at.x);
             state.at.y = number('Y').unwrap_or(state.at.y);
         }
-        "G0" | "G1" => return extrusion(state, settings, refuses, number),
+        "G0" | "G1" => return extrusion(state, plan, refuses, number),
         _ => {}
     }
     None
@@ -114,7 +100,7 @@ fn step(
 
 fn extrusion(
     state: &mut Position,
-    settings: &Settings,
+    plan: &WriterPlan<'_>,
     refuses: Refusals,
     number: impl Fn(char) -> Option<f64>,
 ) -> Option<String> {
@@ -142,10 +128,8 @@ fn extrusion(
             )
         });
     }
-    let nozzle = settings.printer.nozzle_diameter;
-    let most = refuses.section * nozzle * nozzle;
-    let section =
-        fed * filament_area(settings.filament.diameter) / from.distance(to);
+    let most = refuses.section * plan.nozzle * plan.nozzle;
+    let section = fed * plan.filament_area / from.distance(to);
     // Where the length of the move is not known, `section` is NaN and the
     // comparison is false.
     (fed > 0.0 && section > most).then(|| {
@@ -164,9 +148,8 @@ mod tests {
     use isoslice_settings::Flavour;
 
     fn found(lines: &str) -> Vec<String> {
-        let mut s = Settings::default();
-        s.gcode.flavour = Flavour::Klipper;
-        warnings("gcode.start", lines, &s)
+        let plan = WriterPlan::with(|s| s.gcode.flavour = Flavour::Klipper);
+        warnings("gcode.start", lines, &plan)
     }
 
     #[test]
@@ -182,18 +165,22 @@ mod tests {
 
     #[test]
     fn beads_are_too_thick_above_four_squares_of_the_nozzle() {
-        let mut s = Settings::default();
-        s.gcode.flavour = Flavour::Klipper;
-        assert_eq!(thick_beads(&s), None);
-        s.layer_height = 0.3.into();
-        s.outer_wall_width = 1.0.into();
+        let klipper = |width: f64, flow| {
+            WriterPlan::with(|s| {
+                s.gcode.flavour = Flavour::Klipper;
+                s.layer_height = 0.3.into();
+                s.outer_wall_width = width.into();
+                s.filament.flow = flow;
+            })
+        };
+        assert_eq!(klipper(0.45, 100.0).thick_beads(), None);
         // 1.8 mm wide: (1.8 − 0.3)·0.3 + π·0.15² = 0.52 mm².
-        assert_eq!(thick_beads(&s), None);
-        s.filament.flow = 125.0;
-        let warning = thick_beads(&s).unwrap();
+        assert_eq!(klipper(1.0, 100.0).thick_beads(), None);
+        let mut thick = klipper(1.0, 125.0);
+        let warning = thick.thick_beads().unwrap();
         assert!(warning.contains("0.65 mm², but"), "{warning}");
-        s.gcode.flavour = Flavour::Marlin;
-        assert_eq!(thick_beads(&s), None);
+        thick.flavour = Flavour::Marlin;
+        assert_eq!(thick.thick_beads(), None);
     }
 
     #[test]
@@ -207,7 +194,7 @@ mod tests {
         assert_eq!(found("M83\nG1 E40 F300\nG1 E40").len(), 0);
         // A move from an unknown position, and other firmware.
         assert_eq!(found("G1 X10 Y10 E50").len(), 0);
-        let marlin = Settings::default();
+        let marlin = WriterPlan::with(|_| ());
         assert!(warnings("x", "G1 E60", &marlin).is_empty());
     }
 }

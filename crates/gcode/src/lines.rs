@@ -21,13 +21,13 @@ impl<W: Write> Writer<'_, W> {
         let pwm = flavour::pwm(speed);
         if self.fan != Some(pwm) {
             self.fan = Some(pwm);
-            self.line(&flavour::fan(self.settings.gcode.flavour, pwm));
+            self.line(&flavour::fan(self.plan.flavour, pwm));
         }
     }
 
     pub(super) fn type_comment(&mut self, name: Option<&str>) {
         if let Some(name) = name {
-            let before = comments::before_role(self.settings.gcode.comments);
+            let before = comments::before_role(self.plan.comments);
             self.buffer.extend_from_slice(before.as_bytes());
             self.line(name);
         }
@@ -35,7 +35,7 @@ impl<W: Write> Writer<'_, W> {
 
     /// Marks what follows as printed by a template, not as the part.
     pub(super) fn custom_comment(&mut self) {
-        self.type_comment(comments::custom(self.settings.gcode.comments));
+        self.type_comment(comments::custom(self.plan.comments));
     }
 
     pub(super) fn comment_number(

@@ -19,9 +19,8 @@
 //! truth; the checksum shows a change that was not made on purpose.
 
 use super::progress::Moment;
-use super::{Header, Totals};
+use super::{Header, Totals, WriterPlan};
 use isoslice_base::units::{Mm, Seconds};
-use isoslice_settings::Settings;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -153,12 +152,12 @@ pub(super) struct Print {
 }
 
 impl Print {
-    fn new(settings: &Settings, header: &Header) -> Self {
+    fn new(plan: &WriterPlan<'_>, header: &Header) -> Self {
         let seconds = |at: SystemTime| {
             at.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
         };
         Self {
-            settings: settings.changed(),
+            settings: plan.all.changed(),
             model_name: header.model_name.clone(),
             part_min: header.part_min.to_array(),
             part_max: header.part_max.to_array(),
@@ -181,11 +180,7 @@ pub(super) struct Record {
 impl Record {
     /// The record of a file with this header; nothing if the file is not to be
     /// joined.
-    pub(super) fn new(
-        settings: &Settings,
-        header: &Header,
-        tells_progress: bool,
-    ) -> Option<Self> {
+    pub(super) fn new(plan: &WriterPlan<'_>, header: &Header) -> Option<Self> {
         let fingerprint = header.fingerprint.clone()?;
         Some(Record {
             manifest: Manifest {
@@ -196,12 +191,12 @@ impl Record {
                 texts: Vec::new(),
                 height: 0.0,
                 foot: Foot::default(),
-                print: Print::new(settings, header),
+                print: Print::new(plan, header),
             },
             length: 0,
             sum: crc32fast::Hasher::new(),
             moments: Vec::new(),
-            tells_progress,
+            tells_progress: plan.tells_progress,
         })
     }
 

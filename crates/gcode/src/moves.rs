@@ -6,9 +6,7 @@ use super::comments::{self, role_name};
 use super::number::scaled;
 use super::{COARSE, E, WIDTH, WriteError, Writer, XYZ, flavour};
 use glam::{DVec2, DVec3};
-use isoslice_base::units::{
-    MICRON, Mm, Mm2, MmPerSec, MmPerSec2, feed_rate, filament_area,
-};
+use isoslice_base::units::{MICRON, Mm, Mm2, MmPerSec, MmPerSec2, feed_rate};
 use isoslice_path::pace::PacedMove;
 use isoslice_planar::arc::Turn;
 use isoslice_planar::bead::{Bead, Role};
@@ -62,7 +60,7 @@ impl<W: Write> Writer<'_, W> {
         flow: f64,
     ) -> Result<(), WriteError> {
         if self.role != Some(bead.role) {
-            let dialect = self.settings.gcode.comments;
+            let dialect = self.plan.comments;
             let name = |role| role_name(dialect, role);
             // Several roles may have one name.
             if self.role.and_then(name) != name(bead.role) {
@@ -71,9 +69,9 @@ impl<W: Write> Writer<'_, W> {
             self.role = Some(bead.role);
             self.on_way = false;
         }
-        let width = self.count("bead width", bead.width, WIDTH)?;
+        let width = self.count("bead width", bead.stroke.width, WIDTH)?;
         let height = self.count("bead height", bead.height, WIDTH)?;
-        if let Some(words) = comments::words(self.settings.gcode.comments) {
+        if let Some(words) = comments::words(self.plan.comments) {
             if self.shows_width(bead.role, width) {
                 self.width = Some(width);
                 self.comment_number(words.width, width, WIDTH);
@@ -85,20 +83,19 @@ impl<W: Write> Writer<'_, W> {
             }
         }
         self.accelerate_printing(acceleration);
-        let filament = |area: Mm2| {
-            area * flow / filament_area(self.settings.filament.diameter)
-        };
+        let own = self.plan.filament_area;
+        let filament = |area: Mm2| area * flow / own;
         let area = filament(bead.area());
-        let mut path = bead.path();
+        let mut path = bead.stroke.path();
         if let Some(start) = path.next() {
             self.begin_at(
                 start,
-                self.top + bead.rise(0).unwrap_or(0.0),
+                self.top + bead.stroke.rise(0).unwrap_or(0.0),
                 speed,
             )?;
         }
         for (i, p) in path.enumerate() {
-            if let Some(rise) = bead.rise(i + 1) {
+            if let Some(rise) = bead.stroke.rise(i + 1) {
                 let area = filament(bead.area_along(i));
                 self.go_up(p.extend(self.top + rise), speed, area)?;
                 continue;
@@ -128,8 +125,8 @@ impl<W: Write> Writer<'_, W> {
                 _ => self.go(start, speed, None),
             };
         }
-        self.go(start, self.settings.travel_speed(), None)?;
-        self.lift(z, self.settings.printer.max_speed_z)
+        self.go(start, self.plan.travel_speed, None)?;
+        self.lift(z, self.plan.limits.speed_z)
     }
 
     /// Goes to a point in space, feeding `filament` mm for each mm.
@@ -269,7 +266,7 @@ impl<W: Write> Writer<'_, W> {
         speed: MmPerSec,
     ) -> Result<(), WriteError> {
         self.retracted = true;
-        if self.settings.retract.firmware {
+        if self.plan.retract.firmware {
             self.line("G10");
             return Ok(());
         }
@@ -285,7 +282,7 @@ impl<W: Write> Writer<'_, W> {
         speed: MmPerSec,
     ) -> Result<(), WriteError> {
         self.accelerate_travel();
-        let marks = comments::wipe(self.settings.gcode.comments);
+        let marks = comments::wipe(self.plan.comments);
         if let Some([start, _]) = marks {
             self.line(start);
         }
@@ -308,7 +305,7 @@ impl<W: Write> Writer<'_, W> {
         // If the last points are in one place, rounding leaves some filament.
         self.filament.back = before + back;
         self.retracted = true;
-        self.filament_move(self.settings.retract.speed)?;
+        self.filament_move(self.plan.retract.speed)?;
         if let Some([_, end]) = marks {
             self.line(end);
         }
@@ -316,12 +313,12 @@ impl<W: Write> Writer<'_, W> {
     }
 
     fn prime(&mut self, extra: Mm, speed: MmPerSec) -> Result<(), WriteError> {
-        if self.settings.retract.firmware {
+        if self.plan.retract.firmware {
             // The firmware knows of filament that is fed in addition each time.
             let mut own = 0.0;
             if std::mem::take(&mut self.retracted) {
                 self.line("G11");
-                own = self.settings.retract.extra_prime;
+                own = self.plan.retract.extra_prime;
             }
             self.extra += own;
             self.feed_filament(extra - own)?;
@@ -380,7 +377,7 @@ impl<W: Write> Writer<'_, W> {
 
     /// Sets the acceleration of a bead, if it changes.
     fn accelerate_printing(&mut self, to: MmPerSec2) {
-        if !self.sets_acceleration {
+        if !self.plan.sets_acceleration {
             return;
         }
         let count =
@@ -392,7 +389,7 @@ impl<W: Write> Writer<'_, W> {
     }
 
     pub(super) fn tell_acceleration(&mut self, count: i64) {
-        let word = flavour::print_acceleration(self.settings.gcode.flavour);
+        let word = flavour::print_acceleration(self.plan.flavour);
         self.buffer.extend_from_slice(word);
         self.word(b"", count, COARSE);
         self.buffer.push(b'\n');
@@ -401,8 +398,8 @@ impl<W: Write> Writer<'_, W> {
     /// Sets the acceleration of travels, for firmware that keeps one
     /// acceleration for travels and beads.
     fn accelerate_travel(&mut self) {
-        if self.settings.gcode.flavour.firmware().one_acceleration {
-            self.accelerate_printing(self.settings.travel_acceleration());
+        if self.plan.flavour.firmware().one_acceleration {
+            self.accelerate_printing(self.plan.limits.travel_acceleration);
         }
     }
 }

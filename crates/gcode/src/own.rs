@@ -81,7 +81,7 @@ mod tests {
             "layer_height=0.07",
             "spiral=true",
             "infill_density=expr: 20 + z",
-            "speed.overhang_steps=25: 50%, 75: 12.5",
+            "speed.overhang=25: 50%, 75: 12.5",
             "printer.bed_x=350",
             "printer.model=A \"B\" \\ µ",
             "gcode.start=G28\n; a = \"b\"\tc\nM117 {{ layer_count }}\n\n",

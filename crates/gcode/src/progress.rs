@@ -13,7 +13,7 @@ use super::Writer;
 use super::flavour::{self, Progress};
 use isoslice_base::units::Seconds;
 use isoslice_path::pace::{PacedLayer, PacedMove};
-use isoslice_settings::{Emit, Flavour, Settings};
+use isoslice_settings::Flavour;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Seek, Write};
@@ -213,15 +213,6 @@ impl<W: io::Write> Writer<'_, W> {
     }
 }
 
-/// True if layers are to tell how far the print has come.
-pub(super) fn tells_progress(settings: &Settings) -> bool {
-    match settings.gcode.progress {
-        Emit::On => true,
-        Emit::Off => false,
-        Emit::Auto => settings.gcode.flavour.firmware().shows_progress,
-    }
-}
-
 /// How far a layer has come in time: its share of the printing moves at their
 /// speeds.
 pub(super) struct Clock {
@@ -267,7 +258,7 @@ impl Clock {
 
 fn printing(step: &PacedMove) -> Seconds {
     match step {
-        PacedMove::Print { bead, speed, .. } => bead.length() / speed,
+        PacedMove::Print { bead, speed, .. } => bead.stroke.length() / speed,
         _ => 0.0,
     }
 }

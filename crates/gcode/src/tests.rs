@@ -1,10 +1,10 @@
 //! Pacing and the G-code writer together, on small jobs made by hand: the
 //! text itself, and what a machine that reads it would do.
 
-use crate::{Header, Totals, WriteError, Writer};
+use crate::{Header, Totals, WriteError, Writer, WriterPlan};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::filament_area;
-use isoslice_path::pace::{PacedLayer, PacedMove, Pacer};
+use isoslice_path::pace::{PacePlan, PacedLayer, PacedMove, Pacer, Sums};
 use isoslice_path::travel::{LayerPath, Move, Travel};
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_settings::layers::LayerSpan;
@@ -132,17 +132,15 @@ fn header(layer_count: usize) -> Header {
     }
 }
 
-fn pacer(settings: &Settings) -> Pacer<'_> {
-    Pacer::new(settings)
-}
-
 fn written(settings: &Settings, job: Vec<LayerPath>) -> (String, Totals) {
     let mut out = Vec::new();
     let header = header(job.len());
     let mut nobody = |_: &[u8]| {};
-    let mut writer = Writer::new(&mut out, settings, &header, &mut nobody)
-        .expect("templates");
-    let mut pacer = pacer(settings);
+    let mut writer =
+        Writer::new(&mut out, WriterPlan::of(settings), &header, &mut nobody)
+            .expect("templates");
+    let plan = PacePlan::of(settings);
+    let mut pacer = Pacer::new(&plan);
     for path in job {
         let paced = pacer.alone(path).unwrap();
         writer.layer(&paced).expect("layer");
@@ -250,7 +248,7 @@ fn volume(job: &[LayerPath]) -> f64 {
     job.iter()
         .flat_map(|l| &l.moves)
         .map(|m| match m {
-            Move::Print(b) => b.area() * b.length(),
+            Move::Print(b) => b.area() * b.stroke.length(),
             Move::Travel(_) => 0.0,
         })
         .sum()
@@ -326,7 +324,7 @@ fn numbers_are_plain() {
             for m in job.iter_mut().flat_map(|l| &mut l.moves) {
                 let at = match m {
                     Move::Travel(travel) => &mut travel.points,
-                    Move::Print(b) => &mut b.points,
+                    Move::Print(b) => &mut b.stroke.points,
                 };
                 for p in at {
                     *p = (*p - DVec2::splat(25.0)) * 1e-3;
@@ -571,7 +569,8 @@ fn template_errors_name_place_and_remedy() {
     let mut s = settings();
     s.gcode.end = "M104 S0\nG1 Z{{ part_max }} F600".to_owned();
     let error =
-        Writer::new(Vec::new(), &s, &header(2), &mut |_| {}).map(|_| ());
+        Writer::new(Vec::new(), WriterPlan::of(&s), &header(2), &mut |_| {})
+            .map(|_| ());
     let text = error.expect_err("unknown placeholder").to_string();
     insta::assert_snapshot!(text);
 }
@@ -602,8 +601,13 @@ fn what_is_no_number_is_an_error() {
     let s = settings();
     for bad in [f64::NAN, f64::INFINITY, 1e200] {
         let mut nobody = |_: &[u8]| {};
-        let mut writer = Writer::new(Vec::new(), &s, &header(1), &mut nobody)
-            .expect("templates");
+        let mut writer = Writer::new(
+            Vec::new(),
+            WriterPlan::of(&s),
+            &header(1),
+            &mut nobody,
+        )
+        .expect("templates");
         let paced = PacedLayer {
             before: 0,
             span: layer(7, vec![]).span,
@@ -615,10 +619,7 @@ fn what_is_no_number_is_an_error() {
             fan: 0.0,
             nozzle_temperature: 210.0,
             time: 1.0,
-            printing: 0,
-            slowed: 0,
-            lost: std::collections::BTreeMap::new(),
-            amounts: Default::default(),
+            sums: Sums::default(),
         };
         let error = writer.layer(&paced);
         assert!(matches!(
@@ -637,12 +638,13 @@ fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
     let s = settings();
     let mut path = tiny().remove(0);
     if let Some(Move::Print(b)) = path.moves.get_mut(3) {
-        b.points[1].y = f64::NAN;
+        b.stroke.points[1].y = f64::NAN;
     }
-    let paced = pacer(&s).alone(path).unwrap();
+    let paced = Pacer::new(&PacePlan::of(&s)).alone(path).unwrap();
     let mut nobody = |_: &[u8]| {};
-    let mut writer = Writer::new(Vec::new(), &s, &header(1), &mut nobody)
-        .expect("templates");
+    let mut writer =
+        Writer::new(Vec::new(), WriterPlan::of(&s), &header(1), &mut nobody)
+            .expect("templates");
     assert!(matches!(
         writer.layer(&paced),
         Err(WriteError::BadNumber { what: "y", .. })

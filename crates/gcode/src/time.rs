@@ -10,13 +10,12 @@ use isoslice_base::units::{MICRON, Seconds};
 use isoslice_path::pace::PacedMove;
 use isoslice_path::pace::clock::time_of;
 use isoslice_path::pace::motion::{Limits, Motion};
-use isoslice_settings::Settings;
 use std::io::Write;
 
 impl<W: Write> Writer<'_, W> {
     /// Adds the time of the head, which is in the buffer, to the totals.
     pub(super) fn time_head(&mut self) {
-        let (time, at) = time_of(&self.buffer, self.settings);
+        let (time, at) = time_of(&self.buffer, self.plan.limits);
         self.totals.time += time;
         self.start = at;
     }
@@ -26,9 +25,9 @@ impl<W: Write> Writer<'_, W> {
     /// time is no part of that layer's: a layer's speeds depend on its time,
     /// and must not depend on the layer at which a file begins.
     pub(super) fn time_approach(&mut self, moves: &[PacedMove]) {
-        let settings = self.settings;
-        let acceleration = settings.travel_acceleration();
-        let mut motion = Motion::new(Limits::new(settings), acceleration);
+        let limits = self.plan.limits;
+        let acceleration = limits.travel_acceleration;
+        let mut motion = Motion::new(limits, acceleration);
         let mut at = self.start;
         for step in moves {
             let (way, speed) = match step {
@@ -53,7 +52,7 @@ impl<W: Write> Writer<'_, W> {
 
     /// Lines that bring a reader to the state that the machine is in.
     pub(super) fn place(&self) -> String {
-        let mut lines = flavour::limits(self.settings);
+        let mut lines = flavour::limits(&self.plan);
         lines.push(if self.filament.relative { "M83" } else { "M82" }.into());
         let mut line = String::from("G92");
         if let Some((x, y)) = self.xy {
@@ -77,8 +76,8 @@ pub(super) fn of_foot(
     before: &str,
     text: &[u8],
     end: &str,
-    settings: &Settings,
+    limits: Limits,
 ) -> Seconds {
     let lines = [before.as_bytes(), text, end.as_bytes()].concat();
-    time_of(&lines, settings).0
+    time_of(&lines, limits).0
 }

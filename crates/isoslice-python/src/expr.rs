@@ -341,9 +341,7 @@ pub(crate) fn call<'py>(
     let is_body = |value: Bound<'py, PyAny>| {
         value.cast::<Expr>().is_ok_and(|expr| expr.get().body)
     };
-    // The least and the greatest of bodies are bodies.
-    let of_bodies = matches!(name, "min" | "max") && given.iter().all(is_body);
-    let body = of_bodies || model::makes_body(name);
+    let body = model::makes_body(name, given.iter().all(is_body));
     Ok(match made {
         Argument::Field(tree) => {
             let made = Expr::from(tree).with_body(body);

@@ -1,17 +1,17 @@
 //! Outlines of layers.
 //!
 //! In: a field, or a model on the printer, and heights. Out: for each height
-//! closed rings, as numbers in native byte order, x and y in turn. Python makes
-//! lists or arrays of them.
+//! the islands, each as closed rings, first the outer one and then those of its
+//! holes: numbers in native byte order, x and y in turn. Python makes lists or
+//! arrays of them.
 
 use crate::request::{Keywords, Request, bounds};
 use crate::value::Field as Given;
 use crate::work::at_work;
 use anyhow::Context;
 use fidget::context::Tree;
-use glam::DVec2;
 use isocontour::{
-    Bounds, Detail, Field, SLAB, SearchOptions, find_bounds,
+    Area, Bounds, Detail, Field, Ring, SLAB, SearchOptions, find_bounds,
     outlines as find_outlines,
 };
 use isoslice::limits::{Limits, Watch, doing};
@@ -20,9 +20,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-/// The rings of each height.
-type Rings = Vec<Vec<Vec<DVec2>>>;
-type Bytes<'py> = Vec<Vec<Bound<'py, PyBytes>>>;
+/// The rings of each height's islands.
+type Bytes<'py> = Vec<Vec<Vec<Bound<'py, PyBytes>>>>;
 
 /// Outlines of a field in its own coordinates.
 #[pyfunction]
@@ -81,11 +80,11 @@ pub(crate) fn outlines<'py>(
         let at: Vec<f64> = z.iter().map(|z| z - model.offset.z).collect();
         let mut found = look(&model.tree, &model.bounds, spacing, &at, detail)
             .with_context(|| format!("cannot slice {}", model.name))?;
-        for (z, rings) in z.iter().zip(&mut found) {
+        for (z, area) in z.iter().zip(&mut found) {
             if !above(z) {
-                rings.clear();
+                area.rings.clear();
             }
-            for point in rings.iter_mut().flatten() {
+            for point in area.rings.iter_mut().flatten() {
                 *point += model.offset.truncate();
             }
         }
@@ -101,33 +100,34 @@ fn look(
     spacing: f64,
     z: &[f64],
     detail: Detail,
-) -> anyhow::Result<Rings> {
+) -> anyhow::Result<Vec<Area>> {
     let rect = bounds.from_above();
     let field =
         Field::new(tree, 0.0, rect, spacing)?.with_cancel(Watch::hook());
     let mut order: Vec<usize> = (0..z.len()).collect();
     order.sort_by(|a, b| z[*a].total_cmp(&z[*b]));
-    let mut all: Rings = vec![Vec::new(); z.len()];
+    let mut all = vec![Area::EMPTY; z.len()];
     for slab in order.chunks(SLAB) {
         let heights: Vec<f64> = slab.iter().map(|i| z[*i]).collect();
         let found = find_outlines(&field, &heights, detail);
         // Work that was stopped ends here.
         let found = doing("contour", || found)?;
         for (i, outline) in slab.iter().zip(found) {
-            all[*i] = outline.area.rings;
+            all[*i] = outline.area;
         }
     }
     Ok(all)
 }
 
-fn as_bytes<'py>(py: Python<'py>, rings: &Rings) -> Bytes<'py> {
-    let one = |ring: &Vec<DVec2>| {
+fn as_bytes<'py>(py: Python<'py>, areas: &[Area]) -> Bytes<'py> {
+    let one = |ring: &Ring| {
         let numbers = ring.iter().flat_map(|p| [p.x, p.y]);
         let bytes: Vec<u8> = numbers.flat_map(f64::to_ne_bytes).collect();
         PyBytes::new(py, &bytes)
     };
-    let of_height = |rings: &Vec<Vec<DVec2>>| rings.iter().map(one).collect();
-    rings.iter().map(of_height).collect()
+    let rings = |area: &Area| area.rings.iter().map(one).collect();
+    let islands = |area: &Area| area.islands().iter().map(rings).collect();
+    areas.iter().map(islands).collect()
 }
 
 /// A setting that is a length, mm.

@@ -136,7 +136,7 @@ pub(crate) fn slice<'py>(
         (None, Some(name)) => format(&name)?,
         // Plates hold whole prints.
         (None, None) if layer_range.is_some() => Format::Text,
-        (None, None) => Format::usual_for(&request.settings),
+        (None, None) => Format::usual_for(request.settings.gcode.flavour),
     };
     let limits = request.limits;
     let settings = request.settings.clone();
@@ -170,7 +170,7 @@ pub(crate) fn slice<'py>(
         at_work(py, limits, progress, work)?;
     warnings.extend(of_model);
     warnings.extend(summary.warnings.iter().cloned());
-    warnings.extend(format.unusual_for(&settings));
+    warnings.extend(format.unusual_for(settings.gcode.flavour));
     let gcode = match written {
         Written::Bytes(bytes) => {
             Gcode::Bytes(PyBytes::new(py, &bytes).unbind())

@@ -7,14 +7,17 @@
 //! ```
 
 mod ears;
+mod plan;
+
+pub use plan::{AdhesionPlan, BedPlan, BrimPlan, SkirtPlan};
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
+use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::nest::Nest;
 use isoslice_planar::offset::offset;
-use isoslice_planar::{Area, Rect, Ring, hull, signed_area};
-use isoslice_settings::{BrimPlace, DraftShield, Settings};
+use isoslice_planar::{Area, Ring, hull, signed_area};
+use isoslice_settings::BrimPlace;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
@@ -26,83 +29,38 @@ const TOLERANCE: Mm = 0.01;
 pub struct Skirt {
     /// The loops, the outermost first.
     loops: Vec<Ring>,
-    width: Mm,
-    /// Number of layers, from the bed, that have the loops.
-    layers: usize,
+    plan: SkirtPlan,
 }
 
 impl Skirt {
-    /// The skirt of a print whose layers beside it have these outlines. It lies
-    /// `skirt.distance` away from the hull of all the outlines and of the brim.
-    /// All of these layers have one skirt, so that it does not hang in the air.
+    /// The skirt of a print whose layers beside it have these outlines. It keeps
+    /// its distance from the hull of all the outlines and of the brim. All of
+    /// these layers have one skirt, so that it does not hang in the air.
     pub fn new<'a>(
         outlines: impl IntoIterator<Item = &'a Area>,
-        settings: &Settings,
+        plan: SkirtPlan,
     ) -> Self {
         let rings = outlines.into_iter().flat_map(|outline| &outline.rings);
         let hull = hull(rings.flatten().copied());
-        let width = settings.outer_wall_width();
         let mut loops = Vec::new();
         if hull.len() >= 3 {
             let hull = Area::from(hull);
-            let brim = brim_reach(settings);
-            let step = spacing(width, width, settings.thickest_layer());
-            let nearest = brim + settings.skirt.distance + 0.5 * width;
-            for i in (0..settings.skirt.loops).rev() {
-                let away = nearest + step * f64::from(i);
+            let nearest = plan.brim + plan.distance + 0.5 * plan.width;
+            for i in (0..plan.loops).rev() {
+                let away = nearest + plan.step * f64::from(i);
                 loops.extend(offset(&hull, away, TOLERANCE).rings);
             }
         }
-        let layers = settings.skirt.layers as usize;
-        Skirt {
-            loops,
-            width,
-            layers,
-        }
-    }
-
-    /// The draft shield, in so many layers, of a print within these outlines.
-    pub fn shield<'a>(
-        outlines: impl IntoIterator<Item = &'a Area>,
-        layers: usize,
-        settings: &Settings,
-    ) -> Self {
-        let one = isoslice_settings::Skirt {
-            loops: 1,
-            distance: settings.draft_shield_gap,
-            ..settings.skirt.clone()
-        };
-        let settings = Settings {
-            skirt: one,
-            ..settings.clone()
-        };
-        Skirt {
-            layers,
-            ..Skirt::new(outlines, &settings)
-        }
+        Skirt { loops, plan }
     }
 
     /// The skirt's beads in a layer of this number and height.
     pub fn beads(&self, number: usize, height: Mm) -> Vec<Bead> {
-        let rings = self.loops.iter().filter(|_| number < self.layers);
+        let rings = self.loops.iter().filter(|_| number < self.plan.layers);
         rings
             .cloned()
-            .map(|points| around(Role::Skirt, points, self.width, height))
+            .map(|points| around(Role::Skirt, points, self.plan.width, height))
             .collect()
-    }
-}
-
-/// How far the brim reaches beyond the outside of a part.
-pub fn brim_reach(settings: &Settings) -> Mm {
-    match settings.brim.place {
-        BrimPlace::Outer | BrimPlace::Both => {
-            let height = settings.first_layer_height();
-            let depths = brim_depths(height, settings);
-            let width = settings.outer_wall_width();
-            depths.last().map_or(0.0, |d| d + 0.5 * width)
-        }
-        BrimPlace::Ears => settings.brim.ear_radius,
-        _ => 0.0,
     }
 }
 
@@ -113,29 +71,29 @@ pub fn loops(
     outline: &Area,
     height: Mm,
     skirt: Option<&Skirt>,
-    settings: &Settings,
+    plan: &AdhesionPlan,
 ) -> Vec<Bead> {
     let mut beads = match skirt {
         Some(skirt) => skirt.beads(number, height),
-        None if number >= settings.skirt.layers as usize => Vec::new(),
-        None => Skirt::new([outline], settings).beads(number, height),
+        None if number >= plan.skirt.layers => Vec::new(),
+        None => Skirt::new([outline], plan.skirt).beads(number, height),
     };
     if number == 0 {
-        beads.extend(brim(outline, height, settings));
+        beads.extend(brim(outline, height, &plan.brim));
     }
     beads
 }
 
 /// A warning if ears are asked for, but a first layer's loops have no ears.
-pub fn without_ears(loops: &[Bead], settings: &Settings) -> Option<String> {
-    let ears = settings.brim.place == BrimPlace::Ears;
+pub fn without_ears(loops: &[Bead], plan: &BrimPlan) -> Option<String> {
+    let ears = plan.place == BrimPlace::Ears;
     let any = loops.iter().any(|bead| bead.role == Role::Brim);
     (ears && !any).then(|| {
         format!(
             "there are no brim ears: no corner of the first layer is sharper \
              than brim.ear_angle = {}°; raise that, or set brim.place to \
              \"outer\"",
-            settings.brim.ear_angle
+            plan.ear_angle
         )
     })
 }
@@ -145,13 +103,11 @@ pub fn without_ears(loops: &[Bead], settings: &Settings) -> Option<String> {
 pub fn keep_on_bed(
     loops: &mut Vec<Bead>,
     offset: DVec2,
-    settings: &Settings,
+    BedPlan { bed, shield }: BedPlan,
 ) -> Vec<String> {
-    let printer = &settings.printer;
-    let bed = Rect::new(DVec2::ZERO, DVec2::new(printer.bed_x, printer.bed_y));
     let leaves = |b: &mut Bead| {
-        let half = DVec2::splat(0.5 * b.width);
-        !b.points.iter().all(|&p| {
+        let half = DVec2::splat(0.5 * b.stroke.width);
+        !b.stroke.points.iter().all(|&p| {
             let p = p + offset;
             bed.contains(p - half) && bed.contains(p + half)
         })
@@ -160,15 +116,12 @@ pub fn keep_on_bed(
     let told = [
         (
             Role::Skirt,
-            match settings.draft_shield {
-                DraftShield::Off => {
-                    "the skirt does not fit on the bed and is left out; lower \
-                     skirt.distance or set skirt.loops = 0"
-                }
-                _ => {
-                    "the draft shield does not fit on the bed and is left out; \
-                     lower draft_shield_gap or set draft_shield = off"
-                }
+            if shield {
+                "the draft shield does not fit on the bed and is left out; \
+                 lower skirt.distance or set draft_shield = off"
+            } else {
+                "the skirt does not fit on the bed and is left out; lower \
+                 skirt.distance or set skirt.loops = 0"
             },
         ),
         (
@@ -187,14 +140,13 @@ pub fn keep_on_bed(
 /// outline and then side by side over `brim.width`: outside the part, in its
 /// holes, or both. The outermost come first, so that the print goes on at the
 /// part. In the holes each loop is followed by the nearest one.
-pub fn brim(outline: &Area, height: Mm, settings: &Settings) -> Vec<Bead> {
-    let place = settings.brim.place;
+pub fn brim(outline: &Area, height: Mm, plan: &BrimPlan) -> Vec<Bead> {
+    let BrimPlan { place, width, .. } = *plan;
     if place == BrimPlace::None || outline.is_empty() {
         return Vec::new();
     }
-    let width = settings.outer_wall_width();
     if place == BrimPlace::Ears {
-        let loops = ears::ears(outline, height, settings).into_iter();
+        let loops = ears::ears(outline, height, plan).into_iter();
         return loops
             .map(|points| around(Role::Brim, points, width, height))
             .collect();
@@ -215,7 +167,7 @@ pub fn brim(outline: &Area, height: Mm, settings: &Settings) -> Vec<Bead> {
     };
     let mut inside = Vec::new();
     let mut levels: Vec<Vec<Ring>> = Vec::new();
-    for depth in brim_depths(height, settings).into_iter().rev() {
+    for depth in plan.depths(height).into_iter().rev() {
         let mut level = offset(&grown, depth, TOLERANCE).rings;
         inside.extend(level.extract_if(.., |ring| in_a_hole(ring)));
         levels.push(level);
@@ -281,16 +233,6 @@ fn inwards(levels: Vec<Vec<Ring>>) -> Vec<Ring> {
     out
 }
 
-/// Distances of the brim's loops from the outline, the nearest first.
-fn brim_depths(height: Mm, settings: &Settings) -> Vec<Mm> {
-    let width = settings.outer_wall_width();
-    let step = spacing(width, width, height);
-    let loops = (settings.brim.width / step).round().max(1.0) as u32;
-    (0..loops)
-        .map(|i| settings.brim.gap + 0.5 * width + step * f64::from(i))
-        .collect()
-}
-
 /// Rings in an order in which each is followed by the ring with the nearest
 /// first point.
 fn chained(mut rings: Vec<Ring>, from: Option<DVec2>) -> Vec<Ring> {
@@ -331,6 +273,7 @@ fn around(role: Role, points: Ring, width: Mm, height: Mm) -> Bead {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use isoslice_planar::bead::spacing;
     use isoslice_planar::grid::EdgeGrid;
     use isoslice_planar::shapes::rect;
 
@@ -340,29 +283,35 @@ mod tests {
             .map(DVec2::from)
             .to_vec();
         let outline = Area::from(ring);
-        let mut settings = Settings::default();
-        settings.skirt.loops = 2;
-        let lengths = |outlines: &[Area], settings: &Settings| {
-            let skirt = Skirt::new(outlines, settings);
-            let beads = skirt.beads(0, 0.2);
-            beads.iter().map(|b| b.length()).collect::<Vec<f64>>()
+        let plan = |place: BrimPlace| {
+            SkirtPlan::with(|s| {
+                s.skirt.loops = 2;
+                s.brim.place = place;
+            })
         };
-        let alone = lengths(std::slice::from_ref(&outline), &settings);
+        let without = plan(BrimPlace::None);
+        let lengths = |outlines: &[Area], plan: SkirtPlan| {
+            let beads = Skirt::new(outlines, plan).beads(0, 0.2);
+            beads
+                .iter()
+                .map(|b| b.stroke.length())
+                .collect::<Vec<f64>>()
+        };
+        let alone = lengths(std::slice::from_ref(&outline), without);
         assert_eq!(alone.len(), 2);
         let exact = 40.0 + std::f64::consts::TAU * 6.225;
         assert!((alone[1] - exact).abs() < 0.1, "{alone:?}");
-        assert!(lengths(&[Area::EMPTY], &settings).is_empty());
+        assert!(lengths(&[Area::EMPTY], without).is_empty());
         // The skirt goes round the brim.
-        settings.brim.place = BrimPlace::Outer;
-        let outside = lengths(std::slice::from_ref(&outline), &settings);
+        let around = plan(BrimPlace::Outer);
+        let outside = lengths(std::slice::from_ref(&outline), around);
         let more = outside[1] - alone[1];
         let brim = 0.1 + 0.45 + 11.0 * spacing(0.45, 0.45, 0.2);
         let exact = std::f64::consts::TAU * brim;
         assert!((more - exact).abs() < 0.02, "{more} {exact}");
-        settings.brim.place = BrimPlace::None;
         // The skirt goes round all layers beside it.
         let wide = rect(-5.0, 2.0, 20.0, 8.0);
-        let both = lengths(&[outline, wide], &settings);
+        let both = lengths(&[outline, wide], without);
         // The hull has two slanting sides on the left and two on the right.
         let left = 2.0 * 5f64.hypot(2.0);
         let right = 2.0 * 10f64.hypot(2.0);
@@ -383,41 +332,41 @@ mod tests {
     #[test]
     fn the_brim_is_where_it_should_be() {
         let frame = frame();
-        let mut settings = Settings::default();
-        assert!(brim(&frame, 0.2, &settings).is_empty());
-        settings.brim.width = 2.0;
-        settings.brim.gap = 0.2;
+        assert!(brim(&frame, 0.2, &BrimPlan::with(|_| {})).is_empty());
         let step = spacing(0.45, 0.45, 0.2);
         let grid = EdgeGrid::new(&frame, 1.0);
-        let count = |place: BrimPlace, settings: &mut Settings| {
-            settings.brim.place = place;
-            let loops = brim(&frame, 0.2, settings);
+        let count = |place: BrimPlace, width: Mm| {
+            let plan = BrimPlan::with(|s| {
+                s.brim.place = place;
+                s.brim.width = width;
+                s.brim.gap = 0.2;
+            });
+            let loops = brim(&frame, 0.2, &plan);
             for bead in &loops {
                 assert_eq!(bead.role, Role::Brim);
-                let away = grid.nearest(bead.points[0]).unwrap().1;
-                let k = (away.distance(bead.points[0]) - 0.425) / step;
+                let away = grid.nearest(bead.stroke.points[0]).unwrap().1;
+                let k = (away.distance(bead.stroke.points[0]) - 0.425) / step;
                 assert!((k - k.round()).abs() < 0.02, "{k}");
             }
-            let inside =
-                |b: &&Bead| rect(0.0, 0.0, 30.0, 30.0).contains(b.points[0]);
+            let inside = |b: &&Bead| {
+                rect(0.0, 0.0, 30.0, 30.0).contains(b.stroke.points[0])
+            };
             let within = loops.iter().filter(inside).count();
             (loops.len() - within, within)
         };
         // Five loops of 0.407 mm are 2 mm. In the hole there are as many at the
         // frame as at the pin.
-        assert_eq!(count(BrimPlace::Outer, &mut settings), (5, 0));
-        assert_eq!(count(BrimPlace::Inner, &mut settings), (0, 10));
-        assert_eq!(count(BrimPlace::Both, &mut settings), (5, 10));
+        assert_eq!(count(BrimPlace::Outer, 2.0), (5, 0));
+        assert_eq!(count(BrimPlace::Inner, 2.0), (0, 10));
+        assert_eq!(count(BrimPlace::Both, 2.0), (5, 10));
         // The brim ends where there is no more room.
-        settings.brim.width = 20.0;
-        let loops = count(BrimPlace::Inner, &mut settings).1;
+        let loops = count(BrimPlace::Inner, 20.0).1;
         assert!((18..=30).contains(&loops), "{loops}");
     }
 
     #[test]
     fn the_brim_is_finished_round_one_island_before_the_next() {
-        let mut settings = Settings::default();
-        settings.brim.place = BrimPlace::Outer;
+        let plan = BrimPlan::with(|s| s.brim.place = BrimPlace::Outer);
         // Four pins stand so far apart that their brims do not meet, then so
         // near that the outer loops go round two of them.
         for (apart, pairs) in [(30.0, false), (12.0, true)] {
@@ -425,10 +374,10 @@ mod tests {
             for (x, y) in [(apart, 0.0), (0.0, 90.0), (apart, 90.0)] {
                 pins.rings.extend(rect(x, y, x + 5.0, y + 5.0).rings);
             }
-            let loops = brim(&pins, 0.2, &settings);
+            let loops = brim(&pins, 0.2, &plan);
             let pin = |bead: &Bead| {
                 let inside = |ring: &Ring| {
-                    let area = Area::from(bead.points.clone());
+                    let area = Area::from(bead.stroke.points.clone());
                     area.contains(ring[0])
                 };
                 pins.rings.iter().map(inside).collect::<Vec<bool>>()
@@ -443,10 +392,10 @@ mod tests {
 
     #[test]
     fn the_brim_comes_from_outside_to_the_part() {
-        let mut settings = Settings::default();
-        settings.brim.place = BrimPlace::Outer;
-        let loops = brim(&rect(0.0, 0.0, 9.0, 9.0), 0.2, &settings);
-        let lengths: Vec<f64> = loops.iter().map(|b| b.length()).collect();
+        let plan = BrimPlan::with(|s| s.brim.place = BrimPlace::Outer);
+        let loops = brim(&rect(0.0, 0.0, 9.0, 9.0), 0.2, &plan);
+        let lengths: Vec<f64> =
+            loops.iter().map(|b| b.stroke.length()).collect();
         assert!(lengths.is_sorted_by(|a, b| a > b), "{lengths:?}");
     }
 }

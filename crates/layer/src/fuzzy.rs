@@ -6,66 +6,64 @@
 //! part always gets one texture, and neighbouring layers get similar ones. The
 //! distance is a setting that may differ from place to place.
 
+use crate::view::LayerFace;
 use glam::{DVec2, DVec3};
 use isoslice_base::random::{mix, share};
 use isoslice_base::units::Mm;
 use isoslice_model::Place;
 use isoslice_model::vary::{Quantity, Surroundings, VaryError};
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::signed_area;
-use isoslice_settings::Settings;
+use isoslice_settings::FuzzySkin;
 
 /// Number of points of a fuzzy wall for each grain.
 const POINTS: f64 = 4.0;
 
 /// The texture of a run.
 pub struct Fuzzy<'a> {
-    settings: &'a Settings,
+    skin: &'a FuzzySkin,
     thickness: Quantity,
     around: &'a Surroundings<'a>,
 }
 
 impl<'a> Fuzzy<'a> {
-    /// The texture that the settings ask for, if any.
+    /// The texture that is asked for, if any.
     ///
     /// # Errors
     /// If the expression of its thickness has a mistake.
     pub fn new(
-        settings: &'a Settings,
+        skin: &'a FuzzySkin,
         around: &'a Surroundings<'a>,
     ) -> Result<Option<Fuzzy<'a>>, VaryError> {
-        let thickness =
-            Quantity::new("fuzzy.thickness", &settings.fuzzy.thickness)?;
+        let thickness = Quantity::new("fuzzy.thickness", &skin.thickness)?;
         Ok((thickness.constant() != Some(0.0)).then_some(Fuzzy {
-            settings,
+            skin,
             thickness,
             around,
         }))
     }
 
-    /// Moves the outer walls of a layer whose outline at height `z` above the
-    /// bed is `solid`. The first layer stays smooth, since it has to stick.
+    /// Moves the outer walls of a layer. The first layer stays smooth, since it
+    /// has to stick.
     ///
     /// # Errors
     /// If the thickness has no value somewhere.
     pub fn apply(
         &self,
         beads: &mut [Bead],
-        layer: usize,
-        z: Mm,
-        solid: &EdgeGrid,
+        layer: &LayerFace<'_>,
     ) -> Result<(), VaryError> {
-        if layer == 0 {
+        if layer.span.index == 0 {
             return Ok(());
         }
-        let fuzzy = &self.settings.fuzzy;
         for bead in beads {
-            isoslice_base::limits::check();
-            let hole = signed_area(&bead.points) < 0.0;
-            let meant = bead.closed && (fuzzy.holes || !hole);
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
+            let hole = signed_area(&bead.stroke.points) < 0.0;
+            let meant = bead.stroke.closed && (self.skin.holes || !hole);
             if bead.role == Role::OuterWall && meant {
-                self.roughen(bead, z, solid)?;
+                self.roughen(bead, layer)?;
             }
         }
         Ok(())
@@ -74,22 +72,22 @@ impl<'a> Fuzzy<'a> {
     fn roughen(
         &self,
         bead: &mut Bead,
-        z: Mm,
-        solid: &EdgeGrid,
+        layer: &LayerFace<'_>,
     ) -> Result<(), VaryError> {
-        let grain = self.settings.fuzzy.grain;
+        let z = layer.span.sample_z();
+        let grain = self.skin.grain;
         let dense = resampled(bead, grain / POINTS);
         let mut places: Vec<Place> = Vec::with_capacity(dense.len());
         self.around.places(
             dense.iter().map(|p| p.at),
             z,
             self.thickness.uses_depth(),
-            Some(solid),
+            Some(layer.outline.grid()),
             &mut places,
         )?;
         let mut thickness = Vec::with_capacity(dense.len());
         self.thickness.evaluate(&places, &mut thickness)?;
-        bead.points = dense
+        bead.stroke.points = dense
             .iter()
             .zip(&thickness)
             .map(|(p, t)| {
@@ -97,8 +95,8 @@ impl<'a> Fuzzy<'a> {
                 p.at + p.normal * (t * bump)
             })
             .collect();
-        if !bead.widths.is_empty() {
-            bead.widths = dense.iter().map(|p| p.width).collect();
+        if !bead.stroke.widths.is_empty() {
+            bead.stroke.widths = dense.iter().map(|p| p.width).collect();
         }
         Ok(())
     }
@@ -115,14 +113,15 @@ struct Dense {
 /// The points of a closed bead, with more between them so that none are farther
 /// apart than `step`.
 fn resampled(bead: &Bead, step: Mm) -> Vec<Dense> {
-    let n = bead.points.len();
-    let width = |i: usize| bead.width_at(i);
+    let n = bead.stroke.points.len();
+    let width = |i: usize| bead.stroke.width_at(i);
     let out = |i: usize| -> DVec2 {
-        let (a, b) = (bead.points[i % n], bead.points[(i + 1) % n]);
+        let (a, b) =
+            (bead.stroke.points[i % n], bead.stroke.points[(i + 1) % n]);
         -(b - a).perp().normalize_or_zero()
     };
     let mut dense = Vec::new();
-    for (i, (a, b)) in bead.segments().enumerate() {
+    for (i, (a, b)) in bead.stroke.segments().enumerate() {
         let before = out((i + n - 1) % n);
         dense.push(Dense {
             at: a,
@@ -189,7 +188,7 @@ mod tests {
             .to_vec();
         let mut square =
             Bead::new(Role::OuterWall, Stroke::new(ring, true, 0.45), 0.2);
-        square.widths = vec![0.4, 0.5, 0.5, 0.4];
+        square.stroke.widths = vec![0.4, 0.5, 0.5, 0.4];
         let dense = resampled(&square, 0.5);
         assert_eq!(dense.len(), 32);
         assert!((dense[4].width - 0.45).abs() < 1e-12);

@@ -1,11 +1,13 @@
 //! What is in a layer: walls, skin, infill, supports, adhesion and seams.
 //!
 //! In: the outlines of a layer and of the layers around it, their heights, and
-//! the settings. Out: areas of a layer's plane, and the [`Bead`]s that fill them,
-//! not yet in any order.
+//! plans: the plain numbers that a part needs of the settings. Each part's
+//! `plan.rs` reads the settings; nothing else here knows them. Out: areas of a
+//! layer's plane, and the [`Bead`]s that fill them, not yet in any order.
 //!
 //! | module | what it answers |
 //! |---|---|
+//! | [`view`] | what is around a layer |
 //! | [`resolution`] | how many points a stroke needs |
 //! | [`region`] | where walls lie, and which area inside them is skin or infill |
 //! | [`walls`], [`fuzzy`] | how walls are printed: overhangs, interlocked beads, texture |
@@ -52,4 +54,5 @@ pub mod resolution;
 pub mod seam;
 pub mod skin;
 pub mod support;
+pub mod view;
 pub mod walls;

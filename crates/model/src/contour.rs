@@ -5,7 +5,7 @@
 
 use fidget::context::Tree;
 use isocontour::{Phase, outlines_in_phases};
-use isoslice_base::limits::{self, Watched};
+use isoslice_base::limits;
 use isoslice_base::timings::{Lap, Stage, Timings};
 use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
@@ -52,8 +52,8 @@ pub fn field_in(
 ///
 /// # Errors
 /// If the field changes its sign finer than `detail.smallest` over large parts
-/// of the slab, or if fidget fails, which is a bug. Work that the watch stops
-/// unwinds.
+/// of the slab, or if fidget fails, which is a bug, or if the watch stops the
+/// work.
 pub fn outlines(
     field: &Field,
     z: &[Mm],
@@ -71,7 +71,7 @@ pub fn outlines(
         }));
     });
     drop(lap);
-    found.watched()
+    found
 }
 
 /// What to do about a field that has no outlines.

@@ -17,7 +17,6 @@ use crate::path_length;
 use glam::DVec2;
 pub use isoslice_base::units::cross_section;
 use isoslice_base::units::{Mm, Mm2};
-use std::ops::{Deref, DerefMut};
 
 /// What a bead is for. Each dialect of G-code has its own word for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -210,6 +209,13 @@ impl Stroke {
         self.points.iter().copied().chain(back)
     }
 
+    /// Where the stroke begins and ends; a closed one ends where it begins.
+    pub fn ends(&self) -> Option<(DVec2, DVec2)> {
+        let start = *self.points.first()?;
+        let last = self.points.last().filter(|_| !self.closed);
+        Some((start, last.copied().unwrap_or(start)))
+    }
+
     /// The segments of the centre line, the closing one included.
     pub fn segments(&self) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
         self.path().zip(self.path().skip(1))
@@ -333,8 +339,7 @@ impl Stroke {
 }
 
 /// One extruded line in a layer's plane: a stroke, in print order, with a
-/// height and a role. It gives access to the stroke's fields and methods as if
-/// they were its own.
+/// height and a role.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bead {
     /// The bead's purpose.
@@ -344,11 +349,11 @@ pub struct Bead {
     /// Height of the bead, which is the layer's. Points with a level are higher
     /// or lower.
     pub height: Mm,
-    /// True for a wall that goes round something small, such as a thin pin or a
-    /// hole. The pieces into which it is cut keep the mark.
-    pub small: bool,
-    /// True for a wall inside the outer wall, also where it hangs.
-    pub inner: bool,
+    /// The role that the bead was laid for: a wall that hangs is still that wall.
+    pub laid_as: Role,
+    /// Length of the closed wall of which this is all, or a piece; infinite for
+    /// other beads.
+    pub ring: Mm,
     /// True for a wall that is to lie half a layer lower.
     pub sunk: bool,
     /// Height above the layer's top of the plane to which the bead belongs:
@@ -356,29 +361,15 @@ pub struct Bead {
     pub plane: Mm,
 }
 
-impl Deref for Bead {
-    type Target = Stroke;
-
-    fn deref(&self) -> &Stroke {
-        &self.stroke
-    }
-}
-
-impl DerefMut for Bead {
-    fn deref_mut(&mut self) -> &mut Stroke {
-        &mut self.stroke
-    }
-}
-
 impl Bead {
-    /// A bead that goes round nothing small.
+    /// A bead that is no piece of a closed wall, and lies in its layer.
     pub fn new(role: Role, stroke: Stroke, height: Mm) -> Bead {
         Bead {
             role,
             stroke,
             height,
-            small: false,
-            inner: role == Role::InnerWall,
+            laid_as: role,
+            ring: f64::INFINITY,
             sunk: false,
             plane: 0.0,
         }
@@ -386,26 +377,29 @@ impl Bead {
 
     /// Cross-section of the bead; the greatest if it varies with the height.
     pub fn area(&self) -> Mm2 {
-        let extra = self.levels.iter().map(|l| l.extra);
+        let extra = self.stroke.levels.iter().map(|l| l.extra);
         let extra = extra.reduce(f64::max).unwrap_or(0.0);
-        cross_section(self.width, self.height + extra)
+        cross_section(self.stroke.width, self.height + extra)
     }
 
     /// Mean cross-section along segment `i`, whose height varies evenly, per
     /// length of its way in space. Heights are measured upright, so a steep way
     /// lays no more than the level way below it.
     pub fn area_along(&self, i: usize) -> Mm2 {
-        let from = self.height + self.level(i).extra;
-        let to = self.height + self.level(i + 1).extra;
+        let from = self.height + self.stroke.level(i).extra;
+        let to = self.height + self.stroke.level(i + 1).extra;
         // Simpson's rule is exact, since the section is quadratic in the
         // height.
-        let at = |t: f64| cross_section(self.width, from + t * (to - from));
+        let at =
+            |t: f64| cross_section(self.stroke.width, from + t * (to - from));
         let mean = (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0;
-        let n = self.points.len().max(1);
-        let ends = [i, i + 1].map(|k| self.points.get(k % n).copied());
+        let n = self.stroke.points.len().max(1);
+        let ends = [i, i + 1].map(|k| self.stroke.points.get(k % n).copied());
         let [a, b] = ends.map(Option::unwrap_or_default);
-        let (level, rise) =
-            (a.distance(b), self.level(i + 1).rise - self.level(i).rise);
+        let (level, rise) = (
+            a.distance(b),
+            self.stroke.level(i + 1).rise - self.stroke.level(i).rise,
+        );
         match level.hypot(rise) {
             way if way > 0.0 => mean * level / way,
             _ => mean,
@@ -471,11 +465,11 @@ mod tests {
             ),
             0.2,
         );
-        assert_eq!(b.length(), 12.0);
-        assert_eq!(b.path().count(), 4);
-        b.closed = false;
-        assert_eq!(b.length(), 7.0);
-        assert_eq!(b.path().count(), 3);
+        assert_eq!(b.stroke.length(), 12.0);
+        assert_eq!(b.stroke.path().count(), 4);
+        b.stroke.closed = false;
+        assert_eq!(b.stroke.length(), 7.0);
+        assert_eq!(b.stroke.path().count(), 3);
     }
 
     #[test]

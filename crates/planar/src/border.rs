@@ -248,7 +248,9 @@ impl<'b, 'a> Cutter<'b, 'a> {
         let mut hits = std::mem::take(&mut self.hits);
         self.border.hits(from, p, &mut hits);
         for hit in &hits {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             if hit.enters == self.inside {
                 continue;
             }

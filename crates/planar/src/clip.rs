@@ -178,14 +178,18 @@ pub(super) fn positive(area: &Area) -> Area {
 }
 
 fn sweep(area: &Area, rule: FillRule) -> Area {
-    isoslice_base::limits::check();
+    if isoslice_base::limits::is_stopped() {
+        return Area::EMPTY;
+    }
     let mut overlay = Overlay::new(edge_count(area));
     add(&mut overlay, area, ShapeType::Subject);
     from_shapes(overlay.overlay(OverlayRule::Subject, rule))
 }
 
 fn run(rule: OverlayRule, a: &Area, b: &Area) -> Area {
-    isoslice_base::limits::check();
+    if isoslice_base::limits::is_stopped() {
+        return Area::EMPTY;
+    }
     let mut overlay = Overlay::new(edge_count(a) + edge_count(b));
     add(&mut overlay, a, ShapeType::Subject);
     add(&mut overlay, b, ShapeType::Clip);

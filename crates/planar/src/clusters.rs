@@ -41,7 +41,9 @@ pub fn clusters(area: &Area) -> Vec<Cluster> {
     // Boxes that keep apart, each with the numbers of its rings.
     let mut apart: RTree<Boxed> = RTree::new();
     for (i, ring) in area.rings.iter().enumerate() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let b = Rect::around(ring);
         if !(b.min.is_finite() && b.max.is_finite()) {
             continue;

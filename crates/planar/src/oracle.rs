@@ -12,8 +12,8 @@ use super::offset::offset;
 use super::{Area, Ring};
 use fastrand::Rng;
 use geo::{
-    Area as _, BooleanOps, Contains, Coord, Distance, Euclidean, LineString,
-    MultiLineString, MultiPolygon, Point, Polygon, Validation, unary_union,
+    Area as _, BooleanOps, Contains, Distance, Euclidean, MultiLineString,
+    MultiPolygon, Point, Polygon, Validation, unary_union,
 };
 use glam::DVec2;
 use i_overlay::mesh::float::outline::offset::OutlineOffset;
@@ -62,26 +62,6 @@ fn together(stars: Vec<Area>) -> Area {
     stars.into_iter().collect()
 }
 
-fn line(ring: &Ring, scale: f64) -> LineString {
-    let at = |p: &DVec2| Coord {
-        x: p.x * scale,
-        y: p.y * scale,
-    };
-    let mut points: Vec<Coord> = ring.iter().map(at).collect();
-    points.extend(points.first().copied());
-    LineString(points)
-}
-
-/// An area as polygons of `geo`.
-fn polygons(area: &Area, scale: f64) -> MultiPolygon {
-    let island = |island: &Area| {
-        let mut lines = island.rings.iter().map(|r| line(r, scale));
-        let outer = lines.next().unwrap();
-        Polygon::new(outer, lines.collect())
-    };
-    MultiPolygon(area.islands().iter().map(island).collect())
-}
-
 /// Why `geo` finds rings on the grid invalid, if it does. The unit is the
 /// grid's step, so that a corner on another ring's edge lies there exactly.
 fn invalid(area: &Area) -> Option<String> {
@@ -89,7 +69,7 @@ fn invalid(area: &Area) -> Option<String> {
     for p in exact.rings.iter_mut().flatten() {
         *p = (*p / STEP).round();
     }
-    let found = polygons(&exact, 1.0).check_validation();
+    let found = MultiPolygon::from(&exact).check_validation();
     found.err().map(|e| e.to_string())
 }
 
@@ -99,8 +79,13 @@ fn point(rng: &mut Rng, half: f64) -> DVec2 {
 
 /// How far a point is from the nearest ring.
 fn clearance(area: &Area, p: DVec2) -> f64 {
-    let lines = area.rings.iter().map(|r| line(r, 1.0)).collect();
-    Euclidean.distance(&Point::new(p.x, p.y), &MultiLineString(lines))
+    let polygons = MultiPolygon::from(area);
+    let rings = polygons.iter().flat_map(|p| {
+        let (outer, holes) = p.clone().into_inner();
+        std::iter::once(outer).chain(holes)
+    });
+    let rings = MultiLineString(rings.collect());
+    Euclidean.distance(&Point::new(p.x, p.y), &rings)
 }
 
 #[test]
@@ -110,7 +95,7 @@ fn booleans_of_random_areas_are_those_of_geo() {
     for case in 0..300 {
         let [a, b] = [(); 2].map(|()| stars(&mut rng));
         let [in_a, in_b] = [&a, &b].map(|stars| {
-            let all = stars.iter().map(|s| polygons(s, 1.0));
+            let all = stars.iter().map(MultiPolygon::from);
             all.flatten().collect::<Vec<Polygon>>()
         });
         // geo gets each operand united; ours gets what overlaps.
@@ -184,7 +169,7 @@ fn offsets_of_random_areas_are_those_of_i_overlay_and_geo() {
     let (mut compared, mut asked) = (0, 0);
     for case in 0..300 {
         let area = unite(&together(stars(&mut rng)));
-        let judged = polygons(&area, 1.0);
+        let judged = MultiPolygon::from(&area);
         let size = 0.05 + 1.5 * rng.f64() * rng.f64();
         for distance in [-size, size] {
             let ours = offset(&area, distance, TOLERANCE);

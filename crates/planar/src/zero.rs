@@ -65,7 +65,9 @@ pub fn zero_lines<E>(
     let wanted = nodes_near(&lattice, border);
     let mut some = Vec::with_capacity(AT_ONCE);
     for nodes in wanted.chunks(AT_ONCE) {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         some.clear();
         let mut places = nodes.iter().map(|&k| {
             let k = k as usize;
@@ -139,7 +141,9 @@ fn nodes_near(lattice: &Lattice, border: &Border<'_>) -> Vec<u32> {
     let [nx, ny] = lattice.size;
     let mut near = vec![false; nx * ny];
     for j in (0..ny).step_by(BLOCK) {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         for i in (0..nx).step_by(BLOCK) {
             let (right, top) =
                 ((i + BLOCK).min(nx - 1), (j + BLOCK).min(ny - 1));

@@ -12,7 +12,7 @@ use super::view::View;
 use fidget::context::Tree;
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 use isocontour::{FieldError, Grid, Hit, Sight};
-use isoslice_base::limits::{self, Watched};
+use isoslice_base::limits::{self, Cancelled};
 use isoslice_base::units::Mm;
 use isoslice_model::{Bounds, Model};
 use isoslice_planar::hull;
@@ -27,6 +27,9 @@ pub enum PictureError {
     /// The field cannot be evaluated.
     #[error("the part cannot be drawn")]
     Field(#[from] FieldError),
+    /// The watch has stopped the work.
+    #[error(transparent)]
+    Stopped(#[from] Cancelled),
     /// The picture cannot be encoded as PNG.
     #[error("the picture cannot be written as PNG")]
     Png(#[from] png::EncodingError),
@@ -209,7 +212,9 @@ impl Seen {
         }
         let towards = self.axes.z_axis;
         for slabs in supports.chunks() {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                return;
+            }
             let of = |slab: &Slab| -> Vec<Pixels> {
                 let faces = slab.faces(way, towards);
                 faces.iter().map(|face| self.pixels(face)).collect()
@@ -488,7 +493,7 @@ impl<'a> Subject<'a> {
         seen: &mut Seen,
         wanted: &(dyn Fn(usize, usize) -> bool + Sync),
     ) -> Result<(), PictureError> {
-        limits::check();
+        limits::go_on()?;
         let scale = (seen.along.1 / seen.pixel) as f32;
         let from_model = self.axes.transpose().as_mat3();
         let normal = |gradient: Vec3| {
@@ -507,7 +512,7 @@ impl<'a> Subject<'a> {
                 |h: &Option<Hit>| h.map_or(Vec3::ZERO, |h| normal(h.gradient));
             normals.extend(row.iter().map(normal));
         });
-        looked.watched()?;
+        looked?;
         (seen.depths, seen.normals) = (depths, normals);
         seen.draw(self.supports, self.from_bed);
         Ok(())

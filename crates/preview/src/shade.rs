@@ -77,7 +77,7 @@ pub(super) fn shade(
     let (width, height) = (seen.width, seen.height);
     let light = Light::new(seen, Shadows::new(seen, lit));
     for first in (0..height).step_by(AT_ONCE) {
-        isoslice_base::limits::check();
+        isoslice_base::limits::go_on()?;
         let rows = first..(first + AT_ONCE).min(height);
         // Edges are found with the rows beside.
         let from = first.saturating_sub(1);

@@ -45,7 +45,7 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
         .moves
         .iter()
         .flat_map(|m| match m {
-            Move::Print(b) => b.points.as_slice(),
+            Move::Print(b) => b.stroke.points.as_slice(),
             Move::Travel(_) => &[],
         })
         .fold(frame, |r, &p| r.with(p));
@@ -85,9 +85,9 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
                     "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \
                      stroke-opacity=\"0.8\" points=\"",
                     colour(bead.role),
-                    bead.width
+                    bead.stroke.width
                 );
-                points(&mut svg, &mut bead.path());
+                points(&mut svg, &mut bead.stroke.path());
                 svg.push_str("\"/>\n");
                 for (shade, run) in rises(bead, path.span.height()) {
                     let _ = write!(
@@ -100,7 +100,7 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
                     points(&mut svg, &mut run.into_iter());
                     svg.push_str("\"/>\n");
                 }
-                at = bead.path().last();
+                at = bead.stroke.path().last();
             }
             Move::Travel(travel) => {
                 let dash = if travel.retract {
@@ -129,12 +129,13 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
 /// With each comes how far, from −1 to 1, which is half of the layer's height
 /// and more.
 fn rises(bead: &Bead, height: Mm) -> Vec<(f64, Vec<DVec2>)> {
-    if bead.levels.is_empty() {
+    if bead.stroke.levels.is_empty() {
         return Vec::new();
     }
-    let path: Vec<DVec2> = bead.path().collect();
+    let path: Vec<DVec2> = bead.stroke.path().collect();
     let shade = |i: usize| {
-        let rise = 0.5 * (bead.level(i).rise + bead.level(i + 1).rise);
+        let rise =
+            0.5 * (bead.stroke.level(i).rise + bead.stroke.level(i + 1).rise);
         (SHADES * rise / (0.5 * height)).round() / SHADES
     };
     let shades: Vec<f64> = (1..path.len())
@@ -163,7 +164,8 @@ mod tests {
         let mut bead = Bead::new(Role::TopSkin, stroke, 0.2);
         assert_eq!(rises(&bead, 0.2), []);
         let rises_of = [0.0, 0.0, 0.1, 0.1, -0.2];
-        bead.levels = rises_of.map(|rise| Level { rise, extra: 0.0 }).to_vec();
+        bead.stroke.levels =
+            rises_of.map(|rise| Level { rise, extra: 0.0 }).to_vec();
         let found = rises(&bead, 0.2);
         let at = |x: f64| DVec2::new(x, 0.0);
         assert_eq!(

@@ -11,6 +11,7 @@ use isoslice_gcode_read::reader::{
 };
 use isoslice_gcode_read::reader::{Problems, USUAL_FILAMENT};
 use isoslice_path::pace::clock::Clock;
+use isoslice_path::pace::limits;
 use isoslice_settings::Settings;
 use serde::Serialize;
 use std::io::Read;
@@ -264,7 +265,7 @@ impl Default for Collector {
                 statistics: Statistics::default(),
                 problems: Problems::default(),
             },
-            clock: Clock::new(&Settings::default()),
+            clock: Clock::new(limits(&Settings::default())),
             part: Box3::EMPTY,
             printed: Box3::EMPTY,
             volume: [0.0; Role::ALL.len()],

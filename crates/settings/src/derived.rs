@@ -2,12 +2,11 @@
 
 use super::by_nozzle::share_of;
 use super::{
-    Acceleration, ByNozzle, Emit, Infill, InfillMode, InfillPattern,
-    InterfaceShape, LayerHeights, Settings, Supports, Varying, WallOffset,
-    check,
+    Acceleration, ByNozzle, Infill, InfillMode, InfillPattern, InterfaceShape,
+    LayerHeights, Settings, Supports, Varying, WallOffset, check,
 };
 use isoslice_base::units::{
-    Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, PricePerKg,
+    Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, Percent, PricePerKg,
 };
 use std::path::Path;
 
@@ -63,16 +62,10 @@ by_nozzle! {
     outer_wall_width = 112.5;
     /// Line width of the walls behind the outer wall.
     inner_wall_width = 112.5;
-    /// Line width of skin and of the rings around it.
+    /// Line width of skin, of the rings around it and of bridges.
     skin_width = 112.5;
     /// Width of the lines of skin that faces upwards.
     top_skin_width = skin_width;
-    /// Width of the lines of skin that faces downwards, and of bridges.
-    bottom_skin_width = skin_width;
-    /// Thickness of solid material below each upward face.
-    top_thickness = 200.0;
-    /// Thickness of solid material above each downward face.
-    bottom_thickness = 150.0;
     /// How far skin reaches into the sparse infill beside it.
     skin_overlap = 150.0;
     /// Distance between the lines of ironing.
@@ -82,10 +75,28 @@ by_nozzle! {
 }
 
 impl Settings {
+    /// Thickness of solid material below each upward face.
+    pub fn top_thickness(&self) -> Mm {
+        let nozzle = self.printer.nozzle_diameter;
+        self.top_layers.thickness(nozzle, share_of(nozzle, 200.0))
+    }
+
+    /// Thickness of solid material above each downward face.
+    pub fn bottom_thickness(&self) -> Mm {
+        let nozzle = self.printer.nozzle_diameter;
+        self.bottom_layers
+            .thickness(nozzle, share_of(nozzle, 150.0))
+    }
+
+    /// True if the part is printed as a vase, in walls that climb.
+    pub fn is_vase(&self) -> bool {
+        self.spiral.is_on()
+    }
+
     /// True if every other inner wall lies half a layer lower.
     pub fn interlocks(&self) -> bool {
         self.walls_interlocked
-            && !self.spiral
+            && !self.is_vase()
             && self.contour_z.is(0.0)
             && self.highest_interlocked() <= self.printer.nozzle_diameter
     }
@@ -99,7 +110,7 @@ impl Settings {
     /// True if skin over sparse infill becomes internal bridges. At a border
     /// without a wall nothing would hold their ends.
     pub fn bridges_infill(&self) -> bool {
-        self.internal_bridges && self.walls > 0 && !self.spiral
+        self.internal_bridges.is_on() && self.walls > 0 && !self.is_vase()
     }
 
     /// Height of the highest bead where walls interlock, mm: it ends a wall that
@@ -113,19 +124,21 @@ impl Settings {
     pub fn supports_follow(&self) -> bool {
         self.support.interface_shape == InterfaceShape::Follow
             && self.supports != Supports::Off
-            && !self.spiral
+            && !self.is_vase()
     }
 
     /// True if scarfs rise with their flow. They do not if beads follow the
     /// surface above them, which then decides the beads' heights.
     pub fn scarf_rises(&self) -> bool {
-        self.seam_scarf_rise && self.contour_z.is(0.0)
+        /// Greatest share of the height at which a rise is worth while.
+        const HIGHEST: f64 = 90.0;
+        self.seam_scarf_start <= HIGHEST && self.contour_z.is(0.0)
     }
 
     /// True if walls depend on how far they reach beyond the layer below.
     pub fn by_reach(&self) -> bool {
-        let speed = &self.speed.overhang_steps;
-        !(speed.is_off() && self.cooling.overhang_fan_steps.is_off())
+        self.speed.overhang.steps().is_some()
+            || self.cooling.overhang_fan_speed.steps().is_some()
     }
 
     /// Diameter of the nozzle's flat end: `printer.nozzle_flat` if set, else
@@ -136,13 +149,12 @@ impl Settings {
         self.printer.nozzle_flat.unwrap_or(usual)
     }
 
-    /// Steepest face that beads of a layer follow in full: `contour_z_angle`,
-    /// or less if the nozzle's flat end, whose edge is r·tan of the angle deeper
-    /// than a face, would cut deeper than `contour_z_gouge` allows.
-    pub fn contour_z_full_angle(&self, height: Mm) -> Degrees {
-        let deep = 0.01 * self.contour_z_gouge * height;
-        let bound = deep.atan2(0.5 * self.nozzle_flat()).to_degrees();
-        self.contour_z_angle.min(bound)
+    /// Steepest face that beads follow in full.
+    pub fn contour_z_full_angle(&self) -> FullAngle {
+        FullAngle {
+            wanted: self.contour_z_angle,
+            flat: self.nozzle_flat(),
+        }
     }
 
     /// True if all layers above the first have one height.
@@ -183,7 +195,7 @@ impl Settings {
 
     /// True if walls can be led around tops.
     pub(crate) fn divides_walls(&self) -> bool {
-        !self.spiral
+        !self.is_vase()
             && !self.interlocks()
             && self.wall_offset == WallOffset::Distance
     }
@@ -191,7 +203,7 @@ impl Settings {
     /// Number of solid layers below an upward face: `top_layers` if set, else
     /// as many as `top_thickness` takes.
     pub fn top_layers(&self) -> u32 {
-        self.top_layers.unwrap_or_else(|| {
+        self.top_layers.layers().unwrap_or_else(|| {
             layers_in(self.top_thickness(), self.layer_height())
         })
     }
@@ -270,11 +282,7 @@ impl Settings {
 
     /// Acceleration of moves that do not print.
     pub fn travel_acceleration(&self) -> MmPerSec2 {
-        if self.acceleration.travel > 0.0 {
-            self.acceleration.travel
-        } else {
-            self.printer.travel_acceleration
-        }
+        self.printer.travel_acceleration
     }
 
     /// Moves a second that the firmware takes:
@@ -315,11 +323,7 @@ impl Settings {
 
     /// True if curved paths are written as arcs.
     pub fn arcs(&self) -> bool {
-        match self.gcode.arcs {
-            Emit::On => true,
-            Emit::Off => false,
-            Emit::Auto => self.printer.takes_arcs,
-        }
+        self.gcode.arcs
     }
 
     /// How far outer walls, or the raft, reach beyond the part, in the plane.
@@ -407,7 +411,7 @@ impl Settings {
     /// Number of solid layers above a downward face: `bottom_layers` if set,
     /// else as many as `bottom_thickness` takes.
     pub fn bottom_layers(&self) -> u32 {
-        self.bottom_layers.unwrap_or_else(|| {
+        self.bottom_layers.layers().unwrap_or_else(|| {
             layers_in(self.bottom_thickness(), self.layer_height())
         })
     }
@@ -415,7 +419,7 @@ impl Settings {
     /// Number of solid layers on the bed, of which the first has its own height,
     /// if the others are uniform.
     pub(super) fn layers_on_bed(&self) -> u32 {
-        self.bottom_layers.unwrap_or_else(|| {
+        self.bottom_layers.layers().unwrap_or_else(|| {
             let rest = self.bottom_thickness() - self.part_first_height();
             let more = if rest > THICKNESS_SLACK {
                 layers_in(rest, self.layer_height())
@@ -424,6 +428,29 @@ impl Settings {
             };
             more + u32::from(self.bottom_thickness() > 0.0)
         })
+    }
+}
+
+/// Steepest face that beads follow in full.
+#[derive(Clone, Copy, Debug)]
+pub struct FullAngle {
+    /// What was asked for.
+    pub wanted: Degrees,
+    /// Diameter of the nozzle's flat end.
+    flat: Mm,
+}
+
+impl FullAngle {
+    /// The angle in a layer of this height: what was asked for, or less if the
+    /// nozzle's flat end, whose edge is r·tan of the angle deeper than a face,
+    /// would cut too deep.
+    pub fn at(&self, height: Mm) -> Degrees {
+        /// Depth of the cut as a share of the layer's height: what is left of
+        /// the lines still holds the bead.
+        const GOUGE: Percent = 75.0;
+        let deep = 0.01 * GOUGE * height;
+        let bound = deep.atan2(0.5 * self.flat).to_degrees();
+        self.wanted.min(bound)
     }
 }
 
@@ -466,11 +493,12 @@ fn layers_in(thickness: Mm, layer_height: Mm) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Shell;
 
     fn settings(height: Mm, top: Mm) -> Settings {
         Settings {
             layer_height: height.into(),
-            top_thickness: top.into(),
+            top_layers: Shell::Thickness(top.into()),
             ..Settings::default()
         }
     }
@@ -519,8 +547,8 @@ mod tests {
     #[test]
     fn a_count_wins_over_a_thickness() {
         let s = Settings {
-            top_layers: Some(0),
-            bottom_layers: Some(7),
+            top_layers: Shell::Layers(0),
+            bottom_layers: Shell::Layers(7),
             ..Settings::default()
         };
         assert_eq!((s.top_layers(), s.bottom_layers()), (0, 7));

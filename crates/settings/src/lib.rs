@@ -58,16 +58,21 @@
 
 mod by_nozzle;
 mod check;
+mod count;
 mod derived;
 mod error;
 mod firmware;
 mod foreign;
+mod gone;
 mod infill;
 pub mod layers;
+mod line_density;
+mod overhang;
 mod profile;
 mod read;
 mod rows;
 mod schema;
+mod shell;
 mod shield;
 mod shipped;
 mod sizes;
@@ -87,11 +92,17 @@ pub use table::{Key, keys};
 pub use value::Range;
 
 pub use by_nozzle::ByNozzle;
-pub use derived::THICKNESS_SLACK;
+pub use count::SwitchOrCount;
+pub use derived::{FullAngle, THICKNESS_SLACK};
 pub use firmware::Refusals;
 pub use infill::Infill;
-pub use rows::{Acceleration, Cooling, Skirt, Speed};
-pub use rows::{Brim, Support};
+pub use line_density::LineDensity;
+pub use overhang::{OfOverhangs, OverhangFan, OverhangSpeed};
+pub use rows::{
+    Acceleration, Brim, Cooling, FuzzySkin, Printer, Retract, Skirt, Speed,
+    Support,
+};
+pub use shell::Shell;
 pub use shield::DraftShield;
 pub use sizes::Sizes;
 pub use sizes::{ImageFormat, PictureSize};
@@ -99,8 +110,7 @@ pub use steps::Steps;
 pub use value::Varying;
 pub(crate) use words::InterfaceShape;
 pub use words::{
-    BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
-    InfillMode, InfillPattern, LayerHeights, PlateSequence, SeamRule,
-    SkinOrder, SkinPattern, SkinWhere, SupportStyle, Supports, WallOffset,
-    WallOrder,
+    BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillMode,
+    InfillPattern, LayerHeights, PlateSequence, SeamRule, SkinOrder,
+    SkinPattern, SkinWhere, SupportStyle, Supports, WallOffset, WallOrder,
 };

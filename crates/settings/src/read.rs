@@ -6,6 +6,7 @@
 use super::check::{self, Conflict};
 use super::error::{GivenIn, GivenPlaces, SettingsError};
 use super::foreign;
+use super::gone;
 use super::profile::{Profile, Profiles};
 use super::shipped::ProfileKind;
 use super::table::{self, Key};
@@ -256,6 +257,9 @@ fn hint(name: &str) -> String {
         return "only profiles have it, which are named with --printer, \
                 --filament or --preset"
             .to_owned();
+    }
+    if let Some(instead) = gone::instead(name) {
+        return instead.to_owned();
     }
     if let Some(now) = foreign::name(name) {
         return format!("did you mean {now}?");

@@ -13,7 +13,10 @@
 
 use super::table;
 use super::words::*;
-use super::{ByNozzle, DraftShield, Infill, Sizes, Steps, Varying};
+use super::{
+    ByNozzle, DraftShield, Infill, LineDensity, OverhangFan, OverhangSpeed,
+    Shell, Sizes, SwitchOrCount, Varying,
+};
 use isoslice_base::units::*;
 
 table::settings! {
@@ -70,11 +73,10 @@ table::settings! {
         top_walls: Option<u32> = None, in 1..=1000;
         /// Whether to print the part as a vase: bottom_layers flat layers,
         /// and above them one wall that climbs without a break, without
-        /// infill, top skin, seams and retractions.
-        spiral: bool = false;
-        /// Number of walls that climb side by side if spiral is true. The nozzle
-        /// goes from each to the next one outside of it once a turn.
-        spiral_walls: u32 = 1, in 1..=100;
+        /// infill, top skin, seams and retractions. A number of walls climb
+        /// side by side, and the nozzle goes from each to the next one outside
+        /// of it once a turn.
+        spiral: SwitchOrCount = SwitchOrCount::Off, in 1..=100;
         /// Line width of the outer wall; auto is 112.5% of the nozzle's
         /// diameter.
         outer_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
@@ -91,7 +93,9 @@ table::settings! {
         /// so that the walls interlock and the part does not split so easily
         /// between layers.
         walls_interlocked: bool = false;
-        /// Which walls of an island are printed first.
+        /// Which walls of an island are printed first: inner ones, the outer one,
+        /// or the outer one unless it hangs over by more than overhang_share,
+        /// so that each wall is laid beside one that holds it.
         wall_order: WallOrder = WallOrder::InnerFirst;
         /// How walls are offset: by distance in the layer's plane, right for
         /// every field, or by the field's own value, right only where the
@@ -118,12 +122,11 @@ table::settings! {
         /// for a plain seam. No bead of a wall at least 1.8 times as wide as
         /// high becomes narrower than high.
         seam_scarf: Mm = 0.0, in 0.0..=200.0;
-        /// Whether the nozzle rises with the flow at the beginning of a scarf,
-        /// from the layer below to its own height; the end of the wall fills
-        /// what is left above. The first layer's scarfs stay level.
-        seam_scarf_rise: bool = false;
-        /// Height at which a scarf that rises begins, as a share of its layer's.
-        seam_scarf_start: Percent = 10.0, in 0.0..=90.0;
+        /// Height at which a scarf begins, as a share of its layer's: from there
+        /// the nozzle rises with the flow, and the end of the wall fills what
+        /// is left above. Above 90% scarfs stay level, as those of the first
+        /// layer do.
+        seam_scarf_start: Percent = 100.0, in 0.0..=100.0;
         /// How far the nozzle moves inwards, without printing, from the end
         /// of an outer wall before it goes elsewhere.
         seam_wipe: Mm = 0.3, in 0.0..=5.0;
@@ -132,27 +135,20 @@ table::settings! {
         /// Where the part gets skin: at all of its exposed faces, or only at
         /// its ends, where skin fills the lowest and the highest layers.
         skin_where: SkinWhere = SkinWhere::Exposed;
-        /// Least thickness of solid material below each upward face; auto is
-        /// 200% of the nozzle's diameter.
-        top_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
-        /// Least thickness of solid material above each downward face; auto is
-        /// 150% of the nozzle's diameter.
-        bottom_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
-        /// Number of solid layers below each upward face; auto takes it from
-        /// top_thickness.
-        top_layers: Option<u32> = None, in 0..=50_000;
-        /// Number of solid layers above each downward face; auto takes it
-        /// from bottom_thickness.
-        bottom_layers: Option<u32> = None, in 0..=50_000;
-        /// Line width of skin and of the rings around it; auto is 112.5% of the
+        /// Number of solid layers below each upward face, or their least
+        /// thickness, such as "0.8 mm"; auto is a thickness of 200% of the
         /// nozzle's diameter.
+        top_layers: Shell = Shell::AUTO, in 0..=50_000;
+        /// Number of solid layers above each downward face, or their least
+        /// thickness, such as "0.6 mm"; auto is a thickness of 150% of the
+        /// nozzle's diameter.
+        bottom_layers: Shell = Shell::AUTO, in 0..=50_000;
+        /// Line width of skin, of the rings around it and of bridges; auto is
+        /// 112.5% of the nozzle's diameter.
         skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Width of the lines of skin that faces upwards; auto takes
         /// skin_width.
         top_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
-        /// Width of the lines of skin that faces downwards, and of bridges;
-        /// auto takes skin_width.
-        bottom_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Pattern of skin that faces upwards,
         /// except where it is nowhere wider than 14 lines: there strokes
         /// follow its border.
@@ -203,10 +199,6 @@ table::settings! {
         /// Angle from the level up to which faces get all of contour_z; it
         /// fades over the next 10°.
         contour_z_angle: Degrees = 15.0, in 0.0..=35.0;
-        /// How deep the nozzle's flat end may cut into higher lines beside the
-        /// one it prints, as a share of the layer's height; faces so steep that
-        /// it would cut deeper count as steeper than contour_z_angle.
-        contour_z_gouge: Percent = 75.0, in 0.0..=1000.0;
         /// Whether undersides over supports and bridges follow the surface below
         /// them, as far as contour_z says: the nozzle stays at the layer's top,
         /// and the material goes as deep as the surface.
@@ -226,22 +218,16 @@ table::settings! {
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Whether the lowest solid layer over sparse infill gets lines across
         /// those of the infill, which end on the infill or on walls. The
-        /// following layers lie on it. Parts without walls have none.
-        internal_bridges: bool = true;
-        /// Number of layers of internal bridges over sparse infill, each across
-        /// the one below; auto is 2 where infill_density is below 10%, else 1.
-        /// If the density is an expression, the distance between the infill's
-        /// lines decides.
-        internal_bridge_layers: Option<u32> = None, in 1..=10;
+        /// following layers lie on it. Parts without walls have none. A number
+        /// is that of such layers, each across the one below; true is 2 where
+        /// infill_density is below 10%, else 1. If the density is an expression,
+        /// the distance between the infill's lines decides.
+        internal_bridges: SwitchOrCount = SwitchOrCount::On, in 1..=10;
         /// Material of internal bridges, as a share of what skin would get.
         internal_bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Share of its width by which a wall may hang over the layer below
         /// before it is printed as an overhang; with 100 no wall is.
         overhang_share: Percent = 50.0, in 0.0..=100.0;
-        /// Whether the walls round what hangs over by more than overhang_share
-        /// are printed from the inside out, whatever wall_order says: each is
-        /// laid beside one that holds it.
-        overhang_inner_first: bool = false;
         /// Whether the walls round what hangs over by more than overhang_share
         /// are printed the other way round on every other layer, so that what
         /// the cooling plastic pulls at does not add up. Walls that interlock
@@ -259,8 +245,6 @@ table::settings! {
         /// supports and keeps draughts off: off, full, or up to a height above
         /// the bed. It takes the skirt's place.
         draft_shield: DraftShield = DraftShield::Off, in 0.1..=10_000.0;
-        /// Gap between the draft shield and what is within it, brims included.
-        draft_shield_gap: Mm = 10.0, in 0.5..=1000.0;
 
         ["Sparse infill"]
         /// Share of the inside that is printed; 0 leaves it hollow. Infill
@@ -281,11 +265,6 @@ table::settings! {
         infill_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Direction of infill lines, counter-clockwise from the x axis.
         infill_angle: Degrees = 45.0, in -360.0..=360.0;
-        /// How far the pattern is moved along its repeat.
-        infill_phase: Percent = 0.0, in 0.0..=100.0;
-        /// What the pattern is laid out from. If it is the bed, parts on one
-        /// bed continue each other's pattern.
-        infill_centre: InfillCentre = InfillCentre::Object;
         /// How far sparse infill reaches into the wall or skin around it, as
         /// a share of its line width; skin has skin_wall_overlap.
         infill_overlap: Percent = 25.0, in 0.0..=100.0;
@@ -336,11 +315,11 @@ table::settings! {
         density: Percent = 12.0, in 1.0..=100.0;
         /// Number of dense layers at the top of a support.
         interface_layers: u32 = 2, in 0..=1000;
-        /// Share of the dense layers at the top of a support that is printed.
-        interface_density: Percent = 95.0, in 10.0..=100.0;
-        /// Distance between the lines of the dense layers at the top of a
-        /// support, from middle to middle; auto follows interface_density.
-        interface_spacing: Option<Mm> = None, in 0.1..=20.0;
+        /// Share of the dense layers at the top of a support that is printed, or
+        /// the distance between their lines, from middle to middle, such as
+        /// "0.8 mm".
+        interface_density: LineDensity = LineDensity::Share(95.0),
+            in 10.0..=100.0;
         /// Pattern of the dense layers at the top of a support.
         interface_pattern: SkinPattern = SkinPattern::Lines;
         /// Whether the top of a support is level in each layer, or follows the
@@ -405,14 +384,13 @@ table::settings! {
         /// Speed of internal bridges.
         internal_bridge: Varying<MmPerSec> = Varying::Constant(40.0),
             in 0.1..=2000.0;
-        /// Speed of walls that hang over the layer below.
-        overhang: Varying<MmPerSec> = Varying::Constant(20.0),
+        /// Speed of walls that hang over the layer below by more than
+        /// overhang_share, or speeds by the share of a wall's width that reaches
+        /// beyond that layer. Between steps the speed changes evenly, from the
+        /// wall's own at 0% on, and is never more than that. What lies over a
+        /// support counts half.
+        overhang: OverhangSpeed = OverhangSpeed::Same(Varying::Constant(20.0)),
             in 0.1..=2000.0;
-        /// Speeds of walls by the share of their width that reaches beyond the
-        /// layer below, instead of speed.overhang. Between steps the speed
-        /// changes evenly, from the wall's own at 0% on, and is never more than
-        /// that. What lies over a support counts half.
-        overhang_steps: Steps = Steps::of_speed();
         /// Speed of ironing.
         ironing: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0;
@@ -450,9 +428,6 @@ table::settings! {
         /// Greatest acceleration of everything printed on the first layer; 0
         /// for no limit.
         first_layer: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
-        /// Acceleration of moves that do not print; 0 takes
-        /// printer.travel_acceleration.
-        travel: MmPerSec2 = 0.0, in 1.0..=100_000.0 or_zero;
     }
     /// Travels: the way between beads.
     travel: Travel {
@@ -492,11 +467,8 @@ table::settings! {
         /// times the straight way, the travel goes straight.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
         /// Travels longer than this ooze too much: they retract even if the
-        /// ooze is hidden, or prime by ooze_prime.
+        /// ooze is hidden.
         max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
-        /// Length of filament pushed forward after a hidden travel longer than
-        /// max_unretracted, instead of a retraction; 0 retracts.
-        ooze_prime: Mm = 0.0, in 0.0..=5.0;
         /// Length of filament pushed forward beyond what was pulled back, to
         /// make up for what oozed; negative for less.
         extra_prime: Mm = 0.0, in -5.0..=5.0;
@@ -519,8 +491,9 @@ table::settings! {
     skirt: Skirt {
         /// Number of loops; 0 for no skirt.
         loops: u32 = 1, in 0..=1000;
-        /// Gap between the part, or its brim, and the innermost loop.
-        distance: Mm = 6.0, in 0.0..=1000.0;
+        /// Gap between the part, or its brim, and the innermost loop or the
+        /// draft shield; auto is 6 mm, and 10 mm for a draft shield.
+        distance: Option<Mm> = None, in 0.0..=1000.0;
         /// Number of layers, from the bed, that have a skirt.
         layers: u32 = 1, in 0..=50_000;
     }
@@ -562,13 +535,12 @@ table::settings! {
         /// supports, and the solid layers of a raft, are printed: the faster
         /// the fan, the less they stick to the part. auto is fan_speed.
         support_interface_fan_speed: Option<Percent> = None, in 0.0..=100.0;
-        /// Speed of the part's fan while overhanging walls are printed.
-        overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
-        /// Speeds of the part's fan by the share of a wall's width that reaches
-        /// beyond the layer below, instead of overhang_fan_speed. Between steps
-        /// the speed changes evenly, from fan_speed at 0% on. What lies over a
-        /// support counts half.
-        overhang_fan_steps: Steps = Steps::of_fan();
+        /// Speed of the part's fan while overhanging walls are printed, or
+        /// speeds by the share of a wall's width that reaches beyond the layer
+        /// below. Between steps the speed changes evenly, from fan_speed at 0%
+        /// on. What lies over a support counts half.
+        overhang_fan_speed: OverhangFan = OverhangFan::Same(100.0),
+            in 0.0..=100.0;
         /// Number of layers, from the bed, printed without the fan.
         fan_off_layers: u32 = 1, in 0..=50_000;
         /// Number of the first layer, from the bed, whose fan runs at full
@@ -656,7 +628,7 @@ table::settings! {
         /// Acceleration of printing moves if the group acceleration has no
         /// other.
         acceleration: MmPerSec2 = 1000.0, in 1.0..=100_000.0;
-        /// Acceleration of moves that do not print if acceleration.travel is 0.
+        /// Acceleration of moves that do not print.
         travel_acceleration: MmPerSec2 = 1500.0, in 1.0..=100_000.0;
         /// Speed at which a right-angled corner is passed.
         square_corner_velocity: MmPerSec = 5.0, in 0.0..=200.0;
@@ -688,9 +660,6 @@ table::settings! {
         /// for Prusa's, 500 for RepRapFirmware and Bambu Lab's, 1000 for
         /// Klipper.
         max_moves_per_second: Option<PerSec> = None, in 10.0..=100_000.0;
-        /// Whether the firmware follows arcs (G2 and G3) as closely as many
-        /// short moves.
-        takes_arcs: bool = false;
         /// Greatest speed of the z axis.
         max_speed_z: MmPerSec = 10.0, in 0.1..=1000.0;
         /// Greatest acceleration of the z axis, for the estimate of the time
@@ -712,8 +681,8 @@ table::settings! {
         /// absolute.
         relative_e: bool = false;
         /// Whether curved paths of constant width are written as arcs (G2 and
-        /// G3); auto writes them if printer.takes_arcs is true.
-        arcs: Emit = Emit::Auto;
+        /// G3), for firmware that follows them as closely as many short moves.
+        arcs: bool = false;
         /// Template for the start of the print; empty for homing only.
         /// Temperatures that it does not set are set before it, and waited for
         /// after it.

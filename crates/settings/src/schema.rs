@@ -91,7 +91,10 @@ fn of(key: &Key) -> Value {
         Kind::Varying => vec![number, expression],
         Kind::ByNozzle => vec![number, auto, share.clone()],
         Kind::Switch => vec![json!({ "type": "boolean" })],
-        Kind::Text | Kind::Sizes | Kind::Steps(_) => vec![text],
+        Kind::Text | Kind::Sizes => vec![text],
+        Kind::NumberOrText(_) => vec![number, text],
+        Kind::WholeOrText(_) => vec![whole, text],
+        Kind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
         Kind::Word(all) => vec![words(all)],
         // Besides its words the setting takes a script's name, or an
         // expression.
@@ -195,9 +198,9 @@ mod tests {
             ("layer_height = 0.2", "layer_height = 200"),
             ("infill = \"gyroid\"", "infill = \"gyriod\""),
             ("infill = \"expr: x\"", "infill = 3"),
-            ("top_layers = \"auto\"", "top_layers = \"some\""),
+            ("top_layers = \"0.8 mm\"", "top_layers = 0.8"),
             ("[speed]\nouter_wall = 30", "[speed]\nouter_wal = 30"),
-            ("spiral = true", "spiral = 1"),
+            ("spiral = 2", "spiral = \"on\""),
             ("bridge_flow = \"90%\"", "bridge_flow = \"90\""),
         ] {
             assert!(check(good), "{good}");

@@ -3,7 +3,7 @@
 //! Each step is a share and the value there. Between steps the value changes
 //! evenly, so that no step shows on the part.
 
-use super::value::{Kind, Measure, Range, Raw, Refused, Value};
+use super::value::{Measure, Range, Raw, Refused, Value};
 use isoslice_base::units::Percent;
 
 /// Greatest number of steps.
@@ -40,21 +40,6 @@ impl Of {
         let or_zero = false;
         let range = Some(Range { min, max, or_zero });
         Measure { unit, range }
-    }
-
-    /// What may be assigned.
-    fn allowed(self) -> &'static str {
-        match self {
-            Of::Fan => {
-                "off, or shares of the width, above 0 to 100%, each with its \
-                 value, 0 to 100%, such as \"25: 50, 100: 100\""
-            }
-            Of::Speed => {
-                "off, or shares of the width, above 0 to 100%, each with its \
-                 value, 0.1 to 2000 mm/s, or a share of what it is elsewhere, 1 to 100%, \
-                 such as \"10: 100%, 25: 80%, 50: 30, 100: 15\""
-            }
-        }
     }
 }
 
@@ -146,8 +131,12 @@ fn read(text: &str, of: Of) -> Result<(Percent, At), Refused> {
     Ok((share, At::Value(number)))
 }
 
-impl Value for Steps {
-    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
+impl Steps {
+    pub(super) fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        _: Measure,
+    ) -> Result<(), Refused> {
         *self = match raw {
             Raw::Text(text) | Raw::Word(text) => Steps::read(text, self.of)?,
             _ => return Err(Refused::Type),
@@ -155,7 +144,7 @@ impl Value for Steps {
         Ok(())
     }
 
-    fn to_toml(&self) -> String {
+    pub(super) fn to_toml(&self) -> String {
         if self.is_off() {
             return format!("\"{OFF}\"");
         }
@@ -167,10 +156,6 @@ impl Value for Steps {
             }
         });
         format!("\"{}\"", steps.collect::<Vec<_>>().join(", "))
-    }
-
-    fn kind(&self) -> Kind {
-        Kind::Steps(self.of.allowed())
     }
 }
 

@@ -56,7 +56,10 @@ impl Key {
             Kind::Sizes => {
                 "32x32, 300x300 or other sizes, or nothing".to_owned()
             }
-            Kind::Steps(allowed) => allowed.to_owned(),
+            Kind::SwitchOrWhole => format!("true, false, or {range}"),
+            Kind::NumberOrText(allowed) | Kind::WholeOrText(allowed) => {
+                allowed.to_owned()
+            }
             Kind::Word(words) => alternatives(words),
             Kind::WordOrShape(words) => {
                 format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
@@ -115,7 +118,9 @@ impl Key {
             (Kind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
             (
                 Kind::Switch
-                | Kind::Steps(_)
+                | Kind::NumberOrText(_)
+                | Kind::WholeOrText(_)
+                | Kind::SwitchOrWhole
                 | Kind::Word(_)
                 | Kind::WordOrShape(_)
                 | Kind::WordOrFormula(_)
@@ -324,6 +329,15 @@ macro_rules! unit {
     };
     (DraftShield) => {
         "mm"
+    };
+    (LineDensity) => {
+        "%"
+    };
+    (OverhangSpeed) => {
+        "mm/s"
+    };
+    (OverhangFan) => {
+        "%"
     };
     (Mm2) => {
         "mm²"

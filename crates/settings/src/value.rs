@@ -63,6 +63,14 @@ pub(super) enum Raw<'a> {
 }
 
 impl Raw<'_> {
+    /// The number of a length with its unit: `0.8` of `0.8 mm`.
+    pub(super) fn length(&self) -> Option<&str> {
+        let (Raw::Text(text) | Raw::Word(text)) = self else {
+            return None;
+        };
+        text.trim().strip_suffix("mm").map(str::trim_end)
+    }
+
     /// The value as it was given, for error messages.
     pub(super) fn describe(&self) -> String {
         match self {
@@ -101,8 +109,13 @@ pub(super) enum Kind {
     Text,
     /// Sizes of pictures.
     Sizes,
-    /// Values by steps. The text says what may be assigned.
-    Steps(&'static str),
+    /// A number, or text of another kind. The text says what may be assigned.
+    NumberOrText(&'static str),
+    /// A whole number, or text of another kind. The text says what may be
+    /// assigned.
+    WholeOrText(&'static str),
+    /// True, false or a whole number.
+    SwitchOrWhole,
     Word(&'static [&'static str]),
     /// A word, an expression, or the name of a script.
     WordOrShape(&'static [&'static str]),

@@ -63,6 +63,8 @@ value::words! {
         InnerFirst = "inner-first",
         /// Outer wall first: its place does not depend on the others.
         OuterFirst = "outer-first",
+        /// Outer wall first, unless it hangs over the layer below.
+        OuterFirstUnlessOverhang = "outer-first-unless-overhang",
     }
 
     /// Where a brim is.
@@ -218,13 +220,5 @@ value::words! {
         Surface = "surface",
         /// A solid, with walls of its own, where the expression is negative.
         Solid = "solid",
-    }
-
-    /// What infill is laid out from.
-    InfillCentre {
-        /// The middle of the part.
-        Object = "object",
-        /// The middle of the bed.
-        Bed = "bed",
     }
 }

@@ -2,34 +2,30 @@
 
 use super::Stages;
 use crate::pipeline::SliceError;
-use crate::pipeline::layer::{Inside, Layer, faces, window};
+use crate::pipeline::layer::Inside;
 use isoslice_base::timings::Stage;
 use isoslice_layer::infill::{self, InfillError};
 use isoslice_layer::region::exposure::FillAreas;
-use isoslice_layer::resolution::thin;
 use isoslice_layer::skin;
 use isoslice_layer::skin::Patch;
+use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_layer::walls;
 use isoslice_path::order::{LayerBeads, supports_last};
 use isoslice_planar::Area;
 use isoslice_planar::bead::{Bead, Role};
-use std::collections::VecDeque;
 
 impl Stages<'_> {
-    /// Everything there is to print in layer `i` of the window, and where it
-    /// has sparse infill.
+    /// Everything there is to print in a layer, and where it has sparse infill.
     pub(in crate::pipeline) fn beads(
         &self,
-        layers: &VecDeque<Layer>,
-        i: usize,
+        view: &LayerView<'_>,
         Inside { walls, roomy }: &Inside,
     ) -> Result<(LayerBeads, FillAreas), SliceError> {
-        let Layer { span, outline, .. } = &layers[i];
+        let LayerView { here, .. } = view;
+        let span = &here.span;
         let (number, height) = (span.index, span.height());
-        let solid = outline.grid();
-        let skirt = self.loops(&layers[i]);
-        let turns =
-            self.timings.time(Stage::Walls, || self.turns(layers, i))?;
+        let skirt = self.loops(here);
+        let turns = self.timings.time(Stage::Walls, || self.turns(view))?;
         if !turns.is_empty() {
             let beads = LayerBeads {
                 skirt,
@@ -39,20 +35,12 @@ impl Stages<'_> {
             return Ok((beads, FillAreas::default()));
         }
         let mut areas = self.timings.time(Stage::Skin, || {
-            let window = window(layers, i);
-            self.exposure.split(&walls.fill, roomy, &window)
+            self.exposure.split(&walls.fill, roomy, view)
         });
-        let infill = self.infill_in(&areas.sparse, &layers[i])?;
+        let infill = self.infill_in(&areas.sparse, here)?;
         let mut skin = self.timings.time(Stage::Skin, || {
-            infill::fill_bare(&mut areas, &infill, self.settings);
-            skin::patches(
-                &areas.skin,
-                &areas.sparse,
-                faces(layers, i),
-                number,
-                height,
-                self.settings,
-            )
+            infill::fill_bare(&mut areas, &infill, &self.plans.infill);
+            skin::patches(&areas.skin, &areas.sparse, view, &self.plans.skin)
         });
         if self.is_on_raft(number) {
             // The skin's underside lies over the air above the raft.
@@ -61,24 +49,22 @@ impl Stages<'_> {
                 bead.role = Role::Bridge;
             }
         }
-        let small = self.settings.speed.small_wall_length;
         let mut walls = if self.settings.interlocks() {
-            walls::interlocked(walls, height, small)
+            walls::interlocked(walls, height)
         } else {
-            walls::beads(walls, height, small)
+            walls::beads(walls, height)
         };
-        let sites = self.timings.time(Stage::Walls, || {
-            self.seams.sites(&walls, number, span.sample_z(), solid)
-        })?;
+        let sites = self
+            .timings
+            .time(Stage::Walls, || self.seams.sites(&walls, here))?;
         if let Some(fuzzy) = &self.fuzzy {
-            self.timings.time(Stage::Walls, || {
-                fuzzy.apply(&mut walls, number, span.sample_z(), solid)
-            })?;
+            self.timings
+                .time(Stage::Walls, || fuzzy.apply(&mut walls, here))?;
         }
         let support = self.support_beads(span)?;
         let radius = 0.5 * self.settings.nozzle_flat();
         let low = self.has_low_supports(span).then_some(radius);
-        let support_last = supports_last(number, outline, &support, low);
+        let support_last = supports_last(number, here.outline, &support, low);
         let mut beads = LayerBeads {
             support,
             support_last,
@@ -102,19 +88,14 @@ impl Stages<'_> {
     pub(super) fn infill_in(
         &self,
         sparse: &Area,
-        layer: &Layer,
+        layer: &LayerFace<'_>,
     ) -> Result<Vec<Bead>, InfillError> {
-        let target = infill::Target {
-            number: layer.span.index,
-            z: layer.span.sample_z(),
-            height: layer.span.height(),
-        };
         let solid = layer.outline.grid();
         self.timings.time(Stage::Infill, || {
-            if self.settings.spiral {
+            if self.settings.is_vase() {
                 Ok(Vec::new())
             } else {
-                self.infill.beads(sparse, target, Some(solid))
+                self.infill.beads(sparse, &layer.span, Some(solid))
             }
         })
     }
@@ -123,7 +104,7 @@ impl Stages<'_> {
     pub(super) fn thin<'b>(&self, beads: impl Iterator<Item = &'b mut Bead>) {
         for bead in beads {
             let role = bead.role;
-            thin(bead, role, self.settings);
+            self.plans.resolution.thin(&mut bead.stroke, role);
         }
     }
 }

@@ -3,14 +3,13 @@
 use super::Stages;
 use super::beads::of_skin;
 use crate::pipeline::SliceError;
-use crate::pipeline::layer::{Layer, faces};
 use isoslice_base::timings::Stage;
 use isoslice_layer::region::exposure::FillAreas;
 use isoslice_layer::skin::over_infill::{Below, Level, Over, Under, bridged};
 use isoslice_layer::skin::{self, Patch};
+use isoslice_layer::view::LayerView;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
-use std::collections::VecDeque;
 
 /// What replaces parts of a layer that has internal bridges.
 pub(in crate::pipeline) struct OverInfill {
@@ -30,46 +29,30 @@ impl Stages<'_> {
         }
         // What the lowest of these lie on is not known. They decide only where
         // the ends of lines of the layers above them are held.
-        1 + self.settings.internal_bridge_layers.unwrap_or(2) as usize
+        1 + self.settings.internal_bridges.count().unwrap_or(2) as usize
     }
 
-    /// Layer `i` of the window with internal bridges over the infill of the
-    /// layer below, and over its bridges `levels`, if there are any. `areas` and
-    /// `walls` are those of layer `i`.
+    /// A layer with internal bridges over the infill of the layer below, and over
+    /// its bridges `levels`, if there are any. `areas` and `walls` are the
+    /// layer's.
     pub(in crate::pipeline) fn over_infill(
         &self,
-        layers: &VecDeque<Layer>,
-        i: usize,
+        view: &LayerView<'_>,
         areas: &FillAreas,
         walls: &[Bead],
         under: Under<'_>,
         levels: &[Below],
     ) -> Result<Option<OverInfill>, SliceError> {
-        let faces = faces(layers, i);
-        let (Some(above), Some(below)) = (faces.above, faces.below) else {
-            return Ok(None);
-        };
-        let layer = &layers[i];
-        let height = layer.span.height();
         let over = Over {
             skin: &areas.skin,
             sparse: &areas.sparse,
             walls,
-            above,
-            below,
-            height,
+            view,
         };
         let made = self.timings.time(Stage::Skin, || {
-            let bridged = bridged(over, under, levels, self.settings)?;
-            let number = layer.span.index;
-            let mut skin = skin::patches(
-                &bridged.skin,
-                &bridged.sparse,
-                faces,
-                number,
-                height,
-                self.settings,
-            );
+            let bridged = bridged(over, under, levels, &self.plans.skin)?;
+            let (own, sparse) = (&bridged.skin, &bridged.sparse);
+            let mut skin = skin::patches(own, sparse, view, &self.plans.skin);
             skin.extend(bridged.patches);
             self.thin(of_skin(&mut skin));
             Some((skin, bridged.sparse, bridged.left, bridged.levels))
@@ -77,7 +60,7 @@ impl Stages<'_> {
         let Some((skin, sparse, left, levels)) = made else {
             return Ok(None);
         };
-        let mut infill = self.infill_in(&sparse, layer)?;
+        let mut infill = self.infill_in(&sparse, &view.here)?;
         self.timings
             .time(Stage::Infill, || self.thin(infill.iter_mut()));
         Ok(Some(OverInfill {

@@ -28,7 +28,7 @@ impl Stages<'_> {
         let looks: Vec<usize> = below.filter(|&i| guide.looks_at(i)).collect();
         // Some at a time, since a layer may take megabytes.
         for some in looks.chunks(pool.current_num_threads()) {
-            limits::check();
+            limits::go_on()?;
             let pair = |&i: &usize| {
                 let from = i - usize::from(!guide.is_first(i));
                 self.only(spans, from..from + 2)

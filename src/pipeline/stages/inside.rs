@@ -5,39 +5,34 @@ use crate::pipeline::layer::{Inside, Layer};
 use crate::report::{LayerFigures, LayerParts, ReportError};
 use isoslice_base::timings::Stage;
 use isoslice_layer::hang::Look;
-use isoslice_layer::region::exposure::roomy;
 use isoslice_layer::region::{Walls, field_walls, walls};
+use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_layer::walls;
 use isoslice_planar::Area;
-use std::collections::VecDeque;
 
 impl Stages<'_> {
-    /// True if layer `i` of the window needs walls of its own: it is seen from
-    /// above, and tops have fewer walls.
-    pub(in crate::pipeline) fn divides(
-        &self,
-        layers: &VecDeque<Layer>,
-        i: usize,
-    ) -> bool {
-        let covered = |above: &Layer| above.same_outline(&layers[i]);
-        self.may_divide() && !layers.get(i + 1).is_some_and(covered)
+    /// True if a layer needs walls of its own: it is seen from above, and tops
+    /// have fewer walls.
+    pub(in crate::pipeline) fn divides(&self, view: &LayerView<'_>) -> bool {
+        let covered = |above: &LayerFace<'_>| above.is_like(&view.here);
+        self.may_divide() && !view.above.first().is_some_and(covered)
     }
 
     /// True if walls may depend on the layer above.
     pub(in crate::pipeline) fn may_divide(&self) -> bool {
-        self.settings.top_walls() < self.settings.walls
+        self.plans.walls.around_tops < self.plans.walls.count
     }
 
-    /// The walls of layer `i` of the window and what they leave.
+    /// The walls of a layer and what they leave.
     pub(in crate::pipeline) fn inside(
         &self,
-        layers: &VecDeque<Layer>,
-        i: usize,
+        layer: &Layer,
+        view: &LayerView<'_>,
     ) -> Inside {
         let nothing = Area::EMPTY;
-        let above = layers.get(i + 1).map_or(&nothing, Layer::area);
-        let above = self.divides(layers, i).then_some(above);
-        self.inside_below(&layers[i], above)
+        let above = view.above.first();
+        let above = above.map_or(&nothing, |above| above.outline.area());
+        self.inside_below(layer, self.divides(view).then_some(above))
     }
 
     /// A layer's walls and what they leave. There are fewer walls around what
@@ -55,19 +50,19 @@ impl Stages<'_> {
         }
         let height = layer.span.height();
         let walls = self.timings.time(Stage::Walls, || {
-            let outline = layer.area();
+            let (outline, plan) = (layer.area(), &self.plans.walls);
             let mut walls = if layer.offsets.is_empty() {
-                walls(outline, above, height, self.settings)
+                walls(outline, above, height, plan)
             } else {
                 let areas = layer.offsets.to_vec();
-                field_walls(outline, areas, height, self.settings)
+                field_walls(outline, areas, height, plan)
             };
-            walls::thin(&mut walls, self.settings);
+            walls::thin(&mut walls, self.plans.resolution);
             walls
         });
         let roomy = self
             .timings
-            .time(Stage::Skin, || roomy(&walls.fill, self.settings));
+            .time(Stage::Skin, || self.exposure.roomy(&walls.fill));
         Inside { walls, roomy }
     }
 
@@ -86,8 +81,9 @@ impl Stages<'_> {
             return Ok(None);
         }
         let rounded;
-        let walls = if self.settings.arcs() {
-            rounded = walls::rounded(walls, self.settings);
+        let resolution = self.plans.resolution;
+        let walls = if resolution.arcs {
+            rounded = walls::rounded(walls, resolution);
             &rounded
         } else {
             walls
@@ -105,33 +101,32 @@ impl Stages<'_> {
             .time(Stage::Report, || self.gauge.layer(parts, k))
     }
 
-    /// How layer `i` of the window lies over the layer below. None if supports are
-    /// planned, which see to what hangs, or if layer `i` is the first.
+    /// How a layer lies over the layer below. None if supports are planned, which see
+    /// to what hangs, or if the layer is the first.
     pub(in crate::pipeline) fn look(
         &self,
-        layers: &VecDeque<Layer>,
-        i: usize,
+        view: &LayerView<'_>,
     ) -> Option<Look> {
-        let below = layers.get(i.checked_sub(1)?)?;
+        let below = view.below.first()?;
         if self.support().is_some() {
             return None;
         }
-        self.look_over(&layers[i], below)
+        self.look_over(&view.here, below)
     }
 
     /// How a layer lies over the layer below. None if their outlines are equal, or
     /// if they are on a raft, which holds all that is on it.
     pub(super) fn look_over(
         &self,
-        here: &Layer,
-        below: &Layer,
+        here: &LayerFace<'_>,
+        below: &LayerFace<'_>,
     ) -> Option<Look> {
         let number = here.span.index;
-        if here.same_outline(below) || self.is_on_raft(number) {
+        if here.is_like(below) || self.is_on_raft(number) {
             return None;
         }
         let heights = [here, below].map(|layer| layer.span.height());
-        let outlines = [here, below].map(|layer| layer.outline.as_ref());
+        let outlines = [here, below].map(|layer| layer.outline);
         let look = || Look::new(outlines, number, heights, self.settings);
         Some(self.timings.time(Stage::Hang, look))
     }

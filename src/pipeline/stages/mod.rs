@@ -26,16 +26,17 @@ mod support;
 
 use super::SliceError;
 use super::layer::Layer;
+use super::plans::Plans;
 use super::raft::Raft;
-use super::supported::Supported;
+use super::supported::{Fills, Supported};
 use crate::report::Gauge;
-use glam::DVec2;
 use isoslice_base::timings::Timings;
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::Skirt;
 use isoslice_layer::fuzzy::Fuzzy;
 use isoslice_layer::infill::standing::Standing;
 use isoslice_layer::infill::{self, Infill};
+use isoslice_layer::region::ExposurePlan;
 use isoslice_layer::region::compensate::Growth;
 use isoslice_layer::region::exposure::Exposure;
 use isoslice_layer::seam::{Guide, Seams};
@@ -54,6 +55,7 @@ use std::ops::Range;
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
+    pub plans: &'a Plans,
     model: &'a Model,
     /// The part's box in the plane.
     rect: Rect,
@@ -75,7 +77,7 @@ pub(super) struct Stages<'a> {
     /// Height of the bed in the model's coordinates.
     bed: Mm,
     /// The climbing wall, if there is one.
-    pub spiral: Option<Spiral<'a>>,
+    pub spiral: Option<Spiral>,
     /// How far outlines grow, if that differs from place to place.
     growth: Option<Growth>,
     exposure: Exposure<'a>,
@@ -88,6 +90,7 @@ impl<'a> Stages<'a> {
     pub(super) fn new(
         model: &'a Model,
         settings: &'a Settings,
+        plans: &'a Plans,
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
         spans: &'a [LayerSpan],
@@ -99,20 +102,22 @@ impl<'a> Stages<'a> {
         let wall_fields = match settings.wall_offset {
             WallOffset::Distance => WallFields::None,
             WallOffset::Field if settings.is_uniform() => WallFields::Alike(
-                by_depth(settings.layer_height(), settings, make)?,
+                by_depth(settings.layer_height(), &plans.walls, make)?,
             ),
             WallOffset::Field => WallFields::ByHeight,
         };
-        let site = site(model, settings, rect);
+        let site = site(model, rect);
+        let infill = Infill::new(plans.infill.clone(), around, site)?;
         Ok(Stages {
             settings,
+            plans,
             model,
             rect,
             field,
             wall_fields,
-            seams: Seams::new(settings, around)?,
+            seams: Seams::new(&settings.seam, settings.accuracy, around)?,
             guide: None,
-            fuzzy: Fuzzy::new(settings, around)?,
+            fuzzy: Fuzzy::new(&settings.fuzzy, around)?,
             skirt: None,
             support: None,
             known: Vec::new(),
@@ -120,9 +125,9 @@ impl<'a> Stages<'a> {
             raft_layers: settings.raft_layers(),
             bed: -model.offset.z,
             spiral: None,
-            exposure: Exposure::new(settings, spans),
-            growth: Growth::new(settings, model)?,
-            infill: Infill::new(settings, around, site)?,
+            exposure: Exposure::new(ExposurePlan::of(settings), spans),
+            growth: Growth::new(&settings.xy_compensation, model)?,
+            infill,
             timings: Timings::default(),
             gauge,
         })
@@ -134,9 +139,13 @@ impl<'a> Stages<'a> {
         Rect::new(on_bed.min - offset, on_bed.max - offset)
     }
 
-    /// The site from which fillings of supports are laid out.
-    fn site(&self) -> infill::Site {
-        site(self.model, self.settings, self.rect)
+    /// What fills of supports and of a raft have in common.
+    fn fills(&self, around: &'a Surroundings<'a>) -> Fills<'_, 'a> {
+        Fills {
+            plans: self.plans,
+            around,
+            site: site(self.model, self.rect),
+        }
     }
 
     /// True if a layer is the part's first one, on a raft.
@@ -146,7 +155,7 @@ impl<'a> Stages<'a> {
 
     /// A check of infill that may stand on nothing, if the settings need one.
     pub(super) fn standing(&self) -> Option<Standing> {
-        Standing::new(self.settings)
+        Standing::new(&self.plans.infill)
     }
 
     /// Number of layers whose field is walked at a time.
@@ -174,7 +183,7 @@ impl<'a> Stages<'a> {
     /// Number of layers below a layer that it depends on.
     pub(super) fn reach_below(&self) -> usize {
         // A turn lies on a layer that has to be known.
-        let below = usize::from(self.settings.spiral);
+        let below = usize::from(self.settings.is_vase());
         // Internal bridges lie on infill, which has to be known as well.
         let infill = self.rehearsed_bridges();
         self.exposure.reach_below().max(below) + infill
@@ -182,13 +191,10 @@ impl<'a> Stages<'a> {
 }
 
 /// The site from which the fillings of a part are laid out.
-fn site(model: &Model, settings: &Settings, part: Rect) -> infill::Site {
-    let printer = &settings.printer;
-    let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
+fn site(model: &Model, part: Rect) -> infill::Site {
     infill::Site {
         part,
         height: model.bounds.size().z,
-        bed: bed - model.offset.truncate(),
         origin: model.origin.truncate(),
     }
 }

@@ -11,13 +11,12 @@ use isoslice_base::timings::Stage;
 use isoslice_base::units::Mm;
 use isoslice_layer::region::compensate::Compensation;
 use isoslice_layer::region::cover::rough;
-use isoslice_layer::region::{OUTLINE_SHARE, wall_depths};
+use isoslice_layer::region::{OUTLINE_SHARE, WallPlan};
 use isoslice_model::contour::{
     Detail, Field, FieldError, Outline, field, outlines,
 };
 use isoslice_model::vary::VaryError;
 use isoslice_planar::{Area, Solid};
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 use std::ops::Range;
 use std::sync::Arc;
@@ -44,10 +43,10 @@ pub(super) enum WallFields {
 /// each with its depth.
 pub(super) fn by_depth(
     height: Mm,
-    settings: &Settings,
+    walls: &WallPlan,
     make: impl Fn(Mm) -> Result<Field, FieldError>,
 ) -> Result<Vec<(Mm, Field)>, FieldError> {
-    let (depths, border) = wall_depths(height, settings);
+    let (depths, border) = walls.depths(height);
     let depths = depths.into_iter().chain([border]);
     depths.map(|d| Ok((d, make(d)?))).collect()
 }
@@ -162,12 +161,12 @@ impl Stages<'_> {
                 };
                 let mut all = Vec::with_capacity(spans.len());
                 for run in spans.chunk_by(alike) {
-                    limits::check();
+                    limits::go_on()?;
                     let spacing = self.settings.sample_spacing;
                     let tree = &self.model.tree;
                     let make = |d: Mm| field(tree, d, self.rect, spacing);
                     let fields =
-                        by_depth(run[0].height(), self.settings, make)?;
+                        by_depth(run[0].height(), &self.plans.walls, make)?;
                     all.extend(of(&fields, run)?);
                 }
                 Ok(all)
@@ -196,8 +195,8 @@ impl Stages<'_> {
             dropped_rings,
         };
         let growth = self.growth.as_ref();
-        let moving =
-            |span: &LayerSpan| Compensation::new(span, self.settings, growth);
+        let plan = self.plans.outline;
+        let moving = |span: &LayerSpan| Compensation::new(span, plan, growth);
         let moved = moving(&span);
         let alike = |below: &&Layer| {
             moving(&below.span).is_like(&moved)
@@ -229,7 +228,7 @@ impl Stages<'_> {
         } else {
             let rough = self
                 .timings
-                .time(Stage::Skin, || rough(outline.area(), self.settings));
+                .time(Stage::Skin, || rough(outline.area(), &self.plans.walls));
             (Arc::new(outline), Arc::new(rough))
         };
         Ok(Layer {

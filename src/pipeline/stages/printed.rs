@@ -11,7 +11,6 @@ use isoslice_planar::Rect;
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use std::collections::VecDeque;
 
 /// What is known of a layer that was looked at without its neighbours.
 struct Looked {
@@ -38,7 +37,7 @@ impl Stages<'_> {
         let slabs = below.rchunks(self.slab_layers());
         let mut sampled = false;
         for slab in std::iter::once(last).chain(slabs) {
-            limits::check();
+            limits::go_on()?;
             let looked = pool.install(|| self.look_at(slab))?;
             let highest = looked.iter().rposition(|l| l.prints);
             let thin = looked.iter().any(|l| l.found.is_suspicious());
@@ -67,8 +66,8 @@ impl Stages<'_> {
                 let prints = false;
                 return Ok(Looked { prints, found });
             }
-            let alone = VecDeque::from([layer]);
-            let (beads, _) = self.beads(&alone, 0, &inside)?;
+            let alone = layer.among(None, None);
+            let (beads, _) = self.beads(&alone, &inside)?;
             let prints = !(beads.walls.is_empty()
                 && beads.infill.is_empty()
                 && beads.skin.is_empty());

@@ -2,10 +2,10 @@
 
 use super::{ALL_LAYERS, Stages};
 use crate::pipeline::SliceError;
-use crate::pipeline::layer::Layer;
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_layer::adhesion::{Skirt, loops};
+use isoslice_layer::adhesion::{Skirt, SkirtPlan, loops};
+use isoslice_layer::view::LayerFace;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Ring};
@@ -29,10 +29,10 @@ impl Stages<'_> {
         &mut self,
         spans: &[LayerSpan],
     ) -> Result<(), SliceError> {
-        let skirt = &self.settings.skirt;
-        if skirt.loops > 0 && skirt.layers > 1 {
-            let areas = self.beside(spans, skirt.layers as usize)?;
-            self.skirt = Some(Skirt::new(&areas, self.settings));
+        let plan = self.plans.adhesion.skirt;
+        if plan.loops > 0 && plan.layers > 1 {
+            let areas = self.beside(spans, plan.layers)?;
+            self.skirt = Some(Skirt::new(&areas, plan));
         }
         Ok(())
     }
@@ -85,23 +85,25 @@ impl Stages<'_> {
     ) {
         let all = self.seen_from_above(spans, part);
         let layers = shielded(spans, self.settings);
-        self.skirt = Some(Skirt::shield(&all, layers, self.settings));
+        let plan = SkirtPlan::of_shield(self.settings, layers);
+        self.skirt = Some(Skirt::new(&all, plan));
     }
 
     /// The skirt and the brim of a layer.
-    pub(super) fn loops(&self, layer: &Layer) -> Vec<Bead> {
+    pub(super) fn loops(&self, layer: &LayerFace<'_>) -> Vec<Bead> {
         let number = layer.span.index;
         let beside = match number {
             0 => self.support_area(number),
             _ => None,
         };
-        let beside = beside.map(|area| union(&area, layer.area()));
+        let outline = layer.outline.area();
+        let beside = beside.map(|area| union(&area, outline));
         loops(
             number,
-            beside.as_ref().unwrap_or(layer.area()),
+            beside.as_ref().unwrap_or(outline),
             layer.span.height(),
             self.skirt.as_ref(),
-            self.settings,
+            &self.plans.adhesion,
         )
     }
 }

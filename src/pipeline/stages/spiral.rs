@@ -3,13 +3,12 @@
 use super::Stages;
 use super::outlines::WallFields;
 use crate::pipeline::SliceError;
-use crate::pipeline::layer::Layer;
 use isoslice_base::limits;
+use isoslice_layer::view::LayerView;
 use isoslice_path::spiral::Spiral;
 use isoslice_planar::bead::Bead;
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
-use std::collections::VecDeque;
 
 impl<'a> Stages<'a> {
     /// Plans the climbing wall of the layers to be printed, if there is one. It
@@ -20,14 +19,14 @@ impl<'a> Stages<'a> {
         pool: &ThreadPool,
         spans: &[LayerSpan],
     ) -> Result<(), SliceError> {
-        if !self.settings.spiral {
+        if !self.settings.is_vase() {
             return Ok(());
         }
-        let mut spiral = Spiral::new(self.model, self.settings, spans)?;
+        let mut spiral = Spiral::new(self.model, self.plans.spiral, spans)?;
         let last_flat = spiral.first() - 1;
         let all = last_flat..spans.len();
         for slab in spans.chunks(self.slab_layers()) {
-            limits::check();
+            limits::go_on()?;
             // Offset fields are not asked for.
             let none = &WallFields::None;
             let made = || self.layers_of(&self.field, none, slab, &all);
@@ -42,14 +41,13 @@ impl<'a> Stages<'a> {
     /// The turns of a layer's climbing walls; none if it is flat.
     pub(super) fn turns(
         &self,
-        layers: &VecDeque<Layer>,
-        i: usize,
+        view: &LayerView<'_>,
     ) -> Result<Vec<Bead>, SliceError> {
-        let Layer { span, outline, .. } = &layers[i];
-        let below = i.checked_sub(1).map(|k| layers[k].span);
-        match (self.spiral_at(span.index), below) {
+        let LayerView { here, below, .. } = view;
+        match (self.spiral_at(here.span.index), below.first()) {
             (Some(spiral), Some(below)) => {
-                Ok(spiral.turns(span, &below, outline.area())?)
+                let outline = here.outline.area();
+                Ok(spiral.turns(&here.span, &below.span, outline)?)
             }
             _ => Ok(Vec::new()),
         }
@@ -59,7 +57,7 @@ impl<'a> Stages<'a> {
     pub(in crate::pipeline) fn spiral_at(
         &self,
         layer: usize,
-    ) -> Option<&Spiral<'a>> {
+    ) -> Option<&Spiral> {
         self.spiral.as_ref().filter(|spiral| spiral.has(layer))
     }
 }

@@ -5,8 +5,8 @@ use super::{ALL_LAYERS, Stages};
 use crate::pipeline::SliceError;
 use crate::pipeline::follow::Follow;
 use crate::pipeline::layer::Layer;
-use crate::pipeline::raft::{self, Raft};
-use crate::pipeline::supported::{Fills, Supported, Top};
+use crate::pipeline::raft::Raft;
+use crate::pipeline::supported::{Supported, Top};
 use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::timings::Stage;
@@ -38,9 +38,8 @@ const SLABS: usize = 2;
 const ROUNDED: Mm = 1e-6;
 
 impl<'a> Stages<'a> {
-    /// Plans the supports of the whole part, `spans`. `fills` are the settings
-    /// by which supports and their dense tops are filled. `room` is the part of
-    /// the bed that supports may use.
+    /// Plans the supports of the whole part, `spans`. `room` is the part of the
+    /// bed that supports may use.
     ///
     /// # Errors
     /// If the part's outlines cannot be found, or `support.where` has no value
@@ -50,7 +49,6 @@ impl<'a> Stages<'a> {
         pool: &ThreadPool,
         spans: &'a [LayerSpan],
         around: &'a Surroundings<'a>,
-        fills: &'a Fills,
         room: Rect,
     ) -> Result<(), SliceError> {
         let wishes = Wishes::new(self.settings, around)?;
@@ -65,8 +63,8 @@ impl<'a> Stages<'a> {
         let plan = || Plan::new(survey, sections, heights, bed, asked);
         let plan = self.timings.time_pool(Stage::Support, pool, plan);
         self.known = known;
-        let site = self.site();
-        self.support = Some(Supported::new(plan, fills, around, site)?);
+        let fills = self.fills(around);
+        self.support = Some(Supported::new(plan, self.settings, &fills)?);
         Ok(())
     }
 
@@ -172,7 +170,8 @@ impl<'a> Stages<'a> {
         layers: &[Layer],
         count: usize,
     ) {
-        let look = |pair: &[Layer]| self.look_over(&pair[1], &pair[0]);
+        let look =
+            |pair: &[Layer]| self.look_over(&pair[1].face(), &pair[0].face());
         let looks: Vec<Option<Look>> =
             pool.install(|| layers.par_windows(2).map(look).collect());
         self.timings.time(Stage::Hang, || {
@@ -241,7 +240,6 @@ impl<'a> Stages<'a> {
         &mut self,
         spans: &[LayerSpan],
         around: &'a Surroundings<'a>,
-        fills: &'a raft::Fills,
         room: Rect,
     ) -> Result<(), SliceError> {
         let first = self.raft_layers;
@@ -252,7 +250,7 @@ impl<'a> Stages<'a> {
         let half = 0.5 * s.thinnest_line();
         let mut under = Area::EMPTY;
         for span in spans.iter().skip(first) {
-            limits::check();
+            limits::go_on()?;
             let of_span =
                 self.layers(std::slice::from_ref(span), &ALL_LAYERS)?;
             if let Some(support) = self.support_area(span.index) {
@@ -266,9 +264,8 @@ impl<'a> Stages<'a> {
                 break;
             }
         }
-        let raft =
-            Raft::new(&under, self.in_model(room), fills, around, self.site())?;
-        self.raft = Some(raft);
+        let fills = self.fills(around);
+        self.raft = Some(Raft::new(&under, self.in_model(room), s, &fills)?);
         Ok(())
     }
 

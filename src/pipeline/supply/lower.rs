@@ -11,7 +11,7 @@
 //! rehearsal finds, and the layers that are rehearsed keep the infill that they
 //! keep there.
 
-use super::super::layer::{Filled, Layer};
+use super::super::layer::{Filled, Layer, view};
 use super::super::stages::Stages;
 use super::super::{BLOCK, SliceError};
 use glam::DVec2;
@@ -95,15 +95,14 @@ impl Lower {
             if self.is_new(window, i) {
                 self.standing.iter_mut().for_each(Standing::forget);
             }
-            let (beads, areas) = (&mut filled.beads, &filled.areas);
-            let Some(areas) = areas else {
+            let beads = &mut filled.beads;
+            let Some(mut areas) = filled.areas.take() else {
                 let standing = self.standing.as_mut();
                 filled.left_out = window.keep_standing(standing, beads);
                 continue;
             };
-            let from_block = self.early(window, i, beads, areas)?;
+            let from_block = self.early(window, i, beads, &areas)?;
             let under = self.under.as_ref();
-            let mut areas = areas.clone();
             let over = window.over(i, beads, &mut areas, under)?;
             let standing = self.standing.as_mut();
             filled.left_out = window.keep_standing(standing, beads);
@@ -169,12 +168,15 @@ struct Bridges {
 impl Bridges {
     /// A layer of these beads that has these bridges.
     fn infilled(self, beads: &LayerBeads, sparse: &Area) -> Infilled {
-        let infill = beads.infill.iter().map(|bead| bead.path());
+        let infill = beads.infill.iter().map(|bead| bead.stroke.path());
         let beside = |level: Level| level.beside(&beads.infill);
         Infilled {
             open: Solid::new(union(sparse, &self.left)),
             infill: EdgeGrid::of_lines(infill, CELL),
-            shell: beads.shell().map(|bead| bead.path().collect()).collect(),
+            shell: beads
+                .shell()
+                .map(|bead| bead.stroke.path().collect())
+                .collect(),
             levels: self.levels.into_iter().map(beside).collect(),
         }
     }
@@ -193,11 +195,11 @@ impl Window<'_> {
         let Some(below) = under.filter(|_| !areas.skin.is_empty()) else {
             return Ok(Bridges::default());
         };
-        let (layers, levels) = (self.layers, &below.levels);
+        let view = view(self.layers, i);
         let made = self.pool.install(|| {
             let (walls, under) = (&beads.walls, below.under());
             self.stages
-                .over_infill(layers, i, areas, walls, under, levels)
+                .over_infill(&view, areas, walls, under, &below.levels)
         })?;
         let Some(over) = made else {
             return Ok(Bridges::default());

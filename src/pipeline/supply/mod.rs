@@ -12,9 +12,10 @@ mod lower;
 pub(super) mod plate;
 
 use super::SliceError;
-use super::layer::{Filled, Inside, Layer, Ready};
+use super::layer::{Filled, Inside, Layer, view};
 use super::options::Extent;
 use super::stages::Stages;
+use isoslice_base::limits;
 use isoslice_planar::Solid;
 use isoslice_settings::layers::LayerSpan;
 use lower::{Lower, Window};
@@ -149,29 +150,10 @@ impl<'a> Supply<'a> {
     /// Fills some layers of the window, and drops layers on which no later
     /// layer depends.
     fn fill(&mut self, which: Range<usize>) -> Batch {
-        let mut batch = Vec::with_capacity(which.len());
-        let filled = self.filled(which.clone())?;
-        let near = |i: usize| {
-            let layer = self.window.get(i)?;
-            let inside = None;
-            Some(Layer {
-                inside,
-                ..layer.clone()
-            })
-        };
         let count = which.len();
-        for (i, filled) in which.zip(filled) {
-            let Some(layer) = near(i) else { break };
-            if layer.span.index < self.first {
-                continue;
-            }
-            batch.push(Ready {
-                layer,
-                below: i.checked_sub(1).and_then(near),
-                above: near(i + 1),
-                filled,
-            });
-        }
+        let mut batch = self.filled(which)?;
+        limits::go_on()?;
+        batch.retain(|filled| filled.layer.span.index >= self.first);
         self.next += count;
         let keep = self.next.saturating_sub(self.stages.reach_below());
         while self.window.front().is_some_and(|s| s.span.index < keep) {
@@ -201,17 +183,23 @@ impl<'a> Supply<'a> {
                 _ => groups.push(i..i + 1),
             }
         }
+        let view = |i: usize| view(layers, i);
         let fill = |i: usize, inside: &Inside| {
             let index = layers[i].span.index;
+            let view = view(i);
+            let below = i.checked_sub(1);
             let figures = if self.layers.contains(&index) {
                 let k = index - self.layers.start;
                 stages.figures(&layers[i], &inside.walls, k)?
             } else {
                 None
             };
-            let (beads, areas) = stages.beads(layers, i, inside)?;
+            let (beads, areas) = stages.beads(&view, inside)?;
             let bridges = stages.rehearsed_bridges() > 0;
             Ok(Filled {
+                layer: layers[i].without_inside(),
+                below: below.map(|k| layers[k].without_inside()),
+                above: layers.get(i + 1).map(Layer::without_inside),
                 beads,
                 left_out: 0,
                 areas: bridges.then(|| areas.clone()),
@@ -221,11 +209,12 @@ impl<'a> Supply<'a> {
                     .on_which_supports_stand(&layers[i].span)
                     .map(Solid::new),
                 held: stages.held_by_support(index).map(Solid::new),
-                look: stages.look(layers, i),
+                look: stages.look(&view),
                 gap: inside.walls.gap,
                 figures,
             })
         };
+        let own = |i: usize| stages.inside(&layers[i], &view(i));
         let fill_group = |group: &Range<usize>| {
             let first = group.start;
             let below = first
@@ -235,16 +224,16 @@ impl<'a> Supply<'a> {
             let known = [Some(&layers[first]), below].into_iter().flatten();
             let known = known.filter_map(|layer| layer.inside.clone()).next();
             // The highest of several equal layers may be a top.
-            let alike =
-                group.end - usize::from(stages.divides(layers, group.end - 1));
+            let highest = view(group.end - 1);
+            let alike = group.end - usize::from(stages.divides(&highest));
             let inside = known.or_else(|| {
                 let alike = first < alike;
-                alike.then(|| Arc::new(stages.inside(layers, first)))
+                alike.then(|| Arc::new(own(first)))
             });
             let filled = group.clone().into_par_iter();
             let filled = filled.map(|i| match &inside {
                 Some(inside) if i < alike => fill(i, inside),
-                _ => fill(i, &stages.inside(layers, i)),
+                _ => fill(i, &own(i)),
             });
             Ok((all_or_first(filled.collect())?, inside))
         };
@@ -279,7 +268,7 @@ fn all_or_first<T>(
 }
 
 /// Layers that are written together.
-type Batch = Result<Vec<Ready>, SliceError>;
+type Batch = Result<Vec<Filled>, SliceError>;
 
 impl Iterator for Supply<'_> {
     type Item = Batch;

@@ -6,7 +6,7 @@
 
 use super::super::SliceError;
 use super::super::ahead::{Made, Threads};
-use super::super::layer::Ready;
+use super::super::layer::{Filled, OnPlate};
 use super::super::options::Extent;
 use super::super::stages::Stages;
 use super::Supply;
@@ -25,15 +25,9 @@ pub(in crate::pipeline) struct Supplies<'a> {
 struct OfPart<'a> {
     supply: Supply<'a>,
     /// The layers that wait for other parts.
-    waiting: VecDeque<Ready>,
+    waiting: VecDeque<Filled>,
     /// Index after the part's last layer.
     end: usize,
-}
-
-/// One layer of several of the plate's parts, each with the part's number.
-pub(in crate::pipeline) struct OnPlate {
-    pub span: LayerSpan,
-    pub parts: Vec<(usize, Ready)>,
 }
 
 impl<'a> Supplies<'a> {
@@ -74,7 +68,10 @@ impl<'a> Supplies<'a> {
         self,
         pool: &ThreadPool,
         threads: &Threads<'s, '_>,
-    ) -> Result<impl Iterator<Item = Made<OnPlate>> + Send + use<'s>, SliceError>
+    ) -> Result<
+        impl Iterator<Item = Made<OnPlate<Filled>>> + Send + use<'s>,
+        SliceError,
+    >
     where
         'a: 's,
     {
@@ -100,7 +97,7 @@ impl<'a> Supplies<'a> {
     }
 
     /// The next layer, if every part that goes on has it waiting.
-    fn take(&mut self) -> Option<OnPlate> {
+    fn take(&mut self) -> Option<OnPlate<Filled>> {
         let next = self.next;
         let on = self.parts.iter().filter(|part| part.end > next);
         let (mut any, mut all) = (false, true);
@@ -115,14 +112,18 @@ impl<'a> Supplies<'a> {
         let parts = self.parts.iter_mut().enumerate();
         let on = parts.filter(|(_, part)| part.end > next);
         let taken = on.filter_map(|(k, p)| Some((k, p.waiting.pop_front()?)));
-        let parts: Vec<(usize, Ready)> = taken.collect();
+        let parts: Vec<(usize, Filled)> = taken.collect();
         let span = parts.first()?.1.layer.span;
-        Some(OnPlate { span, parts })
+        Some(OnPlate {
+            span,
+            restart: None,
+            parts,
+        })
     }
 }
 
 /// Layers of a plate that are handed over together.
-type PlateBatch = Made<Vec<OnPlate>>;
+type PlateBatch = Made<Vec<OnPlate<Filled>>>;
 
 impl Iterator for Supplies<'_> {
     type Item = PlateBatch;
@@ -131,7 +132,7 @@ impl Iterator for Supplies<'_> {
         if let Err(error) = self.fetch() {
             return Some(Err(error));
         }
-        let batch: Vec<OnPlate> = std::iter::from_fn(|| self.take()).collect();
+        let batch: Vec<_> = std::iter::from_fn(|| self.take()).collect();
         (!batch.is_empty()).then_some(Ok(batch))
     }
 }

@@ -103,11 +103,7 @@ pub static FEATURES: &[Feature] = &[
         ],
     ),
     on(PRISM, "a vase", &["spiral=true"]),
-    on(
-        PRISM,
-        "a vase of two walls",
-        &["spiral=true", "spiral_walls=2"],
-    ),
+    on(PRISM, "a vase of two walls", &["spiral=2"]),
     on(DOME, "adaptive layers", &["layer_heights=adaptive"]),
     on(
         DOME,
@@ -128,7 +124,7 @@ pub static FEATURES: &[Feature] = &[
     on(
         BLOCK,
         "scarves that rise",
-        &["seam_scarf=8", "seam_scarf_rise=true"],
+        &["seam_scarf=8", "seam_scarf_start=10"],
     ),
     on(
         BLOCK,
@@ -159,7 +155,7 @@ pub static FEATURES: &[Feature] = &[
         &["supports=plate", "support.style=grid"],
     ),
     on(BLOCK, "a raft", &["raft.layers=3"]),
-    on(BLOCK, "arcs", &["gcode.arcs=on"]),
+    on(BLOCK, "arcs", &["gcode.arcs=true"]),
     directed(on(BLOCK, "fuzzy walls", &["fuzzy.thickness=0.2"])),
     on(BLOCK, "a brim", &["brim.place=both", "brim.width=2"]),
     on(
@@ -188,11 +184,7 @@ pub static FEATURES: &[Feature] = &[
         ],
     ),
     on(DOORWAY, "bridges", &["bridge_flow=90"]),
-    on(
-        BLOCK,
-        "internal bridges",
-        &["internal_bridges=true", "internal_bridge_layers=2"],
-    ),
+    on(BLOCK, "internal bridges", &["internal_bridges=2"]),
     turned(
         &["seam=expr: y - x/2"],
         on(BLOCK, "seams by formula", &["seam=expr: x + y/2"]),
@@ -236,7 +228,7 @@ pub static FEATURES: &[Feature] = &[
         TABLE,
         "overhangs by steps",
         &[
-            "speed.overhang_steps=10: 100%, 50: 30, 100: 10",
+            "speed.overhang=10: 100%, 50: 30, 100: 10",
             "overhang_inner_first=true",
             "overhang_reverse=true",
         ],

@@ -110,7 +110,7 @@ fn waiting(
     loop {
         match receiver.recv_timeout(EVERY) {
             Ok(result) => return result,
-            Err(RecvTimeoutError::Timeout) => limits::check(),
+            Err(RecvTimeoutError::Timeout) => limits::io_goes_on()?,
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(io::Error::other("reading it failed"));
             }

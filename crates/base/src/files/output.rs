@@ -7,6 +7,7 @@
 //! `.isoslice-….tmp`. A process that is asked to end removes that file first:
 //! see [`Output::discard_all`].
 
+use crate::limits;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -263,6 +264,8 @@ impl Kind {
                 destination,
                 replaces,
             } => {
+                // What stopped work has written is not whole.
+                limits::io_goes_on()?;
                 let file = writer.into_inner().map_err(|e| e.into_error())?;
                 // Some systems report a full disk only now. The contents must
                 // also be on the disk before the name is.

@@ -4,15 +4,16 @@
 //! process may hold. Out: the work's result, or [`Stopped`], which says what
 //! the time went into.
 //! [`Watch::run`] does the work under a watch: a second thread looks at the
-//! clock, the work and the memory and raises a flag; [`check`], called in the
-//! loops of every stage, sees the flag of the watch that its thread works
-//! under, and unwinds to [`Watch::run`]. No stage has to hand a token or an
-//! error through, and without a watch `check` does nothing.
+//! clock, the work and the memory and raises a flag. Loops that may take long
+//! look at the flag of the watch that their thread works under:
+//! - a function that can fail asks [`go_on`] and passes its error on, which is
+//!   `isocontour`'s for stopped work;
+//! - a function of geometry that cannot fail asks [`is_stopped`] and returns at
+//!   once with what it has, valid but unfinished. Its caller that can fail asks
+//!   [`go_on`] before it uses that.
 //!
-//! Unwinding is not a panic: no hook is called, nothing is printed, and
-//! unfinished results are dropped. (Build systems and language servers cancel
-//! their queries this way.) A program that is built with `panic = "abort"`
-//! would end instead.
+//! Once anybody has seen the flag, [`Watch::run`] returns [`Stopped`], whatever
+//! the work returned. Without a watch nothing is ever stopped.
 //!
 //! Guarantees: a watch can prevent a result, but never change it. A limit is
 //! overrun by a fraction of a second at most: by `EVERY`, and by the time of
@@ -37,11 +38,12 @@ pub use stopped::{Activity, Reason, Stopped};
 
 use crate::stopwatch::Stopwatch;
 use isocontour::Cancel;
+pub use isocontour::Cancelled;
 use std::cell::{Cell, RefCell};
+use std::io;
 use std::num::NonZero;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{
-    AtomicU8, AtomicU32, AtomicU64, AtomicUsize, Ordering,
+    AtomicBool, AtomicU8, AtomicU32, AtomicU64, AtomicUsize, Ordering,
 };
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -119,6 +121,10 @@ struct Shared {
     started: Instant,
     /// The number of the reason to stop; 0 while there is none.
     stop: AtomicU8,
+    /// True once the work has seen that it is to stop.
+    seen: AtomicBool,
+    /// Number of questions whether to stop after which it is to stop; for tests.
+    questions: AtomicU64,
     /// Number of points of outlines and paths that were made.
     points: AtomicUsize,
     /// Processor time that threads have told of, nanoseconds.
@@ -161,9 +167,6 @@ thread_local! {
     static STAGE: Cell<Option<&'static str>> = const { Cell::new(None) };
 }
 
-/// What unwinds from [`check`] to [`Watch::run`].
-struct Unwinding;
-
 /// What to do when stopped work does not end. Most likely it ends the program.
 type LastResort<'a> = &'a (dyn Fn(&Stopped) + Sync);
 
@@ -174,6 +177,8 @@ impl Watch {
             limits,
             started: Instant::now(),
             stop: AtomicU8::new(0),
+            seen: AtomicBool::new(false),
+            questions: AtomicU64::new(u64::MAX),
             points: AtomicUsize::new(0),
             work: AtomicU64::new(0),
             looks: AtomicU32::new(0),
@@ -187,14 +192,13 @@ impl Watch {
         CURRENT.with(|current| current.borrow().clone().map(Watch))
     }
 
-    /// Puts this thread under a watch for good. Unwinding has to reach
-    /// [`Watch::run`] through the thread that waits for this one.
+    /// Puts this thread under a watch for good.
     pub fn adopt(watch: Option<&Watch>) {
         enter(watch.map(|watch| watch.0.clone()));
     }
 
-    /// A cancel hook for a library that must not be unwound through. It stops
-    /// the library's work when the watch of the working thread says so.
+    /// A cancel hook for a library. It stops the library's work when the watch
+    /// of the working thread says so.
     pub fn hook() -> Cancel {
         Cancel::when(is_stopped)
     }
@@ -202,6 +206,12 @@ impl Watch {
     /// Stops the work, from any thread.
     pub fn cancel(&self) {
         self.0.stop_for(Reason::Cancelled);
+    }
+
+    /// Stops the work when it has asked that often whether it is to stop. So a
+    /// test can stop it in any place.
+    pub fn cancel_after(&self, questions: u64) {
+        self.0.questions.store(questions, Ordering::Relaxed);
     }
 
     /// What the work is doing.
@@ -234,21 +244,35 @@ impl Watch {
             let looking = std::thread::Builder::new()
                 .name("limits".to_owned())
                 .spawn_scoped(scope, || shared.look(grace, resort));
-            let outer = enter(Some(shared.clone()));
-            let result = catch_unwind(AssertUnwindSafe(work));
-            enter(outer);
-            shared.lock().finished = true;
-            shared.done.notify_all();
+            let ends = Ends {
+                shared,
+                outer: enter(Some(shared.clone())),
+            };
+            let result = work();
+            drop(ends);
             // Without a second thread the work is not watched.
             drop(looking);
-            match result {
-                Ok(value) => Ok(value),
-                Err(payload) if payload.is::<Unwinding>() => {
-                    Err(shared.stopped())
-                }
-                Err(payload) => resume_unwind(payload),
+            if shared.seen.load(Ordering::Relaxed) {
+                Err(shared.stopped())
+            } else {
+                Ok(result)
             }
         })
+    }
+}
+
+/// Ends the second thread's watch when the work ends, also by a panic, and puts
+/// this thread under the watch before.
+struct Ends<'a> {
+    shared: &'a Shared,
+    outer: Option<Arc<Shared>>,
+}
+
+impl Drop for Ends<'_> {
+    fn drop(&mut self) {
+        enter(self.outer.take());
+        self.shared.lock().finished = true;
+        self.shared.done.notify_all();
     }
 }
 
@@ -352,6 +376,20 @@ impl Shared {
         TOLD.set(Some((look, Stopwatch::start())));
     }
 
+    /// Counts a question, if they are counted.
+    #[inline]
+    fn count_down(&self) {
+        let left = self.questions.load(Ordering::Relaxed);
+        if left == u64::MAX {
+            return;
+        }
+        let left = left.saturating_sub(1);
+        self.questions.store(left, Ordering::Relaxed);
+        if left == 0 {
+            self.stop_for(Reason::Cancelled);
+        }
+    }
+
     /// True if too few points were made by the work that has just been done.
     fn is_slower_than(&self, slow: Slow) -> bool {
         let before = &mut self.lock().before;
@@ -413,39 +451,41 @@ impl Shared {
     }
 }
 
-/// True if this thread's watch says that its work is to stop.
+/// True if this thread's watch says that its work is to stop. Every loop that
+/// may take longer than some tenths of a second has to ask this, or [`go_on`].
+/// An answer takes a few nanoseconds.
 #[inline]
-fn is_stopped() -> bool {
+pub fn is_stopped() -> bool {
     CURRENT.with(|current| {
         let current = current.borrow();
         current.as_ref().is_some_and(|shared| {
             shared.take_work();
-            shared.stop.load(Ordering::Relaxed) != 0
+            shared.count_down();
+            let stopped = shared.stop.load(Ordering::Relaxed) != 0;
+            if stopped {
+                shared.seen.store(true, Ordering::Relaxed);
+            }
+            stopped
         })
     })
 }
 
-/// Ends this thread's work if its watch says so. Every loop that may take
-/// longer than some tenths of a second has to call this. A call takes a few
-/// nanoseconds.
+/// Lets work go on unless this thread's watch says that it is to stop.
+///
+/// # Errors
+/// If the work is to stop.
 #[inline]
-pub fn check() {
-    // Values that are dropped while unwinding may call this, too.
-    if is_stopped() && !std::thread::panicking() {
-        resume_unwind(Box::new(Unwinding));
-    }
+pub fn go_on() -> Result<(), Cancelled> {
+    if is_stopped() { Err(Cancelled) } else { Ok(()) }
 }
 
-/// The result of work that may have been stopped by [`Watch::hook`].
-pub trait Watched {
-    /// The result, if the watch did not stop the work.
-    fn watched(self) -> Self;
-}
-
-impl<T, E> Watched for Result<T, E> {
-    fn watched(self) -> Self {
-        self.inspect_err(|_| check())
-    }
+/// Lets reading or writing go on unless this thread's watch says that it is to
+/// stop.
+///
+/// # Errors
+/// If the work is to stop.
+pub fn io_goes_on() -> io::Result<()> {
+    go_on().map_err(io::Error::other)
 }
 
 /// A stage that this thread is in until the value is dropped.
@@ -454,7 +494,6 @@ pub struct Doing(Option<(Arc<Shared>, &'static str, Option<&'static str>)>);
 
 impl Drop for Doing {
     fn drop(&mut self) {
-        // The drop may also happen while unwinding.
         if let Some((shared, stage, outer)) = &self.0 {
             shared.moves(Some(stage), *outer);
             STAGE.set(*outer);
@@ -470,9 +509,7 @@ pub fn begin(stage: &'static str) -> Doing {
     };
     let outer = STAGE.replace(Some(stage));
     shared.moves(outer, Some(stage));
-    let doing = Doing(Some((shared, stage, outer)));
-    check();
-    doing
+    Doing(Some((shared, stage, outer)))
 }
 
 /// Does `work`, and tells the watch the name of its stage.

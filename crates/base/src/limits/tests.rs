@@ -1,9 +1,9 @@
 use super::*;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 /// Works until it is stopped.
 fn endless() {
-    loop {
-        check();
+    while !is_stopped() {
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -19,7 +19,7 @@ fn within(milliseconds: u64) -> Watch {
 fn work_that_is_done_in_time_has_its_result() {
     assert_eq!(within(60_000).run(|| 7), Ok(7));
     // The watch is gone.
-    check();
+    assert_eq!(go_on(), Ok(()));
     assert!(Watch::current().is_none());
 }
 
@@ -44,8 +44,7 @@ fn work_without_end_is_stopped_and_says_what_it_was_at() {
 
 /// Keeps the processor busy until it is stopped.
 fn busy() {
-    loop {
-        check();
+    while !is_stopped() {
         std::hint::black_box((0..1000).sum::<u64>());
     }
 }
@@ -82,9 +81,8 @@ fn work_that_makes_enough_is_not_slow() {
     });
     let stopped = watch.run(|| {
         doing("walls", || {
-            loop {
+            while !is_stopped() {
                 made(5);
-                check();
             }
         });
     });
@@ -104,7 +102,7 @@ fn waiting_is_no_work() {
     });
     let done = watch.run(|| {
         for _ in 0..60 {
-            check();
+            assert!(!is_stopped());
             std::thread::sleep(Duration::from_millis(5));
         }
         7
@@ -124,7 +122,7 @@ fn the_work_of_other_threads_does_not_count() {
         // Other work that goes on for three times the limit.
         let done = Watch::new(limits).run(|| {
             while others.0.work() < 3 * SLOW.work {
-                check();
+                assert!(!is_stopped());
                 std::thread::sleep(Duration::from_millis(5));
             }
         });
@@ -200,4 +198,27 @@ fn a_real_panic_stays_one() {
         let _ = watch.run(|| resume_unwind(Box::new(5_i32)));
     }));
     assert_eq!(result.unwrap_err().downcast_ref(), Some(&5_i32));
+    // The watch is gone, and its second thread has ended.
+    assert!(Watch::current().is_none());
+}
+
+/// Work that did not see in time that it was to stop is whole.
+#[test]
+fn only_work_that_saw_the_flag_is_stopped() {
+    let watch = within(60_000);
+    let unseen = watch.run(|| {
+        assert!(!is_stopped());
+        watch.cancel();
+        7
+    });
+    assert_eq!(unseen, Ok(7));
+    let watch = within(60_000);
+    watch.cancel_after(3);
+    let seen = watch.run(|| {
+        assert_eq!((0..9).take_while(|_| !is_stopped()).count(), 2);
+        // Nothing that was stopped takes a file's place.
+        assert!(io_goes_on().is_err());
+        go_on()
+    });
+    assert_eq!(seen.unwrap_err().reason, Reason::Cancelled);
 }

@@ -168,7 +168,7 @@ impl<R: Read> Unpacked<R> {
 
     /// Makes the next block ready; false at the end.
     fn block(&mut self, checksums: bool, has_text: bool) -> io::Result<bool> {
-        isoslice_base::limits::check();
+        isoslice_base::limits::io_goes_on()?;
         self.blocks += 1;
         let block = self.blocks;
         let format = |what| Damaged::Format { block, what };

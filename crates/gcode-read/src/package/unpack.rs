@@ -129,7 +129,7 @@ impl Opened {
         let mut piece = vec![0; 1 << 18];
         loop {
             // A pipe may have no end.
-            isoslice_base::limits::check();
+            isoslice_base::limits::io_goes_on()?;
             let read = match input.read(&mut piece) {
                 Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
                 read => read?,

@@ -17,6 +17,9 @@ const SPIRAL: Mm = 0.2;
 const HEIGHTS: std::ops::RangeInclusive<Mm> = 0.01..=2.0;
 /// Height of a bead if the file does not tell it.
 const USUAL: Mm = 0.2;
+/// Share of the height of the layer before below which the first rise of a layer is
+/// half a layer, in a file whose walls interlock.
+const HALF: f64 = 0.75;
 /// Greatest width of a bead. A wider one is a purge on the spot.
 const WIDEST: Mm = 3.0;
 
@@ -28,9 +31,12 @@ pub(super) struct Layering {
     marked: bool,
     /// Height at which the layer was first printed; none before that.
     z: Option<Mm>,
-    /// Height of the layer before it.
+    /// Heights of the layer before it, and of the one before that.
     below: Mm,
+    below_that: Mm,
     height: Mm,
+    /// True from the first bead on that lies half a layer lower than others.
+    interlocked: bool,
     /// Height at which printing ended last.
     last: Mm,
     said_width: Option<Mm>,
@@ -45,7 +51,9 @@ impl Layering {
             z: None,
             last: 0.0,
             below: 0.0,
+            below_that: 0.0,
             height: USUAL,
+            interlocked: false,
             said_width: None,
             said_height: None,
         }
@@ -79,39 +87,62 @@ impl Layering {
         // In a spiral the height changes while it prints.
         let lifted = (from.z - self.last).abs() > SAME;
         self.last = to.z;
-        // Walls that interlock lie at two heights of one layer, so that only a
-        // layer's height downwards is another part. If the lower ones come first,
-        // the higher ones seem to be a layer of half the height, and the print
-        // goes back from there.
-        let leaves = |z: Mm| {
-            let goes_back = (to.z - self.below).abs() < SAME;
-            let half = goes_back && to.z > z - USUAL + SAME;
-            let down = to.z < z - self.height + SAME && !half;
-            to.z > z + SAME || down
-        };
         let begins = !self.marked
             && match self.z {
                 None => true,
-                Some(z) if lifted => leaves(z),
+                Some(z) if lifted => self.leaves(z, to.z),
                 Some(z) => from.z > z + SPIRAL - SAME,
             };
         if begins {
             self.next();
         }
         if self.z.is_none() {
-            self.z = Some(to.z);
-            let rise = to.z - self.below;
-            if HEIGHTS.contains(&rise) {
-                self.height = rise;
-            } else if self.number <= 1 && HEIGHTS.contains(&to.z) {
-                self.height = to.z;
-            }
+            self.start(to.z);
         }
         begins
     }
 
+    /// True if a print at height `to` is no part of the layer that was first printed
+    /// at height `z`.
+    ///
+    /// Walls that interlock lie at two heights of one layer, so that only a layer's
+    /// height downwards is another part.
+    fn leaves(&mut self, z: Mm, to: Mm) -> bool {
+        if to > z + SAME {
+            return true;
+        }
+        // A rise from which the print goes back to the height below was no layer.
+        // Parts of two layers that are printed one by one go back to the bed.
+        if is_same(to, self.below) && self.below_that > 0.0 {
+            self.below = self.below_that;
+            self.height = z - self.below;
+        }
+        self.interlocked |= is_same(to, 0.5 * (self.below + z));
+        let down = to < z - self.height + SAME;
+        // The next part begins on the bed. Its first layer is at most twice as high.
+        if down && to < 2.0 * self.height + SAME {
+            self.z = Some(0.0);
+        }
+        down
+    }
+
+    /// Begins to print a layer at a height.
+    fn start(&mut self, z: Mm) {
+        let rise = z - self.below;
+        // The lower walls of a layer come first.
+        let half = self.interlocked && rise < HALF * self.height;
+        let rise = if half { 2.0 * rise } else { rise };
+        self.z = Some(if half { self.below + rise } else { z });
+        if HEIGHTS.contains(&rise) {
+            self.height = rise;
+        } else if self.number <= 1 && HEIGHTS.contains(&z) {
+            self.height = z;
+        }
+    }
+
     fn next(&mut self) {
         self.number += 1;
+        self.below_that = self.below;
         self.below = self.z.take().unwrap_or(self.below);
     }
 
@@ -125,6 +156,10 @@ impl Layering {
         self.said_width
             .unwrap_or_else(|| bead_width(area, self.height()))
     }
+}
+
+fn is_same(a: Mm, b: Mm) -> bool {
+    (a - b).abs() < SAME
 }
 
 /// Width of a bead with this cross-section: (w − h)·h + π(h/2)² solved for w.
@@ -152,7 +187,7 @@ mod tests {
             })
             .into();
         assert_eq!(numbers, [1, 1, 2, 3, 3, 4]);
-        assert!((l.height() - 0.2).abs() < 1e-9);
+        assert!((l.height() - 0.3).abs() < 1e-9);
     }
 
     #[test]
@@ -167,22 +202,39 @@ mod tests {
         assert_eq!(numbers, [1, 1, 1, 2, 2, 3, 4]);
     }
 
+    /// The numbers of the layers of prints at these heights.
+    fn numbers(heights: &[f64]) -> Vec<u32> {
+        let mut l = Layering::new();
+        let number = |&z: &f64| {
+            l.print(at(z), at(z));
+            l.number
+        };
+        heights.iter().map(number).collect()
+    }
+
     #[test]
     fn lower_beads_may_come_first() {
-        let mut l = Layering::new();
-        let numbers: Vec<u32> = [0.2, 0.3, 0.4, 0.3, 0.4, 0.5, 0.6, 0.5, 0.6]
-            .map(|z| {
-                l.print(at(z), at(z));
-                l.number
-            })
-            .into();
-        assert_eq!(numbers, [1, 2, 3, 3, 3, 4, 5, 5, 5]);
-        // A whole layer down is another part.
-        let mut l = Layering::new();
-        for z in [0.2, 0.4, 0.2] {
-            l.print(at(z), at(z));
+        // What went before is known when the print goes back.
+        let heights = [0.2, 0.3, 0.4, 0.3, 0.4, 0.5, 0.6, 0.5, 0.6];
+        assert_eq!(numbers(&heights), [1, 2, 3, 3, 3, 4, 4, 4, 4]);
+        let thick = [0.4, 0.2, 0.4, 0.6, 0.8, 0.6, 0.8, 1.0, 1.2];
+        assert_eq!(numbers(&thick), [1, 1, 1, 2, 2, 2, 2, 3, 3]);
+        // The first layer is higher than the others.
+        let fine = [0.2, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4, 0.35, 0.5, 0.6];
+        assert_eq!(numbers(&fine), [1, 1, 1, 2, 2, 3, 3, 3, 4, 5]);
+    }
+
+    #[test]
+    fn parts_that_are_printed_one_by_one_begin_on_the_bed() {
+        for height in [0.05, 0.1, 0.2, 0.3] {
+            for layers in [2, 3, 5] {
+                let part = (1..=layers).map(|k| height * f64::from(k));
+                let parts: Vec<f64> =
+                    part.cycle().take(4 * layers as usize).collect();
+                let all: Vec<u32> = (1..=4 * layers).collect();
+                assert_eq!(numbers(&parts), all, "{height} {layers}");
+            }
         }
-        assert_eq!(l.number, 3);
     }
 
     #[test]

@@ -163,7 +163,7 @@ impl<R: Read> Lines<R> {
     /// Reads on. Bytes that are left over move to the buffer's start.
     fn fill(&mut self) -> io::Result<()> {
         // A line may have no end.
-        isoslice_base::limits::check();
+        isoslice_base::limits::io_goes_on()?;
         self.buffer.copy_within(self.start..self.end, 0);
         self.end -= self.start;
         self.start = 0;

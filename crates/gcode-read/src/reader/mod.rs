@@ -238,7 +238,6 @@ impl<R: Read> Iterator for Reader<R> {
         if self.failed {
             return None;
         }
-        isoslice_base::limits::check();
         let read = self.read();
         self.failed = read.is_err();
         read.transpose()

@@ -1,6 +1,7 @@
 //! Why files of ranges cannot be joined.
 
 use super::super::{Format, TemplateError};
+use isoslice_base::limits::Cancelled;
 use isoslice_settings::SettingsError;
 use std::io;
 use std::path::PathBuf;
@@ -12,6 +13,9 @@ pub enum JoinError {
     /// There are no files.
     #[error("there are no files to join; name those of all ranges")]
     Nothing,
+    /// The watch has stopped the work.
+    #[error(transparent)]
+    Stopped(#[from] Cancelled),
     /// A file cannot be read.
     #[error("cannot read {}: check its name", .0.display())]
     Unread(PathBuf, #[source] io::Error),

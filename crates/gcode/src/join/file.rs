@@ -199,7 +199,7 @@ impl<'a> Reading<'a> {
             return Err(JoinError::Changed(path()));
         }
         self.at = self.at.max(to);
-        limits::check();
+        limits::go_on()?;
         Ok(())
     }
 

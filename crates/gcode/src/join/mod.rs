@@ -25,10 +25,10 @@ pub use error::JoinError;
 
 use super::ends::{self, Said};
 use super::manifest::Head;
-use super::progress::{Rhythm, line_at, tells_progress};
+use super::progress::{Rhythm, line_at};
 use super::sink::Sink;
 use super::template::Templates;
-use super::{Format, Totals, facts};
+use super::{Format, Totals, WriterPlan, facts};
 use file::{RangeFile, Reading, Source, pictures};
 use isoslice_base::limits;
 use isoslice_base::units::{Mm, Seconds};
@@ -69,7 +69,7 @@ impl Ranges {
         let mut files = Vec::new();
         let mut formats = Vec::new();
         for path in paths {
-            limits::check();
+            limits::go_on()?;
             let mut source = Source::open(path)?;
             let last = source.last(path)?;
             let manifest = source.manifest(path, &last)?;
@@ -127,7 +127,8 @@ impl Ranges {
             time: first.manifest.head.time,
             ..Totals::default()
         };
-        let tells = tells_progress(&settings);
+        let plan = WriterPlan::of(&settings);
+        let tells = plan.tells_progress;
         let mut rhythm = Rhythm::default();
         let mut marks: Vec<Vec<(u64, Seconds)>> = Vec::new();
         for file in &self.files {
@@ -144,11 +145,11 @@ impl Ranges {
         let header = last.header(self.format);
         let templates = Templates::new(&settings, &header)?;
         let before = &last.manifest.foot.before;
-        let end = ends::end(&mut totals, &templates, &settings, before, &foot)?;
+        let end = ends::end(&mut totals, &templates, &plan, before, &foot)?;
 
         let written = JoinError::Unwritten;
         let mut out = Sink::new(out, self.format).map_err(written)?;
-        let flavour = settings.gcode.flavour;
+        let flavour = plan.flavour;
         let line = |time| {
             if tells {
                 line_at(flavour, time, totals.time)
@@ -191,7 +192,7 @@ impl Ranges {
         let footer = match self.format {
             Format::Binary => String::new(),
             Format::Text | Format::Plate => {
-                ends::footer(&settings, &totals, &facts)
+                ends::footer(&plan, &totals, &facts)
             }
         };
         let whole = line(totals.time);

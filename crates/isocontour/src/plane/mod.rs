@@ -4,6 +4,8 @@
 //! holes clockwise. [`simplify`] thins a ring within a tolerance, and
 //! [`Nest`](nest::Nest) tells which ring is around a point.
 
+#[cfg(feature = "geo-types")]
+mod geo;
 pub mod nest;
 pub mod simplify;
 
@@ -257,13 +259,13 @@ pub fn nearest_on(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
 mod tests {
     use super::*;
 
-    fn square(x: f64, y: f64, half: f64) -> Ring {
+    pub(super) fn square(x: f64, y: f64, half: f64) -> Ring {
         [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
             .map(|(a, b)| DVec2::new(x + a * half, y + b * half))
             .to_vec()
     }
 
-    fn reversed(mut r: Ring) -> Ring {
+    pub(super) fn reversed(mut r: Ring) -> Ring {
         r.reverse();
         r
     }

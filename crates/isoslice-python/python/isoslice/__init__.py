@@ -117,6 +117,7 @@ from ._shapes import (
     union,
     wedge,
 )
+from ._geo import Outline
 from ._slice import (
     Part,
     SliceWarning,

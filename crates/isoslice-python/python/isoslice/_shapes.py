@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from ._geo import polygons_of
 from ._native import Expr, call
 
 Point = Sequence[float]
@@ -120,9 +121,19 @@ def rounded_rectangle(lower: Point, upper: Point, edge: float) -> Expr:
     return call("rounded_rectangle", lower=lower, upper=upper, edge=edge)
 
 
-def polygon(points: Sequence[Point]) -> Expr:
-    """Any outline that does not cross itself, either way round."""
-    return call("polygon", points)
+def polygon(points: Any) -> Expr:
+    """Any outline that does not cross itself, either way round: its corners, or
+    an area of Shapely or of another library with `__geo_interface__`, which
+    may have holes and several islands."""
+    if not hasattr(points, "__geo_interface__"):
+        return call("polygon", points)
+
+    def island(rings: Sequence[Sequence[Point]]) -> Expr:
+        outer, *holes = [call("polygon", ring) for ring in rings]
+        return difference(outer, *holes) if holes else outer
+
+    islands = [island(rings) for rings in polygons_of(points)]
+    return union(*islands) if len(islands) > 1 else islands[0]
 
 
 def extrude_z(shape: Expr, lower: float, upper: float) -> Expr:

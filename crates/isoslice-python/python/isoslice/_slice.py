@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Optional, Union
 
 from . import _native
+from ._geo import Outline
 from ._native import Expr, Sliced
 
 Path = Union[str, "os.PathLike[str]"]
@@ -172,15 +173,16 @@ def outlines(
     memory_limit: Optional[float] = None,
     progress: Optional[Callable[[int, int], Any]] = None,
     **more: Any,
-) -> list[Any]:
+) -> Any:
     """Outlines of the part as it stands on the printer, at a height above the
     bed, mm, or at several.
 
-    Returns a list of closed rings, or one such list for each of several
+    Returns an `Outline`, a list of closed rings, or one for each of several
     heights. A ring is an array of shape (n, 2), or a list of (x, y) without
     numpy, in the printer's coordinates, mm: counter-clockwise round the part,
     clockwise round a hole. The last corner is joined to the first. Rings are
-    within the setting `accuracy` of the true outline.
+    within the setting `accuracy` of the true outline. Shapely and others take
+    an outline as it is: shapely.geometry.shape(outline).
 
     The keywords are those of `slice`. A raft is not counted.
     """
@@ -197,7 +199,7 @@ def _outlines_of(
     accuracy: float = 0.005,
     spacing: float = 0.1,
     bounds: Optional[Sequence[Sequence[float]]] = None,
-) -> list[Any]:
+) -> Any:
     """Outlines of the field at a height z, mm, or at several, in the field's
     own coordinates.
 
@@ -277,8 +279,8 @@ def _heights(z: Any) -> tuple[bool, list[float]]:
         return True, [float(height) for height in z]
 
 
-def _as_rings(found: list[list[bytes]], several: bool) -> list[Any]:
-    """Rings from x and y by turns, in native order."""
+def _as_rings(found: list[list[list[bytes]]], several: bool) -> Any:
+    """Outlines of rings from x and y by turns, in native order."""
     try:
         import numpy
     except ImportError:
@@ -293,8 +295,11 @@ def _as_rings(found: list[list[bytes]], several: bool) -> list[Any]:
             numbers = numpy.frombuffer(data, dtype=numpy.float64)
             return numbers.reshape(-1, 2).copy()
 
-    rings = [[ring(data) for data in of_height] for of_height in found]
-    return rings if several else rings[0]
+    def outline(islands: list[list[bytes]]) -> Outline:
+        return Outline([ring(data) for data in rings] for rings in islands)
+
+    outlines = [outline(islands) for islands in found]
+    return outlines if several else outlines[0]
 
 
 # A page beyond this would make a notebook slow, bytes.

@@ -8,7 +8,7 @@
 //!      │                  │       as it lies outside of the part.
 //! ```
 
-use super::{TOLERANCE, inwards};
+use super::{BrimPlan, TOLERANCE, inwards};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::spacing;
@@ -16,7 +16,6 @@ use isoslice_planar::clip::{difference, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::simplify::simplify;
 use isoslice_planar::{Area, Ring, signed_area};
-use isoslice_settings::Settings;
 
 /// Least height of a corner's tip, mm. Corners with a lower tip are round.
 const ROUND: Mm = 0.1;
@@ -25,18 +24,14 @@ const SIDES: u32 = 48;
 
 /// The loops that fill the ears of a part with this outline, from outside to
 /// inside, one ear after another.
-pub(super) fn ears(
-    outline: &Area,
-    height: Mm,
-    settings: &Settings,
-) -> Vec<Ring> {
-    let radius = settings.brim.ear_radius;
+pub(super) fn ears(outline: &Area, height: Mm, plan: &BrimPlan) -> Vec<Ring> {
+    let radius = plan.ear_radius;
     let disc = |middle: DVec2| -> Ring {
         let step = std::f64::consts::TAU / f64::from(SIDES);
         let corner = |k| DVec2::from_angle(f64::from(k) * step) * radius;
         (0..SIDES).map(|k| middle + corner(k)).collect()
     };
-    let discs: Vec<Ring> = corners(outline, settings.brim.ear_angle)
+    let discs: Vec<Ring> = corners(outline, plan.ear_angle)
         .into_iter()
         .map(disc)
         .collect();
@@ -46,14 +41,16 @@ pub(super) fn ears(
     // Ears are outside the part: holes stay free.
     let outer = outline.rings.iter().filter(|r| signed_area(r) > 0.0);
     let without_holes = unite(&outer.cloned().collect());
-    let kept_free = offset(&without_holes, settings.brim.gap, TOLERANCE);
+    let kept_free = offset(&without_holes, plan.gap, TOLERANCE);
     let area = difference(&unite(&Area { rings: discs }), &kept_free);
-    let width = settings.outer_wall_width();
+    let width = plan.width;
     let step = spacing(width, width, height);
     let mut levels: Vec<Vec<Ring>> = Vec::new();
     let mut depth = 0.5 * width;
     loop {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return inwards(levels);
+        }
         let level = offset(&area, -depth, TOLERANCE).rings;
         if level.is_empty() {
             return inwards(levels);
@@ -112,11 +109,12 @@ mod tests {
 
     #[test]
     fn ears_fill_their_discs_outside_of_the_part() {
-        let mut settings = Settings::default();
-        settings.brim.ear_radius = 4.0;
-        settings.brim.gap = 0.1;
+        let plan = BrimPlan::with(|s| {
+            s.brim.ear_radius = 4.0;
+            s.brim.gap = 0.1;
+        });
         let part = rect(0.0, 0.0, 30.0, 20.0);
-        let loops = ears(&part, 0.2, &settings);
+        let loops = ears(&part, 0.2, &plan);
         let length: f64 = loops
             .iter()
             .map(|r| isoslice_planar::path_length(r, true))
@@ -132,14 +130,13 @@ mod tests {
 
     #[test]
     fn ears_leave_holes_free() {
-        let mut settings = Settings::default();
-        settings.brim.ear_radius = 4.0;
+        let plan = BrimPlan::with(|s| s.brim.ear_radius = 4.0);
         let solid = rect(0.0, 0.0, 30.0, 20.0);
         let mut part = solid.clone();
         // A hole lies within reach of a corner.
         part.rings.extend(rect(1.0, 1.0, 12.0, 12.0).rings);
         part.rings[1].reverse();
-        let loops = ears(&part, 0.2, &settings);
-        assert_eq!(loops, ears(&solid, 0.2, &settings));
+        let loops = ears(&part, 0.2, &plan);
+        assert_eq!(loops, ears(&solid, 0.2, &plan));
     }
 }

@@ -63,7 +63,7 @@ enum Fate {
 impl Across {
     /// How far from its ends a line looks for something that holds it.
     pub(super) fn anchor(settings: &Settings) -> Mm {
-        ANCHOR * settings.bottom_skin_width()
+        ANCHOR * settings.skin_width()
     }
 
     /// How deep below the rim a line asks whether it is a wall.
@@ -79,7 +79,7 @@ impl Across {
         upper: Upper<'_>,
     ) -> Option<Across> {
         let settings = upper.settings;
-        let width = settings.bottom_skin_width();
+        let width = settings.skin_width();
         let angle = if settings.bridges {
             direction(gap, below, width)?
         } else {

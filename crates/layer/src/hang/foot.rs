@@ -22,7 +22,7 @@
 //! has a reason for a brim, which is no proof that it falls. Bodies that stand
 //! apart count as one.
 
-use crate::adhesion::brim;
+use crate::adhesion::{BrimPlan, brim};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::{Area, edges};
@@ -115,14 +115,14 @@ impl Foot {
         }
         let mut rim: Vec<(DVec2, Mm)> =
             rings().flatten().map(|p| (*p - origin, 0.0)).collect();
-        for bead in brim(outline, height, settings) {
-            let half = 0.5 * bead.width;
-            for (a, b) in edges(&bead.points) {
+        for bead in brim(outline, height, &BrimPlan::of(settings)) {
+            let half = 0.5 * bead.stroke.width;
+            for (a, b) in edges(&bead.stroke.points) {
                 if pads.contains(a.midpoint(b)) {
                     continue;
                 }
                 let (a, b) = (a - origin, b - origin);
-                moments.point(a.midpoint(b), a.distance(b) * bead.width);
+                moments.point(a.midpoint(b), a.distance(b) * bead.stroke.width);
                 rim.push((a, half));
             }
         }

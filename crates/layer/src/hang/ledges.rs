@@ -38,7 +38,9 @@ pub(super) fn ledges(
     let limits = Limits::new(upper.height, upper.settings);
     let boxes = merged(boxes).into_iter();
     let found = boxes.flat_map(|rect| {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return Vec::new();
+        }
         let wide = rect.grown(AROUND + limits.held);
         let own = Printed::part(
             crop(&here.rings, rect),
@@ -48,14 +50,15 @@ pub(super) fn ledges(
         let under = crop(&below.area().rings, wide);
         let under = Printed::part(under.clone(), &under, upper.settings);
         let islands = upper.over(&own, &under).must.islands();
-        islands.into_iter().map(move |area| {
+        let of_island = |area: Area| {
             let piece = piece(&area, &own.area, below, upper);
             Ledge {
                 counts: limits.harm(piece.reach),
                 area,
                 piece,
             }
-        })
+        };
+        islands.into_iter().map(of_island).collect()
     });
     found.collect()
 }

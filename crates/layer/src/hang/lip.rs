@@ -68,7 +68,9 @@ fn is_lip(
     outlines: &[Neighbour<'_>],
     settings: &Settings,
 ) -> bool {
-    isoslice_base::limits::check();
+    if isoslice_base::limits::is_stopped() {
+        return false;
+    }
     let lip = settings.outer_wall_width();
     // A slope of `support.angle` gets twice as far as a lip in this height.
     let tan = settings.support.angle.to_radians().tan();

@@ -97,7 +97,6 @@ impl Look {
         heights: [Mm; 2],
         settings: &Settings,
     ) -> Look {
-        isoslice_base::limits::check();
         let [height, height_below] = heights;
         let here = kept(here, height, settings);
         let below = kept(below, height_below, settings);

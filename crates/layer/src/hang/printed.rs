@@ -5,7 +5,7 @@
 //! fits into it, and a spike that is too thin for a line holds nothing.
 
 use crate::region::neighbour::Neighbour;
-use crate::region::prints;
+use crate::region::{WallPlan, prints};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::clip::intersection;
@@ -119,7 +119,7 @@ impl Islands {
             let fits = !core_of(&island).is_empty();
             let thickness = 4.0 * island.content() / island.perimeter();
             let sure = fits && thickness > SURE * settings.thinnest_line();
-            if !sure && !prints(&island, height, settings) {
+            if !sure && !prints(&island, height, &WallPlan::of(settings)) {
                 all.not.extend(island.rings);
                 continue;
             }

@@ -4,30 +4,25 @@
 //! areas, with such islands as skin, since what is above them would rest on
 //! nothing.
 
+use super::InfillPlan;
 use crate::region::exposure::FillAreas;
 use isoslice_base::units::Mm2;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::union;
 use isoslice_planar::nest::Nest;
-use isoslice_settings::{Settings, Varying};
 
 /// Makes skin of the islands of sparse infill in which no line of `infill`
 /// lies, if they are small. Does nothing where the density varies, or the
 /// pattern is an expression: no spacing then tells which islands are small.
-pub fn fill_bare(areas: &mut FillAreas, infill: &[Bead], settings: &Settings) {
+pub fn fill_bare(areas: &mut FillAreas, infill: &[Bead], plan: &InfillPlan) {
     /// A small island is no larger than a square of so many spacings.
     const SIDE: f64 = 2.0;
-    let share = match settings.infill_density {
-        Varying::Constant(percent) if settings.infill_is_pattern() => {
-            percent / 100.0
-        }
+    let share = match plan.density.constant() {
+        Some(percent) if percent > 0.0 && !plan.is_own() => percent / 100.0,
         _ => return,
     };
-    if share <= 0.0 {
-        return;
-    }
-    let most: Mm2 = (SIDE * settings.infill_width() / share).powi(2);
+    let most: Mm2 = (SIDE * plan.width / share).powi(2);
     let islands = areas.sparse.islands();
     let is_small = |island: &Area| island.content() < most;
     if !islands.iter().any(is_small) {
@@ -37,7 +32,7 @@ pub fn fill_bare(areas: &mut FillAreas, infill: &[Bead], settings: &Settings) {
     let mut has = vec![false; islands.len()];
     for bead in infill {
         // A bead's ends lie on the walls or the skin around the island.
-        for (a, b) in bead.segments() {
+        for (a, b) in bead.stroke.segments() {
             if let Some(island) = nest.around(a.midpoint(b)) {
                 has[island] = true;
             }
@@ -81,12 +76,9 @@ mod tests {
             sparse: joined(&[crossed.clone(), bare.clone(), large.clone()]),
         };
         let filled = |density: f64| {
-            let settings = Settings {
-                infill_density: density.into(),
-                ..Settings::default()
-            };
+            let plan = InfillPlan::with(|s| s.infill_density = density.into());
             let mut areas = areas.clone();
-            fill_bare(&mut areas, &infill, &settings);
+            fill_bare(&mut areas, &infill, &plan);
             areas
         };
         let found = filled(15.0);

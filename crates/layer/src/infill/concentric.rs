@@ -33,7 +33,7 @@ impl Pattern for Concentric {
         let mut pieces = Vec::new();
         // Distances count from the border of the sparse area, not from the
         // border that lines end at.
-        let first = (0.5 + layer.phase).fract() * spacing - layer.margin;
+        let first = 0.5 * spacing - layer.margin;
         let area = layer.border.area();
         let mut area: Area = offset(area, -first.max(0.0), TOLERANCE);
         for number in 0.. {

@@ -25,7 +25,6 @@ impl Pattern for Cubic {
         let families = [0.0, 120.0, 240.0].map(|turn| Family {
             turn,
             shift: -layer.z * FRAC_1_SQRT_2,
-            phase: 1.0,
         });
         lines(layer, &families)
     }

@@ -31,9 +31,6 @@ pub(super) struct Family {
     pub turn: Degrees,
     /// How far the lines are moved across their direction, to the left.
     pub shift: Mm,
-    /// How often the setting `infill_phase` moves the lines: 1 for once, 0 for
-    /// not at all.
-    pub phase: f64,
 }
 
 /// The pieces of a layer's families of lines, for any density. The families
@@ -49,7 +46,7 @@ pub(super) fn lines(layer: &Layer<'_>, families: &[Family]) -> Vec<Piece> {
         let lines = |spacing: Mm| Lines {
             angle,
             spacing,
-            phase: shift + family.phase * layer.phase * spacing,
+            phase: shift,
         };
         match layer.density {
             Density::Even(share) => {

@@ -14,11 +14,7 @@ pub(super) struct Grid;
 
 impl Pattern for Grid {
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
-        let families = [0.0, 90.0].map(|turn| Family {
-            turn,
-            shift: 0.0,
-            phase: 1.0,
-        });
+        let families = [0.0, 90.0].map(|turn| Family { turn, shift: 0.0 });
         lines(layer, &families)
     }
 }

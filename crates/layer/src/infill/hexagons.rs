@@ -28,11 +28,10 @@ impl Pattern for Hexagons {
         }
         let frame = layer.frame();
         let bounds = frame.bounds(layer.border.bounds());
-        let shift = layer.phase * period;
         let first = ((bounds.min.y - rise) / pitch).floor() as i64;
         let last = ((bounds.max.y + rise) / pitch).ceil() as i64;
-        let left = ((bounds.min.x - shift) / period).floor() as i64 - 1;
-        let right = ((bounds.max.x - shift) / period).ceil() as i64 + 1;
+        let left = (bounds.min.x / period).floor() as i64 - 1;
+        let right = (bounds.max.x / period).ceil() as i64 + 1;
         let mut cutter = Cutter::new(layer.border);
         for row in first..=last {
             // Neighbouring lines mirror each other.
@@ -40,7 +39,7 @@ impl Pattern for Hexagons {
             let middle = row as f64 * pitch;
             cutter.end();
             for column in left..=right {
-                let x = column as f64 * period + shift;
+                let x = column as f64 * period;
                 let one = [
                     (0.0, high),
                     (side, high),

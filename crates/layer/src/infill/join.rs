@@ -50,7 +50,9 @@ pub(super) fn join(
     for limit in [0.4 * limit, limit, limit] {
         let mut found = Vec::new();
         for ring in ends.chunk_by(|a, b| a.foot.ring == b.foot.ring) {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             found.extend(joins(ring, &links, &mut paths, border, limit));
         }
         // Of joins that would make a path return to itself, the longest is
@@ -121,7 +123,9 @@ fn walk(
     let mut pieces: Vec<Option<Piece>> = pieces.into_iter().map(Some).collect();
     let mut joined = Vec::new();
     for start in 0..links.len() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         if links[start].is_some() {
             continue;
         }

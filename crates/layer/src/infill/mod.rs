@@ -28,6 +28,7 @@ mod join;
 mod lidinoid;
 mod neovius;
 mod pairing;
+mod plan;
 mod rectilinear;
 mod schwarz_p;
 mod shape;
@@ -36,6 +37,7 @@ pub mod standing;
 mod triangles;
 
 pub use bare::fill_bare;
+pub use plan::InfillPlan;
 
 use glam::DVec2;
 use grading::Grading;
@@ -48,20 +50,10 @@ use isoslice_planar::border::{Border, Piece};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
-use isoslice_settings::{InfillCentre, InfillMode, InfillPattern, Settings};
+use isoslice_settings::InfillPattern;
+use isoslice_settings::layers::LayerSpan;
 use shape::{Around, Shape};
 use sheet::{Sheet, Surface};
-
-/// Which layer is to be filled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
-    /// Number of the layer, from 0.
-    pub number: usize,
-    /// Height of the layer's sample plane above the bed.
-    pub z: Mm,
-    /// Height of the layer itself.
-    pub height: Mm,
-}
 
 /// How dense a layer's pattern is.
 #[derive(Clone, Copy, Debug)]
@@ -101,8 +93,6 @@ struct Layer<'a> {
     origin: DVec2,
     /// Direction of the pattern.
     angle: Degrees,
-    /// Share of a period by which the pattern is moved, 0 to 1.
-    phase: f64,
     /// Length of the shortest piece that is worth a travel.
     shortest: Mm,
 }
@@ -145,7 +135,7 @@ impl Layer<'_> {
 }
 
 /// A way to fill an area with lines. Its lines have places in the plane,
-/// whatever the area is; `layer.origin`, `layer.angle` and `layer.phase` move
+/// whatever the area is; `layer.origin` and `layer.angle` move
 /// them.
 trait Pattern: Send + Sync {
     /// The pattern's centre lines, cut at `layer.border`. [`families::lines`]
@@ -218,21 +208,19 @@ pub struct Site {
     pub part: Rect,
     /// Height of the part.
     pub height: Mm,
-    /// The middle of the bed.
-    pub bed: DVec2,
     /// By how much x and y in formulas are more than the coordinates of layers.
     pub origin: DVec2,
 }
 
-/// Passes on the operations of the infill's script, if the settings name one.
+/// Passes on the operations of the infill's script, if it is one.
 ///
 /// # Errors
 /// If the script cannot be read or run.
 pub fn script_words(
-    settings: &Settings,
+    infill: &isoslice_settings::Infill,
     tell: &mut dyn FnMut(&str),
 ) -> Result<(), InfillError> {
-    let isoslice_settings::Infill::Script(path) = &settings.infill else {
+    let isoslice_settings::Infill::Script(path) = infill else {
         return Ok(());
     };
     let failed = |error| InfillError::Shape {
@@ -250,7 +238,7 @@ pub fn script_words(
 
 /// A part's sparse infill.
 pub struct Infill<'a> {
-    settings: &'a Settings,
+    plan: InfillPlan,
     around: &'a Surroundings<'a>,
     kind: Kind,
     density: Quantity,
@@ -258,20 +246,19 @@ pub struct Infill<'a> {
 }
 
 impl<'a> Infill<'a> {
-    /// The infill that the settings ask for.
+    /// The infill of a plan.
     ///
     /// # Errors
     /// If a text is not an expression, if a script cannot be run, or if the
     /// pattern cannot have the density.
     pub fn new(
-        settings: &'a Settings,
+        plan: InfillPlan,
         around: &'a Surroundings<'a>,
         site: Site,
     ) -> Result<Infill<'a>, InfillError> {
-        let density =
-            Quantity::new("infill_density", &settings.infill_density)?;
+        let density = Quantity::new("infill_density", &plan.density)?;
         let graded = density.constant().is_none();
-        let kind = match &settings.infill {
+        let kind = match &plan.pattern {
             isoslice_settings::Infill::Pattern(word) => {
                 let pattern = pattern(*word, graded);
                 if graded && !pattern.can_vary() {
@@ -281,25 +268,21 @@ impl<'a> Infill<'a> {
                 }
                 Kind::Pattern(pattern)
             }
-            isoslice_settings::Infill::Expression(text) => Kind::Shape(
-                Shape::of_formula(text, &site, settings.infill_width())?,
-            ),
+            isoslice_settings::Infill::Expression(text) => {
+                Kind::Shape(Shape::of_formula(text, &site, plan.width)?)
+            }
             isoslice_settings::Infill::Script(path) => {
                 let source = Source::File(path.into());
-                let width = settings.infill_width();
-                let shape = Shape::of_source(&source, path, &site, width)?;
-                Kind::Shape(shape)
+                let width = plan.width;
+                Kind::Shape(Shape::of_source(&source, path, &site, width)?)
             }
         };
         Ok(Infill {
-            settings,
             around,
             kind,
             density,
-            origin: match settings.infill_centre {
-                InfillCentre::Object => site.part.centre(),
-                InfillCentre::Bed => site.bed,
-            },
+            origin: site.part.centre(),
+            plan,
         })
     }
 
@@ -315,15 +298,15 @@ impl<'a> Infill<'a> {
     pub fn beads(
         &self,
         sparse: &Area,
-        target: Target,
+        span: &LayerSpan,
         solid: Option<&EdgeGrid>,
     ) -> Result<Vec<Bead>, InfillError> {
-        let settings = self.settings;
-        let width = settings.infill_width();
-        if sparse.is_empty() || settings.is_hollow() {
+        let plan = &self.plan;
+        let (width, height) = (plan.width, span.height());
+        if sparse.is_empty() || plan.is_hollow() {
             return Ok(Vec::new());
         }
-        let margin = width * (0.5 - settings.infill_overlap / 100.0);
+        let margin = width * (0.5 - plan.overlap / 100.0);
         let ends = offset(sparse, -margin, TOLERANCE);
         if ends.is_empty() && matches!(self.kind, Kind::Pattern(_)) {
             // No line fits in, and a density has no place to be asked for.
@@ -341,38 +324,32 @@ impl<'a> Infill<'a> {
             Kind::Shape(_) => Some(100.0),
         };
         let grading = match even {
-            None => Some(self.grading(border.bounds(), target.z, around)?),
+            None => {
+                Some(self.grading(border.bounds(), span.sample_z(), around)?)
+            }
             Some(_) => None,
         };
         let layer = Layer {
             border: &border,
             margin,
-            number: target.number,
-            z: target.z,
+            number: span.index,
+            z: span.sample_z(),
             density: match (&grading, even) {
                 (Some(grading), _) => Density::Graded(grading),
                 (None, share) => Density::Even(share.unwrap_or(100.0) / 100.0),
             },
-            solid: spacing(width, width, target.height),
+            solid: spacing(width, width, height),
             origin: self.origin,
-            angle: settings.infill_angle,
-            phase: settings.infill_phase / 100.0,
+            angle: plan.angle,
             shortest: width,
         };
-        let bead =
-            |stroke| Bead::new(Role::SparseInfill, stroke, target.height);
+        let bead = |stroke| Bead::new(Role::SparseInfill, stroke, height);
         let (pieces, reach) = match &self.kind {
             Kind::Pattern(pattern) => {
                 (pattern.pieces(&layer), pattern.reach(&layer))
             }
-            Kind::Shape(shape) if settings.infill_mode == InfillMode::Solid => {
-                let lines = shape.solid(
-                    sparse,
-                    &layer,
-                    around,
-                    target.height,
-                    settings,
-                );
+            Kind::Shape(shape) if plan.solid => {
+                let lines = shape.solid(sparse, &layer, around, height, plan);
                 return Ok(lines?.into_iter().map(bead).collect());
             }
             Kind::Shape(shape) => {

@@ -15,13 +15,6 @@ pub(super) struct Rectilinear;
 impl Pattern for Rectilinear {
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
         let turn = 90.0 * (layer.number % 2) as f64;
-        lines(
-            layer,
-            &[Family {
-                turn,
-                shift: 0.0,
-                phase: 1.0,
-            }],
-        )
+        lines(layer, &[Family { turn, shift: 0.0 }])
     }
 }

@@ -13,7 +13,7 @@
 //! whose nodes keep their places from layer to layer. Places where it is not a
 //! number are outside. Features thinner than the lattice may be missed.
 
-use super::{InfillError, Layer, Site};
+use super::{InfillError, InfillPlan, Layer, Site};
 use crate::region::{Lay, lay, shrink};
 use glam::DVec2;
 use isoslice_base::timings::Timings;
@@ -29,7 +29,6 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, hatch};
 use isoslice_planar::zero::{self, Sampling, zero_lines};
 use isoslice_planar::{Area, Rect, path_length};
-use isoslice_settings::Settings;
 
 /// An expression, ready to be evaluated.
 pub(super) enum Shape {
@@ -187,22 +186,22 @@ impl Shape {
         layer: &Layer<'_>,
         around: Around<'_>,
         height: Mm,
-        settings: &Settings,
+        plan: &InfillPlan,
     ) -> Result<Vec<Stroke>, InfillError> {
-        let width = settings.infill_width();
+        let width = plan.width;
         let mut inside = self.inside(area, layer.z, around, width)?;
         let mut lines = Vec::new();
-        let plan = Lay::inside(width, height, settings);
+        let wall = Lay::inside(width, height, plan.thin);
         let mut ends = layer.margin;
-        for _ in 0..settings.infill_walls {
+        for _ in 0..plan.walls {
             if inside.is_empty() {
                 break;
             }
-            let laid = lay(&inside, plan, TOLERANCE);
+            let laid = lay(&inside, wall, TOLERANCE);
             lines.extend(laid.lines);
             lines.extend(laid.thin);
-            ends = 0.5 * settings.printer.nozzle_diameter - plan.centre;
-            inside = shrink(&laid.rings, plan.centre, TOLERANCE);
+            ends = plan.off_wall - wall.centre;
+            inside = shrink(&laid.rings, wall.centre, TOLERANCE);
         }
         let inside = shrink(&inside, ends, TOLERANCE);
         let rows = Lines {

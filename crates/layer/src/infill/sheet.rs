@@ -228,10 +228,8 @@ impl Sheet {
         let tolerance = CHORD.0.min(CHORD.1 * cell);
         let mut cutter = Cutter::new(layer.border);
         for curve in self.cell(layer.z / cell * TAU) {
-            let one: Vec<DVec2> = unrolled(&curve)
-                .iter()
-                .map(|p| *p * (cell / TAU) + DVec2::X * (layer.phase * cell))
-                .collect();
+            let one: Vec<DVec2> =
+                unrolled(&curve).iter().map(|p| *p * (cell / TAU)).collect();
             let one = thin(&one, tolerance);
             let extent = Rect::around(&one);
             let low = ((bounds.min - extent.max) / cell).ceil();
@@ -242,7 +240,9 @@ impl Sheet {
             let strand = Strand::new(curve.winding);
             let mut copies: Vec<(i64, i64, DVec2)> = Vec::new();
             for j in low.y as i64..=high.y as i64 {
-                isoslice_base::limits::check();
+                if isoslice_base::limits::is_stopped() {
+                    break;
+                }
                 for i in low.x as i64..=high.x as i64 {
                     let by = DVec2::new(i as f64, j as f64) * cell;
                     let by = frame.along(by);
@@ -257,7 +257,9 @@ impl Sheet {
             let mut last = None;
             let mut points: Vec<DVec2> = Vec::with_capacity(line.len());
             for (strand, number, by) in copies {
-                isoslice_base::limits::check();
+                if isoslice_base::limits::is_stopped() {
+                    break;
+                }
                 let goes_on = last == Some((strand, number - 1))
                     && curve.winding != [0, 0];
                 let skip = usize::from(goes_on);
@@ -293,10 +295,11 @@ impl Sheet {
         // octaves from `first` on.
         let octave = |share: f64| -share.clamp(LEAST, 1.0).log2();
         let first = octave(most).floor();
-        let shift = DVec2::X * layer.phase * finest / most;
         let mut pieces = Vec::new();
         for cluster in clusters(layer.border.area()) {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let bounds = frame.bounds(cluster.bounds);
             let extent = bounds.size();
             let step = (FINE * layer.solid / most)
@@ -316,8 +319,8 @@ impl Sheet {
                 Turn::new(at / wide * TAU)
             };
             let levels = octave(LEAST) as usize + 1 - first as usize;
-            let table = |from: f64, shift: f64, count: usize| {
-                let places = (0..count).map(|i| from + i as f64 * step - shift);
+            let table = |from: f64, count: usize| {
+                let places = (0..count).map(|i| from + i as f64 * step);
                 let places: Vec<f64> = places.collect();
                 (0..levels)
                     .map(|k| {
@@ -326,8 +329,8 @@ impl Sheet {
                     })
                     .collect::<Vec<Vec<Turn>>>()
             };
-            let xs = table(origin.x, shift.x, lattice.size[0]);
-            let ys = table(origin.y, shift.y, lattice.size[1]);
+            let xs = table(origin.x, lattice.size[0]);
+            let ys = table(origin.y, lattice.size[1]);
             let zs: Vec<Turn> = (0..levels)
                 .map(|k| turns(layer.z, first + k as f64))
                 .collect();
@@ -357,8 +360,8 @@ impl Sheet {
             let curves = trace(&lattice, &values, 1, &mut |points, out| {
                 out.extend(points.iter().map(|&q| {
                     let (k, coarse) = place(grading.share(frame.out(q)));
-                    let x = turns(q.x - shift.x, first + k as f64);
-                    let y = turns(q.y - shift.y, first + k as f64);
+                    let x = turns(q.x, first + k as f64);
+                    let y = turns(q.y, first + k as f64);
                     self.mixture(coarse, Angles { x, y, z: zs[k] })
                 }));
             });

@@ -18,10 +18,10 @@
 //! Patterns of one density have no such places. Patterns whose density varies,
 //! and users' own patterns, may have them.
 
+use super::InfillPlan;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 
 /// Beads whose middles are within this share of their width of each other
 /// hold each other.
@@ -40,11 +40,11 @@ pub struct Standing {
 
 impl Standing {
     /// A check of infill, if the infill is of a kind that needs it.
-    pub fn new(settings: &Settings) -> Option<Standing> {
-        let own = is_own(settings);
-        let graded = settings.infill_density.constant().is_none();
+    pub fn new(plan: &InfillPlan) -> Option<Standing> {
+        let own = plan.is_own();
+        let graded = plan.density.constant().is_none();
         (own || graded).then(|| Standing {
-            reach: HELD * settings.infill_width(),
+            reach: HELD * plan.width,
             below: None,
             own,
         })
@@ -63,18 +63,25 @@ impl Standing {
         mut infill: Vec<Bead>,
         others: impl Iterator<Item = &'a Bead>,
     ) -> Vec<Bead> {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return infill;
+        }
         let below = self.below.take();
         let held = |bead: &Bead, by: &EdgeGrid| {
-            let mut edges = bead.segments();
+            let mut edges = bead.stroke.segments();
             edges.any(|(a, b)| !by.clear(a, b, self.reach))
         };
-        let dot = |bead: &Bead| !self.own && bead.length() < DOT * bead.width;
+        let dot = |bead: &Bead| {
+            !self.own && bead.stroke.length() < DOT * bead.stroke.width
+        };
         let stands = |bead: &Bead| {
             !dot(bead) && below.as_ref().is_none_or(|below| held(bead, below))
         };
         let grid = |beads: &[&Bead]| {
-            EdgeGrid::of_lines(beads.iter().map(|b| b.path()), self.reach)
+            EdgeGrid::of_lines(
+                beads.iter().map(|b| b.stroke.path()),
+                self.reach,
+            )
         };
         let mut kept: Vec<&Bead> = others.collect();
         let mut stays: Vec<bool> = infill.iter().map(stands).collect();
@@ -102,15 +109,10 @@ impl Standing {
     }
 }
 
-/// True if the infill is a user's own pattern.
-fn is_own(settings: &Settings) -> bool {
-    !matches!(settings.infill, isoslice_settings::Infill::Pattern(_))
-}
-
 /// The warning about beads that were left out of a user's own pattern. Nobody
 /// needs to know of those left out of the shipped patterns.
-pub fn warning(left_out: usize, settings: &Settings) -> Option<String> {
-    (is_own(settings) && left_out > 0).then(|| {
+pub fn warning(left_out: usize, plan: &InfillPlan) -> Option<String> {
+    (plan.is_own() && left_out > 0).then(|| {
         format!(
             "beads of the infill's shape that lie on nothing and touch \
              nothing in their layer are left out: {left_out}"
@@ -124,6 +126,14 @@ mod tests {
     use isoslice_planar::Ring;
     use isoslice_planar::bead::{Role, Stroke};
     use isoslice_planar::shapes::{self, circle, moved};
+    use isoslice_settings::{Infill, Varying};
+
+    fn graded() -> InfillPlan {
+        InfillPlan {
+            density: Varying::Expression("9+d".into()),
+            ..InfillPlan::with(|_| {})
+        }
+    }
 
     fn along(points: Ring, closed: bool) -> Bead {
         Bead::new(Role::SparseInfill, Stroke::new(points, closed, 0.45), 0.2)
@@ -139,13 +149,7 @@ mod tests {
 
     #[test]
     fn a_bubble_begins_where_it_meets_something() {
-        let settings = Settings {
-            infill_density: isoslice_settings::Varying::Expression(
-                "9+d".into(),
-            ),
-            ..Settings::default()
-        };
-        let mut standing = Standing::new(&settings).unwrap();
+        let mut standing = Standing::new(&graded()).unwrap();
         let wall = bead(&[(0.0, -9.0), (0.0, 9.0)]);
         let line = bead(&[(0.3, 5.0), (20.0, 5.0)]);
         let mut layer = |beads: &[Bead]| {
@@ -171,33 +175,25 @@ mod tests {
         standing.forget();
         let kept = standing.kept(vec![alone], [&wall].into_iter());
         assert_eq!(kept.len(), 1);
-        assert!(Standing::new(&Settings::default()).is_none());
+        assert!(Standing::new(&InfillPlan::with(|_| {})).is_none());
     }
 
     #[test]
     fn a_dot_is_left_out_unless_it_touches_something() {
-        let graded = Settings {
-            infill_density: isoslice_settings::Varying::Expression(
-                "9+d".into(),
-            ),
-            ..Settings::default()
-        };
-        let own = Settings {
-            infill: isoslice_settings::Infill::Expression("x".into()),
-            ..Settings::default()
-        };
+        let own =
+            InfillPlan::with(|s| s.infill = Infill::Expression("x".into()));
         let line = bead(&[(0.0, 5.0), (20.0, 5.0)]);
         // On the line below: a ring, a short line and one that is longer.
         let ring = ring(5.0, 0.1);
         let raised = |mut bead: Bead| {
-            bead.points.iter_mut().for_each(|p| p.y += 5.0);
+            bead.stroke.points.iter_mut().for_each(|p| p.y += 5.0);
             bead
         };
         let short = bead(&[(10.0, 4.9), (10.0, 5.5)]);
         let longer = bead(&[(15.0, 4.5), (15.0, 5.5)]);
         let dots = vec![raised(ring), short.clone(), longer.clone()];
-        for (settings, left) in [(&graded, 1), (&own, 3)] {
-            let mut standing = Standing::new(settings).unwrap();
+        for (plan, left) in [(graded(), 1), (own, 3)] {
+            let mut standing = Standing::new(&plan).unwrap();
             standing.kept(vec![line.clone()], [].into_iter());
             let kept = standing.kept(dots.clone(), [].into_iter());
             assert_eq!(kept.len(), left);

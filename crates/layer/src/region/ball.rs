@@ -166,7 +166,9 @@ impl<'a> Border<'a> {
             (b - a).try_normalize()
         });
         for (number, (a, b)) in (first_edge..).zip(edges(ring)) {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let along = b - a;
             let length = along.length();
             if length == 0.0 {

@@ -66,8 +66,8 @@ fn is_reached(p: DVec2, part: &Ridge) -> bool {
 mod tests {
     use super::super::walls;
     use super::*;
+    use crate::region::WallPlan;
     use isoslice_planar::Area;
-    use isoslice_settings::Settings;
     use std::f64::consts::{FRAC_PI_2, PI};
 
     /// A strip, `thick` mm, that turns by a right angle, with round borders that
@@ -91,7 +91,7 @@ mod tests {
     }
 
     fn strokes(area: &Area) -> (usize, usize) {
-        let w = walls(area, None, 0.2, &Settings::default());
+        let w = walls(area, None, 0.2, &WallPlan::with(|_| {}));
         (w.lines[0].len(), w.thin[0].len())
     }
 
@@ -100,7 +100,7 @@ mod tests {
         // The ball in the bend is 0.99 mm large.
         let bend = bent(0.75, 0.4, 0.6);
         assert_eq!(strokes(&bend), (0, 1));
-        let w = walls(&bend, None, 0.2, &Settings::default());
+        let w = walls(&bend, None, 0.2, &WallPlan::with(|_| {}));
         let widest = w.thin[0][0].widths.iter().copied().fold(0.0, f64::max);
         assert!(widest > 0.9, "{widest}");
     }

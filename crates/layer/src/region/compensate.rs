@@ -6,6 +6,7 @@
 //! tolerance. Where a distance differs from place to place, each place of the
 //! outline moves by its own, square to the outline.
 
+use super::plan::OutlinePlan;
 use super::slit::{filled, slits};
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -16,7 +17,7 @@ use isoslice_planar::clip::{difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Solid, signed_area};
-use isoslice_settings::Settings;
+use isoslice_settings::Varying;
 use isoslice_settings::layers::LayerSpan;
 
 /// The distance by which outlines are moved outwards, if it differs from place
@@ -38,15 +39,14 @@ impl Growth {
     /// # Errors
     /// If the expression has a mistake.
     pub fn new(
-        settings: &Settings,
+        compensation: &Varying<Mm>,
         model: &Model,
     ) -> Result<Option<Growth>, VaryError> {
-        if settings.xy_compensation.constant().is_some() {
+        if compensation.constant().is_some() {
             return Ok(None);
         }
-        let key = "xy_compensation";
         Ok(Some(Growth {
-            by: Quantity::of_outline(key, &settings.xy_compensation)?,
+            by: Quantity::of_outline("xy_compensation", compensation)?,
             origin: model.origin.truncate(),
         }))
     }
@@ -61,7 +61,9 @@ impl Growth {
         let (mut rings, mut most) = (Vec::new(), f64::NEG_INFINITY);
         let mut places = Vec::new();
         for ring in &area.rings {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let bends = bends(ring);
             places.clear();
             places.extend(bends.iter().map(|bend: &Bend| Place {
@@ -90,7 +92,9 @@ fn moved(area: &Area, rings: &[(Vec<Bend>, Vec<Mm>)]) -> Area {
     // that is filled.
     let (mut added, mut taken) = (Area::EMPTY, Area::EMPTY);
     for (bends, by) in rings {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let mut kept: Vec<(DVec2, DVec2, Mm)> = Vec::new();
         for (bend, &by) in bends.iter().zip(by) {
             let apart = |last: &(DVec2, DVec2, Mm)| {
@@ -140,52 +144,37 @@ enum Grow<'a> {
 /// outwards, and then inwards where it is not too thin for that.
 #[derive(Clone, Copy)]
 pub struct Compensation<'a> {
-    /// Slits narrower than this are filled.
-    slit: Mm,
+    plan: OutlinePlan,
     grow: Grow<'a>,
     draw_in: Mm,
-    /// Thickness of what may be left when the outline is drawn in.
-    keep: Mm,
-    tolerance: Mm,
 }
 
 impl<'a> Compensation<'a> {
-    /// The changes that the settings ask for in a layer. `growth` is what they
-    /// say of places.
+    /// The changes of a layer. `growth` tells how far each place moves outwards,
+    /// if not all of them move alike.
     pub fn new(
         span: &LayerSpan,
-        settings: &Settings,
+        plan: OutlinePlan,
         growth: Option<&'a Growth>,
     ) -> Self {
-        let layers = settings.elephant_foot_layers as usize;
-        // A part on a raft does not lie on the bed, which would squeeze its
-        // first layers.
-        let left = match settings.raft_layers() {
-            0 => layers.saturating_sub(span.index) as f64,
-            _ => 0.0,
-        };
+        let layers = plan.foot_layers;
+        let left = layers.saturating_sub(span.index) as f64;
         Compensation {
-            slit: 2.0 * settings.slit_closing(),
+            plan,
             grow: match growth {
                 Some(growth) => Grow::Varying(growth, span.sample_z()),
-                None => {
-                    Grow::By(settings.xy_compensation.constant().unwrap_or(0.0))
-                }
+                None => Grow::By(plan.grow),
             },
-            draw_in: settings.elephant_foot * left / layers.max(1) as f64,
-            keep: 2.0 * settings.outer_wall_width(),
-            tolerance: 0.2 * settings.accuracy,
+            draw_in: plan.foot * left / layers.max(1) as f64,
         }
     }
 
-    /// True if another layer's outline is surely changed as this one's would
-    /// be.
+    /// True if the outline of another layer of the part is surely changed as
+    /// this one's would be.
     pub fn is_like(&self, other: &Compensation<'_>) -> bool {
         match (self.grow, other.grow) {
             (Grow::By(a), Grow::By(b)) => {
-                a == b
-                    && self.slit == other.slit
-                    && self.draw_in == other.draw_in
+                a == b && self.draw_in == other.draw_in
             }
             _ => false,
         }
@@ -238,8 +227,10 @@ impl<'a> Compensation<'a> {
             return Ok(closed);
         }
         let grow = |area: &Area| match self.grow {
-            Grow::By(by) => Ok(offset(area, by, self.tolerance)),
-            Grow::Varying(growth, z) => growth.grown(area, z, self.tolerance),
+            Grow::By(by) => Ok(offset(area, by, self.plan.tolerance)),
+            Grow::Varying(growth, z) => {
+                growth.grown(area, z, self.plan.tolerance)
+            }
         };
         for (_, wall) in walls.iter_mut() {
             *wall = grow(wall)?;
@@ -260,17 +251,19 @@ impl<'a> Compensation<'a> {
         outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
     ) -> Option<Area> {
-        if self.slit <= 0.0 {
+        if self.plan.slit <= 0.0 {
             return None;
         }
-        let found = slits(outline, self.slit, self.tolerance);
+        let found = slits(outline, self.plan.slit, self.plan.tolerance);
         if found.is_empty() {
             return None;
         }
-        let closed = filled(outline.area(), &found, self.slit, self.tolerance);
+        let closed =
+            filled(outline.area(), &found, self.plan.slit, self.plan.tolerance);
         for (depth, wall) in walls {
-            let around = offset(&found, *depth + self.slit, self.tolerance);
-            let inner = offset(&closed, -*depth, self.tolerance);
+            let around =
+                offset(&found, *depth + self.plan.slit, self.plan.tolerance);
+            let inner = offset(&closed, -*depth, self.plan.tolerance);
             *wall = union(wall, &intersection(&inner, &around));
         }
         Some(closed)
@@ -279,19 +272,21 @@ impl<'a> Compensation<'a> {
     /// The area drawn in, but for the places that would become thinner than
     /// `keep`: these stay as they are.
     fn drawn_in(&self, area: &Area) -> Area {
-        let inner = offset(area, -self.draw_in, self.tolerance);
-        let half = self.draw_in + 0.5 * self.keep;
-        let core = offset(area, -half, self.tolerance);
+        let inner = offset(area, -self.draw_in, self.plan.tolerance);
+        let half = self.draw_in + 0.5 * self.plan.keep;
+        let core = offset(area, -half, self.plan.tolerance);
         // The area that a disc of this size can reach, and a little more, so
         // that corners and roundings do not count as thin.
-        let reached = offset(&core, half + ROUNDING * half, self.tolerance);
+        let reached =
+            offset(&core, half + ROUNDING * half, self.plan.tolerance);
         let thin = difference(area, &reached);
         if thin.is_empty() {
             return inner;
         }
         // Thin places grow into the thicker part beside them, so that they
         // overlap with what is left of that part.
-        let thin = intersection(&offset(&thin, half, self.tolerance), area);
+        let thin =
+            intersection(&offset(&thin, half, self.plan.tolerance), area);
         union(&inner, &thin)
     }
 }
@@ -307,7 +302,6 @@ const CELL: Mm = 1.0;
 mod tests {
     use super::*;
     use isoslice_planar::{rect, shapes};
-    use isoslice_settings::Varying;
 
     fn span(index: usize) -> LayerSpan {
         LayerSpan {
@@ -315,6 +309,10 @@ mod tests {
             bottom: 0.2 * index as f64,
             top: 0.2 * (index as f64 + 1.0),
         }
+    }
+
+    fn usual() -> OutlinePlan {
+        OutlinePlan::with(|_| {})
     }
 
     fn disc(radius: f64) -> Area {
@@ -337,8 +335,7 @@ mod tests {
             by: Quantity::of_outline("xy_compensation", &value)?,
             origin: DVec2::ZERO,
         };
-        let s = Settings::default();
-        let c = Compensation::new(&span(9), &s, Some(&growth));
+        let c = Compensation::new(&span(9), usual(), Some(&growth));
         let grown = c.apply(&Solid::of(outline, CELL), &mut [])?;
         Ok(grown.unwrap_or_else(|| outline.clone()))
     }
@@ -424,59 +421,51 @@ mod tests {
 
     #[test]
     fn nothing_is_moved_by_default() {
-        let c = Compensation::new(&span(0), &Settings::default(), None);
+        let c = Compensation::new(&span(0), usual(), None);
         assert_eq!(c.printed(&disc(3.0)), disc(3.0));
         assert_eq!(c.squeezed(&disc(3.0)), Ok(None));
     }
 
     #[test]
     fn outlines_grow_and_holes_shrink() {
-        let mut settings = Settings {
-            xy_compensation: Varying::Constant(0.1),
-            ..Settings::default()
-        };
         let mut ring = disc(10.0);
         let mut hole = disc(4.0).rings.remove(0);
         hole.reverse();
         ring.rings.push(hole);
-        let content = |s: &Settings| {
-            Compensation::new(&span(9), s, None)
+        let content = |by: Mm| {
+            let plan = OutlinePlan::with(|s| s.xy_compensation = by.into());
+            Compensation::new(&span(9), plan, None)
                 .printed(&ring)
                 .content()
         };
         let pi = std::f64::consts::PI;
         let exact = pi * (10.1_f64.powi(2) - 3.9_f64.powi(2));
-        assert!((content(&settings) - exact).abs() < 0.07);
-        settings.xy_compensation = Varying::Constant(-0.1);
+        assert!((content(0.1) - exact).abs() < 0.07);
         let exact = pi * (9.9_f64.powi(2) - 4.1_f64.powi(2));
-        assert!((content(&settings) - exact).abs() < 0.07);
+        assert!((content(-0.1) - exact).abs() < 0.07);
     }
 
     #[test]
     fn the_foot_is_drawn_in_less_from_layer_to_layer() {
-        let settings = Settings {
-            elephant_foot: 0.3,
-            elephant_foot_layers: 3,
-            ..Settings::default()
-        };
+        let plan = OutlinePlan::with(|s| {
+            s.elephant_foot = 0.3;
+            s.elephant_foot_layers = 3;
+        });
         let square = rect(0.0, 0.0, 20.0, 10.0);
         for (index, by) in [(0, 0.3), (1, 0.2), (2, 0.1)] {
-            let c = Compensation::new(&span(index), &settings, None);
+            let c = Compensation::new(&span(index), plan, None);
             let got = c.printed(&square);
             let exact = (20.0 - 2.0 * by) * (10.0 - 2.0 * by);
             assert!((got.content() - exact).abs() < 1e-6, "{index}");
         }
-        let c = Compensation::new(&span(3), &settings, None);
+        let c = Compensation::new(&span(3), plan, None);
         assert_eq!(c.printed(&square), square);
     }
 
     #[test]
     fn thin_places_keep_their_width() {
-        let settings = Settings {
-            elephant_foot: 0.3,
-            ..Settings::default()
-        };
-        let c = Compensation::new(&span(0), &settings, None);
+        let plan = OutlinePlan::with(|s| s.elephant_foot = 0.3);
+        let c = Compensation::new(&span(0), plan, None);
         // A block with a fin of 0.8 mm.
         let block = rect(0.0, 0.0, 20.0, 20.0);
         let fin = rect(20.0, 9.6, 40.0, 10.4);
@@ -498,16 +487,15 @@ mod tests {
     #[test]
     fn slits_are_told_by_what_is_left_of_them() {
         let parts = |gap: f64, by: f64, closing: f64| {
-            let settings = Settings {
-                xy_compensation: Varying::Constant(by),
-                slit_closing: closing.into(),
-                ..Settings::default()
-            };
+            let plan = OutlinePlan::with(|s| {
+                s.xy_compensation = by.into();
+                s.slit_closing = closing.into();
+            });
             let both = Area::from_iter([
                 rect(-5.0, 0.0, -gap, 4.0),
                 rect(0.0, 0.0, 5.0, 4.0),
             ]);
-            let c = Compensation::new(&span(0), &settings, None);
+            let c = Compensation::new(&span(0), plan, None);
             c.printed(&both).rings.len()
         };
         assert_eq!(parts(0.05, 0.0, 0.05), 1);
@@ -531,7 +519,7 @@ mod tests {
         };
         let mut walls = [(0.2, both(0.2)), (0.6, both(0.6))];
         let outline = Solid::new(both(0.0));
-        let c = Compensation::new(&span(0), &Settings::default(), None);
+        let c = Compensation::new(&span(0), usual(), None);
         assert!(c.apply(&outline, &mut walls).unwrap().is_some());
         for (depth, wall) in walls {
             assert_eq!(wall.rings.len(), 1, "{depth}");

@@ -8,6 +8,7 @@
 //! nothing that matters is covered. Only if they do not, all neighbours that
 //! touch the island go into one sweep.
 
+use super::WallPlan;
 use super::neighbour::Neighbour;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, intersection, not_covered_by_all};
@@ -16,7 +17,6 @@ use isoslice_planar::nest::Nest;
 use isoslice_planar::offset::offset;
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Rect, Solid, edges, point_beside};
-use isoslice_settings::Settings;
 
 /// How far borders between skin and sparse infill may be off, mm: nobody sees
 /// these borders, and a bead is much wider.
@@ -26,11 +26,11 @@ pub(super) const TOLERANCE: Mm = 0.02;
 /// them, and each question takes a time that grows with its points. It is a
 /// little larger if there are no walls: the fill then ends at the outline
 /// itself, and of two equal layers neither may leave a rim of the other open.
-pub fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
+pub fn rough(outline: &Area, walls: &WallPlan) -> Solid<'static> {
     // Two outlines of one shape differ by twice their accuracy, and the offset
     // may be off by as much as its tolerance.
-    let accuracy = settings.accuracy;
-    Solid::new(match settings.walls {
+    let accuracy = walls.accuracy;
+    Solid::new(match walls.count {
         0 => offset(outline, 3.0 * accuracy, accuracy),
         _ => simplify_area(outline, TOLERANCE),
     })
@@ -38,9 +38,9 @@ pub fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
 
 /// How far apart the borders of two rough outlines of one shape may be: twice
 /// as far as either is off.
-pub(super) fn apart(settings: &Settings) -> Mm {
-    let accuracy = settings.accuracy;
-    2.0 * match settings.walls {
+pub(super) fn apart(walls: &WallPlan) -> Mm {
+    let accuracy = walls.accuracy;
+    2.0 * match walls.count {
         0 => accuracy + accuracy,
         _ => accuracy + TOLERANCE,
     }
@@ -195,7 +195,9 @@ pub(super) fn exposed(
     let sorted: Vec<Neighbour<'_>> =
         covers.iter().map(|c| Neighbour::new(c.area())).collect();
     for i in left {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let touching = sorted.iter().zip(&touching).filter(|(_, t)| t[i]);
         let near: Vec<Area> =
             touching.map(|(cover, _)| cover.near(&islands[i])).collect();
@@ -267,7 +269,7 @@ mod tests {
     #[test]
     fn rough_outlines_agree_with_themselves() {
         let exact = disc(10.0, 2000);
-        let rough = rough(&exact, &Settings::default());
+        let rough = rough(&exact, &WallPlan::with(|_| {}));
         assert!(rough.area().rings[0].len() < 200);
         let mut between = 0;
         for k in 0..4000 {
@@ -286,15 +288,12 @@ mod tests {
     /// lets their outlines be apart.
     #[test]
     fn equal_layers_without_walls_cover_one_another() {
-        let settings = Settings {
-            walls: 0,
-            ..Settings::default()
-        };
-        let off = settings.accuracy;
+        let walls = WallPlan::with(|s| s.walls = 0);
+        let off = walls.accuracy;
         for [here, there] in [[off, -off], [-off, off]] {
             let fill = disc(10.0 + here, 300);
             // The chords take the other half of the accuracy.
-            let cover = rough(&disc(10.0 + 0.5 * there, 140), &settings);
+            let cover = rough(&disc(10.0 + 0.5 * there, 140), &walls);
             assert!(open(&fill, cover.area()).is_empty());
         }
     }

@@ -29,8 +29,9 @@
 use super::cover::{
     Covered, Exposed, Islands, TOLERANCE, apart, by_island, exposed, near, open,
 };
+use super::plan::{ExposurePlan, ShellPlan};
 use super::shells::Shells;
-use super::wall_depths;
+use crate::view::{LayerFace, LayerView};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{
@@ -39,7 +40,6 @@ use isoslice_planar::clip::{
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, BoxTree, Rect, Solid};
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{Settings, SkinWhere};
 
 /// The fill, split.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -48,23 +48,6 @@ pub struct FillAreas {
     pub skin: Area,
     /// The area that is filled at the infill's density.
     pub sparse: Area,
-}
-
-/// A layer and the layers around it, each as its outline, which is as exact as
-/// skin needs it. Equal layers share one outline.
-#[derive(Clone, Debug)]
-pub struct Window<'a> {
-    /// Number of the layer.
-    pub number: usize,
-    /// Height of the layer.
-    pub height: Mm,
-    /// Outline of the layer.
-    pub here: &'a Solid<'a>,
-    /// The layers above it, the nearest first, as far as the part and
-    /// [`Exposure::reach_above`] reach; more do no harm.
-    pub above: Vec<&'a Solid<'a>>,
-    /// The layers below it.
-    pub below: Vec<&'a Solid<'a>>,
 }
 
 /// The layers on one side of a layer, as far as a slope's shell reaches.
@@ -85,21 +68,10 @@ fn slope_layers(layers: usize) -> usize {
     (layers as f64 * std::f64::consts::SQRT_2).ceil() as usize
 }
 
-/// The part of a fill that sparse infill fits into, whatever covers it. In
-/// lattices that is next to nothing: the rest is skin, exposed or not, and
-/// need not be looked at again.
-pub fn roomy(fill: &Area, settings: &Settings) -> Area {
-    if settings.is_solid() {
-        Area::EMPTY
-    } else {
-        printable(fill, BETWEEN_WALLS, settings)
-    }
-}
-
 /// Tells a part's skin from its sparse infill.
 #[derive(Clone, Debug)]
 pub struct Exposure<'a> {
-    settings: &'a Settings,
+    plan: ExposurePlan,
     /// Layers that have to cover a layer from above, lest it get skin.
     above: Shells,
     /// Layers that have to cover a layer from below, lest it get skin.
@@ -110,27 +82,34 @@ pub struct Exposure<'a> {
 
 impl<'a> Exposure<'a> {
     /// The exposure of a part with these layers.
-    pub fn new(settings: &'a Settings, spans: &'a [LayerSpan]) -> Exposure<'a> {
-        let shells = |set: Option<u32>, thickness, upwards| match set {
-            Some(count) => Shells::Alike(count as usize),
-            None => Shells::of_thickness(spans, thickness, upwards),
+    pub fn new(plan: ExposurePlan, spans: &'a [LayerSpan]) -> Exposure<'a> {
+        let shells = |shell: ShellPlan, upwards| match shell.layers {
+            Some(count) => Shells::Alike(count),
+            None => Shells::of_thickness(spans, shell.thickness, upwards),
         };
-        let s = settings;
         Exposure {
-            settings,
-            above: shells(s.top_layers, s.top_thickness(), true),
-            below: shells(s.bottom_layers, s.bottom_thickness(), false),
+            plan,
+            above: shells(plan.top, true),
+            below: shells(plan.bottom, false),
             spans,
+        }
+    }
+
+    /// The part of a fill that sparse infill fits into, whatever covers it. In
+    /// lattices that is next to nothing: the rest is skin, exposed or not, and
+    /// need not be looked at again.
+    pub fn roomy(&self, fill: &Area) -> Area {
+        if self.plan.solid {
+            Area::EMPTY
+        } else {
+            printable(fill, BETWEEN_WALLS, &self.plan)
         }
     }
 
     /// Layers that have to cover a layer, lest it get skin, on the side of
     /// these shells.
     fn covering(&self, layers: usize) -> usize {
-        match self.settings.skin_where {
-            SkinWhere::Exposed => layers,
-            SkinWhere::Ends => 0,
-        }
+        if self.plan.ends_alone { 0 } else { layers }
     }
 
     /// Number of layers above a layer on which its fill depends: at least the
@@ -146,10 +125,9 @@ impl<'a> Exposure<'a> {
 
     /// True if a layer is skin all over, whatever covers it.
     fn is_end(&self, number: usize) -> bool {
-        let s = self.settings;
         // A raft's layers are no part of the part.
-        let in_part = number.saturating_sub(s.raft_layers());
-        s.skin_where == SkinWhere::Ends
+        let in_part = number.saturating_sub(self.plan.raft_layers);
+        self.plan.ends_alone
             && (in_part < self.below.at(number)
                 || number + self.above.at(number) >= self.spans.len())
     }
@@ -158,19 +136,19 @@ impl<'a> Exposure<'a> {
     /// farthest one that counts on a slope.
     fn distance(
         &self,
-        window: &Window<'_>,
+        view: &LayerView<'_>,
         layers: usize,
         upwards: bool,
     ) -> Mm {
         let farthest = slope_layers(layers);
-        if self.settings.is_uniform() {
-            return (farthest - layers) as f64 * window.height;
+        if self.plan.uniform {
+            return (farthest - layers) as f64 * view.here.span.height();
         }
         let z = |away: usize| {
             let number = if upwards {
-                window.number + away
+                view.here.span.index + away
             } else {
-                window.number.saturating_sub(away)
+                view.here.span.index.saturating_sub(away)
             };
             let span = self.spans.get(number).or(self.spans.last());
             span.map_or(0.0, LayerSpan::sample_z)
@@ -178,16 +156,16 @@ impl<'a> Exposure<'a> {
         (z(farthest) - z(layers)).abs()
     }
 
-    /// Splits a layer's fill, of which `roomy` is what [`roomy()`] found.
+    /// Splits a layer's fill, of which `roomy` is what [`Exposure::roomy`] found.
     pub fn split(
         &self,
         fill: &Area,
         roomy: &Area,
-        window: &Window<'_>,
+        view: &LayerView<'_>,
     ) -> FillAreas {
-        let sparse = match self.covers(window) {
+        let sparse = match self.covers(view) {
             Some(covers) if !roomy.is_empty() => {
-                self.sparse(roomy, &covers, window)
+                self.sparse(roomy, &covers, view)
             }
             _ => Vec::new(),
         };
@@ -200,23 +178,23 @@ impl<'a> Exposure<'a> {
     }
 
     /// The layers that have to cover a layer, if the part goes on so far.
-    fn covers<'w>(&self, window: &Window<'w>) -> Option<Vec<&'w Solid<'w>>> {
-        if self.is_end(window.number) {
+    fn covers<'w>(&self, view: &LayerView<'w>) -> Option<Vec<&'w Solid<'w>>> {
+        if self.is_end(view.here.span.index) {
             return None;
         }
         // A neighbour is left out if it equals this layer or another neighbour:
         // it leaves nothing open that they do not.
-        let mut seen = vec![window.here];
+        let mut seen = vec![view.here.rough];
         let mut new = |near: &&'w Solid<'w>| {
             let new = !seen.iter().any(|s| s.is(near));
             seen.push(near);
             new
         };
-        let layers = self.covering(self.above.at(window.number));
-        let above = window.above.get(..layers)?.iter().copied();
+        let layers = self.covering(self.above.at(view.here.span.index));
+        let above = view.above.get(..layers)?.iter().map(|near| near.rough);
         let above: Vec<_> = above.filter(&mut new).collect();
-        let layers = self.covering(self.below.at(window.number));
-        let below = window.below.get(..layers)?.iter().copied();
+        let layers = self.covering(self.below.at(view.here.span.index));
+        let below = view.below.get(..layers)?.iter().map(|near| near.rough);
         let below: Vec<_> = below.filter(&mut new).collect();
         // The farthest layers come first: they differ most from this one, and
         // so leave the least to be looked at.
@@ -232,33 +210,34 @@ impl<'a> Exposure<'a> {
         &self,
         roomy: &Area,
         covers: &[&Solid<'_>],
-        window: &Window<'_>,
+        view: &LayerView<'_>,
     ) -> Vec<Area> {
-        let settings = self.settings;
+        let plan = &self.plan;
         let islands = roomy.islands();
         // Most of what is covered of a lattice is thin.
-        let half = 0.5 * settings.infill_width();
+        let half = 0.5 * plan.infill;
         let matters = |part: &Area| {
-            part.content() >= settings.skin_min_area
+            part.content() >= plan.least
                 && !offset(part, -half, TOLERANCE).is_empty()
         };
         let asked = Islands::new(&islands);
         let mut exposed = exposed(&asked, covers, matters);
-        let outline = window.here.area();
-        let number = window.number;
+        let outline = view.here.rough.area();
+        let number = view.here.span.index;
         for (side, shells, upwards) in [
-            (&window.above, &self.above, true),
-            (&window.below, &self.below, false),
+            (&view.above, &self.above, true),
+            (&view.below, &self.below, false),
         ] {
             let layers = self.covering(shells.at(number));
-            let recedes = self.distance(window, layers, upwards);
-            if let Some(slope) = window.slope(side, layers, recedes, settings) {
+            let recedes = self.distance(view, layers, upwards);
+            if let Some(slope) = slope(view, side, layers, recedes, plan) {
                 slope.expose(&islands, &asked, &mut exposed, outline);
             }
         }
-        let support = window.below.first().filter(|s| !s.is(window.here));
-        let hanging = hanging(&exposed, support.copied(), settings);
-        let under = self.under_walls(&islands, &exposed, window);
+        let support = view.below.first().map(|below| below.rough);
+        let support = support.filter(|s| !s.is(view.here.rough));
+        let hanging = hanging(&exposed, support, plan);
+        let under = self.under_walls(&islands, &exposed, view);
         let mut sparse = Vec::new();
         let all = islands.into_iter().zip(exposed).zip(hanging).zip(under);
         for (((island, exposed), hanging), under) in all {
@@ -266,14 +245,14 @@ impl<'a> Exposure<'a> {
                 Exposed::Everywhere => continue,
                 Exposed::Nowhere => under,
                 Exposed::Part(part) => {
-                    union(&grown(&part, &hanging, settings), &under)
+                    union(&grown(&part, &hanging, plan), &under)
                 }
             };
             if skin.is_empty() {
                 sparse.push(island);
             } else {
                 let left = difference(&island, &skin);
-                sparse.extend(beside(&left, &skin, settings));
+                sparse.extend(beside(&left, &skin, plan));
             }
         }
         sparse
@@ -290,11 +269,11 @@ impl<'a> Exposure<'a> {
         &self,
         islands: &[Area],
         exposed: &[Exposed],
-        window: &Window<'_>,
+        view: &LayerView<'_>,
     ) -> Vec<Area> {
-        let s = self.settings;
-        let (_, depth) = wall_depths(window.height, s);
-        let step = 0.5 * s.inner_wall_width();
+        let walls = &self.plan.walls;
+        let (_, depth) = walls.depths(view.here.span.height());
+        let step = 0.5 * walls.inner;
         let all = islands.iter().zip(exposed);
         let asked = all.filter(|(_, e)| **e != Exposed::Everywhere);
         let asked: Vec<&Area> = asked.map(|(island, _)| island).collect();
@@ -302,9 +281,9 @@ impl<'a> Exposure<'a> {
         let boxes = asked.iter().map(|island| island.bounds().grown(far));
         let near = boxes.clone().fold(Rect::EMPTY, |all, b| all.union(b));
         let boxes = BoxTree::new(boxes.enumerate());
-        let layers = self.covering(self.above.at(window.number));
-        let above = window.above.iter().take(layers).copied();
-        let lower = std::iter::once(window.here).chain(above.clone());
+        let layers = self.covering(self.above.at(view.here.span.index));
+        let above = view.above.iter().take(layers).map(|near| near.rough);
+        let lower = std::iter::once(view.here.rough).chain(above.clone());
         let mut found = Area::EMPTY;
         for (lower, upper) in lower.zip(above) {
             if depth <= 0.0
@@ -313,7 +292,9 @@ impl<'a> Exposure<'a> {
             {
                 continue;
             }
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let here = crop(&lower.area().rings, near);
             let open = open(&here, upper.area());
             let wide = offset(&open, -0.5 * step, TOLERANCE);
@@ -326,7 +307,7 @@ impl<'a> Exposure<'a> {
         let all = asked.iter().flat_map(|island| &island.rings);
         let found = intersection(&all.cloned().collect(), &unite(&found));
         // What is thinner than a bead lies beside what holds the walls.
-        let half = 0.5 * s.skin_width();
+        let half = 0.5 * walls.skin;
         let wide = offset(&found, -half, TOLERANCE);
         let found = intersection(&offset(&wide, half, TOLERANCE), &found);
         by_island(islands, found.islands())
@@ -349,27 +330,24 @@ fn recedes(
     })
 }
 
-impl<'a> Window<'a> {
-    /// The layers that count on a slope besides the first `layers` on one side.
-    /// The last of these recedes by `reach` from the farthest layer.
-    fn slope(
-        &self,
-        side: &[&'a Solid<'a>],
-        layers: usize,
-        reach: Mm,
-        settings: &Settings,
-    ) -> Option<Slope<'a>> {
-        let all = slope_layers(layers);
-        let beyond = (layers..all).map(|k| side.get(k).copied());
-        Some(Slope {
-            last: side.get(layers.checked_sub(1)?)?,
-            beyond: beyond
-                .filter(|s| s.is_none_or(|s| !s.is(self.here)))
-                .collect(),
-            reach,
-            apart: apart(settings),
-        })
-    }
+/// The layers that count on a slope besides the first `layers` on one side of a
+/// layer. The last of these recedes by `reach` from the farthest layer.
+fn slope<'a>(
+    view: &LayerView<'a>,
+    side: &[LayerFace<'a>],
+    layers: usize,
+    reach: Mm,
+    plan: &ExposurePlan,
+) -> Option<Slope<'a>> {
+    let all = slope_layers(layers);
+    let beyond = (layers..all).map(|k| side.get(k).map(|face| face.rough));
+    let here = view.here.rough;
+    Some(Slope {
+        last: side.get(layers.checked_sub(1)?)?.rough,
+        beyond: beyond.filter(|s| s.is_none_or(|s| !s.is(here))).collect(),
+        reach,
+        apart: apart(&plan.walls),
+    })
 }
 
 impl Slope<'_> {
@@ -447,13 +425,13 @@ impl Slope<'_> {
 fn hanging(
     exposed: &[Exposed],
     support: Option<&Solid<'_>>,
-    settings: &Settings,
+    plan: &ExposurePlan,
 ) -> Vec<Area> {
     let none = || vec![Area::EMPTY; exposed.len()];
     let Some(support) = support else {
         return none();
     };
-    if !settings.bridges || settings.bridge_anchor <= settings.skin_overlap() {
+    if plan.anchor.is_none_or(|anchor| anchor <= plan.overlap) {
         return none();
     }
     let mut parts: Vec<Area> = Vec::new();
@@ -473,7 +451,7 @@ fn hanging(
         }
     }
     // A gap that a bead's own width bridges needs no anchor.
-    let half = 0.5 * settings.bottom_skin_width();
+    let half = 0.5 * plan.bridge;
     // `open` would not do: an offset would also shrink what it cuts off.
     let open = difference(&all, &near(&all, support.area()));
     let core = offset(&open, -half, TOLERANCE);
@@ -488,25 +466,26 @@ fn hanging(
 
 /// An exposed part and what its lines reach onto: `skin_overlap` all around,
 /// and `bridge_anchor` around what hangs in the air.
-fn grown(part: &Area, hanging: &Area, settings: &Settings) -> Area {
-    let all = offset(part, settings.skin_overlap(), TOLERANCE);
-    if hanging.is_empty() {
-        return all;
+fn grown(part: &Area, hanging: &Area, plan: &ExposurePlan) -> Area {
+    let all = offset(part, plan.overlap, TOLERANCE);
+    match plan.anchor {
+        Some(anchor) if !hanging.is_empty() => {
+            let reach = 0.5 * plan.bridge + anchor;
+            union(&all, &offset(hanging, reach, TOLERANCE))
+        }
+        _ => all,
     }
-    let half = 0.5 * settings.bottom_skin_width();
-    let anchor = half + settings.bridge_anchor;
-    union(&all, &offset(hanging, anchor, TOLERANCE))
 }
 
 /// The islands of sparse infill in what some skin leaves of an area.
-fn beside(left: &Area, skin: &Area, settings: &Settings) -> Vec<Area> {
-    let all = printable(left, BETWEEN_WALLS, settings);
-    let wide = printable(&all, BESIDE_SKIN, settings);
+fn beside(left: &Area, skin: &Area, plan: &ExposurePlan) -> Vec<Area> {
+    let all = printable(left, BETWEEN_WALLS, plan);
+    let wide = printable(&all, BESIDE_SKIN, plan);
     if wide.content() >= all.content() - TOLERANCE {
         return all.islands();
     }
     // Narrow parts away from the skin stay sparse, as in layers without skin.
-    let near = offset(skin, settings.infill_width(), TOLERANCE);
+    let near = offset(skin, plan.infill, TOLERANCE);
     let narrow = difference(&all, &wide).islands();
     let away = narrow
         .into_iter()
@@ -543,14 +522,14 @@ const BESIDE_SKIN: f64 = 2.0;
 
 /// The parts of an area large enough for sparse infill, and as wide as so many
 /// of its lines.
-fn printable(area: &Area, lines: f64, settings: &Settings) -> Area {
+fn printable(area: &Area, lines: f64, plan: &ExposurePlan) -> Area {
     /// Width, mm, of the strip along the whole border that rounding may take
     /// away.
     const ROUNDING: Mm = 1e-5;
-    let half = 0.5 * lines * settings.infill_width();
+    let half = 0.5 * lines * plan.infill;
     let mut wide = Area::EMPTY;
     for island in area.islands() {
-        if island.content() < settings.skin_min_area {
+        if island.content() < plan.least {
             continue;
         }
         let core = offset(&island, -half, TOLERANCE);
@@ -570,7 +549,7 @@ fn printable(area: &Area, lines: f64, settings: &Settings) -> Area {
         let parts = whole.islands().into_iter();
         wide.rings.extend(
             parts
-                .filter(|p| p.content() >= settings.skin_min_area)
+                .filter(|p| p.content() >= plan.least)
                 .flat_map(|p| p.rings),
         );
     }
@@ -581,6 +560,7 @@ fn printable(area: &Area, lines: f64, settings: &Settings) -> Area {
 mod tests {
     use super::*;
     use isoslice_planar::rect;
+    use isoslice_settings::Infill;
 
     /// Splits the fill of a layer that some more layers would have to cover
     /// from above, which are `beyond` the part.
@@ -589,7 +569,7 @@ mod tests {
         above: &[&Area],
         below: &[&Area],
         beyond: usize,
-        settings: &Settings,
+        plan: ExposurePlan,
     ) -> FillAreas {
         let solids = |areas: &[&'_ Area]| -> Vec<Solid<'static>> {
             areas.iter().map(|a| Solid::new((*a).clone())).collect()
@@ -598,60 +578,56 @@ mod tests {
         let exposure = Exposure {
             above: Shells::Alike(above.len() + beyond),
             below: Shells::Alike(below.len()),
-            ..Exposure::new(settings, &[])
+            ..Exposure::new(plan, &[])
         };
-        let window = Window {
-            number: 50,
-            height: 0.2,
-            here: &Solid::of(fill, 1.0),
-            above: over.iter().collect(),
-            below: under.iter().collect(),
-        };
-        exposure.split(fill, &roomy(fill, settings), &window)
+        let here = Solid::of(fill, 1.0);
+        let (over, under): (Vec<_>, Vec<_>) =
+            (over.iter().collect(), under.iter().collect());
+        let view = LayerView::of(50, &here, &over, &under);
+        exposure.split(fill, &exposure.roomy(fill), &view)
     }
 
     #[test]
     fn covered_areas_stay_sparse_and_open_ones_become_skin() {
-        let settings = Settings::default();
+        let plan = ExposurePlan::with(|_| {});
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
-        let f = split_under(&fill, &[&all, &all], &[&all], 0, &settings);
+        let f = split_under(&fill, &[&all, &all], &[&all], 0, plan);
         assert!((f.sparse.content() - 400.0).abs() < 1e-6);
         assert!(f.skin.content() < 1e-6);
-        let f =
-            split_under(&fill, &[&all, &Area::EMPTY], &[&all], 0, &settings);
+        let f = split_under(&fill, &[&all, &Area::EMPTY], &[&all], 0, plan);
         assert_eq!(f.skin, fill);
-        let beyond = split_under(&fill, &[], &[], 1, &settings);
+        let beyond = split_under(&fill, &[], &[], 1, plan);
         assert_eq!(beyond.skin, fill);
     }
 
     #[test]
     fn full_density_is_skin_but_for_a_shape_of_its_own() {
-        let full = Settings {
-            infill_density: 100.0.into(),
-            ..Settings::default()
-        };
         let fill = rect(0.0, 0.0, 20.0, 20.0);
-        assert!(roomy(&fill, &full).is_empty());
-        let shape = Settings {
-            infill: isoslice_settings::Infill::Expression("x".into()),
-            ..full
+        let roomy = |shape: bool| {
+            let plan = ExposurePlan::with(|s| {
+                s.infill_density = 100.0.into();
+                if shape {
+                    s.infill = Infill::Expression("x".into());
+                }
+            });
+            Exposure::new(plan, &[]).roomy(&fill)
         };
-        assert_eq!(roomy(&fill, &shape), fill);
+        assert!(roomy(false).is_empty());
+        assert_eq!(roomy(true), fill);
     }
 
     #[test]
     fn a_layer_between_counts() {
         // Only the middle one of three layers above has a hole.
-        let settings = Settings::default();
+        let plan = ExposurePlan::with(|_| {});
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
         let holed = difference(&all, &rect(5.0, 5.0, 10.0, 10.0));
-        let f =
-            split_under(&fill, &[&all, &holed, &all], &[&all], 0, &settings);
+        let f = split_under(&fill, &[&all, &holed, &all], &[&all], 0, plan);
         // Walls stand around the hole.
-        let (_, walls) = wall_depths(0.2, &settings);
-        let grown = 5.0 + 2.0 * settings.skin_overlap().max(walls);
+        let (_, walls) = plan.walls.depths(0.2);
+        let grown = 5.0 + 2.0 * plan.overlap.max(walls);
         let skin = f.skin.content();
         assert!((25.0..=grown * grown).contains(&skin), "{skin}");
         let both = skin + f.sparse.content();
@@ -660,24 +636,21 @@ mod tests {
 
     /// Content of the sparse area of a square with sides of 20 mm below layers
     /// that recede by so much on all sides.
-    fn sparse_below(recede: &[f64], settings: &Settings) -> f64 {
+    fn sparse_below(recede: &[f64], plan: ExposurePlan) -> f64 {
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let inset = |by: &f64| rect(*by, *by, 20.0 - by, 20.0 - by);
         let above: Vec<Area> = recede.iter().map(inset).collect();
         let above: Vec<&Area> = above.iter().collect();
-        let f = split_under(&fill, &above, &[&fill], 0, settings);
+        let f = split_under(&fill, &above, &[&fill], 0, plan);
         f.sparse.content()
     }
 
     #[test]
     fn what_rises_stands_on_skin_as_far_as_its_walls_reach() {
         for walls in [1, 2, 5] {
-            let settings = Settings {
-                walls,
-                ..Settings::default()
-            };
-            let (_, depth) = wall_depths(0.2, &settings);
-            let reach = depth.max(settings.skin_overlap());
+            let plan = ExposurePlan::with(|s| s.walls = walls);
+            let (_, depth) = plan.walls.depths(0.2);
+            let reach = depth.max(plan.overlap);
             // The step may be in any of the layers whose skin reaches down here,
             // and may be as narrow as a wall.
             for (rises, by) in [
@@ -687,7 +660,7 @@ mod tests {
                 (vec![0.0, 0.0, 0.0, 1.0], 1.0),
             ] {
                 let side = 20.0 - 2.0 * (by + reach);
-                let is = sparse_below(&rises, &settings);
+                let is = sparse_below(&rises, plan);
                 // Slopes of 45° have skin one layer farther in.
                 let slope = (side - 2.0 * 0.4).powi(2);
                 let most = (side * side).max(slope) + 0.3;
@@ -699,23 +672,17 @@ mod tests {
 
     #[test]
     fn skin_below_steep_slopes_does_not_grow_for_walls() {
-        let settings = Settings {
-            walls: 5,
-            ..Settings::default()
-        };
-        let one = Settings {
-            walls: 1,
-            ..Settings::default()
-        };
         let slope = [0.2, 0.4, 0.6, 0.8];
-        let is = [&settings, &one].map(|s| sparse_below(&slope, s));
+        let is = [5, 1].map(|walls| {
+            sparse_below(&slope, ExposurePlan::with(|s| s.walls = walls))
+        });
         assert!((is[0] - is[1]).abs() < 1e-6, "{is:?}");
     }
 
     #[test]
     fn outlines_of_one_shape_are_no_slope() {
         // The layers above end here, and the outline of the last one is off.
-        let settings = Settings::default();
+        let plan = ExposurePlan::with(|_| {});
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let sparse = |off: f64| {
             let outline = rect(-1.0, -1.0, 21.0, 21.0);
@@ -723,19 +690,14 @@ mod tests {
             let exposure = Exposure {
                 above: Shells::Alike(2),
                 below: Shells::Alike(0),
-                ..Exposure::new(&settings, &[])
+                ..Exposure::new(plan, &[])
             };
-            let window = Window {
-                number: 50,
-                height: 0.2,
-                here: &Solid::new(outline),
-                above: vec![&last; 2],
-                below: Vec::new(),
-            };
-            let roomy = roomy(&fill, &settings);
-            exposure.split(&fill, &roomy, &window).sparse.content()
+            let here = Solid::new(outline);
+            let view = LayerView::of(50, &here, &[&last; 2], &[]);
+            let roomy = exposure.roomy(&fill);
+            exposure.split(&fill, &roomy, &view).sparse.content()
         };
-        let apart = apart(&settings);
+        let apart = apart(&plan.walls);
         assert_eq!([0.0, 0.9].map(|share| sparse(share * apart)), [400.0; 2]);
         // A slope is wider, and skin reaches in from it as far as it hides.
         assert!(sparse(1.0 - 0.05) < 400.0 - 1.0);
@@ -743,21 +705,21 @@ mod tests {
 
     #[test]
     fn slivers_of_sparse_area_become_skin() {
-        let settings = Settings::default();
+        let plan = ExposurePlan::with(|_| {});
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         // This leaves a strip that is so wide once the skin has grown.
         let strip = |width: f64| {
             // Under a slope of 45° the layer beyond would recede by its height.
-            let grows = settings.skin_overlap() + 0.2;
+            let grows = plan.overlap + 0.2;
             let from = 20.0 - width - grows;
             let cover = rect(from, -1.0, 21.0, 21.0);
-            let f = split_under(&fill, &[&cover], &[], 0, &settings);
+            let f = split_under(&fill, &[&cover], &[], 0, plan);
             assert!(
                 (f.skin.content() + f.sparse.content() - 400.0).abs() < 1e-3
             );
             f.sparse.content()
         };
-        let two = 2.0 * settings.infill_width();
+        let two = 2.0 * plan.infill;
         assert_eq!([0.2, 0.5 * two, two - 0.05].map(strip), [0.0; 3]);
         let wide = strip(two + 0.1);
         assert!((wide - 20.0 * (two + 0.1)).abs() < 0.1, "{wide}");
@@ -765,13 +727,13 @@ mod tests {
 
     #[test]
     fn a_narrow_part_away_from_skin_stays_sparse() {
-        let settings = Settings::default();
+        let plan = ExposurePlan::with(|_| {});
         // A square with skin in one half, and a rib of 1.5 lines beside the
         // other half.
-        let rib = rect(20.0, 5.0, 30.0, 5.0 + 1.5 * settings.infill_width());
+        let rib = rect(20.0, 5.0, 30.0, 5.0 + 1.5 * plan.infill);
         let fill = union(&rect(0.0, 0.0, 20.0, 20.0), &rib);
         let cover = rect(10.0, -1.0, 31.0, 21.0);
-        let f = split_under(&fill, &[&cover], &[], 0, &settings);
+        let f = split_under(&fill, &[&cover], &[], 0, plan);
         assert!(
             f.sparse
                 .contains(rib.bounds().min.midpoint(rib.bounds().max))

@@ -154,7 +154,6 @@ pub(super) fn join(
         .flat_map(|i| [(i, false), (i, true)])
         .filter_map(|(i, last)| End::new(&strokes, i, last))
         .collect();
-    isoslice_base::limits::check();
     let pairs = pairs(&strokes, &ends, &room);
     let mut links = Links(vec![[None; 2]; strokes.len()]);
     for &(a, b) in &pairs {
@@ -434,7 +433,9 @@ fn stop_short(
     });
     order.retain(|&i| !chains[i].stroke.closed);
     for &i in &order {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         // How far a bead with its middle at `p`, at a distance along its
         // stroke, lies on strokes.
         let over = |lines: &[Line], p: DVec2, along: Mm| {
@@ -485,7 +486,9 @@ fn stop_short(
         .iter()
         .flat_map(|taken| order.iter().map(move |i| (*i, taken)));
     for (i, taken) in dabs {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let stroke = &chains[i].stroke;
         if new_share(stroke, i, &lines, &grid, widest, taken) < NEW {
             lines[i].left = (0.0, 0.0);

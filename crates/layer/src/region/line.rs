@@ -200,7 +200,9 @@ pub(super) fn cut(
     let mut near = Vec::new();
     let mut lines = Vec::new();
     for ring in &rings.rings {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         // Points, and whether the line goes on from there.
         let mut all: Vec<(DVec2, bool)> = Vec::with_capacity(ring.len());
         let mut changes = false;

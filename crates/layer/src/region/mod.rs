@@ -28,6 +28,7 @@ mod joints;
 pub mod line;
 pub mod neighbour;
 pub mod patch;
+mod plan;
 mod pocket;
 pub mod ridge;
 mod run;
@@ -48,9 +49,9 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Solid, signed_area};
-use isoslice_settings::Settings;
 use joints::Space;
 use line::{absorb, cut};
+pub use plan::{ExposurePlan, OutlinePlan, ShellPlan, ThinPlan, WallPlan};
 use pocket::Left;
 use ridge::{Ridge, ridges};
 use shared::Sharing;
@@ -110,19 +111,18 @@ pub struct Lay {
 }
 
 impl Lay {
-    /// The outermost wall.
-    fn outer(height: Mm, settings: &Settings) -> Lay {
-        let outer = settings.outer_wall_width();
+    /// The outermost wall, of a bead's `width`.
+    fn outer(width: Mm, height: Mm, thin: ThinPlan) -> Lay {
         // This is right for walls of equal width. A wall of another width
         // begins half of its own spacing farther in.
-        let half = 0.5 * spacing(outer, outer, height);
-        let share = |percent: f64| outer * percent / 100.0;
+        let half = 0.5 * spacing(width, width, height);
+        let share = |percent: f64| width * percent / 100.0;
         Lay {
-            centre: 0.5 * outer,
-            inner: 0.5 * outer + half,
-            width: outer,
-            limit: share(settings.thin_max).min(outer + 2.0 * half),
-            least: share(settings.thin_min),
+            centre: 0.5 * width,
+            inner: 0.5 * width + half,
+            width,
+            limit: share(thin.most).min(width + 2.0 * half),
+            least: share(thin.least),
             extra: 0.0,
         }
     }
@@ -154,7 +154,7 @@ impl Lay {
     }
 
     /// A bead of `width` beside other beads.
-    pub fn inside(width: Mm, height: Mm, settings: &Settings) -> Lay {
+    pub fn inside(width: Mm, height: Mm, thin: ThinPlan) -> Lay {
         let space = spacing(width, width, height);
         let extra = width - space;
         let share = |percent: f64| width * percent / 100.0 - extra;
@@ -162,8 +162,8 @@ impl Lay {
             centre: 0.5 * space,
             inner: space,
             width,
-            limit: share(settings.thin_max).min(2.0 * space),
-            least: share(settings.thin_min).max(0.0),
+            limit: share(thin.most).min(2.0 * space),
+            least: share(thin.least).max(0.0),
             extra,
         }
     }
@@ -323,50 +323,35 @@ impl ThinPlaces {
     }
 }
 
-/// Depths of the walls' centre lines below the outline, outermost first, and
-/// that of the border of the fill.
-pub fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
-    let (outer, inner) =
-        (settings.outer_wall_width(), settings.inner_wall_width());
-    let mut depths = Vec::new();
-    let mut depth = 0.5 * outer;
-    for i in 0..settings.walls {
-        depths.push(depth);
-        let here = if i == 0 { outer } else { inner };
-        // The filled area begins half of the last wall's own spacing farther
-        // in.
-        let next = if i + 1 < settings.walls { inner } else { here };
-        depth += spacing(here, next, height);
+impl WallPlan {
+    /// How the `k`th wall from the outside is laid.
+    fn lay(&self, k: usize, height: Mm) -> Lay {
+        let lay = if k == 0 { Lay::outer } else { Lay::inside };
+        lay(self.width(k), height, self.thin)
     }
-    let border = match depths.last() {
-        Some(last) => last + 0.5 * (depth - last),
-        None => 0.0,
-    };
-    (depths, border)
 }
 
 /// The walls of supports. Their tips are not led on, as pieces that nobody sees
 /// are too long to become narrow there. Pockets where their strips meet stay
 /// open: they hold nothing, and take a tenth of the time to find.
-pub fn support_walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
-    laid(outline, None, false, height, settings)
+pub fn support_walls(outline: &Area, height: Mm, plan: &WallPlan) -> Walls {
+    laid(outline, None, false, height, plan)
 }
 
-/// The walls of a part's outline, with [`Settings::top_walls`] of them around
-/// what the outline `above`, that of the next layer, leaves open, if it is
-/// given.
+/// The walls of a part's outline, with fewer of them around what the outline
+/// `above`, that of the next layer, leaves open, if it is given.
 pub fn walls(
     outline: &Area,
     above: Option<&Area>,
     height: Mm,
-    settings: &Settings,
+    plan: &WallPlan,
 ) -> Walls {
-    laid(outline, above, true, height, settings)
+    laid(outline, above, true, height, plan)
 }
 
 /// True if a part's outline in a layer of this height has room for any bead.
-pub fn prints(outline: &Area, height: Mm, settings: &Settings) -> bool {
-    let walls = walls(outline, None, height, settings);
+pub fn prints(outline: &Area, height: Mm, plan: &WallPlan) -> bool {
+    let walls = walls(outline, None, height, plan);
     // Without walls, skin fills the outline.
     !walls.fill.is_empty()
         || walls.lines.iter().chain(&walls.thin).any(|l| !l.is_empty())
@@ -383,31 +368,29 @@ fn laid(
     above: Option<&Area>,
     seen: bool,
     height: Mm,
-    settings: &Settings,
+    plan: &WallPlan,
 ) -> Walls {
-    let tolerance = OFFSET_SHARE * settings.accuracy;
-    let mut plans: Vec<Lay> = (0..settings.walls)
-        .map(|k| match k {
-            0 => Lay::outer(height, settings),
-            _ => Lay::inside(settings.inner_wall_width(), height, settings),
-        })
-        .collect();
-    let count = plans.len();
-    plans.push(Lay::inside(settings.skin_width(), height, settings));
+    let WallPlan {
+        count, accuracy, ..
+    } = *plan;
+    let tolerance = OFFSET_SHARE * accuracy;
+    let lays = (0..count).map(|k| plan.lay(k, height));
+    let skin = Lay::inside(plan.skin, height, plan.thin);
+    let lays: Vec<Lay> = lays.chain([skin]).collect();
     let whole = Solid::of(outline, cell(outline));
     let mut area = outline.clone();
     let mut lines: Vec<Vec<Stroke>> = Vec::new();
     let mut thin = Vec::new();
     let divide =
-        |left: &Area, above| tops::divided(left, above, settings, tolerance);
+        |left: &Area, above| tops::divided(left, above, plan, tolerance);
     // Where there is nothing to divide, all walls go around the whole part.
     let above = above.filter(|above| {
-        let tops = &plans[..settings.top_walls() as usize];
-        let depth: Mm = tops.iter().map(|plan| plan.inner).sum();
+        let tops = &lays[..plan.around_tops];
+        let depth: Mm = tops.iter().map(|lay| lay.inner).sum();
         divide(&shrink(outline, depth, tolerance), above).is_some()
     });
     // After so many walls, what is left is divided.
-    let around_tops = above.map_or(count, |_| settings.top_walls() as usize);
+    let around_tops = above.map_or(count, |_| plan.around_tops);
     let mut divided = None;
     let mut next = 0;
     while next < count {
@@ -418,11 +401,11 @@ fn laid(
             count
         };
         next = stop.min(first + 2);
-        let mut pair = plans[first..next].to_vec();
+        let mut pair = lays[first..next].to_vec();
         if let (1.., Some(begins)) = (first, pair.first_mut()) {
             *begins = begins.after(2.0 * tolerance);
         }
-        let counts = Counts::new(&pair, Some(plans[next]));
+        let counts = Counts::new(&pair, Some(lays[next]));
         let own;
         let solid = if first == 0 {
             &whole
@@ -430,63 +413,57 @@ fn laid(
             own = Solid::of(&area, cell(&area));
             &own
         };
-        let skeleton = Skeleton::new(solid, counts.limit(), settings.accuracy);
+        let skeleton = Skeleton::new(solid, counts.limit(), accuracy);
         let nodes = skeleton.ends(counts.limit());
         let places = skeleton.thin_places(&counts, &nodes);
         // The border of the filled area is not seen, so it may be coarser.
-        let left = if next == count {
-            settings.accuracy
-        } else {
-            tolerance
-        };
-        let depth = pair.iter().map(|plan| plan.inner).sum();
+        let left = if next == count { accuracy } else { tolerance };
+        let depth = pair.iter().map(|lay| lay.inner).sum();
         let rest = skeleton.shrunk(depth, left);
-        let accuracy = settings.accuracy;
         let sharing =
-            Sharing::new(&pair[pair.len() - 1], &plans[next], accuracy);
+            Sharing::new(&pair[pair.len() - 1], &lays[next], accuracy);
         // The outer wall is seen. Walls of supports are as thin as can be. Where
         // beads follow the surface, a wide closed wall would end up to 0.03 mm
         // higher or lower than it begins.
-        let shared =
-            next == count && count > 1 && seen && settings.contour_z.is(0.0);
+        let shared = next == count && count > 1 && seen && plan.level;
         let strips = if shared {
             sharing.strips(&rest, accuracy)
         } else {
             Vec::new()
         };
         let mut depth = 0.0;
-        for (k, plan) in pair.iter().enumerate() {
+        for (k, lay) in pair.iter().enumerate() {
             // Only the outer wall is seen.
             let outer = lines.is_empty();
-            let rings = skeleton.shrunk(depth + plan.centre, tolerance);
+            let rings = skeleton.shrunk(depth + lay.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
-            let mut walls = cut(&rings, &beads, plan.centre, plan.width);
+            let mut walls = cut(&rings, &beads, lay.centre, lay.width);
             let [least, post] = if outer && seen {
-                [plan.tips(height), plan.posts(height)]
+                [lay.tips(height), lay.posts(height)]
             } else {
-                [plan.least; 2]
+                [lay.least; 2]
             };
             let beads = tip::lead_to_ends(beads, solid.grid(), depth, least);
             let beads: Vec<Stroke> =
-                beads.iter().map(|r| r.stroke(plan.extra)).collect();
+                beads.iter().map(|r| r.stroke(lay.extra)).collect();
             if outer {
                 tip::fill_posts(
-                    &mut walls, &beads, solid, *plan, post, tolerance,
+                    &mut walls, &beads, solid, *lay, post, tolerance,
                 );
             }
-            depth += plan.inner;
+            depth += lay.inner;
             let mut slivers = places.slivers(2 * k + 2, depth);
             if k + 1 == pair.len() {
                 slivers.extend(sharing.shares(&strips));
             }
-            let away = plan.inner - plan.centre;
+            let away = lay.inner - lay.centre;
             // The ridges that the widths follow are found to a share of the
             // accuracy.
-            let fine = 0.4 * settings.accuracy;
+            let fine = 0.4 * accuracy;
             let walls = absorb(walls, &slivers, away, fine);
             let [walls, beads] = match lines.last() {
                 Some(outside) => {
-                    let width = plans[lines.len() - 1].width;
+                    let width = lays[lines.len() - 1].width;
                     [walls, beads]
                         .map(|own| give_way(own, outside, width, height, fine))
                 }
@@ -495,14 +472,14 @@ fn laid(
             // Inside the last wall, beads of skin fill what the thinnest of
             // them fits into.
             let radius = match pair.get(k + 1) {
-                Some(wall) => wall.centre + settings.accuracy,
-                None => 0.5 * plans[next].least,
+                Some(wall) => wall.centre + accuracy,
+                None => 0.5 * lays[next].least,
             };
             let left = Left {
                 grid: solid.grid(),
                 depth,
                 away,
-                width: plan.width,
+                width: lay.width,
                 radius,
                 beads: &places.beads(2 * k + 3, depth),
                 nodes: &nodes,
@@ -526,11 +503,11 @@ fn laid(
     if let Some(divided) = &divided {
         area = divided.filled(&area);
     }
-    let mut walls = Walls::of(outline, lines, thin, area, height, settings);
+    let mut walls = Walls::of(outline, lines, thin, area, height, plan);
     walls.divided = divided.is_some();
-    for (k, plan) in plans[..count].iter().enumerate() {
-        let depth = walls.depths[k] - plan.centre;
-        walls.join(k, &whole, depth, plan.extra);
+    for (k, lay) in lays[..count].iter().enumerate() {
+        let depth = walls.depths[k] - lay.centre;
+        walls.join(k, &whole, depth, lay.extra);
     }
     walls
 }
@@ -543,17 +520,17 @@ impl Walls {
         thin: Vec<Vec<Stroke>>,
         fill: Area,
         height: Mm,
-        settings: &Settings,
+        plan: &WallPlan,
     ) -> Walls {
         let mut walls = Walls {
             lines,
             thin,
-            depths: wall_depths(height, settings).0,
+            depths: plan.depths(height).0,
             fill,
             divided: false,
             gap: 0.0,
         };
-        walls.gap = gap(outline, &walls, height, settings);
+        walls.gap = gap(outline, &walls, height, plan);
         walls
     }
 
@@ -600,21 +577,15 @@ pub fn field_walls(
     outline: &Area,
     mut areas: Vec<Area>,
     height: Mm,
-    settings: &Settings,
+    plan: &WallPlan,
 ) -> Walls {
     let fill = areas.pop().unwrap_or_default();
     let lines = areas
         .into_iter()
         .enumerate()
-        .map(|(i, area)| {
-            let width = match i {
-                0 => settings.outer_wall_width(),
-                _ => settings.inner_wall_width(),
-            };
-            cut(&area, &[], 0.0, width)
-        })
+        .map(|(k, area)| cut(&area, &[], 0.0, plan.width(k)))
         .collect();
-    Walls::of(outline, lines, Vec::new(), fill, height, settings)
+    Walls::of(outline, lines, Vec::new(), fill, height, plan)
 }
 
 /// The area shrunk by `distance` and thinned.
@@ -631,16 +602,13 @@ pub fn shrink(area: &Area, distance: Mm, tolerance: Mm) -> Area {
 /// depth m has the content L·(b − a) + π·χ·((m − a)² − (b − m)²) (Steiner's
 /// formula, χ the number of outer rings less that of holes): exact for round
 /// corners, off by a fraction of a square width at sharp ones.
-fn gap(outline: &Area, walls: &Walls, height: Mm, settings: &Settings) -> Mm2 {
+fn gap(outline: &Area, walls: &Walls, height: Mm, plan: &WallPlan) -> Mm2 {
     let mut covered = walls.fill.content();
-    for (i, wall) in walls.lines.iter().enumerate() {
-        let plan = match i {
-            0 => Lay::outer(height, settings),
-            _ => Lay::inside(settings.inner_wall_width(), height, settings),
-        };
-        let (out, inn) = (plan.centre, plan.inner - plan.centre);
+    for (k, wall) in walls.lines.iter().enumerate() {
+        let lay = plan.lay(k, height);
+        let (out, inn) = (lay.centre, lay.inner - lay.centre);
         for line in wall {
-            let wider = line.width - plan.width;
+            let wider = line.width - lay.width;
             covered += line.length() * (out + inn + wider);
             if line.closed {
                 let turn = signed_area(&line.points).signum();
@@ -649,13 +617,8 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, settings: &Settings) -> Mm2 {
             }
         }
     }
-    for (i, beads) in walls.thin.iter().enumerate() {
-        let extra = match i {
-            0 => 0.0,
-            _ => {
-                Lay::inside(settings.inner_wall_width(), height, settings).extra
-            }
-        };
+    for (k, beads) in walls.thin.iter().enumerate() {
+        let extra = plan.lay(k, height).extra;
         // Round ends reach half a width beyond the line.
         covered += beads
             .iter()
@@ -680,11 +643,8 @@ mod tests {
 
     #[test]
     fn walls_of_a_disc_are_concentric() {
-        let settings = Settings {
-            walls: 3,
-            ..Settings::default()
-        };
-        let w = walls(&disc(10.0), None, 0.2, &settings);
+        let plan = WallPlan::with(|s| s.walls = 3);
+        let w = walls(&disc(10.0), None, 0.2, &plan);
         let s = spacing(0.45, 0.45, 0.2);
         for (k, lines) in w.lines.iter().enumerate() {
             let r = 10.0 - 0.225 - s * k as f64;
@@ -720,7 +680,7 @@ mod tests {
             let ring = [(0.0, 0.0), (50.0, 0.0), (50.0, width), (0.0, width)]
                 .map(|(x, y)| DVec2::new(x, y))
                 .to_vec();
-            walls(&Area::from(ring), None, 0.2, &Settings::default())
+            walls(&Area::from(ring), None, 0.2, &WallPlan::with(|_| {}))
         };
         for i in 0..40 {
             let width = 0.3 + 0.04 * f64::from(i);
@@ -744,9 +704,8 @@ mod tests {
 
     #[test]
     fn walls_make_way_for_the_bead_that_begins_between_them() {
-        let settings = Settings::default();
-        let inner = Lay::inside(0.45, 0.2, &settings);
-        let outer = Lay::outer(0.2, &settings);
+        let plan = WallPlan::with(|_| {});
+        let [outer, inner] = [0, 1].map(|k| plan.lay(k, 0.2));
         let counts = Counts::new(&[outer, inner], Some(inner));
         // A wedge from 0.9 to 1.5 mm: two walls, then a bead between them.
         let x = |i: usize| 0.5 * i as f64;
@@ -770,11 +729,7 @@ mod tests {
     fn an_outline_is_printed_if_a_bead_or_skin_has_room() {
         let printed = |width: f64, walls: u32| {
             let strip = isoslice_planar::rect(0.0, 0.0, 5.0, width);
-            let settings = Settings {
-                walls,
-                ..Settings::default()
-            };
-            prints(&strip, 0.2, &settings)
+            prints(&strip, 0.2, &WallPlan::with(|s| s.walls = walls))
         };
         assert_eq!([0.1, 0.3, 2.0].map(|w| printed(w, 2)), [false, true, true]);
         assert!(printed(0.3, 0));
@@ -782,11 +737,8 @@ mod tests {
 
     #[test]
     fn no_walls_leave_everything_to_the_fill() {
-        let settings = Settings {
-            walls: 0,
-            ..Settings::default()
-        };
-        let w = walls(&disc(3.0), None, 0.2, &settings);
+        let plan = WallPlan::with(|s| s.walls = 0);
+        let w = walls(&disc(3.0), None, 0.2, &plan);
         assert!(w.lines.is_empty());
         assert_eq!(w.fill, disc(3.0));
         assert_eq!(w.gap, 0.0);

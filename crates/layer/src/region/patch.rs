@@ -128,7 +128,9 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
     let mut area = area.clone();
     let mut strokes: Vec<Stroke> = Vec::new();
     loop {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return strokes;
+        }
         // Two rings at a time, as walls.
         let solid = Solid::of(&area, cell(&area));
         let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
@@ -196,20 +198,20 @@ fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::region::ThinPlan;
     use isoslice_planar::shapes::disc;
-    use isoslice_settings::Settings;
 
     fn strip(thickness: f64) -> Patch {
         let ring = [(0.0, 0.0), (20.0, 0.0), (20.0, 1.0), (0.0, 1.0)]
             .map(|(x, y)| DVec2::new(x, y * thickness))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, &Settings::default());
+        let plan = Lay::inside(0.45, 0.2, ThinPlan::usual());
         patch(&Area::from(ring), plan, 0.01)
     }
 
     #[test]
     fn rings_fill_a_disc() {
-        let plan = Lay::inside(0.45, 0.2, &Settings::default());
+        let plan = Lay::inside(0.45, 0.2, ThinPlan::usual());
         let area = disc(5.0, 400);
         let rings = concentric(&area, plan, 0.01);
         let space = 2.0 * plan.centre;
@@ -226,7 +228,7 @@ mod tests {
         let hole = [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)]
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, &Settings::default());
+        let plan = Lay::inside(0.45, 0.2, ThinPlan::usual());
         let alone = Area::from(hole);
         assert!(concentric(&alone, plan, 0.01).len() < 9);
     }

@@ -140,7 +140,9 @@ impl Sharing {
         let long = (LONG - 2.0 * LOOK) * self.line;
         let even = EVEN * self.line + self.slack;
         solid.area().rings.iter().any(|ring| {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                return false;
+            }
             // The length of an even stretch, and its thicknesses.
             let mut stretch = None;
             let (mut at, mut next) = (0.0, 0.0);
@@ -308,11 +310,10 @@ fn borders(strip: &Ridge, slack: Mm) -> [Vec<DVec2>; 2] {
 mod tests {
     use super::*;
     use crate::region::patch::concentric;
-    use crate::region::{Walls, walls};
+    use crate::region::{ThinPlan, WallPlan, Walls, walls};
     use isoslice_planar::bead::{cross_section, spacing};
     use isoslice_planar::clip::union;
     use isoslice_planar::shapes::{circle, rect};
-    use isoslice_settings::Settings;
     use std::f64::consts::{PI, TAU};
 
     const HEIGHT: Mm = 0.2;
@@ -334,7 +335,7 @@ mod tests {
     }
 
     fn laid(part: &Area) -> Walls {
-        walls(part, None, HEIGHT, &Settings::default())
+        walls(part, None, HEIGHT, &WallPlan::with(|_| {}))
     }
 
     /// Radius and width of the strokes at an angle, from inside.
@@ -383,8 +384,7 @@ mod tests {
     /// fill it exactly.
     #[test]
     fn strips_of_known_thickness_are_filled() {
-        let settings = Settings::default();
-        let plan = Lay::inside(WIDTH, HEIGHT, &settings);
+        let plan = Lay::inside(WIDTH, HEIGHT, ThinPlan::usual());
         for step in 0..=62 {
             let thick = 0.9 + 0.05 * f64::from(step);
             let walls = laid(&ring(|_| thick));
@@ -419,7 +419,7 @@ mod tests {
     /// The number of strokes all around a ring, and how often it changes.
     fn numbers(part: &Area) -> (Vec<usize>, usize) {
         let walls = laid(part);
-        let plan = Lay::inside(WIDTH, HEIGHT, &Settings::default());
+        let plan = Lay::inside(WIDTH, HEIGHT, ThinPlan::usual());
         let fill = concentric(&walls.fill, plan, 0.005);
         let strokes: Vec<&Stroke> =
             all(&walls).into_iter().chain(&fill).collect();
@@ -454,8 +454,7 @@ mod tests {
 
     #[test]
     fn only_even_strips_are_shared() {
-        let settings = Settings::default();
-        let plan = Lay::inside(WIDTH, HEIGHT, &settings);
+        let plan = Lay::inside(WIDTH, HEIGHT, ThinPlan::usual());
         let sharing = Sharing::new(&plan, &plan, 0.005);
         let strips = |part: &Area| sharing.strips(part, 0.005);
         let length = |part: &Area| -> f64 {
@@ -516,23 +515,11 @@ mod tests {
     #[test]
     fn nothing_is_shared_where_walls_have_to_be_narrow_or_follow_faces() {
         let part = ring(|_| 2.0);
-        let rest = |settings: Settings| {
-            walls(&part, None, HEIGHT, &settings).fill.content()
-        };
-        let usual = Settings::default();
-        assert_eq!(rest(usual.clone()), 0.0);
-        let narrow = Settings {
-            thin_max: 100.0,
-            ..usual.clone()
-        };
-        assert!(rest(narrow) > 50.0);
-        let follows = Settings {
-            contour_z: 100.0.into(),
-            ..usual.clone()
-        };
-        assert!(rest(follows) > 50.0);
+        let rest = |plan| walls(&part, None, HEIGHT, &plan).fill.content();
+        assert_eq!(rest(WallPlan::with(|_| {})), 0.0);
+        assert!(rest(WallPlan::with(|s| s.thin_max = 100.0)) > 50.0);
+        assert!(rest(WallPlan::with(|s| s.contour_z = 100.0.into())) > 50.0);
         // One wall is seen.
-        let one = Settings { walls: 1, ..usual };
-        assert!(rest(one) > 50.0);
+        assert!(rest(WallPlan::with(|s| s.walls = 1)) > 50.0);
     }
 }

@@ -58,7 +58,9 @@ pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
     let mut facing: Vec<usize> = Vec::new();
     let mut first = 0;
     for ring in &outline.area().rings {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         for (number, (a, b)) in (first..).zip(edges(ring)) {
             let Some(along) = (b - a).try_normalize() else {
                 continue;
@@ -116,7 +118,9 @@ fn without_notches(
     let nest = Nest::new(joined.iter().filter_map(|slit| slit.rings.first()));
     let mut opens = vec![false; joined.len()];
     for &place in opening {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         if let Some(slit) = nest.around(place) {
             opens[slit] = true;
         }

@@ -266,14 +266,13 @@ impl Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::region::WallPlan;
     use glam::DVec2;
-    use isoslice_settings::Settings;
 
     /// Two walls, and skin inside them.
     fn counts() -> Counts {
-        let settings = Settings::default();
-        let inner = Lay::inside(0.45, 0.2, &settings);
-        Counts::new(&[Lay::outer(0.2, &settings), inner], Some(inner))
+        let [outer, inner] = [0, 1].map(|k| WallPlan::with(|_| {}).lay(k, 0.2));
+        Counts::new(&[outer, inner], Some(inner))
     }
 
     /// A straight ridge with a point each 0.1 mm.

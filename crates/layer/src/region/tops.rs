@@ -14,12 +14,12 @@
 //! In: what the outermost walls of a layer leave, and the outline of the layer
 //! above. Out: the top, and the rest.
 
+use super::WallPlan;
 use super::cover::near;
 use isoslice_base::units::Mm;
 use isoslice_planar::Area;
 use isoslice_planar::clip::{difference, intersection, union};
 use isoslice_planar::offset::offset;
-use isoslice_settings::Settings;
 
 /// By how much a disc is taken to be larger than it is, when it tells what is
 /// wide: a right-angled corner sticks out of the disc in it by √2 − 1 of its
@@ -42,22 +42,22 @@ pub(super) struct Divided {
 pub(super) fn divided(
     left: &Area,
     above: &Area,
-    settings: &Settings,
+    plan: &WallPlan,
     tolerance: Mm,
 ) -> Option<Divided> {
     if left.is_empty() {
         return None;
     }
     // The border lies below the middle of the next layer's outer wall.
-    let half = 0.5 * settings.outer_wall_width();
+    let half = 0.5 * plan.outer;
     let covered = offset(&near(left, above), -half, tolerance);
     let open = difference(left, &covered);
-    let wide = wide(&open, settings.top_skin_width(), tolerance);
+    let wide = wide(&open, plan.top_skin, tolerance);
     if wide.is_empty() {
         return None;
     }
     let rest = difference(left, &wide);
-    let half = 0.5 * settings.inner_wall_width();
+    let half = 0.5 * plan.inner;
     let rest = self::wide(&rest, half, tolerance);
     let top = difference(left, &rest);
     Some(Divided { top, rest })
@@ -89,13 +89,12 @@ mod tests {
 
     const TOLERANCE: Mm = 0.002;
 
-    fn settings() -> Settings {
-        Settings {
-            outer_wall_width: 0.4.into(),
-            inner_wall_width: 0.5.into(),
-            top_skin_width: 0.5.into(),
-            ..Settings::default()
-        }
+    fn plan() -> WallPlan {
+        WallPlan::with(|s| {
+            s.outer_wall_width = 0.4.into();
+            s.inner_wall_width = 0.5.into();
+            s.top_skin_width = 0.5.into();
+        })
     }
 
     #[test]
@@ -104,7 +103,7 @@ mod tests {
         // The next layer ends at x = 8 and shares the other borders, which
         // are a wall's width farther out than what its walls leave.
         let above = rect(-0.4, -0.4, 8.0, 10.4);
-        let found = divided(&left, &above, &settings(), TOLERANCE);
+        let found = divided(&left, &above, &plan(), TOLERANCE);
         let Divided { top, rest } = found.expect("a top");
         assert!((rest.content() - 7.8 * 10.0).abs() < 0.05, "{rest:?}");
         assert!((top.content() - 12.2 * 10.0).abs() < 0.05, "{top:?}");
@@ -118,7 +117,7 @@ mod tests {
     #[test]
     fn the_highest_layer_is_a_top_everywhere() {
         let left = rect(0.0, 0.0, 20.0, 10.0);
-        let found = divided(&left, &Area::EMPTY, &settings(), TOLERANCE);
+        let found = divided(&left, &Area::EMPTY, &plan(), TOLERANCE);
         let Divided { top, rest } = found.expect("a top");
         assert!(rest.is_empty());
         assert!((top.content() - 200.0).abs() < 1e-6);
@@ -130,7 +129,7 @@ mod tests {
         // So much is open of it; two lines are 1 mm wide.
         for (by, is_top) in [(0.0, false), (0.95, false), (1.05, true)] {
             let above = rect(-0.4, -0.4, 20.2 - by, 10.4);
-            let found = divided(&left, &above, &settings(), TOLERANCE);
+            let found = divided(&left, &above, &plan(), TOLERANCE);
             assert_eq!(found.is_some(), is_top, "{by}");
         }
     }
@@ -140,7 +139,7 @@ mod tests {
     fn narrow_rests_are_part_of_the_top() {
         let left = rect(0.0, 0.0, 20.0, 10.0);
         let above = rect(9.6, -0.4, 10.4, 10.4);
-        let found = divided(&left, &above, &settings(), TOLERANCE);
+        let found = divided(&left, &above, &plan(), TOLERANCE);
         let Divided { top, rest } = found.expect("a top");
         assert!(rest.is_empty(), "{rest:?}");
         assert!((top.content() - 200.0).abs() < 1e-6);

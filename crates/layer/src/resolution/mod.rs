@@ -3,7 +3,7 @@
 //! In: strokes, as exact as the geometry made them, and their roles. Out: these
 //! strokes with fewer points.
 //!
-//! Guarantees, of a stroke of a role whose tolerance is t ([`tolerance`]):
+//! Guarantees, of a stroke of a role whose tolerance is t ([`Resolution::tolerance`]):
 //! - each point of the input is within t of the output;
 //! - the output lies on both sides of the input, so that rings hardly shrink;
 //! - an open stroke keeps its ends;
@@ -20,13 +20,15 @@
 //!
 //! Fuzzy skin is rough on purpose: its points come after this stage.
 
+mod plan;
 mod runs;
+
+pub use plan::Resolution;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::simplify::{simplify_line, simplify_path};
-use isoslice_settings::Settings;
 
 /// Share of `accuracy` by which what shows is thinned. The outline has used
 /// most of it, and has few points already.
@@ -60,90 +62,93 @@ const VARYING: f64 = 0.1;
 /// nearer to what is meant goes zigzag between them.
 const STEPPED: f64 = 0.8;
 
-/// Greatest distance of the path of a bead of this role from where it was
-/// meant. What shows and varies in width has [`STEPPED`] instead.
-pub fn tolerance(role: Role, settings: &Settings) -> Mm {
-    match role {
-        Role::Overhang | Role::OuterWall => SHOWN * settings.accuracy,
-        // Loops around the part keep a distance from it.
-        Role::Skirt | Role::Brim => BESIDE * settings.path_accuracy,
-        Role::Support | Role::SupportInterface => {
-            SUPPORT * settings.path_accuracy
-        }
-        Role::GapFill | Role::InternalSkin | Role::SparseInfill => {
-            FILL * settings.path_accuracy
-        }
-        _ => settings.path_accuracy,
-    }
-}
-
 /// Share of a role's tolerance that is for arcs, if the settings ask for them.
 /// Arcs are laid along what the thinning leaves.
 const ARCS: f64 = 0.7;
 
-/// Greatest distance of arcs from the path of a bead of this role.
-pub fn arc_tolerance(role: Role, settings: &Settings) -> Mm {
-    if role.shows() {
-        0.75 * settings.accuracy
-    } else {
-        ARCS * tolerance(role, settings)
-    }
-}
-
-/// Thins a stroke of a bead of this role.
-pub fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
-    let n = stroke.points.len();
-    if n < 3 {
-        return;
-    }
-    let varies = stroke.widths.len() == n;
-    // Arcs find the curve by themselves.
-    if role.shows() && settings.arcs() && !varies {
-        return;
-    }
-    let share = match (varies, settings.arcs()) {
-        (true, _) => VARYING,
-        (false, true) => 1.0 - ARCS,
-        (false, false) => 1.0,
-    };
-    let tolerance = share * tolerance(role, settings);
-    let short = runs::shortest(role);
-    let slack = |width: Mm| {
-        if role.shows() {
-            tolerance.min(WIDTH * width)
-        } else {
-            WIDTH * width
+impl Resolution {
+    /// Greatest distance of the path of a bead of this role from where it was
+    /// meant. What shows and varies in width has [`STEPPED`] instead.
+    pub fn tolerance(&self, role: Role) -> Mm {
+        match role {
+            Role::Overhang | Role::OuterWall => SHOWN * self.accuracy,
+            // Loops around the part keep a distance from it.
+            Role::Skirt | Role::Brim => BESIDE * self.path_accuracy,
+            Role::Support | Role::SupportInterface => {
+                SUPPORT * self.path_accuracy
+            }
+            Role::GapFill | Role::InternalSkin | Role::SparseInfill => {
+                FILL * self.path_accuracy
+            }
+            _ => self.path_accuracy,
         }
-    };
-    if !varies {
-        stroke.points = simplify_line(&stroke.points, stroke.closed, tolerance);
-        return;
     }
-    let thinned = {
-        let Stroke {
-            points,
-            closed,
-            widths,
-            ..
-        } = &*stroke;
-        simplify_path(points, *closed, tolerance, |i, j| {
-            linear(points, widths, [i, j], short, slack)
-        })
-    };
-    stroke.widths = thinned.iter().map(|t| stroke.widths[t.1]).collect();
-    stroke.points = thinned.into_iter().map(|t| t.0).collect();
-}
 
-/// The bead in pieces of constant width, as long as the tolerances of its role
-/// permit.
-pub fn pieces(bead: Bead, settings: &Settings) -> Vec<Bead> {
-    // The arcs take the rest of the tolerance.
-    let path = match bead.role {
-        _ if settings.arcs() => 0.0,
-        role if role.shows() => STEPPED * settings.accuracy,
-        role => (1.0 - VARYING) * tolerance(role, settings),
-    };
-    runs::pieces_within(bead, settings.accuracy, path)
+    /// Greatest distance of arcs from the path of a bead of this role.
+    pub fn arc_tolerance(&self, role: Role) -> Mm {
+        if role.shows() {
+            0.75 * self.accuracy
+        } else {
+            ARCS * self.tolerance(role)
+        }
+    }
+
+    /// Thins a stroke of a bead of this role.
+    pub fn thin(&self, stroke: &mut Stroke, role: Role) {
+        let n = stroke.points.len();
+        if n < 3 {
+            return;
+        }
+        let varies = stroke.widths.len() == n;
+        // Arcs find the curve by themselves.
+        if role.shows() && self.arcs && !varies {
+            return;
+        }
+        let share = match (varies, self.arcs) {
+            (true, _) => VARYING,
+            (false, true) => 1.0 - ARCS,
+            (false, false) => 1.0,
+        };
+        let tolerance = share * self.tolerance(role);
+        let short = runs::shortest(role);
+        let slack = |width: Mm| {
+            if role.shows() {
+                tolerance.min(WIDTH * width)
+            } else {
+                WIDTH * width
+            }
+        };
+        if !varies {
+            stroke.points =
+                simplify_line(&stroke.points, stroke.closed, tolerance);
+            return;
+        }
+        let thinned = {
+            let Stroke {
+                points,
+                closed,
+                widths,
+                ..
+            } = &*stroke;
+            simplify_path(points, *closed, tolerance, |i, j| {
+                linear(points, widths, [i, j], short, slack)
+            })
+        };
+        stroke.widths = thinned.iter().map(|t| stroke.widths[t.1]).collect();
+        stroke.points = thinned.into_iter().map(|t| t.0).collect();
+    }
+
+    /// The bead in pieces of constant width, as long as the tolerances of its role
+    /// permit.
+    pub fn pieces(&self, bead: Bead) -> Vec<Bead> {
+        // The arcs take the rest of the tolerance.
+        let path = match bead.role {
+            _ if self.arcs => 0.0,
+            role if role.shows() => STEPPED * self.accuracy,
+            role => (1.0 - VARYING) * self.tolerance(role),
+        };
+        runs::pieces_within(bead, self.accuracy, path)
+    }
 }
 
 /// True if the widths between two points are near to those on the straight
@@ -197,14 +202,14 @@ mod tests {
 
     #[test]
     fn what_shows_is_thinned_less() {
-        let settings = Settings::default();
+        let meant = Resolution::with(|_| {});
         let points = arc(10.0, 2000);
         let mut counts = Vec::new();
         for role in [Role::OuterWall, Role::GapFill] {
             let mut stroke = Stroke::new(points.clone(), false, 0.45);
-            thin(&mut stroke, role, &settings);
+            meant.thin(&mut stroke, role);
             let worst = off(&points, &stroke);
-            let tolerance = tolerance(role, &settings);
+            let tolerance = meant.tolerance(role);
             assert!(worst <= 1.001 * tolerance, "{worst} {tolerance}");
             assert!(worst > 0.5 * tolerance);
             assert_eq!(stroke.points.first(), points.first());
@@ -227,7 +232,7 @@ mod tests {
         let meant = |x: Mm| 0.4 + 0.04 * x.min(5.0);
         let mut stroke = Stroke::new(points, false, 0.5);
         stroke.widths = stroke.points.iter().map(|p| meant(p.x)).collect();
-        thin(&mut stroke, Role::GapFill, &Settings::default());
+        Resolution::with(|_| {}).thin(&mut stroke, Role::GapFill);
         assert!((3..=4).contains(&stroke.points.len()), "{stroke:?}");
         assert_eq!(stroke.widths.len(), stroke.points.len());
         for (p, w) in stroke.points.iter().zip(&stroke.widths) {
@@ -238,40 +243,42 @@ mod tests {
 
     #[test]
     fn a_path_does_not_go_zigzag_where_its_width_varies_a_little() {
-        let settings = Settings::default();
+        let meant = Resolution::with(|_| {});
         // The places and widths that two noisy edges give: 2 µm to either side.
         let noise = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let at = |i: usize| DVec2::new(0.07 * i as f64, 0.002 * noise(i));
         let mut stroke = Stroke::new((0..=30).map(at).collect(), false, 0.5);
         stroke.widths = (0..=30).map(|i| 0.5 + 0.004 * noise(i)).collect();
         let points = stroke.points.clone();
-        let pieces = pieces(Bead::new(Role::OuterWall, stroke, 0.2), &settings);
+        let pieces = meant.pieces(Bead::new(Role::OuterWall, stroke, 0.2));
         let [piece] = pieces.as_slice() else {
             panic!("{pieces:?}");
         };
-        assert!(piece.points.len() <= 6, "{:?}", piece.points);
-        assert!(off(&points, piece) <= 1.001 * STEPPED * settings.accuracy);
+        assert!(piece.stroke.points.len() <= 6, "{:?}", piece.stroke.points);
+        assert!(
+            off(&points, &piece.stroke) <= 1.001 * STEPPED * meant.accuracy
+        );
     }
 
     #[test]
     fn closed_strokes_stay_closed_and_nothing_vanishes() {
-        let settings = Settings::default();
+        let meant = Resolution::with(|_| {});
         let ring = circle(3.0, 400);
         let mut stroke = Stroke::new(ring.clone(), true, 0.45);
-        thin(&mut stroke, Role::InnerWall, &settings);
+        meant.thin(&mut stroke, Role::InnerWall);
         assert!(stroke.closed && stroke.points.len() < 30);
         assert!(off(&ring, &stroke) <= 0.02501);
         // Where the width varies, most of the thinning comes later.
         let mut varying = Stroke::new(ring.clone(), true, 0.45);
         varying.widths = vec![0.45; 400];
-        thin(&mut varying, Role::InnerWall, &settings);
+        meant.thin(&mut varying, Role::InnerWall);
         assert!(varying.closed && varying.points.len() < 100);
-        let most = VARYING * settings.path_accuracy;
+        let most = VARYING * meant.path_accuracy;
         assert!(off(&ring, &varying) <= 1.01 * most);
         // A ring narrower than the tolerance stays as it is.
         let tiny: Vec<DVec2> = ring.iter().map(|p| 0.003 * *p).collect();
         let mut stroke = Stroke::new(tiny.clone(), true, 0.45);
-        thin(&mut stroke, Role::InnerWall, &settings);
+        meant.thin(&mut stroke, Role::InnerWall);
         assert!(stroke.points.len() >= 3 && off(&tiny, &stroke) < 0.025);
     }
 }

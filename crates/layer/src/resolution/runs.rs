@@ -146,7 +146,7 @@ impl Slack {
         Slack {
             height: bead.height,
             // A share of next to nothing would be too little to count.
-            narrowest: 0.5 * bead.width,
+            narrowest: 0.5 * bead.stroke.width,
             most: if bead.role.shows() {
                 Some(2.0 * edge)
             } else {
@@ -213,17 +213,18 @@ impl Slack {
 /// that shows may be off, `path` how far the middle of a piece may be from the
 /// bead's. All of the bead lies at the level of its first point.
 pub(super) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
-    if bead.widths.len() != bead.points.len() || bead.points.is_empty() {
+    let own = &bead.stroke;
+    if own.widths.len() != own.points.len() || own.points.is_empty() {
         return vec![bead];
     }
     let slack = Slack::of(&bead, edge);
     // Beads that vary in width lie in one plane.
-    let level: Vec<_> = bead.levels.first().copied().into_iter().collect();
+    let level: Vec<_> = own.levels.first().copied().into_iter().collect();
     // The bead in parts, each from a point to the next one.
-    let mut points = vec![bead.points[0]];
+    let mut points = vec![own.points[0]];
     let mut parts: Vec<Stretch> = Vec::new();
-    for (i, (a, b)) in bead.segments().enumerate() {
-        let widths = [bead.width_at(i), bead.width_at(i + 1)];
+    for (i, (a, b)) in own.segments().enumerate() {
+        let widths = [own.width_at(i), own.width_at(i + 1)];
         let ramp = Stretch::ramp([a, b], widths);
         // Without a length the width jumps.
         if ramp.length <= 0.0 {
@@ -300,16 +301,21 @@ mod tests {
             let n = pieces.len();
             assert!((least..=most).contains(&n), "{role:?} {edge}: {n}");
             for pair in pieces.windows(2) {
-                assert_eq!(pair[0].points.last(), Some(&pair[1].points[0]));
+                assert_eq!(
+                    pair[0].stroke.points.last(),
+                    Some(&pair[1].stroke.points[0])
+                );
                 // Each piece spans no more than four edges, two to a side.
-                let step = (pair[0].width - pair[1].width).abs();
+                let step = (pair[0].stroke.width - pair[1].stroke.width).abs();
                 let limit = if role.shows() { 8.0 * edge } else { 1.0 };
                 assert!(step <= limit.min(0.1) + 1e-9, "{step}");
             }
-            let length: f64 = pieces.iter().map(|p| p.length()).sum();
+            let length: f64 = pieces.iter().map(|p| p.stroke.length()).sum();
             assert!((length - 12.0).abs() < 1e-9);
-            let content: f64 =
-                pieces.iter().map(|p| p.width * p.length()).sum();
+            let content: f64 = pieces
+                .iter()
+                .map(|p| p.stroke.width * p.stroke.length())
+                .sum();
             let meant = 3.0 * 0.4 + 9.0 * 0.5;
             assert!((content / meant - 1.0).abs() < 0.003, "{content}");
         }
@@ -331,17 +337,20 @@ mod tests {
             let bead = arc(role);
             let pieces = pieces_within(bead.clone(), 0.008, path);
             let lines: usize =
-                pieces.iter().map(|p| p.segments().count()).sum();
-            let of_path = simplify_path(&bead.points, false, path, |_, _| true);
+                pieces.iter().map(|p| p.stroke.segments().count()).sum();
+            let of_path =
+                simplify_path(&bead.stroke.points, false, path, |_, _| true);
             let more = of_path.len() - 1;
             // Hardly more than the worse of both needs alone.
             let worse = more.max(pieces.len());
             assert!(lines <= worse + worse / 4, "{lines} {more}");
-            let content: Mm2 =
-                pieces.iter().map(|p| p.width * p.length()).sum();
+            let content: Mm2 = pieces
+                .iter()
+                .map(|p| p.stroke.width * p.stroke.length())
+                .sum();
             assert!((content / (10.0 * 0.5) - 1.0).abs() < 0.005, "{content}");
             for piece in &pieces {
-                for (a, b) in piece.segments() {
+                for (a, b) in piece.stroke.segments() {
                     for share in [0.0, 0.25, 0.5, 0.75] {
                         let off = a.lerp(b, share).length() - 5.0;
                         assert!(off.abs() <= 1.01 * path, "{off}");
@@ -367,14 +376,16 @@ mod tests {
         let most = AREA * 0.62 * evened(Role::GapFill);
         let (mut laid, mut worst) = (0.0, 0.0_f64);
         for piece in &pieces {
-            let (from, to) =
-                (piece.points[0].x, piece.path().last().unwrap().x);
+            let (from, to) = (
+                piece.stroke.points[0].x,
+                piece.stroke.path().last().unwrap().x,
+            );
             for k in 1..=20 {
                 let x = from + (to - from) * f64::from(k) / 20.0;
-                let here = laid + piece.width * (x - from);
+                let here = laid + piece.stroke.width * (x - from);
                 worst = worst.max((here - sum(x)).abs());
             }
-            laid += piece.width * (to - from);
+            laid += piece.stroke.width * (to - from);
         }
         assert!(worst < 1.2 * most, "{worst} {most}");
     }
@@ -389,7 +400,7 @@ mod tests {
             stroke.widths = stroke.points.iter().map(|p| meant(p.x)).collect();
             let pieces =
                 pieces_within(Bead::new(role, stroke, 0.2), 0.005, 0.01);
-            let widths = pieces.iter().map(|p| p.width);
+            let widths = pieces.iter().map(|p| p.stroke.width);
             widths.fold(1.0, f64::min) - 0.3
         };
         let inner = nearest(Role::InnerWall);
@@ -400,25 +411,29 @@ mod tests {
     #[test]
     fn steep_ramps_have_no_tiny_pieces() {
         let mut steep = bead(Role::OuterWall);
-        steep.closed = false;
-        steep.points = [(0.0, 0.0), (1.0, 0.0), (1.02, 0.0)]
+        steep.stroke.closed = false;
+        steep.stroke.points = [(0.0, 0.0), (1.0, 0.0), (1.02, 0.0)]
             .map(DVec2::from)
             .to_vec();
         let pieces = pieces_within(steep, 0.005, 0.0);
         assert_eq!(pieces.len(), 2);
         // The last one hardly sticks out at its narrow end.
-        assert!(pieces[1].width < 0.4251, "{}", pieces[1].width);
+        assert!(
+            pieces[1].stroke.width < 0.4251,
+            "{}",
+            pieces[1].stroke.width
+        );
     }
 
     #[test]
     fn constant_and_odd_beads_stay() {
         let mut even = bead(Role::GapFill);
-        even.widths = vec![0.4; 3];
+        even.stroke.widths = vec![0.4; 3];
         assert_eq!(pieces_within(even.clone(), 0.005, 0.0).len(), 1);
-        even.widths.clear();
+        even.stroke.widths.clear();
         assert_eq!(pieces_within(even.clone(), 0.005, 0.0), [even.clone()]);
-        even.points[1] = DVec2::NAN;
-        even.widths = vec![0.4, f64::NAN, 0.5];
+        even.stroke.points[1] = DVec2::NAN;
+        even.stroke.widths = vec![0.4, f64::NAN, 0.5];
         assert!(!pieces_within(even, 0.005, 0.0).is_empty());
     }
 }

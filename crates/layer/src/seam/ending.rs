@@ -15,13 +15,15 @@
 //! A bead is as high as its layer, so a scarf changes only the width, unless
 //! the scarf is to rise ([`scarf`](super::scarf)).
 
+use super::plan::EndingPlan;
 use super::scarf::{Scarf, risen};
+#[cfg(test)]
+use crate::resolution::Resolution;
 use crate::walls::Support;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::bead::{Bead, Role, Stroke, cross_section};
 use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 
 /// A bead, and what follows it.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,12 +43,8 @@ impl From<Bead> for Ended {
 impl Ended {
     /// Where the nozzle is after the bead.
     pub fn end(&self) -> Option<DVec2> {
-        let end = if self.bead.closed {
-            self.bead.points.first()
-        } else {
-            self.bead.points.last()
-        };
-        self.wipe.or(end.copied())
+        let end = self.bead.stroke.ends();
+        self.wipe.or(end.map(|ends| ends.1))
     }
 }
 
@@ -62,45 +60,45 @@ pub fn endings(
     beads: Vec<Bead>,
     solid: &EdgeGrid,
     first: bool,
-    settings: &Settings,
+    plan: &EndingPlan,
 ) -> Vec<Ended> {
-    let rises = settings.scarf_rises() && !first;
+    let rises = plan.rises && !first;
     let mut beads = beads.into_iter().peekable();
     let mut out = Vec::with_capacity(beads.len());
     while let Some(bead) = beads.next() {
         // A way that leads from a seam into the part is as good as a wipe.
         let goes_on = beads.peek().is_some_and(|next| {
             next.role == Role::GapFill
-                && next.points.first() == bead.points.first()
+                && next.stroke.points.first() == bead.stroke.points.first()
         });
-        let meant = bead.closed && bead.role == Role::OuterWall;
-        if !meant || bead.points.len() < 3 {
+        let meant = bead.stroke.closed && bead.role == Role::OuterWall;
+        if !meant || bead.stroke.points.len() < 3 {
             out.push(bead.into());
             continue;
         }
-        let length = bead.length();
+        let length = bead.stroke.length();
         // At least half of a loop stays as it is.
-        let scarf = settings.seam_scarf.min(0.5 * length);
-        let gap = settings.seam_gap.min(0.5 * length);
+        let scarf = plan.scarf.min(0.5 * length);
+        let gap = plan.gap.min(0.5 * length);
         let beads = if scarf > 0.0 && rises {
             let whole = opened(&bead, length + scarf - gap, &[], None);
             let scarf = Scarf {
                 length: scarf,
                 round: length,
-                start: 0.01 * settings.seam_scarf_start,
+                start: plan.start,
             };
-            risen(&whole, scarf, settings)
+            risen(&whole, scarf, plan.resolution)
         } else if scarf > 0.0 || gap > 0.0 {
             vec![with_ramps(&bead, length, scarf, gap)]
         } else {
             vec![bead]
         };
         let mut all: Vec<Ended> = beads.into_iter().map(Ended::from).collect();
-        if settings.seam_wipe > 0.0
+        if plan.wipe > 0.0
             && !goes_on
             && let Some(last) = all.last_mut()
         {
-            last.wipe = inwards(&last.bead, settings, solid);
+            last.wipe = inwards(&last.bead, plan, solid);
         }
         out.extend(all);
     }
@@ -160,12 +158,13 @@ fn opened(
     more: &[Mm],
     widths: Option<WidthAt<'_>>,
 ) -> Bead {
-    let n = bead.points.len();
-    let width = |i: usize| bead.width_at(i);
+    let n = bead.stroke.points.len();
+    let width = |i: usize| bead.stroke.width_at(i);
     let mut stops: Vec<(Mm, DVec2, Mm)> = Vec::new();
     let mut from = 0.0;
     for i in 0..2 * n {
-        let (a, b) = (bead.points[i % n], bead.points[(i + 1) % n]);
+        let (a, b) =
+            (bead.stroke.points[i % n], bead.stroke.points[(i + 1) % n]);
         let edge = a.distance(b);
         let at = |s: Mm| {
             let t = ((s - from) / edge).clamp(0.0, 1.0);
@@ -185,7 +184,7 @@ fn opened(
     }
     let widths = match widths {
         Some(of) => stops.iter().map(|&(s, _, w)| of(s, w)).collect(),
-        None if bead.widths.is_empty() => Vec::new(),
+        None if bead.stroke.widths.is_empty() => Vec::new(),
         None => stops.iter().map(|s| s.2).collect(),
     };
     Bead {
@@ -193,7 +192,7 @@ fn opened(
             points: stops.iter().map(|s| s.1).collect(),
             widths,
             closed: false,
-            width: bead.width,
+            width: bead.stroke.width,
             levels: Vec::new(),
         },
         ..*bead
@@ -213,22 +212,18 @@ fn width_of(area: Mm2, height: Mm) -> Mm {
 
 /// A point farther inside the part than the bead's end; none if there is no
 /// such point.
-fn inwards(
-    bead: &Bead,
-    settings: &Settings,
-    solid: &EdgeGrid,
-) -> Option<DVec2> {
-    let length = settings.seam_wipe;
+fn inwards(bead: &Bead, plan: &EndingPlan, solid: &EdgeGrid) -> Option<DVec2> {
+    let length = plan.wipe;
     /// How far around the end edges are looked at, mm.
     const REACH: Mm = 2.0;
-    let n = bead.points.len();
-    let ways: [(DVec2, DVec2); 2] = if bead.closed {
+    let n = bead.stroke.points.len();
+    let ways: [(DVec2, DVec2); 2] = if bead.stroke.closed {
         [
-            (bead.points[n - 1], bead.points[0]),
-            (bead.points[0], bead.points[1]),
+            (bead.stroke.points[n - 1], bead.stroke.points[0]),
+            (bead.stroke.points[0], bead.stroke.points[1]),
         ]
     } else {
-        [(bead.points[n - 2], bead.points[n - 1]); 2]
+        [(bead.stroke.points[n - 2], bead.stroke.points[n - 1]); 2]
     };
     let end = ways[0].1;
     // The part lies to the left of its walls.
@@ -243,8 +238,8 @@ fn inwards(
     let here = depth(end);
     // The bead may have been turned round. This shows right at its end: farther
     // away the other side of a slot is inside, too.
-    let near = 0.25 * bead.width * inward;
-    let side = if settings.overhang_reverse {
+    let near = 0.25 * bead.stroke.width * inward;
+    let side = if plan.reversed {
         [1.0, -1.0]
             .into_iter()
             .find(|side| depth(end + side * near) > here)?
@@ -260,8 +255,8 @@ fn inwards(
 /// Length of a path. Parts that are printed twice count twice.
 #[cfg(test)]
 fn printed(bead: &Bead) -> f64 {
-    let pieces = crate::resolution::pieces(bead.clone(), &Settings::default());
-    pieces.iter().map(|p| p.area() * p.length()).sum()
+    let pieces = Resolution::with(|_| {}).pieces(bead.clone());
+    pieces.iter().map(|p| p.area() * p.stroke.length()).sum()
 }
 
 #[cfg(test)]
@@ -278,74 +273,78 @@ mod tests {
         )
     }
 
-    fn ended(bead: Bead, settings: &Settings) -> Ended {
+    fn ended(bead: Bead, plan: &EndingPlan) -> Ended {
         let area = Area::from(square_ring(10.0));
         let grid = EdgeGrid::new(&area, 1.0);
-        endings(vec![bead], &grid, false, settings).remove(0)
+        endings(vec![bead], &grid, false, plan).remove(0)
     }
 
-    fn settings(scarf: f64, gap: f64, wipe: f64) -> Settings {
-        Settings {
-            seam_scarf: scarf,
-            seam_gap: gap,
-            seam_wipe: wipe,
-            ..Settings::default()
-        }
+    fn plan(scarf: f64, gap: f64, wipe: f64) -> EndingPlan {
+        EndingPlan::with(|s| {
+            s.seam_scarf = scarf;
+            s.seam_gap = gap;
+            s.seam_wipe = wipe;
+        })
     }
 
     #[test]
     fn without_any_of_it_a_loop_stays_as_it_is() {
         let wall = wall(9.775);
-        let own = ended(wall.clone(), &settings(0.0, 0.0, 0.0));
+        let own = ended(wall.clone(), &plan(0.0, 0.0, 0.0));
         assert_eq!(own.bead, wall);
         assert_eq!(own.wipe, None);
     }
 
     #[test]
     fn a_gap_is_left_open() {
-        let own = ended(wall(9.775), &settings(0.0, 0.2, 0.0)).bead;
-        assert!(!own.closed && own.widths.is_empty());
-        assert_eq!(own.points[0], DVec2::splat(-9.775));
-        let last = own.points[own.points.len() - 1];
+        let own = ended(wall(9.775), &plan(0.0, 0.2, 0.0)).bead;
+        assert!(!own.stroke.closed && own.stroke.widths.is_empty());
+        assert_eq!(own.stroke.points[0], DVec2::splat(-9.775));
+        let last = own.stroke.points[own.stroke.points.len() - 1];
         assert!((last - DVec2::new(-9.775, -9.575)).length() < 1e-9);
         // A tiny loop is not opened as a whole.
-        let tiny = ended(wall(0.05), &settings(0.0, 2.0, 0.0)).bead;
-        assert!((tiny.length() - 0.2).abs() < 1e-9);
+        let tiny = ended(wall(0.05), &plan(0.0, 2.0, 0.0)).bead;
+        assert!((tiny.stroke.length() - 0.2).abs() < 1e-9);
     }
 
     #[test]
     fn a_scarf_overlaps_and_adds_up_to_the_loop() {
         for gap in [0.0, 0.1] {
             let mut wall = wall(9.775);
-            let own = ended(wall.clone(), &settings(25.0, gap, 0.0)).bead;
+            let own = ended(wall.clone(), &plan(25.0, gap, 0.0)).bead;
             // 25 mm are the way round the first corner and back onto the first
             // side.
-            assert!((own.length() - (wall.length() + 25.0 - gap)).abs() < 1e-9);
-            let whole = wall.area() * wall.length();
+            assert!(
+                (own.stroke.length() - (wall.stroke.length() + 25.0 - gap))
+                    .abs()
+                    < 1e-9
+            );
+            let whole = wall.area() * wall.stroke.length();
             let share = printed(&own) / whole;
             assert!((share - 1.0).abs() < 3e-3, "{share}");
             // No bead is narrower than high. Both ways add up at each place.
-            assert!((own.widths[0] - 0.2).abs() < 1e-9);
-            let narrowest = own.widths.iter().copied().fold(1.0, f64::min);
+            assert!((own.stroke.widths[0] - 0.2).abs() < 1e-9);
+            let narrowest =
+                own.stroke.widths.iter().copied().fold(1.0, f64::min);
             assert!(narrowest > 0.2 - 1e-9, "{narrowest}");
             let part = |from: f64, to: f64| {
-                let all = own.length();
+                let all = own.stroke.length();
                 printed(&Bead {
-                    stroke: own.part(from / all, to / all),
+                    stroke: own.stroke.part(from / all, to / all),
                     ..own.clone()
                 })
             };
             for i in 0..24 {
-                let (from, round) = (f64::from(i), wall.length());
+                let (from, round) = (f64::from(i), wall.stroke.length());
                 let both = part(from, from + 0.9)
                     + part(round + from, round + from + 0.9);
                 let share = both / (0.9 * wall.area());
                 assert!((share - 1.0).abs() < 0.01, "{from}: {share}");
             }
-            assert_eq!(own.widths.len(), own.points.len());
+            assert_eq!(own.stroke.widths.len(), own.stroke.points.len());
             // A wall of varying width gets the ramps, too.
-            wall.widths = vec![0.4, 0.5, 0.4, 0.5];
-            let own = ended(wall.clone(), &settings(25.0, gap, 0.0)).bead;
+            wall.stroke.widths = vec![0.4, 0.5, 0.4, 0.5];
+            let own = ended(wall.clone(), &plan(25.0, gap, 0.0)).bead;
             let share = printed(&own) / printed(&wall);
             assert!((share - 1.0).abs() < 5e-3, "{share}");
         }
@@ -365,9 +364,9 @@ mod tests {
         };
         let wipes = |from: DVec2| {
             let beads = vec![first.clone(), way(from)];
-            endings(beads, &grid, false, &settings(0.0, 0.0, 0.3))[0].wipe
+            endings(beads, &grid, false, &plan(0.0, 0.0, 0.3))[0].wipe
         };
-        assert_eq!(wipes(first.points[0]), None);
+        assert_eq!(wipes(first.stroke.points[0]), None);
         assert!(wipes(DVec2::splat(-9.0)).is_some());
     }
 
@@ -396,9 +395,9 @@ mod tests {
             let bead = Bead::new(Role::OuterWall, stroke, 0.2);
             // A place 0.24 mm inside the thin wall is no place to go.
             for wipe in [0.3, 0.55, 1.0] {
-                let mut settings = settings(0.0, 0.0, wipe);
-                settings.overhang_reverse = true;
-                let all = endings(vec![bead.clone()], &grid, false, &settings);
+                let mut plan = plan(0.0, 0.0, wipe);
+                plan.reversed = true;
+                let all = endings(vec![bead.clone()], &grid, false, &plan);
                 let at = all[0].wipe.unwrap();
                 assert!(at.x > left, "{turned} {wipe}: {at}");
             }
@@ -414,9 +413,9 @@ mod tests {
         let stroke = Stroke::new(thin, true, 0.45);
         let bead = Bead::new(Role::OuterWall, stroke, 0.2);
         for wipe in [0.3, 0.6, 1.2] {
-            let mut settings = settings(0.0, 0.0, wipe);
-            settings.overhang_reverse = true;
-            let all = endings(vec![bead.clone()], &grid, false, &settings);
+            let mut plan = plan(0.0, 0.0, wipe);
+            plan.reversed = true;
+            let all = endings(vec![bead.clone()], &grid, false, &plan);
             assert_eq!(all[0].wipe, None, "{wipe}");
         }
     }
@@ -424,20 +423,20 @@ mod tests {
     #[test]
     fn a_wipe_leads_inwards() {
         let mut begun = wall(9.775);
-        begun.points.insert(0, DVec2::new(-9.775, 0.0));
-        let own = ended(begun, &settings(0.0, 0.0, 0.3));
+        begun.stroke.points.insert(0, DVec2::new(-9.775, 0.0));
+        let own = ended(begun, &plan(0.0, 0.0, 0.3));
         let wipe = own.wipe.unwrap();
         assert!((wipe - DVec2::new(-9.475, 0.0)).length() < 1e-9, "{wipe}");
         // Around a hole the part is outside.
         let mut hole = wall(2.0);
-        hole.points.reverse();
+        hole.stroke.points.reverse();
         let area = Area::from_iter([square_ring(10.0), {
             let mut ring = square_ring(1.775);
             ring.reverse();
             ring
         }]);
         let grid = EdgeGrid::new(&area, 1.0);
-        let own = endings(vec![hole], &grid, false, &settings(0.0, 0.0, 0.3));
+        let own = endings(vec![hole], &grid, false, &plan(0.0, 0.0, 0.3));
         let wipe = own[0].wipe.unwrap();
         assert!(wipe.abs().min_element() > 2.2, "{wipe}");
         // A place that is too thin for a wipe gets no wipe.
@@ -447,9 +446,9 @@ mod tests {
             ring
         }]);
         let grid = EdgeGrid::new(&thin, 1.0);
-        let settings = settings(0.0, 0.0, 0.8);
+        let plan = plan(0.0, 0.0, 0.8);
         let mut begun = wall(9.775);
-        begun.points.insert(0, DVec2::new(-9.775, 0.0));
-        assert_eq!(endings(vec![begun], &grid, false, &settings)[0].wipe, None);
+        begun.stroke.points.insert(0, DVec2::new(-9.775, 0.0));
+        assert_eq!(endings(vec![begun], &grid, false, &plan)[0].wipe, None);
     }
 }

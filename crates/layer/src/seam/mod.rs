@@ -25,8 +25,10 @@ pub mod ending;
 mod follow;
 mod guide;
 mod lowest;
+mod plan;
 mod scarf;
 
+use crate::view::LayerFace;
 use corners::Corners;
 pub use follow::{Below, Ground, follow};
 use glam::DVec2;
@@ -37,10 +39,10 @@ use isoslice_model::Place;
 use isoslice_model::vary::{Quantity, Surroundings, VaryError};
 use isoslice_planar::along::point_at;
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::path_length;
-use isoslice_settings::{SeamRule, Settings, Varying};
+use isoslice_settings::{SeamRule, Varying};
 use lowest::lowest;
+pub use plan::EndingPlan;
 
 /// Where the seam of a wall may be.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,22 +70,23 @@ pub struct Seams<'a> {
 }
 
 impl<'a> Seams<'a> {
-    /// The rule of the settings.
+    /// The seams of a rule. Rings are exact to `accuracy`.
     ///
     /// # Errors
     /// If the rule is an expression with a mistake.
     pub fn new(
-        settings: &Settings,
+        rule: &Varying<SeamRule>,
+        accuracy: Mm,
         around: &'a Surroundings<'a>,
     ) -> Result<Seams<'a>, VaryError> {
-        let expression = settings.seam.expression().map(|text| {
+        let expression = rule.expression().map(|text| {
             Quantity::new("seam", &Varying::Expression(text.to_owned()))
         });
         Ok(Seams {
-            rule: settings.seam.clone(),
+            rule: rule.clone(),
             expression: expression.transpose()?,
             around,
-            accuracy: settings.accuracy,
+            accuracy,
         })
     }
 
@@ -94,8 +97,7 @@ impl<'a> Seams<'a> {
         aligned.then(|| Guide::new(first, self.accuracy))
     }
 
-    /// The sites of a layer's walls. `solid` is the layer's outline, and `z`
-    /// its height above the bed. Walls that are not closed outer ones have
+    /// The sites of a layer's walls. Walls that are not closed outer ones have
     /// empty sites.
     ///
     /// # Errors
@@ -103,14 +105,12 @@ impl<'a> Seams<'a> {
     pub fn sites(
         &self,
         walls: &[Bead],
-        layer: usize,
-        z: Mm,
-        solid: &EdgeGrid,
+        layer: &LayerFace<'_>,
     ) -> Result<Vec<Site>, VaryError> {
         let own = |(number, wall): (usize, &Bead)| {
-            let outer = wall.closed && wall.role == Role::OuterWall;
-            if outer && wall.points.len() > 2 {
-                self.site(&wall.points, [layer, number], z, solid)
+            let outer = wall.stroke.closed && wall.role == Role::OuterWall;
+            if outer && wall.stroke.points.len() > 2 {
+                self.site(&wall.stroke.points, number, layer)
             } else {
                 Ok(Site::default())
             }
@@ -121,16 +121,17 @@ impl<'a> Seams<'a> {
     fn site(
         &self,
         ring: &[DVec2],
-        number: [usize; 2],
-        z: Mm,
-        solid: &EdgeGrid,
+        number: usize,
+        layer: &LayerFace<'_>,
     ) -> Result<Site, VaryError> {
         let at = match (&self.rule, &self.expression) {
             (Varying::Constant(SeamRule::Aligned), _) => {
                 return Ok(aligned(ring, self.accuracy));
             }
             (Varying::Constant(SeamRule::Rear), _) => rear(ring, self.accuracy),
-            (Varying::Constant(SeamRule::Random), _) => random(ring, number),
+            (Varying::Constant(SeamRule::Random), _) => {
+                random(ring, [layer.span.index, number])
+            }
             (Varying::Expression(_), Some(value)) => {
                 let measure = value.uses_depth();
                 let mut places: Vec<Place> = Vec::new();
@@ -138,9 +139,9 @@ impl<'a> Seams<'a> {
                     places.clear();
                     self.around.places(
                         points.iter().copied(),
-                        z,
+                        layer.span.sample_z(),
                         measure,
-                        Some(solid),
+                        Some(layer.outline.grid()),
                         &mut places,
                     )?;
                     value.evaluate(&places, out)

@@ -16,11 +16,10 @@
 //! elsewhere, within 0.1 % where the loop is of one width. The nozzle never
 //! leaves the layer.
 
-use crate::resolution::pieces;
+use crate::resolution::Resolution;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Level, Stroke, cross_section, height_of};
-use isoslice_settings::Settings;
 
 /// Number of points along the way over a ramp. Between them its height changes
 /// evenly, and its cross-section nearly does.
@@ -41,17 +40,17 @@ pub(super) struct Scarf {
 pub(super) fn risen(
     whole: &Bead,
     scarf: Scarf,
-    settings: &Settings,
+    resolution: Resolution,
 ) -> Vec<Bead> {
-    let length = whole.length();
+    let length = whole.stroke.length();
     let part = |from: Mm, to: Mm| Bead {
-        stroke: whole.part(from / length, to / length),
+        stroke: whole.stroke.part(from / length, to / length),
         ..*whole
     };
     // Share of the height at a share of the ramp's length.
     let share = |t: f64| scarf.start + (1.0 - scarf.start) * t;
     let height = whole.height;
-    let ramp = levelled(part(0.0, scarf.length), 1.0, settings, |t, _| {
+    let ramp = levelled(part(0.0, scarf.length), 1.0, resolution, |t, _| {
         let less = (share(t) - 1.0) * height;
         Level {
             rise: less,
@@ -61,7 +60,7 @@ pub(super) fn risen(
     // A gap ends the way over the ramp early.
     let over = (length - scarf.round).max(0.0) / scarf.length;
     let over_ramp =
-        levelled(part(scarf.round, length), over, settings, |t, width| {
+        levelled(part(scarf.round, length), over, resolution, |t, width| {
             let below = cross_section(width, share(t) * height);
             let left = cross_section(width, height) - below;
             Level {
@@ -71,7 +70,7 @@ pub(super) fn risen(
         });
     let rest = part(scarf.length, scarf.round);
     let all = ramp.into_iter().chain([rest]).chain(over_ramp);
-    all.filter(|bead| bead.points.len() > 1).collect()
+    all.filter(|bead| bead.stroke.points.len() > 1).collect()
 }
 
 /// A bead in pieces of one width each, whose points have levels by their share
@@ -79,11 +78,11 @@ pub(super) fn risen(
 fn levelled(
     bead: Bead,
     all: f64,
-    settings: &Settings,
+    resolution: Resolution,
     level: impl Fn(f64, Mm) -> Level,
 ) -> Vec<Bead> {
-    let parts = pieces(bead, settings);
-    let length: Mm = parts.iter().map(|part| part.length()).sum();
+    let parts = resolution.pieces(bead);
+    let length: Mm = parts.iter().map(|part| part.stroke.length()).sum();
     if length <= 0.0 {
         return Vec::new();
     }
@@ -91,9 +90,9 @@ fn levelled(
     let mut done = 0.0;
     let mut raise = |part: Bead| {
         let mut points: Vec<DVec2> =
-            part.points.first().copied().into_iter().collect();
+            part.stroke.points.first().copied().into_iter().collect();
         let mut at: Vec<Mm> = vec![done];
-        for (a, b) in part.segments() {
+        for (a, b) in part.stroke.segments() {
             let edge = a.distance(b);
             // The next multiples of a step within the segment.
             let mut k = (done / step).floor() + 1.0;
@@ -107,10 +106,11 @@ fn levelled(
             at.push(done);
         }
         let levels = at.iter();
-        let levels = levels.map(|at| level(all * at / length, part.width));
+        let levels =
+            levels.map(|at| level(all * at / length, part.stroke.width));
         let stroke = Stroke {
             levels: levels.collect(),
-            ..Stroke::new(points, false, part.width)
+            ..Stroke::new(points, false, part.stroke.width)
         };
         Bead { stroke, ..part }
     };
@@ -139,20 +139,21 @@ mod tests {
     fn laid(beads: &[Bead], from: Mm, to: Mm) -> f64 {
         let mut sum = 0.0;
         for bead in beads {
-            for (i, (a, b)) in bead.segments().enumerate() {
+            for (i, (a, b)) in bead.stroke.segments().enumerate() {
                 let (low, high) = (a.x.max(from), b.x.min(to));
                 if high <= low {
                     continue;
                 }
                 let level = |x: Mm| {
                     let t = (x - a.x) / (b.x - a.x);
-                    bead.level(i).lerp(bead.level(i + 1), t)
+                    bead.stroke.level(i).lerp(bead.stroke.level(i + 1), t)
                 };
                 // The steps are fine enough for any curve.
                 for k in 0..200 {
                     let x = low + (high - low) * (f64::from(k) + 0.5) / 200.0;
                     let height = bead.height + level(x).extra;
-                    sum += cross_section(bead.width, height) * (high - low)
+                    sum += cross_section(bead.stroke.width, height)
+                        * (high - low)
                         / 200.0;
                 }
             }
@@ -168,8 +169,8 @@ mod tests {
                 round: 40.0,
                 start,
             };
-            let settings = Settings::default();
-            let beads = risen(&line(50.0 - gap, &[]), scarf, &settings);
+            let resolution = Resolution::with(|_| {});
+            let beads = risen(&line(50.0 - gap, &[]), scarf, resolution);
             let last = beads.len() - 1;
             let area = cross_section(0.45, 0.2);
             for i in 0..20 {
@@ -182,14 +183,20 @@ mod tests {
             }
             // Each bead begins where the one before ends, in space as well.
             for pair in beads.windows(2) {
-                assert_eq!(pair[0].points.last(), Some(&pair[1].points[0]));
-                let end = pair[0].level(pair[0].points.len() - 1);
-                assert!((end.rise - pair[1].level(0).rise).abs() < 1e-12);
+                assert_eq!(
+                    pair[0].stroke.points.last(),
+                    Some(&pair[1].stroke.points[0])
+                );
+                let end = pair[0].stroke.level(pair[0].stroke.points.len() - 1);
+                assert!(
+                    (end.rise - pair[1].stroke.level(0).rise).abs() < 1e-12
+                );
             }
-            let first = beads[0].level(0).rise;
+            let first = beads[0].stroke.level(0).rise;
             assert!((first - (start - 1.0) * 0.2).abs() < 1e-12);
-            assert!(beads[1].levels.is_empty());
-            let rises = beads.iter().flat_map(|b| &b.levels).map(|l| l.rise);
+            assert!(beads[1].stroke.levels.is_empty());
+            let rises =
+                beads.iter().flat_map(|b| &b.stroke.levels).map(|l| l.rise);
             assert!(rises.into_iter().all(|r| (-0.2..=1e-12).contains(&r)));
         }
     }
@@ -205,25 +212,33 @@ mod tests {
             round: 40.0,
             start: 0.1,
         };
-        let settings = Settings::default();
-        let beads = risen(&whole, scarf, &settings);
+        let resolution = Resolution::with(|_| {});
+        let beads = risen(&whole, scarf, resolution);
         // Beads that leave the plane have one width.
         assert!(
             beads
                 .iter()
-                .all(|b| b.levels.is_empty() || b.widths.is_empty())
+                .all(|b| b.stroke.levels.is_empty()
+                    || b.stroke.widths.is_empty())
         );
-        assert!(beads.iter().filter(|b| !b.levels.is_empty()).count() > 10);
+        assert!(
+            beads.iter().filter(|b| !b.stroke.levels.is_empty()).count() > 10
+        );
         let of_part = |from: Mm, to: Mm| {
             let part = Bead {
-                stroke: whole.part(from / 50.0, to / 50.0),
+                stroke: whole.stroke.part(from / 50.0, to / 50.0),
                 ..whole
             };
-            let parts = pieces(part, &settings);
-            parts.iter().map(|p| p.area() * p.length()).sum::<f64>()
+            let parts = resolution.pieces(part);
+            parts
+                .iter()
+                .map(|p| p.area() * p.stroke.length())
+                .sum::<f64>()
         };
-        let ramps: Vec<Bead> =
-            beads.into_iter().filter(|b| !b.levels.is_empty()).collect();
+        let ramps: Vec<Bead> = beads
+            .into_iter()
+            .filter(|b| !b.stroke.levels.is_empty())
+            .collect();
         // The ramp takes its share of one way round, and the way over it takes
         // the rest of the next. In a loop both are equally wide; here they are
         // not.

@@ -30,7 +30,6 @@ use isoslice_planar::hatch::{Lines, Segment, hatch};
 use isoslice_planar::nest::Nest;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, BoxTree, Ring, edges, point_beside, signed_area};
-use isoslice_settings::Settings;
 use std::collections::BTreeSet;
 
 /// A part of a fill whose lines hang between supports.
@@ -55,13 +54,14 @@ pub(crate) const ANCHOR: f64 = 2.0;
 /// Share of the lines' length that must be held at both ends.
 const HELD: f64 = 0.6;
 
-/// The bridges of an area over a layer, and what they leave of the area.
+/// The bridges of an area over a layer, and what they leave of the area. Their
+/// lines are so wide, and reach so far onto what holds them.
 pub(super) fn bridges(
     area: &Area,
     below: &Neighbour<'_>,
-    settings: &Settings,
+    width: Mm,
+    anchor: Mm,
 ) -> (Vec<Bridge>, Area) {
-    let width = settings.bottom_skin_width();
     let below = below.near(area);
     let hanging = difference(area, &below);
     // A gap no wider than a bead is bridged by any bead: no direction is
@@ -72,9 +72,8 @@ pub(super) fn bridges(
     }
     let grid = EdgeGrid::new(&below, width);
     let gaps = intersection(&offset(&core, 0.5 * width, TOLERANCE), area);
-    let reach = settings.bridge_anchor.max(0.5 * width);
+    let reach = anchor.max(0.5 * width);
     let gaps = gaps.islands().into_iter().map(|gap| {
-        isoslice_base::limits::check();
         let best = best_direction(&gap, &grid, width);
         Gap::new(gap, best, reach, TOLERANCE)
     });
@@ -247,9 +246,10 @@ mod tests {
     use super::*;
     use isoslice_planar::shapes::{disc, moved, rect, turned};
 
+    const ANCHORED: Mm = 1.5;
+
     fn bridges(area: &Area, below: &Area) -> (Vec<Bridge>, Area) {
-        let settings = Settings::default();
-        super::bridges(area, &Neighbour::new(below), &settings)
+        super::bridges(area, &Neighbour::new(below), 0.45, ANCHORED)
     }
 
     fn joined(parts: &[Area]) -> Area {
@@ -261,7 +261,6 @@ mod tests {
     fn lines_run_from_pillar_to_pillar() {
         // The gap is wider than it is long. Its free sides must not attract the
         // lines.
-        let settings = Settings::default();
         let deck = rect(0.0, 0.0, 30.0, 40.0);
         let pillars = joined(&[
             rect(-1.0, -1.0, 10.0, 41.0),
@@ -272,7 +271,7 @@ mod tests {
         assert!((all - deck.content()).abs() < 1e-3, "{all}");
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].angle, 0.0);
-        let reach = 10.0 + 2.0 * settings.bridge_anchor;
+        let reach = 10.0 + 2.0 * ANCHORED;
         let content = found[0].area.content();
         assert!((content - 40.0 * reach).abs() < 1.0, "{content}");
         // The direction turns by 20° when everything else does.

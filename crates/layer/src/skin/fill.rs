@@ -5,14 +5,16 @@
 //! fills that are seen come last.
 
 use super::bridge::{Bridge, bridges};
+use super::plan::{Look, SkinPlan};
 use super::roles::Sides;
 use super::strokes::strokes;
 use super::zigzag::{Joined, Turns, join};
-use super::{Face, Fill, Patch, sweep};
+use super::{Fill, Patch, sweep};
 use crate::region::Lay;
 use crate::region::cover::Covered;
 use crate::region::neighbour::Neighbour;
 use crate::region::patch::{Free, Patch as Around, concentric, patch};
+use crate::view::LayerFace;
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
@@ -21,7 +23,7 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, hatch};
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Solid, edges};
-use isoslice_settings::{Settings, SkinOrder, SkinPattern};
+use isoslice_settings::SkinPattern;
 use std::cell::OnceCell;
 
 /// Tolerance of the offsets inside a skin; nobody sees them.
@@ -32,13 +34,6 @@ const TOLERANCE: Mm = 0.01;
 /// plate.
 const NESTED: f64 = 14.0;
 
-/// How one kind of skin is filled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Look {
-    pattern: SkinPattern,
-    width: Mm,
-}
-
 /// What the islands of a layer have in common.
 pub(super) struct Filler<'a> {
     pub above: Side<'a>,
@@ -48,20 +43,20 @@ pub(super) struct Filler<'a> {
     pub on_bed: bool,
     pub angle: Degrees,
     pub height: Mm,
-    pub settings: &'a Settings,
+    pub plan: &'a SkinPlan,
 }
 
 /// A layer next to this one, sorted by place when an island first asks.
 pub(super) struct Side<'a> {
-    face: Option<Face<'a>>,
+    face: Option<LayerFace<'a>>,
     sorted: OnceCell<Neighbour<'a>>,
 }
 
 impl<'a> Side<'a> {
     /// The neighbouring layer as an island's neighbour, if there is one.
-    pub(super) fn new(face: Option<Face<'a>>) -> Side<'a> {
+    pub(super) fn new(face: Option<&LayerFace<'a>>) -> Side<'a> {
         Side {
-            face,
+            face: face.copied(),
             sorted: OnceCell::new(),
         }
     }
@@ -79,14 +74,15 @@ impl Filler<'_> {
         island: &Area,
         sides: Sides<'_>,
     ) -> Option<Patch> {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return None;
+        }
         if let Some(nested) = self.nested(island, sides) {
             return (!nested.rings.is_empty()).then_some(nested);
         }
-        let settings = self.settings;
-        let plan = Lay::inside(settings.skin_width(), self.height, settings);
-        let around = patch(island, plan, TOLERANCE);
-        let inside = around.inside(settings.off_skin_ring(), TOLERANCE);
+        let ring = self.beside(self.plan.internal.width);
+        let around = patch(island, ring, TOLERANCE);
+        let inside = around.inside(self.plan.off_ring, TOLERANCE);
         let fills = self.fills(&inside, &around, sides);
         let mut lines = fills.iter().flat_map(|f| &f.lines);
         let bridge = lines.any(|l| l.role == Role::Bridge);
@@ -111,9 +107,9 @@ impl Filler<'_> {
     /// are to look different, or if it hangs, as bridges run across.
     fn nested(&self, island: &Area, sides: Sides<'_>) -> Option<Patch> {
         let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
-        let looks = kinds.map(|role| self.look(role));
+        let looks = kinds.map(|role| self.plan.look(role));
         let look = match sides.only() {
-            Some(role) => self.look(role),
+            Some(role) => self.plan.look(role),
             None if looks.iter().all(|l| *l == looks[0]) => looks[0],
             None => return None,
         };
@@ -123,31 +119,23 @@ impl Filler<'_> {
         {
             return None;
         }
-        let plan = Lay::inside(look.width, self.height, self.settings);
+        let lay = self.beside(look.width);
         // A strip between walls, as thin as one bead, is a gap if nobody sees
         // it.
         let hidden = sides.only().is_none_or(|r| r == Role::InternalSkin);
         let gap = hidden
-            && !is_wider(island, plan.limit)
+            && !is_wider(island, lay.limit)
             && self.is_between_walls(island);
         let role = |stroke: &Stroke| match sides.most(stroke) {
             Role::InternalSkin if gap => Role::GapFill,
             role => role,
         };
-        let strokes = concentric(island, plan, TOLERANCE).into_iter();
+        let strokes = concentric(island, lay, TOLERANCE).into_iter();
         let rings = strokes.map(|l| self.bead(role(&l), l));
-        let ironing = || {
-            let whole = offset(island, -plan.inner, TOLERANCE);
-            self.ironing(&whole, sides)
-        };
-        let top = sides.only().is_none_or(|r| r == Role::TopSkin);
+        let whole = || offset(island, -lay.inner, TOLERANCE);
         Some(Patch {
             rings: rings.collect(),
-            fills: if self.settings.ironing && top {
-                ironing().into_iter().collect()
-            } else {
-                Vec::new()
-            },
+            fills: self.ironing(whole, sides).into_iter().collect(),
         })
     }
 
@@ -170,11 +158,11 @@ impl Filler<'_> {
     fn bridged(&self, area: &Area, sides: Sides<'_>) -> (Vec<Bridge>, Area) {
         match self.below.get() {
             Some(below)
-                if self.settings.bridges
+                if self.plan.bridges
                     && !self.on_bed
                     && sides.below.0 != Covered::Wholly =>
             {
-                bridges(area, below, self.settings)
+                bridges(area, below, self.plan.bottom.width, self.plan.anchor)
             }
             _ => (Vec::new(), area.clone()),
         }
@@ -191,11 +179,11 @@ impl Filler<'_> {
         let free = around.free();
         // The roles go from below to above: what is seen is printed last.
         let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
-        let looks = kinds.map(|role| self.look(role));
+        let looks = kinds.map(|role| self.plan.look(role));
         let only = sides.only();
         let mut fills = Vec::new();
         if only.is_some() || looks.iter().all(|l| *l == looks[0]) {
-            let look = self.look(only.unwrap_or(Role::InternalSkin));
+            let look = self.plan.look(only.unwrap_or(Role::InternalSkin));
             let paths = self.paths(&rest, look, self.angle, &free);
             let border = border(&rest, &paths);
             let parts = match only {
@@ -213,7 +201,7 @@ impl Filler<'_> {
             }
         } else {
             for (area, role) in self.areas(&rest, sides) {
-                let look = self.look(role);
+                let look = self.plan.look(role);
                 let paths = self.paths(&area, look, self.angle, &free);
                 let border = border(&area, &paths);
                 let border = border.as_ref();
@@ -222,7 +210,7 @@ impl Filler<'_> {
         }
         let look = Look {
             pattern: SkinPattern::Lines,
-            width: self.settings.bottom_skin_width(),
+            width: self.plan.bottom.width,
         };
         let hung = bridged.iter().map(|bridge| {
             let paths = self.paths(&bridge.area, look, bridge.angle, &free);
@@ -230,27 +218,20 @@ impl Filler<'_> {
         });
         let at = fills.len().saturating_sub(1);
         fills.splice(at..at, hung);
-        if self.settings.ironing && only.is_none_or(|r| r == Role::TopSkin) {
-            fills.extend(self.ironing(inside, sides));
-        }
+        fills.extend(self.ironing(|| inside.clone(), sides));
         fills.retain(|f| !f.lines.is_empty());
         fills
     }
 
-    fn look(&self, role: Role) -> Look {
-        let s = self.settings;
-        let (pattern, width) = match role {
-            Role::TopSkin => (s.top_skin_pattern, s.top_skin_width()),
-            Role::BottomSkin => (s.bottom_skin_pattern, s.bottom_skin_width()),
-            _ => (s.internal_skin_pattern, s.skin_width()),
-        };
-        Look { pattern, width }
+    /// A bead of `width` beside other beads.
+    fn beside(&self, width: Mm) -> Lay {
+        Lay::inside(width, self.height, self.plan.thin)
     }
 
     /// Splits an area by role into parts that are wide enough for a bead. A
     /// narrower part goes with the part beside it.
     fn areas(&self, area: &Area, sides: Sides<'_>) -> Vec<(Area, Role)> {
-        let half = 0.5 * self.settings.skin_width();
+        let half = 0.5 * self.plan.internal.width;
         let wide = |area: &Area| {
             let core = offset(area, -half, TOLERANCE);
             offset(&core, half + TOLERANCE, TOLERANCE)
@@ -287,9 +268,8 @@ impl Filler<'_> {
         free: &Free<'_>,
     ) -> Vec<(i64, Stroke)> {
         if look.pattern == SkinPattern::Concentric {
-            let plan = Lay::inside(look.width, self.height, self.settings);
             // Lines reach the near side of the ring's bead.
-            let rings = concentric(area, plan, TOLERANCE);
+            let rings = concentric(area, self.beside(look.width), TOLERANCE);
             return rings.into_iter().map(|l| (0, l)).collect();
         }
         let lines = Lines {
@@ -325,10 +305,7 @@ impl Filler<'_> {
     ) -> Fill {
         let parallel = look.pattern == SkinPattern::Lines;
         let swept = match role {
-            Role::TopSkin => {
-                let order = self.settings.top_skin_order;
-                parallel && order == SkinOrder::Monotonic
-            }
+            Role::TopSkin => parallel && self.plan.swept,
             Role::Ironing => true,
             _ => false,
         };
@@ -356,19 +333,26 @@ impl Filler<'_> {
         }
     }
 
-    /// A second pass over the parts that face upwards, one line's width off
-    /// their border.
-    fn ironing(&self, inside: &Area, sides: Sides<'_>) -> Option<Fill> {
-        let spacing = self.settings.ironing_spacing();
+    /// A second pass over the parts that face upwards, if it is asked for, one
+    /// line's width off their border.
+    fn ironing(
+        &self,
+        inside: impl FnOnce() -> Area,
+        sides: Sides<'_>,
+    ) -> Option<Fill> {
+        let spacing = self.plan.ironing?;
+        if sides.only().is_some_and(|role| role != Role::TopSkin) {
+            return None;
+        }
         let face = match sides.above.0 {
             Covered::Not => None,
             _ => self.above.get(),
         };
         let top = match face {
-            Some(above) => above.open(inside),
-            None => inside.clone(),
+            Some(above) => above.open(&inside()),
+            None => inside(),
         };
-        let inset = 0.5 * self.settings.top_skin_width();
+        let inset = 0.5 * self.plan.top.width;
         let top = offset(&top, -inset, TOLERANCE);
         let lines = Lines {
             angle: self.angle,

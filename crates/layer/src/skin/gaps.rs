@@ -118,7 +118,6 @@ pub(super) fn spans(
     let beside = beside(gaps);
     let (groups, owner) = groups(gaps, &beside, span);
     let of_group = |(g, (members, angle)): (usize, &(Vec<usize>, Degrees))| {
-        isoslice_base::limits::check();
         let all = members.iter().flat_map(|&i| &gaps[i].reached.rings);
         let mut reached = unite(&all.cloned().collect());
         let mut others: Vec<usize> =
@@ -162,7 +161,9 @@ fn beside(gaps: &[Gap]) -> Vec<Vec<usize>> {
     let tree = BoxTree::new(boxes.enumerate());
     let mut beside = vec![Vec::new(); gaps.len()];
     for (i, gap) in gaps.iter().enumerate() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let found = tree.meeting(gap.reached.bounds());
         for j in found.filter(|&j| j > i && gap.meets(&gaps[j])) {
             beside[i].push(j);

@@ -23,6 +23,7 @@ mod direction;
 mod fill;
 mod gaps;
 pub mod over_infill;
+mod plan;
 mod roles;
 mod short;
 mod strokes;
@@ -30,13 +31,14 @@ mod sweep;
 mod zigzag;
 
 use crate::region::cover::{Covered, Islands};
+use crate::view::{LayerFace, LayerView};
 use fill::{Filler, Side};
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::difference;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Solid};
-use isoslice_settings::Settings;
+pub use plan::SkinPlan;
 use roles::Sides;
 
 /// A connected skin area's beads.
@@ -70,54 +72,36 @@ pub struct Fill {
     pub one_way: Vec<bool>,
 }
 
-/// The layers directly above and below a layer, if there are any.
-#[derive(Clone, Copy, Debug)]
-pub struct Faces<'a> {
-    /// The layer above.
-    pub above: Option<Face<'a>>,
-    /// The layer below.
-    pub below: Option<Face<'a>>,
-}
-
-/// A neighbouring layer.
-#[derive(Clone, Copy, Debug)]
-pub struct Face<'a> {
-    /// The layer's exact outline: lines change their role right at its edge.
-    pub outline: &'a Solid<'a>,
-    /// The layer's outline, only as exact as areas need it.
-    pub rough: &'a Solid<'a>,
-}
-
 /// The beads of a layer's skin, beside which `sparse` infill lies. Even layers
 /// get lines at `skin_angle`, odd ones at right angles to it.
 pub fn patches(
     skin: &Area,
     sparse: &Area,
-    faces: Faces<'_>,
-    layer: usize,
-    height: Mm,
-    settings: &Settings,
+    view: &LayerView<'_>,
+    plan: &SkinPlan,
 ) -> Vec<Patch> {
-    let pressed = into_walls(skin, sparse, settings);
+    let pressed = into_walls(skin, sparse, plan.into_walls);
     let islands = pressed.as_ref().unwrap_or(skin).islands();
     let asked = Islands::new(&islands);
-    let side = |face: Option<Face<'_>>| match face {
+    let side = |face: Option<&LayerFace<'_>>| match face {
         Some(face) => asked.covered(face.rough),
         None => vec![Covered::Not; islands.len()],
     };
-    let (above, below) = (side(faces.above), side(faces.below));
+    let (above, below) = (view.above.first(), view.below.first());
+    let covers = side(above).into_iter().zip(side(below));
+    let span = view.here.span;
     let filler = Filler {
-        above: Side::new(faces.above),
-        below: Side::new(faces.below),
+        above: Side::new(above),
+        below: Side::new(below),
         sparse: Solid::of(sparse, 1.0),
-        on_bed: layer == 0,
-        angle: settings.skin_direction(layer),
-        height,
-        settings,
+        on_bed: span.index == 0,
+        angle: plan.directions[span.index % 2],
+        height: span.height(),
+        plan,
     };
-    let sides = above.into_iter().zip(below).map(|(above, below)| Sides {
-        above: (above, faces.above.map(|f| f.outline.grid())),
-        below: (below, faces.below.map(|f| f.outline.grid())),
+    let sides = covers.map(|(over, under)| Sides {
+        above: (over, above.map(|f| f.outline.grid())),
+        below: (under, below.map(|f| f.outline.grid())),
     });
     islands
         .iter()
@@ -126,19 +110,11 @@ pub fn patches(
         .collect()
 }
 
-/// Skin that reaches into the walls around it, if the settings ask for that. It
-/// ends where sparse infill begins, and without walls where it ends in any case.
-fn into_walls(skin: &Area, sparse: &Area, settings: &Settings) -> Option<Area> {
+/// Skin that reaches so far into the walls around it, if at all. It ends where
+/// sparse infill begins.
+fn into_walls(skin: &Area, sparse: &Area, reach: Mm) -> Option<Area> {
     /// Tolerance of the border, mm. It lies under walls.
     const TOLERANCE: Mm = 0.01;
-    let wall = match settings.walls {
-        0 => return None,
-        1 => settings.outer_wall_width(),
-        _ => settings.inner_wall_width(),
-    };
-    // Skin may be wider than the wall. Half of the wall is left beside it.
-    let reach = 0.01 * settings.skin_wall_overlap * settings.skin_width();
-    let reach = reach.min(0.5 * wall);
     if reach <= 0.0 {
         return None;
     }
@@ -158,31 +134,30 @@ mod tests {
     use isoslice_planar::shapes::{disc, rect, square};
     use isoslice_settings::SkinPattern;
 
-    fn face<'a>(solid: &'a Solid<'a>) -> Face<'a> {
-        Face {
-            outline: solid,
-            rough: solid,
-        }
+    /// The skin of a layer between two others, if there are any.
+    fn laid_between(
+        skin: &Area,
+        sparse: &Area,
+        [below, above]: [Option<&Area>; 2],
+        layer: usize,
+        plan: &SkinPlan,
+    ) -> Vec<Patch> {
+        let here = Solid::new(skin.clone());
+        let [below, above] =
+            [below, above].map(|area| area.map(|a| Solid::new(a.clone())));
+        let [below, above] = [&below, &above]
+            .map(|solid| solid.iter().collect::<Vec<&Solid<'_>>>());
+        let view = LayerView::of(layer, &here, &above, &below);
+        patches(skin, sparse, &view, plan)
     }
 
     #[test]
     fn a_square_gets_a_ring_and_lines_that_turn() {
-        let settings = Settings::default();
-        let area = square(12.0);
-        let area = Solid::new(area);
-        let faces = Faces {
-            above: None,
-            below: Some(face(&area)),
-        };
+        let plan = SkinPlan::with(|_| {});
+        let beside = [Some(&square(12.0)), None];
         for layer in [0, 1] {
-            let patches = patches(
-                &square(10.0),
-                &Area::EMPTY,
-                faces,
-                layer,
-                0.2,
-                &settings,
-            );
+            let patches =
+                laid_between(&square(10.0), &Area::EMPTY, beside, layer, &plan);
             assert_eq!(patches.len(), 1);
             let p = &patches[0];
             assert_eq!(p.rings.len(), 1);
@@ -190,10 +165,10 @@ mod tests {
             let lines = &p.fills[0].lines;
             let space = spacing(0.45, 0.45, 0.2);
             let content: f64 =
-                lines.iter().map(|b| laid(b, 0.45 - space)).sum();
+                lines.iter().map(|b| laid(&b.stroke, 0.45 - space)).sum();
             let side = 20.0 - space - 0.4;
             assert!((content / (side * side) - 1.0).abs() < 0.01);
-            let d = lines[0].points[1] - lines[0].points[0];
+            let d = lines[0].stroke.points[1] - lines[0].stroke.points[0];
             let slope = d.y / d.x;
             let expected = if layer == 0 { 1.0 } else { -1.0 };
             assert!((slope - expected).abs() < 1e-9, "{slope}");
@@ -205,16 +180,9 @@ mod tests {
         let (skin, sparse) = (square(8.0), square(10.0));
         let sparse = difference(&sparse, &skin);
         let half = |overlap: f64, sparse: &Area| {
-            let settings = Settings {
-                skin_wall_overlap: overlap,
-                ..Settings::default()
-            };
-            let faces = Faces {
-                above: None,
-                below: None,
-            };
-            let all = patches(&skin, sparse, faces, 0, 0.2, &settings);
-            let points = all[0].rings[0].points.iter();
+            let plan = SkinPlan::with(|s| s.skin_wall_overlap = overlap);
+            let all = laid_between(&skin, sparse, [None; 2], 0, &plan);
+            let points = all[0].rings[0].stroke.points.iter();
             points.map(|p| p.x).fold(0.0, f64::max)
         };
         let beside = 8.0 - 0.5 * spacing(0.45, 0.45, 0.2);
@@ -231,19 +199,19 @@ mod tests {
     #[test]
     fn wide_skin_leaves_half_of_a_narrow_wall() {
         let width = isoslice_settings::ByNozzle::Length;
-        let mut settings = Settings {
-            walls: 1,
-            outer_wall_width: width(0.4),
-            skin_width: width(2.0),
-            skin_wall_overlap: 50.0,
-            ..Settings::default()
+        let reach = |overlap: f64| {
+            let plan = SkinPlan::with(|s| {
+                s.walls = 1;
+                s.outer_wall_width = width(0.4);
+                s.skin_width = width(2.0);
+                s.skin_wall_overlap = overlap;
+            });
+            let skin = square(8.0);
+            let pressed = into_walls(&skin, &Area::EMPTY, plan.into_walls);
+            pressed.unwrap().bounds().max.x
         };
-        let skin = square(8.0);
-        let reach = || into_walls(&skin, &Area::EMPTY, &settings);
-        assert!((reach().unwrap().bounds().max.x - 8.2).abs() < 0.011);
-        settings.skin_wall_overlap = 5.0;
-        let reach = into_walls(&skin, &Area::EMPTY, &settings);
-        assert!((reach.unwrap().bounds().max.x - 8.1).abs() < 0.011);
+        assert!((reach(50.0) - 8.2).abs() < 0.011);
+        assert!((reach(5.0) - 8.1).abs() < 0.011);
     }
 
     #[test]
@@ -251,20 +219,17 @@ mod tests {
         let space = spacing(0.45, 0.45, 0.2);
         let hole = disc(10.0 - 4.0 * space, 720);
         let area = difference(&disc(10.0, 720), &hole);
-        let nothing = Faces {
-            above: None,
-            below: None,
-        };
-        let settings = Settings::default();
-        let all = patches(&area, &Area::EMPTY, nothing, 0, 0.2, &settings);
+        let plan = SkinPlan::with(|_| {});
+        let all = laid_between(&area, &Area::EMPTY, [None; 2], 0, &plan);
         assert_eq!(all.len(), 1);
         assert!(all[0].fills.is_empty());
         let rings = &all[0].rings;
         assert_eq!(rings.len(), 4);
-        let laid: f64 = rings.iter().map(|b| laid(b, 0.45 - space)).sum();
+        let laid: f64 =
+            rings.iter().map(|b| laid(&b.stroke, 0.45 - space)).sum();
         assert!((laid / area.content() - 1.0).abs() < 2e-3, "{laid}");
         for ring in rings {
-            assert!(ring.closed && ring.role == Role::BottomSkin);
+            assert!(ring.stroke.closed && ring.role == Role::BottomSkin);
         }
     }
 
@@ -279,13 +244,14 @@ mod tests {
     }
 
     /// Content by role: what its lines lay.
-    fn contents(patches: &[Patch], settings: &Settings) -> Vec<(Role, f64)> {
-        let space = spacing(settings.skin_width(), settings.skin_width(), 0.2);
+    fn contents(patches: &[Patch], plan: &SkinPlan) -> Vec<(Role, f64)> {
+        let width = plan.internal.width;
+        let space = spacing(width, width, 0.2);
         let fills = patches.iter().flat_map(|p| &p.fills);
         fills
             .map(|f| {
-                let less = settings.skin_width() - space;
-                let lines = f.lines.iter().map(|b| laid(b, less));
+                let less = width - space;
+                let lines = f.lines.iter().map(|b| laid(&b.stroke, less));
                 (f.lines[0].role, lines.sum())
             })
             .collect()
@@ -293,15 +259,12 @@ mod tests {
 
     #[test]
     fn each_side_has_its_role_and_the_rest_is_internal() {
-        let base = Settings {
-            bridges: false,
-            ..Settings::default()
-        };
-        let wider = Settings {
-            top_skin_width: 0.5.into(),
-            bottom_skin_pattern: SkinPattern::Concentric,
-            ..base.clone()
-        };
+        let base = SkinPlan::with(|s| s.bridges = false);
+        let wider = SkinPlan::with(|s| {
+            s.bridges = false;
+            s.top_skin_width = 0.5.into();
+            s.bottom_skin_pattern = SkinPattern::Concentric;
+        });
         let rect = |x0: f64, x1: f64| {
             Area::from(
                 [(x0, -12.0), (x1, -12.0), (x1, 12.0), (x0, 12.0)]
@@ -309,11 +272,10 @@ mod tests {
                     .to_vec(),
             )
         };
-        let [above, below] =
-            [rect(-12.0, 5.0), rect(-4.0, 12.0)].map(Solid::new);
-        let faces = Faces {
-            above: Some(face(&above)),
-            below: Some(face(&below)),
+        let [above, below] = [rect(-12.0, 5.0), rect(-4.0, 12.0)];
+        let laid_by = |plan: &SkinPlan| {
+            let beside = [Some(&below), Some(&above)];
+            laid_between(&square(10.0), &Area::EMPTY, beside, 1, plan)
         };
         let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
         let half = 0.5 * inner;
@@ -322,10 +284,7 @@ mod tests {
             (Role::BottomSkin, (half - 4.0) * inner),
             (Role::TopSkin, (half - 5.0) * inner),
         ];
-        let found = contents(
-            &patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &base),
-            &base,
-        );
+        let found = contents(&laid_by(&base), &base);
         // Two corners of what is hidden, in which lines are shorter than 4 mm, go
         // with what is seen beside them.
         let corner = 0.5 * 4.0 * 2.0;
@@ -337,18 +296,19 @@ mod tests {
             assert!((is / should - 1.0).abs() < 0.02, "{role:?} {is}");
         }
         // These are the areas above, with other widths and patterns.
-        let all = patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &wider);
+        let all = laid_by(&wider);
         let fills = &all[0].fills;
         assert_eq!(fills.len(), 3);
         for (fill, (role, should)) in fills.iter().zip(expected) {
             let width = if role == Role::TopSkin { 0.5 } else { 0.45 };
             let space = spacing(width, width, 0.2);
-            let lines = fill.lines.iter().map(|b| laid(b, width - space));
+            let lines =
+                fill.lines.iter().map(|b| laid(&b.stroke, width - space));
             let is: f64 = lines.sum();
             assert_eq!(fill.lines[0].role, role);
-            assert_eq!(fill.lines[0].width, width);
+            assert_eq!(fill.lines[0].stroke.width, width);
             let closed = role == Role::BottomSkin;
-            assert_eq!(fill.lines[0].closed, closed);
+            assert_eq!(fill.lines[0].stroke.closed, closed);
             // A ring's width is what its place leaves it.
             assert!((is / should - 1.0).abs() < 0.06, "{role:?} {is}");
         }
@@ -356,74 +316,54 @@ mod tests {
 
     #[test]
     fn a_roof_over_a_gap_is_a_bridge_but_not_on_the_bed() {
-        let settings = Settings::default();
+        let plan = SkinPlan::with(|_| {});
         let wide = square(12.0);
-        let frame = Solid::new(difference(&wide, &square(5.0)));
-        let faces = Faces {
-            above: None,
-            below: Some(face(&frame)),
+        let frame = difference(&wide, &square(5.0));
+        let on = |below: Option<&Area>, layer: usize| {
+            let beside = [below, None];
+            laid_between(&square(10.0), &Area::EMPTY, beside, layer, &plan)
         };
-        let all =
-            patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &settings);
-        let found = contents(&all, &settings);
-        let reach = 10.0 + 2.0 * settings.bridge_anchor;
+        let all = on(Some(&frame), 1);
+        let found = contents(&all, &plan);
+        let reach = 10.0 + 2.0 * plan.anchor;
         let bridge = found.iter().find(|f| f.0 == Role::Bridge).unwrap();
         assert!((bridge.1 / reach.powi(2) - 1.0).abs() < 0.05, "{found:?}");
-        let above_bed = Faces {
-            below: None,
-            ..faces
-        };
-        let all =
-            patches(&square(10.0), &Area::EMPTY, above_bed, 0, 0.2, &settings);
-        assert_eq!(contents(&all, &settings)[0].0, Role::BottomSkin);
+        assert_eq!(contents(&on(None, 0), &plan)[0].0, Role::BottomSkin);
     }
 
     #[test]
     fn ironing_goes_over_tops_alone() {
-        let settings = Settings {
-            ironing: true,
-            ..Settings::default()
-        };
-        let [wide, half] = [square(12.0), square(4.0)].map(Solid::new);
-        let faces = Faces {
-            above: Some(face(&half)),
-            below: Some(face(&wide)),
-        };
-        let all =
-            patches(&square(10.0), &Area::EMPTY, faces, 1, 0.2, &settings);
+        let plan = SkinPlan::with(|s| s.ironing = true);
+        let [wide, half] = [square(12.0), square(4.0)];
+        let beside = [Some(&wide), Some(&half)];
+        let all = laid_between(&square(10.0), &Area::EMPTY, beside, 1, &plan);
         let last = all[0].fills.last().unwrap();
         assert_eq!(last.lines[0].role, Role::Ironing);
-        let length: f64 = last.lines.iter().map(|b| b.length()).sum();
+        let length: f64 = last.lines.iter().map(|b| b.stroke.length()).sum();
         let side = |inner: f64, off: f64| (inner + off).powi(2);
         let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
         let should = side(inner, -0.45) - side(8.0, 0.45);
-        let is = length * settings.ironing_spacing();
+        let is = length * plan.ironing.unwrap();
         assert!((is / should - 1.0).abs() < 0.02, "{is} {should}");
         for line in &last.lines {
-            let middle = line.points[0].midpoint(line.points[1]);
-            assert!(!half.grid().contains(middle));
+            let points = &line.stroke.points;
+            assert!(!half.contains(points[0].midpoint(points[1])));
         }
     }
 
     #[test]
     fn a_strip_that_nobody_sees_is_gap_fill_if_it_is_as_thin_as_a_bead() {
-        let around = Solid::new(square(12.0));
-        let hidden = Faces {
-            above: Some(face(&around)),
-            below: Some(face(&around)),
-        };
-        let open = Faces {
-            above: None,
-            ..hidden
-        };
-        let beside = |width: f64, sparse: &Area, faces: Faces<'_>| {
+        let around = square(12.0);
+        let hidden = [Some(&around); 2];
+        let open = [Some(&around), None];
+        let beside = |width: f64, sparse: &Area, others| {
             let strip = rect(-5.0, -0.5 * width, 5.0, 0.5 * width);
-            let settings = Settings::default();
-            let all = patches(&strip, sparse, faces, 1, 0.2, &settings);
+            let plan = SkinPlan::with(|_| {});
+            let all = laid_between(&strip, sparse, others, 1, &plan);
             let rings = all.iter().flat_map(|p| &p.rings);
             rings.map(|b| b.role).collect::<Vec<_>>()
         };
-        let roles = |width: f64, faces| beside(width, &Area::EMPTY, faces);
+        let roles = |width: f64, others| beside(width, &Area::EMPTY, others);
         assert_eq!(roles(0.3, hidden), [Role::GapFill]);
         assert_eq!(roles(0.7, hidden), [Role::GapFill]);
         assert_eq!(roles(0.3, open), [Role::TopSkin]);
@@ -440,14 +380,9 @@ mod tests {
 
     #[test]
     fn too_narrow_for_a_ring_is_left_out() {
-        let faces = Faces {
-            above: None,
-            below: None,
-        };
-        let settings = Settings::default();
-        assert!(
-            patches(&square(0.15), &Area::EMPTY, faces, 0, 0.2, &settings)
-                .is_empty()
-        );
+        let plan = SkinPlan::with(|_| {});
+        let speck = square(0.15);
+        let all = laid_between(&speck, &Area::EMPTY, [None; 2], 0, &plan);
+        assert!(all.is_empty());
     }
 }

@@ -15,7 +15,7 @@
 //! fan of angles. What three quarters of the lines' length stay below decides.
 //!
 //! Where the infill is so sparse that its bridges sag, more layers of bridges
-//! follow (`internal_bridge_layers`), each across the lines of the one below as
+//! follow (`internal_bridges`), each across the lines of the one below as
 //! if these were infill.
 //!
 //! Guarantees: each line ends on a bead of the layer below, or at a wall of its
@@ -29,11 +29,14 @@
 //! beside it is anchored on. The lowest layer of a block lies on what a
 //! rehearsal of the layer below finds.
 
+use super::SkinPlan;
 use super::bridge::shared;
 use super::direction::{across, best, common, fan, rows};
+use super::plan::OverInfillPlan;
 use super::strokes::strokes;
-use super::{Face, Fill, Patch};
+use super::{Fill, Patch};
 use crate::region::cover::{Covered, Islands};
+use crate::view::LayerView;
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm, Percent};
 use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
@@ -42,7 +45,6 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, hatch};
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Solid, signed_area};
-use isoslice_settings::Settings;
 
 /// Tolerance of the offsets inside a part; nobody sees them.
 const TOLERANCE: Mm = 0.02;
@@ -109,7 +111,7 @@ pub struct Below {
 impl Level {
     /// These bridges with the infill of their layer.
     pub fn beside(self, infill: &[Bead]) -> Below {
-        let infill = infill.iter().map(|bead| bead.path().collect());
+        let infill = infill.iter().map(|bead| bead.stroke.path().collect());
         let lines: Vec<Vec<DVec2>> =
             self.lines.into_iter().chain(infill).collect();
         let lines = lines.iter().map(|line| line.iter().copied());
@@ -130,12 +132,8 @@ pub struct Over<'a> {
     pub sparse: &'a Area,
     /// The layer's own walls.
     pub walls: &'a [Bead],
-    /// The layer above, which covers what is no top.
-    pub above: Face<'a>,
-    /// The layer below, beside which skin hangs in the air.
-    pub below: Face<'a>,
-    /// The layer's height, mm.
-    pub height: Mm,
+    /// The layer, and those around it.
+    pub view: &'a LayerView<'a>,
 }
 
 /// Internal bridges, and what they leave.
@@ -159,10 +157,10 @@ pub fn bridged(
     over: Over<'_>,
     under: Under<'_>,
     levels: &[Below],
-    settings: &Settings,
+    plan: &SkinPlan,
 ) -> Option<Bridged> {
-    let way = |way: Mm| more_layers(way, settings);
-    let mut all = on(over, under, false, way, settings);
+    let way = |way: Mm| more_layers(way, &plan.over_infill);
+    let mut all = on(over, under, false, way, plan);
     for level in levels {
         let under = Under {
             area: &level.area,
@@ -177,7 +175,7 @@ pub fn bridged(
             sparse: left.1,
             ..over
         };
-        let next = on(over, under, true, |_| level.more - 1, settings);
+        let next = on(over, under, true, |_| level.more - 1, plan);
         all = match (all, next) {
             (Some(mut all), Some(mut next)) => {
                 all.patches.append(&mut next.patches);
@@ -197,13 +195,13 @@ pub fn bridged(
 
 /// Number of layers of bridges that follow the lowest one over infill. `way` is
 /// the common way from one line of the infill to the next.
-fn more_layers(way: Mm, settings: &Settings) -> u32 {
-    let sparse = || match settings.infill_density.constant() {
-        Some(density) if settings.infill_is_pattern() => density < SPARSE,
+fn more_layers(way: Mm, plan: &OverInfillPlan) -> u32 {
+    let sparse = || match plan.density {
+        Some(density) => density < SPARSE,
         // As far apart as the lines of a pattern that is as sparse.
-        _ => way > settings.infill_width() * (100.0 / SPARSE - 1.0),
+        None => way > plan.infill * (100.0 / SPARSE - 1.0),
     };
-    match settings.internal_bridge_layers {
+    match plan.layers {
         Some(layers) => layers.saturating_sub(1),
         None => u32::from(sparse()),
     }
@@ -218,17 +216,20 @@ fn on(
     under: Under<'_>,
     on_bridges: bool,
     more: impl Fn(Mm) -> u32,
-    settings: &Settings,
+    plan: &SkinPlan,
 ) -> Option<Bridged> {
-    let width = settings.skin_width();
+    let width = plan.internal.width;
     let hanging = intersection(over.skin, under.area.area());
-    let hanging = intersection(&hanging, over.above.rough.area());
+    // The layer above covers what is no top.
+    let above = over.view.above.first()?;
+    let hanging = intersection(&hanging, above.rough.area());
     // What is narrower than two lines lies on what is beside it.
     let core = offset(&hanging, -width, TOLERANCE);
     if core.is_empty() {
         return None;
     }
-    let kept = over.beside_gaps(settings);
+    let height = over.view.here.span.height();
+    let kept = over.beside_gaps(plan)?;
     let core = without(&core, &kept);
     if core.is_empty() {
         return None;
@@ -236,21 +237,25 @@ fn on(
     let free = without(over.skin, &kept);
     let gaps = intersection(&offset(&core, width, TOLERANCE), &hanging);
     let (way, angle) = direction(under, width)?;
-    let anchor = settings.bridge_anchor.max(0.5 * width);
+    let anchor = plan.anchor.max(0.5 * width);
     let grown = gaps.islands().into_iter().map(|gap| {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return Area::EMPTY;
+        }
         offset(&gap, anchor, TOLERANCE)
     });
     let grown: Vec<Area> = grown.collect();
     let (mut parts, skin) = shared(&free, &grown);
-    let ground = Ground::new(over, under, FARTHEST * way + width, settings);
-    let space = spacing(width, width, over.height);
+    let ground = Ground::new(over, under, FARTHEST * way + width, plan);
+    let space = spacing(width, width, height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
     // Places that stay skin, as if there were no other places.
     let mut refused = Area::EMPTY;
     parts.retain(|part| {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return false;
+        }
         let lines = Lines {
             angle,
             spacing: space,
@@ -269,11 +274,7 @@ fn on(
                     strip(from, to, half)
                 });
                 taken.rings.extend(strips);
-                beads.push(Bead::new(
-                    Role::InternalBridge,
-                    stroke,
-                    over.height,
-                ));
+                beads.push(Bead::new(Role::InternalBridge, stroke, height));
             }
         }
         if beads.is_empty() {
@@ -343,22 +344,24 @@ fn on(
 impl Over<'_> {
     /// The skin that hangs in the air, and what its lines reach onto: there,
     /// bridges have to be anchored.
-    fn beside_gaps(&self, settings: &Settings) -> Area {
-        let half = 0.5 * settings.bottom_skin_width();
+    fn beside_gaps(&self, plan: &SkinPlan) -> Option<Area> {
+        let half = 0.5 * plan.bottom.width;
         let islands = self.skin.islands();
-        let covered = Islands::new(&islands).covered(self.below.rough);
+        let below = self.view.below.first()?.rough;
+        let covered = Islands::new(&islands).covered(below);
         let all = islands.iter().zip(covered);
         let some = all.filter(|(_, covered)| *covered != Covered::Wholly);
         let some: Area = some.map(|(island, _)| island.clone()).collect();
         if some.is_empty() {
-            return Area::EMPTY;
+            return Some(Area::EMPTY);
         }
-        let hanging = difference(&some, self.below.rough.area());
+        let hanging = difference(&some, below.area());
         // Any bead bridges a gap that is no wider than itself.
         let core = offset(&hanging, -half, TOLERANCE);
-        let ring = 0.5 * settings.skin_width() + settings.off_skin_ring();
-        let reach = settings.bridge_anchor.max(half) + ring;
-        intersection(&offset(&core, half + reach, TOLERANCE), self.skin)
+        let ring = 0.5 * plan.internal.width + plan.off_ring;
+        let reach = plan.anchor.max(half) + ring;
+        let reached = offset(&core, half + reach, TOLERANCE);
+        Some(intersection(&reached, self.skin))
     }
 }
 
@@ -375,7 +378,7 @@ fn without(area: &Area, other: &Area) -> Area {
 fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
     let fills = patches.iter().flat_map(|patch| &patch.fills);
     let lines = fills.flat_map(|fill| &fill.lines);
-    lines.map(|bead| bead.path().collect()).collect()
+    lines.map(|bead| bead.stroke.path().collect()).collect()
 }
 
 /// What straight lines cover that reach `half` to both sides.
@@ -424,18 +427,17 @@ impl<'a> Ground<'a> {
         over: Over<'_>,
         under: Under<'a>,
         farthest: Mm,
-        settings: &Settings,
+        plan: &SkinPlan,
     ) -> Ground<'a> {
-        let width = settings.skin_width();
         let shell = under.shell.iter().map(|line| line.iter().copied());
-        let walls = over.walls.iter().map(|wall| wall.path());
+        let walls = over.walls.iter().map(|wall| wall.stroke.path());
         Ground {
             lines: under.lines,
-            reach: 0.5 * settings.infill_width(),
+            reach: 0.5 * plan.over_infill.infill,
             shell: EdgeGrid::of_lines(shell, CELL),
-            on_shell: ON_SOLID * width,
+            on_shell: ON_SOLID * plan.internal.width,
             walls: EdgeGrid::of_lines(walls, CELL),
-            beside_wall: 0.5 * (width + settings.inner_wall_width()),
+            beside_wall: plan.over_infill.beside_wall,
             sparse: EdgeGrid::new(over.sparse, CELL),
             farthest,
         }
@@ -602,7 +604,6 @@ mod tests {
     /// What is left of the skin of a layer with skin in some places, over infill
     /// whose lines are at these x; and how many patches of bridges the layer has.
     fn skin_left(places: &[Area], lines: &[f64]) -> (f64, usize) {
-        let settings = Settings::default();
         let all = Area::from_iter([rect(-30.0, -30.0, 30.0, 30.0)]);
         let skin: Area = places.iter().cloned().collect();
         let sparse = difference(&all, &skin);
@@ -613,22 +614,14 @@ mod tests {
             skin: &skin,
             sparse: &sparse,
             walls: &[],
-            above: Face {
-                outline: &solid,
-                rough: &solid,
-            },
-            below: Face {
-                outline: &solid,
-                rough: &solid,
-            },
-            height: 0.2,
+            view: &LayerView::of(1, &solid, &[&solid], &[&solid]),
         };
         let under = Under {
             area: &solid,
             lines: &lines,
             shell: &[],
         };
-        match bridged(over, under, &[], &settings) {
+        match bridged(over, under, &[], &SkinPlan::with(|_| {})) {
             Some(found) => {
                 assert!(found.left.is_empty());
                 (found.skin.content(), found.patches.len())

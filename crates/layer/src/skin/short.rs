@@ -41,7 +41,9 @@ pub(super) fn join_short(pieces: Vec<(Role, Stroke)>) -> Vec<(Role, Stroke)> {
         if f64::from_bits(next.length) >= SHORT_HIDDEN {
             break;
         }
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         // An entry is out of date if its run has grown since, or is part of
         // another run.
         let run = &runs.all[next.first];

@@ -71,7 +71,9 @@ pub(super) fn strokes(
     let cap = ROUND * width;
     let mut strokes = Vec::new();
     for row in first..=last {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let at = |offset: i64| rows[index(row * FINE + offset)].as_slice();
         if at(0).is_empty() {
             continue;

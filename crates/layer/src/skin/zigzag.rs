@@ -100,7 +100,9 @@ pub(super) fn join(
     let mut stroke_of = vec![0; lines.len()];
     let mut strokes: Vec<Stroke> = Vec::new();
     for first in (0..lines.len()).filter(|&i| begins[i]) {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return Joined::default();
+        }
         let mut stroke = Stroke::new(Vec::new(), false, lines[first].1.width);
         let (mut at, mut turn_before) = (first, None);
         loop {
@@ -161,7 +163,9 @@ fn links(
     let mut before = 0..0;
     let mut start = 0;
     for row in lines.chunk_by(|a, b| a.0 == b.0) {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let here = start..start + row.len();
         start = here.end;
         let mut possible: Vec<Turn> = Vec::new();

@@ -169,7 +169,6 @@ impl Branch {
 
     /// Takes the branch down to a layer, to where it has room.
     fn come_down(&mut self, other: Option<DVec2>, step: Step<'_>) {
-        isoslice_base::limits::check();
         let middle = self.middle();
         let pulled = match self.is_post() {
             _ if self.is_column() => self.core.clone(),

@@ -258,7 +258,10 @@ fn no_way_down(
     let lean = settings.support.branch_angle.to_radians().tan();
     let mut all: Vec<Area> = Vec::with_capacity(tight.len());
     for (j, (tight, span)) in tight.iter().zip(parts.spans()).enumerate() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            all.push(Area::EMPTY);
+            continue;
+        }
         let reach = -lean * span.height();
         let left = all.last().map(|below| offset(below, reach, TOLERANCE));
         let left = left.filter(|left| !left.is_empty());
@@ -292,7 +295,9 @@ fn tight(
     grown: &[Area],
     settings: &Settings,
 ) -> Area {
-    isoslice_base::limits::check();
+    if isoslice_base::limits::is_stopped() {
+        return Area::EMPTY;
+    }
     let Parts {
         heights,
         outlines,

@@ -51,7 +51,10 @@ pub(super) fn settled(
     // one that can have supports.
     let mut below: Option<Vec<Piece>> = None;
     for j in 0..layers.len() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            slices.push(Slice::default());
+            continue;
+        }
         let pieces = std::mem::take(&mut layers[j]);
         let mut slice = Slice::default();
         if parts.heights.span(j).is_none() {

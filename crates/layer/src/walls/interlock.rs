@@ -21,12 +21,11 @@
 //! The nozzle is lower than the layer's top while these walls are printed, so
 //! they have to be printed before what is beside them.
 
-use crate::resolution::pieces;
+use crate::resolution::Resolution;
+use crate::view::{LayerFace, LayerView};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Level, cross_section, height_of};
-use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 
 /// Greatest lean of a face at which a wall goes on in the next layer, as a
 /// share of the wall's width from layer to layer.
@@ -37,24 +36,8 @@ const STEP: Mm = 0.5;
 /// mm.
 const SHORT: Mm = 1.0;
 
-/// A layer above or below.
-#[derive(Clone, Copy)]
-pub struct Beside<'a> {
-    /// Height of that layer, mm.
-    pub height: Mm,
-    /// Outline of that layer; nothing if both layers have equal outlines.
-    pub outline: Option<&'a EdgeGrid>,
-}
-
-/// A layer whose walls are to interlock, and what is beside it.
-pub struct Interlock<'a> {
-    /// The layer's outline.
-    pub outline: &'a EdgeGrid,
-    /// The layer below.
-    pub below: Option<Beside<'a>>,
-    /// The layer above.
-    pub above: Option<Beside<'a>>,
-}
+/// A layer whose walls are to interlock, and what is around it.
+pub struct Interlock<'a>(pub &'a LayerView<'a>);
 
 /// True where a wall goes on in the layer below, and in the layer above.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,12 +48,14 @@ struct Joined {
 
 impl Interlock<'_> {
     /// A wall in its place; other beads stay as they are.
-    pub fn placed(&self, bead: Bead, settings: &Settings) -> Vec<Bead> {
-        if !bead.sunk || bead.points.len() < 2 {
+    pub fn placed(&self, bead: Bead, resolution: Resolution) -> Vec<Bead> {
+        if !bead.sunk || bead.stroke.points.len() < 2 {
             return vec![bead];
         }
-        isoslice_base::limits::check();
-        let parts = pieces(bead, settings).into_iter();
+        if isoslice_base::limits::is_stopped() {
+            return vec![bead];
+        }
+        let parts = resolution.pieces(bead).into_iter();
         parts.flat_map(|part| self.cut(part)).collect()
     }
 
@@ -80,7 +65,7 @@ impl Interlock<'_> {
         if let [(_, joined)] = runs.as_slice() {
             return vec![self.lowered(bead, *joined)];
         }
-        let open = bead.opened();
+        let open = bead.stroke.opened();
         let length: Mm = runs.iter().map(|run| run.0).sum();
         let mut from = 0.0;
         let mut out = Vec::with_capacity(runs.len());
@@ -103,12 +88,12 @@ impl Interlock<'_> {
     /// way, with their lengths.
     fn runs(&self, bead: &Bead) -> Vec<(Mm, Joined)> {
         let mut runs: Vec<(Mm, Joined)> = Vec::new();
-        for (a, b) in bead.segments() {
+        for (a, b) in bead.stroke.segments() {
             let edge = a.distance(b);
             let count = (edge / STEP).ceil().max(1.0);
             for i in 0..count as usize {
                 let middle = a.lerp(b, (i as f64 + 0.5) / count);
-                let joined = self.joined(middle, bead.width);
+                let joined = self.joined(middle, bead.stroke.width);
                 match runs.last_mut() {
                     Some(last) if last.1 == joined => last.0 += edge / count,
                     _ => runs.push((edge / count, joined)),
@@ -120,28 +105,30 @@ impl Interlock<'_> {
 
     /// How a wall goes on at a place.
     fn joined(&self, p: DVec2, width: Mm) -> Joined {
-        let asked = [self.below, self.above].map(|beside| match beside {
+        let LayerView { here, above, below } = self.0;
+        let [below, above] = [below, above].map(|side| side.first());
+        let asked = [below, above].map(|beside| match beside {
             None => Some(false),
-            Some(Beside { outline: None, .. }) => Some(true),
+            Some(beside) if beside.is_like(here) => Some(true),
             Some(_) => None,
         });
         if let [Some(below), Some(above)] = asked {
             return Joined { below, above };
         }
-        let near = self.outline.nearest(p);
+        let near = here.outline.grid().nearest(p);
         let depth = near.map_or(0.0, |(_, q)| p.distance(q));
         let slack = ASIDE * width;
-        let same = |beside: Option<Beside<'_>>| {
-            let grid = beside.and_then(|beside| beside.outline);
-            grid.is_some_and(|grid| {
+        let same = |beside: Option<&LayerFace<'_>>| {
+            beside.is_some_and(|beside| {
+                let grid = beside.outline.grid();
                 let near = grid.nearest_within(p, depth + slack);
                 grid.contains(p)
                     && near.is_some_and(|n| p.distance(n.1) >= depth - slack)
             })
         };
         Joined {
-            below: asked[0].unwrap_or_else(|| same(self.below)),
-            above: asked[1].unwrap_or_else(|| same(self.above)),
+            below: asked[0].unwrap_or_else(|| same(below)),
+            above: asked[1].unwrap_or_else(|| same(above)),
         }
     }
 
@@ -151,18 +138,19 @@ impl Interlock<'_> {
     fn lowered(&self, bead: Bead, joined: Joined) -> Bead {
         let own = bead.height;
         let rise = if joined.above { -0.5 * own } else { 0.0 };
-        let fall = match self.below {
-            Some(below) if joined.below => 0.5 * below.height,
+        let fall = match self.0.below.first() {
+            Some(below) if joined.below => 0.5 * below.span.height(),
             _ => 0.0,
         };
         let height = own + rise + fall;
         if !joined.above && !joined.below {
             return bead;
         }
-        let area = cross_section(bead.width, own) * height / own;
-        let extra = height_of(area, bead.width) - height;
+        let area = cross_section(bead.stroke.width, own) * height / own;
+        let extra = height_of(area, bead.stroke.width) - height;
         let mut bead = Bead { height, ..bead };
-        bead.levels = vec![Level { rise, extra }; bead.points.len()];
+        bead.stroke.levels =
+            vec![Level { rise, extra }; bead.stroke.points.len()];
         bead
     }
 }
@@ -187,9 +175,9 @@ fn short_joined(runs: Vec<(Mm, Joined)>) -> Vec<(Mm, Joined)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use isoslice_planar::Area;
     use isoslice_planar::bead::{Role, Stroke};
     use isoslice_planar::shapes::{rect_ring, square_ring};
+    use isoslice_planar::{Area, Solid};
 
     fn wall(half: Mm) -> Bead {
         let stroke = Stroke::new(square_ring(half), true, 0.45);
@@ -198,92 +186,79 @@ mod tests {
         bead
     }
 
-    fn grid(ring: Vec<DVec2>) -> EdgeGrid {
-        EdgeGrid::new(&Area::from(ring), 1.0)
+    fn solid(ring: Vec<DVec2>) -> Solid<'static> {
+        Solid::new(Area::from(ring))
     }
 
     fn volume(beads: &[Bead]) -> f64 {
-        beads.iter().map(|b| b.area() * b.length()).sum()
+        beads.iter().map(|b| b.area() * b.stroke.length()).sum()
     }
 
     #[test]
     fn a_wall_is_half_a_layer_lower_where_it_goes_on() {
-        let settings = Settings::default();
-        let own = grid(square_ring(10.0));
-        let same = |height| {
-            Some(Beside {
-                height,
-                outline: None,
-            })
-        };
+        let resolution = Resolution::with(|_| {});
+        let own = solid(square_ring(10.0));
         let plain = volume(&[wall(9.4)]);
         for (below, above, rise, height) in [
-            (None, same(0.2), -0.1, 0.1),
-            (same(0.2), same(0.2), -0.1, 0.2),
-            (same(0.3), same(0.2), -0.1, 0.25),
-            (same(0.2), None, 0.0, 0.3),
-            (None, None, 0.0, 0.2),
+            (None, true, -0.1, 0.1),
+            (Some(0.2), true, -0.1, 0.2),
+            (Some(0.3), true, -0.1, 0.25),
+            (Some(0.2), false, 0.0, 0.3),
+            (None, false, 0.0, 0.2),
         ] {
-            let interlock = Interlock {
-                outline: &own,
-                below,
-                above,
+            let all = LayerView::of(1, &own, &[&own], &[&own]);
+            let beside = |height: Mm| {
+                let mut face = all.below[0];
+                face.span.bottom = face.span.top - height;
+                face
             };
-            let all = interlock.placed(wall(9.4), &settings);
+            let view = LayerView {
+                here: all.here,
+                above: all.above.iter().copied().filter(|_| above).collect(),
+                below: below.map(beside).into_iter().collect(),
+            };
+            let interlock = Interlock(&view);
+            let all = interlock.placed(wall(9.4), resolution);
             assert_eq!(all.len(), 1);
-            assert!(all[0].closed);
+            assert!(all[0].stroke.closed);
             assert!((all[0].height - height).abs() < 1e-12);
-            assert!((all[0].level(2).rise - rise).abs() < 1e-12);
+            assert!((all[0].stroke.level(2).rise - rise).abs() < 1e-12);
             let share = volume(&all) / plain;
             assert!((share - height / 0.2).abs() < 1e-9, "{share}");
             // Others stay.
             let mut other = wall(9.4);
             other.sunk = false;
-            assert_eq!(interlock.placed(other.clone(), &settings), [other]);
+            assert_eq!(interlock.placed(other.clone(), resolution), [other]);
         }
     }
 
     #[test]
     fn a_wall_ends_at_a_ledge() {
-        let settings = Settings::default();
-        let own = grid(square_ring(10.0));
+        let resolution = Resolution::with(|_| {});
+        let own = solid(square_ring(10.0));
         // The layer above ends at x = 2; its other sides are those of this one.
-        let upper = grid(rect_ring(-10.0, -10.0, 2.0, 10.0));
-        let interlock = Interlock {
-            outline: &own,
-            below: Some(Beside {
-                height: 0.2,
-                outline: None,
-            }),
-            above: Some(Beside {
-                height: 0.2,
-                outline: Some(&upper),
-            }),
-        };
-        let all = interlock.placed(wall(9.4), &settings);
-        let ends = |b: &&Bead| b.level(0).rise == 0.0;
-        let ended: Mm = all.iter().filter(ends).map(|b| b.length()).sum();
+        let upper = solid(rect_ring(-10.0, -10.0, 2.0, 10.0));
+        let view = LayerView::of(1, &own, &[&upper], &[&own]);
+        let all = Interlock(&view).placed(wall(9.4), resolution);
+        let ends = |b: &&Bead| b.stroke.level(0).rise == 0.0;
+        let ended: Mm =
+            all.iter().filter(ends).map(|b| b.stroke.length()).sum();
         // The far side, and what is left of two others: 8.6 mm of them lie
         // within 0.6 mm of the edge of the layer above, or beyond it.
         assert!((ended - (18.8 + 2.0 * 7.9)).abs() < 1.5, "{ended}");
-        let length: Mm = all.iter().map(|b| b.length()).sum();
+        let length: Mm = all.iter().map(|b| b.stroke.length()).sum();
         assert!((length - 8.0 * 9.4).abs() < 1e-9);
         for pair in all.windows(2) {
-            assert_eq!(pair[0].points.last(), Some(&pair[1].points[0]));
+            assert_eq!(
+                pair[0].stroke.points.last(),
+                Some(&pair[1].stroke.points[0])
+            );
         }
         // A face that leans a little goes on; one that leans more does not.
         for (aside, joined) in [(0.1, true), (0.13, false)] {
-            let leaning = grid(square_ring(10.0 - aside));
-            let beside = Beside {
-                height: 0.2,
-                outline: Some(&leaning),
-            };
-            let interlock = Interlock {
-                outline: &own,
-                below: None,
-                above: Some(beside),
-            };
-            let found = interlock.joined(DVec2::new(9.4, 3.0), 0.45);
+            let leaning = solid(square_ring(10.0 - aside));
+            let view = LayerView::of(1, &own, &[&leaning], &[]);
+            let found = Interlock(&view).joined(DVec2::new(9.4, 3.0), 0.45);
             assert_eq!(found.above, joined, "{aside}");
         }
     }

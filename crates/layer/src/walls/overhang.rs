@@ -14,13 +14,13 @@
 //! share of its width: at half of the width, it is the centre line that must
 //! not leave the solid.
 
+use crate::region::WallPlan;
 use glam::DVec2;
-use isoslice_base::units::Mm;
+use isoslice_base::units::{Mm, Percent};
 use isoslice_planar::Solid;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::offset;
-use isoslice_settings::Settings;
 
 /// The solid that holds a layer's walls.
 pub struct Support<'a> {
@@ -50,17 +50,18 @@ const TOLERANCE: Mm = 0.01;
 
 impl<'a> Support<'a> {
     /// The solid of the layer below for the walls of a layer whose own solid
-    /// is `own`; nothing if no wall is to be an overhang.
+    /// is `own`; nothing if no wall is to be an overhang. A wall may reach beyond
+    /// the layer below by this `share` of its width.
     pub fn new(
         below: &'a Solid<'_>,
         own: &'a Solid<'_>,
-        settings: &Settings,
+        share: Percent,
+        walls: &WallPlan,
     ) -> Option<Support<'a>> {
-        let share = settings.overhang_share;
         if share >= 100.0 {
             return None;
         }
-        let widths = [settings.outer_wall_width(), settings.inner_wall_width()];
+        let widths = [walls.outer, walls.inner];
         let share = 0.01 * share - 0.5;
         let grid = |width: Mm| {
             EdgeGrid::new(&offset(below.area(), share * width, TOLERANCE), 1.0)
@@ -75,7 +76,9 @@ impl<'a> Support<'a> {
 
     /// The bead, cut where it begins or ceases to hang, if it is a wall.
     pub fn cut(&self, bead: Bead) -> Vec<Bead> {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return vec![bead];
+        }
         match bead.role {
             Role::OuterWall | Role::InnerWall => {}
             _ => return vec![bead],
@@ -92,7 +95,9 @@ impl<'a> Support<'a> {
 
     /// True if a wall hangs somewhere.
     pub fn hangs(&self, bead: &Bead) -> bool {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return false;
+        }
         self.pieces(bead).iter().any(|piece| piece.hangs)
     }
 
@@ -100,35 +105,36 @@ impl<'a> Support<'a> {
     fn leans(&self, bead: &Bead, place: f64, width: Mm) -> bool {
         // The segment that the place is on, or that begins there.
         let from = place.floor();
-        let (a, b) = (at(bead, from).0, at(bead, from + 1.0).0);
+        let (a, b) = (at(&bead.stroke, from).0, at(&bead.stroke, from + 1.0).0);
         let side = (b - a).perp().normalize_or_zero() * BESIDE * width;
-        let p = at(bead, place).0;
+        let p = at(&bead.stroke, place).0;
         self.own.contains(p + side) || self.own.contains(p - side)
     }
 
     /// The parts of a bead, each of which hangs or does not. A bead without a
     /// length has no parts.
     fn pieces(&self, bead: &Bead) -> Vec<Piece> {
+        let stroke = &bead.stroke;
         let wall = usize::from(bead.role != Role::OuterWall);
         let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
-        let n = bead.points.len();
+        let n = stroke.points.len();
         // The places where edges are crossed, each as the segment's number plus
         // the share of it.
         let mut cuts: Vec<f64> = Vec::new();
-        for (i, (a, b)) in bead.segments().enumerate() {
+        for (i, (a, b)) in stroke.segments().enumerate() {
             let first = cuts.len();
             cuts.extend(grid.crossings(a, b).iter().map(|t| i as f64 + t));
             cuts[first..].sort_by(f64::total_cmp);
         }
         let usual = self.wide[wall];
-        if !bead.widths.is_empty() {
-            let wide = |i: usize| bead.widths.get(i % n) > Some(&usual);
+        if !stroke.widths.is_empty() {
+            let wide = |i: usize| stroke.widths.get(i % n) > Some(&usual);
             let change = (0..n).filter(|&i| wide(i) != wide(i + 1));
             cuts.extend(change.flat_map(|i| [i as f64, (i + 1) as f64]));
             cuts.sort_by(f64::total_cmp);
         }
         cuts.dedup_by(|a, b| *a - *b < 1e-9);
-        let segments = if bead.closed { n } else { n.saturating_sub(1) };
+        let segments = n.saturating_sub(usize::from(!stroke.closed));
         if segments == 0 {
             return Vec::new();
         }
@@ -142,8 +148,8 @@ impl<'a> Support<'a> {
                 continue;
             }
             let place = 0.5 * (pair[0] + pair[1]);
-            let (middle, width) = at(bead, place);
-            let width = width.unwrap_or(bead.width);
+            let (middle, width) = at(stroke, place);
+            let width = width.unwrap_or(stroke.width);
             let wide = width > usual && self.leans(bead, place, width);
             let piece = Piece {
                 from: pair[0],
@@ -183,35 +189,36 @@ fn add(pieces: &mut Vec<Piece>, piece: Piece) {
 
 /// The point of a bead with which a place's segment begins, and the share of
 /// the segment up to the place.
-fn split(bead: &Bead, place: f64) -> (usize, f64) {
-    let n = bead.points.len();
-    let i = (place as usize).min(if bead.closed { n - 1 } else { n - 2 });
+fn split(stroke: &Stroke, place: f64) -> (usize, f64) {
+    let n = stroke.points.len();
+    let i = (place as usize).min(if stroke.closed { n - 1 } else { n - 2 });
     (i, place - i as f64)
 }
 
 /// A bead's point and width at a place along it.
-fn at(bead: &Bead, place: f64) -> (DVec2, Option<Mm>) {
-    let (i, t) = split(bead, place);
-    let next = (i + 1) % bead.points.len();
-    let widths = bead.widths.get(i).zip(bead.widths.get(next));
+fn at(stroke: &Stroke, place: f64) -> (DVec2, Option<Mm>) {
+    let (i, t) = split(stroke, place);
+    let next = (i + 1) % stroke.points.len();
+    let widths = stroke.widths.get(i).zip(stroke.widths.get(next));
     (
-        bead.points[i].lerp(bead.points[next], t),
+        stroke.points[i].lerp(stroke.points[next], t),
         widths.map(|(a, b)| a + t * (b - a)),
     )
 }
 
 /// The bead's part, with its points between the ends.
 fn part(bead: &Bead, piece: &Piece) -> Bead {
-    let n = bead.points.len();
+    let own = &bead.stroke;
+    let n = own.points.len();
     let (mut points, mut widths) = (Vec::new(), Vec::new());
     let mut levels = Vec::new();
     let mut push = |place: f64| {
-        let (p, w) = at(bead, place);
+        let (p, w) = at(own, place);
         points.push(p);
         widths.extend(w);
-        if !bead.levels.is_empty() {
-            let (i, t) = split(bead, place);
-            levels.push(bead.level(i).lerp(bead.level(i + 1), t));
+        if !own.levels.is_empty() {
+            let (i, t) = split(own, place);
+            levels.push(own.level(i).lerp(own.level(i + 1), t));
         }
     };
     push(piece.from);
@@ -223,9 +230,9 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
     push(piece.to);
     // The point where the loop closes must be exact: the next piece begins
     // there.
-    if bead.closed && piece.to >= n as f64 {
+    if own.closed && piece.to >= n as f64 {
         points.pop();
-        points.push(bead.points[0]);
+        points.push(own.points[0]);
     }
     Bead {
         role: if piece.hangs {
@@ -237,7 +244,7 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
             points,
             widths,
             closed: false,
-            width: bead.width,
+            width: own.width,
             levels,
         },
         ..*bead
@@ -245,22 +252,22 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
 }
 
 /// Length of the bead's part.
-fn length(bead: &Bead, piece: &Piece) -> Mm {
-    let n = bead.points.len();
-    let mut last = at(bead, piece.from).0;
+fn length(stroke: &Stroke, piece: &Piece) -> Mm {
+    let n = stroke.points.len();
+    let mut last = at(stroke, piece.from).0;
     let mut sum = 0.0;
     for i in piece.from as usize + 1..piece.to.ceil() as usize {
-        let p = bead.points[i % n];
+        let p = stroke.points[i % n];
         sum += last.distance(p);
         last = p;
     }
-    sum + last.distance(at(bead, piece.to).0)
+    sum + last.distance(at(stroke, piece.to).0)
 }
 
 /// Joins short pieces to the pieces beside them. A short held piece between two
 /// hanging ones hangs with them, and a short hanging piece does not count.
 fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
-    let length = |p: &Piece| length(bead, p);
+    let length = |p: &Piece| length(&bead.stroke, p);
     // Gaps between hanging pieces come first, so that a row of short hanging
     // pieces counts.
     for hangs in [false, true] {
@@ -285,12 +292,14 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
 /// Lets pieces end at the bead's points that are near: a cut just beside such a
 /// point would cost a move of its own.
 fn snap(pieces: &mut [Piece], bead: &Bead) {
-    let near = SNAP * bead.width;
+    let near = SNAP * bead.stroke.width;
     for i in 1..pieces.len() {
         let (before, after) = (pieces[i - 1].from, pieces[i].to);
         let place = pieces[i].from;
         let point = place.round();
-        let apart = at(bead, place).0.distance(at(bead, point).0);
+        let apart = at(&bead.stroke, place)
+            .0
+            .distance(at(&bead.stroke, point).0);
         if point > before && point < after && apart <= near {
             pieces[i - 1].to = point;
             pieces[i].from = point;
@@ -321,17 +330,13 @@ mod tests {
     ) -> Vec<Bead> {
         let solid = |ring| Solid::new(Area::from(ring));
         let (own, below) = (solid(own), solid(below));
-        let settings = Settings {
-            overhang_share: share,
-            outer_wall_width: 0.4.into(),
-            ..Settings::default()
-        };
-        let support = Support::new(&below, &own, &settings);
+        let walls = WallPlan::with(|s| s.outer_wall_width = 0.4.into());
+        let support = Support::new(&below, &own, share, &walls);
         support.map_or(vec![bead.clone()], |s| s.cut(bead))
     }
 
     fn lengths(beads: &[Bead]) -> Vec<(Role, f64)> {
-        beads.iter().map(|b| (b.role, b.length())).collect()
+        beads.iter().map(|b| (b.role, b.stroke.length())).collect()
     }
 
     #[test]
@@ -353,9 +358,15 @@ mod tests {
         }
         // The pieces are one path without a gap, back to where it began.
         for pair in pieces.windows(2) {
-            assert_eq!(pair[0].points.last(), pair[1].points.first());
+            assert_eq!(
+                pair[0].stroke.points.last(),
+                pair[1].stroke.points.first()
+            );
         }
-        assert_eq!(pieces[2].points.last(), pieces[0].points.first());
+        assert_eq!(
+            pieces[2].stroke.points.last(),
+            pieces[0].stroke.points.first()
+        );
         // A quarter of the width less, or more, moves the cut by 0.1 mm.
         for (share, reach) in [(25.0, 5.9), (75.0, 6.1)] {
             let found = lengths(&cut(loop_.clone(), below.clone(), share));
@@ -368,15 +379,15 @@ mod tests {
         let away = rect_ring(50.0, 0.0, 51.0, 1.0);
         let all = cut(loop_, away, 50.0);
         assert_eq!((all.len(), all[0].role), (1, Role::Overhang));
-        assert!(all[0].closed);
+        assert!(all[0].stroke.closed);
     }
 
     #[test]
     fn the_bead_of_a_thin_place_has_nothing_beside_it() {
         // A fin of 0.6 mm sticks out over nothing from x = 5 on.
         let mut fin = wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)]);
-        fin.closed = false;
-        fin.widths = vec![0.6, 0.6];
+        fin.stroke.closed = false;
+        fin.stroke.widths = vec![0.6, 0.6];
         let below = rect_ring(-1.0, -5.0, 5.0, 5.0);
         let thin = rect_ring(0.0, -0.3, 20.0, 0.3);
         let found =
@@ -385,8 +396,9 @@ mod tests {
         // This holds also where the middle of the hanging piece is one of its
         // points.
         let mut bent = fin.clone();
-        bent.points = [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec();
-        bent.widths = vec![0.6; 3];
+        bent.stroke.points =
+            [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec();
+        bent.stroke.widths = vec![0.6; 3];
         let away = rect_ring(-9.0, -5.0, -5.0, 5.0);
         let found = lengths(&cut_in(thin.clone(), bent, away, 50.0));
         assert_eq!(found, [(Role::Overhang, 20.0)]);
@@ -399,13 +411,17 @@ mod tests {
     #[test]
     fn widths_go_with_their_pieces_and_short_ones_do_not_count() {
         let mut bead = wall(rect_ring(0.0, 0.0, 10.0, 4.0));
-        bead.widths = vec![0.36, 0.4, 0.4, 0.36];
+        bead.stroke.widths = vec![0.36, 0.4, 0.4, 0.36];
         let pieces = cut(bead.clone(), rect_ring(-1.0, -1.0, 5.0, 5.0), 50.0);
-        assert!((pieces[0].widths[1] - 0.38).abs() < 1e-9);
-        assert!(pieces.iter().all(|p| p.widths.len() == p.points.len()));
+        assert!((pieces[0].stroke.widths[1] - 0.38).abs() < 1e-9);
+        assert!(
+            pieces
+                .iter()
+                .all(|p| p.stroke.widths.len() == p.stroke.points.len())
+        );
         // One side is wider and leans on another wall.
         let mut wide = bead.clone();
-        wide.widths = vec![0.4, 0.4, 0.6, 0.6];
+        wide.stroke.widths = vec![0.4, 0.4, 0.6, 0.6];
         let pieces = cut(wide, rect_ring(-1.0, -1.0, 5.0, 5.0), 50.0);
         let found = lengths(&pieces);
         assert_eq!(found.len(), 3, "{found:?}");

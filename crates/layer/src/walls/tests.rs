@@ -1,14 +1,14 @@
 //! Walls of parts whose thickness is known: what they leave open, what they
 //! paint outside of the part, and how much they extrude.
 
-use crate::region::{wall_depths, walls};
+use crate::region::{WallPlan, walls};
+use crate::resolution::Resolution;
 use crate::walls::beads;
 use glam::DVec2;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::shapes::circle;
-use isoslice_settings::Settings;
 use std::f64::consts::PI;
 
 const HEIGHT: f64 = 0.2;
@@ -30,11 +30,10 @@ struct Print {
 
 /// The walls of a part that is thin all over, as they are printed.
 fn print(part: &Area) -> Print {
-    let settings = Settings::default();
-    let laid = walls(part, None, HEIGHT, &settings);
-    let pieces: Vec<Bead> = beads(&laid, HEIGHT, 0.0)
+    let laid = walls(part, None, HEIGHT, &WallPlan::with(|_| {}));
+    let pieces: Vec<Bead> = beads(&laid, HEIGHT)
         .into_iter()
-        .flat_map(|b| crate::resolution::pieces(b, &Settings::default()))
+        .flat_map(|b| Resolution::with(|_| {}).pieces(b))
         .collect();
     let bounds = part.bounds();
     let origin = bounds.min - 0.5;
@@ -49,8 +48,8 @@ fn print(part: &Area) -> Print {
     let mut covered = vec![false; columns * rows];
     let mut out: f64 = 0.0;
     for bead in &pieces {
-        let r = 0.5 * bead.width;
-        for (a, b) in bead.segments() {
+        let r = 0.5 * bead.stroke.width;
+        for (a, b) in bead.stroke.segments() {
             let (lo, hi) = (a.min(b) - r - origin, a.max(b) + r - origin);
             let range = |lo: f64, hi: f64, n: usize| {
                 let from = (lo / CELL).floor().max(0.0) as usize;
@@ -98,7 +97,7 @@ fn print(part: &Area) -> Print {
         }
         largest = largest.max(content);
     }
-    let volume: f64 = pieces.iter().map(|b| b.area() * b.length()).sum();
+    let volume: f64 = pieces.iter().map(|b| b.area() * b.stroke.length()).sum();
     let rest = laid.fill.content() * HEIGHT;
     Print {
         open: count as f64 / inside as f64,
@@ -406,24 +405,22 @@ fn walls_fill_the_pockets_between_them() {
 #[test]
 fn walls_of_two_widths_lie_a_spacing_apart() {
     const HALF: f64 = 15.0;
-    let settings = Settings {
-        outer_wall_width: 0.45.into(),
-        inner_wall_width: 0.6.into(),
-        walls: 3,
-        ..Settings::default()
-    };
+    let plan = WallPlan::with(|s| {
+        s.outer_wall_width = 0.45.into();
+        s.inner_wall_width = 0.6.into();
+        s.walls = 3;
+    });
     let square = isoslice_planar::shapes::rect(-HALF, -HALF, HALF, HALF);
-    let laid = walls(&square, None, HEIGHT, &settings);
+    let laid = walls(&square, None, HEIGHT, &plan);
     let depth = |bead: &Bead| {
-        let middles = bead.segments().map(|(a, b)| a.midpoint(b));
+        let middles = bead.stroke.segments().map(|(a, b)| a.midpoint(b));
         let depths = middles.map(|p| HALF - p.abs().max_element());
         depths.fold(f64::INFINITY, f64::min)
     };
-    let mut found: Vec<f64> =
-        beads(&laid, HEIGHT, 0.0).iter().map(depth).collect();
+    let mut found: Vec<f64> = beads(&laid, HEIGHT).iter().map(depth).collect();
     found.sort_by(f64::total_cmp);
     assert_eq!(found.len(), 3);
-    for (found, meant) in found.iter().zip(wall_depths(HEIGHT, &settings).0) {
+    for (found, meant) in found.iter().zip(plan.depths(HEIGHT).0) {
         assert!((found - meant).abs() < 1e-3, "{found} for {meant}");
     }
 }

@@ -295,8 +295,6 @@ fn surface(
     let look = |i| lean(&model.tree, &model.bounds, &options(i), &cancel);
     let found: Vec<Result<Lean, LeanError>> =
         (0..pieces).into_par_iter().map(look).collect();
-    // Work that was stopped unwinds from here.
-    limits::check();
     let found: Vec<Lean> = found
         .into_iter()
         .collect::<Result<_, _>>()

@@ -31,7 +31,7 @@ use isocontour::{
     Bounds, BoundsError, FoundBounds, SearchOptions, digits, expand, is_flat,
     shifted,
 };
-use isoslice_base::limits::{self, Watched};
+use isoslice_base::limits;
 use isoslice_settings::Settings;
 use transform::{box_field, mapped, rotation};
 
@@ -276,7 +276,7 @@ fn find_bounds(
     options: &SearchOptions,
 ) -> Result<FoundBounds, BoundsError> {
     limits::doing("bounds", || {
-        isocontour::find_bounds(tree, options, &limits::Watch::hook()).watched()
+        isocontour::find_bounds(tree, options, &limits::Watch::hook())
     })
 }
 
@@ -298,7 +298,6 @@ fn far_out(
         return Ok(None);
     }
     let here = digits(tree, bounds, &cancel).unwrap_or(0.0);
-    limits::check();
     // A whole number of millimetres is exact in f32, too.
     let origin = bounds.centre().round();
     let near = shifted(tree, origin)?;
@@ -307,7 +306,6 @@ fn far_out(
         max: bounds.max - origin,
     };
     let there = digits(&near, &moved, &cancel).unwrap_or(here);
-    limits::check();
     let gains = there < 0.5 * here;
     let left = if gains { there } else { here };
     if left > GOOD_MM {

@@ -50,7 +50,7 @@ use cpu_time::ProcessTime;
 use error::explain;
 use fidget::context::Tree;
 use functions::{Shared, add_draw, add_param, add_places};
-use isoslice_base::limits::{check, doing, resident_bytes};
+use isoslice_base::limits::{Cancelled, doing, is_stopped, resident_bytes};
 use limits::{GO_ON, Stop};
 use named::add_names;
 use operators::add_operators;
@@ -143,7 +143,13 @@ pub(super) fn run_script(
                 Err(RecvTimeoutError::Disconnected) => {
                     return Err(bug("it panicked"));
                 }
-                Err(RecvTimeoutError::Timeout) => check(),
+                Err(RecvTimeoutError::Timeout) if is_stopped() => {
+                    return Err(ScriptError::Limit {
+                        line: None,
+                        what: Cancelled.to_string(),
+                    });
+                }
+                Err(RecvTimeoutError::Timeout) => {}
             }
             if let Some((why, since)) = stopped {
                 if since.elapsed() > GRACE {

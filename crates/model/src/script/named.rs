@@ -3,6 +3,7 @@
 use super::bodies::Bodies;
 use super::limits::MOST_VALUES;
 use super::shape::{Outcome, components, describe, term, value};
+use super::shapes::makes_body;
 use crate::functions::{FUNCTIONS, Function, constant};
 use crate::term::Term;
 use fidget::context::Tree;
@@ -85,9 +86,7 @@ fn called(
     let of_whole = given.iter().all(Dynamic::is_int);
     let result = function.apply(&terms)?;
     Ok(match result {
-        Term::Field(tree)
-            if of_bodies && matches!(function.name, "min" | "max") =>
-        {
+        Term::Field(tree) if makes_body(function.name, of_bodies) => {
             Dynamic::from(bodies.mark(tree))
         }
         result => value(result, |v| function.whole(v, of_whole)),

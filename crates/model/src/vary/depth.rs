@@ -124,7 +124,9 @@ impl DepthMap {
                 // The inner and outer end of each crossed edge.
                 let mut ends: Vec<(DVec3, DVec3)> = Vec::new();
                 for i in k * plane..(k + 1) * plane {
-                    isoslice_base::limits::check();
+                    if isoslice_base::limits::is_stopped() {
+                        break;
+                    }
                     let node = self.node(i);
                     for axis in 0..3 {
                         if node[axis] + 1 >= self.size[axis]
@@ -188,7 +190,9 @@ impl DepthMap {
                 (0..n).map(move |i| if back(axis) { n - 1 - i } else { i })
             };
             for z in order(2) {
-                isoslice_base::limits::check();
+                if isoslice_base::limits::is_stopped() {
+                    break;
+                }
                 for y in order(1) {
                     for x in order(0) {
                         let node = [x, y, z];

@@ -1,31 +1,35 @@
-//! Where a closed bead begins.
+//! Where a closed stroke begins.
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_planar::bead::Bead;
+use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::nearest_on;
 
-/// A place that is nearer than this to one of a bead's points is taken for that
+/// A place that is nearer than this to one of a stroke's points is taken for that
 /// point, mm.
 const SAME: Mm = 0.01;
 
-/// A place on a bead: the index of a segment, and a point on it.
+/// A place on a stroke: the index of a segment, and a point on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot {
     segment: usize,
     pub at: DVec2,
 }
 
-/// The place of a bead nearest to `p`.
-pub(super) fn nearest_spot(bead: &Bead, p: DVec2) -> Option<Spot> {
-    best(bead, |a, b| [nearest_on(p, a, b); 1], |q| q.distance(p))
+/// The place of a stroke nearest to `p`.
+pub(super) fn nearest_spot(stroke: &Stroke, p: DVec2) -> Option<Spot> {
+    best(stroke, |a, b| [nearest_on(p, a, b); 1], |q| q.distance(p))
 }
 
-/// The place of a bead with the shortest way from `a` over it to `b`. Only the
-/// bead's points and the places nearest to `a` and to `b` are tried.
-pub(super) fn spot_between(bead: &Bead, a: DVec2, b: DVec2) -> Option<Spot> {
+/// The place of a stroke with the shortest way from `a` over it to `b`. Only the
+/// stroke's points and the places nearest to `a` and to `b` are tried.
+pub(super) fn spot_between(
+    stroke: &Stroke,
+    a: DVec2,
+    b: DVec2,
+) -> Option<Spot> {
     best(
-        bead,
+        stroke,
         |p, q| [nearest_on(a, p, q), nearest_on(b, p, q), p],
         |q| q.distance(a) + q.distance(b),
     )
@@ -33,11 +37,11 @@ pub(super) fn spot_between(bead: &Bead, a: DVec2, b: DVec2) -> Option<Spot> {
 
 /// The point with the least cost, of some points of each segment.
 fn best<const N: usize>(
-    bead: &Bead,
+    stroke: &Stroke,
     points: impl Fn(DVec2, DVec2) -> [DVec2; N],
     cost: impl Fn(DVec2) -> Mm,
 ) -> Option<Spot> {
-    let spots = bead.segments().enumerate().flat_map(|(segment, (a, b))| {
+    let spots = stroke.segments().enumerate().flat_map(|(segment, (a, b))| {
         points(a, b).map(|at| Spot { segment, at })
     });
     spots
@@ -46,36 +50,36 @@ fn best<const N: usize>(
         .map(|(_, spot)| spot)
 }
 
-/// Lets a closed bead begin at its place nearest to `p`, which becomes a point
+/// Lets a closed stroke begin at its place nearest to `p`, which becomes a point
 /// of it.
-pub fn begin_near(bead: &mut Bead, p: DVec2) {
-    if let Some(spot) = nearest_spot(bead, p) {
-        begin_at(bead, spot);
+pub fn begin_near(stroke: &mut Stroke, p: DVec2) {
+    if let Some(spot) = nearest_spot(stroke, p) {
+        begin_at(stroke, spot);
     }
 }
 
-/// Lets a closed bead begin at a place on it.
-pub(super) fn begin_at(bead: &mut Bead, spot: Spot) {
+/// Lets a closed stroke begin at a place on it.
+pub(super) fn begin_at(stroke: &mut Stroke, spot: Spot) {
     let Spot { segment: i, at: p } = spot;
-    let next = (i + 1) % bead.points.len();
-    let (a, b) = (bead.points[i], bead.points[next]);
+    let next = (i + 1) % stroke.points.len();
+    let (a, b) = (stroke.points[i], stroke.points[next]);
     if p.distance(a) < SAME {
-        bead.begin_at(i);
+        stroke.begin_at(i);
     } else if p.distance(b) < SAME {
-        bead.begin_at(next);
+        stroke.begin_at(next);
     } else {
         if let (Some(&u), Some(&v)) =
-            (bead.widths.get(i), bead.widths.get(next))
+            (stroke.widths.get(i), stroke.widths.get(next))
         {
             let t = a.distance(p) / a.distance(b);
-            bead.widths.insert(i + 1, u + t * (v - u));
+            stroke.widths.insert(i + 1, u + t * (v - u));
         }
-        if !bead.levels.is_empty() {
+        if !stroke.levels.is_empty() {
             let t = a.distance(p) / a.distance(b);
-            let level = bead.level(i).lerp(bead.level(next), t);
-            bead.levels.insert(i + 1, level);
+            let level = stroke.level(i).lerp(stroke.level(next), t);
+            stroke.levels.insert(i + 1, level);
         }
-        bead.points.insert(i + 1, p);
-        bead.begin_at(i + 1);
+        stroke.points.insert(i + 1, p);
+        stroke.begin_at(i + 1);
     }
 }

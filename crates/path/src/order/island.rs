@@ -5,12 +5,11 @@ use super::begin::{begin_near, nearest_spot};
 use super::islands::{Island, Loop};
 use super::jobs::{Job, print};
 use super::tour::{Stop, tour};
-use super::{Context, SEAM_REACH, sweep};
+use super::{Context, OrderPlan, SEAM_REACH, sweep};
 use glam::DVec2;
 use isoslice_layer::skin::{Fill, Patch};
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::signed_area;
-use isoslice_settings::{SeamRule, Settings, Varying, WallOrder};
 
 /// Prints an island on a short way from where the head is, `at`, to `to`.
 pub(super) fn print_island(
@@ -18,31 +17,30 @@ pub(super) fn print_island(
     at: &mut Option<DVec2>,
     to: Option<DVec2>,
     context: Context<'_>,
-    settings: &Settings,
+    plan: &OrderPlan,
     out: &mut Vec<Bead>,
 ) {
-    let inner_first = settings.wall_order == WallOrder::InnerFirst;
     // Walls that pass no seam have a stage of their own, before all loops or
     // after them.
     let mut jobs: Vec<(u32, Job)> = Vec::new();
     let stage = |inner_first| if inner_first { 0 } else { 2 };
-    let away_stage = stage(inner_first);
+    let away_stage = stage(plan.inner_first);
     // The nozzle is low while it prints these: nothing may be beside it yet.
     let mut sunk: Vec<(u32, Job)> = Vec::new();
     for mut group in island.loops {
         group.walls.iter_mut().for_each(orient);
         let low = group.walls.extract_if(.., |wall| wall.sunk);
         sunk.extend(low.map(|wall| (0, Job::of(wall))));
-        let mut inner_first = inner_first;
-        if settings.overhang_inner_first || settings.overhang_reverse {
+        let mut inner_first = plan.inner_first;
+        if plan.inner_first_at_overhangs || plan.turns_overhangs {
             let hangs = group.walls.first().is_some_and(|w| context.hangs(w));
-            inner_first |= hangs && settings.overhang_inner_first;
+            inner_first |= hangs && plan.inner_first_at_overhangs;
             let odd = !context.number.is_multiple_of(2);
-            if hangs && odd && settings.overhang_reverse {
+            if hangs && odd && plan.turns_overhangs {
                 group.walls.iter_mut().for_each(turn_round);
             }
         }
-        let (job, away) = loop_job(group, inner_first, settings);
+        let (job, away) = loop_job(group, inner_first, plan.begins_anywhere);
         jobs.extend(job.map(|job| (1, job)));
         let stage = stage(inner_first);
         jobs.extend(away.into_iter().map(|b| (stage, Job::of(b))));
@@ -74,50 +72,52 @@ pub(super) fn print_island(
 fn goes_round(wall: &Bead) -> bool {
     /// Share of the wall's length up to which its ends are near.
     const NEAR: f64 = 0.25;
-    let ends = wall.points.first().zip(wall.points.last());
+    let stroke = &wall.stroke;
+    let near = |(a, b): (DVec2, DVec2)| a.distance(b) <= NEAR * stroke.length();
     wall.role == Role::OuterWall
-        && !wall.closed
-        && ends.is_some_and(|(a, b)| a.distance(*b) <= NEAR * wall.length())
+        && !stroke.closed
+        && stroke.ends().is_some_and(near)
 }
 
 /// Lets a wall that goes round do so in one direction in all layers.
 fn orient(wall: &mut Bead) {
-    if goes_round(wall) && signed_area(&wall.points) < 0.0 {
-        wall.reverse();
+    if goes_round(wall) && signed_area(&wall.stroke.points) < 0.0 {
+        wall.stroke.reverse();
     }
 }
 
 /// Turns a bead round; a closed one begins where it did.
 fn turn_round(bead: &mut Bead) {
-    bead.reverse();
-    if bead.closed {
-        let last = bead.points.len().saturating_sub(1);
-        bead.begin_at(last);
+    let stroke = &mut bead.stroke;
+    stroke.reverse();
+    if stroke.closed {
+        let last = stroke.points.len().saturating_sub(1);
+        stroke.begin_at(last);
     }
 }
 
 /// A loop's walls that pass its seam, in their order, and the loop's other
-/// walls.
+/// walls. A closed outer wall may begin `anywhere`.
 fn loop_job(
     group: Loop,
     inner_first: bool,
-    settings: &Settings,
+    anywhere: bool,
 ) -> (Option<Job>, Vec<Bead>) {
     let mut walls = group.walls.into_iter();
     let Some(outer) = walls.next() else {
         return (None, Vec::new());
     };
     let (mut beside, mut away) = (Vec::new(), Vec::new());
-    let anywhere =
-        outer.closed && settings.seam == Varying::Constant(SeamRule::Nearest);
-    let seam = outer.points.first().copied().filter(|_| outer.closed);
+    let anywhere = outer.stroke.closed && anywhere;
+    let seam = outer.stroke.points.first().copied();
+    let seam = seam.filter(|_| outer.stroke.closed);
     for mut wall in walls {
         let spot = seam
-            .filter(|_| wall.closed)
-            .and_then(|seam| Some((seam, nearest_spot(&wall, seam)?)));
+            .filter(|_| wall.stroke.closed)
+            .and_then(|seam| Some((seam, nearest_spot(&wall.stroke, seam)?)));
         match spot {
             Some((seam, spot)) if seam.distance(spot.at) <= SEAM_REACH => {
-                begin_near(&mut wall, seam);
+                begin_near(&mut wall.stroke, seam);
                 beside.push(wall);
             }
             _ => away.push(wall),
@@ -132,7 +132,7 @@ fn loop_job(
     }
     let job = match (anywhere, beside.as_slice()) {
         (true, _) => Job::rings(beside, leader),
-        (false, [one]) if !one.closed && !goes_round(one) => {
+        (false, [one]) if !one.stroke.closed && !goes_round(one) => {
             Job::of(beside.swap_remove(0))
         }
         // A ring without a seam of its own may begin anywhere, too.
@@ -152,7 +152,7 @@ fn print_skin(
     let mut stops = Vec::new();
     let mut patches = Vec::new();
     for patch in skin {
-        let first = patch.first().and_then(|bead| bead.points.first());
+        let first = patch.first().and_then(|bead| bead.stroke.points.first());
         if let Some(&p) = first {
             stops.push(Stop {
                 from: p,
@@ -172,7 +172,7 @@ fn print_skin(
         // The rings around a patch come first. Beads in the middle of thin
         // places can wait.
         for ring in patch.rings {
-            let later = u32::from(!ring.closed);
+            let later = u32::from(!ring.stroke.closed);
             jobs.push((stage + later, Job::of(ring)));
         }
         stage += 1;

@@ -43,7 +43,7 @@ pub(super) fn islands(outline: &Area, beads: LayerBeads) -> Vec<Island> {
         if solids.len() > 1
             && let Some(bead) = bead
         {
-            let mut around = bead.points.iter().map(|&p| nest.around(p));
+            let mut around = bead.stroke.points.iter().map(|&p| nest.around(p));
             last = around.find_map(|island| island).unwrap_or(last);
         }
         last
@@ -88,7 +88,7 @@ pub(super) fn grid_of<'a>(
 ) -> EdgeGrid {
     let segments = beads
         .enumerate()
-        .flat_map(|(i, b)| b.segments().map(move |s| (i, s)));
+        .flat_map(|(i, b)| b.stroke.segments().map(move |s| (i, s)));
     EdgeGrid::of(segments, reach)
 }
 
@@ -107,7 +107,7 @@ fn add_inner(loops: &mut Vec<Loop>, inner: Vec<Bead>) {
     for bead in inner {
         let i = grid
             .as_ref()
-            .zip(bead.points.first())
+            .zip(bead.stroke.points.first())
             .and_then(|(grid, &p)| grid.nearest(p))
             .map_or(0, |near| near.0);
         loops[i].walls.push(bead);

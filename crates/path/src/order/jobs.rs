@@ -27,7 +27,7 @@ pub(super) enum Job {
 impl Job {
     /// A bead that may begin at either end, or anywhere if it is closed.
     pub(super) fn of(bead: Bead) -> Job {
-        if bead.closed {
+        if bead.stroke.closed {
             Job::rings(vec![bead], 0)
         } else {
             Job::Line(bead)
@@ -46,18 +46,18 @@ impl Job {
     /// Where the job begins and ends; nothing if that is not known yet.
     pub(super) fn ends(&self) -> Option<(DVec2, DVec2)> {
         match self {
-            Job::Line(bead) => Some((*bead.points.first()?, end(bead)?)),
+            Job::Line(bead) => bead.stroke.ends(),
             Job::Rings {
                 beads,
                 leader,
                 spot,
             } => {
-                let first = beads.get(*leader)?.points.first();
+                let first = beads.get(*leader)?.stroke.points.first();
                 let at = spot.map(|s| s.at).or(first.copied())?;
                 Some((at, at))
             }
             Job::Fixed(beads) => {
-                let from = beads.first()?.points.first()?;
+                let from = beads.first()?.stroke.points.first()?;
                 Some((*from, end(beads.last()?)?))
             }
         }
@@ -79,8 +79,8 @@ impl Job {
         // A wall begins where the nozzle comes from, whatever follows.
         let after = after.filter(|_| ring.role != Role::OuterWall);
         *spot = match (before, after) {
-            (Some(a), Some(b)) => spot_between(ring, a, b),
-            (Some(p), None) | (None, Some(p)) => nearest_spot(ring, p),
+            (Some(a), Some(b)) => spot_between(&ring.stroke, a, b),
+            (Some(p), None) | (None, Some(p)) => nearest_spot(&ring.stroke, p),
             (None, None) => None,
         };
     }
@@ -90,7 +90,7 @@ impl Job {
         match self {
             Job::Line(mut bead) => {
                 if turned {
-                    bead.reverse();
+                    bead.stroke.reverse();
                 }
                 vec![bead]
             }
@@ -101,10 +101,10 @@ impl Job {
             } => {
                 let Some(spot) = spot else { return beads };
                 for (i, bead) in beads.iter_mut().enumerate() {
-                    if bead.closed && i == leader {
-                        begin_at(bead, spot);
-                    } else if bead.closed {
-                        begin_near(bead, spot.at);
+                    if bead.stroke.closed && i == leader {
+                        begin_at(&mut bead.stroke, spot);
+                    } else if bead.stroke.closed {
+                        begin_near(&mut bead.stroke, spot.at);
                     }
                 }
                 beads
@@ -116,11 +116,7 @@ impl Job {
 
 /// Where a bead ends.
 pub(super) fn end(bead: &Bead) -> Option<DVec2> {
-    if bead.closed {
-        bead.points.first().copied()
-    } else {
-        bead.points.last().copied()
-    }
+    bead.stroke.ends().map(|ends| ends.1)
 }
 
 /// Prints jobs, those of lower stages first, on a short way from where the

@@ -13,12 +13,11 @@
 //! what the way lays. A way stays off the outer walls: it comes no nearer to the
 //! outline than a wall beside them or than its ends do.
 
-use super::jobs;
+use super::{OrderPlan, jobs};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Role, Stroke, narrowest, spacing};
 use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 use std::cell::OnceCell;
 
 /// Longest way from a stroke to the next, in widths.
@@ -54,24 +53,27 @@ const ROUNDS: usize = 6;
 pub fn linked(
     beads: Vec<Bead>,
     solid: &EdgeGrid,
-    settings: &Settings,
+    plan: &OrderPlan,
 ) -> Vec<Bead> {
-    let outer = settings.outer_wall_width();
+    let outer = plan.outer_width;
     let mut out: Vec<Bead> = Vec::with_capacity(beads.len());
     let mut rest = beads.into_iter();
     // All lines, once a way that fills a gap asks what crosses the gap.
     let grid = OnceCell::new();
     while let Some(mut bead) = rest.next() {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let link = out
             .last()
-            .filter(|before| may_go_on(before, &bead, settings))
+            .filter(|before| may_go_on(before, &bead, plan))
             .and_then(|before| Link::between(before, &bead))
             .filter(|link| link.is_free(solid, outer))
             .filter(|link| {
                 let all = || out.iter().chain([&bead]).chain(rest.as_slice());
-                let lines =
-                    || EdgeGrid::of_lines(all().map(|b| b.path()), outer);
+                let lines = || {
+                    EdgeGrid::of_lines(all().map(|b| b.stroke.path()), outer)
+                };
                 !link.fills || !link.crosses(grid.get_or_init(lines))
             });
         if let (Some(before), Some(link)) = (out.last_mut(), link) {
@@ -114,7 +116,7 @@ impl Link {
         let mut way = a.at.distance(b.at);
         let mean = 0.5 * (a.width() + b.width());
         // Strokes may end in a point.
-        let wide = mean.max(0.5 * (before.width + after.width));
+        let wide = mean.max(0.5 * (before.stroke.width + after.stroke.width));
         if way <= 0.0 || way > REACH * wide {
             return None;
         }
@@ -146,8 +148,8 @@ impl Link {
             let half = most[0].min(0.5 * all);
             link.taken[1] = most[1].min(all - half);
             link.taken[0] = most[0].min(all - link.taken[1]);
-            link.from = before.place(true, link.taken[0])?;
-            link.to = after.place(false, link.taken[1])?;
+            link.from = before.stroke.place(true, link.taken[0])?;
+            link.to = after.stroke.place(false, link.taken[1])?;
             way = link.from.distance(link.to);
         }
         let enough = if walls { WALLS } else { SKINS };
@@ -181,7 +183,7 @@ impl Link {
     /// The way as a bead between two that have been shortened. Between walls
     /// the way is no wall.
     fn bead(&self, before: &Bead, after: &Bead) -> Option<Bead> {
-        let ends = vec![jobs::end(before)?, *after.points.first()?];
+        let ends = vec![jobs::end(before)?, *after.stroke.points.first()?];
         let role = role(before, after);
         let role = if is_wall(role) { Role::GapFill } else { role };
         let stroke = Stroke::new(ends, false, self.width);
@@ -198,25 +200,24 @@ struct End<'a> {
 
 impl End<'_> {
     fn of(bead: &Bead, last: bool) -> Option<End<'_>> {
-        let at = if last {
-            jobs::end(bead)?
-        } else {
-            *bead.points.first()?
-        };
+        let (start, end) = bead.stroke.ends()?;
+        let at = if last { end } else { start };
         Some(End { bead, last, at })
     }
 
     fn width(&self) -> Mm {
-        let open = self.last && !self.bead.closed;
-        let last = self.bead.points.len() - 1;
-        self.bead.width_at(if open { last } else { 0 })
+        let stroke = &self.bead.stroke;
+        let open = self.last && !stroke.closed;
+        let last = stroke.points.len() - 1;
+        stroke.width_at(if open { last } else { 0 })
     }
 
     /// Length by which the straight way to a place leads back along the bead;
     /// negative where it leads on.
     fn back(&self, place: DVec2) -> Option<Mm> {
-        let far = self.bead.width.min(SHARE * self.bead.length());
-        let ahead = self.at - self.bead.place(self.last, far)?;
+        let stroke = &self.bead.stroke;
+        let far = stroke.width.min(SHARE * stroke.length());
+        let ahead = self.at - stroke.place(self.last, far)?;
         Some((self.at - place).dot(ahead.normalize_or_zero()))
     }
 
@@ -230,7 +231,7 @@ impl End<'_> {
         if self.bead.role.shows() {
             0.0
         } else {
-            SHARE * self.bead.length()
+            SHARE * self.bead.stroke.length()
         }
     }
 }
@@ -239,11 +240,13 @@ impl End<'_> {
 /// or one of them is an outer wall that ends inside the part. An open wall ends
 /// where others meet it. A closed one ends at its seam; a way may lead from
 /// there into the gap behind it, unless the seam is a gap or a scarf.
-fn may_go_on(before: &Bead, after: &Bead, settings: &Settings) -> bool {
-    let hides = |bead: &Bead| hidden(bead.role, settings);
-    let open = |bead: &Bead| bead.role == Role::OuterWall && !bead.closed;
-    let whole = settings.seam_gap <= 0.0 && settings.seam_scarf <= 0.0;
-    let seam = before.role == Role::OuterWall && before.closed && whole;
+fn may_go_on(before: &Bead, after: &Bead, plan: &OrderPlan) -> bool {
+    let hides = |bead: &Bead| hidden(bead.role, plan);
+    let open =
+        |bead: &Bead| bead.role == Role::OuterWall && !bead.stroke.closed;
+    let seam = before.role == Role::OuterWall
+        && before.stroke.closed
+        && plan.whole_seams;
     let may = hides(before) && (hides(after) || open(after))
         || open(before) && hides(after)
         || seam && after.role == Role::GapFill;
@@ -266,17 +269,17 @@ fn is_wall(role: Role) -> bool {
 
 /// True if nobody sees where a bead of this role ends. In a gap that is asked
 /// for between skin and its ring there is no way either.
-fn hidden(role: Role, settings: &Settings) -> bool {
+fn hidden(role: Role, plan: &OrderPlan) -> bool {
     match role {
         Role::InnerWall | Role::GapFill => true,
-        Role::InternalSkin | Role::BottomSkin => settings.skin_ring_gap <= 0.0,
+        Role::InternalSkin | Role::BottomSkin => plan.skin_meets_ring,
         _ => false,
     }
 }
 
 /// A bead's stroke, open, without a length of its end or its beginning.
 fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
-    let open = bead.opened();
+    let open = bead.stroke.opened();
     open.shortened(last, length / open.length())
 }
 
@@ -304,7 +307,7 @@ mod tests {
     }
 
     fn linked_in(solid: &EdgeGrid, beads: &[Bead]) -> Vec<Bead> {
-        linked(beads.to_vec(), solid, &Settings::default())
+        linked(beads.to_vec(), solid, &OrderPlan::with(|_| ()))
     }
 
     fn linked_inside(beads: &[Bead]) -> Vec<Bead> {
@@ -315,9 +318,9 @@ mod tests {
     fn laid(beads: &[Bead]) -> f64 {
         let space = |w: f64| spacing(w, w, HEIGHT);
         let of = |b: &Bead| -> f64 {
-            let each = b.segments().enumerate();
+            let each = b.stroke.segments().enumerate();
             each.map(|(i, (p, q))| {
-                let w = 0.5 * (b.width_at(i) + b.width_at(i + 1));
+                let w = 0.5 * (b.stroke.width_at(i) + b.stroke.width_at(i + 1));
                 p.distance(q) * space(w)
             })
             .sum()
@@ -328,7 +331,8 @@ mod tests {
     /// How many strokes there are: beads that begin where no other ends.
     fn strokes(beads: &[Bead]) -> usize {
         let meet = |pair: &&[Bead]| {
-            !pair[0].closed && pair[0].points.last() == pair[1].points.first()
+            !pair[0].stroke.closed
+                && pair[0].stroke.points.last() == pair[1].stroke.points.first()
         };
         beads.len() - beads.windows(2).filter(meet).count()
     }
@@ -356,10 +360,16 @@ mod tests {
             assert_eq!(strokes(&found), 1, "{next:?}");
             let share = laid(&found) / laid(&both);
             assert!((share - 1.0).abs() < 2e-3, "{next:?}: {share}");
-            assert_eq!(found[0].points.first(), both[0].points.first());
-            assert_eq!(found[2].points.last(), both[1].points.last());
+            assert_eq!(
+                found[0].stroke.points.first(),
+                both[0].stroke.points.first()
+            );
+            assert_eq!(
+                found[2].stroke.points.last(),
+                both[1].stroke.points.last()
+            );
             // The way is as narrow as it can be: as wide as high.
-            assert!((found[1].width - HEIGHT).abs() < 1e-9, "{next:?}");
+            assert!((found[1].stroke.width - HEIGHT).abs() < 1e-9, "{next:?}");
             assert!(found.iter().all(|b| b.role == role));
         }
     }
@@ -406,7 +416,8 @@ mod tests {
 
     /// What a way of the narrowest width lays, mm².
     fn laid_by(way: &Bead) -> f64 {
-        way.length() * spacing(way.width, way.width, HEIGHT)
+        way.stroke.length()
+            * spacing(way.stroke.width, way.stroke.width, HEIGHT)
     }
 
     #[test]
@@ -426,7 +437,7 @@ mod tests {
         check([outer.clone(), inner.clone()], 0);
         let turned = |bead: &Bead| {
             let mut bead = bead.clone();
-            bead.reverse();
+            bead.stroke.reverse();
             bead
         };
         check([turned(&inner), turned(&outer)], 1);
@@ -443,8 +454,8 @@ mod tests {
         let stroke = Stroke::new(points, true, WIDTH);
         let mut wall = Bead::new(Role::OuterWall, stroke, HEIGHT);
         let corner = DVec2::splat(-5.0);
-        let seam = wall.points.iter().position(|p| *p == corner);
-        wall.begin_at(seam.unwrap());
+        let seam = wall.stroke.points.iter().position(|p| *p == corner);
+        wall.stroke.begin_at(seam.unwrap());
         let gap = line(Role::GapFill, &[(-4.6, -4.6), (4.6, -4.6)]);
         let outline = rect(-5.225, -5.225, 5.225, 5.225);
         let solid = EdgeGrid::new(&outline, 1.0);
@@ -452,15 +463,13 @@ mod tests {
         let found = linked_in(&solid, &both);
         assert_eq!(found.len(), 3);
         assert_eq!(found[0], both[0]);
-        assert_eq!(found[1].points[0], corner);
-        assert_eq!(found[1].points[1], found[2].points[0]);
+        assert_eq!(found[1].stroke.points[0], corner);
+        assert_eq!(found[1].stroke.points[1], found[2].stroke.points[0]);
         // No way leads from a seam that is a gap or a scarf, nor to a seam.
         for (seam_gap, seam_scarf) in [(0.1, 0.0), (0.0, 5.0)] {
-            let apart = Settings {
-                seam_gap,
-                seam_scarf,
-                ..Settings::default()
-            };
+            let apart = OrderPlan::with(|s| {
+                (s.seam_gap, s.seam_scarf) = (seam_gap, seam_scarf);
+            });
             assert_eq!(linked(both.to_vec(), &solid, &apart), both);
         }
         let back = [both[1].clone(), both[0].clone()];
@@ -482,7 +491,7 @@ mod tests {
         assert_eq!([&found[0], &found[2]], [&both[0], &both[1]]);
         let more = laid(&found) - laid(&both);
         assert!((more - laid_by(&found[1])).abs() < 1e-9, "{more}");
-        assert!((found[1].length() - 0.8).abs() < 1e-9);
+        assert!((found[1].stroke.length() - 0.8).abs() < 1e-9);
         let (found, both) = pair(1.0);
         assert_eq!(found, both);
         // A bead that goes through between them fills the gap already,
@@ -510,7 +519,7 @@ mod tests {
         let crumbs = |role, length: f64| {
             let crumb = |y| line(role, &[(5.0, y), (5.0 + length, y)]);
             let mut crumbs = [crumb(0.0), crumb(0.4)];
-            crumbs[0].reverse();
+            crumbs[0].stroke.reverse();
             strokes(&linked_inside(&crumbs))
         };
         assert_eq!(crumbs(role, 0.08), 2);
@@ -562,7 +571,7 @@ mod tests {
         let foot = |x: f64| {
             let at = |y: f64| line(role, &[(1.0, y), (x, y)]);
             let mut walls = [at(-0.7), at(0.7)];
-            walls[1].reverse();
+            walls[1].stroke.reverse();
             linked_in(&notched(0.04), &walls) != walls
         };
         assert!(foot(3.2));

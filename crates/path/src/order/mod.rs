@@ -17,6 +17,7 @@
 //! | `begin` | where a closed bead begins |
 //! | `link` | short ways between hidden beads, printed instead of hopped |
 //! | `nearest`, `near_ends` | which points are near |
+//! | `plan` | what is needed of the settings |
 
 mod begin;
 mod island;
@@ -25,6 +26,7 @@ mod jobs;
 mod link;
 mod near_ends;
 mod nearest;
+mod plan;
 mod supports;
 mod sweep;
 mod tour;
@@ -41,8 +43,8 @@ use isoslice_layer::skin::Patch;
 use isoslice_layer::walls::Support;
 use isoslice_planar::Area;
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_settings::Settings;
 pub use link::linked;
+pub use plan::OrderPlan;
 pub use supports::supports_last;
 use tour::{Stop, tour};
 
@@ -117,14 +119,14 @@ pub fn order(
     mut beads: LayerBeads,
     context: Context<'_>,
     head: &mut Head,
-    settings: &Settings,
+    plan: &OrderPlan,
 ) -> Vec<Bead> {
     let mut out = Vec::new();
     for mut bead in std::mem::take(&mut beads.skirt) {
         if let Some(at) = head.at
-            && bead.closed
+            && bead.stroke.closed
         {
-            begin_near(&mut bead, at);
+            begin_near(&mut bead.stroke, at);
         }
         jobs::finish(bead, &mut head.at, &mut out);
     }
@@ -158,7 +160,7 @@ pub fn order(
         let next = visits.get(k + 1).unwrap_or(visit);
         let to = Some(stops[next.stop].from);
         if let Some(island) = left[visit.stop].take() {
-            print_island(island, &mut head.at, to, context, settings, &mut out);
+            print_island(island, &mut head.at, to, context, plan, &mut out);
         }
     }
     supports::print(last, outline, &mut head.at, &mut out);
@@ -205,18 +207,18 @@ fn place_seams(
         let Some(outer) = group.walls.first_mut() else {
             continue;
         };
-        if !outer.closed || outer.role != Role::OuterWall {
+        if !outer.stroke.closed || outer.role != Role::OuterWall {
             continue;
         }
         let below = near.map(|n| n.1).filter(|_| group.site.follows);
         let below = below.map(Below::right);
-        let seam = follow(&group.site, &outer.points, below, ground);
+        let seam = follow(&group.site, &outer.stroke.points, below, ground);
         let Some(seam) = seam else {
             continue;
         };
         seams.push(seam);
-        if let Some(spot) = nearest_spot(outer, seam) {
-            begin::begin_at(outer, spot);
+        if let Some(spot) = nearest_spot(&outer.stroke, seam) {
+            begin::begin_at(&mut outer.stroke, spot);
         }
     }
     seams
@@ -231,7 +233,7 @@ fn island_start(island: &Island) -> Option<DVec2> {
         .chain(&island.infill)
         .chain(skin)
         .next()
-        .and_then(|b| b.points.first().copied())
+        .and_then(|b| b.stroke.points.first().copied())
 }
 
 #[cfg(test)]
@@ -292,10 +294,10 @@ mod tests {
             at: Some(DVec2::new(30.0, 0.0)),
             ..Head::default()
         };
-        let settings = Settings::default();
-        let out = order(beads, held(&outline), &mut head, &settings);
+        let plan = OrderPlan::with(|_| ());
+        let out = order(beads, held(&outline), &mut head, &plan);
         let side: Vec<bool> =
-            out.iter().map(|b| b.points[0].x > 10.0).collect();
+            out.iter().map(|b| b.stroke.points[0].x > 10.0).collect();
         assert_eq!(side, [true, true, false, false]);
         let roles: Vec<Role> = out.iter().map(|b| b.role).collect();
         use Role::{InnerWall, OuterWall};
@@ -317,12 +319,12 @@ mod tests {
             at: None,
             seams: vec![DVec2::new(1.2, -4.1)],
         };
-        let settings = Settings::default();
-        let out = order(beads, held(&outline), &mut head, &settings);
+        let plan = OrderPlan::with(|_| ());
+        let out = order(beads, held(&outline), &mut head, &plan);
         let starts: Vec<DVec2> = out
             .iter()
             .filter(|b| b.role == Role::OuterWall)
-            .map(|b| b.points[0])
+            .map(|b| b.stroke.points[0])
             .collect();
         assert!(starts.contains(&DVec2::new(1.0, -4.0)), "{starts:?}");
         // The other seam starts anew, where it would be by itself.
@@ -330,7 +332,7 @@ mod tests {
         assert_eq!(head.seams.len(), 2);
         // The walls behind begin beside the seam.
         let inner = out.iter().filter(|b| b.role == Role::InnerWall);
-        let begins: Vec<DVec2> = inner.map(|b| b.points[0]).collect();
+        let begins: Vec<DVec2> = inner.map(|b| b.stroke.points[0]).collect();
         let beside = DVec2::new(1.0, -3.0);
         let near = |p: &DVec2| p.distance(beside) < 1e-9;
         assert!(begins.iter().any(near), "{begins:?}");
@@ -357,13 +359,10 @@ mod tests {
                 2
             ];
             let mut head = Head::default();
-            let settings = Settings {
-                wall_order,
-                ..Settings::default()
-            };
-            let out = order(beads, held(&outline), &mut head, &settings);
+            let plan = OrderPlan::with(|s| s.wall_order = wall_order);
+            let out = order(beads, held(&outline), &mut head, &plan);
             assert_eq!(out.len(), 6);
-            let here = out.iter().filter(|b| b.points[0].x < 10.0);
+            let here = out.iter().filter(|b| b.stroke.points[0].x < 10.0);
             let roles: Vec<Role> = here.map(|b| b.role).collect();
             let at = |role| roles.iter().position(|r| *r == role).unwrap();
             assert_eq!(roles.len(), 4, "{roles:?}");
@@ -385,8 +384,10 @@ mod tests {
         let mut out = Vec::new();
         let jobs = jobs.into_iter().map(|j| (0, j)).collect();
         jobs::print(jobs, &mut at, None, &mut out);
-        let path: Vec<(f64, f64)> =
-            out.iter().map(|b| (b.points[0].x, b.points[0].y)).collect();
+        let path: Vec<(f64, f64)> = out
+            .iter()
+            .map(|b| (b.stroke.points[0].x, b.stroke.points[0].y))
+            .collect();
         assert_eq!(path, [(10.0, 0.0), (0.0, 1.0), (10.0, 2.0)]);
         // A ring begins on the way, between its corners if need be.
         let around = Job::of(wall(Role::SparseInfill, square(20.0, 2.0)));
@@ -394,7 +395,7 @@ mod tests {
         let mut out = Vec::new();
         let end = at;
         jobs::print(vec![(0, around)], &mut at, end, &mut out);
-        assert_eq!(out[0].points.len(), 5);
+        assert_eq!(out[0].stroke.points.len(), 5);
         assert_eq!(at, Some(DVec2::new(18.0, 0.5)));
     }
 }

@@ -34,7 +34,7 @@ pub fn supports_last(
     low: Option<Mm>,
 ) -> bool {
     let runs_into = |radius: Mm| {
-        let mut ways = supports.iter().flat_map(|bead| bead.segments());
+        let mut ways = supports.iter().flat_map(|bead| bead.stroke.segments());
         ways.any(|(a, b)| !outline.grid().clear(a, b, radius))
     };
     let first = number.is_multiple_of(2)
@@ -62,7 +62,7 @@ fn places<'a>(
 
 /// Where a bead begins.
 fn start(bead: &Bead) -> DVec2 {
-    bead.points.first().copied().unwrap_or_default()
+    bead.stroke.points.first().copied().unwrap_or_default()
 }
 
 /// Prints supports, in one place of the air beside the part after another, on a
@@ -157,7 +157,9 @@ mod tests {
         for (from, first) in [(0.0, 5.0), (12.0, 15.0), (30.0, 15.0)] {
             let (mut head, mut out) = (Some(DVec2::new(from, 5.0)), Vec::new());
             print(beads.clone(), &plate(), &mut head, &mut out);
-            let holes = out.iter().map(|bead| (bead.points[0].x - first).abs());
+            let holes = out
+                .iter()
+                .map(|bead| (bead.stroke.points[0].x - first).abs());
             let holes: Vec<bool> = holes.map(|d| d < 4.0).collect();
             assert_eq!(holes, [true, true, true, false, false, false]);
         }
@@ -172,7 +174,8 @@ mod tests {
                 let mut head = Some(DVec2::new(from, 5.0));
                 let mut out = Vec::new();
                 print(beads, &plate(), &mut head, &mut out);
-                let found: Vec<_> = out.iter().map(|b| b.points[0].x).collect();
+                let found: Vec<_> =
+                    out.iter().map(|b| b.stroke.points[0].x).collect();
                 assert_eq!(found, wanted, "{from} {at:?}");
             }
             wanted.reverse();

@@ -21,7 +21,10 @@ pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
             next[k as usize].push(i);
         }
     }
-    let ends = |b: &Bead| (b.points.first().copied(), b.points.last().copied());
+    let ends = |b: &Bead| {
+        let points = &b.stroke.points;
+        (points.first().copied(), points.last().copied())
+    };
     let mut lines: Vec<Option<Bead>> = lines.into_iter().map(Some).collect();
     let mut free = Nearest::new(std::iter::empty());
     let add = |free: &mut Nearest, line: &Option<Bead>, i: usize| {
@@ -38,12 +41,14 @@ pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
         }
     }
     while let Some(end) = free.pop(*at) {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         let Some(mut bead) = lines[end / 2].take() else {
             continue;
         };
         if end % 2 == 1 {
-            bead.reverse();
+            bead.stroke.reverse();
         }
         finish(bead, at, out);
         for &i in &next[end / 2] {
@@ -105,17 +110,19 @@ mod tests {
         for (i, b) in out.iter().enumerate() {
             for older in &out[..i] {
                 let x = |b: &Bead| {
-                    let (p, q) = (b.points[0].x, b.points[1].x);
+                    let (p, q) = (b.stroke.points[0].x, b.stroke.points[1].x);
                     (p.min(q), p.max(q))
                 };
                 let beside = x(b).0 < x(older).1 && x(older).0 < x(b).1;
-                assert!(!beside || older.points[0].y <= b.points[0].y);
+                assert!(
+                    !beside || older.stroke.points[0].y <= b.stroke.points[0].y
+                );
             }
         }
         // Row by row to and fro: the way between them is short.
         let way: f64 = out
             .windows(2)
-            .map(|w| w[0].points[1].distance(w[1].points[0]))
+            .map(|w| w[0].stroke.points[1].distance(w[1].stroke.points[0]))
             .sum();
         assert!(way < 25.0, "{way}");
     }

@@ -67,7 +67,8 @@ pub(super) fn tour(
     end: Option<DVec2>,
 ) -> Vec<Visit> {
     let first = nearest_first(stops, start);
-    if stops.len() < 2 {
+    // A tour that was stopped lacks some of them.
+    if stops.len() < 2 || first.len() < stops.len() {
         return first;
     }
     let mut search = Search::new(stops, first.clone(), start, end);
@@ -116,7 +117,9 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
         if of_stage.clone().count() <= FEW {
             let mut left: Vec<usize> = of_stage.map(|s| s.0).collect();
             while let Some((k, visit)) = nearest_of(stops, &left, at) {
-                isoslice_base::limits::check();
+                if isoslice_base::limits::is_stopped() {
+                    break;
+                }
                 at = Some(if visit.turned {
                     stops[visit.stop].from
                 } else {
@@ -132,7 +135,9 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
             std::iter::once((s.from, 2 * i)).chain(back)
         }));
         while let Some(end) = left.pop(at) {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             let (stop, turned) = (end / 2, end % 2 == 1);
             if std::mem::replace(&mut done[stop], true) {
                 continue;
@@ -267,7 +272,9 @@ impl<'a> Search<'a> {
     fn run(&mut self) {
         let mut near = Vec::with_capacity(PARTNERS);
         while let Some(stop) = self.queue.pop() {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             self.queued[stop] = false;
             // The ways to and from a stop are tried as long as one of them can
             // be shortened.

@@ -1,9 +1,9 @@
 //! Limits of a bead's speed and acceleration.
 
+use super::PacePlan;
 use super::rates::Rates;
 use isoslice_base::units::{MICRON, MmPerSec, MmPerSec2};
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 
 /// Greatest speed of a bead whatever its role: the limits of the first layer
@@ -11,14 +11,14 @@ use isoslice_settings::layers::LayerSpan;
 pub(super) fn speed_limit(
     bead: &Bead,
     span: &LayerSpan,
-    settings: &Settings,
+    plan: &PacePlan,
 ) -> MmPerSec {
-    let speed = &settings.speed;
+    let speed = &plan.speed;
     let first = match span.index {
         0 => speed.first_layer,
         _ => f64::INFINITY,
     };
-    if bead.small {
+    if bead.ring < speed.small_wall_length {
         first.min(speed.small_wall)
     } else {
         first
@@ -28,18 +28,17 @@ pub(super) fn speed_limit(
 /// Two speeds of a bead before cooling: the lesser of the speed that its rates
 /// ask for and the printer's greatest, and what of it the filament's flow allows.
 pub(super) fn print_speed(
-    settings: &Settings,
+    plan: &PacePlan,
     bead: &Bead,
     rates: &Rates,
 ) -> [MmPerSec; 2] {
     let area = bead.area() * rates.flow;
-    let printer = &settings.printer;
     let speed = rates
         .speed
-        .min(printer.max_speed)
-        .min(printer.max_speed_z / steepest(bead));
-    if area > 0.0 && settings.filament.max_flow > 0.0 {
-        [speed, speed.min(settings.filament.max_flow / area)]
+        .min(plan.max_speed)
+        .min(plan.limits.speed_z / steepest(bead));
+    if area > 0.0 && plan.max_flow > 0.0 {
+        [speed, speed.min(plan.max_flow / area)]
     } else {
         [speed; 2]
     }
@@ -47,10 +46,11 @@ pub(super) fn print_speed(
 
 /// Greatest rise or fall of a bead per length of its way; 0 for a flat one.
 fn steepest(bead: &Bead) -> f64 {
-    let flat = bead.levels.is_empty();
-    let segments = bead.segments().enumerate().filter(|_| !flat);
+    let flat = bead.stroke.levels.is_empty();
+    let segments = bead.stroke.segments().enumerate().filter(|_| !flat);
     let slopes = segments.map(|(i, (a, b))| {
-        let rise = (bead.level(i + 1).rise - bead.level(i).rise).abs();
+        let rise =
+            (bead.stroke.level(i + 1).rise - bead.stroke.level(i).rise).abs();
         if rise <= 0.0 {
             return 0.0;
         }
@@ -65,9 +65,9 @@ fn steepest(bead: &Bead) -> f64 {
 pub(super) fn acceleration(
     role: Role,
     span: &LayerSpan,
-    settings: &Settings,
+    plan: &PacePlan,
 ) -> MmPerSec2 {
-    let by_role = &settings.acceleration;
+    let by_role = &plan.acceleration;
     let asked = match role {
         Role::OuterWall => by_role.outer_wall,
         Role::InnerWall | Role::GapFill => by_role.inner_wall,
@@ -84,7 +84,7 @@ pub(super) fn acceleration(
     let own = if asked > 0.0 {
         asked
     } else {
-        settings.printer.acceleration
+        plan.limits.acceleration
     };
     if span.index == 0 && by_role.first_layer > 0.0 {
         own.min(by_role.first_layer)

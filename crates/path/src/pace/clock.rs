@@ -2,13 +2,13 @@
 //!
 //! In: moves, as the reader gives them. Out: the time of each, in their order,
 //! by the [motion model](super::motion), with the accelerations that the text
-//! sets, or those of the settings.
+//! sets, or the printer's own.
 
 use super::motion::{Limits, Motion, Planner};
 use glam::DVec3;
-use isoslice_base::units::{MmPerSec, MmPerSec2, Seconds};
+use isoslice_base::units::{MmPerSec, Seconds};
 use isoslice_gcode_read::reader::{Event, MachineState, Move, Reader};
-use isoslice_settings::{Flavour, Settings};
+use isoslice_settings::Flavour;
 
 /// Speed of moves before the file sets one.
 const FIRST_SPEED: MmPerSec = 25.0;
@@ -21,19 +21,15 @@ const LONGEST_CHAIN: usize = 1 << 17;
 pub struct Clock<T> {
     motion: Motion,
     limits: Limits,
-    acceleration: MmPerSec2,
     waiting: Vec<T>,
 }
 
 impl<T> Clock<T> {
-    /// A clock for the printer in the settings.
-    pub fn new(settings: &Settings) -> Self {
-        let limits = Limits::new(settings);
-        let acceleration = settings.printer.acceleration;
+    /// A clock for a printer.
+    pub fn new(limits: Limits) -> Self {
         Self {
-            motion: Motion::new(limits, acceleration),
+            motion: Motion::new(limits, limits.acceleration),
             limits,
-            acceleration,
             waiting: Vec::new(),
         }
     }
@@ -52,7 +48,7 @@ impl<T> Clock<T> {
             } else {
                 state.travel_acceleration
             };
-            let acceleration = set.unwrap_or(self.acceleration);
+            let acceleration = set.unwrap_or(self.limits.acceleration);
             let way = step.to - step.from;
             let filament = step.filament / step.length();
             self.motion.push(way, speed, acceleration, filament, prints);
@@ -85,21 +81,25 @@ impl<T> Clock<T> {
             return;
         };
         let limits = Limits {
-            planner: Planner::new(Flavour::Klipper, corner, self.acceleration),
+            planner: Planner::new(
+                Flavour::Klipper,
+                corner,
+                self.limits.acceleration,
+            ),
             ..self.limits
         };
         if limits != self.limits {
             self.limits = limits;
-            self.motion = Motion::new(limits, self.acceleration);
+            self.motion = Motion::new(limits, self.limits.acceleration);
         }
     }
 }
 
-/// How long a text takes on the printer in the settings, from rest to rest, and
+/// How long a text takes on a printer, from rest to rest, and
 /// where the head is in the end. Moves and pauses count, heating and homing do
 /// not.
-pub fn time_of(text: &[u8], settings: &Settings) -> (Seconds, DVec3) {
-    let mut clock = Clock::new(settings);
+pub fn time_of(text: &[u8], limits: Limits) -> (Seconds, DVec3) {
+    let mut clock = Clock::new(limits);
     let mut reader = Reader::new(text);
     let mut total = 0.0;
     while let Some(Ok(event)) = reader.next() {

@@ -41,7 +41,7 @@ pub(super) struct Rated {
 impl Rated {
     /// Lengths of the moves.
     pub(super) fn lengths(&self) -> impl Iterator<Item = Mm> + '_ {
-        self.bead.segments().enumerate().map(|(i, (a, b))| {
+        self.bead.stroke.segments().enumerate().map(|(i, (a, b))| {
             let turn = self.turns.get(i).copied().flatten();
             turn.map_or(a.distance(b), |turn| turn.length(a))
         })
@@ -57,11 +57,12 @@ impl Rated {
 
     /// The part of the bead that the moves `from` to `to` make up.
     pub(super) fn part(&self, from: usize, to: usize) -> Rated {
-        let path = self.bead.path().skip(from).take(to - from + 1);
+        let own = &self.bead.stroke;
+        let path = own.path().skip(from).take(to - from + 1);
         let points: Vec<DVec2> = path.collect();
-        let mut stroke = Stroke::new(points, false, self.bead.width);
-        if !self.bead.levels.is_empty() {
-            stroke.levels = (from..=to).map(|i| self.bead.level(i)).collect();
+        let mut stroke = Stroke::new(points, false, own.width);
+        if !own.levels.is_empty() {
+            stroke.levels = (from..=to).map(|i| own.level(i)).collect();
         }
         Rated {
             bead: Bead {
@@ -87,11 +88,12 @@ impl Rated {
             };
             return (half(0.0, share), half(share, 1.0));
         };
-        let ends = [self.bead.points[0], self.bead.points[1]];
+        let own = &self.bead.stroke;
+        let ends = [own.points[0], own.points[1]];
         let (middle, parts) = turn.halves(ends[0], share);
         let half = |from, to, turn| Rated {
             bead: Bead {
-                stroke: Stroke::new(vec![from, to], false, self.bead.width),
+                stroke: Stroke::new(vec![from, to], false, own.width),
                 ..self.bead
             },
             turns: vec![Some(turn)],
@@ -106,8 +108,8 @@ impl Rated {
     /// Adds a bead that follows at the same speed.
     pub(super) fn append(&mut self, next: Rated) {
         let stroke = &mut self.bead.stroke;
-        stroke.points.extend(next.bead.points.iter().skip(1));
-        stroke.levels.extend(next.bead.levels.iter().skip(1));
+        stroke.points.extend(next.bead.stroke.points.iter().skip(1));
+        stroke.levels.extend(next.bead.stroke.levels.iter().skip(1));
         self.turns.extend(next.turns);
     }
 }
@@ -199,11 +201,11 @@ mod tests {
         let slow = out.iter().filter(|r| r.by == Some(Cause::Moves));
         let count: usize = slow.map(|r| r.lengths().count()).sum();
         assert!((20..40).contains(&count), "{count}");
-        let length: Mm = out.iter().map(|r| r.bead.length()).sum();
+        let length: Mm = out.iter().map(|r| r.bead.stroke.length()).sum();
         assert!((length - whole).abs() < 1e-9);
         for pair in out.windows(2) {
-            let end = pair[0].bead.points.last().copied();
-            assert_eq!(end, Some(pair[1].bead.points[0]));
+            let end = pair[0].bead.stroke.points.last().copied();
+            assert_eq!(end, Some(pair[1].bead.stroke.points[0]));
         }
         // No three moves in a row take less than 0.03 s.
         let times: Vec<f64> = out

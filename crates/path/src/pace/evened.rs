@@ -90,7 +90,7 @@ pub(super) fn evened(chain: Vec<Rated>, most: Mm3PerSec2) -> Vec<Rated> {
     }
     let mut moves: Vec<One> = Vec::new();
     for (of, rated) in chain.iter().enumerate() {
-        let level = rated.bead.levels.is_empty();
+        let level = rated.bead.stroke.levels.is_empty();
         let whole = rated.bead.area();
         for (i, length) in rated.lengths().enumerate() {
             let area = if level {
@@ -203,7 +203,7 @@ mod tests {
         let of_bead = |r: &Rated| {
             let lengths: Vec<Mm> = r.lengths().collect();
             let (v, area) = (r.rates.speed, r.bead.area());
-            let points: Vec<DVec2> = r.bead.path().collect();
+            let points: Vec<DVec2> = r.bead.stroke.path().collect();
             (0..lengths.len())
                 .map(|i| {
                     let time = lengths[i] / v;

@@ -1,7 +1,7 @@
 //! The speed of the part's fan by the height of a layer and by its time.
 
 use isoslice_base::units::{Percent, Seconds};
-use isoslice_settings::Settings;
+use isoslice_settings::Cooling;
 
 /// Speed of the fan for the setting `asked`. It is higher on layers that take
 /// little time, which have less of it to cool, and lower on the first layers
@@ -10,9 +10,8 @@ pub(super) fn fan_speed(
     asked: Percent,
     index: usize,
     time: Seconds,
-    settings: &Settings,
+    cooling: &Cooling,
 ) -> Percent {
-    let cooling = &settings.cooling;
     let off = f64::from(cooling.fan_off_layers);
     let full = f64::from(cooling.full_fan_layer);
     let number = index as f64 + 1.0;
@@ -40,34 +39,34 @@ mod tests {
 
     #[test]
     fn the_fan_starts_in_steps() {
-        let mut settings = Settings::default();
-        settings.cooling.fan_off_layers = 2;
-        settings.cooling.full_fan_layer = 6;
+        let mut cooling = Cooling::default();
+        cooling.fan_off_layers = 2;
+        cooling.full_fan_layer = 6;
         let speeds: Vec<f64> = (0..8)
-            .map(|i| fan_speed(80.0, i, 100.0, &settings))
+            .map(|i| fan_speed(80.0, i, 100.0, &cooling))
             .collect();
         let steps = [0.0, 0.0, 20.0, 40.0, 60.0, 80.0, 80.0, 80.0];
         assert_eq!(speeds, steps);
-        settings.cooling.full_fan_layer = 0;
-        assert_eq!(fan_speed(80.0, 2, 100.0, &settings), 80.0);
-        assert_eq!(fan_speed(80.0, 1, 100.0, &settings), 0.0);
+        cooling.full_fan_layer = 0;
+        assert_eq!(fan_speed(80.0, 2, 100.0, &cooling), 80.0);
+        assert_eq!(fan_speed(80.0, 1, 100.0, &cooling), 0.0);
     }
 
     #[test]
     fn short_layers_have_more_fan() {
-        let mut settings = Settings::default();
-        settings.cooling.min_layer_time = 10.0;
-        settings.cooling.long_layer_time = 30.0;
-        settings.cooling.short_layer_fan_speed = Some(70.0);
-        let at = |asked, time| fan_speed(asked, 9, time, &settings);
+        let mut cooling = Cooling::default();
+        cooling.min_layer_time = 10.0;
+        cooling.long_layer_time = 30.0;
+        cooling.short_layer_fan_speed = Some(70.0);
+        let at = |asked, time| fan_speed(asked, 9, time, &cooling);
         assert_eq!(at(30.0, 40.0), 30.0);
         assert_eq!(at(30.0, 20.0), 50.0);
         assert_eq!(at(30.0, 10.0), 70.0);
         assert_eq!(at(30.0, 5.0), 70.0);
         // The speed is never less than was asked for.
         assert_eq!(at(90.0, 5.0), 90.0);
-        settings.cooling.long_layer_time = 10.0;
-        assert_eq!(fan_speed(30.0, 9, 10.0, &settings), 30.0);
-        assert_eq!(fan_speed(30.0, 9, 9.9, &settings), 70.0);
+        cooling.long_layer_time = 10.0;
+        assert_eq!(fan_speed(30.0, 9, 10.0, &cooling), 30.0);
+        assert_eq!(fan_speed(30.0, 9, 9.9, &cooling), 70.0);
     }
 }

@@ -40,12 +40,15 @@ mod evened;
 mod fan;
 pub mod motion;
 mod moves;
+mod plan;
 pub mod rates;
 mod slowing;
 
+pub use plan::{PacePlan, limits};
+
 pub use moves::Amount;
 pub use moves::Cause;
-pub use moves::{OfPart, PacedLayer, PacedMove};
+pub use moves::{OfPart, PacedLayer, PacedMove, Sums};
 
 use crate::travel::LayerPath;
 use crate::travel::{Move, Travel};
@@ -55,19 +58,16 @@ use evened::evened;
 use fan::fan_speed;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{
-    MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, Seconds, filament_area,
+    MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, Seconds,
 };
-use isoslice_layer::resolution::arc_tolerance;
 use isoslice_model::vary::VaryError;
 use isoslice_planar::arc;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::path_length;
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 use motion::{Limits, Motion};
 use rates::{Rater, Rates, Site};
 use slowing::{Slowing, slow_down};
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Height above the first layer at which the head comes from where the start
@@ -93,8 +93,7 @@ pub struct Stretch<'a, 'r> {
     pub place: Option<usize>,
     /// The moves, in print coordinates.
     pub moves: Vec<Move>,
-    /// The rates of the stretch's beads. The rater's settings hold for the
-    /// stretch.
+    /// The rates of the stretch's beads. The rater's plan holds for the stretch.
     pub rater: &'r Rater<'a>,
     /// Where the part is.
     pub site: Site<'r>,
@@ -103,16 +102,13 @@ pub struct Stretch<'a, 'r> {
 /// Gives speeds to one layer after another. Between two layers it knows where
 /// the head stands.
 pub struct Pacer<'a> {
-    /// The settings of the stretch that is being paced.
-    settings: &'a Settings,
+    /// The plan of the stretch that is being paced.
+    plan: &'a PacePlan,
     motion: Motion,
     /// Where the head is; none before the first move.
     xy: Option<DVec2>,
     z: Option<Mm>,
     retracted: bool,
-    /// Filament that has oozed out since the last bead and is replaced before
-    /// the next one, mm.
-    oozed: Mm,
     /// How far the highest bead of the layer so far reaches above the layer's
     /// top, mm.
     raised: Mm,
@@ -140,28 +136,15 @@ struct Printed {
     by: Option<Cause>,
 }
 
-/// What a layer's beads amount to.
-#[derive(Default)]
-struct Sums {
-    amounts: BTreeMap<Role, Amount>,
-    printing: usize,
-    slowed: usize,
-    lost: BTreeMap<Cause, Seconds>,
-}
-
 impl<'a> Pacer<'a> {
     /// A pacer for a print from the bed up.
-    pub fn new(settings: &'a Settings) -> Self {
+    pub fn new(plan: &'a PacePlan) -> Self {
         Self {
-            settings,
-            motion: Motion::new(
-                Limits::new(settings),
-                settings.travel_acceleration(),
-            ),
+            plan,
+            motion: Motion::new(plan.limits, plan.limits.travel_acceleration),
             xy: None,
             z: None,
             retracted: false,
-            oozed: 0.0,
             raised: 0.0,
             on_slope: false,
             lifted: false,
@@ -178,16 +161,15 @@ impl<'a> Pacer<'a> {
         self.z = Some(z);
         self.lifted = false;
         self.on_slope = false;
-        self.motion.tell(self.settings.travel_acceleration());
+        self.motion.tell(self.plan.limits.travel_acceleration);
     }
 
-    /// Gives the next layer of a single part its speeds, with settings that are
-    /// all constant.
+    /// Gives the next layer of a single part its speeds, of which nothing varies.
     ///
     /// # Errors
     /// If a setting is an expression.
     pub fn alone(&mut self, path: LayerPath) -> Result<PacedLayer, VaryError> {
-        let rater = Rater::constant(self.settings)?;
+        let rater = Rater::constant(self.plan)?;
         let stretch = Stretch {
             place: Some(0),
             moves: path.moves,
@@ -222,7 +204,7 @@ impl<'a> Pacer<'a> {
             let moves = first..out.len();
             parts.push(OfPart { place, moves });
         }
-        self.settings = whole.settings();
+        self.plan = whole.plan;
         if fan.is_nan() {
             // The fan's speed for the first bead holds from the layer's
             // beginning.
@@ -242,9 +224,9 @@ impl<'a> Pacer<'a> {
         if let Some(last) = parts.last_mut() {
             last.moves.end = out.len();
         }
-        let (slowing, time) =
-            slow_down(&mut self.motion, &self.settings.cooling);
-        let fan_at = |asked| fan_speed(asked, span.index, time, self.settings);
+        let cooling = &self.plan.cooling;
+        let (slowing, time) = slow_down(&mut self.motion, cooling);
+        let fan_at = |asked| fan_speed(asked, span.index, time, cooling);
         for step in &mut out {
             match step {
                 PacedMove::Print { bead, speed, .. } => {
@@ -255,7 +237,6 @@ impl<'a> Pacer<'a> {
             }
         }
         fan = fan_at(fan);
-        let sums = self.sums(slowing);
         Ok(PacedLayer {
             span,
             before: 0,
@@ -264,10 +245,7 @@ impl<'a> Pacer<'a> {
             fan,
             nozzle_temperature: whole.temperature(&span)?,
             time,
-            printing: sums.printing,
-            slowed: sums.slowed,
-            lost: sums.lost,
-            amounts: sums.amounts,
+            sums: self.sums(slowing),
         })
     }
 
@@ -317,23 +295,25 @@ impl<'a> Pacer<'a> {
         let Stretch {
             moves, rater, site, ..
         } = stretch;
-        self.settings = rater.settings();
+        self.plan = rater.plan;
         // Beads that follow each other without a travel.
         let mut chain = Vec::new();
         for step in moves {
-            isoslice_base::limits::check();
+            if isoslice_base::limits::is_stopped() {
+                break;
+            }
             match step {
                 Move::Travel(travel) => {
                     self.print_all(span, &mut chain, out);
                     self.travel(span, travel, out);
                 }
                 Move::Print(bead) => {
-                    let limit = speed_limit(&bead, span, self.settings);
+                    let limit = speed_limit(&bead, span, self.plan);
                     let pieces = rater.pieces(bead, span, site)?;
                     for (piece, mut rates) in pieces {
                         rates.speed = rates.speed.min(limit);
                         let [wanted, speed] =
-                            print_speed(self.settings, &piece, &rates);
+                            print_speed(self.plan, &piece, &rates);
                         rates.speed = wanted;
                         let mut rated = self.with_arcs(piece, rates);
                         rated.slow(speed, Cause::Flow);
@@ -357,7 +337,6 @@ impl<'a> Pacer<'a> {
             points,
             retract,
             hop,
-            prime,
             clear,
         } = travel;
         // Without a retraction, no way is left of one that goes nowhere.
@@ -366,17 +345,16 @@ impl<'a> Pacer<'a> {
         if points.is_empty() || nowhere && self.xy.is_some_and(stays) {
             return;
         }
-        let settings = self.settings;
+        let plan = self.plan;
         if std::mem::take(&mut self.on_slope) {
             // A level wipe would cut into what rises beside it.
             self.lift(span.top + self.raised, out);
         }
         if retract && !self.retracted {
             self.retract(wipe, out);
-            self.lifted |= hop && settings.retract.z_hop > 0.0;
+            self.lifted |= hop && plan.retract.z_hop > 0.0;
         }
-        self.oozed += prime;
-        let mut hop = settings.retract.z_hop.max(0.0);
+        let mut hop = plan.retract.z_hop.max(0.0);
         if self.z.is_none() {
             self.lifted = true;
             hop = hop.max(APPROACH);
@@ -390,15 +368,15 @@ impl<'a> Pacer<'a> {
             hop = hop.max(clear - low);
         }
         // A hop may not leave the machine.
-        let ceiling = settings.printer.height.max(low);
+        let ceiling = plan.height.max(low);
         let z = if self.lifted {
             (low + hop).min(ceiling)
         } else {
             low
         };
         self.lift(z, out);
-        let speed = settings.travel_speed();
-        let acceleration = settings.travel_acceleration();
+        let speed = plan.travel_speed;
+        let acceleration = plan.limits.travel_acceleration;
         for &to in &points {
             self.go(to, speed, acceleration, 0.0, false);
         }
@@ -415,12 +393,12 @@ impl<'a> Pacer<'a> {
             rates,
         };
         // An arc is flat.
-        if self.settings.arcs() && rated.bead.levels.is_empty() {
+        if self.plan.resolution.arcs && rated.bead.stroke.levels.is_empty() {
             let bead = &mut rated.bead;
-            let path: Vec<DVec2> = bead.path().collect();
-            let tolerance = arc_tolerance(bead.role, self.settings);
+            let path: Vec<DVec2> = bead.stroke.path().collect();
+            let tolerance = self.plan.resolution.arc_tolerance(bead.role);
             let (points, turns) = arc::fit(&path, tolerance);
-            bead.stroke = Stroke::new(points, false, bead.width);
+            bead.stroke = Stroke::new(points, false, bead.stroke.width);
             rated.turns = turns;
         }
         rated
@@ -433,9 +411,8 @@ impl<'a> Pacer<'a> {
         chain: &mut Vec<Rated>,
         out: &mut Vec<PacedMove>,
     ) {
-        let most = self.settings.max_moves_per_second();
-        let beads = slowed(std::mem::take(chain), most);
-        for rated in evened(beads, self.settings.filament.max_flow_change) {
+        let beads = slowed(std::mem::take(chain), self.plan.max_moves);
+        for rated in evened(beads, self.plan.max_flow_change) {
             self.print(span, rated, out);
         }
     }
@@ -453,11 +430,12 @@ impl<'a> Pacer<'a> {
             wanted,
             by,
         } = rated;
-        let settings = self.settings;
-        let Some(&start) = bead.points.first() else {
+        let plan = self.plan;
+        let stroke = &bead.stroke;
+        let Some(&start) = stroke.points.first() else {
             return;
         };
-        if bead.points.len() < 2 {
+        if stroke.points.len() < 2 {
             return;
         }
         if !self.xy.is_some_and(|at| near(at, start)) {
@@ -467,28 +445,26 @@ impl<'a> Pacer<'a> {
         }
         self.lifted = false;
         let level = |rise: Option<Mm>| span.top + rise.unwrap_or(0.0);
-        self.lift(level(bead.rise(0)), out);
+        self.lift(level(stroke.rise(0)), out);
         self.prime(out);
         if rates.fan != self.fan {
             self.fan = rates.fan;
             out.push(PacedMove::Fan(rates.fan));
         }
         let speed = rates.speed;
-        let acceleration = acceleration(bead.role, span, settings);
-        let filament = |area: Mm2| {
-            area * rates.flow / filament_area(settings.filament.diameter)
-        };
+        let acceleration = acceleration(bead.role, span, plan);
+        let filament = |area: Mm2| area * rates.flow / plan.filament_area;
         self.xy = Some(start);
         let first = self.motion.segments().len();
         let mut amount = Amount::default();
-        for (i, (from, to)) in bead.segments().enumerate() {
+        for (i, (from, to)) in stroke.segments().enumerate() {
             let mut add = |way: Mm, filament: f64| {
                 amount.length += way;
                 amount.filament += way * filament;
             };
-            if let Some(rise) = bead.rise(i + 1) {
+            if let Some(rise) = stroke.rise(i + 1) {
                 let fed = filament(bead.area_along(i));
-                let up = rise - bead.rise(i).unwrap_or(rise);
+                let up = rise - stroke.rise(i).unwrap_or(rise);
                 add(from.distance(to).hypot(up), fed);
                 let to = to.extend(level(Some(rise)));
                 self.go_up(to, speed, acceleration, fed, true);
@@ -515,12 +491,12 @@ impl<'a> Pacer<'a> {
             role: bead.role,
             amount,
             segments,
-            moves: bead.segments().count(),
+            moves: stroke.segments().count(),
             wanted,
             by,
         });
-        self.on_slope = !bead.levels.is_empty();
-        let rises = bead.levels.iter().map(|l| l.rise);
+        self.on_slope = !stroke.levels.is_empty();
+        let rises = stroke.levels.iter().map(|l| l.rise);
         self.raised = rises.fold(self.raised, f64::max);
         out.push(PacedMove::Print {
             bead,
@@ -534,7 +510,7 @@ impl<'a> Pacer<'a> {
     /// Pulls the filament back, a part of it before the wipe and the rest
     /// during the wipe.
     fn retract(&mut self, wipe: Vec<DVec2>, out: &mut Vec<PacedMove>) {
-        let retract = &self.settings.retract;
+        let retract = &self.plan.retract;
         if retract.length <= 0.0 {
             return;
         }
@@ -561,9 +537,9 @@ impl<'a> Pacer<'a> {
         }
         let rest = retract.length - first;
         // The wipe is no faster than the filament may be pulled back.
-        let speed = (WIPE_SPEED * self.settings.travel_speed())
+        let speed = (WIPE_SPEED * self.plan.travel_speed)
             .min(retract.speed * way / rest);
-        let acceleration = self.settings.travel_acceleration();
+        let acceleration = self.plan.limits.travel_acceleration;
         for &to in &wipe {
             self.go(to, speed, acceleration, -rest / way, false);
         }
@@ -575,16 +551,11 @@ impl<'a> Pacer<'a> {
     }
 
     fn prime(&mut self, out: &mut Vec<PacedMove>) {
-        let retract = &self.settings.retract;
-        let (length, extra) = if self.retracted {
-            (retract.length, retract.extra_prime)
-        } else {
-            (0.0, 0.0)
-        };
-        let extra = extra + std::mem::take(&mut self.oozed);
-        if !std::mem::take(&mut self.retracted) && extra <= 0.0 {
+        let retract = &self.plan.retract;
+        if !std::mem::take(&mut self.retracted) {
             return;
         }
+        let (length, extra) = (retract.length, retract.extra_prime);
         self.motion
             .push_filament(length + extra, retract.prime_speed);
         out.push(PacedMove::Prime {
@@ -635,13 +606,16 @@ impl<'a> Pacer<'a> {
         if self.z.is_some_and(|at| (at - z).abs() <= SAME_HEIGHT) {
             return;
         }
-        let printer = &self.settings.printer;
-        let speed = printer.max_speed_z;
+        let Limits {
+            speed_z: speed,
+            travel_acceleration,
+            ..
+        } = self.plan.limits;
         if let Some(at) = self.z {
             self.motion.push(
                 DVec3::Z * (count(z) - count(at)) * MICRON,
                 speed,
-                self.settings.travel_acceleration(),
+                travel_acceleration,
                 0.0,
                 false,
             );
@@ -653,11 +627,7 @@ impl<'a> Pacer<'a> {
 
 /// True for a bead that gives way last if a layer is slowed: an outer wall.
 fn is_spared(bead: &Bead) -> bool {
-    match bead.role {
-        Role::OuterWall => true,
-        Role::Overhang => !bead.inner,
-        _ => false,
-    }
+    bead.laid_as == Role::OuterWall
 }
 
 /// True if two points are one place.

@@ -108,6 +108,38 @@ pub struct Amount {
     pub time: Seconds,
 }
 
+/// What the beads of some layers amount to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sums {
+    /// The number of moves that print.
+    pub printing: usize,
+    /// How many of them are slower than asked for, since the printer takes only
+    /// so many in a second, and for no stronger reason.
+    pub slowed: usize,
+    /// Time that the layers take longer than at the speeds asked for. Where
+    /// several causes slow a bead, the strongest one counts.
+    pub lost: BTreeMap<Cause, Seconds>,
+    /// What the beads of each role amount to.
+    pub amounts: BTreeMap<Role, Amount>,
+}
+
+impl Sums {
+    /// Adds those of another layer.
+    pub fn add(&mut self, layer: &Sums) {
+        self.printing += layer.printing;
+        self.slowed += layer.slowed;
+        for (cause, time) in &layer.lost {
+            *self.lost.entry(*cause).or_default() += time;
+        }
+        for (role, amount) in &layer.amounts {
+            let sum = self.amounts.entry(*role).or_default();
+            sum.length += amount.length;
+            sum.filament += amount.filament;
+            sum.time += amount.time;
+        }
+    }
+}
+
 /// Moves of a layer that belong to one part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OfPart {
@@ -135,14 +167,6 @@ pub struct PacedLayer {
     pub nozzle_temperature: Celsius,
     /// How long the layer takes.
     pub time: Seconds,
-    /// The number of moves that print.
-    pub printing: usize,
-    /// How many of them are slower than asked for, since the printer takes only
-    /// so many in a second, and for no stronger reason.
-    pub slowed: usize,
-    /// Time that the layer takes longer than at the speeds asked for. Where
-    /// several causes slow a bead, the strongest one counts.
-    pub lost: BTreeMap<Cause, Seconds>,
-    /// What the beads of each role amount to.
-    pub amounts: BTreeMap<Role, Amount>,
+    /// What the layer's beads amount to.
+    pub sums: Sums,
 }

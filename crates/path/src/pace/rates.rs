@@ -7,6 +7,7 @@
 //! noticeably. Walls whose speed or fan depends on how far they reach beyond
 //! the layer below are cut in the same way.
 
+use super::PacePlan;
 use glam::DVec2;
 use isoslice_base::units::{Celsius, Mm, MmPerSec, Percent};
 use isoslice_layer::walls::Reach;
@@ -15,7 +16,7 @@ use isoslice_model::{Model, Place};
 use isoslice_planar::bead::{Bead, Level, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{Range, Settings, Speed, Varying};
+use isoslice_settings::{Speed, Varying};
 
 /// Distance between the points of a bead at which expressions are evaluated.
 const STEP: Mm = 1.0;
@@ -60,7 +61,8 @@ pub struct Rates {
 
 /// The rates of a run's beads.
 pub struct Rater<'a> {
-    settings: &'a Settings,
+    /// The speeds, flows and temperatures by which beads are rated.
+    pub plan: &'a PacePlan,
     /// What expressions know of the model; none if all settings are constant.
     around: Option<(&'a Surroundings<'a>, DVec2)>,
     /// The speeds of the roles, in the order of [`Role::ALL`].
@@ -97,7 +99,11 @@ fn speed_of(role: Role, speed: &Speed) -> (&'static str, Varying) {
         Role::InternalBridge => {
             ("speed.internal_bridge", &speed.internal_bridge)
         }
-        Role::Overhang => ("speed.overhang", &speed.overhang),
+        // Where speeds go by steps, the wall's own counts.
+        Role::Overhang => (
+            "speed.overhang",
+            speed.overhang.same().unwrap_or(&speed.outer_wall),
+        ),
         Role::Ironing => ("speed.ironing", &speed.ironing),
     };
     (key, value.clone())
@@ -110,11 +116,11 @@ impl<'a> Rater<'a> {
     /// # Errors
     /// If a setting is no valid expression.
     pub fn new(
-        settings: &'a Settings,
+        plan: &'a PacePlan,
         model: &Model,
         around: &'a Surroundings<'a>,
     ) -> Result<Rater<'a>, VaryError> {
-        Self::with(settings, Some((around, model.offset.truncate())))
+        Self::with(plan, Some((around, model.offset.truncate())))
     }
 
     /// A rater for settings that are all constant. An expression has no value
@@ -122,34 +128,31 @@ impl<'a> Rater<'a> {
     ///
     /// # Errors
     /// If a setting is no valid expression.
-    pub fn constant(settings: &'a Settings) -> Result<Rater<'a>, VaryError> {
-        Self::with(settings, None)
+    pub fn constant(plan: &'a PacePlan) -> Result<Rater<'a>, VaryError> {
+        Self::with(plan, None)
     }
 
     fn with(
-        settings: &'a Settings,
+        plan: &'a PacePlan,
         around: Option<(&'a Surroundings<'a>, DVec2)>,
     ) -> Result<Rater<'a>, VaryError> {
         let speeds: Vec<Quantity> = Role::ALL
             .iter()
             .map(|r| {
-                let (key, value) = speed_of(*r, &settings.speed);
+                let (key, value) = speed_of(*r, &plan.speed);
                 Quantity::new(key, &value)
             })
             .collect::<Result<_, _>>()?;
-        let flow = Quantity::new("flow", &settings.flow)?;
-        let width = Quantity::new("bead_width", &settings.bead_width)?;
-        let fan =
-            Quantity::new("cooling.fan_speed", &settings.cooling.fan_speed)?;
-        let temperature = Quantity::level(
-            "filament.nozzle_temperature",
-            &settings.filament.nozzle_temperature,
-        )?;
+        let flow = Quantity::new("flow", &plan.flow)?;
+        let width = Quantity::new("bead_width", &plan.bead_width)?;
+        let fan = Quantity::new("cooling.fan_speed", &plan.cooling.fan_speed)?;
+        let temperature =
+            Quantity::level("filament.nozzle_temperature", &plan.temperature)?;
         let all = || speeds.iter().chain([&flow, &width, &fan]);
         let varies = all().any(|q| q.constant().is_none());
         let measures = all().any(Quantity::uses_depth);
         Ok(Rater {
-            settings,
+            plan,
             around,
             speeds,
             flow,
@@ -161,11 +164,6 @@ impl<'a> Rater<'a> {
         })
     }
 
-    /// The settings by which beads are rated.
-    pub fn settings(&self) -> &'a Settings {
-        self.settings
-    }
-
     /// Temperature of the nozzle on a layer. The value of an expression is
     /// rounded to whole degrees.
     ///
@@ -174,28 +172,20 @@ impl<'a> Rater<'a> {
     /// value, or the printer does not bear it.
     pub fn temperature(&self, span: &LayerSpan) -> Result<Celsius, VaryError> {
         if span.index == 0 {
-            return Ok(self.settings.filament.first_layer_nozzle_temperature);
+            return Ok(self.plan.first_temperature);
         }
         if let Some(value) = self.temperature.constant() {
             return Ok(value);
         }
         // A value at which plastic does not melt, or that the printer does not
         // bear, is a mistake in the expression. It is not clamped.
-        let range = Range {
-            min: self.settings.min_nozzle_temperature(),
-            max: self
-                .settings
-                .printer
-                .max_nozzle_temperature
-                .unwrap_or(f64::INFINITY),
-            or_zero: false,
-        };
+        let range = self.plan.temperatures;
         Ok(self.temperature.at_height(span.top, range)?.round())
     }
 
     /// Speed of the fan at a layer's beginning; none if the first bead sets it.
     pub fn fan(&self, span: &LayerSpan) -> Option<Percent> {
-        if span.index < self.settings.cooling.fan_off_layers as usize {
+        if span.index < self.plan.cooling.fan_off_layers as usize {
             Some(0.0)
         } else {
             self.fan.constant()
@@ -219,15 +209,14 @@ impl<'a> Rater<'a> {
         site: Site<'_>,
     ) -> Result<Vec<(Bead, Rates)>, VaryError> {
         let by_reach = self.by_reach(&bead);
-        let role = match (by_reach.speed, bead.inner) {
-            (false, _) => bead.role,
-            (true, false) => Role::OuterWall,
-            (true, true) => Role::InnerWall,
+        let role = if by_reach.speed {
+            bead.laid_as
+        } else {
+            bead.role
         };
         let quantities = [self.speed(role), &self.flow, &self.width, &self.fan];
         let constant =
             !self.varies || quantities.iter().all(|q| q.constant().is_some());
-        isoslice_base::limits::check();
         let reach = site.reach.filter(|_| by_reach.any());
         let (steps, shares) = self.reaching(&bead, reach, site.shift);
         let reaches = shares.iter().any(|share| *share > 0.0);
@@ -241,7 +230,7 @@ impl<'a> Rater<'a> {
             quantity.evaluate(&places, values)?;
         }
         if reaches {
-            by_reach.apply(&shares, &mut values, self.settings);
+            by_reach.apply(&shares, &mut values, self.plan);
         }
         let at = |i: usize| [0, 1, 2, 3].map(|k: usize| values[k][i]);
         let rated = |run: std::ops::Range<usize>| {
@@ -261,10 +250,10 @@ impl<'a> Rater<'a> {
             bead.role,
             Role::OuterWall | Role::InnerWall | Role::Overhang
         );
-        let Settings { speed, cooling, .. } = self.settings;
+        let PacePlan { speed, cooling, .. } = self.plan;
         ByReach {
-            speed: wall && !speed.overhang_steps.is_off(),
-            fan: wall && !cooling.overhang_fan_steps.is_off(),
+            speed: wall && speed.overhang.steps().is_some(),
+            fan: wall && cooling.overhang_fan_speed.steps().is_some(),
         }
     }
 
@@ -277,15 +266,15 @@ impl<'a> Rater<'a> {
         shift: DVec2,
     ) -> (Vec<Step>, Vec<Percent>) {
         let Some(reach) = reach else {
-            return (steps(piece, STEP), Vec::new());
+            return (steps(&piece.stroke, STEP), Vec::new());
         };
-        let steps = steps(piece, REACH_STEP);
+        let steps = steps(&piece.stroke, REACH_STEP);
         let placed = self.around.map_or(DVec2::ZERO, |around| around.1);
         let offset = placed + shift;
         let share = |step: &Step| {
             let middle = 0.5 * (step.from + step.to) - offset;
             let along = (step.to - step.from).normalize_or_zero();
-            let side = 0.5 * piece.width * along.perp();
+            let side = 0.5 * piece.stroke.width * along.perp();
             100.0 * reach.share(middle - side, middle + side)
         };
         let shares: Vec<Percent> = steps.iter().map(share).collect();
@@ -295,19 +284,15 @@ impl<'a> Rater<'a> {
 
     /// Share of a bead's volume that is printed, by the bead's role.
     fn share(&self, bead: &Bead) -> f64 {
+        let mut flows = self.plan.flows.iter();
+        let own = flows.find(|(role, _)| *role == bead.role);
+        let share = own.map_or(1.0, |(_, flow)| 0.01 * flow);
         match bead.role {
-            Role::Bridge => 0.01 * self.settings.bridge_flow,
-            Role::InternalBridge => 0.01 * self.settings.internal_bridge_flow,
-            Role::Support => 0.01 * self.settings.support.flow,
-            Role::SupportInterface => {
-                0.01 * self.settings.support.interface_flow
-            }
             // The skin that is ironed is full except for this share.
             Role::Ironing => {
-                let full = bead.width * bead.height;
-                0.01 * self.settings.ironing_flow * full / bead.area()
+                share * (bead.stroke.width * bead.height) / bead.area()
             }
-            _ => 1.0,
+            _ => share,
         }
     }
 
@@ -351,17 +336,18 @@ impl<'a> Rater<'a> {
     ) -> (Bead, Rates) {
         // Neither skirt and brim nor supports belong to the part.
         if bead.role.is_part() {
-            bead.width *= width / 100.0;
+            bead.stroke.width *= width / 100.0;
         }
-        let cooling = &self.settings.cooling;
+        let cooling = &self.plan.cooling;
         let fan = match bead.role {
             _ if span.index < cooling.fan_off_layers as usize => 0.0,
-            Role::Overhang if !cooling.overhang_fan_steps.is_off() => fan,
             Role::Bridge => cooling.bridge_fan_speed,
             Role::InternalBridge => cooling
                 .internal_bridge_fan_speed
                 .unwrap_or(cooling.bridge_fan_speed),
-            Role::Overhang => cooling.overhang_fan_speed,
+            Role::Overhang => {
+                *cooling.overhang_fan_speed.same().unwrap_or(&fan)
+            }
             Role::SupportInterface => {
                 cooling.support_interface_fan_speed.unwrap_or(fan)
             }
@@ -369,7 +355,7 @@ impl<'a> Rater<'a> {
         };
         let rates = Rates {
             speed,
-            flow: flow * self.settings.filament.flow * 1e-4 * self.share(&bead),
+            flow: flow * self.plan.filament_flow * 1e-4 * self.share(&bead),
             fan,
         };
         (bead, rates)
@@ -392,16 +378,18 @@ impl ByReach {
         &self,
         shares: &[Percent],
         [speeds, _, _, fans]: &mut [Vec<f64>; 4],
-        settings: &Settings,
+        plan: &PacePlan,
     ) {
-        if self.speed {
-            let steps = &settings.speed.overhang_steps;
+        if self.speed
+            && let Some(steps) = plan.speed.overhang.steps()
+        {
             for (speed, share) in speeds.iter_mut().zip(shares) {
                 *speed = steps.at(*share, *speed).min(*speed);
             }
         }
-        if self.fan {
-            let steps = &settings.cooling.overhang_fan_steps;
+        if self.fan
+            && let Some(steps) = plan.cooling.overhang_fan_speed.steps()
+        {
             for (fan, share) in fans.iter_mut().zip(shares) {
                 *fan = steps.at(*share, *fan);
             }
@@ -457,10 +445,10 @@ struct Step {
 }
 
 /// The bead in stretches of at most `longest`.
-fn steps(bead: &Bead, longest: Mm) -> Vec<Step> {
+fn steps(stroke: &Stroke, longest: Mm) -> Vec<Step> {
     let mut steps = Vec::new();
-    for (k, (a, b)) in bead.segments().enumerate() {
-        let level = |t: f64| bead.level(k).lerp(bead.level(k + 1), t);
+    for (k, (a, b)) in stroke.segments().enumerate() {
+        let level = |t: f64| stroke.level(k).lerp(stroke.level(k + 1), t);
         let count = (a.distance(b) / longest).ceil().max(1.0);
         for i in 0..count as usize {
             let last = i + 1 == count as usize;
@@ -516,8 +504,8 @@ fn part(bead: &Bead, steps: &[Step]) -> Bead {
     let begin = steps.first().map(|s| (s.from, s.levels[0]));
     let (points, levels): (Vec<DVec2>, Vec<Level>) =
         begin.into_iter().chain(ends).unzip();
-    let mut stroke = Stroke::new(points, false, bead.width);
-    if !bead.levels.is_empty() {
+    let mut stroke = Stroke::new(points, false, bead.stroke.width);
+    if !bead.stroke.levels.is_empty() {
         stroke.levels = levels;
     }
     Bead { stroke, ..*bead }
@@ -543,15 +531,15 @@ mod tests {
     fn stretches_are_the_bead() {
         let square =
             bead(&[(0.0, 0.0), (3.5, 0.0), (3.5, 2.0), (0.0, 2.0)], true);
-        let steps = steps(&square, STEP);
+        let steps = steps(&square.stroke, STEP);
         assert_eq!(steps.len(), 4 + 2 + 4 + 2);
         assert!(steps.windows(2).all(|w| w[0].to == w[1].from));
         let longest = steps.iter().map(|s| s.from.distance(s.to));
         assert!(longest.fold(0.0, f64::max) <= STEP);
         // Put together again, the bead has its corners and no other points.
         let whole = part(&square, &steps);
-        assert_eq!(whole.points.len(), 5);
-        assert_eq!(whole.length(), square.length());
+        assert_eq!(whole.stroke.points.len(), 5);
+        assert_eq!(whole.stroke.length(), square.stroke.length());
     }
 
     #[test]
@@ -566,12 +554,11 @@ mod tests {
 
     #[test]
     fn constant_settings_leave_beads_whole() {
-        let settings = Settings {
-            flow: Varying::Constant(90.0),
-            bead_width: Varying::Constant(110.0),
-            ..Settings::default()
-        };
-        let rater = Rater::constant(&settings).unwrap();
+        let plan = PacePlan::with(|s| {
+            s.flow = Varying::Constant(90.0);
+            s.bead_width = Varying::Constant(110.0);
+        });
+        let rater = Rater::constant(&plan).unwrap();
         let span = LayerSpan {
             index: 4,
             bottom: 0.8,
@@ -581,7 +568,7 @@ mod tests {
         let pieces = rater.pieces(line, &span, Site::default()).unwrap();
         assert_eq!(pieces.len(), 1);
         let (bead, rates) = &pieces[0];
-        assert!((bead.width - 0.495).abs() < 1e-12);
+        assert!((bead.stroke.width - 0.495).abs() < 1e-12);
         assert!((rates.flow - 0.9).abs() < 1e-12);
         assert_eq!((rates.speed, rates.fan), (40.0, 100.0));
     }

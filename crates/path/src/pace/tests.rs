@@ -7,10 +7,6 @@ use isoslice_planar::bead::{Level, Role, Stroke, cross_section};
 use isoslice_settings::{Flavour, Varying};
 
 impl<'a> Pacer<'a> {
-    fn plain(settings: &'a Settings) -> Self {
-        Pacer::new(settings)
-    }
-
     fn paced(&mut self, path: LayerPath) -> PacedLayer {
         self.alone(path).unwrap()
     }
@@ -52,7 +48,7 @@ fn layer(index: usize, beads: Vec<Bead>) -> LayerPath {
     let moves = beads
         .into_iter()
         .flat_map(|b| {
-            let points = vec![b.points[0]];
+            let points = vec![b.stroke.points[0]];
             [hop(points), Move::Print(b)]
         })
         .collect();
@@ -75,7 +71,7 @@ fn speeds(layer: &PacedLayer) -> Vec<f64> {
 
 #[test]
 fn roles_first_layer_and_flow_set_the_speed() {
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.cooling.min_layer_time = 0.0;
     let beads = || {
         vec![
@@ -83,7 +79,7 @@ fn roles_first_layer_and_flow_set_the_speed() {
             square(Role::SparseInfill, 20.0),
         ]
     };
-    let mut pacer = Pacer::plain(&s);
+    let mut pacer = Pacer::new(&s);
     let first = pacer.paced(layer(0, beads()));
     assert_eq!(speeds(&first), [20.0, 20.0]);
     assert_eq!(first.fan, 0.0);
@@ -91,10 +87,10 @@ fn roles_first_layer_and_flow_set_the_speed() {
     assert_eq!(speeds(&second), [40.0, 80.0]);
     assert_eq!(second.fan, 100.0);
 
-    s.filament.max_flow = 4.0;
+    s.max_flow = 4.0;
     s.flow = Varying::Constant(110.0);
-    s.filament.flow = 95.0;
-    let mut pacer = Pacer::plain(&s);
+    s.filament_flow = 95.0;
+    let mut pacer = Pacer::new(&s);
     let slow = pacer.paced(layer(1, beads()));
     let limit = 4.0 / (cross_section(0.45, 0.2) * 1.1 * 0.95);
     assert!(limit > 40.0 && limit < 80.0);
@@ -104,13 +100,16 @@ fn roles_first_layer_and_flow_set_the_speed() {
 
 #[test]
 fn walls_round_small_things_are_slower() {
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.cooling.min_layer_time = 0.0;
-    let of = |s: &Settings, small| {
+    let of = |s: &PacePlan, small| {
         // A wall that is cut open is still a small wall.
         let mut bead = square(Role::OuterWall, 4.9);
-        (bead.small, bead.closed) = (small, false);
-        speeds(&Pacer::plain(s).paced(layer(1, vec![bead])))[0]
+        bead.stroke.closed = false;
+        if small {
+            bead.ring = bead.stroke.length();
+        }
+        speeds(&Pacer::new(s).paced(layer(1, vec![bead])))[0]
     };
     assert_eq!(of(&s, true), 25.0);
     assert_eq!(of(&s, false), 40.0);
@@ -120,7 +119,7 @@ fn walls_round_small_things_are_slower() {
 
 #[test]
 fn roles_have_their_accelerations() {
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.cooling.min_layer_time = 0.0;
     let roles = [
         Role::OuterWall,
@@ -128,9 +127,9 @@ fn roles_have_their_accelerations() {
         Role::TopSkin,
         Role::Ironing,
     ];
-    let of = |s: &Settings, index| {
+    let of = |s: &PacePlan, index| {
         let beads = roles.map(|r| square(r, 20.0)).to_vec();
-        let layer = Pacer::plain(s).paced(layer(index, beads));
+        let layer = Pacer::new(s).paced(layer(index, beads));
         let each = layer.moves.iter().filter_map(|m| match m {
             PacedMove::Print { acceleration, .. } => Some(*acceleration),
             _ => None,
@@ -151,11 +150,11 @@ fn roles_have_their_accelerations() {
         let mut s = s.clone();
         s.acceleration.outer_wall = a;
         let mut bead = square(Role::OuterWall, 1.0);
-        bead.points = vec![DVec2::splat(50.0), DVec2::new(150.0, 50.0)];
-        bead.closed = false;
+        bead.stroke.points = vec![DVec2::splat(50.0), DVec2::new(150.0, 50.0)];
+        bead.stroke.closed = false;
         let mut path = layer(1, vec![bead]);
         path.moves.remove(0);
-        let mut pacer = Pacer::plain(&s);
+        let mut pacer = Pacer::new(&s);
         pacer.xy = Some(DVec2::splat(50.0));
         pacer.z = Some(path.span.top);
         pacer.paced(path).time
@@ -167,45 +166,46 @@ fn roles_have_their_accelerations() {
 
 #[test]
 fn travels_have_theirs_and_z_its_own() {
-    let mut s = Settings::default();
-    s.retract.length = 0.0;
-    // The move goes from rest to rest, as RepRapFirmware does in any case.
-    s.gcode.flavour = Flavour::Rrf;
-    let travel = |s: &Settings, to: f64| {
-        let mut pacer = Pacer::plain(s);
+    let travel = |of_travels: f64, of_z: f64| {
+        let plan = PacePlan::with(|s| {
+            s.retract.length = 0.0;
+            // The move goes from rest to rest, as RepRapFirmware does in any
+            // case.
+            s.gcode.flavour = Flavour::Rrf;
+            s.printer.travel_acceleration = of_travels;
+            s.printer.max_acceleration_z = of_z;
+        });
+        let mut pacer = Pacer::new(&plan);
         pacer.xy = Some(DVec2::splat(50.0));
         pacer.z = Some(0.2);
-        let to = DVec2::new(50.0 + to, 50.0);
+        let to = DVec2::new(110.0, 50.0);
         let moves = vec![Move::Travel(Travel::straight(to, false))];
         let span = span(1);
         pacer.paced(LayerPath { span, moves }).time
     };
     // Up 0.2 mm, too short for 10 mm/s at 100 mm/s²; then 60 mm.
     let up = |a: f64| 2.0 * (0.2 / a).sqrt();
-    s.acceleration.travel = 600.0;
-    s.printer.max_acceleration_z = 100.0;
     let along = 60.0 / 150.0 + 150.0 / 600.0;
-    assert!((travel(&s, 60.0) - along - up(100.0)).abs() < 1e-9);
+    assert!((travel(600.0, 100.0) - along - up(100.0)).abs() < 1e-9);
     // The acceleration is no more than that of other moves.
-    s.printer.max_acceleration_z = 5000.0;
     let quicker = 0.2 / 10.0 + 10.0 / 600.0;
-    assert!((travel(&s, 60.0) - along - quicker).abs() < 1e-9);
-    s.acceleration.travel = 0.0;
+    assert!((travel(600.0, 5000.0) - along - quicker).abs() < 1e-9);
     let along = 60.0 / 150.0 + 150.0 / 1500.0;
     let up = 0.2 / 10.0 + 10.0 / 1500.0;
-    assert!((travel(&s, 60.0) - along - up).abs() < 1e-9);
+    assert!((travel(1500.0, 5000.0) - along - up).abs() < 1e-9);
 }
 
 #[test]
 fn bridges_have_their_own_speed_flow_and_fan() {
-    let mut s = Settings::default();
-    s.cooling.min_layer_time = 0.0;
-    s.cooling.fan_speed = Varying::Constant(40.0);
-    s.bridge_flow = 80.0;
+    let s = PacePlan::with(|s| {
+        s.cooling.min_layer_time = 0.0;
+        s.cooling.fan_speed = Varying::Constant(40.0);
+        s.bridge_flow = 80.0;
+    });
     let roles = [Role::TopSkin, Role::Bridge, Role::Bridge, Role::Overhang];
     let beads = roles.map(|r| square(r, 20.0)).to_vec();
     let fed = |bead: Bead| -> f64 {
-        let l = Pacer::plain(&s).paced(layer(1, vec![bead]));
+        let l = Pacer::new(&s).paced(layer(1, vec![bead]));
         let of = |m: &PacedMove| match m {
             PacedMove::Print { bead, flow, .. } => bead.area() * flow,
             _ => 0.0,
@@ -215,7 +215,7 @@ fn bridges_have_their_own_speed_flow_and_fan() {
     let (bridge, top) = (Role::Bridge, Role::TopSkin);
     let share = fed(square(bridge, 20.0)) / fed(square(top, 20.0));
     assert!((share - 0.8).abs() < 1e-9);
-    let mut pacer = Pacer::plain(&s);
+    let mut pacer = Pacer::new(&s);
     let l = pacer.paced(layer(1, beads.clone()));
     assert_eq!(speeds(&l), [40.0, 30.0, 30.0, 20.0]);
     let fans = |l: &PacedLayer| -> Vec<f64> {
@@ -234,7 +234,7 @@ fn bridges_have_their_own_speed_flow_and_fan() {
     assert_eq!(fans(&pacer.paced(layer(2, back))), [100.0, 40.0]);
     assert!(fans(&pacer.paced(layer(0, beads))).is_empty());
     let mut ironed = square(Role::Ironing, 20.0);
-    ironed.width = 0.1;
+    ironed.stroke.width = 0.1;
     assert!((fed(ironed) - 0.1 * 0.1 * 0.2).abs() < 1e-12);
 }
 
@@ -244,12 +244,11 @@ fn a_short_layer_is_slowed_to_the_minimum_time() {
         isoslice_settings::Flavour::Marlin,
         isoslice_settings::Flavour::Klipper,
     ] {
-        let mut s = Settings::default();
-        s.gcode.flavour = flavour;
+        let mut s = PacePlan::with(|s| s.gcode.flavour = flavour);
         s.cooling.min_speed = 1.0;
         for target in [6.0, 8.0, 20.0, 60.0] {
             s.cooling.min_layer_time = target;
-            let mut pacer = Pacer::plain(&s);
+            let mut pacer = Pacer::new(&s);
             let l = pacer.paced(layer(
                 1,
                 vec![
@@ -274,7 +273,7 @@ fn a_short_layer_is_slowed_to_the_minimum_time() {
 /// first. Outer walls keep theirs until that is as low as it may be.
 #[test]
 fn the_fastest_give_way_first_and_outer_walls_last() {
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.cooling.min_speed = 8.0;
     let beads = [
         (Role::OuterWall, 40.0),
@@ -287,10 +286,11 @@ fn the_fastest_give_way_first_and_outer_walls_last() {
     let mut outer = Vec::new();
     for target in 0..16 {
         s.cooling.min_layer_time = f64::from(3 * target);
-        let all = beads.map(|(role, _)| square(role, 20.0)).to_vec();
-        let l = Pacer::plain(&s).paced(layer(1, all));
-        let v = speeds(&l);
+        let mut all = beads.map(|(role, _)| square(role, 20.0)).to_vec();
         // The overhang is an outer wall's.
+        all[3].laid_as = Role::OuterWall;
+        let l = Pacer::new(&s).paced(layer(1, all));
+        let v = speeds(&l);
         assert_eq!(v[0].min(own[3]), v[3], "{v:?}");
         let cap = v[2];
         assert_eq!(v[1], cap.min(own[1]), "{v:?}");
@@ -314,18 +314,18 @@ fn lost_time_has_one_cause_at_final_speeds() {
         let stroke = Stroke::new(points.collect(), false, 0.45);
         Bead::new(Role::SparseInfill, stroke, 0.2)
     };
-    let lost = |s: &Settings| {
+    let lost = |s: &PacePlan| {
         let beads = vec![crowd(), square(Role::SparseInfill, 5.0)];
-        let l = Pacer::plain(s).paced(layer(1, beads));
-        let of = |cause| l.lost.get(&cause).copied().unwrap_or(0.0);
+        let l = Pacer::new(s).paced(layer(1, beads));
+        let of = |cause| l.sums.lost.get(&cause).copied().unwrap_or(0.0);
         let all = [Cause::Cooling, Cause::Flow, Cause::Moves].map(of);
         let whole = of(Cause::Acceleration) + all.iter().sum::<f64>();
         assert!(whole < l.time, "{whole} {}", l.time);
-        (all, l.slowed)
+        (all, l.sums.slowed)
     };
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.cooling.min_layer_time = 0.0;
-    s.printer.max_moves_per_second = Some(200.0);
+    s.max_moves = 200.0;
     // 19.9 mm at 0.1 mm * 200/s, a step of a tenth of 80 mm/s down.
     let ([cooling, flow, moves], slowed) = lost(&s);
     assert_eq!((cooling, flow, slowed), (0.0, 0.0, 199));
@@ -338,7 +338,7 @@ fn lost_time_has_one_cause_at_final_speeds() {
     assert!((cooling - length * (1.0 / 10.0 - 1.0 / 80.0)).abs() < 1e-6);
     // So does the hot end.
     s.cooling.min_layer_time = 0.0;
-    s.filament.max_flow = 1.0;
+    s.max_flow = 1.0;
     let ([cooling, flow, moves], slowed) = lost(&s);
     assert_eq!((cooling, moves, slowed), (0.0, 0.0, 0));
     let speed = 1.0 / crowd().area();
@@ -347,8 +347,8 @@ fn lost_time_has_one_cause_at_final_speeds() {
 
 #[test]
 fn slowing_ends_at_the_floor() {
-    let s = Settings::default();
-    let mut pacer = Pacer::plain(&s);
+    let s = PacePlan::with(|_| ());
+    let mut pacer = Pacer::new(&s);
     let l = pacer.paced(layer(
         1,
         vec![
@@ -362,21 +362,21 @@ fn slowing_ends_at_the_floor() {
 
 #[test]
 fn a_speed_below_the_floor_is_not_raised() {
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.speed.outer_wall = Varying::Constant(6.0);
-    let mut pacer = Pacer::plain(&s);
+    let mut pacer = Pacer::new(&s);
     let l = pacer.paced(layer(1, vec![square(Role::OuterWall, 4.0)]));
     assert_eq!(speeds(&l), [6.0]);
 }
 
 #[test]
 fn travels_are_not_slowed() {
-    let s = Settings::default();
-    let mut pacer = Pacer::plain(&s);
+    let s = PacePlan::with(|_| ());
+    let mut pacer = Pacer::new(&s);
     let l = pacer.paced(layer(1, vec![square(Role::OuterWall, 4.0)]));
     for m in &l.moves {
         if let PacedMove::Travel { speed, .. } = m {
-            assert_eq!(*speed, s.speed.travel);
+            assert_eq!(*speed, s.travel_speed);
         }
     }
 }
@@ -384,9 +384,9 @@ fn travels_are_not_slowed() {
 /// The machine's z and retraction along the moves, checked at each step.
 #[test]
 fn retractions_pair_and_z_is_right() {
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.retract.z_hop = 0.4;
-    let mut pacer = Pacer::plain(&s);
+    let mut pacer = Pacer::new(&s);
     let (mut z, mut retracted) = (f64::NAN, false);
     let mut primes = 0;
     for index in 0..3 {
@@ -434,13 +434,13 @@ fn retractions_pair_and_z_is_right() {
 }
 
 /// The steps between two beads with a travel in between.
-fn between(settings: &Settings, travel: Travel) -> Vec<PacedMove> {
+fn between(plan: &PacePlan, travel: Travel) -> Vec<PacedMove> {
     let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
     path.moves.push(Move::Travel(travel));
     let mut next = square(Role::OuterWall, 10.0);
-    next.points.iter_mut().for_each(|p| *p += 20.0);
+    next.stroke.points.iter_mut().for_each(|p| *p += 20.0);
     path.moves.push(Move::Print(next));
-    let moves = Pacer::plain(settings).paced(path).moves;
+    let moves = Pacer::new(plan).paced(path).moves;
     let print = |m: &PacedMove| matches!(m, PacedMove::Print { .. });
     let mut parts = moves.split(print);
     parts.nth(1).map(<[PacedMove]>::to_vec).unwrap_or_default()
@@ -448,7 +448,7 @@ fn between(settings: &Settings, travel: Travel) -> Vec<PacedMove> {
 
 #[test]
 fn filament_goes_back_and_forth_as_set() {
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.retract.length = 1.2;
     s.retract.speed = 40.0;
     s.retract.prime_speed = 25.0;
@@ -470,29 +470,8 @@ fn filament_goes_back_and_forth_as_set() {
 }
 
 #[test]
-fn ooze_is_replaced_without_a_retraction() {
-    let mut s = Settings::default();
-    s.retract.extra_prime = 0.1;
-    let steps = between(
-        &s,
-        Travel {
-            prime: 0.02,
-            ..Travel::straight(DVec2::splat(70.0), false)
-        },
-    );
-    let [
-        PacedMove::Travel { .. },
-        PacedMove::Prime { length, extra, .. },
-    ] = steps[..]
-    else {
-        panic!("{steps:?}");
-    };
-    assert_eq!((length, extra), (0.0, 0.02));
-}
-
-#[test]
 fn a_wipe_takes_the_rest_of_the_retraction() {
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.retract.before_wipe = 25.0;
     let wipe = |length: f64| Travel {
         wipe: vec![DVec2::new(50.0 + length, 50.0)],
@@ -515,7 +494,7 @@ fn a_wipe_takes_the_rest_of_the_retraction() {
         speed
     });
     // A short wipe is as slow as the filament needs.
-    assert_eq!(speeds[0], WIPE_SPEED * s.speed.travel);
+    assert_eq!(speeds[0], WIPE_SPEED * s.travel_speed);
     assert!((speeds[1] - 0.3 * 35.0 / 0.6).abs() < 1e-9);
     // Nothing is pulled back if the length is 0.
     s.retract.length = 0.0;
@@ -527,8 +506,8 @@ fn a_wipe_takes_the_rest_of_the_retraction() {
 
 #[test]
 fn z_rises_before_an_unretracted_travel() {
-    let s = Settings::default();
-    let mut pacer = Pacer::plain(&s);
+    let s = PacePlan::with(|_| ());
+    let mut pacer = Pacer::new(&s);
     pacer.paced(layer(0, vec![square(Role::OuterWall, 10.0)]));
     let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
     let back = DVec2::splat(50.0);
@@ -545,7 +524,7 @@ fn z_rises_before_an_unretracted_travel() {
 /// goes on without a stop.
 #[test]
 fn beads_that_meet_but_for_rounding_are_one_way() {
-    let s = Settings::default();
+    let s = PacePlan::with(|_| ());
     let rising = |from: f64, to: f64| {
         let points = [from, to].map(|x| DVec2::new(x, 5.0)).to_vec();
         let mut stroke = Stroke::new(points, false, 0.45);
@@ -554,13 +533,13 @@ fn beads_that_meet_but_for_rounding_are_one_way() {
         Bead::new(Role::OuterWall, stroke, 0.2)
     };
     for (gap, stops) in [(4e-4, false), (9e-4, false), (4e-3, true)] {
-        let mut pacer = Pacer::plain(&s);
+        let mut pacer = Pacer::new(&s);
         let there = DVec2::new(20.0 + gap, 5.0);
         let mut path = layer(1, vec![rising(0.0, 20.0)]);
         path.moves
             .push(Move::Travel(Travel::straight(there, false)));
         let mut next = rising(there.x, 40.0);
-        next.levels[0].rise = 0.0;
+        next.stroke.levels[0].rise = 0.0;
         path.moves.push(Move::Print(next));
         let moves = pacer.paced(path).moves;
         let last = &moves[moves.len() - 2];
@@ -570,10 +549,10 @@ fn beads_that_meet_but_for_rounding_are_one_way() {
 
 #[test]
 fn a_hop_stays_inside_the_machine() {
-    let mut s = Settings::default();
+    let mut s = PacePlan::with(|_| ());
     s.retract.z_hop = 1.0;
-    s.printer.height = 0.5;
-    let mut pacer = Pacer::plain(&s);
+    s.height = 0.5;
+    let mut pacer = Pacer::new(&s);
     pacer.paced(layer(0, vec![square(Role::OuterWall, 10.0)]));
     let l = pacer.paced(layer(1, vec![square(Role::OuterWall, 10.0)]));
     assert!(l.moves.iter().all(|m| match m {
@@ -584,8 +563,8 @@ fn a_hop_stays_inside_the_machine() {
 
 #[test]
 fn a_missing_travel_is_made_up_for() {
-    let s = Settings::default();
-    let mut pacer = Pacer::plain(&s);
+    let s = PacePlan::with(|_| ());
+    let mut pacer = Pacer::new(&s);
     let mut path = layer(0, vec![square(Role::OuterWall, 10.0)]);
     path.moves.remove(0);
     let l = pacer.paced(path);
@@ -597,7 +576,7 @@ fn a_missing_travel_is_made_up_for() {
 
 #[test]
 fn an_empty_layer_takes_no_time() {
-    let s = Settings::default();
-    let l = Pacer::plain(&s).paced(layer(0, vec![]));
+    let s = PacePlan::with(|_| ());
+    let l = Pacer::new(&s).paced(layer(0, vec![]));
     assert_eq!((l.moves.len(), l.time), (0, 0.0));
 }

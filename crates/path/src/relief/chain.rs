@@ -61,11 +61,11 @@ pub(super) fn any_open(
     let Some(cover) = cover else { return true };
     let open = |p: DVec2| !cover.contains(p);
     beads.iter().any(|ended| {
-        let bead = &ended.bead;
-        let widths = bead.widths.iter().copied().fold(bead.width, f64::max);
+        let stroke = &ended.bead.stroke;
+        let widths = stroke.widths.iter().copied().fold(stroke.width, f64::max);
         let half = 0.5 * spacing(widths, widths, height);
-        bead.points.first().copied().is_some_and(open)
-            || bead.segments().any(|(a, b)| !cover.clear(a, b, half))
+        stroke.points.first().copied().is_some_and(open)
+            || stroke.segments().any(|(a, b)| !cover.clear(a, b, half))
     })
 }
 
@@ -76,7 +76,7 @@ impl Chain {
         let mut owners = Vec::new();
         let mut length = 0.0;
         for (i, ended) in beads.iter().enumerate() {
-            for (k, p) in ended.bead.path().enumerate() {
+            for (k, p) in ended.bead.stroke.path().enumerate() {
                 match points.last() {
                     Some(_) if k == 0 => continue,
                     Some(last) => {
@@ -99,7 +99,7 @@ impl Chain {
 
     /// Greatest width of the chain's beads.
     pub(super) fn width(&self) -> Mm {
-        let widths = self.beads.iter().map(|ended| ended.bead.width);
+        let widths = self.beads.iter().map(|ended| ended.bead.stroke.width);
         widths.fold(0.0, f64::max)
     }
 
@@ -137,7 +137,7 @@ impl Chain {
                 }
                 let middle = a.lerp(b, 0.5 * (from + to));
                 let open = cover.is_none_or(|c| !c.contains(middle));
-                let width = self.beads[self.owners[segment]].bead.width;
+                let width = self.beads[self.owners[segment]].bead.stroke.width;
                 let reach = spacing(width, width, height);
                 let ends = [from, to].map(|t| a.lerp(b, t));
                 let beside =
@@ -222,7 +222,8 @@ impl Chain {
             }
             for (a, b, flat) in parts {
                 let bead = &ended.bead;
-                let mut stroke = Stroke::new(Vec::new(), false, bead.width);
+                let mut stroke =
+                    Stroke::new(Vec::new(), false, bead.stroke.width);
                 let mut own = own[a..=b].to_vec();
                 for knot in &mut own {
                     knot.fill = extra(bead, knot.fill);

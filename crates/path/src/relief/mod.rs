@@ -42,30 +42,33 @@
 //! Not guaranteed: that undersides of beads that lie open above follow the surface
 //! as well, nor how smooth a face is across the beads, as each is level there.
 //! A nozzle has a flat end, which cuts into higher beads beside it that are
-//! printed before. How deep is bounded (`contour_z_gouge`).
+//! printed before. How deep is bounded.
 //!
 //! | file | what it does |
 //! |---|---|
+//! | `plan` | what is needed of the settings |
 //! | `surface` | where f = 0 is above a point, and how steep |
 //! | `chain` | beads that follow one another, as one path |
 //! | `profile` | how the nozzle's height goes on along a path |
 
 mod chain;
+mod plan;
 mod profile;
 mod surface;
+
+pub use plan::ReliefPlan;
 
 use chain::{Chain, Stop};
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Degrees, Mm, Mm2};
-use isoslice_layer::resolution::pieces;
 use isoslice_layer::seam::ending::Ended;
 use isoslice_model::vary::{Quantity, Surroundings, VaryError};
 use isoslice_model::{Model, Probe, ProbeError};
 use isoslice_planar::bead::{Bead, Role, cross_section, height_of};
 use isoslice_planar::grid::EdgeGrid;
+use isoslice_settings::Varying;
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{Settings, Varying};
 use profile::{Kind, Knot};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -100,7 +103,7 @@ pub enum ReliefError {
 
 /// What follows the surface of a model.
 pub struct Relief<'a> {
-    settings: &'a Settings,
+    plan: ReliefPlan,
     whose: Whose,
     probe: Probe,
     strength: Quantity,
@@ -178,17 +181,17 @@ impl<'a> Relief<'a> {
     /// If the strength is no expression, or the field cannot be evaluated.
     pub fn new(
         model: &Model,
-        settings: &'a Settings,
+        plan: ReliefPlan,
         around: &'a Surroundings<'a>,
         pool: &'a ThreadPool,
         timings: &'a Timings,
     ) -> Result<Option<Relief<'a>>, ReliefError> {
-        let strength = Quantity::new("contour_z", &settings.contour_z)?;
-        if strength.constant() == Some(0.0) || settings.spiral {
+        let strength = Quantity::new("contour_z", &plan.strength)?;
+        if strength.constant() == Some(0.0) || !plan.in_layers {
             return Ok(None);
         }
         Ok(Some(Relief {
-            settings,
+            plan,
             whose: Whose::Part,
             probe: Probe::new(&model.tree)?,
             strength,
@@ -206,19 +209,19 @@ impl<'a> Relief<'a> {
     /// If the field cannot be evaluated.
     pub fn of_supports(
         model: &Model,
-        settings: &'a Settings,
+        plan: ReliefPlan,
         around: &'a Surroundings<'a>,
         pool: &'a ThreadPool,
         timings: &'a Timings,
     ) -> Result<Option<Relief<'a>>, ReliefError> {
-        if !settings.supports_follow() {
+        let Some(gap) = plan.support_gap else {
             return Ok(None);
-        }
+        };
         let full = Varying::Constant(100.0);
         Ok(Some(Relief {
-            settings,
+            plan,
             whose: Whose::Supports,
-            probe: Probe::below(&model.tree, settings.support.z_gap)?,
+            probe: Probe::below(&model.tree, gap)?,
             strength: Quantity::new("support.interface_shape", &full)?,
             around,
             bed: -model.offset.z,
@@ -240,7 +243,7 @@ impl<'a> Relief<'a> {
             beads = self.facing(beads, site, Facing::Up)?;
         }
         let undersides = self.whose == Whose::Part
-            && self.settings.contour_z_below
+            && self.plan.undersides
             && !site.below.is_closed();
         if undersides {
             beads = self.facing(beads, site, Facing::Down)?;
@@ -262,8 +265,8 @@ impl<'a> Relief<'a> {
         };
         own && !matches!(bead.role, Role::InternalBridge | Role::SparseInfill)
             && bead.role != apart
-            && bead.levels.is_empty()
-            && bead.points.len() > 1
+            && bead.stroke.levels.is_empty()
+            && bead.stroke.points.len() > 1
     }
 
     /// Lets beads follow the surface on one side of their layer.
@@ -310,7 +313,9 @@ impl<'a> Relief<'a> {
         site: Site<'_>,
         facing: Facing,
     ) -> Result<Vec<Ended>, ReliefError> {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return Ok(beads);
+        }
         let cover = site.side(facing).outline();
         // Most of a part's beads lie below others, and on others.
         let height = site.span.height();
@@ -319,11 +324,13 @@ impl<'a> Relief<'a> {
         }
         let cut = |ended: &Ended| {
             // A stroke with levels has one width.
-            let mut parts: Vec<Ended> =
-                pieces(ended.bead.clone(), self.settings)
-                    .into_iter()
-                    .map(Ended::from)
-                    .collect();
+            let mut parts: Vec<Ended> = self
+                .plan
+                .resolution
+                .pieces(ended.bead.clone())
+                .into_iter()
+                .map(Ended::from)
+                .collect();
             if let Some(last) = parts.last_mut() {
                 last.wipe = ended.wipe;
             }
@@ -332,7 +339,7 @@ impl<'a> Relief<'a> {
         let parts: Vec<Ended> = beads.iter().flat_map(cut).collect();
         let chain = Chain::new(parts);
         let stops = chain.stops(cover, STEP, height);
-        let bounds = Bounds::new(site, facing, self.settings);
+        let bounds = Bounds::new(site, facing, &self.plan);
         let Some(knots) = self.knots(&stops, site, &bounds)? else {
             return Ok(beads);
         };
@@ -456,7 +463,7 @@ impl Facing {
 }
 
 impl Bounds {
-    fn new(site: Site<'_>, facing: Facing, settings: &Settings) -> Bounds {
+    fn new(site: Site<'_>, facing: Facing, plan: &ReliefPlan) -> Bounds {
         let height = site.span.height();
         let next = match site.side(facing) {
             Side::Layer(next, _) => next,
@@ -464,7 +471,7 @@ impl Bounds {
         };
         // What is higher than the nozzle's hole is wide would not touch what is
         // below it.
-        let room = (settings.printer.nozzle_diameter - height).max(0.0);
+        let room = (plan.nozzle - height).max(0.0);
         Bounds {
             facing,
             height,
@@ -472,8 +479,8 @@ impl Bounds {
             high: room.min(0.5 * next),
             // The nozzle's flat end cuts into nothing that is below.
             full: match facing {
-                Facing::Up => settings.contour_z_full_angle(height),
-                Facing::Down => settings.contour_z_angle,
+                Facing::Up => plan.full_angle.at(height),
+                Facing::Down => plan.full_angle.wanted,
             },
         }
     }
@@ -521,9 +528,9 @@ impl Bounds {
 fn goes_on(before: &Ended, next: &Ended) -> bool {
     let bead = &before.bead;
     before.wipe.is_none()
-        && !bead.closed
-        && !next.bead.closed
-        && bead.points.last() == next.bead.points.first()
+        && !bead.stroke.closed
+        && !next.bead.stroke.closed
+        && bead.stroke.points.last() == next.bead.stroke.points.first()
 }
 
 /// How much higher than its layer a bead's material has to be counted so that
@@ -534,7 +541,7 @@ fn extra(bead: &Bead, fill: Mm) -> Mm {
     if bead.role == Role::Ironing {
         return 0.0;
     }
-    let own = cross_section(bead.width, bead.height);
+    let own = cross_section(bead.stroke.width, bead.height);
     let area: Mm2 = own * (1.0 + fill / bead.height);
-    height_of(area, bead.width) - bead.height
+    height_of(area, bead.stroke.width) - bead.height
 }

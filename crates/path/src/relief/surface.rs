@@ -63,7 +63,9 @@ pub(super) fn spots(
     let (x, y) = (beside * DVec2::X, beside * DVec2::Y);
     let mut out = vec![None; points.len()];
     for (batch, out) in points.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
         // Below most points the part goes on, and most of the others are on
         // steep faces: there the sides are not looked for.
         let middle = heights(probe, batch, window, facing)?;

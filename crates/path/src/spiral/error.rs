@@ -41,9 +41,9 @@ pub enum SpiralError {
     },
     /// A wall inside the first one has no room.
     #[error(
-        "spiral_walls = {walls}: at z = {z:.2} mm (layer {layer}) there is no \
+        "spiral = {walls}: at z = {z:.2} mm (layer {layer}) there is no \
          room for wall {wall} all the way round, beside x = {:.1}, y = {:.1}; \
-         make the part thicker there, or set spiral_walls = {}",
+         make the part thicker there, or set spiral = {}",
         .at.x, .at.y, .wall - 1
     )]
     NoRoom {

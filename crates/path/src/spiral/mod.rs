@@ -2,7 +2,7 @@
 //!
 //! In: the outlines of the layers, in order, and the field. Out: for each layer
 //! one turn, a bead whose points have levels, and one more for each wall inside
-//! the first (`spiral_walls`).
+//! the first (`spiral`).
 //!
 //! A turn runs round the middle line of the layer's wall, and rises from the
 //! layer's bottom to its top. It begins as the wall of the layer below, and
@@ -26,9 +26,11 @@
 //! from one layer to the next. It is laid as if the surface did not move.
 
 mod error;
+mod plan;
 mod ring;
 
 pub use error::SpiralError;
+pub use plan::SpiralPlan;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -39,7 +41,6 @@ use isoslice_planar::offset::offset;
 use isoslice_planar::simplify::simplify_path;
 use isoslice_planar::{Area, Ring, signed_area};
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{Settings, THICKNESS_SLACK};
 use ring::{Point, begin, farthest, lonely, points, rear};
 
 /// Height from which and to which turns grow and shrink, mm. It is next to
@@ -48,8 +49,8 @@ use ring::{Point, begin, farthest, lonely, points, rear};
 const LEAST: Mm = 0.005;
 
 /// The wall of a part, turn by turn.
-pub struct Spiral<'a> {
-    settings: &'a Settings,
+pub struct Spiral {
+    plan: SpiralPlan,
     probe: Probe,
     /// From the model's coordinates to the bed's.
     offset: DVec2,
@@ -68,17 +69,7 @@ pub struct Spiral<'a> {
     first: usize,
 }
 
-/// How many flat layers a vase has at its bottom: `bottom_layers` if set, else
-/// those that begin below `bottom_thickness`.
-fn flat_layers(settings: &Settings, spans: &[LayerSpan]) -> usize {
-    if let Some(layers) = settings.bottom_layers {
-        return layers as usize;
-    }
-    let thickness = settings.bottom_thickness() - THICKNESS_SLACK;
-    spans.partition_point(|span| span.bottom < thickness)
-}
-
-impl<'a> Spiral<'a> {
+impl Spiral {
     /// A spiral without turns.
     ///
     /// # Errors
@@ -86,16 +77,15 @@ impl<'a> Spiral<'a> {
     /// wall.
     pub fn new(
         model: &Model,
-        settings: &'a Settings,
+        plan: SpiralPlan,
         spans: &[LayerSpan],
     ) -> Result<Self, SpiralError> {
-        let flat = flat_layers(settings, spans).max(1);
-        let skirt = settings.skirt.layers as usize;
-        if settings.skirt.loops > 0 && skirt > flat {
+        let (skirt, flat) = (plan.skirt, plan.flat_layers(spans));
+        if skirt > flat {
             return Err(SpiralError::Skirt { skirt, flat });
         }
         Ok(Spiral {
-            settings,
+            plan,
             probe: Probe::new(&model.tree)?,
             offset: model.offset.truncate(),
             bed: -model.offset.z,
@@ -107,8 +97,8 @@ impl<'a> Spiral<'a> {
         })
     }
 
-    /// Index of the first layer with a turn: all below are flat. There is at
-    /// least one of these, since the nozzle cannot begin on the bed.
+    /// Index of the first layer with a turn: all below are flat, and there is at
+    /// least one of these.
     pub fn first(&self) -> usize {
         self.first
     }
@@ -135,7 +125,7 @@ impl<'a> Spiral<'a> {
         // The walls inside end beside it.
         let beside = inside.iter().map(|ring| begin(ring, end)[0]);
         self.ends.push([end].into_iter().chain(beside).collect());
-        let width = self.settings.outer_wall_width();
+        let width = self.plan.widths[0];
         if self.flat.is_none() && farthest(ring, &self.ring) > width {
             self.flat = Some(span.bottom);
         }
@@ -240,7 +230,7 @@ impl<'a> Spiral<'a> {
             *p = ring[0];
         }
         // Its points are on the surface, so that it has the outline's share.
-        let tolerance = OUTLINE_SHARE * self.settings.accuracy;
+        let tolerance = OUTLINE_SHARE * self.plan.accuracy;
         let width = self.width(wall);
         let mut stroke = Stroke::new(Vec::new(), false, width);
         let height = span.height();
@@ -270,10 +260,7 @@ impl<'a> Spiral<'a> {
 
     /// Width of a wall, counted from the outside.
     fn width(&self, wall: usize) -> Mm {
-        match wall {
-            0 => self.settings.outer_wall_width(),
-            _ => self.settings.inner_wall_width(),
-        }
+        self.plan.widths[wall.min(1)]
     }
 
     /// Distance of a wall's middle from the outline, in a layer of a height.
@@ -289,9 +276,9 @@ impl<'a> Spiral<'a> {
         span: &LayerSpan,
         outline: &Area,
     ) -> Result<Vec<Ring>, SpiralError> {
-        let tolerance = OFFSET_SHARE * self.settings.accuracy;
+        let tolerance = OFFSET_SHARE * self.plan.accuracy;
         let (z, layer) = (span.sample_z(), span.index + 1);
-        let walls = self.settings.spiral_walls;
+        let walls = self.plan.walls;
         let mut lines: Vec<Ring> = Vec::new();
         for wall in 0..walls {
             let depth = self.depth(wall as usize, span.height());
@@ -339,8 +326,7 @@ impl<'a> Spiral<'a> {
         depth: Mm,
         middle: impl Fn(f64) -> Mm,
     ) -> Result<Vec<DVec2>, SpiralError> {
-        let beside =
-            depth - self.settings.xy_compensation.constant().unwrap_or(0.0);
+        let beside = depth - self.plan.growth;
         let spots = points.iter().flat_map(|p| {
             let z = middle(p.share) + self.bed;
             let at = |out: DVec2| p.at + beside * out;

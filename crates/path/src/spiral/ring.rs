@@ -4,7 +4,7 @@ use crate::order::begin_near;
 use glam::{DMat2, DVec2};
 use isoslice_base::units::Mm;
 use isoslice_planar::Ring;
-use isoslice_planar::bead::{Bead, Role, Stroke};
+use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::nearest_on;
 
 /// Greatest distance of points whose way to the surface is looked for, mm.
@@ -90,10 +90,9 @@ pub(super) fn points(ring: &[DVec2]) -> Vec<Point> {
 
 /// The ring from its point nearest to `start` on.
 pub(super) fn begin(ring: &[DVec2], start: DVec2) -> Ring {
-    let stroke = Stroke::new(ring.to_vec(), true, 0.0);
-    let mut bead = Bead::new(Role::OuterWall, stroke, 0.0);
-    begin_near(&mut bead, start);
-    bead.stroke.points
+    let mut stroke = Stroke::new(ring.to_vec(), true, 0.0);
+    begin_near(&mut stroke, start);
+    stroke.points
 }
 
 /// The point of a ring that lies farthest back.

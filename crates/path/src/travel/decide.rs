@@ -23,15 +23,14 @@
 //! for them. Only parts that share a grid's cells and overlap with a way's box
 //! are compared with the way.
 
-use super::Ground;
 use super::cross::meets;
+use super::{Ground, TravelPlan};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
 use isoslice_planar::along::parted;
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 use std::cell::OnceCell;
 
 /// What a travel may cross in a layer.
@@ -65,19 +64,19 @@ impl<'a> Obstacles<'a> {
     pub(super) fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
-        settings: &Settings,
+        plan: &TravelPlan,
     ) -> Obstacles<'a> {
         Obstacles {
             ground,
             beads,
-            infill: (!ground.sparse.area().is_empty() && !settings.is_hollow())
+            infill: (!ground.sparse.area().is_empty() && !plan.hollow)
                 .then(|| ground.sparse.area().bounds()),
             walls: OnceCell::new(),
             open: OnceCell::new(),
             inner: OnceCell::new(),
             tops: OnceCell::new(),
-            width: settings.outer_wall_width(),
-            inner_width: settings.inner_wall_width(),
+            width: plan.outer_width,
+            inner_width: plan.inner_width,
         }
     }
 
@@ -123,7 +122,7 @@ impl<'a> Obstacles<'a> {
     /// True for an outer wall that hangs, or for a part of one. Such a bead has
     /// the role of an overhang, but the outline is half its width away.
     fn hangs_outside(&self, bead: &Bead) -> bool {
-        let middle = bead.points.get(bead.points.len() / 2);
+        let middle = bead.stroke.points.get(bead.stroke.points.len() / 2);
         bead.role == Role::Overhang
             && middle.is_some_and(|&p| {
                 let reach = 0.5 * self.width + NEAR * self.inner_width;
@@ -142,7 +141,7 @@ impl<'a> Obstacles<'a> {
     ) -> EdgeGrid {
         let all = self.beads.iter().enumerate();
         let segments =
-            all.flat_map(|(i, b)| b.segments().map(move |s| (i, b, s)));
+            all.flat_map(|(i, b)| b.stroke.segments().map(move |s| (i, b, s)));
         let wanted = segments.filter(|(_, bead, s)| wanted(bead, *s));
         EdgeGrid::of(wanted.map(|(i, _, s)| (i, s)), CELL)
     }
@@ -182,7 +181,7 @@ impl<'a> Obstacles<'a> {
         let open = self.open.get_or_init(|| {
             self.grid(|b| {
                 (b.role == Role::OuterWall || self.hangs_outside(b))
-                    && (!b.closed || !b.widths.is_empty())
+                    && (!b.stroke.closed || !b.stroke.widths.is_empty())
             })
         });
         let ends = [points.first(), points.last()];

@@ -5,16 +5,18 @@
 //!
 //! | file | what it decides |
 //! |---|---|
-//! | `plan` | which of the possible ways is taken |
+//! | `choose` | which of the possible ways is taken |
 //! | `comb` | ways inside an area, round its holes and notches |
 //! | `gate` | ways from one island to another |
 //! | `decide` | whether a way shows, and has to be retracted |
 //! | `cross` | whether segments meet, exactly |
+//! | `plan` | what is needed of the settings |
 //! | `wipe` | where the nozzle goes while it retracts |
 //!
 //! Nothing is kept from one layer to the next. Grids and islands are made when
 //! the first travel of a layer asks for them, and dropped with the layer.
 
+mod choose;
 mod comb;
 mod cross;
 mod decide;
@@ -24,13 +26,13 @@ mod wipe;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_layer::resolution::pieces;
 use isoslice_layer::seam::ending::Ended;
 use isoslice_planar::Solid;
 use isoslice_planar::bead::Bead;
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
-use plan::Planner;
+pub use plan::TravelPlan;
+
+use choose::Planner;
 
 /// One step of a layer's tool path, in print order.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,9 +55,6 @@ pub struct Travel {
     pub retract: bool,
     /// True if the nozzle is lifted, provided that the travel retracts.
     pub hop: bool,
-    /// Filament to push forward at the end, mm. It replaces what oozed out on a
-    /// travel without a retraction.
-    pub prime: Mm,
     /// Least height of the nozzle on the way, mm, if something stands there.
     pub clear: Option<Mm>,
 }
@@ -77,7 +76,7 @@ impl LayerPath {
             Move::Travel(travel) => Move::Travel(travel.clone().moved(by)),
             Move::Print(bead) => {
                 let mut bead = bead.clone();
-                for p in &mut bead.points {
+                for p in &mut bead.stroke.points {
                     *p += by;
                 }
                 Move::Print(bead)
@@ -90,22 +89,22 @@ impl LayerPath {
     /// no bead is printed.
     pub fn ends(&self) -> Option<(DVec2, DVec2)> {
         let begins = |step: &Move| match step {
-            Move::Print(bead) => bead.points.first().copied(),
+            Move::Print(bead) => bead.stroke.points.first().copied(),
             Move::Travel(_) => None,
         };
         let ended = match self.moves.last()? {
-            Move::Print(bead) => ends(bead)?.1,
+            Move::Print(bead) => bead.stroke.ends()?.1,
             Move::Travel(travel) => *travel.points.last()?,
         };
         Some((self.moves.iter().find_map(begins)?, ended))
     }
 }
 
-/// The travel from one part to another. There is no wipe: if the host leaves
+/// The travel from one part to another, lifted if it `hops`. There is no wipe: if the host leaves
 /// out the part, the nozzle must not go over the place where it was.
-pub fn between_parts(to: DVec2, settings: &Settings) -> Travel {
+pub fn between_parts(to: DVec2, hop: bool) -> Travel {
     Travel {
-        hop: settings.retract.z_hop > 0.0,
+        hop,
         ..Travel::straight(to, true)
     }
 }
@@ -141,17 +140,19 @@ pub fn connect(
     ground: Ground<'_>,
     from: Option<DVec2>,
     offset: DVec2,
-    settings: &Settings,
+    plan: &TravelPlan,
 ) -> LayerPath {
     let (beads, wipes): (Vec<Bead>, Vec<Option<DVec2>>) =
         beads.into_iter().map(|e| (e.bead, e.wipe)).unzip();
-    let planner = Planner::new(&beads, ground, settings);
+    let planner = Planner::new(&beads, ground, plan);
     let mut travels: Vec<Option<Travel>> = Vec::with_capacity(beads.len());
     let mut at = from;
     let mut before: Option<&Bead> = None;
     for (next, bead) in beads.iter().enumerate() {
-        isoslice_base::limits::check();
-        let Some((start, end)) = ends(bead) else {
+        if isoslice_base::limits::is_stopped() {
+            break;
+        }
+        let Some((start, end)) = bead.stroke.ends() else {
             travels.push(None);
             continue;
         };
@@ -164,14 +165,14 @@ pub fn connect(
     }
     let mut moves = Vec::with_capacity(2 * beads.len());
     for (i, (bead, travel)) in beads.into_iter().zip(travels).enumerate() {
-        if bead.points.is_empty() {
+        if bead.stroke.points.is_empty() {
             continue;
         }
         moves.extend(travel.map(|travel| Move::Travel(travel.moved(offset))));
         // The pieces must not depend on where the part stands, so they are cut
         // before rounding does.
-        for mut piece in pieces(bead, settings) {
-            for p in &mut piece.points {
+        for mut piece in plan.resolution.pieces(bead) {
+            for p in &mut piece.stroke.points {
                 *p += offset;
             }
             moves.push(Move::Print(piece));
@@ -180,17 +181,6 @@ pub fn connect(
         moves.extend(wipes[i].map(|p| Move::Travel(there(p))));
     }
     LayerPath { span, moves }
-}
-
-/// Where a bead begins and ends.
-fn ends(bead: &Bead) -> Option<(DVec2, DVec2)> {
-    let start = *bead.points.first()?;
-    let end = if bead.closed {
-        start
-    } else {
-        bead.points.last().copied().unwrap_or(start)
-    };
-    Some((start, end))
 }
 
 /// True if a bead belongs to the part, and so lies inside it.

@@ -1,9 +1,8 @@
 use super::*;
 use decide::Obstacles;
-use isoslice_layer::region::wall_depths;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Role;
-use isoslice_planar::bead::Stroke;
+use isoslice_planar::bead::{Stroke, spacing};
 use isoslice_planar::shapes::rect;
 use isoslice_settings::{Combing, Hidden, HopWhen};
 
@@ -25,13 +24,20 @@ fn closed(role: Role, points: Vec<DVec2>) -> Bead {
     Bead::new(role, Stroke::new(points, true, 0.45), 0.2)
 }
 
+/// Depth at which so many walls end.
+fn border(walls: f64) -> Mm {
+    0.225 + (walls - 0.5) * spacing(0.45, 0.45, SPAN.height())
+}
+
 /// A layer: its outline, its sparse infill, and walls along the outline.
 struct Part {
     outline: Area,
     sparse: Area,
     above: Option<Area>,
     walls: Vec<Bead>,
-    settings: Settings,
+    /// Depth at which the walls end.
+    border: Mm,
+    plan: TravelPlan,
 }
 
 impl Part {
@@ -41,7 +47,8 @@ impl Part {
             sparse: Area::EMPTY,
             above: None,
             walls: Vec::new(),
-            settings: Settings::default(),
+            border: border(2.0),
+            plan: TravelPlan::with(|_| ()),
         };
         for &[x0, y0, x1, y1] in outlines {
             part.outline.rings.extend(rect(x0, y0, x1, y1).rings);
@@ -83,8 +90,8 @@ impl Part {
         part
     }
 
-    fn with(mut self, change: impl Fn(&mut Settings)) -> Part {
-        change(&mut self.settings);
+    fn with(mut self, change: impl Fn(&mut TravelPlan)) -> Part {
+        change(&mut self.plan);
         self
     }
 
@@ -94,7 +101,7 @@ impl Part {
         question: impl FnOnce(&Obstacles<'_>) -> T,
     ) -> T {
         self.on_ground(|ground| {
-            question(&Obstacles::new(beads, ground, &self.settings))
+            question(&Obstacles::new(beads, ground, &self.plan))
         })
     }
 
@@ -103,7 +110,7 @@ impl Part {
         act(Ground {
             outline: &Solid::of(&self.outline, 1.0),
             sparse: &Solid::of(&self.sparse, 1.0),
-            border: wall_depths(0.2, &self.settings).1,
+            border: self.border,
             above: above.as_ref(),
         })
     }
@@ -112,7 +119,7 @@ impl Part {
     fn path(&self, beads: Vec<Bead>, offset: DVec2) -> LayerPath {
         let beads = beads.into_iter().map(Ended::from).collect();
         self.on_ground(|ground| {
-            connect(SPAN, beads, ground, None, offset, &self.settings)
+            connect(SPAN, beads, ground, None, offset, &self.plan)
         })
     }
 
@@ -137,7 +144,7 @@ impl Part {
         let short =
             |p: (f64, f64)| bead(Role::SparseInfill, &[(p.0, p.1 + 0.1), p]);
         let mut to = short(to);
-        to.reverse();
+        to.stroke.reverse();
         self.travels(vec![short(from), to]).remove(0)
     }
 }
@@ -162,7 +169,7 @@ fn ways_of_no_point_and_of_one() {
 #[test]
 fn from_a_support_every_way_is_retracted_that_is_long_enough() {
     let part = Part::square();
-    let least = part.settings.retract.min_travel;
+    let least = part.plan.retract.min_travel;
     let travel = |role: Role, to: (f64, f64)| {
         let support = bead(Role::Support, &[(-1.0, 4.0), (-1.0, 5.0)]);
         let next = bead(role, &[to, (to.0, to.1 + 0.5)]);
@@ -223,10 +230,10 @@ fn no_long_way_round_shows_its_ooze() {
         let (low, top) = (10.0 - 0.5 * high, 10.0 + 0.5 * high);
         let mut part = Part::with_hole([9.6, low, 10.4, top])
             .with(|s| s.retract.min_travel = min_travel)
-            .with(|s| s.walls = 1)
             .with(|s| s.retract.z_hop = 0.4)
             .with(|s| s.retract.z_hop_when = HopWhen::Always)
             .with(|s| s.retract.hidden = Hidden::SparseInfill);
+        part.border = border(1.0);
         if !hidden {
             part.sparse = Area::EMPTY;
         }
@@ -276,7 +283,7 @@ fn what_stays_in_sight_is_crossed_with_a_retraction() {
         assert_eq!(travel(&part, role, back), retracts, "{role:?}");
         assert!(!travel(&part, role, away), "{role:?}");
     }
-    let part = part.with(|s| s.travel.combing = Combing::Off);
+    let part = part.with(|s| s.combing = Combing::Off);
     assert!(travel(&part, Role::TopSkin, back));
 }
 
@@ -375,7 +382,7 @@ fn short_travels_are_straight_and_long_ones_retract() {
 }
 
 #[test]
-fn ooze_is_retracted_or_replaced() {
+fn too_much_ooze_is_retracted() {
     let part = Part::square().with(|s| s.retract.max_unretracted = 8.0);
     let ends = |x| ((5.0, 5.0), (x, 5.0));
     let travel = |part: &Part, x| {
@@ -383,10 +390,6 @@ fn ooze_is_retracted_or_replaced() {
         part.travel(from, to)
     };
     assert!(!travel(&part, 12.9).retract && travel(&part, 13.1).retract);
-    let part = part.with(|s| s.retract.ooze_prime = 0.02);
-    let (short, long) = (travel(&part, 12.9), travel(&part, 13.1));
-    assert!(!short.retract && short.prime == 0.0);
-    assert!(!long.retract && long.prime == 0.02);
 }
 
 #[test]
@@ -459,13 +462,14 @@ fn a_layer_with_little_infill_hides_travels_inside_its_outer_walls() {
             bead(Role::InternalSkin, &[to, (to.0, to.1 + 1.0)]),
         ];
         let mut part = Part {
-            settings: part.settings.clone(),
+            border: part.border,
+            plan: part.plan.clone(),
             outline: part.outline.clone(),
             sparse: part.sparse.clone(),
             above: Some(part.outline.clone()),
             walls: part.walls.clone(),
         };
-        part.settings.retract.hidden = hidden;
+        part.plan.retract.hidden = hidden;
         part.travels(beads).pop().unwrap().retract
     };
     let (right, left, near) = ((15.0, 10.0), (5.0, 10.0), (10.0, 13.0));
@@ -482,14 +486,14 @@ fn a_layer_with_little_infill_hides_travels_inside_its_outer_walls() {
     assert!(retracts(&part, Hidden::Auto, right));
     assert!(retracts(&part, Hidden::Auto, near));
     // Infill that is not printed hides nothing.
-    part.settings.infill_density = 0.0.into();
+    part.plan.hollow = true;
     assert!(!retracts(&part, Hidden::Auto, near));
 }
 
 #[test]
 fn combing_goes_round_what_is_in_the_way() {
     let at = |combing: Combing| {
-        let part = Part::ring().with(|s| s.travel.combing = combing);
+        let part = Part::ring().with(|s| s.combing = combing);
         part.travel((4.0, 10.0), (16.0, 10.0))
     };
     let straight = Travel::straight(DVec2::new(16.0, 10.0), true);
@@ -505,7 +509,7 @@ fn combing_goes_round_what_is_in_the_way() {
     // This part is too narrow for infill: the way is inside the walls, which
     // shows.
     let narrow = |combing: Combing| {
-        let mut part = Part::ring().with(|s| s.travel.combing = combing);
+        let mut part = Part::ring().with(|s| s.combing = combing);
         part.sparse = Area::from_iter([
             rect(1.0, 1.0, 7.0, 19.0),
             rect(13.0, 1.0, 19.0, 19.0),
@@ -520,7 +524,7 @@ fn combing_goes_round_what_is_in_the_way() {
 #[test]
 fn detours_have_a_limit() {
     let at = |max_detour: f64| {
-        let part = Part::ring().with(|s| s.travel.max_detour = max_detour);
+        let part = Part::ring().with(|s| s.max_detour = max_detour);
         part.travel((4.0, 10.0), (16.0, 10.0))
     };
     // The way round the hole's end has 2·√(4² + 8²) + 4 = 21.9 mm and the
@@ -548,7 +552,7 @@ fn top_skins_are_passed_by() {
         travel.points.iter().fold(f64::MAX, |y, p| y.min(p.y))
     };
     assert!(lowest(&part) > 9.0);
-    let part = part.with(|s| s.travel.combing = Combing::Everywhere);
+    let part = part.with(|s| s.combing = Combing::Everywhere);
     assert!(lowest(&part) < 2.0);
 }
 
@@ -634,5 +638,5 @@ fn beads_are_moved_to_the_bed() {
     let Some(Move::Print(b)) = path.moves.last() else {
         panic!("nothing printed");
     };
-    assert_eq!(b.points[0], DVec2::new(101.0, 51.0));
+    assert_eq!(b.stroke.points[0], DVec2::new(101.0, 51.0));
 }

@@ -8,22 +8,21 @@
 use glam::DVec2;
 use isoslice_planar::along::parted;
 use isoslice_planar::bead::Bead;
-use isoslice_settings::Settings;
+use isoslice_settings::Retract;
 
 /// The way of the wipe after a bead, without the bead's end, and the way's last
 /// point; none if there is no wipe.
 pub(super) fn path(
     bead: &Bead,
-    settings: &Settings,
+    retract: &Retract,
 ) -> Option<(Vec<DVec2>, DVec2)> {
-    let retract = &settings.retract;
     if retract.wipe <= 0.0 || retract.length <= 0.0 {
         return None;
     }
-    let [mut way, _] = if bead.closed {
-        parted(bead.path(), retract.wipe)
+    let [mut way, _] = if bead.stroke.closed {
+        parted(bead.stroke.path(), retract.wipe)
     } else {
-        parted(bead.path().rev(), retract.wipe)
+        parted(bead.stroke.path().rev(), retract.wipe)
     };
     way.dedup();
     let way: Vec<DVec2> = way.into_iter().skip(1).collect();
@@ -52,9 +51,11 @@ mod tests {
     }
 
     fn wiped(closed: bool, length: f64) -> Vec<DVec2> {
-        let mut settings = Settings::default();
-        settings.retract.wipe = length;
-        path(&bead(closed), &settings).map_or_else(Vec::new, |w| {
+        let wipe = Retract {
+            wipe: length,
+            ..Retract::default()
+        };
+        path(&bead(closed), &wipe).map_or_else(Vec::new, |w| {
             assert_eq!(w.0.last(), Some(&w.1));
             w.0
         })
@@ -78,9 +79,11 @@ mod tests {
         let closed = wiped(true, 50.0);
         assert_eq!(path_length(&closed, false), 3.0 + 5.0);
         let mut point = bead(false);
-        point.points.truncate(1);
-        let mut settings = Settings::default();
-        settings.retract.wipe = 1.0;
-        assert!(path(&point, &settings).is_none());
+        point.stroke.points.truncate(1);
+        let wipe = Retract {
+            wipe: 1.0,
+            ..Retract::default()
+        };
+        assert!(path(&point, &wipe).is_none());
     }
 }

@@ -113,7 +113,6 @@ impl EdgeGrid {
         chains: Vec<(u32, u32)>,
         reach: Mm,
     ) -> EdgeGrid {
-        isoslice_base::limits::check();
         let count = points.len() - chains.len();
         let bounds = Rect::around(&points);
         let (origin, size) = match count {

@@ -66,20 +66,20 @@ pub(super) fn without_effect(
     idle.warn(
         "ironing",
         s.ironing && s.top_layers() == 0,
-        "ironing = true has no effect without solid tops; set top_layers or \
-         top_thickness to more than 0"
+        "ironing = true has no effect without solid tops; set top_layers to \
+         more than 0"
             .to_owned(),
     );
     let height = s.thickest_layer();
-    let full = s.contour_z_full_angle(height);
+    let full = s.contour_z_full_angle().at(height);
     idle.warn(
         "contour_z_angle",
         !s.contour_z.is(0.0) && full < s.contour_z_angle,
         format!(
             "contour_z_angle = {}° has no effect beyond {}° in layers of {} \
              mm, where the nozzle's flat end ({} mm) cuts as deep into the \
-             lines beside as contour_z_gouge allows; raise contour_z_gouge, \
-             or set printer.nozzle_flat if yours is smaller",
+             lines beside as they bear; set printer.nozzle_flat if yours is \
+             smaller",
             s.contour_z_angle,
             round(full),
             round(height),
@@ -93,19 +93,18 @@ pub(super) fn without_effect(
     top_walls_without_effect(s, idle);
     let of_internal_bridges = [
         "internal_bridge_flow",
-        "internal_bridge_layers",
         "speed.internal_bridge",
         "cooling.internal_bridge_fan_speed",
     ];
     idle.all(
         &of_internal_bridges,
-        !s.internal_bridges,
+        !s.internal_bridges.is_on(),
         "internal_bridges = false prints no internal bridges; set it to \
          true",
     );
     idle.all(
         &of_internal_bridges,
-        s.internal_bridges && s.walls == 0 && !s.spiral,
+        s.internal_bridges.is_on() && s.walls == 0 && !s.is_vase(),
         "the ends of internal bridges need walls; set walls to 1 or more",
     );
     idle.warn(
@@ -117,13 +116,13 @@ pub(super) fn without_effect(
     );
     idle.warn(
         "internal_bridges",
-        s.internal_bridges && s.walls == 0 && !s.spiral,
+        s.internal_bridges.is_on() && s.walls == 0 && !s.is_vase(),
         "internal_bridges = true has no effect, since the ends of bridges need \
          walls; set walls to 1 or more"
             .to_owned(),
     );
     idle.all(
-        &["contour_z_angle", "contour_z_gouge", "contour_z_below"],
+        &["contour_z_angle", "contour_z_below"],
         s.contour_z.is(0.0),
         "contour_z = 0% leaves the layers' steps; set contour_z to 100",
     );
@@ -200,16 +199,15 @@ fn spiral_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         "infill",
         "infill_density",
         "top_layers",
-        "top_thickness",
         "ironing",
         "fuzzy.thickness",
     ] {
         idle.warn(
             key,
-            s.spiral,
+            s.is_vase(),
             format!(
                 "{key} has no effect above the flat layers, since spiral = \
-                 true prints plain walls there, as many as spiral_walls; leave \
+                 true prints plain walls there, as many as it says; leave \
                  one of them out"
             ),
         );
@@ -219,21 +217,13 @@ fn spiral_without_effect(s: &Settings, idle: &mut Idle<'_>) {
             "contour_z",
             "internal_bridges",
             "supports",
-            "overhang_inner_first",
             "overhang_reverse",
-            "seam_scarf_rise",
+            "seam_scarf_start",
             "walls_interlocked",
-            "speed.overhang_steps",
-            "cooling.overhang_fan_steps",
         ],
-        s.spiral,
+        s.is_vase(),
         "spiral = true prints flat layers and plain walls only; leave one \
          of them out",
-    );
-    idle.all(
-        &["spiral_walls"],
-        !s.spiral,
-        "spiral = false prints walls in layers; set walls, or spiral = true",
     );
 }
 
@@ -267,15 +257,9 @@ fn adhesion_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     }
     let shield = s.draft_shield != DraftShield::Off;
     idle.all(
-        &["draft_shield_gap"],
-        !shield,
-        "draft_shield = off prints none; set it to \"full\", or to a height",
-    );
-    idle.all(
-        &["skirt.loops", "skirt.distance", "skirt.layers"],
+        &["skirt.loops", "skirt.layers"],
         shield,
-        "the draft shield takes the skirt's place; set draft_shield_gap, or \
-         draft_shield to \"off\"",
+        "the draft shield takes the skirt's place; set draft_shield to \"off\"",
     );
     idle.all(
         &["raft.gap", "raft.expansion"],
@@ -300,7 +284,7 @@ fn adhesion_without_effect(s: &Settings, idle: &mut Idle<'_>) {
 /// Warns of settings of supports that are not printed.
 fn supports_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     for key in [
-        "support.interface_spacing",
+        "support.interface_density",
         "support.interface_pattern",
         "support.interface_angle",
     ] {
@@ -320,12 +304,6 @@ fn supports_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         "support.interface_angle has no effect on \
          support.interface_pattern = concentric; set that to \"lines\""
             .to_owned(),
-    );
-    idle.all(
-        &["support.interface_density"],
-        s.support.interface_spacing.is_some(),
-        "support.interface_spacing says how far apart lines are; leave one \
-         of them out",
     );
     idle.all(
         &["support.style", "support.where", "support.interface_shape"],
@@ -396,7 +374,7 @@ fn interlocking_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     };
     idle.warn(
         "walls_interlocked",
-        s.walls_interlocked && !s.spiral,
+        s.walls_interlocked && !s.is_vase(),
         format!("walls_interlocked = true has no effect, since {why}"),
     );
 }
@@ -419,7 +397,7 @@ fn top_walls_without_effect(s: &Settings, idle: &mut Idle<'_>) {
     };
     idle.warn(
         "top_walls",
-        !s.spiral && s.top_walls() == s.walls,
+        !s.is_vase() && s.top_walls() == s.walls,
         format!("top_walls = {tops} has no effect, since {why}"),
     );
 }
@@ -437,9 +415,9 @@ fn scarfs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         (false, true) => "",
     };
     idle.warn(
-        "seam_scarf_rise",
-        s.seam_scarf_rise && !why.is_empty(),
-        format!("seam_scarf_rise = true has no effect, since {why}"),
+        "seam_scarf_start",
+        !why.is_empty(),
+        format!("seam_scarf_start has no effect, since {why}"),
     );
     idle.warn(
         "seam_gap",
@@ -447,62 +425,28 @@ fn scarfs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         format!(
             "seam_gap = {} mm takes away all of the scarf's end (seam_scarf = \
              {} mm), so nothing covers its beginning, which rises from below; \
-             lower seam_gap, or set seam_scarf_rise = false",
+             lower seam_gap, or set seam_scarf_start = 100",
             s.seam_gap, s.seam_scarf,
         ),
-    );
-    idle.all(
-        &["seam_scarf_start"],
-        !s.seam_scarf_rise,
-        "seam_scarf_rise = false keeps scarfs level; set it to true",
     );
 }
 
 /// Warns of settings for walls that hang over the layer below.
 fn overhangs_without_effect(s: &Settings, idle: &mut Idle<'_>) {
-    for (key, steps, is_off) in [
-        (
-            "speed.overhang",
-            "speed.overhang_steps",
-            s.speed.overhang_steps.is_off(),
-        ),
-        (
-            "cooling.overhang_fan_speed",
-            "cooling.overhang_fan_steps",
-            s.cooling.overhang_fan_steps.is_off(),
-        ),
-    ] {
-        idle.warn(
-            key,
-            !is_off,
-            format!(
-                "{key} has no effect, since {steps} says it for each share of \
-                 a wall's width; leave one of them out"
-            ),
-        );
-    }
-    for (key, on) in [
-        ("overhang_inner_first", s.overhang_inner_first),
-        ("overhang_reverse", s.overhang_reverse),
+    let unless = WallOrder::OuterFirstUnlessOverhang;
+    for (key, value, on) in [
+        ("wall_order", unless.word(), s.wall_order == unless),
+        ("overhang_reverse", "true", s.overhang_reverse),
     ] {
         idle.warn(
             key,
             on && s.overhang_share >= 100.0,
             format!(
-                "{key} = true has no effect, since overhang_share = 100% \
+                "{key} = {value} has no effect, since overhang_share = 100% \
                  leaves no wall that counts as an overhang; lower it"
             ),
         );
     }
-    idle.warn(
-        "overhang_inner_first",
-        s.overhang_inner_first && s.wall_order == WallOrder::InnerFirst,
-        format!(
-            "overhang_inner_first = true has no effect, since wall_order = {} \
-             prints all walls from the inside out; leave it out",
-            s.wall_order.word(),
-        ),
-    );
 }
 
 /// Warns of settings for patterns if infill is an expression, and of settings
@@ -525,8 +469,6 @@ fn infill_without_effect(s: &Settings, idle: &mut Idle<'_>) {
             "make its lines lie closer or farther apart",
         ),
         ("infill_angle", surface, "turn x and y in it"),
-        ("infill_phase", true, "add to x and y in it"),
-        ("infill_centre", true, "add to x and y in it"),
     ] {
         idle.warn(
             key,

@@ -99,7 +99,7 @@ fn uneven_growth(s: &Settings) -> Result<(), Conflict> {
     if s.xy_compensation.constant().is_some() {
         return Ok(());
     }
-    let (key, remedy) = if s.spiral {
+    let (key, remedy) = if s.is_vase() {
         ("spiral", "spiral = true")
     } else if s.wall_offset == WallOffset::Field {
         ("wall_offset", "wall_offset = \"field\"")
@@ -121,14 +121,7 @@ fn something_is_printed(s: &Settings) -> Result<(), Conflict> {
     let solid = s.top_layers() + s.bottom_layers() > 0;
     if s.walls == 0 && !solid && s.is_hollow() {
         return Err(conflict(
-            [
-                "walls",
-                "infill_density",
-                "top_layers",
-                "top_thickness",
-                "bottom_layers",
-                "bottom_thickness",
-            ],
+            ["walls", "infill_density", "top_layers", "bottom_layers"],
             "with walls = 0, infill_density = 0% and neither top nor bottom \
              layers nothing is printed; set walls to 1 or more"
                 .to_owned(),
@@ -252,7 +245,7 @@ fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
     if s.raft.layers == 0 {
         return Ok(());
     }
-    if s.spiral {
+    if s.is_vase() {
         return Err(conflict(
             ["raft.layers", "spiral"],
             "a climbing wall (spiral = true) stands on the bed and not on a \
@@ -318,7 +311,7 @@ fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
 /// Refuses what cannot stand beside a climbing wall: the nozzle would have to
 /// leave the wall in every layer.
 fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
-    if !s.spiral {
+    if !s.is_vase() {
         return Ok(());
     }
     if s.draft_shield != DraftShield::Off {
@@ -334,12 +327,7 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
     let skirt = s.skirt.layers;
     if s.is_uniform() && s.skirt.loops > 0 && skirt > flat {
         return Err(conflict(
-            [
-                "skirt.layers",
-                "spiral",
-                "bottom_layers",
-                "bottom_thickness",
-            ],
+            ["skirt.layers", "spiral", "bottom_layers"],
             format!(
                 "skirt.layers = {skirt} would stand beside the climbing wall \
                  (spiral = true), which begins after {flat} flat layers and \

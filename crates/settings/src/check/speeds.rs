@@ -68,7 +68,10 @@ pub(crate) fn speed_note(s: &Settings) -> Option<String> {
         ("speed.bottom_skin", speed.bottom_skin.constant()),
         ("speed.bridge", speed.bridge.constant()),
         ("speed.internal_bridge", speed.internal_bridge.constant()),
-        ("speed.overhang", speed.overhang.constant()),
+        (
+            "speed.overhang",
+            speed.overhang.same().and_then(Varying::constant),
+        ),
         ("speed.ironing", speed.ironing.constant()),
         ("speed.skirt", Some(speed.skirt)),
         ("speed.travel", Some(speed.travel)),
@@ -119,11 +122,7 @@ fn limited_speeds(s: &Settings) -> Vec<Limited> {
         ),
         ("speed.internal_skin", &speed.internal_skin, s.skin_width()),
         ("speed.top_skin", &speed.top_skin, s.top_skin_width()),
-        (
-            "speed.bottom_skin",
-            &speed.bottom_skin,
-            s.bottom_skin_width(),
-        ),
+        ("speed.bottom_skin", &speed.bottom_skin, s.skin_width()),
     ]
     .into_iter()
     .filter_map(limited)

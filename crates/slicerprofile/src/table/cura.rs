@@ -191,9 +191,7 @@ pub(super) static ROWS: &[Row] = rows! {
         => Made {
             settings: &[
                 "top_layers",
-                "top_thickness",
                 "bottom_layers",
-                "bottom_thickness",
             ],
             how: "layers come before a thickness",
             make: Make(skins),
@@ -269,7 +267,7 @@ pub(super) static ROWS: &[Row] = rows! {
                 "acceleration.bottom_skin",
                 "acceleration.top_skin",
                 "acceleration.first_layer",
-                "acceleration.travel",
+                "printer.travel_acceleration",
             ],
             how: "if accelerations are on",
             make: Make(accelerations),
@@ -369,7 +367,7 @@ pub(super) static ROWS: &[Row] = rows! {
     CURA Print: "draft_shield_enabled", "draft_shield_height_limitation",
         "draft_shield_height", "draft_shield_dist"
         => Made {
-            settings: &["draft_shield", "draft_shield_gap"],
+            settings: &["draft_shield", "skirt.distance"],
             how: "if there is one",
             make: Make(draft_shield),
         };
@@ -678,12 +676,16 @@ fn skins(given: &Given<'_>) -> Outcome {
         Some(_) => None,
         None => one(key).or(both),
     };
-    known(&[
-        ("top_layers", top),
-        ("top_thickness", of("top_thickness", top)),
-        ("bottom_layers", bottom),
-        ("bottom_thickness", of("bottom_thickness", bottom)),
-    ])
+    let shell = |name, layers: Option<f64>, thickness: Option<f64>| {
+        let value = layers.map(Into::into);
+        let thick = || Some(format!("{} mm", thickness?).into());
+        Some((name, value.or_else(thick)?))
+    };
+    let both = [
+        shell("top_layers", top, of("top_thickness", top)),
+        shell("bottom_layers", bottom, of("bottom_thickness", bottom)),
+    ];
+    Outcome::of(both.into_iter().flatten().collect())
 }
 
 fn speeds(given: &Given<'_>) -> Outcome {
@@ -742,7 +744,7 @@ fn accelerations(given: &Given<'_>) -> Outcome {
             one("acceleration_roofing").or(skin),
         ),
         ("acceleration.first_layer", one("acceleration_layer_0")),
-        ("acceleration.travel", one("acceleration_travel")),
+        ("printer.travel_acceleration", one("acceleration_travel")),
     ];
     let known = all
         .into_iter()
@@ -804,7 +806,7 @@ fn draft_shield(given: &Given<'_>) -> Outcome {
     };
     let mut out = vec![("draft_shield", height)];
     if let Some(gap) = given.positive("draft_shield_dist") {
-        out.push(("draft_shield_gap", gap.into()));
+        out.push(("skirt.distance", gap.into()));
     }
     Outcome::of(out)
 }

@@ -660,20 +660,21 @@ fn shell(
     given: &Given<'_>,
     layers: &[&str],
     thickness: &[&str],
-    names: [&'static str; 2],
+    name: &'static str,
 ) -> Outcome {
+    let thick = |t: f64| Outcome::of(vec![(name, format!("{t} mm").into())]);
     let layers = number(given, layers);
     let thickness = number(given, thickness).filter(|t| *t > 0.0);
     let height = given.positive("layer_height");
     match (layers, thickness) {
-        (Some(0.0), _) => Outcome::of(vec![(names[0], 0.0.into())]),
+        (Some(0.0), _) => Outcome::of(vec![(name, 0.0.into())]),
         (Some(n), Some(t)) if height.is_none_or(|h| n * h < t - 1e-9) => {
             // Without a number of layers the profile is for layers of many
             // heights, for which the thickness counts.
-            Outcome::of(vec![(names[1], t.into())])
+            thick(t)
         }
-        (Some(n), _) => Outcome::of(vec![(names[0], n.into())]),
-        (None, Some(t)) => Outcome::of(vec![(names[1], t.into())]),
+        (Some(n), _) => Outcome::of(vec![(name, n.into())]),
+        (None, Some(t)) => thick(t),
         (None, None) => nothing("it leaves the choice to the slicer"),
     }
 }
@@ -683,7 +684,7 @@ pub(super) fn top(given: &Given<'_>) -> Outcome {
         given,
         &["top_solid_layers", "top_shell_layers"],
         &["top_solid_min_thickness", "top_shell_thickness"],
-        ["top_layers", "top_thickness"],
+        "top_layers",
     )
 }
 
@@ -692,7 +693,7 @@ pub(super) fn bottom(given: &Given<'_>) -> Outcome {
         given,
         &["bottom_solid_layers", "bottom_shell_layers"],
         &["bottom_solid_min_thickness", "bottom_shell_thickness"],
-        ["bottom_layers", "bottom_thickness"],
+        "bottom_layers",
     )
 }
 
@@ -769,11 +770,7 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
     let Some(length) = length.filter(|l| on && *l > 0.0) else {
         return nothing("seams have no slope");
     };
-    let mut out = vec![
-        ("seam_scarf", length.into()),
-        // Scarfs of other slicers rise.
-        ("seam_scarf_rise", true.into()),
-    ];
+    let mut out = vec![("seam_scarf", length.into())];
     let start = ["seam_slope_start_height", "scarf_seam_start_height"]
         .iter()
         .find_map(|key| given.values.first(key));
@@ -782,9 +779,10 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
         let of_height = || Some(100.0 * parse(text)? / height?);
         share(text).or_else(of_height)
     });
-    if let Some(percent) = percent {
-        out.push(("seam_scarf_start", percent.clamp(0.0, 90.0).into()));
-    }
+    // Scarfs of other slicers rise, from the layer below if nothing is said.
+    const BEGINNING: f64 = 10.0;
+    let start = percent.map_or(BEGINNING, |p| p.clamp(0.0, 90.0));
+    out.push(("seam_scarf_start", start.into()));
     Outcome::of(out)
 }
 
@@ -915,7 +913,7 @@ pub(super) fn overhang_speed(given: &Given<'_>) -> Outcome {
     if steps.is_empty() {
         return nothing("it leaves the choice to the slicer");
     }
-    Outcome::of(vec![("speed.overhang_steps", steps.join(", ").into())])
+    Outcome::of(vec![("speed.overhang", steps.join(", ").into())])
 }
 
 pub(super) fn raft(given: &Given<'_>) -> Outcome {
@@ -938,11 +936,7 @@ pub(super) fn draft_shield(given: &Given<'_>) -> Outcome {
         Some("limited") => return nothing("skirt.layers says how high it is"),
         _ => return nothing("there is no draft shield"),
     }
-    let mut out = vec![("draft_shield", "full".into())];
-    if let Some(gap) = given.positive("skirt_distance") {
-        out.push(("draft_shield_gap", gap.into()));
-    }
-    Outcome::of(out)
+    Outcome::of(vec![("draft_shield", "full".into())])
 }
 
 pub(super) fn brim(given: &Given<'_>) -> Outcome {

@@ -296,14 +296,13 @@ mod tests {
             (
                 Prusa,
                 "draft_shield=enabled; skirt_distance=4",
-                "draft_shield=full; draft_shield_gap=4; skirt.distance=4"
-                    .into(),
+                "draft_shield=full; skirt.distance=4".into(),
             ),
             (
                 Orca,
                 "seam_slope_type=all; seam_slope_min_length=10; \
                  seam_slope_start_height=0.05; layer_height=0.2",
-                "layer_height=0.2; seam_scarf=10; seam_scarf_rise=true; \
+                "layer_height=0.2; seam_scarf=10; \
                  seam_scarf_start=25"
                     .into(),
             ),
@@ -311,14 +310,13 @@ mod tests {
                 Prusa,
                 "enable_dynamic_overhang_speeds=1; overhang_speed_0=15; \
                  overhang_speed_1=20; overhang_speed_2=50%; overhang_speed_3=0",
-                "speed.overhang_steps=25: 100%, 50: 50%, 75: 20, 100: 15"
-                    .into(),
+                "speed.overhang=25: 100%, 50: 50%, 75: 20, 100: 15".into(),
             ),
             (
                 Orca,
                 "overhang_1_4_speed=0; overhang_2_4_speed=50; \
                  overhang_3_4_speed=30; overhang_4_4_speed=10",
-                "speed.overhang_steps=25: 100%, 50: 50, 75: 30, 100: 10".into(),
+                "speed.overhang=25: 100%, 50: 50, 75: 30, 100: 10".into(),
             ),
             (
                 Cura,
@@ -343,7 +341,7 @@ mod tests {
             (
                 Cura,
                 "top_bottom_thickness=1; bottom_layers=3",
-                "bottom_layers=3; top_thickness=1".into(),
+                "bottom_layers=3; top_layers=1 mm".into(),
             ),
             (Cura, "wall_thickness=1.2", "walls=3".into()),
             (Cura, "wall_thickness=0.2", "walls=1".into()),
@@ -443,7 +441,7 @@ mod tests {
         let sandwich = "wall_sequence=inner-outer-inner wall";
         assert_eq!(translated(Slicer::Orca, sandwich).lost.len(), 1);
         let scarf = settings(Slicer::Orca, "seam_slope_type=external");
-        assert_eq!(scarf, "seam_scarf=20; seam_scarf_rise=true");
+        assert_eq!(scarf, "seam_scarf=20; seam_scarf_start=10");
         for word in ["auto_brim", "painted"] {
             let profile = format!("brim_type={word}; brim_width=5");
             assert_eq!(translated(Slicer::Orca, &profile).lost.len(), 2);

@@ -51,14 +51,14 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "top_solid_layers", "top_shell_layers",
         "top_solid_min_thickness", "top_shell_thickness"
         => Made {
-            settings: &["top_layers", "top_thickness"],
+            settings: &["top_layers"],
             how: "whichever is more with the profile's layers",
             make: Make(make::top),
         };
     BOTH Print: "bottom_solid_layers", "bottom_shell_layers",
         "bottom_solid_min_thickness", "bottom_shell_thickness"
         => Made {
-            settings: &["bottom_layers", "bottom_thickness"],
+            settings: &["bottom_layers"],
             how: "whichever is more with the profile's layers",
             make: Make(make::bottom),
         };
@@ -111,7 +111,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "scarf_seam_placement", "scarf_seam_length", "seam_slope_start_height",
         "scarf_seam_start_height"
         => Made {
-            settings: &["seam_scarf", "seam_scarf_rise", "seam_scarf_start"],
+            settings: &["seam_scarf", "seam_scarf_start"],
             how: "the slope's length, if walls have one; heights become shares \
                   of the layer's",
             make: Make(make::scarf),
@@ -179,7 +179,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "overhang_1_4_speed", "overhang_2_4_speed", "overhang_3_4_speed",
         "overhang_4_4_speed"
         => Made {
-            settings: &["speed.overhang_steps"],
+            settings: &["speed.overhang"],
             how: "at 25, 50, 75 and 100 % of the width that reaches out; 0 is \
                   the wall's own speed",
             make: Make(make::overhang_speed),
@@ -223,7 +223,7 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "bridge_acceleration" => To("acceleration.bridge", As::Amount);
     BOTH Print: "first_layer_acceleration", "initial_layer_acceleration"
         => To("acceleration.first_layer", As::Amount);
-    BOTH Print: "travel_acceleration" => To("acceleration.travel", As::Amount);
+    BOTH Print: "travel_acceleration" => To("printer.travel_acceleration", As::Amount);
     BOTH Print: "default_jerk"
         => To("printer.square_corner_velocity", As::Positive);
     BOTH Print: "skirts", "skirt_loops" => To("skirt.loops", As::Number);
@@ -304,10 +304,10 @@ pub(super) static ROWS: &[Row] = rows! {
         => To(
             "gcode.arcs",
             As::Words(&[
-                ("1", "on"),
-                ("emit_center", "on"),
-                ("emit_radius", "on"),
-                ("bambu", "on"),
+                ("1", "true"),
+                ("emit_center", "true"),
+                ("emit_radius", "true"),
+                ("bambu", "true"),
                 ("0", ""),
                 ("disabled", ""),
             ]),
@@ -349,7 +349,7 @@ pub(super) static ROWS: &[Row] = rows! {
         };
     BOTH Print: "draft_shield"
         => Made {
-            settings: &["draft_shield", "draft_shield_gap"],
+            settings: &["draft_shield"],
             how: "full, as far off as the skirt; limited is a skirt of many \
                   layers",
             make: Make(make::draft_shield),
@@ -501,7 +501,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "overhang_threshold_participating_cooling"
         => Ignored(
             "speeds of overhangs are steps by how far they reach out: \
-                 speed.overhang_steps",
+                 speed.overhang",
         );
     BOTH Print: "support_material_interface_contact_loops",
         "support_interface_loop_pattern", "support_material_with_sheath",
@@ -750,7 +750,7 @@ pub(super) static ROWS: &[Row] = rows! {
     BOTH Print: "overhang_speed_classic", "slowdown_for_curled_perimeters"
         => Lost(&["0"],
             "speeds of overhangs are steps by how far they reach out: \
-             speed.overhang_steps");
+             speed.overhang");
     PRUSA Print: "automatic_extrusion_widths" => Ignored(THIN);
     ORCA Print: "is_custom_print" => Ignored(SHOWN);
 };

@@ -7,7 +7,7 @@ fn density_is_the_share_of_the_volume_in_beads() {
     let area = square(50.0);
     for kind in InfillPattern::ALL {
         for density in [10.0, 15.0, 25.0, 60.0] {
-            let settings = settings(kind, density);
+            let plan = even(kind, density);
             // The window is off the walls, where the joins are, and spans
             // several cells.
             let half = match kind {
@@ -27,7 +27,7 @@ fn density_is_the_share_of_the_volume_in_beads() {
                     // Both directions of alternating lines are there equally
                     // often.
                     let places = (0..12).map(|i| spread(12 * k as usize + i));
-                    lay(&settings, site, &area, places)
+                    lay(&plan, site, &area, places)
                 })
                 .collect();
             let share = share_at(&layers, DVec2::ZERO, DVec2::splat(half));
@@ -43,22 +43,20 @@ fn density_is_the_share_of_the_volume_in_beads() {
 fn no_density_no_beads() {
     let area = square(15.0);
     let beads = |density| {
-        let settings = settings(InfillPattern::Rectilinear, density);
-        lay(&settings, HERE, &area, [layer(0)]).remove(0)
+        let plan = even(InfillPattern::Rectilinear, density);
+        lay(&plan, HERE, &area, [layer(0)]).remove(0)
     };
     assert!(!beads(5.0).is_empty());
     assert!(beads(0.0).is_empty());
     // An expression gives its own density.
-    for mode in [InfillMode::Surface, InfillMode::Solid] {
+    for solid in [false, true] {
         let shape = |density: f64| {
-            let settings = Settings {
-                infill: isoslice_settings::Infill::Expression("sin(x)".into()),
-                infill_density: density.into(),
-                infill_mode: mode,
-                ..Settings::default()
+            let plan = InfillPlan {
+                density: density.into(),
+                ..shape("sin(x)", solid)
             };
-            assert!(!settings.is_hollow() && !settings.is_solid());
-            lay(&settings, HERE, &area, [layer(0)]).remove(0)
+            assert!(!plan.is_hollow());
+            lay(&plan, HERE, &area, [layer(0)]).remove(0)
         };
         assert!(!shape(0.0).is_empty());
         assert_eq!(shape(0.0), shape(15.0));
@@ -73,9 +71,9 @@ fn a_varying_density_is_met_everywhere() {
     let area = square(48.0);
     let varied = |kind: &InfillPattern| pattern(*kind, false).can_vary();
     for kind in InfillPattern::ALL.into_iter().filter(varied) {
-        let settings = graded(kind, "35 + 0.6*x");
+        let plan = graded(kind, "35 + 0.6*x");
         let places = (0..40).map(spread);
-        let layers = lay(&settings, HERE, &area, places);
+        let layers = lay(&plan, HERE, &area, places);
         let mut total = (0.0, 0.0);
         for x in [-30.0, -20.0, -10.0, 0.0, 10.0, 20.0, 30.0] {
             let half = DVec2::new(5.0, 26.0);
@@ -108,9 +106,9 @@ fn a_varying_density_has_no_steps() {
         (InfillPattern::Gyroid, 0.08),
         (InfillPattern::Rectilinear, 0.13),
     ] {
-        let settings = graded(kind, "18 + 0.1*x");
+        let plan = graded(kind, "18 + 0.1*x");
         let places = (0..60).map(spread);
-        let layers = lay(&settings, HERE, &area, places);
+        let layers = lay(&plan, HERE, &area, places);
         for k in -5..=5 {
             let x = 6.0 * f64::from(k);
             let half = DVec2::new(6.0, 30.0);
@@ -126,9 +124,9 @@ fn density_by_the_distance_from_the_surface() {
     // This is the example of the documentation.
     let area = square(48.0);
     for kind in [InfillPattern::Gyroid, InfillPattern::Rectilinear] {
-        let settings = graded(kind, "10 + 60*exp(-d/3)");
+        let plan = graded(kind, "10 + 60*exp(-d/3)");
         let places = (0..30).map(|i| layer(200 + 3 * i));
-        let layers = lay(&settings, HERE, &area, places);
+        let layers = lay(&plan, HERE, &area, places);
         let at = |h: f64| share_at(&layers, DVec2::ZERO, DVec2::splat(h));
         let middle = at(20.0);
         assert!((middle / 10.0 - 1.0).abs() < 0.05, "{kind:?}: {middle}");

@@ -27,26 +27,28 @@ fn islands_in_each_other_s_boxes_are_filled_once() {
     apart.rings.push(aside(-30.0, -30.0, 8.0));
     apart.rings.push(aside(-21.5, -10.0, 0.4));
     apart.rings.push(aside(30.0, 30.0, 8.0));
-    let shape = |text: &str, mode| Settings {
-        infill: isoslice_settings::Infill::Expression(text.into()),
-        infill_mode: mode,
-        infill_walls: 0,
-        ..Settings::default()
+    let shape = |text: &str, solid| InfillPlan {
+        walls: 0,
+        ..shape(text, solid)
     };
     // Lines 2 mm apart, whatever the depth.
     let text = "sin(1.5707963*x) + 1e-9*d";
-    let surface = shape(text, InfillMode::Surface);
-    let solid = shape(text, InfillMode::Solid);
+    let surface = shape(text, false);
+    let solid = shape(text, true);
     // An expression that names d without depending on it is sampled in the same
     // way.
-    let vain = shape("sin(1.5707963*x) + 0*d", InfillMode::Surface);
-    let beads = |s: &Settings| lay(s, HERE, &area, [layer(7)]).remove(0);
+    let vain = shape("sin(1.5707963*x) + 0*d", false);
+    let beads =
+        |plan: &InfillPlan| lay(plan, HERE, &area, [layer(7)]).remove(0);
     assert_eq!(beads(&vain).len(), beads(&surface).len());
     for area in [&area, &apart] {
         let content = area.content();
-        let volume = |settings: &Settings| {
-            let beads = lay(settings, HERE, area, [layer(7)]).remove(0);
-            beads.iter().map(|b| b.area() * b.length()).sum::<f64>()
+        let volume = |plan: &InfillPlan| {
+            let beads = lay(plan, HERE, area, [layer(7)]).remove(0);
+            beads
+                .iter()
+                .map(|b| b.area() * b.stroke.length())
+                .sum::<f64>()
         };
         // The joins and the margin along the border are not part of the
         // pattern.
@@ -63,11 +65,11 @@ fn islands_in_each_other_s_boxes_are_filled_once() {
         assert!((found / wanted - 0.85).abs() < 0.1, "{found} {wanted}");
     }
     // A surface whose cells vary is filled once, too.
-    let settings = graded(InfillPattern::Gyroid, "20 + 0*x");
+    let plan = graded(InfillPattern::Gyroid, "20 + 0*x");
     let places = || (0..24).map(spread);
     let length = |area: &Area| -> f64 {
-        let layers = lay(&settings, HERE, area, places());
-        layers.iter().flatten().map(|b| b.length()).sum()
+        let layers = lay(&plan, HERE, area, places());
+        layers.iter().flatten().map(|b| b.stroke.length()).sum()
     };
     let single: f64 = area.islands().iter().map(length).sum();
     let together = length(&area);
@@ -87,18 +89,18 @@ fn islands_continue_each_other() {
         if kind == InfillPattern::Concentric {
             continue;
         }
-        let settings = settings(kind, 25.0);
-        let beads = |area| lay(&settings, HERE, area, [layer(4)]).remove(0);
+        let plan = even(kind, 25.0);
+        let beads = |area| lay(&plan, HERE, area, [layer(4)]).remove(0);
         let (whole, parts) = (beads(&square(40.0)), beads(&both));
         let all: Vec<(DVec2, DVec2)> = whole
             .iter()
-            .flat_map(|b| b.segments().collect::<Vec<_>>())
+            .flat_map(|b| b.stroke.segments().collect::<Vec<_>>())
             .collect();
         let grid = isoslice_planar::grid::EdgeGrid::of(
             all.into_iter().map(|s| (0, s)),
             0.5,
         );
-        for p in parts.iter().flat_map(|b| &b.points) {
+        for p in parts.iter().flat_map(|b| &b.stroke.points) {
             // Only places away from the joins are compared.
             if (p.x.abs() - 20.0).abs() > 11.5 || p.y.abs() > 11.5 {
                 continue;

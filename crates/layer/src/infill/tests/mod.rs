@@ -10,19 +10,28 @@ use isoslice_model::{Model, Placement, placed};
 use isoslice_planar::shapes::square;
 use isoslice_settings::Varying;
 
-fn settings(pattern: InfillPattern, density: f64) -> Settings {
-    Settings {
-        infill_density: density.into(),
-        infill: isoslice_settings::Infill::Pattern(pattern),
-        ..Settings::default()
+/// A pattern of one density.
+fn even(pattern: InfillPattern, density: f64) -> InfillPlan {
+    InfillPlan::with(|s| {
+        s.infill_density = density.into();
+        s.infill = isoslice_settings::Infill::Pattern(pattern);
+    })
+}
+
+/// A pattern whose density is an expression.
+fn graded(pattern: InfillPattern, density: &str) -> InfillPlan {
+    InfillPlan {
+        density: Varying::Expression(density.into()),
+        ..even(pattern, 15.0)
     }
 }
 
-/// Settings whose density is an expression.
-fn graded(pattern: InfillPattern, density: &str) -> Settings {
-    Settings {
-        infill_density: Varying::Expression(density.into()),
-        ..settings(pattern, 15.0)
+/// A shape by its formula; `solid` if it is filled.
+fn shape(text: &str, solid: bool) -> InfillPlan {
+    InfillPlan {
+        pattern: isoslice_settings::Infill::Expression(text.into()),
+        solid,
+        ..InfillPlan::with(|_| {})
     }
 }
 
@@ -35,40 +44,41 @@ fn block() -> Model {
 const HERE: Site = Site {
     part: Rect::new(DVec2::splat(-50.0), DVec2::splat(50.0)),
     height: 100.0,
-    bed: DVec2::ZERO,
     origin: DVec2::ZERO,
 };
 
 /// Beads of layers of an area.
 fn lay(
-    settings: &Settings,
+    plan: &InfillPlan,
     site: Site,
     area: &Area,
-    places: impl IntoIterator<Item = Target>,
+    places: impl IntoIterator<Item = LayerSpan>,
 ) -> Vec<Vec<Bead>> {
     let block = block();
     let around = Surroundings::new(&block);
-    let infill = Infill::new(settings, &around, site).unwrap();
+    let infill = Infill::new(plan.clone(), &around, site).unwrap();
     let layers = places.into_iter();
     layers
-        .map(|p| infill.beads(area, p, None).unwrap())
+        .map(|p| infill.beads(area, &p, None).unwrap())
         .collect()
 }
 
-fn layer(number: usize) -> Target {
-    Target {
-        number,
-        z: 0.2 * number as f64 + 0.1,
-        height: 0.2,
+fn layer(index: usize) -> LayerSpan {
+    LayerSpan {
+        index,
+        bottom: 0.2 * index as f64,
+        top: 0.2 * (index + 1) as f64,
     }
 }
 
 /// A layer at one of the heights spread evenly, out of step with any period.
 /// They span so many periods that their number need not be whole.
-fn spread(number: usize) -> Target {
-    Target {
-        z: 3000.0 * (0.618_034 * number as f64).fract(),
-        ..layer(number)
+fn spread(index: usize) -> LayerSpan {
+    let z = 3000.0 * (0.618_034 * index as f64).fract();
+    LayerSpan {
+        index,
+        bottom: z - 0.1,
+        top: z + 0.1,
     }
 }
 
@@ -83,7 +93,7 @@ fn length_within(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
     let border = Border::new(&window);
     let mut cutter = isoslice_planar::border::Cutter::new(&border);
     for bead in layers.iter().flatten() {
-        cutter.line(&bead.points, bead.closed);
+        cutter.line(&bead.stroke.points, bead.stroke.closed);
     }
     let pieces = cutter.finish();
     let lengths = pieces.iter();

@@ -6,7 +6,7 @@ use super::*;
 fn triangles_stay_triangles_when_they_are_moved() {
     let area = square(30.0);
     let border = Border::new(&area);
-    for phase in [0.0, 0.2, 0.5, 0.77] {
+    for x in [0.0, 0.2, 0.5, 0.77] {
         let layer = Layer {
             border: &border,
             margin: 0.0,
@@ -14,9 +14,8 @@ fn triangles_stay_triangles_when_they_are_moved() {
             z: 0.7,
             density: Density::Even(0.15),
             solid: 0.4,
-            origin: DVec2::new(1.0, 2.0),
+            origin: DVec2::new(x, 2.0),
             angle: 10.0,
-            phase,
             shortest: 0.4,
         };
         let lines: Vec<(DVec2, DVec2)> = triangles::Triangles
@@ -43,7 +42,7 @@ fn triangles_stay_triangles_when_they_are_moved() {
                 }
                 let off = |&c: &(DVec2, DVec2)| way(c).perp_dot(p - c.0).abs();
                 let near = third.iter().map(off).fold(1e9, f64::min);
-                assert!(near < 1e-9, "{phase}: {near}");
+                assert!(near < 1e-9, "{x}: {near}");
                 met += 1;
             }
         }
@@ -59,29 +58,28 @@ fn paths_are_long_and_stay_inside() {
     area.rings.push(hole);
     let grid = isoslice_planar::grid::EdgeGrid::new(&area, 1.0);
     for kind in InfillPattern::ALL {
-        let settings = settings(kind, 20.0);
+        let plan = even(kind, 20.0);
         let places = [0, 7, 12].map(layer);
-        for (i, beads) in lay(&settings, HERE, &area, places).iter().enumerate()
-        {
-            for p in beads.iter().flat_map(|b| &b.points) {
+        for (i, beads) in lay(&plan, HERE, &area, places).iter().enumerate() {
+            for p in beads.iter().flat_map(|b| &b.stroke.points) {
                 assert!(grid.contains(*p), "{kind:?}: {p}");
                 let (_, near) = grid.nearest(*p).unwrap();
                 assert!(near.distance(*p) > 0.1, "{kind:?}: {p}");
             }
             // Without joins there would be about 80 paths.
-            let open = beads.iter().filter(|b| !b.closed).count();
+            let open = beads.iter().filter(|b| !b.stroke.closed).count();
             assert!(open <= 20, "{kind:?}, layer {i}: {open} paths");
         }
     }
 }
 
 /// Points of the pattern far from any border.
-fn points(settings: &Settings, site: Site, at: Target) -> Vec<DVec2> {
-    let beads = lay(settings, site, &square(40.0), [at]).remove(0);
+fn points(plan: &InfillPlan, site: Site, at: LayerSpan) -> Vec<DVec2> {
+    let beads = lay(plan, site, &square(40.0), [at]).remove(0);
     // Where the lines cross the middle row.
     let mut on_row: Vec<DVec2> = beads
         .iter()
-        .flat_map(|b| b.segments().collect::<Vec<_>>())
+        .flat_map(|b| b.stroke.segments().collect::<Vec<_>>())
         .filter(|(a, b)| (a.y > 0.3) != (b.y > 0.3))
         .map(|(a, b)| a.lerp(b, (0.3 - a.y) / (b.y - a.y)))
         .filter(|p| p.x.abs() < 30.0)
@@ -91,9 +89,9 @@ fn points(settings: &Settings, site: Site, at: Target) -> Vec<DVec2> {
 }
 
 #[test]
-fn angle_phase_and_centre_move_the_pattern() {
+fn angle_and_part_move_the_pattern() {
     for kind in InfillPattern::ALL {
-        let plain = settings(kind, 20.0);
+        let plain = even(kind, 20.0);
         let at = layer(5);
         let here = points(&plain, HERE, at);
         assert!(here.len() > 8, "{kind:?}");
@@ -107,16 +105,8 @@ fn angle_phase_and_centre_move_the_pattern() {
             };
             here.iter().filter(|p| near(p) > 0.05).count() * 2 > here.len()
         };
-        let turned = Settings {
-            infill_angle: 20.0,
-            ..plain.clone()
-        };
-        let moved = Settings {
-            infill_phase: 30.0,
-            ..plain.clone()
-        };
-        let bed = Settings {
-            infill_centre: InfillCentre::Bed,
+        let turned = InfillPlan {
+            angle: 20.0,
             ..plain.clone()
         };
         let aside = DVec2::new(0.7, 0.4);
@@ -124,29 +114,11 @@ fn angle_phase_and_centre_move_the_pattern() {
             part: HERE.part.moved(aside),
             ..HERE
         };
-        let bed_aside = Site { bed: aside, ..HERE };
         for (what, other) in [
             ("angle", points(&turned, HERE, at)),
-            ("phase", points(&moved, HERE, at)),
             ("part", points(&plain, part_aside, at)),
-            ("bed", points(&bed, bed_aside, at)),
         ] {
             assert!(differs(&other), "{kind:?}: {what}");
         }
-        let same = points(&plain, bed_aside, at);
-        assert!(!differs(&same), "{kind:?}");
     }
-}
-
-#[test]
-fn concentric_rings_move_by_the_phase() {
-    let plain = settings(InfillPattern::Concentric, 20.0);
-    let moved = Settings {
-        infill_phase: 25.0,
-        ..plain.clone()
-    };
-    let at = layer(0);
-    let first = |s: &Settings| points(s, HERE, at)[5].x;
-    let step = spacing(0.45, 0.45, 0.2) / 0.2;
-    assert!((first(&moved) - first(&plain) - 0.25 * step).abs() < 1e-6);
 }

@@ -205,10 +205,12 @@ pub(super) fn example(name: &str) -> Option<&'static str> {
     row.map(|row| row.example)
 }
 
-/// True for the name of a shape, or of an operation on shapes: what it makes is a
-/// body, and no field to calculate with.
-pub fn makes_body(name: &str) -> bool {
-    names().any(|known| known == name)
+/// True if what a function makes is a body, and no field to calculate with: that
+/// of shapes and of operations on shapes, and the least and the greatest `of_bodies`
+/// alone.
+pub fn makes_body(name: &str, of_bodies: bool) -> bool {
+    let chosen = of_bodies && matches!(name, "min" | "max");
+    chosen || names().any(|known| known == name)
 }
 
 /// A call with an array, if this is an operation on any number of shapes.

@@ -35,7 +35,6 @@ pub use planner::Planner;
 
 use glam::{DVec3, DVec4};
 use isoslice_base::units::{Mm, MmPerSec, MmPerSec2, Seconds};
-use isoslice_settings::Settings;
 use planner::Leg;
 use ramps::Ramps;
 use std::ops::Range;
@@ -49,29 +48,16 @@ const MIN_LENGTH: Mm = 1e-6;
 pub struct Limits {
     /// The firmware's rules.
     pub planner: Planner,
+    /// Acceleration of moves, unless another one is asked for.
+    pub acceleration: MmPerSec2,
+    /// Acceleration of moves that do not print.
+    pub travel_acceleration: MmPerSec2,
     /// Greatest speed of the z axis.
     pub speed_z: MmPerSec,
     /// Greatest acceleration of the z axis.
     pub acceleration_z: MmPerSec2,
     /// Greatest acceleration of the filament while nothing is printed.
     pub filament_acceleration: MmPerSec2,
-}
-
-impl Limits {
-    /// The limits of the printer in the settings.
-    pub fn new(settings: &Settings) -> Self {
-        let printer = &settings.printer;
-        Self {
-            planner: Planner::new(
-                settings.gcode.flavour,
-                printer.square_corner_velocity,
-                printer.acceleration,
-            ),
-            speed_z: printer.max_speed_z,
-            acceleration_z: printer.max_acceleration_z,
-            filament_acceleration: printer.retract_acceleration,
-        }
-    }
 }
 
 /// One straight move at one nominal speed.

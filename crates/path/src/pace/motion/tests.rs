@@ -9,6 +9,8 @@ const CORNER: f64 = 5.0;
 fn motion(flavour: Flavour) -> Motion {
     let limits = Limits {
         planner: Planner::new(flavour, CORNER, A),
+        acceleration: A,
+        travel_acceleration: A,
         speed_z: 10.0,
         acceleration_z: 100.0,
         filament_acceleration: A,

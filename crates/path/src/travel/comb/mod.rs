@@ -106,7 +106,9 @@ impl<'a> Comb<'a> {
         b: DVec2,
         longest: Mm,
     ) -> Option<Vec<DVec2>> {
-        isoslice_base::limits::check();
+        if isoslice_base::limits::is_stopped() {
+            return None;
+        }
         let ends = [a, b];
         // The ends may be on walls, so they are moved off them first.
         let (a, b) = (self.off(a), self.off(b));

@@ -1,0 +1,111 @@
+//! What skin and its bridges follow from.
+
+use crate::region::ThinPlan;
+use isoslice_base::units::{Degrees, Mm, Percent};
+use isoslice_planar::bead::Role;
+use isoslice_settings::{Settings, SkinOrder, SkinPattern};
+
+/// How one kind of skin is filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// How its lines run.
+    pub pattern: SkinPattern,
+    /// Line width, mm.
+    pub width: Mm,
+}
+
+/// How skin is laid.
+#[derive(Clone, Copy, Debug)]
+pub struct SkinPlan {
+    /// Skin that nobody sees, and the rings around all skin.
+    pub internal: Look,
+    /// Skin that is seen from below. Bridges have its width.
+    pub bottom: Look,
+    /// Skin that is seen from above.
+    pub top: Look,
+    /// Which places get one line.
+    pub thin: ThinPlan,
+    /// Directions of lines in even and in odd layers.
+    pub directions: [Degrees; 2],
+    /// Distance of the ends of lines from the centre line of the ring around
+    /// them, mm.
+    pub off_ring: Mm,
+    /// How far skin reaches into the walls around it, mm.
+    pub into_walls: Mm,
+    /// True if lines that are seen from above come one beside the other.
+    pub swept: bool,
+    /// Distance between the lines of ironing, mm, if tops are ironed.
+    pub ironing: Option<Mm>,
+    /// True if lines over nothing become bridges.
+    pub bridges: bool,
+    /// How far bridges reach onto what holds them, mm.
+    pub anchor: Mm,
+    /// Bridges over infill.
+    pub over_infill: OverInfillPlan,
+}
+
+/// What internal bridges lie on.
+#[derive(Clone, Copy, Debug)]
+pub struct OverInfillPlan {
+    /// Number of their layers, if that is given.
+    pub layers: Option<u32>,
+    /// Density of the infill, %, if it has one everywhere.
+    pub density: Option<Percent>,
+    /// Line width of the infill, mm.
+    pub infill: Mm,
+    /// Distance of a line from the centre line of a wall that it touches, mm.
+    pub beside_wall: Mm,
+}
+
+impl SkinPlan {
+    /// The plan that settings ask for.
+    pub fn of(settings: &Settings) -> SkinPlan {
+        let look = |pattern, width| Look { pattern, width };
+        let (skin, inner) =
+            (settings.skin_width(), settings.inner_wall_width());
+        let wall = match settings.walls {
+            0 => 0.0,
+            1 => settings.outer_wall_width(),
+            _ => inner,
+        };
+        let pressed = 0.01 * settings.skin_wall_overlap * skin;
+        let density = settings.infill_density.constant();
+        SkinPlan {
+            internal: look(settings.internal_skin_pattern, skin),
+            bottom: look(settings.bottom_skin_pattern, settings.skin_width()),
+            top: look(settings.top_skin_pattern, settings.top_skin_width()),
+            thin: ThinPlan::of(settings),
+            directions: [0, 1].map(|layer| settings.skin_direction(layer)),
+            off_ring: settings.off_skin_ring(),
+            // Skin may be wider than the wall. Half of the wall is left beside
+            // it.
+            into_walls: pressed.min(0.5 * wall),
+            swept: settings.top_skin_order == SkinOrder::Monotonic,
+            ironing: settings.ironing.then(|| settings.ironing_spacing()),
+            bridges: settings.bridges,
+            anchor: settings.bridge_anchor,
+            over_infill: OverInfillPlan {
+                layers: settings.internal_bridges.count(),
+                density: density.filter(|_| settings.infill_is_pattern()),
+                infill: settings.infill_width(),
+                beside_wall: 0.5 * (skin + inner),
+            },
+        }
+    }
+
+    /// How skin of a role is filled.
+    pub(super) fn look(&self, role: Role) -> Look {
+        match role {
+            Role::TopSkin => self.top,
+            Role::BottomSkin => self.bottom,
+            _ => self.internal,
+        }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> SkinPlan {
+        let mut settings = Settings::default();
+        change(&mut settings);
+        SkinPlan::of(&settings)
+    }
+}

@@ -1,0 +1,106 @@
+//! Settings that became part of others.
+//!
+//! In: a name that a setting once had. Out: what to write instead.
+
+/// Names of settings that are no more, each with what to write instead.
+const GONE: &[(&str, &str)] = &[
+    (
+        "top_thickness",
+        "write the thickness in top_layers, such as \"0.8 mm\"",
+    ),
+    (
+        "bottom_thickness",
+        "write the thickness in bottom_layers, such as \"0.6 mm\"",
+    ),
+    (
+        "spiral_walls",
+        "write the number of walls in spiral, such as spiral = 2",
+    ),
+    (
+        "internal_bridge_layers",
+        "write the number of layers in internal_bridges, such as \
+         internal_bridges = 2",
+    ),
+    (
+        "draft_shield_gap",
+        "write skirt.distance, which is also the draft shield's",
+    ),
+    (
+        "speed.overhang_steps",
+        "write the steps in speed.overhang, such as \"25: 80%, 50: 30, 100: 10\"",
+    ),
+    (
+        "cooling.overhang_fan_steps",
+        "write the steps in cooling.overhang_fan_speed, such as \"25: 50, 100: 100\"",
+    ),
+    ("acceleration.travel", "write printer.travel_acceleration"),
+    (
+        "bottom_skin_width",
+        "write skin_width, which is for bottoms and bridges as well",
+    ),
+    (
+        "contour_z_gouge",
+        "write printer.nozzle_flat: the smaller the nozzle's flat end, the \
+         steeper the faces that are followed",
+    ),
+    (
+        "infill_phase",
+        "write an infill of your own, \"expr: ...\", with an x or y that is moved",
+    ),
+    (
+        "infill_centre",
+        "write an infill of your own, \"expr: ...\"; patterns are laid out from \
+         the middle of the part",
+    ),
+    (
+        "overhang_inner_first",
+        "write wall_order = \"outer-first-unless-overhang\"",
+    ),
+    (
+        "printer.takes_arcs",
+        "write gcode.arcs = true for a printer that follows arcs well",
+    ),
+    (
+        "retract.ooze_prime",
+        "leave it out: a travel longer than retract.max_unretracted retracts",
+    ),
+    (
+        "seam_scarf_rise",
+        "write seam_scarf_start = 10 for scarfs that rise, and 100 for level ones",
+    ),
+    (
+        "support.interface_spacing",
+        "write the distance in support.interface_density, such as \"0.8 mm\"",
+    ),
+];
+
+/// What to write instead of a setting that is no more.
+pub(super) fn instead(name: &str) -> Option<&'static str> {
+    let gone = GONE.iter().find(|(old, _)| *old == name);
+    gone.map(|(_, instead)| *instead)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Builder, keys};
+
+    #[test]
+    fn old_names_tell_what_to_write() {
+        for (old, instead) in GONE {
+            let is = keys().iter().any(|key| key.name == *old);
+            assert!(!is, "{old} is a setting");
+            let mut builder = Builder::new();
+            let error = builder.set(&format!("{old}=1")).unwrap_err();
+            assert!(error.to_string().ends_with(instead), "{error}");
+            // A settings file, where the name may be in a group.
+            let error = builder.toml("a.toml", &format!("{old} = 1"));
+            let error = error.unwrap_err().to_string();
+            assert!(error.starts_with("a.toml:1"), "{error}");
+            assert!(error.ends_with(instead), "{error}");
+            // It speaks of a setting that there is.
+            let named = keys().iter().any(|key| instead.contains(key.name));
+            assert!(named, "{instead}");
+        }
+    }
+}

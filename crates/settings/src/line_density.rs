@@ -1,0 +1,59 @@
+//! How dense lines are: a share of the area, or their distance.
+
+use super::value::{Kind, Measure, Range, Raw, Refused, Value};
+use isoslice_base::units::{Mm, Percent};
+
+/// How dense parallel lines are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LineDensity {
+    /// The share of the area that is printed.
+    Share(Percent),
+    /// The distance of the lines, from middle to middle.
+    Spacing(Mm),
+}
+
+/// A distance between lines.
+const SPACING: Measure = Measure {
+    unit: "mm",
+    range: Some(Range {
+        min: 0.1,
+        max: 20.0,
+        or_zero: false,
+    }),
+};
+
+impl Value for LineDensity {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
+        let mut value = 0.0;
+        *self = match raw.length() {
+            Some(length) => {
+                value.assign(Raw::Word(length), SPACING)?;
+                LineDensity::Spacing(value)
+            }
+            None => {
+                value.assign(raw, measure)?;
+                LineDensity::Share(value)
+            }
+        };
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        match self {
+            LineDensity::Share(share) => share.to_toml(),
+            LineDensity::Spacing(apart) => {
+                format!("{} mm", apart.to_toml()).to_toml()
+            }
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::NumberOrText(
+            "10 to 100%, or the distance of lines, 0.1 to 20 mm, such as \"0.8 mm\"",
+        )
+    }
+}

@@ -1,0 +1,50 @@
+//! What the stages of a part do, resolved once from the part's settings.
+
+use isoslice_layer::adhesion::AdhesionPlan;
+use isoslice_layer::infill::InfillPlan;
+use isoslice_layer::region::{OutlinePlan, WallPlan};
+use isoslice_layer::resolution::Resolution;
+use isoslice_layer::seam::EndingPlan;
+use isoslice_layer::skin::SkinPlan;
+use isoslice_path::order::OrderPlan;
+use isoslice_path::pace::PacePlan;
+use isoslice_path::relief::ReliefPlan;
+use isoslice_path::spiral::SpiralPlan;
+use isoslice_path::travel::TravelPlan;
+use isoslice_settings::Settings;
+
+/// The plans of a part.
+pub(super) struct Plans {
+    pub resolution: Resolution,
+    pub outline: OutlinePlan,
+    pub walls: WallPlan,
+    pub skin: SkinPlan,
+    pub infill: InfillPlan,
+    pub adhesion: AdhesionPlan,
+    pub ending: EndingPlan,
+    pub spiral: SpiralPlan,
+    pub order: OrderPlan,
+    pub relief: ReliefPlan,
+    pub travel: TravelPlan,
+    pub pace: PacePlan,
+}
+
+impl Plans {
+    /// The plans of a part with these settings.
+    pub(super) fn of(settings: &Settings) -> Plans {
+        Plans {
+            resolution: Resolution::of(settings),
+            outline: OutlinePlan::of(settings),
+            walls: WallPlan::of(settings),
+            skin: SkinPlan::of(settings),
+            infill: InfillPlan::of(settings),
+            adhesion: AdhesionPlan::of(settings),
+            ending: EndingPlan::of(settings),
+            spiral: SpiralPlan::of(settings),
+            order: OrderPlan::of(settings),
+            relief: ReliefPlan::of(settings),
+            travel: TravelPlan::of(settings),
+            pace: PacePlan::of(settings),
+        }
+    }
+}
