@@ -216,6 +216,13 @@ pub(super) struct Filled {
     pub figures: Option<LayerFigures>,
 }
 
+impl Filled {
+    /// The layer, and what is around it.
+    pub(super) fn view(&self) -> LayerView<'_> {
+        self.layer.among(&self.below, &self.above)
+    }
+}
+
 /// A layer of the plate between two steps: what the last step has made of each
 /// part that is in it, with the part's number.
 pub(super) struct OnPlate<T> {

@@ -27,9 +27,9 @@ const UNHELD: Mm2 = 1.0;
 pub(super) struct Top {
     /// From where to where the supports reach.
     pub span: LayerSpan,
-    /// Height and area of the supports that lie on them, if there are any and
+    /// Heights and area of the supports that lie on them, if there are any and
     /// these supports follow the underside above.
-    pub above: Option<(Mm, Solid<'static>)>,
+    pub above: Option<(LayerSpan, Solid<'static>)>,
 }
 
 /// The supports of a part.
@@ -246,7 +246,7 @@ impl<'a> Supported<'a> {
             let mut higher = layer + 1..heights.spans().len();
             let (j, next) = higher.find_map(|j| Some((j, heights.span(j)?)))?;
             let area = self.plan.slice(j)?.area();
-            Some((next.height(), Solid::new(area)))
+            Some((next, Solid::new(area)))
         };
         Some(Top {
             span: own,

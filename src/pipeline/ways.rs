@@ -5,7 +5,6 @@
 //! counts passes from one layer to the next.
 
 use super::job::Planned;
-use super::layer::{Filled, Layer};
 use super::part::{Ordered, PartOrder};
 use super::plans::Plans;
 use super::supported::Top;
@@ -13,13 +12,13 @@ use super::tally::Tally;
 use super::{BLOCK, SliceError};
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
-use isoslice_base::units::Mm;
 use isoslice_layer::hang::Hanging;
 use isoslice_layer::hang::foot::Foot;
 use isoslice_layer::seam::ending::Ended;
+use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_layer::walls::{Interlock, Reach};
 use isoslice_path::pace::rates;
-use isoslice_path::relief::{Relief, Side, Site};
+use isoslice_path::relief::{Relief, Site};
 use isoslice_path::travel::{Ground, LayerPath, Move, connect};
 use isoslice_planar::Solid;
 use isoslice_settings::Settings;
@@ -117,19 +116,20 @@ impl<'a> PartTravel<'a> {
             stands_on,
             filled,
         } = ordered;
-        let Filled { layer, above, .. } = &filled;
+        let (layer, view) = (&filled.layer, filled.view());
         let index = layer.span.index;
         let written = self.layers.contains(&index);
         let beads = if self.settings.interlocks() {
             self.timings
-                .time(Stage::Walls, || self.interlocked(beads, &filled))
+                .time(Stage::Walls, || self.interlocked(beads, &view))
         } else {
             beads
         };
         let beads = self.timings.time(Stage::Relief, || {
-            let beads = self.on_surface(beads, &filled)?;
+            let under_support = filled.under_support.as_ref();
+            let beads = self.on_surface(beads, &view, under_support)?;
             match &filled.support_top {
-                Some(top) => self.support_below(beads, top, layer.span.top),
+                Some(top) => self.support_below(beads, top, view.here),
                 None => Ok(beads),
             }
         })?;
@@ -152,13 +152,11 @@ impl<'a> PartTravel<'a> {
                 }
             }
             let mut path = connect(
-                layer.span,
                 beads,
                 Ground {
-                    outline: &layer.outline,
+                    view: &view,
                     sparse: &filled.sparse,
                     border,
-                    above: above.as_ref().map(|above| &*above.outline),
                 },
                 from,
                 self.offset,
@@ -195,9 +193,12 @@ impl<'a> PartTravel<'a> {
     }
 
     /// A layer's beads. Walls that lie half a layer lower are in their places.
-    fn interlocked(&self, beads: Vec<Ended>, filled: &Filled) -> Vec<Ended> {
-        let view = filled.layer.among(&filled.below, &filled.above);
-        let interlock = Interlock(&view);
+    fn interlocked(
+        &self,
+        beads: Vec<Ended>,
+        view: &LayerView<'_>,
+    ) -> Vec<Ended> {
+        let interlock = Interlock(view);
         let mut out = Vec::with_capacity(beads.len());
         for Ended { bead, wipe } in beads {
             let placed = interlock.placed(bead, self.plans.resolution);
@@ -210,32 +211,41 @@ impl<'a> PartTravel<'a> {
         out
     }
 
-    /// A layer's beads, of which those of supports end at their own `top`, and
-    /// below the underside above them if they have to follow that. `level` is the
-    /// layer's top.
+    /// The beads of a layer, of which those of supports end at their own `top`,
+    /// and below the underside above them if they have to follow that.
     fn support_below(
         &self,
         beads: Vec<Ended>,
         top: &Top,
-        level: Mm,
+        layer: LayerFace<'_>,
     ) -> Result<Vec<Ended>, SliceError> {
         let mut beads = match &self.under {
             None => beads,
             Some(under) => {
-                let above = match &top.above {
-                    Some((next, area)) => Side::Layer(*next, area.grid()),
-                    None => Side::Open,
+                let above = top.above.as_ref().map(|(span, area)| LayerFace {
+                    span: *span,
+                    outline: area,
+                    rough: area,
+                    top: area,
+                });
+                let here = LayerFace {
+                    span: top.span,
+                    ..layer
+                };
+                let view = LayerView {
+                    here,
+                    above: above.into_iter().collect(),
+                    // Their undersides stay as they are.
+                    below: vec![here],
                 };
                 let site = Site {
-                    span: top.span,
-                    above,
-                    below: Side::Closed,
+                    view: &view,
                     under_support: None,
                 };
                 under.apply(beads, site)?
             }
         };
-        let rise = top.span.top - level;
+        let rise = top.span.top - layer.span.top;
         if rise != 0.0 {
             let all = beads.iter_mut().map(|ended| &mut ended.bead);
             for bead in all.filter(|bead| bead.role.is_support()) {
@@ -247,36 +257,24 @@ impl<'a> PartTravel<'a> {
     }
 
     /// A layer's beads, moved onto the surfaces above and below them if they
-    /// have to follow these.
+    /// have to follow these. Supports may stand on the layer.
     fn on_surface(
         &self,
         beads: Vec<Ended>,
-        filled: &Filled,
+        view: &LayerView<'_>,
+        under_support: Option<&Solid<'_>>,
     ) -> Result<Vec<Ended>, SliceError> {
         let Some(relief) = self.relief.as_ref() else {
             return Ok(beads);
         };
-        fn side<'l>(layer: &Layer, other: Option<&'l Layer>) -> Side<'l> {
-            match other {
-                None => Side::Open,
-                Some(other) if layer.same_outline(other) => Side::Closed,
-                Some(other) => {
-                    Side::Layer(other.span.height(), other.outline.grid())
-                }
-            }
-        }
-        let layer = &filled.layer;
+        let mut view = view.clone();
         // The bed and a raft are flat.
-        let flat = layer.span.index <= self.settings.raft_layers();
+        if view.here.span.index <= self.settings.raft_layers() {
+            view.below = vec![view.here];
+        }
         let site = Site {
-            span: layer.span,
-            above: side(layer, filled.above.as_ref()),
-            below: if flat {
-                Side::Closed
-            } else {
-                side(layer, filled.below.as_ref())
-            },
-            under_support: filled.under_support.as_ref().map(Solid::grid),
+            view: &view,
+            under_support: under_support.map(Solid::grid),
         };
         Ok(relief.apply(beads, site)?)
     }

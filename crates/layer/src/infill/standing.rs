@@ -43,7 +43,7 @@ impl Standing {
     pub fn new(plan: &InfillPlan) -> Option<Standing> {
         let own = plan.is_own();
         let graded = plan.density.constant().is_none();
-        (own || graded).then(|| Standing {
+        (own || graded).then_some(Standing {
             reach: HELD * plan.width,
             below: None,
             own,

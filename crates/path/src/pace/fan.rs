@@ -39,9 +39,11 @@ mod tests {
 
     #[test]
     fn the_fan_starts_in_steps() {
-        let mut cooling = Cooling::default();
-        cooling.fan_off_layers = 2;
-        cooling.full_fan_layer = 6;
+        let mut cooling = Cooling {
+            fan_off_layers: 2,
+            full_fan_layer: 6,
+            ..Cooling::default()
+        };
         let speeds: Vec<f64> = (0..8)
             .map(|i| fan_speed(80.0, i, 100.0, &cooling))
             .collect();
@@ -54,10 +56,12 @@ mod tests {
 
     #[test]
     fn short_layers_have_more_fan() {
-        let mut cooling = Cooling::default();
-        cooling.min_layer_time = 10.0;
-        cooling.long_layer_time = 30.0;
-        cooling.short_layer_fan_speed = Some(70.0);
+        let mut cooling = Cooling {
+            min_layer_time: 10.0,
+            long_layer_time: 30.0,
+            short_layer_fan_speed: Some(70.0),
+            ..Cooling::default()
+        };
         let at = |asked, time| fan_speed(asked, 9, time, &cooling);
         assert_eq!(at(30.0, 40.0), 30.0);
         assert_eq!(at(30.0, 20.0), 50.0);

@@ -63,6 +63,7 @@ use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Degrees, Mm, Mm2};
 use isoslice_layer::seam::ending::Ended;
+use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_model::vary::{Quantity, Surroundings, VaryError};
 use isoslice_model::{Model, Probe, ProbeError};
 use isoslice_planar::bead::{Bead, Role, cross_section, height_of};
@@ -124,41 +125,14 @@ enum Whose {
     Supports,
 }
 
-/// A layer and what is beside it.
+/// A layer, what is around it, and what stands on it.
 #[derive(Clone, Copy)]
 pub struct Site<'a> {
-    /// The layer.
-    pub span: LayerSpan,
-    /// What is above it.
-    pub above: Side<'a>,
-    /// What is below it.
-    pub below: Side<'a>,
+    /// The layer and its neighbours. A neighbour with an equal outline leaves
+    /// nothing open.
+    pub view: &'a LayerView<'a>,
     /// Where supports stand on the layer, a gap above it.
     pub under_support: Option<&'a EdgeGrid>,
-}
-
-/// The layer above or below a layer.
-#[derive(Clone, Copy)]
-pub enum Side<'a> {
-    /// That layer has an equal outline, or does not matter.
-    Closed,
-    /// There is no such layer.
-    Open,
-    /// The height and the outline of that layer.
-    Layer(Mm, &'a EdgeGrid),
-}
-
-impl<'a> Side<'a> {
-    fn outline(self) -> Option<&'a EdgeGrid> {
-        match self {
-            Side::Layer(_, outline) => Some(outline),
-            Side::Closed | Side::Open => None,
-        }
-    }
-
-    fn is_closed(self) -> bool {
-        matches!(self, Side::Closed)
-    }
 }
 
 /// What the heights of a layer permit on one side of it.
@@ -239,12 +213,12 @@ impl<'a> Relief<'a> {
         mut beads: Vec<Ended>,
         site: Site<'_>,
     ) -> Result<Vec<Ended>, ReliefError> {
-        if !site.above.is_closed() {
+        if !site.is_closed(Facing::Up) {
             beads = self.facing(beads, site, Facing::Up)?;
         }
         let undersides = self.whose == Whose::Part
             && self.plan.undersides
-            && !site.below.is_closed();
+            && !site.is_closed(Facing::Down);
         if undersides {
             beads = self.facing(beads, site, Facing::Down)?;
         }
@@ -316,9 +290,9 @@ impl<'a> Relief<'a> {
         if isoslice_base::limits::is_stopped() {
             return Ok(beads);
         }
-        let cover = site.side(facing).outline();
+        let cover = site.other(facing).map(|other| other.outline.grid());
         // Most of a part's beads lie below others, and on others.
-        let height = site.span.height();
+        let height = site.span().height();
         if !chain::any_open(&beads, cover, height) {
             return Ok(beads);
         }
@@ -367,8 +341,8 @@ impl<'a> Relief<'a> {
     ) -> Result<Option<Vec<Knot>>, ReliefError> {
         let face = self.bed
             + match bounds.facing {
-                Facing::Up => site.span.top,
-                Facing::Down => site.span.bottom,
+                Facing::Up => site.span().top,
+                Facing::Down => site.span().bottom,
             };
         let seen = |stop: &&Stop| stop.bare.share > 0.0;
         let points: Vec<DVec2> =
@@ -382,7 +356,7 @@ impl<'a> Relief<'a> {
             BESIDE,
             bounds.steep(),
         )?;
-        let strengths = self.strengths(&points, &site.span)?;
+        let strengths = self.strengths(&points, site.span())?;
         let mut found = spots.into_iter().zip(strengths);
         let mut level = true;
         let mut knot = |stop: &Stop| {
@@ -438,11 +412,27 @@ impl<'a> Relief<'a> {
 }
 
 impl<'a> Site<'a> {
-    fn side(&self, facing: Facing) -> Side<'a> {
+    fn span(&self) -> &'a LayerSpan {
+        &self.view.here.span
+    }
+
+    /// The layer on one side.
+    fn beside(&self, facing: Facing) -> Option<&'a LayerFace<'a>> {
         match facing {
-            Facing::Up => self.above,
-            Facing::Down => self.below,
+            Facing::Up => self.view.above.first(),
+            Facing::Down => self.view.below.first(),
         }
+    }
+
+    /// The layer on one side, if its outline is another.
+    fn other(&self, facing: Facing) -> Option<&'a LayerFace<'a>> {
+        let beside = self.beside(facing);
+        beside.filter(|beside| !beside.is_like(&self.view.here))
+    }
+
+    /// True if the layer on one side has an equal outline.
+    fn is_closed(&self, facing: Facing) -> bool {
+        self.beside(facing).is_some() && self.other(facing).is_none()
     }
 
     /// True if a support stands on a place of a top.
@@ -464,11 +454,9 @@ impl Facing {
 
 impl Bounds {
     fn new(site: Site<'_>, facing: Facing, plan: &ReliefPlan) -> Bounds {
-        let height = site.span.height();
-        let next = match site.side(facing) {
-            Side::Layer(next, _) => next,
-            Side::Closed | Side::Open => height,
-        };
+        let height = site.span().height();
+        let next = site.other(facing);
+        let next = next.map_or(height, |next| next.span.height());
         // What is higher than the nozzle's hole is wide would not touch what is
         // below it.
         let room = (plan.nozzle - height).max(0.0);

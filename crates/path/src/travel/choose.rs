@@ -56,7 +56,7 @@ impl Cover {
     fn new(ground: &Ground<'_>, plan: &TravelPlan) -> Cover {
         let much = || {
             let infill = ground.sparse.area().content();
-            infill >= MUCH_INFILL * ground.outline.area().content()
+            infill >= MUCH_INFILL * ground.outline().area().content()
         };
         match plan.retract.hidden {
             Hidden::SparseInfill => Cover::Infill,
@@ -95,7 +95,7 @@ impl<'a> Planner<'a> {
         Planner {
             ground,
             obstacles: Obstacles::new(beads, ground, plan),
-            comb: Comb::new(Cow::Borrowed(ground.outline), clearance),
+            comb: Comb::new(Cow::Borrowed(ground.outline()), clearance),
             sparse: OnceCell::new(),
             covered: OnceCell::new(),
             clearance,
@@ -179,7 +179,7 @@ impl<'a> Planner<'a> {
         next: usize,
     ) -> Travel {
         let inside = before.is_some_and(of_part);
-        if !inside && !self.ground.outline.grid().contains(a) {
+        if !inside && !self.ground.outline().grid().contains(a) {
             return Travel::straight(b, true);
         }
         let direct = [a, b];
@@ -271,10 +271,10 @@ impl<'a> Planner<'a> {
             return Some(way);
         }
         let round = || {
-            let above = self.ground.above?;
+            let above = self.ground.view.above.first()?.outline;
             let comb = self.covered.get_or_init(|| {
                 let area =
-                    intersection(self.ground.outline.area(), above.area());
+                    intersection(self.ground.outline().area(), above.area());
                 Comb::new(Cow::Owned(Solid::new(area)), self.clearance)
             });
             let round = with_ends(comb.way(a, b, longest)?);

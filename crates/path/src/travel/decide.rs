@@ -126,7 +126,11 @@ impl<'a> Obstacles<'a> {
         bead.role == Role::Overhang
             && middle.is_some_and(|&p| {
                 let reach = 0.5 * self.width + NEAR * self.inner_width;
-                self.ground.outline.grid().nearest_edge(p, reach).is_some()
+                self.ground
+                    .outline()
+                    .grid()
+                    .nearest_edge(p, reach)
+                    .is_some()
             })
     }
 
@@ -150,9 +154,10 @@ impl<'a> Obstacles<'a> {
     /// layer above does not cover its middle. Sparse infill that nothing covers
     /// is left open on purpose.
     fn is_top(&self, bead: &Bead, (a, b): (DVec2, DVec2)) -> bool {
-        let bare = || match self.ground.above {
-            Some(above) if std::ptr::eq(above, self.ground.outline) => false,
-            Some(above) => !above.grid().contains(a.midpoint(b)),
+        let view = self.ground.view;
+        let bare = || match view.above.first() {
+            Some(above) if above.is_like(&view.here) => false,
+            Some(above) => !above.outline.grid().contains(a.midpoint(b)),
             None => true,
         };
         bead.role == Role::TopSkin
@@ -162,7 +167,7 @@ impl<'a> Obstacles<'a> {
     /// True if the way through `points` leaves the part, or touches its
     /// border.
     pub(super) fn air(&self, points: &[DVec2]) -> bool {
-        meets(self.ground.outline.grid(), points)
+        meets(self.ground.outline().grid(), points)
     }
 
     /// True if the way crosses an outer wall or follows one: if it comes too
@@ -175,7 +180,7 @@ impl<'a> Obstacles<'a> {
         let along = trimmed(points, self.width);
         let follows = along
             .windows(2)
-            .any(|p| !self.ground.outline.grid().clear(p[0], p[1], near));
+            .any(|p| !self.ground.outline().grid().clear(p[0], p[1], near));
         // Beads of thin places, and walls that grow wider, reach into the part,
         // where they go on as two beads.
         let open = self.open.get_or_init(|| {
@@ -215,7 +220,7 @@ impl<'a> Obstacles<'a> {
         let Some(&first) = way.first() else {
             return false;
         };
-        let grid = self.ground.outline.grid();
+        let grid = self.ground.outline().grid();
         let near = grid.nearest_edge(first, middle);
         let depth = near.map_or(middle, |(_, q)| first.distance(q));
         let least = ROUNDED * depth;

@@ -27,6 +27,7 @@ mod wipe;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_layer::seam::ending::Ended;
+use isoslice_layer::view::LayerView;
 use isoslice_planar::Solid;
 use isoslice_planar::bead::Bead;
 use isoslice_settings::layers::LayerSpan;
@@ -121,21 +122,25 @@ pub fn over_parts(to: DVec2, clear: Mm) -> Travel {
 /// What a layer is made of, in the model's coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// The layer's outline.
-    pub outline: &'a Solid<'a>,
+    /// The layer, and those around it.
+    pub view: &'a LayerView<'a>,
     /// Where the layer has sparse infill.
     pub sparse: &'a Solid<'a>,
     /// Depth below the outline at which the walls end.
     pub border: Mm,
-    /// The outline of the layer above, if there is one.
-    pub above: Option<&'a Solid<'a>>,
+}
+
+impl<'a> Ground<'a> {
+    /// The layer's outline.
+    fn outline(&self) -> &'a Solid<'a> {
+        self.view.here.outline
+    }
 }
 
 /// Connects the beads of a layer. `from` is where the head stands, in the
 /// model's coordinates. `offset` leads from the model's coordinates to the
 /// printer's.
 pub fn connect(
-    span: LayerSpan,
     beads: Vec<Ended>,
     ground: Ground<'_>,
     from: Option<DVec2>,
@@ -180,6 +185,7 @@ pub fn connect(
         let there = |p| Travel::straight(p, false).moved(offset);
         moves.extend(wipes[i].map(|p| Move::Travel(there(p))));
     }
+    let span = ground.view.here.span;
     LayerPath { span, moves }
 }
 

@@ -1,5 +1,6 @@
 use super::*;
 use decide::Obstacles;
+use isoslice_layer::view::LayerFace;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Role;
 use isoslice_planar::bead::{Stroke, spacing};
@@ -107,11 +108,24 @@ impl Part {
 
     fn on_ground<T>(&self, act: impl FnOnce(Ground<'_>) -> T) -> T {
         let above = self.above.as_ref().map(|area| Solid::of(area, 1.0));
+        let here = Solid::of(&self.outline, 1.0);
+        fn face<'a>(outline: &'a Solid<'a>) -> LayerFace<'a> {
+            LayerFace {
+                span: SPAN,
+                outline,
+                rough: outline,
+                top: outline,
+            }
+        }
+        let view = LayerView {
+            here: face(&here),
+            above: above.iter().map(face).collect(),
+            below: Vec::new(),
+        };
         act(Ground {
-            outline: &Solid::of(&self.outline, 1.0),
+            view: &view,
             sparse: &Solid::of(&self.sparse, 1.0),
             border: self.border,
-            above: above.as_ref(),
         })
     }
 
@@ -119,7 +133,7 @@ impl Part {
     fn path(&self, beads: Vec<Bead>, offset: DVec2) -> LayerPath {
         let beads = beads.into_iter().map(Ended::from).collect();
         self.on_ground(|ground| {
-            connect(SPAN, beads, ground, None, offset, &self.plan)
+            connect(beads, ground, None, offset, &self.plan)
         })
     }
 
