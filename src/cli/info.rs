@@ -10,7 +10,7 @@ use glam::DVec3;
 use isoslice::heights::{Heights, Steps, heights};
 use isoslice::model::{Bounds, Model, Parameter};
 use isoslice::settings::Settings;
-use isoslice::{Hanging, Kind, Survey, Unsupported, survey};
+use isoslice::{Kind, Survey, Unsupported, survey};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -236,12 +236,6 @@ struct PlaceJson {
 
 impl SupportsJson {
     pub(super) fn new(survey: &Survey) -> SupportsJson {
-        let Hanging {
-            begins,
-            leans,
-            bridges,
-            ..
-        } = &survey.hanging;
         let place = |place: &Unsupported| PlaceJson {
             kind: match place.kind {
                 Kind::Begins => "begins_on_nothing",
@@ -255,13 +249,19 @@ impl SupportsJson {
             at_mm: place.at.to_array(),
         };
         SupportsJson {
-            area_mm2: begins.area + leans.area + bridges.area,
-            begins_on_nothing_mm2: begins.area,
-            leans_mm2: leans.area,
-            long_bridges_mm2: bridges.area,
+            area_mm2: survey.places.iter().map(|place| place.area).sum(),
+            begins_on_nothing_mm2: area_of(survey, Kind::Begins),
+            leans_mm2: area_of(survey, Kind::Leans),
+            long_bridges_mm2: area_of(survey, Kind::Bridge),
             places: survey.places.iter().map(place).collect(),
         }
     }
+}
+
+/// Content of the places of a kind.
+fn area_of(survey: &Survey, kind: Kind) -> f64 {
+    let places = survey.places.iter().filter(|place| place.kind == kind);
+    places.map(|place| place.area).sum()
 }
 
 /// The lines about what would need supports.
@@ -272,13 +272,7 @@ pub(super) fn describe_supports(
     /// Greatest number of places that are listed. Lattices have thousands of
     /// small ones.
     const TOLD: usize = 30;
-    let Hanging {
-        begins,
-        leans,
-        bridges,
-        ..
-    } = &survey.hanging;
-    let area = begins.area + leans.area + bridges.area;
+    let area: f64 = survey.places.iter().map(|place| place.area).sum();
     if survey.places.is_empty() {
         return writeln!(text, "  supports    nothing needs any");
     }

@@ -1,16 +1,13 @@
-//! What hangs in a part: while its layers are written, layer by layer, and in a
-//! survey, all that supports would hold.
+//! What hangs in a part, and all that supports would hold.
 
-use super::layer::Layer;
+use super::SliceError;
 use super::plans::Plans;
 use super::stages::Stages;
 use super::start::pool;
-use super::{BLOCK, SliceError};
 use crate::report::Gauge;
-use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::units::Mm;
-use isoslice_layer::hang::{Hanging, Look, Tracker, Unsupported};
+use isoslice_layer::hang::{Hanging, Unsupported};
 use isoslice_model::Model;
 use isoslice_model::heights::heights;
 use isoslice_model::vary::Surroundings;
@@ -20,7 +17,7 @@ use isoslice_settings::{Settings, Supports};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Survey {
-    /// What the places amount to, by kind.
+    /// What hangs, as the summary of a run without supports has it.
     pub hanging: Hanging,
     /// The places that would need a support, from the bed up.
     pub places: Vec<Unsupported>,
@@ -78,41 +75,4 @@ pub fn survey(
             set => Some(set.word()),
         },
     })
-}
-
-/// How layers are followed.
-pub(super) struct Follow<'a> {
-    /// Way from the model's coordinates to the bed's.
-    pub offset: DVec2,
-    /// Number of the part's layers.
-    pub count: usize,
-    /// True if what hangs in this layer counts.
-    pub written: bool,
-    pub settings: &'a Settings,
-}
-
-impl Follow<'_> {
-    /// Follows what hangs to the next layer. `look` compares the layer with the
-    /// one below, unless their outlines are equal.
-    pub(super) fn layer(
-        self,
-        tracker: &mut Tracker,
-        layer: &Layer,
-        look: Option<&Look>,
-    ) {
-        let span = layer.span;
-        let place = |p: DVec2| (p + self.offset).extend(span.bottom);
-        let written = self.written;
-        match look {
-            Some(look) => {
-                tracker.layer(look, layer.outline.grid(), written, place);
-            }
-            None => tracker.same(span.height(), written, self.settings),
-        }
-        // The tracker restarts with every block, and ends with the part.
-        let next = span.index + 1;
-        if next.is_multiple_of(BLOCK) || next == self.count {
-            tracker.restart(written, self.settings);
-        }
-    }
 }

@@ -39,7 +39,8 @@
 //! | `sound` | notices early that next to nothing can be printed |
 //! | `supply` | runs `stages` for a window of layers, with internal bridges, ahead of those that are written |
 //! | `part`, `ways` | what is done in order for each part |
-//! | `hanging` | follows what hangs, also when no bead is laid |
+//! | `follow` | follows what hangs from layer to layer |
+//! | `hanging` | tells what hangs when no bead is laid |
 //! | `pacing` | what is done in order for all parts, up to the speeds of moves |
 //! | `exit` | the steps that are done in order, each ahead of the next, and the text |
 //! | `ahead` | threads of steps that work ahead of others |
@@ -53,6 +54,7 @@ mod error;
 mod estimates;
 mod exit;
 mod fingerprint;
+mod follow;
 mod hanging;
 mod head;
 mod job;

@@ -6,7 +6,7 @@
 //! and forgotten at the beginning of every block: see [`PartOrder::restart`].
 //! `ways` makes paths of them.
 
-use super::hanging::Follow;
+use super::follow::Follow;
 use super::job::Planned;
 use super::layer::{Filled, Layer};
 use super::plans::Plans;

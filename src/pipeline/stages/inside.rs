@@ -101,26 +101,33 @@ impl Stages<'_> {
             .time(Stage::Report, || self.gauge.layer(parts, k))
     }
 
-    /// How a layer lies over the layer below. None if their outlines are equal,
-    /// or if the layer is the first.
+    /// How a layer lies over the layer below. None if supports are planned, which see
+    /// to what hangs, or if the layer is the first.
     pub(in crate::pipeline) fn look(
         &self,
         view: &LayerView<'_>,
     ) -> Option<Look> {
-        let (here, below) = (&view.here, view.below.first()?);
-        let span = here.span;
-        // A raft holds all that is on it.
-        if here.is_like(below) || self.is_on_raft(span.index) {
+        let below = view.below.first()?;
+        if self.support().is_some() {
             return None;
         }
-        Some(self.timings.time(Stage::Hang, || {
-            Look::new(
-                here.outline,
-                below.outline,
-                span.index,
-                span.height(),
-                self.settings,
-            )
-        }))
+        self.look_over(&view.here, below)
+    }
+
+    /// How a layer lies over the layer below. None if their outlines are equal, or
+    /// if they are on a raft, which holds all that is on it.
+    pub(super) fn look_over(
+        &self,
+        here: &LayerFace<'_>,
+        below: &LayerFace<'_>,
+    ) -> Option<Look> {
+        let number = here.span.index;
+        if here.is_like(below) || self.is_on_raft(number) {
+            return None;
+        }
+        let heights = [here, below].map(|layer| layer.span.height());
+        let outlines = [here, below].map(|layer| layer.outline);
+        let look = || Look::new(outlines, number, heights, self.settings);
+        Some(self.timings.time(Stage::Hang, look))
     }
 }

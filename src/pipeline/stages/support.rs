@@ -3,6 +3,7 @@
 use super::outlines::WallFields;
 use super::{ALL_LAYERS, Stages};
 use crate::pipeline::SliceError;
+use crate::pipeline::follow::Follow;
 use crate::pipeline::layer::Layer;
 use crate::pipeline::raft::Raft;
 use crate::pipeline::supported::{Supported, Top};
@@ -10,7 +11,7 @@ use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::timings::Stage;
 use isoslice_base::units::Mm;
-use isoslice_layer::hang::{Hanging, Needs, Unsupported};
+use isoslice_layer::hang::{Hanging, Look, Needs, Tracker, Unsupported};
 use isoslice_layer::infill::InfillError;
 use isoslice_layer::support::{
     Asked, Heights, Plan, Survey, Wishes, coarse, held,
@@ -29,6 +30,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// printing. They take about 30 bytes each, so no more than 25 MB whatever the
 /// part's height. Outlines beyond that are found a second time.
 const KNOWN: usize = 800_000;
+
+/// Number of slabs that each thread looks at before what hangs in them is followed.
+const SLABS: usize = 2;
 
 /// Heights closer than this differ by rounding only, mm.
 const ROUNDED: Mm = 1e-6;
@@ -53,7 +57,7 @@ impl<'a> Stages<'a> {
             settings: self.settings,
         };
         let (survey, heights, known) =
-            self.surveyed(pool, spans, asked, KNOWN)?;
+            self.surveyed(pool, spans, asked, KNOWN, None)?;
         let sections = self.sections(pool, &heights)?;
         let bed = self.in_model(room);
         let plan = || Plan::new(survey, sections, heights, bed, asked);
@@ -64,8 +68,8 @@ impl<'a> Stages<'a> {
         Ok(())
     }
 
-    /// What of the whole part, `spans`, supports would hold, whether or not some are
-    /// to be printed: places, and what they amount to.
+    /// What of the whole part, `spans`, hangs, and the places of it that supports
+    /// would hold, whether or not some are to be printed.
     ///
     /// # Errors
     /// Those of [`Stages::plan_supports`].
@@ -80,30 +84,37 @@ impl<'a> Stages<'a> {
             wishes: wishes.as_ref(),
             settings: self.settings,
         };
-        let (survey, heights, _) = self.surveyed(pool, spans, asked, 0)?;
+        let mut tracker = Tracker::of_rims();
+        let follow = Some(&mut tracker);
+        let (survey, heights, _) =
+            self.surveyed(pool, spans, asked, 0, follow)?;
         let (offset, lift) = (self.model.offset, self.settings.raft_height());
         let place = |p: DVec2, span: &LayerSpan| {
             (p + offset.truncate()).extend(span.bottom + lift)
         };
-        Ok(pool.install(|| {
+        let far = tracker.take_far();
+        let places = pool.install(|| {
             let [needs, outlines] = held(survey, &heights, self.settings);
             let needs = Needs {
                 needs: &needs,
                 outlines: &outlines,
                 spans: heights.spans(),
+                far: &far,
             };
             needs.places(self.settings, place)
-        }))
+        });
+        Ok((tracker.finish(), places))
     }
 
     /// What is found of the whole part, `spans`, the heights of its layers, and
-    /// layers of up to `known` points.
+    /// layers of up to `known` points. `follow` follows what hangs.
     fn surveyed(
         &self,
         pool: &ThreadPool,
         spans: &[LayerSpan],
         asked: Asked<'_>,
         known: usize,
+        mut follow: Option<&mut Tracker>,
     ) -> Result<(Survey, Heights, Vec<Layer>), SliceError> {
         // The plan does not know the raft, which serves as its bed.
         let raft = (self.raft_layers, self.settings.raft_height());
@@ -111,29 +122,69 @@ impl<'a> Stages<'a> {
         let above = above.map(|span| without_raft(*span, raft)).collect();
         let heights = Heights::new(above, self.settings);
         let left = AtomicUsize::new(known);
-        let of_slab = |slab: &[LayerSpan]| {
+        let follows = follow.is_some();
+        let of_slab = |slab: &&[LayerSpan]| {
             let layers = self.layers(slab, &ALL_LAYERS)?;
             let found = layers
                 .iter()
                 .map(|layer| (without_raft(layer.span, raft), layer.area()));
             let survey = || Survey::new(found, asked);
             let survey = self.timings.time(Stage::Support, survey)?;
-            let kept = keep(&layers, &left);
+            let kept = follows || keep(&layers, &left);
             Ok::<_, SliceError>((survey, kept.then_some(layers)))
         };
         let above = spans.get(self.raft_layers..).unwrap_or_default();
-        let slabs = above.par_chunks(self.slab_layers());
-        let made: Vec<Result<_, SliceError>> =
-            pool.install(|| slabs.map(of_slab).collect());
+        let slabs: Vec<_> = above.chunks(self.slab_layers()).collect();
+        // Layers that are followed are known for a while only: all of them would
+        // take much memory.
+        let at_once = if follows {
+            SLABS * pool.current_num_threads()
+        } else {
+            slabs.len().max(1)
+        };
         let mut survey = Survey::default();
         let mut known = Vec::new();
-        for slab in made {
-            let (above, layers) = slab?;
-            let append = || survey.append(above, asked);
-            self.timings.time(Stage::Support, append)?;
-            known.extend(layers.into_iter().flatten());
+        for slabs in slabs.chunks(at_once) {
+            let made: Vec<Result<_, SliceError>> =
+                pool.install(|| slabs.par_iter().map(of_slab).collect());
+            for slab in made {
+                let (above, layers) = slab?;
+                let append = || survey.append(above, asked);
+                self.timings.time(Stage::Support, append)?;
+                known.extend(layers.into_iter().flatten());
+            }
+            if let Some(tracker) = &mut follow {
+                self.follow(pool, tracker, &known, spans.len());
+                known.drain(..known.len().saturating_sub(1));
+            }
         }
         Ok((survey, heights, known))
+    }
+
+    /// Follows what hangs through some layers of a part of `count` layers. The first
+    /// of them is known already, or is held.
+    fn follow(
+        &self,
+        pool: &ThreadPool,
+        tracker: &mut Tracker,
+        layers: &[Layer],
+        count: usize,
+    ) {
+        let look =
+            |pair: &[Layer]| self.look_over(&pair[1].face(), &pair[0].face());
+        let looks: Vec<Option<Look>> =
+            pool.install(|| layers.par_windows(2).map(look).collect());
+        self.timings.time(Stage::Hang, || {
+            for (layer, look) in layers.iter().skip(1).zip(&looks) {
+                let follow = Follow {
+                    offset: self.model.offset.truncate(),
+                    count,
+                    written: true,
+                    settings: self.settings,
+                };
+                follow.layer(tracker, layer, look.as_ref());
+            }
+        });
     }
 
     /// The supports, once they are planned.

@@ -1,13 +1,17 @@
-//! A layer over the one below: how far its rim sticks out, and where it has
-//! a ledge, a lid or a bridge.
+//! A layer over the one below, at places on their rims: how far the layer sticks out,
+//! and where that is for the judge to say.
 //!
 //! Most of a layer lies right over the layer below. So only places on the two
 //! rims are looked at, a small way apart. Those of the layer itself are near
 //! the rim below nearly everywhere; those of the layer below may lie under a
-//! lid. Areas are made only where these places tell of a ledge.
+//! lid. The [`judge`](super::judge) is asked only where these places stick out so far
+//! that a bridge might hold something, or that more than a lip hangs. What sticks
+//! out less in each layer is followed at these places ([`track`](super::track)).
 
-use super::gap::{Gap, gaps};
-use super::reach::Limits;
+use super::across::{DRIFT, Upper};
+use super::held::Limits;
+use super::ledges::{Ledge, ledges};
+use super::printed::kept;
 use crate::region::floating::{Floating, floating};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
@@ -20,12 +24,14 @@ use std::collections::HashSet;
 #[derive(Clone, Debug)]
 pub struct Look {
     pub(super) limits: Limits,
+    /// The layer's number.
+    pub(super) number: usize,
     /// Height of the layer.
     pub(super) height: Mm,
     /// Islands that begin on nothing.
     pub(super) begins: Vec<Floating>,
-    /// What sticks out by more than a lip in this layer alone.
-    pub(super) gaps: Vec<Gap>,
+    /// What hangs in this layer alone.
+    pub(super) ledges: Vec<Ledge>,
     /// Places on the rim, ring by ring.
     pub(super) rim: Vec<RimPlace>,
     /// True if some of these places stick out by more than the layer below
@@ -53,22 +59,29 @@ pub(super) struct RimPlace {
     pub beyond: Mm,
     /// Content of what sticks out around it.
     pub strip: Mm2,
-    /// What becomes of the ledge at whose rim the place is.
-    pub ledge: Ledge,
+    /// What the judge says of it.
+    pub said: Said,
 }
 
-/// What a place on the rim has to do with ledges.
+/// What the judge says of a place on the rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Ledge {
-    /// The place is not at a ledge.
-    No,
+pub(super) enum Said {
+    /// It was not asked: the place itself tells how far it hangs.
+    Nothing,
+    /// It has to be asked.
+    Asked,
     /// The place is at the rim of a ledge with this content.
-    Free(Mm2),
-    /// The place is at the rim of a ledge that a bridge, or something near,
-    /// holds.
+    Ledge(Mm2),
+    /// A bridge, or something near, holds the place, or it is too thin to be printed.
     Held,
 }
 
+/// A wall bridges a gap only if it sticks out beyond what is held by more than this
+/// share of its width: otherwise its middle is held.
+const MIDDLE: f64 = 0.5;
+/// Least length of a rim along which a wall may bridge a gap, mm. What hangs along a
+/// shorter one is small, and lattices are full of them.
+const LONG: Mm = 3.0;
 /// Distance between places on a curved rim, and on a straight one, mm.
 const STEP: Mm = 0.5;
 const STRAIGHT: Mm = 1.0;
@@ -77,14 +90,23 @@ const STRAIGHT: Mm = 1.0;
 const WIDE_STEP: Mm = 2.0;
 
 impl Look {
-    /// Looks at layer `number` of some height, `here`, over `below`.
+    /// Looks at a layer over the layer below. The heights are those of both.
     pub fn new(
-        here: &Solid<'_>,
-        below: &Solid<'_>,
+        [here, below]: [&Solid<'_>; 2],
         number: usize,
-        height: Mm,
+        heights: [Mm; 2],
         settings: &Settings,
     ) -> Look {
+        let [height, height_below] = heights;
+        let here = kept(here, height, settings);
+        let below = kept(below, height_below, settings);
+        let (here, below) = (here.as_ref(), below.as_ref());
+        let upper = Upper {
+            outline: here,
+            number,
+            height,
+            settings,
+        };
         let limits = Limits::new(height, settings);
         let begins = floating(here.area(), below);
         let rings_of = |f: &'_ Floating| -> Vec<Name> {
@@ -96,13 +118,15 @@ impl Look {
             |ring: &Ring| ring.first().is_some_and(|p| new.contains(&name(*p)));
         let mut look = Look {
             limits,
+            number,
             height,
             begins: Vec::new(),
-            gaps: Vec::new(),
+            ledges: Vec::new(),
             rim: Vec::new(),
             leans: false,
         };
         let mut boxes = Vec::new();
+        let bridges = limits.held + MIDDLE * settings.outer_wall_width();
         let mut first = 0;
         for ring in &here.area().rings {
             let numbers = EdgeGrid::numbers(std::slice::from_ref(ring));
@@ -111,15 +135,16 @@ impl Look {
             first += numbers;
             let own = &mut look.rim[from..];
             if begins.is_empty() || !is_new(ring) {
-                look.leans |= over(own, below.grid(), limits, &mut boxes);
+                look.leans |=
+                    over(own, below.grid(), limits, bridges, &mut boxes);
             }
         }
         under_lids(here, below.area(), limits, &mut boxes);
         if !boxes.is_empty() {
             let old = here.area().rings.iter().filter(|ring| !is_new(ring));
             let old: Area = old.cloned().collect();
-            look.gaps = gaps(boxes, &old, below, number, limits, settings);
-            look.settle_ledges();
+            look.ledges = ledges(boxes, &old, below, upper);
+            look.hear();
         }
         look.begins = begins;
         look
@@ -138,7 +163,7 @@ impl Look {
                 foot: None,
                 beyond: f64::NAN,
                 strip: 0.0,
-                ledge: Ledge::No,
+                said: Said::Nothing,
             });
         };
         let mut since = f64::INFINITY;
@@ -168,17 +193,20 @@ impl Look {
         }
     }
 
-    /// Finds out for places on ledges what holds the ledges.
-    fn settle_ledges(&mut self) {
+    /// Takes in what the judge says of the places about which it was asked, and of
+    /// those beside them that belong to the same ledge.
+    fn hear(&mut self) {
         let bounds: Vec<Rect> =
-            self.gaps.iter().map(|gap| gap.area.bounds()).collect();
+            self.ledges.iter().map(|l| l.area.bounds()).collect();
         for i in 0..self.rim.len() {
             let place = self.rim[i];
-            if place.ledge == Ledge::No {
+            let asked = place.said == Said::Asked;
+            let hangs = place.beyond > self.limits.held;
+            if !asked && !hangs {
                 continue;
             }
-            // The gap's border runs along the rim here, so a point a little
-            // inside the rim tells which gap it is.
+            // The ledge's border runs along the rim here, so a point a little
+            // inside the rim tells which ledge it is.
             let next = match self.rim.get(i + 1) {
                 Some(next) if next.ring == place.ring => next.at,
                 // The last place of a ring is followed by the ring's first.
@@ -190,12 +218,14 @@ impl Look {
             };
             let along = (next - place.at).normalize_or_zero();
             let p = place.at.midpoint(next) + 0.02 * along.perp();
-            let mut all = self.gaps.iter().zip(&bounds);
-            let gap = all.find(|(g, b)| b.contains(p) && g.area.contains(p));
-            self.rim[i].ledge = match gap {
-                Some((gap, _)) if gap.leans == 0.0 => Ledge::Held,
-                Some((gap, _)) => Ledge::Free(gap.leans),
-                None => place.ledge,
+            let mut all = self.ledges.iter().zip(&bounds);
+            let ledge = all.find(|(l, b)| b.contains(p) && l.area.contains(p));
+            self.rim[i].said = match ledge {
+                Some((ledge, _)) if ledge.counts => {
+                    Said::Ledge(ledge.piece.area)
+                }
+                None if asked => Said::Held,
+                _ => Said::Nothing,
             };
         }
     }
@@ -209,12 +239,14 @@ pub(super) fn name(first: DVec2) -> Name {
     first.to_array().map(f64::to_bits)
 }
 
-/// Finds out how far the places of a ring stick out, and adds boxes around
-/// ledges. True if some places stick out by more than what is held.
+/// Finds out how far the places of a ring stick out, and adds boxes around those about
+/// which the judge is to be asked. Walls that stick out farther than `bridges` may be
+/// bridges. True if some places stick out by more than what is held.
 fn over(
     places: &mut [RimPlace],
     below: &EdgeGrid,
     limits: Limits,
+    bridges: Mm,
     boxes: &mut Vec<Rect>,
 ) -> bool {
     let mut leans = false;
@@ -229,10 +261,10 @@ fn over(
     if !leans {
         return false;
     }
+    ask(places, limits, bridges);
     let mut run: Option<Rect> = None;
-    for place in places.iter_mut() {
-        if place.beyond > limits.held + limits.lip {
-            place.ledge = Ledge::Free(0.0);
+    for place in places.iter() {
+        if place.said == Said::Asked {
             let margin = place.beyond + limits.held + limits.lip;
             let around = Rect::new(place.at - margin, place.at + margin);
             run = Some(run.map_or(around, |r| r.union(around)));
@@ -245,7 +277,8 @@ fn over(
         let next = (i + 1) % places.len();
         let (a, b) = (places[i], places[next]);
         let out = [a.beyond.max(0.0), b.beyond.max(0.0)];
-        if a.ledge != Ledge::No || b.ledge != Ledge::No || out == [0.0; 2] {
+        // What sticks out farther is a ledge as a whole.
+        if limits.harm(a.beyond.max(b.beyond)) || out == [0.0; 2] {
             continue;
         }
         let foot =
@@ -263,6 +296,43 @@ fn over(
     true
 }
 
+/// Finds the places of a ring about which the judge is to be asked: those at ledges, and
+/// those at a straight rim between places that are held, along which a wall sticks out
+/// farther than `bridges`.
+fn ask(places: &mut [RimPlace], limits: Limits, bridges: Mm) {
+    for place in places.iter_mut() {
+        if limits.harm(place.beyond) {
+            place.said = Said::Asked;
+        }
+    }
+    let count = places.len();
+    let leans = |place: &RimPlace| place.beyond > limits.held;
+    // What leans all round has no ends that are held.
+    let Some(held) = places.iter().position(|place| !leans(place)) else {
+        return;
+    };
+    let order: Vec<usize> = (held..held + count).map(|k| k % count).collect();
+    let runs = order.chunk_by(|a, b| leans(&places[*a]) == leans(&places[*b]));
+    let at = |k: usize| places[k].at;
+    let runs =
+        runs.filter(|run| leans(&places[run[0]]) && is_straight(run, at));
+    let runs: Vec<usize> = runs.flatten().copied().collect();
+    for k in runs {
+        if places[k].beyond > bridges {
+            places[k].said = Said::Asked;
+        }
+    }
+}
+
+/// True if places lie along a line that a wall may bridge. `at` says where they are.
+fn is_straight(run: &[usize], at: impl Fn(usize) -> DVec2) -> bool {
+    let [first, .., last] = run else { return false };
+    let (a, way) = (at(*first), at(*last) - at(*first));
+    let across = way.normalize_or_zero().perp();
+    way.length() >= LONG
+        && run.iter().all(|k| across.dot(at(*k) - a).abs() <= DRIFT)
+}
+
 /// The place of the layer below that is nearest to a place.
 struct Foot {
     at: DVec2,
@@ -272,17 +342,22 @@ struct Foot {
 
 /// Looks for the nearest place. Deep inside, the result is unknown.
 fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
-    /// Within this distance a place is on the rim, mm.
-    const ON: Mm = 1e-3;
-    let close = below.nearest_edge(p, near);
-    let inside = close.is_none() && below.contains(p);
+    /// Nearly all places have an edge so near, mm, which tells at once on which side
+    /// the solid is.
+    const NEAR: Mm = 1.0;
+    let found = below.nearest_edge(p, near.max(NEAR));
+    let outside = match found {
+        Some((edge, at)) => is_outside(p, below.edge(edge), at),
+        None => None,
+    };
+    let outside = outside.unwrap_or_else(|| !below.contains(p));
+    let close = found.filter(|(_, at)| p.distance(*at) <= near);
     let found = match close {
-        Some(found) => Some(found),
-        None if inside => None,
-        None => below.foot(p),
+        None if outside => found.or_else(|| below.foot(p)),
+        _ => close,
     };
     let Some((edge, at)) = found else {
-        let beyond = if inside { f64::NAN } else { f64::INFINITY };
+        let beyond = if outside { f64::INFINITY } else { f64::NAN };
         return Foot {
             at: p,
             on: None,
@@ -292,19 +367,25 @@ fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
     let (a, b) = below.edge(edge);
     let t = (at - a).dot(b - a) / (b - a).length_squared().max(1e-18);
     let distance = p.distance(at);
-    let outside = if close.is_none() || distance < ON {
-        true
-    } else if t > 1e-9 && t < 1.0 - 1e-9 {
-        // Solid is to the left of its rim.
-        (b - a).perp_dot(p - a) < 0.0
-    } else {
-        !below.contains(p)
-    };
     Foot {
         at,
         on: Some(edge as f64 + t.clamp(0.0, 1.0)),
         beyond: if outside { distance } else { -distance },
     }
+}
+
+/// True if a place is outside of a solid whose nearest edge leads from `a` to `b` and is
+/// nearest at `at`. At a corner the edge does not tell.
+fn is_outside(p: DVec2, (a, b): (DVec2, DVec2), at: DVec2) -> Option<bool> {
+    /// Within this distance a place is on the rim, mm.
+    const ON: Mm = 1e-3;
+    if p.distance(at) < ON {
+        return Some(true);
+    }
+    let t = (at - a).dot(b - a) / (b - a).length_squared().max(1e-18);
+    // Solid is to the left of its rim.
+    let side = (b - a).perp_dot(p - a) < 0.0;
+    (t > 1e-9 && t < 1.0 - 1e-9).then_some(side)
 }
 
 /// Adds boxes around runs of the rim below that lie far under solid.
@@ -364,14 +445,15 @@ mod tests {
         let ring = [ring, vec![at(0.0, 0.0)]].concat();
         let here = Area::from(ring);
         let [here, below] = [here, below].map(Solid::new);
-        let look = Look::new(&here, &below, 5, 0.2, &Settings::default());
-        let ledges: Vec<Ledge> = look
+        let look =
+            Look::new([&here, &below], 5, [0.2; 2], &Settings::default());
+        let said: Vec<Said> = look
             .rim
             .iter()
-            .map(|place| place.ledge)
-            .filter(|ledge| *ledge != Ledge::No)
+            .map(|place| place.said)
+            .filter(|said| *said != Said::Nothing)
             .collect();
-        assert!(ledges.len() > 10, "{ledges:?}");
-        assert!(ledges.iter().all(|l| *l == Ledge::Held), "{ledges:?}");
+        assert!(said.len() > 10, "{said:?}");
+        assert!(said.iter().all(|s| *s == Said::Held), "{said:?}");
     }
 }

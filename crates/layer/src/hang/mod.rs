@@ -17,42 +17,57 @@
 //! | leans | a face that leans by more than `support.angle` from the vertical, up to a ledge |
 //! | bridges | skin held at both ends, farther apart than `bridge_max` |
 //!
-//! Each layer holds h·tan(`support.angle`) of the layer above, where h is that
-//! layer's height. What sticks out farther adds up from layer to layer
-//! ([`Tracker`]). For example, if faces that lean by 55° hold themselves, the
-//! rim of a wall that leans by 60° gets 0.06 mm farther from what holds it with
-//! every layer of 0.2 mm. It comes back as slowly once the wall is upright
-//! again. Up to two lines' width hang without harm: a bead laid beside one that
-//! is held sticks to it, and so does the next. So lips, small holes and the
-//! undersides of most lattices carry themselves and are not reported. The tips
-//! of a lattice that begin on nothing and soon grow together with it are not
-//! reported, either (`tip`).
-//!
-//! Bridges are those that the skin's lines make: straight lines across a gap,
-//! in the direction that the [`skin`](crate::skin) has for them, held at both
-//! ends. They hold what is printed on them.
+//! 1. [`judge`] is the one place that says what of a layer the layer below does not
+//!    hold. Each layer holds h·tan(`support.angle`) of the layer above ([`held`]), where
+//!    h is that layer's height, if it is printed there itself ([`printed`]). Lines
+//!    [`across`] a gap need nothing if the skin lays them so, if both of their ends are
+//!    held, and if they are not too long. They hold what is printed on them.
+//! 2. Supports ask it about all of a layer, and leave out what is no wider than a
+//!    line ([`lip`]). [`needs`] makes places of what they hold: [`piece`] by piece.
+//! 3. The summary of a run tells what sags, and asks as little as it can. [`look`] asks
+//!    only where places on the rims tell of something ([`ledges`]), and [`track`] adds up
+//!    what sticks out too far from layer to layer. For example, if faces that lean by
+//!    55° hold themselves, the rim of a wall that leans by 60° gets 0.06 mm farther from
+//!    what holds it with every layer of 0.2 mm. It comes back as slowly once the wall is
+//!    upright again.
+//! 4. What hangs by up to two lines' width is not told: a bead laid beside one that is
+//!    held sticks to it, and so does the next. So lips, small holes and the
+//!    undersides of most lattices carry themselves. Nor are the tips
+//!    of a lattice that begin on nothing and soon grow together with it ([`tip`]), and
+//!    [`words`] warns of large places only.
 //!
 //! Whether the whole part stands firmly is another matter: [`foot`].
 //!
 //! Not guaranteed: that a reach is counted in full if it adds up over more
 //! layers than the pipeline takes in one block, because what a run of a range
 //! reports about a layer must not depend on every layer below it. The material
-//! is unknown, too: the settings say how far a bridge or a slope holds.
+//! is unknown, too: the settings say how far a bridge or a slope holds. A face that
+//! sticks out by a tenth of a layer's height more is held as well (2° at 55°).
 
+mod across;
 pub mod foot;
-mod gap;
+mod held;
+mod judge;
+mod ledges;
+mod lip;
 mod look;
 mod needs;
+mod piece;
 mod places;
-mod reach;
+mod printed;
 mod tip;
 mod track;
 mod words;
 
+#[cfg(test)]
+pub(crate) use held::held;
+pub(crate) use judge::{Unheld, large, unheld};
+pub(crate) use lip::without_lips;
 pub use look::Look;
 pub use needs::Needs;
 pub use places::Unsupported;
-pub use track::Tracker;
+pub(crate) use printed::Printed;
+pub use track::{Far, Tracker};
 
 use glam::DVec3;
 use isoslice_base::units::{Mm, Mm2};

@@ -13,8 +13,8 @@
 //!
 //! In: the rims of layers, from below. Out: the islands that count.
 
+use super::held::Limits;
 use super::look::{Look, Name, RimPlace, name};
-use super::reach::Limits;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::grid::EdgeGrid;
@@ -202,7 +202,7 @@ fn ringed(islands: &[Island], rings: &[&[RimPlace]]) -> Vec<Above> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hang::look::Ledge;
+    use crate::hang::look::Said;
 
     #[test]
     fn islands_that_have_met_fare_alike() {
@@ -222,7 +222,7 @@ mod tests {
             foot: Some(foot),
             beyond: 0.0,
             strip: 0.0,
-            ledge: Ledge::No,
+            said: Said::Nothing,
         };
         let below =
             [island((0.0, 4.0)), island((0.0, 4.0)), island((5.0, 9.0))];

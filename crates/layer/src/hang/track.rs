@@ -1,9 +1,9 @@
 //! What hangs, added up from layer to layer.
 
-use super::Hanging;
-use super::look::{Ledge, Look, RimPlace};
-use super::reach::Limits;
+use super::held::Limits;
+use super::look::{Look, RimPlace, Said};
 use super::tip::{Island, Tips};
+use super::{Hanging, Kind};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::grid::EdgeGrid;
@@ -18,6 +18,19 @@ pub struct Tracker {
     /// Islands that have begun on nothing.
     tips: Tips,
     sums: Hanging,
+    /// How far the rims get, if somebody asks.
+    far: Option<Vec<Far>>,
+}
+
+/// How far a stretch of a layer's rim gets from what holds it.
+#[derive(Clone, Copy, Debug)]
+pub struct Far {
+    /// The layer's number.
+    pub layer: usize,
+    /// The farthest place.
+    pub at: DVec2,
+    /// Its distance.
+    pub reach: Mm,
 }
 
 /// What is known of a place on a rim.
@@ -44,6 +57,19 @@ struct Slope {
 }
 
 impl Tracker {
+    /// A tracker that keeps how far all rims get.
+    pub fn of_rims() -> Tracker {
+        Tracker {
+            far: Some(Vec::new()),
+            ..Tracker::default()
+        }
+    }
+
+    /// How far the rims of the layers so far get, from below.
+    pub fn take_far(&mut self) -> Vec<Far> {
+        self.far.take().unwrap_or_default()
+    }
+
     /// Forgets all layers so far: what follows counts as held. With `count`,
     /// islands that have not met anything yet are counted.
     pub fn restart(&mut self, count: bool, settings: &Settings) {
@@ -70,16 +96,13 @@ impl Tracker {
             return;
         }
         self.count(begins);
-        for gap in &look.gaps {
-            if gap.leans > 0.0 {
-                let at = place(gap.at);
-                self.sums.leans.add(gap.leans, gap.leans, gap.reach, at);
-            }
-            if gap.bridges > 0.0 {
-                let at = place(gap.middle);
-                let sum = &mut self.sums.bridges;
-                sum.add(gap.bridges, gap.bridges, gap.span, at);
-            }
+        for ledge in look.ledges.iter().filter(|ledge| ledge.counts) {
+            let (area, reach) = (ledge.piece.area, ledge.piece.reach);
+            let sum = match ledge.piece.kind {
+                Kind::Bridge => &mut self.sums.bridges,
+                _ => &mut self.sums.leans,
+            };
+            sum.add(area, area, reach, place(ledge.piece.at));
         }
         for slope in found {
             let at = place(slope.at);
@@ -127,15 +150,38 @@ impl Tracker {
                 found.push(Slope {
                     area,
                     all,
-                    reach: state.excess + limits.held,
+                    reach: state.excess + limits.slope,
                     at: place.at,
                 });
             }
             run.iter_mut().for_each(|(_, state)| state.slope = all);
         }
+        self.keep_far(&rim, look);
         let any = rim.iter().any(|(_, state)| state.excess > 0.0);
         self.rim = if any { rim } else { Vec::new() };
         found
+    }
+
+    /// Keeps how far each stretch of a rim gets that is not held.
+    fn keep_far(&mut self, rim: &[(RimPlace, State)], look: &Look) {
+        let Some(far) = &mut self.far else { return };
+        let Limits { slope, held, .. } = look.limits;
+        let hangs = |(place, state): &(RimPlace, State)| {
+            place.beyond > held && state.excess > 0.0
+        };
+        let stretches =
+            rim.chunk_by(|a, b| a.0.ring == b.0.ring && hangs(a) == hangs(b));
+        for stretch in stretches.filter(|stretch| hangs(&stretch[0])) {
+            let farther = |a: &&(RimPlace, State), b: &&(RimPlace, State)| {
+                a.1.excess.total_cmp(&b.1.excess)
+            };
+            let farthest = stretch.iter().max_by(farther);
+            far.extend(farthest.map(|(place, state)| Far {
+                layer: look.number,
+                at: place.at,
+                reach: state.excess + slope,
+            }));
+        }
     }
 
     /// What becomes of a place over the rim below, and the content of what
@@ -143,7 +189,7 @@ impl Tracker {
     fn over(&self, place: &RimPlace, limits: Limits) -> (State, Mm2) {
         let below = place.foot.map_or(State::default(), |on| self.at(on));
         let moved = if place.beyond.is_finite() {
-            below.excess + place.beyond - limits.held
+            below.excess + limits.farther(place.beyond)
         } else {
             0.0
         };
@@ -151,11 +197,11 @@ impl Tracker {
             excess: moved,
             ..below
         };
-        if moved <= 0.0 || place.ledge == Ledge::Held {
+        if moved <= 0.0 || place.said == Said::Held {
             return (State::default(), 0.0);
         }
-        if let Ledge::Free(content) = place.ledge {
-            // The gap of the ledge is counted already.
+        if let Said::Ledge(content) = place.said {
+            // The ledge is counted already.
             state.under = 0.0;
             state.slope = content;
         } else if place.beyond > limits.held && moved > limits.lip {
@@ -217,10 +263,9 @@ impl Tracker {
         if count {
             self.count(begins);
         }
-        let held = limits.held;
         let mut any = false;
         for (_, state) in &mut self.rim {
-            state.excess = (state.excess - held).max(0.0);
+            state.excess = (state.excess - limits.slope).max(0.0);
             any |= state.excess > 0.0;
         }
         if !any {
@@ -231,5 +276,31 @@ impl Tracker {
     /// What hangs in the layers that were counted.
     pub fn finish(self) -> Hanging {
         self.sums
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_planar::clip::{difference, union};
+    use isoslice_planar::{Area, Solid, rect};
+
+    #[test]
+    fn what_begins_in_a_cavity_is_told_apart() {
+        let settings = Settings::default();
+        let plate = rect(0.0, 0.0, 60.0, 20.0);
+        let below = difference(&plate, &rect(5.0, 5.0, 55.0, 14.0));
+        let counts = |ball: &Area| {
+            let [here, below] =
+                [union(&below, ball), below.clone()].map(Solid::new);
+            let look = Look::new([&here, &below], 5, [0.2; 2], &settings);
+            let mut tracker = Tracker::default();
+            tracker.layer(&look, here.grid(), true, |p| p.extend(1.0));
+            tracker.restart(true, &settings);
+            let sums = tracker.finish();
+            [sums.begins, sums.in_cavity, sums.in_the_open].map(|s| s.count)
+        };
+        assert_eq!(counts(&rect(10.0, 8.0, 12.0, 10.0)), [1, 1, 0]);
+        assert_eq!(counts(&rect(70.0, 8.0, 72.0, 10.0)), [1, 0, 1]);
     }
 }

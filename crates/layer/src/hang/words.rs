@@ -1,7 +1,6 @@
 //! What hangs, in words: the warnings.
 
 use super::foot::Foot;
-use super::reach::LIP;
 use super::{Hanging, Sum};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_settings::Settings;
@@ -57,9 +56,7 @@ impl Hanging {
             ));
         }
         let leans = &self.leans;
-        let lip = LIP * settings.outer_wall_width();
-        let far = leans.reach >= FAR;
-        if far || leans.largest >= LARGE && leans.reach > lip {
+        if leans.reach >= FAR || leans.largest >= LARGE {
             all.push(format!(
                 "{:.0} mm² of undersides lean by more than support.angle = \
                  {}° from the vertical and get up to {:.1} mm away from what \

@@ -26,11 +26,19 @@ pub struct Floating {
 /// A layer's islands that begin in the air over `below`.
 pub fn floating(outline: &Area, below: &Solid<'_>) -> Vec<Floating> {
     let mut free = outline.islands();
+    // Nearly always the first point of an island tells whether solid is below it, or
+    // its middle, where the part gets wider.
     free.retain(|island| {
-        // Nearly always the first point of an island tells whether solid is
-        // below it.
-        let mut points = island.rings.first().into_iter().flatten();
-        !points.any(|&p| below.grid().contains(p))
+        let lies_on = |p: DVec2| below.grid().contains(p);
+        let Some(ring) = island.rings.first() else {
+            return false;
+        };
+        let mean = ring.iter().sum::<DVec2>() / ring.len().max(1) as f64;
+        let first = ring.first().is_some_and(|p| lies_on(*p));
+        let lies = first
+            || lies_on(mean) && island.contains(mean)
+            || ring.iter().any(|p| lies_on(*p));
+        !lies
     });
     if free.is_empty() {
         return Vec::new();

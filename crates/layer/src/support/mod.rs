@@ -13,10 +13,10 @@
 //! In: the outlines of all layers, slab by slab ([`Survey`]). Out: a [`Plan`], which has an area of
 //! support for every layer.
 //!
-//! 1. [`need`] finds, layer by layer, what sticks out too far over the layer
-//!    below, begins on nothing, or is too long for a bridge. [`wish`] adds what
-//!    `support.where` asks for, and takes away what it forbids. [`lip`] tells
-//!    what sticks out so little that it needs none.
+//! 1. [`hang`](crate::hang) says, layer by layer, what sticks out too far over the layer
+//!    below, begins on nothing, or is too long for a bridge, and what of it is a lip
+//!    that needs none. [`wish`] adds what `support.where` asks for, and takes away what
+//!    it forbids ([`need`]).
 //! 2. [`room`] finds where supports may be, and from where they can get down
 //!    to the bed past the part.
 //! 3. [`tree`] lets branches grow from the top down: each is drawn together by
@@ -44,13 +44,11 @@ mod cavity;
 mod cells;
 mod disc;
 mod heights;
-mod lip;
 mod need;
 mod pad;
 mod parts;
 mod pieces;
 mod plan;
-mod printed;
 mod room;
 mod settle;
 mod slice;

@@ -3,7 +3,6 @@
 use super::TOLERANCE;
 use super::cavity::{Enclosed, enclosed};
 use super::heights::Heights;
-use super::lip::without_lips;
 use super::need::Need;
 use super::pad::pads;
 use super::parts::Parts;
@@ -13,6 +12,7 @@ use super::settle::settled;
 use super::slice::Slice;
 use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
+use crate::hang::without_lips;
 use crate::region::neighbour::Neighbour;
 use glam::DVec3;
 use isoslice_base::units::{Mm, Mm2};
@@ -238,7 +238,7 @@ fn needs(
         parts.outlines.par_iter().map(Neighbour::new).collect();
     let of_layer = |(i, found): (usize, Found)| {
         let Need { must, wanted } = found.need;
-        let must = without_lips(must, i, parts, &outlines, settings);
+        let must = without_lips(must, i, parts.spans(), &outlines, settings);
         (union(&must, &wanted), must)
     };
     let layers = found.into_par_iter().enumerate();
@@ -337,7 +337,7 @@ mod tests {
         let spans = spans(140);
         let outlines = body(x, &spans);
         let plan = plan(&outlines, Supports::Auto);
-        let held = super::super::need::held(0.2, &Settings::default());
+        let held = crate::hang::held(0.2, &Settings::default());
         let leans = spans.windows(2).filter_map(|pair| {
             let [below, here] = [0, 1].map(|k| x(pair[k].sample_z()));
             (here - below > held).then_some(here)

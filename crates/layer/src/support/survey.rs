@@ -6,9 +6,9 @@
 //! more memory.
 
 use super::TOLERANCE;
-use super::need::{Need, need};
-use super::printed::Printed;
+use super::need::Need;
 use super::wish::{Wish, Wishes};
+use crate::hang::{Printed, Unheld, unheld};
 use isoslice_base::units::Mm;
 use isoslice_model::vary::VaryError;
 use isoslice_planar::Area;
@@ -39,16 +39,18 @@ impl Asked<'_> {
             Some(wishes) => wishes.of(&here.area, &below.area, span)?,
             None => Wish::default(),
         };
-        let [unheld, unprinted] =
-            need(here, below, span.height(), self.settings);
-        let needs = !unheld.is_empty();
-        let need = Need::new(unheld, &wish, span.height());
+        // Skin counts the raft's layers, too.
+        let number = span.index + self.settings.raft_layers();
+        let Unheld { must, thin } =
+            unheld(here, below, number, span.height(), self.settings);
+        let needs = !must.is_empty();
+        let need = Need::new(must, &wish, span.height());
         let found = Found {
             forbidden: needs && need.must.is_empty() && need.wanted.is_empty(),
             need,
             wished: !wish.is_none(),
         };
-        Ok((found, unprinted))
+        Ok((found, thin))
     }
 }
 

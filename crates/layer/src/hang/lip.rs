@@ -9,7 +9,7 @@
 //! ```
 //!
 //! In: an area of a layer that the layer below does not hold, and the outlines
-//! of all layers. Out: whether that is a lip. A lip is no wider than the line of
+//! and heights of all layers. Out: whether that is a lip. A lip is no wider than the line of
 //! an outer wall, wherever it is measured from: from the layers below it, and as
 //! far as it goes on in the layers above. So a slope is no lip, although each of
 //! its layers sticks out as little. A lip is held along its length: what begins on
@@ -19,9 +19,7 @@
 //! supports are asked for, the underside of such a lip is better with a support, and
 //! `isoslice info --supports` lists it.
 
-use super::TOLERANCE;
-use super::need::held;
-use super::parts::Parts;
+use super::held::held;
 use crate::region::neighbour::Neighbour;
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -30,7 +28,10 @@ use isoslice_planar::grid::nearest_on;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, edges};
 use isoslice_settings::Settings;
+use isoslice_settings::layers::LayerSpan;
 
+/// Tolerance of the offsets, mm.
+const TOLERANCE: Mm = 0.02;
 /// Number of points of an area's rim that are tried before the whole area is
 /// compared, which takes longer.
 const POINTS: usize = 8;
@@ -42,11 +43,11 @@ const CORNER: f64 = 1.0 - std::f64::consts::FRAC_PI_4;
 const SEAM: Mm = 0.1;
 
 /// The part of `need`, which is what of layer `i` the layer below does not hold,
-/// that is no lip. `outlines` are those of all layers.
-pub(super) fn without_lips(
+/// that is no lip. `outlines` and `spans` are those of all layers.
+pub(crate) fn without_lips(
     need: Area,
     i: usize,
-    parts: Parts<'_>,
+    spans: &[LayerSpan],
     outlines: &[Neighbour<'_>],
     settings: &Settings,
 ) -> Area {
@@ -55,7 +56,7 @@ pub(super) fn without_lips(
     }
     let islands = need.islands().into_iter();
     let rest =
-        islands.filter(|area| !is_lip(area, i, parts, outlines, settings));
+        islands.filter(|area| !is_lip(area, i, spans, outlines, settings));
     rest.collect()
 }
 
@@ -63,14 +64,13 @@ pub(super) fn without_lips(
 fn is_lip(
     island: &Area,
     i: usize,
-    parts: Parts<'_>,
+    spans: &[LayerSpan],
     outlines: &[Neighbour<'_>],
     settings: &Settings,
 ) -> bool {
     if isoslice_base::limits::is_stopped() {
         return false;
     }
-    let spans = parts.spans();
     let lip = settings.outer_wall_width();
     // A slope of `support.angle` gets twice as far as a lip in this height.
     let tan = settings.support.angle.to_radians().tan();
@@ -142,20 +142,16 @@ fn is_held(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::heights::Heights;
     use isoslice_planar::clip::union;
     use isoslice_planar::rect;
-    use isoslice_settings::layers::LayerSpan;
 
     /// What is left of `need` in the middle one of some layers.
     fn left(need: &Area, outlines: &[Area]) -> Area {
         let settings = Settings::default();
         let spans = LayerSpan::stack(0.2, outlines.len());
-        let heights = Heights::new(spans, &settings);
-        let parts = Parts::in_layers(&heights, outlines, &[]);
         let middle = outlines.len() / 2;
         let outlines: Vec<_> = outlines.iter().map(Neighbour::new).collect();
-        without_lips(need.clone(), middle, parts, &outlines, &settings)
+        without_lips(need.clone(), middle, &spans, &outlines, &settings)
     }
 
     /// Layers whose right side is at `x(k)` in the k-th layer above the middle

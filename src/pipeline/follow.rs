@@ -1,0 +1,44 @@
+//! Follows what hangs in a part from layer to layer.
+
+use super::BLOCK;
+use super::layer::Layer;
+use glam::DVec2;
+use isoslice_layer::hang::{Look, Tracker};
+use isoslice_settings::Settings;
+
+/// How layers are followed.
+pub(super) struct Follow<'a> {
+    /// Way from the model's coordinates to the bed's.
+    pub offset: DVec2,
+    /// Number of the part's layers.
+    pub count: usize,
+    /// True if what hangs in this layer counts.
+    pub written: bool,
+    pub settings: &'a Settings,
+}
+
+impl Follow<'_> {
+    /// Follows what hangs to the next layer. `look` compares the layer with the
+    /// one below, unless their outlines are equal.
+    pub(super) fn layer(
+        self,
+        tracker: &mut Tracker,
+        layer: &Layer,
+        look: Option<&Look>,
+    ) {
+        let span = layer.span;
+        let place = |p: DVec2| (p + self.offset).extend(span.bottom);
+        let written = self.written;
+        match look {
+            Some(look) => {
+                tracker.layer(look, layer.outline.grid(), written, place);
+            }
+            None => tracker.same(span.height(), written, self.settings),
+        }
+        // The tracker restarts with every block, and ends with the part.
+        let next = span.index + 1;
+        if next.is_multiple_of(BLOCK) || next == self.count {
+            tracker.restart(written, self.settings);
+        }
+    }
+}
