@@ -2,10 +2,10 @@
 
 use isoslice_layer::adhesion::AdhesionPlan;
 use isoslice_layer::infill::InfillPlan;
-use isoslice_layer::region::{OutlinePlan, WallPlan};
 use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::EndingPlan;
 use isoslice_layer::skin::SkinPlan;
+use isoslice_layer::{outline::OutlinePlan, walls::WallPlan};
 use isoslice_path::order::OrderPlan;
 use isoslice_path::pace::PacePlan;
 use isoslice_path::relief::ReliefPlan;

@@ -4,7 +4,7 @@ use super::Stages;
 use super::beads::of_skin;
 use crate::pipeline::SliceError;
 use isoslice_base::timings::Stage;
-use isoslice_layer::region::exposure::FillAreas;
+use isoslice_layer::exposure::FillAreas;
 use isoslice_layer::skin::over_infill::{Below, Level, Over, Under, bridged};
 use isoslice_layer::skin::{self, Patch, over_infill};
 use isoslice_layer::view::LayerView;

@@ -14,8 +14,8 @@
 use super::across::{Across, Upper};
 use super::held::held;
 use super::printed::Printed;
-use crate::region::floating::floating;
-use crate::region::neighbour::Neighbour;
+use crate::cover::neighbour::Neighbour;
+use crate::floating::floating;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::clusters::clusters;

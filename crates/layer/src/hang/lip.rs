@@ -20,7 +20,7 @@
 //! `isoslice info --supports` lists it.
 
 use super::held::held;
-use crate::region::neighbour::Neighbour;
+use crate::cover::neighbour::Neighbour;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{difference, intersection};

@@ -12,7 +12,7 @@ use super::across::{DRIFT, Upper};
 use super::held::Limits;
 use super::ledges::{Ledge, ledges};
 use super::printed::kept;
-use crate::region::floating::{Floating, floating};
+use crate::floating::{Floating, floating};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::grid::EdgeGrid;

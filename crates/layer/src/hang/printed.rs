@@ -4,8 +4,8 @@
 //! they are thick. A part that begins in a point is printed from where a bead
 //! fits into it, and a spike that is too thin for a line holds nothing.
 
-use crate::region::neighbour::Neighbour;
-use crate::region::{WallPlan, prints};
+use crate::cover::neighbour::Neighbour;
+use crate::walls::{WallPlan, prints};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::clip::intersection;

@@ -30,7 +30,7 @@ mod strokes;
 mod sweep;
 mod zigzag;
 
-use crate::region::cover::{Covered, Islands};
+use crate::cover::{Covered, Islands};
 use crate::view::{LayerFace, LayerView};
 use fill::{Filler, Side};
 use isoslice_base::units::Mm;

@@ -35,7 +35,7 @@ use super::direction::{across, best, common, fan, rows};
 use super::plan::OverInfillPlan;
 use super::strokes::strokes;
 use super::{Fill, Patch};
-use crate::region::cover::{Covered, Islands};
+use crate::cover::{Covered, Islands};
 use crate::view::LayerView;
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm, Percent};

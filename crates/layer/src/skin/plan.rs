@@ -1,6 +1,6 @@
 //! What skin and its bridges follow from.
 
-use crate::region::ThinPlan;
+use crate::walls::ThinPlan;
 use isoslice_base::units::{Degrees, Mm, Percent};
 use isoslice_planar::bead::Role;
 use isoslice_settings::{Settings, SkinOrder, SkinPattern};
