@@ -42,7 +42,7 @@
 //! 7. [`seam`] says where loops may begin. [`order`] lets them begin there, and
 //!    puts all beads in an order with short travels, one island at a time.
 //!    Beads that nobody sees go on in the next one where that is near.
-//!    [`spiral`] lays one climbing wall in place of all beads. [`relief`] lets
+//!    [`spiral`] lays one climbing wall in place of all beads. [`z_contouring`] lets
 //!    beads follow the surface above them.
 //! 8. [`travel`] connects the beads, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, and slower where the hot
@@ -121,7 +121,7 @@
 //! [`package`]: isoslice_gcode_read::package
 //! [`planar`]: isoslice_planar
 //! [`random`]: isoslice_base::random
-//! [`relief`]: isoslice_path::relief
+//! [`z_contouring`]: isoslice_path::z_contouring
 //! [`seam`]: isoslice_layer::seam
 //! [`sets`]: isoslice_base::sets
 //! [`skin`]: isoslice_layer::skin

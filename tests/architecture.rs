@@ -90,8 +90,8 @@ const ORDER: &[(&str, Steps)] = &[
             &["order"],
             // `spiral` only lays turns, which need no order.
             &["spiral"],
-            // `relief` moves beads that have their order and their ends.
-            &["relief"],
+            // `z_contouring` moves beads that have their order and their ends.
+            &["z_contouring"],
             &["travel"],
             &["pace"],
         ],

@@ -22,7 +22,7 @@ pub mod bridge;
 mod direction;
 mod fill;
 mod gaps;
-pub mod over_infill;
+pub mod internal_bridges;
 mod plan;
 mod roles;
 mod short;

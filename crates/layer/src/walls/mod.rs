@@ -16,14 +16,13 @@
 //! beside it ([`mod@line`]), and so does an even strip that is too thin for a
 //! whole line ([`shared`]). Extruded area per area of part stays the same. How
 //! many beads lie side by side is decided along whole ridges ([`thin`]), and
-//! strokes go on in one another where they meet ([`joints`]).
+//! strokes go on in one another where they meet ([`stitching`]).
 
 mod ball;
 mod beads;
 mod bend;
 mod give;
 mod interlock;
-mod joints;
 pub mod line;
 mod overhang;
 pub mod patch;
@@ -33,6 +32,7 @@ mod reach;
 pub mod ridge;
 mod run;
 mod shared;
+mod stitching;
 mod thin;
 mod tip;
 mod tops;
@@ -49,7 +49,6 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Solid, signed_area};
-use joints::Space;
 use line::{absorb, cut};
 pub use overhang::Support;
 pub use plan::{ThinPlan, WallPlan};
@@ -58,6 +57,7 @@ pub use reach::Reach;
 use ridge::{Ridge, ridges};
 use shared::Sharing;
 use std::collections::HashSet;
+use stitching::Space;
 use thin::Counts;
 
 /// Share of `accuracy` for the outline, and for an offset of it. A polygon's
@@ -569,7 +569,7 @@ fn joined(
     };
     // A bead of another wall reaches into this area by half of `extra`.
     let overlap = (!dabs).then_some(2.0 * extra);
-    joints::join(lines, thin, overlap, room)
+    stitching::join(lines, thin, overlap, room)
 }
 
 /// Walls whose centre lines are outlines of the expression offset by their
