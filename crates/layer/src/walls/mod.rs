@@ -15,7 +15,7 @@
 //! wide as the place is thick. What is too thin even for that widens the walls
 //! beside it ([`mod@line`]), and so does an even strip that is too thin for a
 //! whole line ([`shared`]). Extruded area per area of part stays the same. How
-//! many beads lie side by side is decided along whole ridges ([`thin`]), and
+//! many beads lie side by side is decided along whole ridges ([`mod@thin`]), and
 //! strokes go on in one another where they meet ([`stitching`]).
 
 mod ball;
