@@ -72,7 +72,7 @@ ISOSLICE = [
     "--set", "printer.bed_x=400", "--set", "printer.bed_y=400",
     "--set", "printer.height=400",
     "--set", "skirt.loops=1", "--set", "infill_density=15%",
-    "--set", "top_thickness=0.8", "--set", "bottom_thickness=0.6",
+    "--set", "top_layers=0.8mm", "--set", "bottom_layers=0.6mm",
 ]
 DEFINITIONS = os.environ.get(
     "CURA_DEFINITIONS", "/usr/share/cura/resources/definitions")

@@ -160,7 +160,7 @@ fn a_part_may_have_a_flow_widths_and_gaps_of_its_own() {
     let tee = "min(max(max(abs(x) - 4, abs(y) - 6), abs(z - 1) - 1), \
                max(max(abs(x) - 9, abs(y) - 6), abs(z - 3) - 1))";
     let wide = "outer_wall_width=2\ninner_wall_width=2\ninfill_width=2\n\
-                top_skin_width=2\nbottom_skin_width=2";
+                top_skin_width=2\nskin_width=2";
     let held = "supports=auto\nbridges=false\nsupport.z_gap=1\n\
                 support.z_gap_bottom=1";
     for (of_plate, own) in [

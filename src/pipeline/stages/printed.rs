@@ -67,10 +67,10 @@ impl Stages<'_> {
                 return Ok(Looked { prints, found });
             }
             let alone = layer.among(None, None);
-            let (beads, _) = self.beads(&alone, &inside)?;
+            let (beads, areas) = self.beads(&alone, &inside)?;
             let prints = !(beads.walls.is_empty()
                 && beads.infill.is_empty()
-                && beads.skin.is_empty());
+                && self.skin(&alone, &areas).is_empty());
             Ok(Looked { prints, found })
         };
         layers.map(look).collect()

@@ -229,7 +229,7 @@ pub static FEATURES: &[Feature] = &[
         "overhangs by steps",
         &[
             "speed.overhang=10: 100%, 50: 30, 100: 10",
-            "overhang_inner_first=true",
+            "wall_order=outer-first-unless-overhang",
             "overhang_reverse=true",
         ],
     ),
