@@ -135,10 +135,8 @@ const CIRCLES: &[(&str, &[&str])] = &[
 /// Crates whose parts follow plans of plain numbers: none but files named
 /// `plan.rs` know `Settings`. Modules that still do are listed, and whoever
 /// gives one a plan takes it off this list.
-const PLANNED: &[(&str, &[&str])] = &[
-    ("crates/layer/src", &["hang", "support"]),
-    ("crates/path/src", &[]),
-];
+const PLANNED: &[(&str, &[&str])] =
+    &[("crates/layer/src", &["support"]), ("crates/path/src", &[])];
 
 /// Crates that only some modules of the root package may name.
 const CONFINED: &[Confined] = &[

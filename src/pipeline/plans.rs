@@ -1,6 +1,7 @@
 //! What the stages of a part do, resolved once from the part's settings.
 
 use isoslice_layer::adhesion::AdhesionPlan;
+use isoslice_layer::hang::HangPlan;
 use isoslice_layer::infill::InfillPlan;
 use isoslice_layer::region::{OutlinePlan, WallPlan};
 use isoslice_layer::resolution::Resolution;
@@ -21,6 +22,7 @@ pub(super) struct Plans {
     pub skin: SkinPlan,
     pub infill: InfillPlan,
     pub adhesion: AdhesionPlan,
+    pub hang: HangPlan,
     pub ending: EndingPlan,
     pub spiral: SpiralPlan,
     pub order: OrderPlan,
@@ -39,6 +41,7 @@ impl Plans {
             skin: SkinPlan::of(settings),
             infill: InfillPlan::of(settings),
             adhesion: AdhesionPlan::of(settings),
+            hang: HangPlan::of(settings),
             ending: EndingPlan::of(settings),
             spiral: SpiralPlan::of(settings),
             order: OrderPlan::of(settings),

@@ -55,6 +55,7 @@ impl<'a> Stages<'a> {
         let asked = Asked {
             wishes: wishes.as_ref(),
             settings: self.settings,
+            hang: &self.plans.hang,
         };
         let (survey, heights, known) =
             self.surveyed(pool, spans, asked, KNOWN, None)?;
@@ -83,6 +84,7 @@ impl<'a> Stages<'a> {
         let asked = Asked {
             wishes: wishes.as_ref(),
             settings: self.settings,
+            hang: &self.plans.hang,
         };
         let mut tracker = Tracker::of_rims();
         let follow = Some(&mut tracker);
@@ -94,14 +96,14 @@ impl<'a> Stages<'a> {
         };
         let far = tracker.take_far();
         let places = pool.install(|| {
-            let [needs, outlines] = held(survey, &heights, self.settings);
+            let [needs, outlines] = held(survey, &heights, &self.plans.hang);
             let needs = Needs {
                 needs: &needs,
                 outlines: &outlines,
                 spans: heights.spans(),
                 far: &far,
             };
-            needs.places(self.settings, place)
+            needs.places(&self.plans.hang, place)
         });
         Ok((tracker.finish(), places))
     }
@@ -180,7 +182,7 @@ impl<'a> Stages<'a> {
                     offset: self.model.offset.truncate(),
                     count,
                     written: true,
-                    settings: self.settings,
+                    plan: &self.plans.hang,
                 };
                 follow.layer(tracker, layer, look.as_ref());
             }
@@ -217,7 +219,7 @@ impl<'a> Stages<'a> {
             let layers = self.layers_of(&self.field, none, slab, &all)?;
             let sections = layers
                 .iter()
-                .map(|l| coarse(l.area(), l.span.height(), self.settings));
+                .map(|l| coarse(l.area(), l.span.height(), &self.plans.hang));
             let coarse = || sections.collect();
             Ok::<_, SliceError>(self.timings.time(Stage::Support, coarse))
         };

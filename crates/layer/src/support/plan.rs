@@ -12,7 +12,7 @@ use super::settle::settled;
 use super::slice::Slice;
 use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
-use crate::hang::without_lips;
+use crate::hang::{HangPlan, without_lips};
 use crate::region::neighbour::Neighbour;
 use glam::DVec3;
 use isoslice_base::units::{Mm, Mm2};
@@ -87,7 +87,7 @@ impl Plan {
             sections: sections.as_ref().unwrap_or(&outlines),
             bed,
         };
-        let [needs, musts] = needs(found, parts, settings);
+        let [needs, musts] = needs(found, parts, asked.hang);
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
             return Plan {
                 idle,
@@ -214,7 +214,7 @@ impl Plan {
 pub fn held(
     mut survey: Survey,
     heights: &Heights,
-    settings: &Settings,
+    plan: &HangPlan,
 ) -> [Vec<Area>; 2] {
     let found = std::mem::take(&mut survey.found);
     let parts = Parts {
@@ -224,7 +224,7 @@ pub fn held(
         sections: &survey.outlines,
         bed: Rect::EMPTY,
     };
-    let [needs, _] = needs(found, parts, settings);
+    let [needs, _] = needs(found, parts, plan);
     [needs, survey.outlines]
 }
 
@@ -232,13 +232,13 @@ pub fn held(
 fn needs(
     found: Vec<Found>,
     parts: Parts<'_>,
-    settings: &Settings,
+    plan: &HangPlan,
 ) -> [Vec<Area>; 2] {
     let outlines: Vec<_> =
         parts.outlines.par_iter().map(Neighbour::new).collect();
     let of_layer = |(i, found): (usize, Found)| {
         let Need { must, wanted } = found.need;
-        let must = without_lips(must, i, parts.spans(), &outlines, settings);
+        let must = without_lips(must, i, parts.spans(), &outlines, plan);
         (union(&must, &wanted), must)
     };
     let layers = found.into_par_iter().enumerate();
@@ -288,6 +288,7 @@ mod tests {
         let asked = Asked {
             wishes: None,
             settings,
+            hang: &HangPlan::of(settings),
         };
         let layers = spans.iter().copied().zip(outlines);
         let survey = Survey::new(layers, asked).unwrap();
@@ -337,7 +338,7 @@ mod tests {
         let spans = spans(140);
         let outlines = body(x, &spans);
         let plan = plan(&outlines, Supports::Auto);
-        let held = crate::hang::held(0.2, &Settings::default());
+        let held = crate::hang::held(0.2, &HangPlan::usual());
         let leans = spans.windows(2).filter_map(|pair| {
             let [below, here] = [0, 1].map(|k| x(pair[k].sample_z()));
             (here - below > held).then_some(here)

@@ -8,7 +8,7 @@
 use super::TOLERANCE;
 use super::need::Need;
 use super::wish::{Wish, Wishes};
-use crate::hang::{Printed, Unheld, unheld};
+use crate::hang::{HangPlan, Printed, Unheld, unheld};
 use isoslice_base::units::Mm;
 use isoslice_model::vary::VaryError;
 use isoslice_planar::Area;
@@ -24,6 +24,8 @@ pub struct Asked<'a> {
     pub wishes: Option<&'a Wishes<'a>>,
     /// The print's settings.
     pub settings: &'a Settings,
+    /// What hangs.
+    pub hang: &'a HangPlan,
 }
 
 impl Asked<'_> {
@@ -40,9 +42,9 @@ impl Asked<'_> {
             None => Wish::default(),
         };
         // Skin counts the raft's layers, too.
-        let number = span.index + self.settings.raft_layers();
+        let number = span.index + self.hang.raft_layers;
         let Unheld { must, thin } =
-            unheld(here, below, number, span.height(), self.settings);
+            unheld(here, below, number, span.height(), self.hang);
         let needs = !must.is_empty();
         let need = Need::new(must, &wish, span.height());
         let found = Found {
@@ -92,7 +94,7 @@ impl Survey {
         let mut survey = Survey::default();
         for (span, outline) in layers {
             let (here, unprinted) =
-                Printed::new(outline, span.height(), asked.settings);
+                Printed::new(outline, span.height(), asked.hang);
             survey.outlines.push(thinned(here.area.clone()));
             survey.unprinted.push(unprinted);
             match &mut survey.ends {
@@ -152,8 +154,8 @@ impl Survey {
 
 /// The outline of a layer of some height, as coarse as supports ask for,
 /// without what is not printed.
-pub fn coarse(outline: &Area, height: Mm, settings: &Settings) -> Area {
-    let (printed, _) = Printed::new(outline, height, settings);
+pub fn coarse(outline: &Area, height: Mm, plan: &HangPlan) -> Area {
+    let (printed, _) = Printed::new(outline, height, plan);
     thinned(printed.area)
 }
 
