@@ -30,8 +30,9 @@
 //!    samples, moves vertices onto f = 0, restores corners and thins the rings.
 //!    The lattice only tells what is connected. The outline's accuracy does not
 //!    depend on it. [`contour`] calls the crate under a run's limits.
-//! 5. [`region`] lays the walls, by distance in the layer's plane, not by the
-//!    value of f. It splits the area inside them into skin, where the layers
+//! 5. [`outline`] changes the outline for what the nozzle and the plastic will do.
+//!    [`walls`] lays the walls, by distance in the layer's plane, not by the value
+//!    of f. [`exposure`] splits the area inside them into skin, where the layers
 //!    above or below do not cover it, and area for infill. [`planar`] has the
 //!    geometry, [`bead`] the cross-section that says how far apart lines lie.
 //! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of walls and
@@ -41,7 +42,7 @@
 //! 7. [`seam`] says where loops may begin. [`order`] lets them begin there, and
 //!    puts all beads in an order with short travels, one island at a time.
 //!    Beads that nobody sees go on in the next one where that is near.
-//!    [`spiral`] lays one climbing wall in place of all beads. [`relief`] lets
+//!    [`spiral`] lays one climbing wall in place of all beads. [`z_contouring`] lets
 //!    beads follow the surface above them.
 //! 8. [`travel`] connects the beads, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, and slower where the hot
@@ -103,23 +104,24 @@
 //! [`LayerBeads`]: isoslice_path::order::LayerBeads
 //! [`LayerPath`]: isoslice_path::travel::LayerPath
 //! [`PacedLayer`]: isoslice_path::pace::PacedLayer
-//! [`Walls`]: isoslice_layer::region::Walls
+//! [`Walls`]: isoslice_layer::walls::Walls
 //! [`adhesion`]: isoslice_layer::adhesion
 //! [`bead`]: isoslice_planar::bead
 //! [`bgcode`]: isoslice_gcode_read::bgcode
 //! [`contour`]: isoslice_model::contour
 //! [`encoding`]: isoslice_base::encoding
+//! [`exposure`]: isoslice_layer::exposure
 //! [`fuzzy`]: isoslice_layer::fuzzy
 //! [`gcode`]: isoslice_gcode
 //! [`hang`]: isoslice_layer::hang
 //! [`infill`]: isoslice_layer::infill
 //! [`order`]: isoslice_path::order
+//! [`outline`]: isoslice_layer::outline
 //! [`pace`]: isoslice_path::pace
 //! [`package`]: isoslice_gcode_read::package
 //! [`planar`]: isoslice_planar
 //! [`random`]: isoslice_base::random
-//! [`region`]: isoslice_layer::region
-//! [`relief`]: isoslice_path::relief
+//! [`z_contouring`]: isoslice_path::z_contouring
 //! [`seam`]: isoslice_layer::seam
 //! [`sets`]: isoslice_base::sets
 //! [`skin`]: isoslice_layer::skin

@@ -58,8 +58,12 @@ const ORDER: &[(&str, Steps)] = &[
             // Any stage that makes strokes may thin them, and all stages may ask
             // what is around a layer.
             &["resolution", "view"],
-            &["region"],
-            &["walls", "fuzzy", "skin", "infill", "adhesion"],
+            // Nearly all ask what of an area others cover.
+            &["cover"],
+            &["outline", "walls", "floating"],
+            // `exposure` splits what walls leave.
+            &["exposure"],
+            &["fuzzy", "skin", "infill", "adhesion"],
             // `hang` finds what hangs, except for what the skin's bridges hold.
             &["hang"],
             // `support` holds what hangs. Skin says where bridges hold it.
@@ -86,8 +90,8 @@ const ORDER: &[(&str, Steps)] = &[
             &["order"],
             // `spiral` only lays turns, which need no order.
             &["spiral"],
-            // `relief` moves beads that have their order and their ends.
-            &["relief"],
+            // `z_contouring` moves beads that have their order and their ends.
+            &["z_contouring"],
             &["travel"],
             &["pace"],
         ],

@@ -10,8 +10,8 @@ use isoslice_layer::infill::InfillError;
 use isoslice_model::contour::{FieldError, remedy};
 use isoslice_model::heights::HeightsError;
 use isoslice_model::vary::VaryError;
-use isoslice_path::relief::ReliefError;
 use isoslice_path::spiral::SpiralError;
+use isoslice_path::z_contouring::ZContouringError;
 use isoslice_preview::PictureError;
 use isoslice_settings::layers::PlanError;
 use std::io;
@@ -136,7 +136,7 @@ pub enum SliceError {
     Spiral(#[from] SpiralError),
     /// Beads cannot follow the surface.
     #[error(transparent)]
-    Relief(#[from] ReliefError),
+    ZContouring(#[from] ZContouringError),
     /// The layers cannot be measured.
     #[error(transparent)]
     Report(#[from] ReportError),

@@ -3,15 +3,15 @@
 use isoslice_layer::adhesion::AdhesionPlan;
 use isoslice_layer::hang::HangPlan;
 use isoslice_layer::infill::InfillPlan;
-use isoslice_layer::region::{OutlinePlan, WallPlan};
 use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::EndingPlan;
 use isoslice_layer::skin::SkinPlan;
+use isoslice_layer::{outline::OutlinePlan, walls::WallPlan};
 use isoslice_path::order::OrderPlan;
 use isoslice_path::pace::PacePlan;
-use isoslice_path::relief::ReliefPlan;
 use isoslice_path::spiral::SpiralPlan;
 use isoslice_path::travel::TravelPlan;
+use isoslice_path::z_contouring::ZContouringPlan;
 use isoslice_settings::Settings;
 
 /// The plans of a part.
@@ -26,7 +26,7 @@ pub(super) struct Plans {
     pub ending: EndingPlan,
     pub spiral: SpiralPlan,
     pub order: OrderPlan,
-    pub relief: ReliefPlan,
+    pub z_contouring: ZContouringPlan,
     pub travel: TravelPlan,
     pub pace: PacePlan,
 }
@@ -45,7 +45,7 @@ impl Plans {
             ending: EndingPlan::of(settings),
             spiral: SpiralPlan::of(settings),
             order: OrderPlan::of(settings),
-            relief: ReliefPlan::of(settings),
+            z_contouring: ZContouringPlan::of(settings),
             travel: TravelPlan::of(settings),
             pace: PacePlan::of(settings),
         }

@@ -8,10 +8,10 @@
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_layer::region::{WallPlan, support_walls};
 use isoslice_layer::resolution::Resolution;
 use isoslice_layer::support::Disc;
 use isoslice_layer::walls;
+use isoslice_layer::walls::{WallPlan, support_walls};
 use isoslice_planar::bead::Bead;
 use isoslice_planar::{Area, Rect, Ring, signed_area};
 use std::collections::HashMap;

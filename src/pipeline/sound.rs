@@ -21,7 +21,7 @@ use super::SliceError;
 use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::units::{Mm, Mm2};
-use isoslice_layer::region::Walls;
+use isoslice_layer::walls::Walls;
 use isoslice_planar::Rect;
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;

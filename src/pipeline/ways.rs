@@ -18,8 +18,8 @@ use isoslice_layer::seam::ending::Ended;
 use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_layer::walls::{Interlock, Reach};
 use isoslice_path::pace::rates;
-use isoslice_path::relief::{Relief, Site};
 use isoslice_path::travel::{Ground, LayerPath, Move, connect};
+use isoslice_path::z_contouring::{Site, ZContouring};
 use isoslice_planar::Solid;
 use isoslice_settings::Settings;
 use std::ops::Range;
@@ -32,10 +32,10 @@ pub(super) struct PartTravel<'a> {
     /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// What lets beads follow the surface, if they have to.
-    relief: Option<Relief<'a>>,
+    z_contouring: Option<ZContouring<'a>>,
     /// What lets tops of supports follow the undersides above them, if they have
     /// to.
-    under: Option<Relief<'a>>,
+    under: Option<ZContouring<'a>>,
     /// The layers to be written.
     layers: Range<usize>,
     timings: &'a Timings,
@@ -89,14 +89,14 @@ impl<'a> PartTravel<'a> {
     pub(super) fn new(
         planned: &'a Planned<'a>,
         layers: Range<usize>,
-        [relief, under]: [Option<Relief<'a>>; 2],
+        [z_contouring, under]: [Option<ZContouring<'a>>; 2],
     ) -> Self {
         let part = planned.part;
         PartTravel {
             settings: &part.settings,
             plans: planned.stages.plans,
             offset: part.model.offset.truncate(),
-            relief,
+            z_contouring,
             under,
             layers,
             timings: &planned.stages.timings,
@@ -125,7 +125,7 @@ impl<'a> PartTravel<'a> {
         } else {
             beads
         };
-        let beads = self.timings.time(Stage::Relief, || {
+        let beads = self.timings.time(Stage::ZContouring, || {
             let under_support = filled.under_support.as_ref();
             let beads = self.on_surface(beads, &view, under_support)?;
             match &filled.support_top {
@@ -264,7 +264,7 @@ impl<'a> PartTravel<'a> {
         view: &LayerView<'_>,
         under_support: Option<&Solid<'_>>,
     ) -> Result<Vec<Ended>, SliceError> {
-        let Some(relief) = self.relief.as_ref() else {
+        let Some(z_contouring) = self.z_contouring.as_ref() else {
             return Ok(beads);
         };
         let mut view = view.clone();
@@ -276,6 +276,6 @@ impl<'a> PartTravel<'a> {
             view: &view,
             under_support: under_support.map(Solid::grid),
         };
-        Ok(relief.apply(beads, site)?)
+        Ok(z_contouring.apply(beads, site)?)
     }
 }

@@ -16,7 +16,7 @@ use crate::report::{Report, RunFigures};
 use isoslice_base::units::Mm3;
 use isoslice_gcode::{Writer, WriterPlan};
 use isoslice_path::pace::PacePlan;
-use isoslice_path::relief::Relief;
+use isoslice_path::z_contouring::ZContouring;
 use isoslice_planar::Rect;
 use isoslice_preview::Pictures;
 use rayon::ThreadPool;
@@ -130,20 +130,21 @@ fn exits<'a>(
 ) -> Result<Vec<(PartOrder<'a>, PartTravel<'a>)>, SliceError> {
     let exit = |(planned, base): (&'a Planned<'a>, &'a Base<'a>)| {
         let Planned { part, spans, .. } = *planned;
-        let relief = [Relief::new, Relief::of_supports].map(|relief| {
-            let timings = &planned.stages.timings;
-            let plan = planned.stages.plans.relief.clone();
-            relief(&part.model, plan, &base.around, pool, timings)
-                .map_err(|e| job.plate.named(part, e.into()))
-        });
-        let [relief, under] = relief;
-        let relief = [relief?, under?];
+        let z_contouring =
+            [ZContouring::new, ZContouring::of_supports].map(|z_contouring| {
+                let timings = &planned.stages.timings;
+                let plan = planned.stages.plans.z_contouring.clone();
+                z_contouring(&part.model, plan, &base.around, pool, timings)
+                    .map_err(|e| job.plate.named(part, e.into()))
+            });
+        let [z_contouring, under] = z_contouring;
+        let z_contouring = [z_contouring?, under?];
         let layers = match job.turns {
             Some(_) => 0..spans.len(),
             None => job.extent.layers.clone(),
         };
         let order = PartOrder::new(planned, layers.clone());
-        Ok((order, PartTravel::new(planned, layers, relief)))
+        Ok((order, PartTravel::new(planned, layers, z_contouring)))
     };
     job.parts.iter().zip(bases).map(exit).collect()
 }

@@ -20,7 +20,7 @@ use super::area::content;
 use super::spread::Spread;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
-use isoslice_layer::region::Walls;
+use isoslice_layer::walls::Walls;
 use isoslice_model::{Probe, Spot};
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::EdgeGrid;
@@ -304,7 +304,7 @@ fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
 mod tests {
     use super::*;
     use fidget::context::Tree;
-    use isoslice_layer::region::{self, WallPlan};
+    use isoslice_layer::walls::{self, WallPlan};
     use isoslice_planar::shapes::{circle, moved};
 
     fn disc() -> Probe {
@@ -343,12 +343,8 @@ mod tests {
     #[test]
     fn a_true_outline_has_no_errors() {
         let area = ring(DVec2::ZERO, 5.0);
-        let walls = region::walls(
-            &area,
-            None,
-            0.2,
-            &WallPlan::of(&Settings::default()),
-        );
+        let walls =
+            walls::walls(&area, None, 0.2, &WallPlan::of(&Settings::default()));
         let found = figures(&area, &walls, FULL);
         // Chords of half a degree are 48 nm inside at their middle.
         let d = found.outline.figures().unwrap();
@@ -399,7 +395,7 @@ mod tests {
     fn misplaced_walls_show() {
         let settings = Settings::default();
         let area = ring(DVec2::ZERO, 5.0);
-        let good = region::walls(&area, None, 0.2, &WallPlan::of(&settings));
+        let good = walls::walls(&area, None, 0.2, &WallPlan::of(&settings));
         let mut walls = good.clone();
         for p in &mut walls.lines[0][0].points {
             // The outer wall is 30 µm too far in, and so nearer to the next
@@ -425,12 +421,8 @@ mod tests {
     #[test]
     fn a_narrower_bead_is_measured_at_its_own_edge() {
         let area = ring(DVec2::ZERO, 5.0);
-        let mut walls = region::walls(
-            &area,
-            None,
-            0.2,
-            &WallPlan::of(&Settings::default()),
-        );
+        let mut walls =
+            walls::walls(&area, None, 0.2, &WallPlan::of(&Settings::default()));
         let line = &mut walls.lines[0][0];
         // A post's ring is like this: thinner, and farther out by half of that.
         line.width -= 0.1;

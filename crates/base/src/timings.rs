@@ -53,7 +53,7 @@ pub enum Stage {
     /// Order and seams.
     Order,
     /// Beads on the surface above or below them.
-    Relief,
+    ZContouring,
     /// Travels.
     Travel,
     /// Speeds and print time.
@@ -79,7 +79,7 @@ impl Stage {
         Stage::Hang,
         Stage::Support,
         Stage::Order,
-        Stage::Relief,
+        Stage::ZContouring,
         Stage::Travel,
         Stage::Pace,
         Stage::Gcode,
@@ -100,7 +100,7 @@ impl Stage {
             Stage::Hang => "hanging",
             Stage::Support => "support",
             Stage::Order => "order",
-            Stage::Relief => "contour_z",
+            Stage::ZContouring => "contour_z",
             Stage::Travel => "travel",
             Stage::Pace => "pace",
             Stage::Gcode => "gcode",

@@ -9,8 +9,11 @@
 //! |---|---|
 //! | [`view`] | what is around a layer |
 //! | [`resolution`] | how many points a stroke needs |
-//! | [`region`] | where walls lie, and which area inside them is skin or infill |
-//! | [`walls`], [`fuzzy`] | how walls are printed: overhangs, interlocked beads, texture |
+//! | [`cover`] | which part of an area other areas cover |
+//! | [`outline`] | what is changed in the outline before all else |
+//! | [`walls`], [`fuzzy`] | where walls lie and how they are printed: overhangs, interlocked beads, texture |
+//! | [`exposure`] | which area inside the walls is skin, and which is sparse |
+//! | [`floating`] | islands that begin on nothing |
 //! | [`skin`] | the lines that close tops and bottoms, and the bridges |
 //! | [`infill`] | the pattern inside |
 //! | [`adhesion`] | skirt, brim and ears |
@@ -46,10 +49,13 @@
 )]
 
 pub mod adhesion;
+mod cover;
+pub mod exposure;
+mod floating;
 pub mod fuzzy;
 pub mod hang;
 pub mod infill;
-pub mod region;
+pub mod outline;
 pub mod resolution;
 pub mod seam;
 pub mod skin;

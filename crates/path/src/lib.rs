@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`order`] | what is printed after what, and where loops begin |
 //! | [`spiral`] | the turns of a vase, which need no order |
-//! | [`relief`] | how far beads follow the surface above and below their layer |
+//! | [`z_contouring`] | how far beads follow the surface above and below their layer |
 //! | [`travel`] | the ways between beads, and where to retract |
 //! | [`pace`] | the speed of each move, and the time of all |
 //!
@@ -41,6 +41,6 @@
 
 pub mod order;
 pub mod pace;
-pub mod relief;
 pub mod spiral;
 pub mod travel;
+pub mod z_contouring;

@@ -4,15 +4,17 @@ use super::Stages;
 use super::beads::of_skin;
 use crate::pipeline::SliceError;
 use isoslice_base::timings::Stage;
-use isoslice_layer::region::exposure::FillAreas;
-use isoslice_layer::skin::over_infill::{Below, Level, Over, Under, bridged};
-use isoslice_layer::skin::{self, Patch, over_infill};
+use isoslice_layer::exposure::FillAreas;
+use isoslice_layer::skin::internal_bridges::{
+    Below, Level, Over, Under, bridged,
+};
+use isoslice_layer::skin::{self, Patch, internal_bridges};
 use isoslice_layer::view::LayerView;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
 
 /// What replaces parts of a layer that has internal bridges.
-pub(in crate::pipeline) struct OverInfill {
+pub(in crate::pipeline) struct InternalBridges {
     pub skin: Vec<Patch>,
     pub infill: Vec<Bead>,
     pub sparse: Area,
@@ -41,21 +43,21 @@ impl Stages<'_> {
     ) -> bool {
         self.timings.time(Stage::Skin, || {
             let plan = &self.plans.skin;
-            over_infill::may_bridge(&areas.skin, open, plan)
+            internal_bridges::may_bridge(&areas.skin, open, plan)
         })
     }
 
     /// A layer with internal bridges over the infill of the layer below, and over
     /// its bridges `levels`, if there are any. `areas` and `walls` are the
     /// layer's.
-    pub(in crate::pipeline) fn over_infill(
+    pub(in crate::pipeline) fn internal_bridges(
         &self,
         view: &LayerView<'_>,
         areas: &FillAreas,
         walls: &[Bead],
         under: Under<'_>,
         levels: &[Below],
-    ) -> Result<Option<OverInfill>, SliceError> {
+    ) -> Result<Option<InternalBridges>, SliceError> {
         let over = Over {
             skin: &areas.skin,
             sparse: &areas.sparse,
@@ -76,7 +78,7 @@ impl Stages<'_> {
         let mut infill = self.infill_in(&sparse, &view.here)?;
         self.timings
             .time(Stage::Infill, || self.thin(infill.iter_mut()));
-        Ok(Some(OverInfill {
+        Ok(Some(InternalBridges {
             skin,
             infill,
             sparse,

@@ -5,9 +5,9 @@ use crate::pipeline::layer::{Inside, Layer};
 use crate::report::{LayerFigures, LayerParts, ReportError};
 use isoslice_base::timings::Stage;
 use isoslice_layer::hang::Look;
-use isoslice_layer::region::{Walls, field_walls, walls};
 use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_layer::walls;
+use isoslice_layer::walls::{Walls, field_walls, walls};
 use isoslice_planar::Area;
 
 impl Stages<'_> {

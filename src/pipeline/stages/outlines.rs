@@ -9,9 +9,9 @@ use crate::pipeline::layer::{Layer, Met, SAME_HEIGHT};
 use isoslice_base::limits;
 use isoslice_base::timings::Stage;
 use isoslice_base::units::Mm;
-use isoslice_layer::region::compensate::Compensation;
-use isoslice_layer::region::cover::rough;
-use isoslice_layer::region::{OUTLINE_SHARE, WallPlan};
+use isoslice_layer::exposure::rough;
+use isoslice_layer::outline::Compensation;
+use isoslice_layer::walls::{OUTLINE_SHARE, WallPlan};
 use isoslice_model::contour::{
     Detail, Field, FieldError, Outline, field, outlines,
 };

@@ -16,9 +16,9 @@ use super::super::stages::Stages;
 use super::super::{BLOCK, SliceError};
 use glam::DVec2;
 use isoslice_base::timings::Stage;
+use isoslice_layer::exposure::FillAreas;
 use isoslice_layer::infill::standing::Standing;
-use isoslice_layer::region::exposure::FillAreas;
-use isoslice_layer::skin::over_infill::{Below, CELL, Level, Under};
+use isoslice_layer::skin::internal_bridges::{Below, CELL, Level, Under};
 use isoslice_path::order::LayerBeads;
 use isoslice_planar::clip::union;
 use isoslice_planar::grid::EdgeGrid;
@@ -208,8 +208,13 @@ impl Window<'_> {
         let made = self.pool.install(|| {
             let Some(below) = under else { return Ok(None) };
             let (walls, under) = (&beads.walls, below.under());
-            self.stages
-                .over_infill(&view, areas, walls, under, &below.levels)
+            self.stages.internal_bridges(
+                &view,
+                areas,
+                walls,
+                under,
+                &below.levels,
+            )
         })?;
         let Some(over) = made else {
             if bare {

@@ -21,7 +21,7 @@
 
 use super::held::held;
 use super::plan::HangPlan;
-use crate::region::neighbour::Neighbour;
+use crate::cover::neighbour::Neighbour;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{difference, intersection};

@@ -13,7 +13,7 @@ use super::held::Limits;
 use super::ledges::{Ledge, ledges};
 use super::plan::HangPlan;
 use super::printed::kept;
-use crate::region::floating::{Floating, floating};
+use crate::floating::{Floating, floating};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::grid::EdgeGrid;

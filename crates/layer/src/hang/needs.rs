@@ -11,7 +11,7 @@ use super::places::{Found, Places};
 use super::plan::HangPlan;
 use super::track::Far;
 use super::{Kind, Unsupported};
-use crate::region::floating::floating;
+use crate::floating::floating;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::intersection;

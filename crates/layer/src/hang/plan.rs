@@ -1,6 +1,6 @@
 //! What tells which places hang.
 
-use crate::region::WallPlan;
+use crate::walls::WallPlan;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_settings::Settings;
 

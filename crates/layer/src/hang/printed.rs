@@ -5,8 +5,8 @@
 //! fits into it, and a spike that is too thin for a line holds nothing.
 
 use super::plan::HangPlan;
-use crate::region::neighbour::Neighbour;
-use crate::region::prints;
+use crate::cover::neighbour::Neighbour;
+use crate::walls::prints;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::clip::intersection;

@@ -5,7 +5,7 @@
 //! nothing.
 
 use super::InfillPlan;
-use crate::region::exposure::FillAreas;
+use crate::exposure::FillAreas;
 use isoslice_base::units::Mm2;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;

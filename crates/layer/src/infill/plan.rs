@@ -1,6 +1,6 @@
 //! What sparse infill follows from.
 
-use crate::region::ThinPlan;
+use crate::walls::ThinPlan;
 use isoslice_base::units::{Degrees, Mm, Percent};
 use isoslice_settings::{Infill, InfillMode, InfillPattern, Settings, Varying};
 

@@ -14,7 +14,7 @@
 //! number are outside. Features thinner than the lattice may be missed.
 
 use super::{InfillError, InfillPlan, Layer, Site};
-use crate::region::{Lay, lay, shrink};
+use crate::walls::{Lay, lay, shrink};
 use glam::DVec2;
 use isoslice_base::timings::Timings;
 use isoslice_base::units::Mm;

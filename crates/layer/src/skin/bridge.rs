@@ -21,7 +21,7 @@
 
 use super::direction::{across, best, common, fan, rows};
 use super::gaps::{Gap, Span, spans};
-use crate::region::neighbour::Neighbour;
+use crate::cover::neighbour::Neighbour;
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::clip::{difference, intersection};

@@ -22,7 +22,7 @@ pub mod bridge;
 mod direction;
 mod fill;
 mod gaps;
-pub mod over_infill;
+pub mod internal_bridges;
 mod plan;
 mod roles;
 mod short;
@@ -30,7 +30,7 @@ mod strokes;
 mod sweep;
 mod zigzag;
 
-use crate::region::cover::{Covered, Islands};
+use crate::cover::{Covered, Islands};
 use crate::view::{LayerFace, LayerView};
 use fill::{Filler, Side};
 use isoslice_base::units::Mm;

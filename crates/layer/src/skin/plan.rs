@@ -1,6 +1,6 @@
 //! What skin and its bridges follow from.
 
-use crate::region::ThinPlan;
+use crate::walls::ThinPlan;
 use isoslice_base::units::{Degrees, Mm, Percent};
 use isoslice_planar::bead::Role;
 use isoslice_settings::{Settings, SkinOrder, SkinPattern};
@@ -41,12 +41,12 @@ pub struct SkinPlan {
     /// How far bridges reach onto what holds them, mm.
     pub anchor: Mm,
     /// Bridges over infill.
-    pub over_infill: OverInfillPlan,
+    pub internal_bridges: InternalBridgePlan,
 }
 
 /// What internal bridges lie on.
 #[derive(Clone, Copy, Debug)]
-pub struct OverInfillPlan {
+pub struct InternalBridgePlan {
     /// Number of their layers, if that is given.
     pub layers: Option<u32>,
     /// Density of the infill, %, if it has one everywhere.
@@ -84,7 +84,7 @@ impl SkinPlan {
             ironing: settings.ironing.then(|| settings.ironing_spacing()),
             bridges: settings.bridges,
             anchor: settings.bridge_anchor,
-            over_infill: OverInfillPlan {
+            internal_bridges: InternalBridgePlan {
                 layers: settings.internal_bridges.count(),
                 density: density.filter(|_| settings.infill_is_pattern()),
                 infill: settings.infill_width(),

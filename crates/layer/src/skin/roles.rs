@@ -6,7 +6,7 @@
 //! outlines.
 
 use super::short::join_short;
-use crate::region::cover::Covered;
+use crate::cover::Covered;
 use glam::DVec2;
 use isoslice_planar::bead::{Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;

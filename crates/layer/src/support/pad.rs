@@ -19,7 +19,7 @@
 use super::TOLERANCE;
 use super::parts::Parts;
 use super::room::Size;
-use crate::region::floating::floating;
+use crate::floating::floating;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{difference, intersection, union, unite};
 use isoslice_planar::offset::offset;

@@ -20,7 +20,7 @@ use super::pieces::Piece;
 use super::room::BESIDE;
 use super::slice::Slice;
 use super::{SPECK, TOLERANCE};
-use crate::region::neighbour::Neighbour;
+use crate::cover::neighbour::Neighbour;
 use glam::DVec2;
 use isoslice_base::units::Mm2;
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};

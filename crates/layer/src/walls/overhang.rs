@@ -14,7 +14,7 @@
 //! share of its width: at half of the width, it is the centre line that must
 //! not leave the solid.
 
-use crate::region::WallPlan;
+use crate::walls::WallPlan;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Percent};
 use isoslice_planar::Solid;

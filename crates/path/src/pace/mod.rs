@@ -35,10 +35,10 @@
 
 mod bounds;
 pub mod clock;
-mod crowd;
-mod evened;
 mod fan;
+mod flow_smoothing;
 pub mod motion;
+mod move_rate;
 mod moves;
 mod plan;
 pub mod rates;
@@ -53,9 +53,8 @@ pub use moves::{OfPart, PacedLayer, PacedMove, Sums};
 use crate::travel::LayerPath;
 use crate::travel::{Move, Travel};
 use bounds::{acceleration, print_speed, speed_limit};
-use crowd::{Rated, slowed};
-use evened::evened;
 use fan::fan_speed;
+use flow_smoothing::smoothed;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{
     MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, Seconds,
@@ -66,6 +65,7 @@ use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::path_length;
 use isoslice_settings::layers::LayerSpan;
 use motion::{Limits, Motion};
+use move_rate::{Rated, slowed};
 use rates::{Rater, Rates, Site};
 use slowing::{Slowing, slow_down};
 use std::ops::Range;
@@ -412,7 +412,7 @@ impl<'a> Pacer<'a> {
         out: &mut Vec<PacedMove>,
     ) {
         let beads = slowed(std::mem::take(chain), self.plan.max_moves);
-        for rated in evened(beads, self.plan.max_flow_change) {
+        for rated in smoothed(beads, self.plan.max_flow_change) {
             self.print(span, rated, out);
         }
     }

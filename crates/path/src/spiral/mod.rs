@@ -34,7 +34,7 @@ pub use plan::SpiralPlan;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_layer::region::{OFFSET_SHARE, OUTLINE_SHARE};
+use isoslice_layer::walls::{OFFSET_SHARE, OUTLINE_SHARE};
 use isoslice_model::{Model, Probe, Spot};
 use isoslice_planar::bead::{Bead, Level, Role, Stroke, spacing};
 use isoslice_planar::offset::offset;

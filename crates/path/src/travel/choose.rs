@@ -193,7 +193,7 @@ impl<'a> Planner<'a> {
         }
         let longest = a.distance(b) + self.plan.max_detour;
         let fits = |way: &Vec<DVec2>| path_length(way, false) <= longest;
-        if let Some(way) = self.over_infill(a, b, longest).filter(fits)
+        if let Some(way) = self.internal_bridges(a, b, longest).filter(fits)
             && self.hidden(&way, next)
         {
             return self.finished(&way, false);
@@ -225,7 +225,7 @@ impl<'a> Planner<'a> {
     }
 
     /// A way over sparse infill between two points near it, with both points.
-    fn over_infill(
+    fn internal_bridges(
         &self,
         a: DVec2,
         b: DVec2,

@@ -26,11 +26,16 @@
 //! sparse infill becomes skin as well. Skin and sparse area together are the
 //! fill.
 
-use super::cover::{
-    Covered, Exposed, Islands, TOLERANCE, apart, by_island, exposed, near, open,
+mod plan;
+mod rough;
+mod shells;
+
+pub use plan::{ExposurePlan, ShellPlan};
+pub use rough::rough;
+
+use crate::cover::{
+    Covered, Exposed, Islands, TOLERANCE, by_island, exposed, near, open,
 };
-use super::plan::{ExposurePlan, ShellPlan};
-use super::shells::Shells;
 use crate::view::{LayerFace, LayerView};
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -40,6 +45,8 @@ use isoslice_planar::clip::{
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, BoxTree, Rect, Solid};
 use isoslice_settings::layers::LayerSpan;
+use rough::apart;
+use shells::Shells;
 
 /// The fill, split.
 #[derive(Clone, Debug, Default, PartialEq)]

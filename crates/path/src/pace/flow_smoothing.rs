@@ -17,7 +17,7 @@
 //! that is shorter. Not guaranteed: that the limit is kept after cooling, which
 //! slows some beads down to `cooling.min_speed` and others less.
 
-use super::crowd::Rated;
+use super::move_rate::Rated;
 use super::moves::Cause;
 use isoslice_base::units::{Mm, Mm2, Mm3PerSec, Mm3PerSec2, MmPerSec, Seconds};
 
@@ -84,7 +84,7 @@ impl One {
 
 /// The beads at speeds at which the flow changes by at most `most` in a second.
 /// If `most` is 0, nothing changes.
-pub(super) fn evened(chain: Vec<Rated>, most: Mm3PerSec2) -> Vec<Rated> {
+pub(super) fn smoothed(chain: Vec<Rated>, most: Mm3PerSec2) -> Vec<Rated> {
     if most <= 0.0 {
         return chain;
     }
@@ -215,7 +215,7 @@ mod tests {
     }
 
     fn check(before: &[Rated], most: f64) -> Vec<Rated> {
-        let after = evened(before.to_vec(), most);
+        let after = smoothed(before.to_vec(), most);
         let all = moves(&after);
         for pair in all.windows(2) {
             let ((qa, ta, _, end), (qb, tb, begin, _)) = (pair[0], pair[1]);
@@ -267,10 +267,10 @@ mod tests {
             rated(&along(0.0, 20.0, 1), 0.4, 40.0),
             rated(&along(20.0, 60.0, 7), 0.4, 41.0),
         ];
-        let after = evened(before.clone(), 100.0);
+        let after = smoothed(before.clone(), 100.0);
         assert_eq!(moves(&after), moves(&before));
         assert_eq!(after.len(), 2);
-        assert_eq!(evened(before, 0.0).len(), 2);
+        assert_eq!(smoothed(before, 0.0).len(), 2);
     }
 
     #[test]

@@ -56,7 +56,7 @@ mod plan;
 mod profile;
 mod surface;
 
-pub use plan::ReliefPlan;
+pub use plan::ZContouringPlan;
 
 use chain::{Chain, Stop};
 use glam::DVec2;
@@ -93,7 +93,7 @@ const TOLERANCE: Mm = 0.0015;
 /// Why beads cannot follow the surface.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ReliefError {
+pub enum ZContouringError {
     /// The strength has no value somewhere.
     #[error(transparent)]
     Strength(#[from] VaryError),
@@ -103,8 +103,8 @@ pub enum ReliefError {
 }
 
 /// What follows the surface of a model.
-pub struct Relief<'a> {
-    plan: ReliefPlan,
+pub struct ZContouring<'a> {
+    plan: ZContouringPlan,
     whose: Whose,
     probe: Probe,
     strength: Quantity,
@@ -148,23 +148,23 @@ struct Bounds {
     full: Degrees,
 }
 
-impl<'a> Relief<'a> {
+impl<'a> ZContouring<'a> {
     /// What follows the surface of a model, if the settings ask for it.
     ///
     /// # Errors
     /// If the strength is no expression, or the field cannot be evaluated.
     pub fn new(
         model: &Model,
-        plan: ReliefPlan,
+        plan: ZContouringPlan,
         around: &'a Surroundings<'a>,
         pool: &'a ThreadPool,
         timings: &'a Timings,
-    ) -> Result<Option<Relief<'a>>, ReliefError> {
+    ) -> Result<Option<ZContouring<'a>>, ZContouringError> {
         let strength = Quantity::new("contour_z", &plan.strength)?;
         if strength.constant() == Some(0.0) || !plan.in_layers {
             return Ok(None);
         }
-        Ok(Some(Relief {
+        Ok(Some(ZContouring {
             plan,
             whose: Whose::Part,
             probe: Probe::new(&model.tree)?,
@@ -183,16 +183,16 @@ impl<'a> Relief<'a> {
     /// If the field cannot be evaluated.
     pub fn of_supports(
         model: &Model,
-        plan: ReliefPlan,
+        plan: ZContouringPlan,
         around: &'a Surroundings<'a>,
         pool: &'a ThreadPool,
         timings: &'a Timings,
-    ) -> Result<Option<Relief<'a>>, ReliefError> {
+    ) -> Result<Option<ZContouring<'a>>, ZContouringError> {
         let Some(gap) = plan.support_gap else {
             return Ok(None);
         };
         let full = Varying::Constant(100.0);
-        Ok(Some(Relief {
+        Ok(Some(ZContouring {
             plan,
             whose: Whose::Supports,
             probe: Probe::below(&model.tree, gap)?,
@@ -212,7 +212,7 @@ impl<'a> Relief<'a> {
         &self,
         mut beads: Vec<Ended>,
         site: Site<'_>,
-    ) -> Result<Vec<Ended>, ReliefError> {
+    ) -> Result<Vec<Ended>, ZContouringError> {
         if !site.is_closed(Facing::Up) {
             beads = self.facing(beads, site, Facing::Up)?;
         }
@@ -249,7 +249,7 @@ impl<'a> Relief<'a> {
         beads: Vec<Ended>,
         site: Site<'_>,
         facing: Facing,
-    ) -> Result<Vec<Ended>, ReliefError> {
+    ) -> Result<Vec<Ended>, ZContouringError> {
         // Each path is of beads that follow the surface, or of beads that do
         // not.
         let mut paths: Vec<(Vec<Ended>, bool)> = Vec::new();
@@ -267,13 +267,13 @@ impl<'a> Relief<'a> {
         }
         let led = |(path, follows): (Vec<Ended>, bool)| {
             if follows {
-                let _lap = self.timings.begin(Stage::Relief);
+                let _lap = self.timings.begin(Stage::ZContouring);
                 self.chain(path, site, facing)
             } else {
                 Ok(path)
             }
         };
-        let led: Vec<Result<Vec<Ended>, ReliefError>> = self
+        let led: Vec<Result<Vec<Ended>, ZContouringError>> = self
             .pool
             .install(|| paths.into_par_iter().map(led).collect());
         let led: Vec<Vec<Ended>> = led.into_iter().collect::<Result<_, _>>()?;
@@ -286,7 +286,7 @@ impl<'a> Relief<'a> {
         beads: Vec<Ended>,
         site: Site<'_>,
         facing: Facing,
-    ) -> Result<Vec<Ended>, ReliefError> {
+    ) -> Result<Vec<Ended>, ZContouringError> {
         if isoslice_base::limits::is_stopped() {
             return Ok(beads);
         }
@@ -338,7 +338,7 @@ impl<'a> Relief<'a> {
         stops: &[Stop],
         site: Site<'_>,
         bounds: &Bounds,
-    ) -> Result<Option<Vec<Knot>>, ReliefError> {
+    ) -> Result<Option<Vec<Knot>>, ZContouringError> {
         let face = self.bed
             + match bounds.facing {
                 Facing::Up => site.span().top,
@@ -453,7 +453,7 @@ impl Facing {
 }
 
 impl Bounds {
-    fn new(site: Site<'_>, facing: Facing, plan: &ReliefPlan) -> Bounds {
+    fn new(site: Site<'_>, facing: Facing, plan: &ZContouringPlan) -> Bounds {
         let height = site.span().height();
         let next = site.other(facing);
         let next = next.map_or(height, |next| next.span.height());

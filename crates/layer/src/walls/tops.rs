@@ -15,7 +15,7 @@
 //! above. Out: the top, and the rest.
 
 use super::WallPlan;
-use super::cover::near;
+use crate::cover::near;
 use isoslice_base::units::Mm;
 use isoslice_planar::Area;
 use isoslice_planar::clip::{difference, intersection, union};

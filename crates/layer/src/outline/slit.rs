@@ -18,7 +18,7 @@
 //! wide as the limit would become a row of holes. Elsewhere the outline does
 //! not change, except within the tolerance on islands with slits.
 
-use super::cover::{Covered, Islands};
+use crate::cover::{Covered, Islands};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{union, unite};
@@ -50,7 +50,7 @@ const HARDLY: f64 = 10.0;
 /// The places in which an outline's slits are filled, each a little larger than
 /// the slit: what is narrower than `width` between facing edges, but not the
 /// ends of notches. They reach into the area by `tolerance` at most.
-pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
+pub(super) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
     let grid = outline.grid();
     let mut found: Vec<Ring> = Vec::new();
     // The middles of those pieces that end where the gap gets too wide.
@@ -192,7 +192,12 @@ fn between(
 }
 
 /// The area with its slits filled, as [`slits`] has found them.
-pub fn filled(area: &Area, slits: &Area, width: Mm, tolerance: Mm) -> Area {
+pub(super) fn filled(
+    area: &Area,
+    slits: &Area,
+    width: Mm,
+    tolerance: Mm,
+) -> Area {
     let places = Solid::of(slits, width);
     let islands = area.islands();
     let covered = Islands::new(&islands).covered(&places);

@@ -1,9 +1,9 @@
 //! Walls of parts whose thickness is known: what they leave open, what they
 //! paint outside of the part, and how much they extrude.
 
-use crate::region::{WallPlan, walls};
 use crate::resolution::Resolution;
 use crate::walls::beads;
+use crate::walls::{WallPlan, walls};
 use glam::DVec2;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;

@@ -6,7 +6,7 @@ use isoslice_settings::{FullAngle, Settings, Varying};
 
 /// How far beads follow the surface above and below their layer.
 #[derive(Clone, Debug)]
-pub struct ReliefPlan {
+pub struct ZContouringPlan {
     /// How far beads of the part follow its surface.
     pub(super) strength: Varying<Percent>,
     /// True if the part has beads in layers, not climbing walls.
@@ -24,10 +24,10 @@ pub struct ReliefPlan {
     pub(super) resolution: Resolution,
 }
 
-impl ReliefPlan {
+impl ZContouringPlan {
     /// The plan that settings ask for.
-    pub fn of(s: &Settings) -> ReliefPlan {
-        ReliefPlan {
+    pub fn of(s: &Settings) -> ZContouringPlan {
+        ZContouringPlan {
             strength: s.contour_z.clone(),
             in_layers: !s.is_vase(),
             undersides: s.contour_z_below,

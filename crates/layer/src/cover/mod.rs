@@ -8,47 +8,22 @@
 //! nothing that matters is covered. Only if they do not, all neighbours that
 //! touch the island go into one sweep.
 
-use super::WallPlan;
-use super::neighbour::Neighbour;
+pub(crate) mod neighbour;
+
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, intersection, not_covered_by_all};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::nest::Nest;
-use isoslice_planar::offset::offset;
-use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Rect, Solid, edges, point_beside};
+use neighbour::Neighbour;
 
 /// How far borders between skin and sparse infill may be off, mm: nobody sees
 /// these borders, and a bead is much wider.
-pub(super) const TOLERANCE: Mm = 0.02;
-
-/// An outline as exact as skin needs it. A dozen layers ask what it covers of
-/// them, and each question takes a time that grows with its points. It is a
-/// little larger if there are no walls: the fill then ends at the outline
-/// itself, and of two equal layers neither may leave a rim of the other open.
-pub fn rough(outline: &Area, walls: &WallPlan) -> Solid<'static> {
-    // Two outlines of one shape differ by twice their accuracy, and the offset
-    // may be off by as much as its tolerance.
-    let accuracy = walls.accuracy;
-    Solid::new(match walls.count {
-        0 => offset(outline, 3.0 * accuracy, accuracy),
-        _ => simplify_area(outline, TOLERANCE),
-    })
-}
-
-/// How far apart the borders of two rough outlines of one shape may be: twice
-/// as far as either is off.
-pub(super) fn apart(walls: &WallPlan) -> Mm {
-    let accuracy = walls.accuracy;
-    2.0 * match walls.count {
-        0 => accuracy + accuracy,
-        _ => accuracy + TOLERANCE,
-    }
-}
+pub(crate) const TOLERANCE: Mm = 0.02;
 
 /// The part of an island that is not covered by all covers.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Exposed {
+pub(crate) enum Exposed {
     /// No part: each cover covers all of the island.
     Nowhere,
     /// This part of the island is not covered.
@@ -59,7 +34,7 @@ pub(super) enum Exposed {
 
 /// How much of an island one cover covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Covered {
+pub(crate) enum Covered {
     /// All of the island.
     Wholly,
     /// A part of the island, or all of it except along its border.
@@ -69,7 +44,7 @@ pub enum Covered {
 }
 
 /// Connected areas, to be asked what covers touch or cover of them.
-pub struct Islands<'a> {
+pub(crate) struct Islands<'a> {
     all: &'a [Area],
     /// Edges of the islands.
     grid: EdgeGrid,
@@ -84,7 +59,7 @@ const CELL: Mm = 1.0;
 
 impl<'a> Islands<'a> {
     /// Islands, each an outer ring followed by its holes.
-    pub fn new(all: &'a [Area]) -> Islands<'a> {
+    pub(crate) fn new(all: &'a [Area]) -> Islands<'a> {
         let edges = all.iter().enumerate().flat_map(|(i, island)| {
             let all = island.rings.iter().flat_map(|r| edges(r));
             all.map(move |e| (i, e))
@@ -98,7 +73,7 @@ impl<'a> Islands<'a> {
     }
 
     /// How much of each island a cover covers.
-    pub fn covered(&self, cover: &Solid<'_>) -> Vec<Covered> {
+    pub(crate) fn covered(&self, cover: &Solid<'_>) -> Vec<Covered> {
         let of = |(island, touched): (&Area, bool)| {
             let p = island.rings.first().and_then(|r| r.first());
             match p {
@@ -144,12 +119,12 @@ impl<'a> Islands<'a> {
 }
 
 /// What a cover leaves open of an area; see [`not_covered_by_all`].
-pub fn open(area: &Area, cover: &Area) -> Area {
+pub(crate) fn open(area: &Area, cover: &Area) -> Area {
     not_covered_by_all(area, &[&near(area, cover)])
 }
 
 /// What a cover has around an area, enough to tell what it covers of it.
-pub(super) fn near(area: &Area, cover: &Area) -> Area {
+pub(crate) fn near(area: &Area, cover: &Area) -> Area {
     crop(&cover.rings, area.bounds().grown(1.0))
 }
 
@@ -159,7 +134,7 @@ const TOUCH: Mm = 1e-4;
 /// Where the covers, together, leave each island open. `matters` tells whether
 /// it matters that a connected area is covered. If an area does not matter, its
 /// parts must not matter either.
-pub(super) fn exposed(
+pub(crate) fn exposed(
     asked: &Islands<'_>,
     covers: &[&Solid<'_>],
     matters: impl Fn(&Area) -> bool,
@@ -237,7 +212,7 @@ fn anything_matters(
 }
 
 /// Areas by the island that each of them lies in.
-pub(super) fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
+pub(crate) fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
     let nest = Nest::new(islands.iter().filter_map(|p| p.rings.first()));
     let mut sorted: Vec<Area> = vec![Area::EMPTY; islands.len()];
     for area in areas {
@@ -260,43 +235,8 @@ fn part(open: Area) -> Exposed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
     use isoslice_planar::clip::{difference, union};
-    use isoslice_planar::shapes::{disc, rect};
-
-    /// Places between the rough and the exact outline are where the rough one
-    /// says, whoever is asked.
-    #[test]
-    fn rough_outlines_agree_with_themselves() {
-        let exact = disc(10.0, 2000);
-        let rough = rough(&exact, &WallPlan::with(|_| {}));
-        assert!(rough.area().rings[0].len() < 200);
-        let mut between = 0;
-        for k in 0..4000 {
-            let t = std::f64::consts::TAU * f64::from(k) / 4000.0;
-            for off in [-0.005, 0.005] {
-                let p = DVec2::from_angle(t) * (10.0 + off);
-                let inside = rough.area().contains(p);
-                assert_eq!(rough.grid().contains(p), inside, "{p}");
-                between += usize::from(inside != exact.contains(p));
-            }
-        }
-        assert!(between > 100, "{between}");
-    }
-
-    /// Without walls a layer covers all of an equal one, however far accuracy
-    /// lets their outlines be apart.
-    #[test]
-    fn equal_layers_without_walls_cover_one_another() {
-        let walls = WallPlan::with(|s| s.walls = 0);
-        let off = walls.accuracy;
-        for [here, there] in [[off, -off], [-off, off]] {
-            let fill = disc(10.0 + here, 300);
-            // The chords take the other half of the accuracy.
-            let cover = rough(&disc(10.0 + 0.5 * there, 140), &walls);
-            assert!(open(&fill, cover.area()).is_empty());
-        }
-    }
+    use isoslice_planar::shapes::rect;
 
     /// What is covered of each island.
     fn contents(islands: &[Area], covers: &[Area]) -> Vec<f64> {

@@ -198,7 +198,7 @@ fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::region::ThinPlan;
+    use crate::walls::ThinPlan;
     use isoslice_planar::shapes::disc;
 
     fn strip(thickness: f64) -> Patch {

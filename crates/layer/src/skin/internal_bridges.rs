@@ -32,10 +32,10 @@
 use super::SkinPlan;
 use super::bridge::shared;
 use super::direction::{across, best, common, fan, rows};
-use super::plan::OverInfillPlan;
+use super::plan::InternalBridgePlan;
 use super::strokes::strokes;
 use super::{Fill, Patch};
-use crate::region::cover::{Covered, Islands};
+use crate::cover::{Covered, Islands};
 use crate::view::LayerView;
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm, Percent};
@@ -159,7 +159,7 @@ pub fn bridged(
     levels: &[Below],
     plan: &SkinPlan,
 ) -> Option<Bridged> {
-    let way = |way: Mm| more_layers(way, &plan.over_infill);
+    let way = |way: Mm| more_layers(way, &plan.internal_bridges);
     let mut all = on(over, under, false, way, plan);
     for level in levels {
         let under = Under {
@@ -207,7 +207,7 @@ fn core(hanging: &Area, plan: &SkinPlan) -> Area {
 
 /// Number of layers of bridges that follow the lowest one over infill. `way` is
 /// the common way from one line of the infill to the next.
-fn more_layers(way: Mm, plan: &OverInfillPlan) -> u32 {
+fn more_layers(way: Mm, plan: &InternalBridgePlan) -> u32 {
     let sparse = || match plan.density {
         Some(density) => density < SPARSE,
         // As far apart as the lines of a pattern that is as sparse.
@@ -444,11 +444,11 @@ impl<'a> Ground<'a> {
         let walls = over.walls.iter().map(|wall| wall.stroke.path());
         Ground {
             lines: under.lines,
-            reach: 0.5 * plan.over_infill.infill,
+            reach: 0.5 * plan.internal_bridges.infill,
             shell: EdgeGrid::of_lines(shell, CELL),
             on_shell: ON_SOLID * plan.internal.width,
             walls: EdgeGrid::of_lines(walls, CELL),
-            beside_wall: plan.over_infill.beside_wall,
+            beside_wall: plan.internal_bridges.beside_wall,
             sparse: EdgeGrid::new(over.sparse, CELL),
             farthest,
         }

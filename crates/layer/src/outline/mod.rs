@@ -2,12 +2,15 @@
 //! them, for what the nozzle and the plastic will do.
 //!
 //! In: a layer's outline. Out: the outline to print. Slits are filled
-//! ([`super::slit`]); all other changes are in-plane distances, exact to the
+//! ([`slit`]); all other changes are in-plane distances, exact to the
 //! tolerance. Where a distance differs from place to place, each place of the
 //! outline moves by its own, square to the outline.
 
-use super::plan::OutlinePlan;
-use super::slit::{filled, slits};
+mod plan;
+mod slit;
+
+pub use plan::OutlinePlan;
+
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_model::vary::{Quantity, VaryError};
@@ -19,6 +22,7 @@ use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Solid, signed_area};
 use isoslice_settings::Varying;
 use isoslice_settings::layers::LayerSpan;
+use slit::{filled, slits};
 
 /// The distance by which outlines are moved outwards, if it differs from place
 /// to place.

@@ -309,8 +309,8 @@ fn borders(strip: &Ridge, slack: Mm) -> [Vec<DVec2>; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::region::patch::concentric;
-    use crate::region::{ThinPlan, WallPlan, Walls, walls};
+    use crate::walls::patch::concentric;
+    use crate::walls::{ThinPlan, WallPlan, Walls, walls};
     use isoslice_planar::bead::{cross_section, spacing};
     use isoslice_planar::clip::union;
     use isoslice_planar::shapes::{circle, rect};

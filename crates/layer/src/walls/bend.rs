@@ -66,7 +66,7 @@ fn is_reached(p: DVec2, part: &Ridge) -> bool {
 mod tests {
     use super::super::walls;
     use super::*;
-    use crate::region::WallPlan;
+    use crate::walls::WallPlan;
     use isoslice_planar::Area;
     use std::f64::consts::{FRAC_PI_2, PI};
 

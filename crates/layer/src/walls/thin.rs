@@ -266,7 +266,7 @@ impl Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::region::WallPlan;
+    use crate::walls::WallPlan;
     use glam::DVec2;
 
     /// Two walls, and skin inside them.
