@@ -6,6 +6,7 @@ use isoslice_layer::infill::InfillPlan;
 use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::EndingPlan;
 use isoslice_layer::skin::SkinPlan;
+use isoslice_layer::support::SupportPlan;
 use isoslice_layer::{outline::OutlinePlan, walls::WallPlan};
 use isoslice_path::order::OrderPlan;
 use isoslice_path::pace::PacePlan;
@@ -23,6 +24,7 @@ pub(super) struct Plans {
     pub infill: InfillPlan,
     pub adhesion: AdhesionPlan,
     pub hang: HangPlan,
+    pub support: SupportPlan,
     pub ending: EndingPlan,
     pub spiral: SpiralPlan,
     pub order: OrderPlan,
@@ -42,6 +44,7 @@ impl Plans {
             infill: InfillPlan::of(settings),
             adhesion: AdhesionPlan::of(settings),
             hang: HangPlan::of(settings),
+            support: SupportPlan::of(settings),
             ending: EndingPlan::of(settings),
             spiral: SpiralPlan::of(settings),
             order: OrderPlan::of(settings),

@@ -51,11 +51,10 @@ impl<'a> Stages<'a> {
         around: &'a Surroundings<'a>,
         room: Rect,
     ) -> Result<(), SliceError> {
-        let wishes = Wishes::new(self.settings, around)?;
+        let wishes = Wishes::new(&self.plans.support, around)?;
         let asked = Asked {
             wishes: wishes.as_ref(),
-            settings: self.settings,
-            hang: &self.plans.hang,
+            plan: &self.plans.support,
         };
         let (survey, heights, known) =
             self.surveyed(pool, spans, asked, KNOWN, None)?;
@@ -80,11 +79,10 @@ impl<'a> Stages<'a> {
         spans: &[LayerSpan],
         around: &Surroundings<'_>,
     ) -> Result<(Hanging, Vec<Unsupported>), SliceError> {
-        let wishes = Wishes::new(self.settings, around)?;
+        let wishes = Wishes::new(&self.plans.support, around)?;
         let asked = Asked {
             wishes: wishes.as_ref(),
-            settings: self.settings,
-            hang: &self.plans.hang,
+            plan: &self.plans.support,
         };
         let mut tracker = Tracker::of_rims();
         let follow = Some(&mut tracker);
@@ -122,7 +120,7 @@ impl<'a> Stages<'a> {
         let raft = (self.raft_layers, self.settings.raft_height());
         let above = spans.iter().skip(self.raft_layers);
         let above = above.map(|span| without_raft(*span, raft)).collect();
-        let heights = Heights::new(above, self.settings);
+        let heights = Heights::new(above, &self.plans.support);
         let left = AtomicUsize::new(known);
         let follows = follow.is_some();
         let of_slab = |slab: &&[LayerSpan]| {
