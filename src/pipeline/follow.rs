@@ -3,8 +3,7 @@
 use super::BLOCK;
 use super::layer::Layer;
 use glam::DVec2;
-use isoslice_layer::hang::{Look, Tracker};
-use isoslice_settings::Settings;
+use isoslice_layer::hang::{HangPlan, Look, Tracker};
 
 /// How layers are followed.
 pub(super) struct Follow<'a> {
@@ -14,7 +13,7 @@ pub(super) struct Follow<'a> {
     pub count: usize,
     /// True if what hangs in this layer counts.
     pub written: bool,
-    pub settings: &'a Settings,
+    pub plan: &'a HangPlan,
 }
 
 impl Follow<'_> {
@@ -33,12 +32,12 @@ impl Follow<'_> {
             Some(look) => {
                 tracker.layer(look, layer.outline.grid(), written, place);
             }
-            None => tracker.same(span.height(), written, self.settings),
+            None => tracker.same(span.height(), written, self.plan),
         }
         // The tracker restarts with every block, and ends with the part.
         let next = span.index + 1;
         if next.is_multiple_of(BLOCK) || next == self.count {
-            tracker.restart(written, self.settings);
+            tracker.restart(written, self.plan);
         }
     }
 }

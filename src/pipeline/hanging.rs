@@ -7,7 +7,7 @@ use super::start::pool;
 use crate::report::Gauge;
 use isoslice_base::limits;
 use isoslice_base::units::Mm;
-use isoslice_layer::hang::{Hanging, Unsupported};
+use isoslice_layer::hang::{HangPlan, Hanging, Unsupported};
 use isoslice_model::Model;
 use isoslice_model::heights::heights;
 use isoslice_model::vary::Surroundings;
@@ -38,7 +38,7 @@ impl Survey {
                 ..Hanging::default()
             },
         };
-        hanging.warnings(self.height, settings)
+        hanging.warnings(self.height, &HangPlan::of(settings))
     }
 }
 

@@ -195,7 +195,7 @@ impl<'a> PartOrder<'a> {
             offset: self.offset + first,
             count: self.layer_count,
             written,
-            settings: self.settings,
+            plan: &self.plans.hang,
         };
         let tracker = &mut self.hanging;
         self.timings
@@ -204,7 +204,8 @@ impl<'a> PartOrder<'a> {
             let none = Area::EMPTY;
             let pads = self.pads.unwrap_or(&none);
             let (outline, height) = (layer.area(), span.height());
-            self.foot = Foot::new(outline, pads, height, self.settings);
+            self.foot =
+                Foot::new(outline, pads, height, &self.plans.adhesion.brim);
         }
     }
 

@@ -1,10 +1,12 @@
 //! What the stages of a part do, resolved once from the part's settings.
 
 use isoslice_layer::adhesion::AdhesionPlan;
+use isoslice_layer::hang::HangPlan;
 use isoslice_layer::infill::InfillPlan;
 use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::EndingPlan;
 use isoslice_layer::skin::SkinPlan;
+use isoslice_layer::support::SupportPlan;
 use isoslice_layer::{outline::OutlinePlan, walls::WallPlan};
 use isoslice_path::order::OrderPlan;
 use isoslice_path::pace::PacePlan;
@@ -21,6 +23,8 @@ pub(super) struct Plans {
     pub skin: SkinPlan,
     pub infill: InfillPlan,
     pub adhesion: AdhesionPlan,
+    pub hang: HangPlan,
+    pub support: SupportPlan,
     pub ending: EndingPlan,
     pub spiral: SpiralPlan,
     pub order: OrderPlan,
@@ -39,6 +43,8 @@ impl Plans {
             skin: SkinPlan::of(settings),
             infill: InfillPlan::of(settings),
             adhesion: AdhesionPlan::of(settings),
+            hang: HangPlan::of(settings),
+            support: SupportPlan::of(settings),
             ending: EndingPlan::of(settings),
             spiral: SpiralPlan::of(settings),
             order: OrderPlan::of(settings),

@@ -193,7 +193,7 @@ impl Summary {
             warnings.extend(supported.warnings(offset, settings));
         }
         hanging.foot = done.foot.filter(|foot| top > foot.holds);
-        warnings.extend(hanging.warnings(top, settings));
+        warnings.extend(hanging.warnings(top, &stages.plans.hang));
         let tally = done.tally;
         tally.warn(&mut warnings);
         let times = copies as f64;

@@ -3,7 +3,7 @@
 use crate::common;
 use crate::common::{formula, settings, slice_layers};
 use isoslice::pipeline::Summary;
-use isoslice::{Hanging, Survey, survey};
+use isoslice::{HangPlan, Hanging, Survey, survey};
 
 fn run(text: &str, set: &[&str], layers: &str, threads: usize) -> Summary {
     let all = [&["sample_spacing=0.3", "accuracy=0.02"], set].concat();
@@ -335,7 +335,8 @@ fn no_example_hangs() {
         let (model, settings) =
             example.place(&["sample_spacing=0.3", "accuracy=0.05"]);
         let summary = slice_layers(&model, &settings, "..", 2).1;
-        let told: Vec<_> = summary.hanging.warnings(summary.size.z, &settings);
+        let (plan, top) = (HangPlan::of(&settings), summary.size.z);
+        let told = summary.hanging.warnings(top, &plan);
         assert!(told.is_empty(), "{}: {told:?}", example.name);
     }
 }

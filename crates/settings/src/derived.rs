@@ -167,12 +167,6 @@ impl Settings {
         self.thin_min / 100.0 * self.outer_wall_width()
     }
 
-    /// How far beyond its rim a layer holds a layer above of this height, by
-    /// `support.angle`.
-    pub fn held(&self, height: Mm) -> Mm {
-        height * self.support.angle.to_radians().tan()
-    }
-
     /// Height of the thickest layers above the first.
     pub fn thickest_layer(&self) -> Mm {
         if self.is_uniform() {

@@ -127,7 +127,7 @@ impl Stages<'_> {
         }
         let heights = [here, below].map(|layer| layer.span.height());
         let outlines = [here, below].map(|layer| layer.outline);
-        let look = || Look::new(outlines, number, heights, self.settings);
+        let look = || Look::new(outlines, number, heights, &self.plans.hang);
         Some(self.timings.time(Stage::Hang, look))
     }
 }

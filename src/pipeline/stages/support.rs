@@ -51,10 +51,10 @@ impl<'a> Stages<'a> {
         around: &'a Surroundings<'a>,
         room: Rect,
     ) -> Result<(), SliceError> {
-        let wishes = Wishes::new(self.settings, around)?;
+        let wishes = Wishes::new(&self.plans.support, around)?;
         let asked = Asked {
             wishes: wishes.as_ref(),
-            settings: self.settings,
+            plan: &self.plans.support,
         };
         let (survey, heights, known) =
             self.surveyed(pool, spans, asked, KNOWN, None)?;
@@ -79,10 +79,10 @@ impl<'a> Stages<'a> {
         spans: &[LayerSpan],
         around: &Surroundings<'_>,
     ) -> Result<(Hanging, Vec<Unsupported>), SliceError> {
-        let wishes = Wishes::new(self.settings, around)?;
+        let wishes = Wishes::new(&self.plans.support, around)?;
         let asked = Asked {
             wishes: wishes.as_ref(),
-            settings: self.settings,
+            plan: &self.plans.support,
         };
         let mut tracker = Tracker::of_rims();
         let follow = Some(&mut tracker);
@@ -94,14 +94,14 @@ impl<'a> Stages<'a> {
         };
         let far = tracker.take_far();
         let places = pool.install(|| {
-            let [needs, outlines] = held(survey, &heights, self.settings);
+            let [needs, outlines] = held(survey, &heights, &self.plans.hang);
             let needs = Needs {
                 needs: &needs,
                 outlines: &outlines,
                 spans: heights.spans(),
                 far: &far,
             };
-            needs.places(self.settings, place)
+            needs.places(&self.plans.hang, place)
         });
         Ok((tracker.finish(), places))
     }
@@ -120,7 +120,7 @@ impl<'a> Stages<'a> {
         let raft = (self.raft_layers, self.settings.raft_height());
         let above = spans.iter().skip(self.raft_layers);
         let above = above.map(|span| without_raft(*span, raft)).collect();
-        let heights = Heights::new(above, self.settings);
+        let heights = Heights::new(above, &self.plans.support);
         let left = AtomicUsize::new(known);
         let follows = follow.is_some();
         let of_slab = |slab: &&[LayerSpan]| {
@@ -180,7 +180,7 @@ impl<'a> Stages<'a> {
                     offset: self.model.offset.truncate(),
                     count,
                     written: true,
-                    settings: self.settings,
+                    plan: &self.plans.hang,
                 };
                 follow.layer(tracker, layer, look.as_ref());
             }
@@ -217,7 +217,7 @@ impl<'a> Stages<'a> {
             let layers = self.layers_of(&self.field, none, slab, &all)?;
             let sections = layers
                 .iter()
-                .map(|l| coarse(l.area(), l.span.height(), self.settings));
+                .map(|l| coarse(l.area(), l.span.height(), &self.plans.hang));
             let coarse = || sections.collect();
             Ok::<_, SliceError>(self.timings.time(Stage::Support, coarse))
         };

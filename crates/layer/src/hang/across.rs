@@ -9,13 +9,13 @@
 //! it are ever laid.
 
 use super::held::held;
+use super::plan::HangPlan;
 use crate::skin::bridge::{ANCHOR, direction, hung};
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, Segment};
 use isoslice_planar::{Area, Solid};
-use isoslice_settings::Settings;
 
 /// About so many lines are looked at across a gap.
 const LINES: f64 = 400.0;
@@ -35,7 +35,7 @@ pub(super) struct Upper<'a> {
     pub number: usize,
     /// The layer's height.
     pub height: Mm,
-    pub settings: &'a Settings,
+    pub plan: &'a HangPlan,
 }
 
 /// Lines across a gap.
@@ -62,13 +62,13 @@ enum Fate {
 
 impl Across {
     /// How far from its ends a line looks for something that holds it.
-    pub(super) fn anchor(settings: &Settings) -> Mm {
-        ANCHOR * settings.skin_width()
+    pub(super) fn anchor(plan: &HangPlan) -> Mm {
+        ANCHOR * plan.walls.skin
     }
 
     /// How deep below the rim a line asks whether it is a wall.
-    pub(super) fn depth(settings: &Settings) -> Mm {
-        f64::from(settings.walls) * settings.outer_wall_width()
+    pub(super) fn depth(plan: &HangPlan) -> Mm {
+        plan.walls.count as f64 * plan.walls.outer
     }
 
     /// The lines across a gap of a layer over `below`; none if no line can hang
@@ -78,12 +78,12 @@ impl Across {
         below: &EdgeGrid,
         upper: Upper<'_>,
     ) -> Option<Across> {
-        let settings = upper.settings;
-        let width = settings.skin_width();
-        let angle = if settings.bridges {
+        let plan = upper.plan;
+        let width = plan.walls.skin;
+        let angle = if plan.bridges {
             direction(gap, below, width)?
         } else {
-            settings.skin_direction(upper.number)
+            plan.direction(upper.number)
         };
         let size = gap.bounds().size().length();
         let spacing = width.max(size / LINES);
@@ -95,7 +95,7 @@ impl Across {
         let fate = |(line, ends): (Segment, [bool; 2])| {
             let fate = if ends != [true; 2] {
                 Fate::Falls
-            } else if line.from.distance(line.to) > settings.bridge_max {
+            } else if line.from.distance(line.to) > plan.bridge_max {
                 Fate::TooLong
             } else if upper.is_wall(line, below) {
                 Fate::Falls
@@ -148,10 +148,10 @@ impl Upper<'_> {
     /// its own middle is in `below` or no farther from it than what that holds: then
     /// only its outer edge hangs in the air.
     fn is_wall(self, line: Segment, below: &EdgeGrid) -> bool {
-        let width = self.settings.outer_wall_width();
+        let width = self.plan.walls.outer;
         let middle = line.from.midpoint(line.to);
         let grid = self.outline.grid();
-        let depth = Across::depth(self.settings);
+        let depth = Across::depth(self.plan);
         let Some((edge, at)) = grid.nearest_edge(middle, depth) else {
             return false;
         };
@@ -164,7 +164,7 @@ impl Upper<'_> {
         let wall = at + (number + 0.5) * width * along.perp();
         let near = depth + DRIFT;
         let bends = |end: DVec2| grid.nearest_edge(end, near).is_none();
-        let held = held(self.height, self.settings);
+        let held = held(self.height, self.plan);
         on < ALONG.to_radians().cos() * way.length()
             || off > DRIFT
             || bends(line.from)

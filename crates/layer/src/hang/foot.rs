@@ -26,7 +26,6 @@ use crate::adhesion::{BrimPlan, brim};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::{Area, edges};
-use isoslice_settings::Settings;
 
 /// Tension that a well-set first layer bears at its edge, N/mm²: about half
 /// of what is measured for warm PLA.
@@ -100,12 +99,13 @@ impl Moments {
 
 impl Foot {
     /// The foot of a part whose first layer, `height` high, has this outline,
-    /// and stands on these pads beside it; none if nothing lies on the bed.
+    /// and stands on these pads beside it, and on the brim of a plan; none if
+    /// nothing lies on the bed.
     pub fn new(
         outline: &Area,
         pads: &Area,
         height: Mm,
-        settings: &Settings,
+        plan: &BrimPlan,
     ) -> Option<Foot> {
         let rings = || outline.rings.iter().chain(&pads.rings);
         let origin = *rings().next()?.first()?;
@@ -115,7 +115,7 @@ impl Foot {
         }
         let mut rim: Vec<(DVec2, Mm)> =
             rings().flatten().map(|p| (*p - origin, 0.0)).collect();
-        for bead in brim(outline, height, &BrimPlan::of(settings)) {
+        for bead in brim(outline, height, plan) {
             let half = 0.5 * bead.stroke.width;
             for (a, b) in edges(&bead.stroke.points) {
                 if pads.contains(a.midpoint(b)) {
@@ -150,10 +150,10 @@ impl Foot {
 mod tests {
     use super::*;
     use isoslice_planar::shapes::{circle, rect};
-    use isoslice_settings::{Brim, BrimPlace};
+    use isoslice_settings::BrimPlace;
 
     fn holds(outline: &Area) -> Mm {
-        Foot::new(outline, &Area::EMPTY, 0.2, &Settings::default())
+        Foot::new(outline, &Area::EMPTY, 0.2, &BrimPlan::with(|_| ()))
             .unwrap()
             .holds
     }
@@ -175,19 +175,19 @@ mod tests {
         let found = holds(&legs);
         assert!(found < 2.5 * 9.001 && found > square(3.0), "{found}");
         let none = &Area::EMPTY;
-        assert_eq!(Foot::new(none, none, 0.2, &Settings::default()), None);
+        assert_eq!(Foot::new(none, none, 0.2, &BrimPlan::with(|_| ())), None);
     }
 
     #[test]
     fn pads_on_both_sides_of_an_edge_count() {
-        let settings = Settings::default();
+        let plan = BrimPlan::with(|_| ());
         let pads = Area::from_iter([
             rect(-9.0, -1.0, 9.0, -0.4),
             rect(-9.0, 0.4, 9.0, 1.0),
         ]);
         let edge = rect(-9.0, -0.1, 9.0, 0.1);
         let foot = |outline: &Area, pads: &Area| {
-            Foot::new(outline, pads, 0.2, &settings).unwrap()
+            Foot::new(outline, pads, 0.2, &plan).unwrap()
         };
         let [none, alone] = [&Area::EMPTY, &edge].map(|o| foot(o, &pads));
         assert!((none.area - 21.6).abs() < 1e-9, "{none:?}");
@@ -206,13 +206,7 @@ mod tests {
         let vase = Area::from_iter([circle(30.0, 200), hole]);
         assert!(holds(&vase) > 5000.0);
         let pin = rect(0.0, 0.0, 3.0, 3.0);
-        let wide = Settings {
-            brim: Brim {
-                place: BrimPlace::Outer,
-                ..Brim::default()
-            },
-            ..Settings::default()
-        };
+        let wide = BrimPlan::with(|s| s.brim.place = BrimPlace::Outer);
         let foot = Foot::new(&pin, &Area::EMPTY, 0.2, &wide).unwrap();
         // A brim of 5 mm makes 13 mm of 3 mm, round at the corners.
         let square = 2.5 * 13.0_f64.powi(3) / 6.0;

@@ -1,8 +1,8 @@
 //! How far a layer holds what is above it, and how much hangs without harm.
 //! There is one figure for each, whoever asks.
 
+use super::plan::HangPlan;
 use isoslice_base::units::Mm;
-use isoslice_settings::Settings;
 
 /// Width of a lip that hangs without harm, as a multiple of the outer wall's: a bead
 /// laid beside one that is held sticks to it, and so does the next. Supports hold the
@@ -14,8 +14,8 @@ pub(super) const HARMLESS: f64 = 2.0;
 const SLACK: f64 = 0.1;
 
 /// How far a layer of some height holds what is above it.
-pub(crate) fn held(height: Mm, settings: &Settings) -> Mm {
-    settings.held(height) + SLACK * height
+pub(crate) fn held(height: Mm, plan: &HangPlan) -> Mm {
+    plan.slope(height) + SLACK * height
 }
 
 /// How far a layer may stick out.
@@ -31,11 +31,11 @@ pub(super) struct Limits {
 
 impl Limits {
     /// The limits of a layer of this height.
-    pub(super) fn new(height: Mm, settings: &Settings) -> Limits {
+    pub(super) fn new(height: Mm, plan: &HangPlan) -> Limits {
         Limits {
-            slope: settings.held(height),
-            held: held(height, settings),
-            lip: HARMLESS * settings.outer_wall_width(),
+            slope: plan.slope(height),
+            held: held(height, plan),
+            lip: HARMLESS * plan.walls.outer,
         }
     }
 

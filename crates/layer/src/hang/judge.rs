@@ -13,6 +13,7 @@
 
 use super::across::{Across, Upper};
 use super::held::held;
+use super::plan::HangPlan;
 use super::printed::Printed;
 use crate::cover::neighbour::Neighbour;
 use crate::floating::floating;
@@ -22,7 +23,6 @@ use isoslice_planar::clusters::clusters;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Solid};
-use isoslice_settings::Settings;
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.01;
@@ -45,7 +45,7 @@ pub(crate) fn unheld(
     below: &Printed,
     number: usize,
     height: Mm,
-    settings: &Settings,
+    plan: &HangPlan,
 ) -> Unheld {
     if isoslice_base::limits::is_stopped() {
         return Unheld::default();
@@ -57,10 +57,10 @@ pub(crate) fn unheld(
     let begins = floating(&here.area, &solid).into_iter();
     let begins: Vec<_> = begins.flat_map(|f| f.island.rings).collect();
     let upper = Upper {
-        outline: &Solid::of(&here.area, Across::depth(settings)),
+        outline: &Solid::of(&here.area, Across::depth(plan)),
         number,
         height,
-        settings,
+        plan,
     };
     let mut unheld = upper.over(here, below);
     if !begins.is_empty() {
@@ -78,12 +78,12 @@ impl Upper<'_> {
             beyond
         } else {
             // Lines of a bridge end on what the layer below holds.
-            let reach = held(self.height, self.settings)
-                + 2.0 * self.settings.outer_wall_width();
+            let reach =
+                held(self.height, self.plan) + 2.0 * self.plan.walls.outer;
             let around = beyond.bounds().grown(reach);
             let [core, area] =
                 [&below.core, &below.area].map(|all| crop(&all.rings, around));
-            let thick = Printed::thick(&core, &area, self.settings);
+            let thick = Printed::thick(&core, &area, self.plan);
             self.unbridged(beyond, &here.area, &thick)
         };
         Unheld { must, thin }
@@ -92,10 +92,8 @@ impl Upper<'_> {
     /// Two areas of `here`, without specks. The first one sticks out beyond all
     /// that `below` holds. The second one would, but is too thin to be printed.
     fn beyond(self, here: &Printed, below: &Printed) -> [Area; 2] {
-        let Upper {
-            height, settings, ..
-        } = self;
-        let (held, half) = (held(height, settings), Printed::half(settings));
+        let Upper { height, plan, .. } = self;
+        let (held, half) = (held(height, plan), Printed::half(plan));
         // This cheap test takes too much for need at the corners of the layer
         // below, which hold a little more. The loop over the islands is exact
         // there.
@@ -111,7 +109,7 @@ impl Upper<'_> {
             // What is farther away has no influence on the island.
             let around = island.bounds().grown(held + 4.0 * half);
             let thick = |core: &Neighbour<'_>, area: &Area| {
-                Printed::thick(&core.within(around), area, settings)
+                Printed::thick(&core.within(around), area, plan)
             };
             let below = thick(&core, &area.within(around));
             let rest = difference(&island, &offset(&below, held, TOLERANCE));
@@ -128,7 +126,7 @@ impl Upper<'_> {
     /// The part of `beyond` that no bridge spans. `beyond` is what only a bridge
     /// can hold.
     fn unbridged(self, beyond: Area, here: &Area, below: &Area) -> Area {
-        let held = held(self.height, self.settings);
+        let held = held(self.height, self.plan);
         let around = offset(&beyond, held + TOLERANCE, TOLERANCE);
         // Most of a layer is far from all that sticks out.
         let own = Neighbour::new(here);
@@ -146,9 +144,9 @@ impl Upper<'_> {
     /// The part of a gap over the layer `below` that bridges do not span.
     fn unspanned(self, gap: Area, below: &Neighbour<'_>) -> Area {
         // A line looks this far for something that holds its ends.
-        let around = Across::anchor(self.settings);
+        let around = Across::anchor(self.plan);
         let below = below.within(gap.bounds().grown(around));
-        let grid = &EdgeGrid::new(&below, self.settings.skin_width());
+        let grid = &EdgeGrid::new(&below, self.plan.walls.skin);
         let Some(across) = Across::new(&gap, grid, self) else {
             return gap;
         };
@@ -179,10 +177,10 @@ mod tests {
     use isoslice_planar::{Ring, rect};
 
     fn both(here: &Area, below: &Area) -> [Area; 2] {
-        let settings = Settings::default();
-        let printed = |area: &Area| Printed::new(area, 0.2, &settings).0;
+        let plan = HangPlan::usual();
+        let printed = |area: &Area| Printed::new(area, 0.2, &plan).0;
         let Unheld { must, thin } =
-            unheld(&printed(here), &printed(below), 1, 0.2, &settings);
+            unheld(&printed(here), &printed(below), 1, 0.2, &plan);
         [must, thin]
     }
 
@@ -195,7 +193,7 @@ mod tests {
     fn a_ledge_needs_support_beyond_what_the_layer_below_holds() {
         let below = rect(0.0, 0.0, 10.0, 10.0);
         let area = of(&rect(0.0, 0.0, 30.0, 10.0), &below);
-        let held = held(0.2, &Settings::default());
+        let held = held(0.2, &HangPlan::usual());
         let exact = 10.0 * (20.0 - held);
         assert!((area.content() - exact).abs() < 0.1, "{}", area.content());
         // 0.28 mm in a layer of 0.2 mm: 54.5°.
@@ -204,15 +202,15 @@ mod tests {
 
     #[test]
     fn a_slope_needs_support_by_its_angle_whatever_the_layer_height() {
-        let settings = Settings::default();
+        let plan = HangPlan::usual();
         let below = rect(0.0, 0.0, 10.0, 10.0);
         for height in [0.05, 0.1, 0.2, 0.3, 0.6] {
             let needs = |angle: f64| {
                 let out = height * angle.to_radians().tan();
                 let here = rect(0.0, 0.0, 10.0 + out, 10.0);
-                let [here, below] = [&here, &below]
-                    .map(|a| Printed::new(a, height, &settings).0);
-                let found = unheld(&here, &below, 1, height, &settings);
+                let [here, below] =
+                    [&here, &below].map(|a| Printed::new(a, height, &plan).0);
+                let found = unheld(&here, &below, 1, height, &plan);
                 !found.must.is_empty()
             };
             // Faces that lean by 55 degrees hold themselves.
@@ -236,7 +234,7 @@ mod tests {
         // In the middle of a plate lines run from side to side.
         assert!(over(&slit(0.0)).is_empty());
         // Beside its edge walls run along the slit.
-        let held = held(0.2, &Settings::default());
+        let held = held(0.2, &HangPlan::usual());
         let exact = (1.0 - 2.0 * held) * (14.0 - 2.0 * held);
         let found = over(&slit(8.7)).content();
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
@@ -261,7 +259,7 @@ mod tests {
             union(&blocks, &Area::from(all))
         };
         let (here, below) = (neck(1.5), neck(1.0));
-        let held = held(0.2, &Settings::default());
+        let held = held(0.2, &HangPlan::usual());
         let exact = difference(&here, &offset(&below, held, 1e-3)).content();
         let found = of(&here, &below).content();
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
@@ -281,7 +279,7 @@ mod tests {
             difference(&plate, &unite(&Area::from(ring)))
         };
         let (here, below) = (slot(0.6), slot(0.0));
-        let held = held(0.2, &Settings::default());
+        let held = held(0.2, &HangPlan::usual());
         let exact = difference(&here, &offset(&below, held, 1e-3)).content();
         let found = of(&here, &below).content();
         assert!(exact > 0.05, "{exact}");
@@ -296,7 +294,7 @@ mod tests {
         let strip = rect(0.0, 0.0, 10.5, 10.0);
         let post = rect(9.0, -2.0, 10.4, -0.2);
         let (here, below) = (union(&strip, &post), union(&plate, &post));
-        let held = held(0.2, &Settings::default());
+        let held = held(0.2, &HangPlan::usual());
         let found = of(&here, &below).content();
         let exact = (0.5 - held) * (10.0 - held);
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
@@ -308,7 +306,7 @@ mod tests {
         let plate = rect(0.0, 0.0, 10.0, 10.0);
         let spike =
             |half: f64| union(&plate, &rect(9.0, 5.0 - half, 14.0, 5.0 + half));
-        let held = held(0.2, &Settings::default());
+        let held = held(0.2, &HangPlan::usual());
         let [need, unprinted] = both(&spike(0.1), &plate);
         assert!(need.is_empty(), "{need:?}");
         let exact = 0.2 * (4.0 - held);

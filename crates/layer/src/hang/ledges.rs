@@ -35,7 +35,7 @@ pub(super) fn ledges(
     below: &Solid<'_>,
     upper: Upper<'_>,
 ) -> Vec<Ledge> {
-    let limits = Limits::new(upper.height, upper.settings);
+    let limits = Limits::new(upper.height, upper.plan);
     let boxes = merged(boxes).into_iter();
     let found = boxes.flat_map(|rect| {
         if isoslice_base::limits::is_stopped() {
@@ -45,10 +45,10 @@ pub(super) fn ledges(
         let own = Printed::part(
             crop(&here.rings, rect),
             &crop(&here.rings, wide),
-            upper.settings,
+            upper.plan,
         );
         let under = crop(&below.area().rings, wide);
-        let under = Printed::part(under.clone(), &under, upper.settings);
+        let under = Printed::part(under.clone(), &under, upper.plan);
         let islands = upper.over(&own, &under).must.islands();
         let of_island = |area: Area| {
             let piece = piece(&area, &own.area, below, upper);

@@ -20,6 +20,7 @@
 //! `isoslice info --supports` lists it.
 
 use super::held::held;
+use super::plan::HangPlan;
 use crate::cover::neighbour::Neighbour;
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -27,7 +28,6 @@ use isoslice_planar::clip::{difference, intersection};
 use isoslice_planar::grid::nearest_on;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, edges};
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 
 /// Tolerance of the offsets, mm.
@@ -49,14 +49,13 @@ pub(crate) fn without_lips(
     i: usize,
     spans: &[LayerSpan],
     outlines: &[Neighbour<'_>],
-    settings: &Settings,
+    plan: &HangPlan,
 ) -> Area {
     if i == 0 || need.is_empty() {
         return need;
     }
     let islands = need.islands().into_iter();
-    let rest =
-        islands.filter(|area| !is_lip(area, i, spans, outlines, settings));
+    let rest = islands.filter(|area| !is_lip(area, i, spans, outlines, plan));
     rest.collect()
 }
 
@@ -66,14 +65,14 @@ fn is_lip(
     i: usize,
     spans: &[LayerSpan],
     outlines: &[Neighbour<'_>],
-    settings: &Settings,
+    plan: &HangPlan,
 ) -> bool {
     if isoslice_base::limits::is_stopped() {
         return false;
     }
-    let lip = settings.outer_wall_width();
+    let lip = plan.walls.outer;
     // A slope of `support.angle` gets twice as far as a lip in this height.
-    let tan = settings.support.angle.to_radians().tan();
+    let tan = plan.angle.to_radians().tan();
     let height = 2.0 * lip / tan.max(0.1);
     let bottom = spans[i].bottom;
     let lowest = spans.partition_point(|s| s.bottom < bottom - height);
@@ -105,8 +104,8 @@ fn is_lip(
         && is_held(
             island,
             [i, i - 1].map(|k| &outlines[k]),
-            held(spans[i].height(), settings),
-            settings,
+            held(spans[i].height(), plan),
+            plan,
         )
 }
 
@@ -129,14 +128,14 @@ fn is_held(
     island: &Area,
     [here, below]: [&Neighbour<'_>; 2],
     held: Mm,
-    settings: &Settings,
+    plan: &HangPlan,
 ) -> bool {
     let seam = offset(island, SEAM, TOLERANCE);
     let around = seam.bounds().grown(held + 1.0);
     let [here, below] = [here, below].map(|layer| layer.within(around));
     let held = offset(&below, held, TOLERANCE);
     let seam = intersection(&intersection(&seam, &here), &held);
-    island.content() * SEAM <= seam.content() * settings.outer_wall_width()
+    island.content() * SEAM <= seam.content() * plan.walls.outer
 }
 
 #[cfg(test)]
@@ -147,11 +146,11 @@ mod tests {
 
     /// What is left of `need` in the middle one of some layers.
     fn left(need: &Area, outlines: &[Area]) -> Area {
-        let settings = Settings::default();
+        let plan = HangPlan::usual();
         let spans = LayerSpan::stack(0.2, outlines.len());
         let middle = outlines.len() / 2;
         let outlines: Vec<_> = outlines.iter().map(Neighbour::new).collect();
-        without_lips(need.clone(), middle, &spans, &outlines, &settings)
+        without_lips(need.clone(), middle, &spans, &outlines, &plan)
     }
 
     /// Layers whose right side is at `x(k)` in the k-th layer above the middle

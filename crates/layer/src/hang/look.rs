@@ -11,13 +11,13 @@
 use super::across::{DRIFT, Upper};
 use super::held::Limits;
 use super::ledges::{Ledge, ledges};
+use super::plan::HangPlan;
 use super::printed::kept;
 use crate::floating::{Floating, floating};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::{Area, Rect, Ring, Solid, edges, signed_area};
-use isoslice_settings::Settings;
 use std::collections::HashSet;
 
 /// A layer over the one below.
@@ -95,19 +95,19 @@ impl Look {
         [here, below]: [&Solid<'_>; 2],
         number: usize,
         heights: [Mm; 2],
-        settings: &Settings,
+        plan: &HangPlan,
     ) -> Look {
         let [height, height_below] = heights;
-        let here = kept(here, height, settings);
-        let below = kept(below, height_below, settings);
+        let here = kept(here, height, plan);
+        let below = kept(below, height_below, plan);
         let (here, below) = (here.as_ref(), below.as_ref());
         let upper = Upper {
             outline: here,
             number,
             height,
-            settings,
+            plan,
         };
-        let limits = Limits::new(height, settings);
+        let limits = Limits::new(height, plan);
         let begins = floating(here.area(), below);
         let rings_of = |f: &'_ Floating| -> Vec<Name> {
             let firsts = f.island.rings.iter().filter_map(|r| r.first());
@@ -126,7 +126,7 @@ impl Look {
             leans: false,
         };
         let mut boxes = Vec::new();
-        let bridges = limits.held + MIDDLE * settings.outer_wall_width();
+        let bridges = limits.held + MIDDLE * plan.walls.outer;
         let mut first = 0;
         for ring in &here.area().rings {
             let numbers = EdgeGrid::numbers(std::slice::from_ref(ring));
@@ -445,8 +445,7 @@ mod tests {
         let ring = [ring, vec![at(0.0, 0.0)]].concat();
         let here = Area::from(ring);
         let [here, below] = [here, below].map(Solid::new);
-        let look =
-            Look::new([&here, &below], 5, [0.2; 2], &Settings::default());
+        let look = Look::new([&here, &below], 5, [0.2; 2], &HangPlan::usual());
         let said: Vec<Said> = look
             .rim
             .iter()

@@ -41,7 +41,7 @@
 //! Not guaranteed: that a reach is counted in full if it adds up over more
 //! layers than the pipeline takes in one block, because what a run of a range
 //! reports about a layer must not depend on every layer below it. The material
-//! is unknown, too: the settings say how far a bridge or a slope holds. A face that
+//! is unknown, too: the plan says how far a bridge or a slope holds. A face that
 //! sticks out by a tenth of a layer's height more is held as well (2° at 55°).
 
 mod across;
@@ -54,6 +54,7 @@ mod look;
 mod needs;
 mod piece;
 mod places;
+mod plan;
 mod printed;
 mod tip;
 mod track;
@@ -66,6 +67,7 @@ pub(crate) use lip::without_lips;
 pub use look::Look;
 pub use needs::Needs;
 pub use places::Unsupported;
+pub use plan::HangPlan;
 pub(crate) use printed::Printed;
 pub use track::{Far, Tracker};
 

@@ -8,6 +8,7 @@
 use super::across::{Across, Upper};
 use super::piece::{Piece, piece};
 use super::places::{Found, Places};
+use super::plan::HangPlan;
 use super::track::Far;
 use super::{Kind, Unsupported};
 use crate::floating::floating;
@@ -15,7 +16,6 @@ use glam::{DVec2, DVec3};
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::intersection;
 use isoslice_planar::{Area, BoxTree, Rect, Solid};
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 use rayon::prelude::*;
 
@@ -41,11 +41,11 @@ impl Needs<'_> {
     /// bed.
     pub fn places(
         self,
-        settings: &Settings,
+        plan: &HangPlan,
         place: impl Fn(DVec2, &LayerSpan) -> DVec3,
     ) -> Vec<Unsupported> {
         let layers = (0..self.needs.len()).into_par_iter();
-        let pieces = layers.map(|i| self.pieces(i, settings));
+        let pieces = layers.map(|i| self.pieces(i, plan));
         let pieces: Vec<Vec<(Piece, Rect)>> = pieces.collect();
         let mut places = Places::default();
         for (pieces, span) in pieces.into_iter().zip(self.spans) {
@@ -64,7 +64,7 @@ impl Needs<'_> {
     }
 
     /// The islands of what needs a support in layer `i`, and boxes around them.
-    fn pieces(self, i: usize, settings: &Settings) -> Vec<(Piece, Rect)> {
+    fn pieces(self, i: usize, plan: &HangPlan) -> Vec<(Piece, Rect)> {
         if self.needs[i].is_empty() {
             return Vec::new();
         }
@@ -79,10 +79,10 @@ impl Needs<'_> {
         let boxes = begins.iter().map(|begun| begun.island.bounds());
         let boxes = BoxTree::new(boxes.enumerate());
         let upper = Upper {
-            outline: &Solid::of(here, Across::depth(settings)),
-            number: i + settings.raft_layers(),
+            outline: &Solid::of(here, Across::depth(plan)),
+            number: i + plan.raft_layers,
             height: self.spans[i].height(),
-            settings,
+            plan,
         };
         let of_island = |area: Area| {
             let around = area.bounds();
@@ -137,7 +137,7 @@ mod tests {
             far: &[],
         };
         let place = |p: DVec2, span: &LayerSpan| p.extend(span.bottom);
-        needs.places(&Settings::default(), place)
+        needs.places(&HangPlan::usual(), place)
     }
 
     #[test]

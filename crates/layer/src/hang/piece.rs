@@ -45,7 +45,7 @@ pub(super) fn piece(
     below: &Solid<'_>,
     upper: Upper<'_>,
 ) -> Piece {
-    let limits = Limits::new(upper.height, upper.settings);
+    let limits = Limits::new(upper.height, upper.plan);
     let around = offset(island, limits.held + TOLERANCE, TOLERANCE);
     let rect = around.bounds();
     let under = crop(&below.area().rings, rect);
@@ -63,7 +63,7 @@ pub(super) fn piece(
     let narrow = 2.0 * (limits.held + limits.lip);
     (piece.reach, piece.at) =
         farthest(island, narrow, |p| away(below.grid(), p));
-    let long = rect.size().length() > upper.settings.bridge_max;
+    let long = rect.size().length() > upper.plan.bridge_max;
     if !long && !limits.harm(piece.reach) {
         return piece;
     }

@@ -4,14 +4,14 @@
 //! they are thick. A part that begins in a point is printed from where a bead
 //! fits into it, and a spike that is too thin for a line holds nothing.
 
+use super::plan::HangPlan;
 use crate::cover::neighbour::Neighbour;
-use crate::walls::{WallPlan, prints};
+use crate::walls::prints;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::clip::intersection;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Ring, Solid, signed_area};
-use isoslice_settings::Settings;
 use std::borrow::Cow;
 use std::cell::LazyCell;
 
@@ -40,8 +40,8 @@ pub(crate) struct Printed {
 
 impl Printed {
     /// Half the width of the thinnest line.
-    pub(crate) fn half(settings: &Settings) -> Mm {
-        0.5 * settings.thinnest_line()
+    pub(crate) fn half(plan: &HangPlan) -> Mm {
+        0.5 * plan.thinnest
     }
 
     /// The islands of a layer's outline that are printed, and those that are
@@ -49,15 +49,15 @@ impl Printed {
     pub(crate) fn new(
         outline: &Area,
         height: Mm,
-        settings: &Settings,
+        plan: &HangPlan,
     ) -> (Printed, Area) {
-        let mut core = offset(outline, -Self::half(settings), TOLERANCE);
+        let mut core = offset(outline, -Self::half(plan), TOLERANCE);
         let cores = LazyCell::new(|| Neighbour::new(&core));
         let core_of = |island: &Area| {
             let has = cores.within(island.bounds());
             intersection(island, &has)
         };
-        let islands = Islands::new(outline, core_of, height, settings);
+        let islands = Islands::new(outline, core_of, height, plan);
         drop(cores);
         // The middles join the core at the end: no island may count the
         // middle of another one as its own core.
@@ -71,21 +71,17 @@ impl Printed {
 
     /// A part of what is printed of a layer. `around` is what of the layer is
     /// printed there and as far around as something matters.
-    pub(crate) fn part(
-        area: Area,
-        around: &Area,
-        settings: &Settings,
-    ) -> Printed {
+    pub(crate) fn part(area: Area, around: &Area, plan: &HangPlan) -> Printed {
         Printed {
             area,
-            core: offset(around, -Self::half(settings), TOLERANCE),
+            core: offset(around, -Self::half(plan), TOLERANCE),
         }
     }
 
     /// The part of an area that is wide enough for a line, told by the core of
     /// the layer around it.
-    pub(crate) fn thick(core: &Area, area: &Area, settings: &Settings) -> Area {
-        let wide = CORNER * Self::half(settings);
+    pub(crate) fn thick(core: &Area, area: &Area, plan: &HangPlan) -> Area {
+        let wide = CORNER * Self::half(plan);
         intersection(area, &offset(core, wide, TOLERANCE))
     }
 }
@@ -107,9 +103,9 @@ impl Islands {
         outline: &Area,
         core_of: impl Fn(&Area) -> Area,
         height: Mm,
-        settings: &Settings,
+        plan: &HangPlan,
     ) -> Islands {
-        let small = small(settings);
+        let small = small(plan);
         let mut all = Islands::default();
         for island in outline.islands() {
             if island.content() > small {
@@ -118,8 +114,8 @@ impl Islands {
             }
             let fits = !core_of(&island).is_empty();
             let thickness = 4.0 * island.content() / island.perimeter();
-            let sure = fits && thickness > SURE * settings.thinnest_line();
-            if !sure && !prints(&island, height, &WallPlan::of(settings)) {
+            let sure = fits && thickness > SURE * plan.thinnest;
+            if !sure && !prints(&island, height, &plan.walls) {
                 all.not.extend(island.rings);
                 continue;
             }
@@ -136,14 +132,14 @@ impl Islands {
 pub(super) fn kept<'a>(
     outline: &'a Solid<'a>,
     height: Mm,
-    settings: &Settings,
+    plan: &HangPlan,
 ) -> Cow<'a, Solid<'a>> {
     let core_of =
-        |island: &Area| offset(island, -Printed::half(settings), TOLERANCE);
-    if has_no_small_islands(outline.area(), settings) {
+        |island: &Area| offset(island, -Printed::half(plan), TOLERANCE);
+    if has_no_small_islands(outline.area(), plan) {
         return Cow::Borrowed(outline);
     }
-    let islands = Islands::new(outline.area(), core_of, height, settings);
+    let islands = Islands::new(outline.area(), core_of, height, plan);
     if islands.not.is_empty() {
         return Cow::Borrowed(outline);
     }
@@ -153,19 +149,17 @@ pub(super) fn kept<'a>(
 }
 
 /// Content of an island that may be too small to be printed.
-fn small(settings: &Settings) -> Mm2 {
-    (4.0 * settings.outer_wall_width()).powi(2)
+fn small(plan: &HangPlan) -> Mm2 {
+    (4.0 * plan.walls.outer).powi(2)
 }
 
 /// True if the rings of a layer tell at once that all of its islands are printed.
-fn has_no_small_islands(outline: &Area, settings: &Settings) -> bool {
+fn has_no_small_islands(outline: &Area, plan: &HangPlan) -> bool {
     let content = outline.rings.iter().map(|ring| signed_area(ring));
     let (outer, holes): (Vec<Mm2>, Vec<Mm2>) =
         content.partition(|content| *content > 0.0);
     let holes: Mm2 = holes.iter().sum();
-    outer
-        .iter()
-        .all(|content| content + holes > small(settings))
+    outer.iter().all(|content| content + holes > small(plan))
 }
 
 /// A small ring that stands for the middle of a small island.

@@ -2,12 +2,12 @@
 
 use super::held::Limits;
 use super::look::{Look, RimPlace, Said};
+use super::plan::HangPlan;
 use super::tip::{Island, Tips};
 use super::{Hanging, Kind};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::grid::EdgeGrid;
-use isoslice_settings::Settings;
 
 /// Follows the rims of the layers up the part.
 #[derive(Debug, Default)]
@@ -72,8 +72,8 @@ impl Tracker {
 
     /// Forgets all layers so far: what follows counts as held. With `count`,
     /// islands that have not met anything yet are counted.
-    pub fn restart(&mut self, count: bool, settings: &Settings) {
-        let limits = Limits::new(settings.thickest_layer(), settings);
+    pub fn restart(&mut self, count: bool, plan: &HangPlan) {
+        let limits = Limits::new(plan.thickest_layer, plan);
         let begins = self.tips.rest(limits);
         if count {
             self.count(begins);
@@ -257,8 +257,8 @@ impl Tracker {
 
     /// Takes a layer of this height whose outline equals that of the layer
     /// below: what hung there comes nearer to being held.
-    pub fn same(&mut self, height: Mm, count: bool, settings: &Settings) {
-        let limits = Limits::new(height, settings);
+    pub fn same(&mut self, height: Mm, count: bool, plan: &HangPlan) {
+        let limits = Limits::new(height, plan);
         let begins = self.tips.same(height, limits);
         if count {
             self.count(begins);
@@ -287,16 +287,16 @@ mod tests {
 
     #[test]
     fn what_begins_in_a_cavity_is_told_apart() {
-        let settings = Settings::default();
+        let plan = HangPlan::usual();
         let plate = rect(0.0, 0.0, 60.0, 20.0);
         let below = difference(&plate, &rect(5.0, 5.0, 55.0, 14.0));
         let counts = |ball: &Area| {
             let [here, below] =
                 [union(&below, ball), below.clone()].map(Solid::new);
-            let look = Look::new([&here, &below], 5, [0.2; 2], &settings);
+            let look = Look::new([&here, &below], 5, [0.2; 2], &plan);
             let mut tracker = Tracker::default();
             tracker.layer(&look, here.grid(), true, |p| p.extend(1.0));
-            tracker.restart(true, &settings);
+            tracker.restart(true, &plan);
             let sums = tracker.finish();
             [sums.begins, sums.in_cavity, sums.in_the_open].map(|s| s.count)
         };

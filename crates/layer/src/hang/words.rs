@@ -1,9 +1,9 @@
 //! What hangs, in words: the warnings.
 
 use super::foot::Foot;
+use super::plan::HangPlan;
 use super::{Hanging, Sum};
 use isoslice_base::units::{Mm, Mm2};
-use isoslice_settings::Settings;
 
 /// Faces that lean are reported if one is as large as this, mm², or gets as far
 /// away from what holds it, mm. Smaller ones sag by a layer or two, which is a
@@ -32,7 +32,7 @@ fn others(count: usize) -> String {
 
 impl Hanging {
     /// What the user should know. `height` is the part's.
-    pub fn warnings(&self, height: Mm, settings: &Settings) -> Vec<String> {
+    pub fn warnings(&self, height: Mm, plan: &HangPlan) -> Vec<String> {
         let mut all = Vec::new();
         let inside = &self.in_cavity;
         if inside.largest >= ISLAND {
@@ -64,7 +64,7 @@ impl Hanging {
                  turn the part or make them steeper, or raise \
                  support.angle if your printer does better",
                 leans.area,
-                settings.support.angle,
+                plan.angle,
                 leans.reach,
                 place(leans)
             ));
@@ -76,7 +76,7 @@ impl Hanging {
                  longest {:.1} mm: they will sag; turn the part, or raise \
                  bridge_max if your printer does better",
                 place(bridges),
-                settings.bridge_max,
+                plan.bridge_max,
                 others(bridges.count),
                 bridges.reach,
             ));
@@ -120,7 +120,7 @@ mod tests {
     fn no_island_is_told_twice() {
         let mut hanging = Hanging::default();
         let told = |hanging: &Hanging| {
-            let all = hanging.warnings(30.0, &Settings::default());
+            let all = hanging.warnings(30.0, &HangPlan::usual());
             all.iter().map(|w| w.contains("cavity")).collect::<Vec<_>>()
         };
         hanging.add_where(true, 12.0, DVec3::new(1.0, 2.0, 3.0));

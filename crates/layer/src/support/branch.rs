@@ -18,6 +18,7 @@
 
 use super::disc::disc;
 use super::parts::Parts;
+use super::plan::SupportPlan;
 use super::room::{Foot, Room, Size};
 use super::settle::stands;
 use super::{SPECK, TOLERANCE};
@@ -29,7 +30,6 @@ use isoslice_planar::grid::nearest_on;
 use isoslice_planar::offset::offset;
 use isoslice_planar::simplify::simplify;
 use isoslice_planar::{Area, Rect, Ring, edges, signed_area};
-use isoslice_settings::Settings;
 
 /// A post is at most so many times as high as it is thick.
 const SLENDER: f64 = 12.0;
@@ -58,13 +58,13 @@ pub(super) struct Step<'a> {
     pub lean: Mm,
     pub parts: Parts<'a>,
     pub room: &'a Room<'a>,
-    pub settings: &'a Settings,
+    pub plan: &'a SupportPlan,
 }
 
 impl Step<'_> {
     /// How thick branches are.
     fn size(self) -> Size {
-        Size::new(self.settings)
+        Size::new(self.plan)
     }
 }
 

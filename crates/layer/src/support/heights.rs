@@ -18,8 +18,8 @@
 //! other without gaps. If `support.z_gap` is a number of whole layers, supports
 //! have the heights of the layers.
 
+use super::plan::SupportPlan;
 use isoslice_base::units::Mm;
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 use std::ops::Range;
 
@@ -53,9 +53,9 @@ pub struct Heights {
 
 impl Heights {
     /// The heights for a part's layers, from the bed.
-    pub fn new(spans: Vec<LayerSpan>, settings: &Settings) -> Heights {
-        let most = settings.highest_bead(settings.infill_width());
-        let gap_top = settings.support.z_gap;
+    pub fn new(spans: Vec<LayerSpan>, plan: &SupportPlan) -> Heights {
+        let most = plan.highest_bead;
+        let gap_top = plan.gap_top;
         let mut tops: Vec<Mm> = Vec::with_capacity(spans.len());
         let mut faces = spans.iter().map(|s| s.bottom - gap_top).peekable();
         let mut face = f64::NEG_INFINITY;
@@ -81,7 +81,7 @@ impl Heights {
         Heights {
             spans,
             tops,
-            gap_bottom: settings.support.z_gap_bottom,
+            gap_bottom: plan.gap_bottom,
             gap_top,
             most,
         }
@@ -216,7 +216,6 @@ impl Heights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use isoslice_settings::{Settings, Support};
 
     /// Layers of 0.2 mm on a first one of 0.3 mm, or of some heights.
     fn layers(heights: impl IntoIterator<Item = Mm>) -> Vec<LayerSpan> {
@@ -234,16 +233,11 @@ mod tests {
     }
 
     fn heights(spans: Vec<LayerSpan>, gap: Mm) -> Heights {
-        let support = Support {
-            z_gap: gap,
-            z_gap_bottom: gap,
-            ..Settings::default().support
-        };
-        let settings = Settings {
-            support,
-            ..Settings::default()
-        };
-        Heights::new(spans, &settings)
+        let plan = SupportPlan::with(|s| {
+            s.support.z_gap = gap;
+            s.support.z_gap_bottom = gap;
+        });
+        Heights::new(spans, &plan)
     }
 
     #[test]

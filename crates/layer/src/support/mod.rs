@@ -26,7 +26,7 @@
 //!    [`settle`] takes out, from the bottom up, those that rest on nothing.
 //! 5. [`cavity`] tells which of them nobody can take out.
 //!
-//! The plan depends on the part and on the settings only, and is made of all
+//! The [`Plan`] depends on the part and on its [`SupportPlan`] only, and is made of all
 //! layers, whichever are written.
 //!
 //! Supports have heights of their own ([`Heights`]), so that gaps in z are what
@@ -39,6 +39,7 @@
 
 use isoslice_base::units::{Mm, Mm2};
 
+mod areas;
 mod branch;
 mod cavity;
 mod cells;
@@ -56,9 +57,10 @@ mod survey;
 mod tree;
 mod wish;
 
+pub use areas::{Plan, held};
 pub use disc::Disc;
 pub use heights::Heights;
-pub use plan::{Plan, held};
+pub use plan::SupportPlan;
 pub use slice::Slice;
 pub use survey::{Asked, Survey, coarse};
 pub use wish::Wishes;

@@ -18,13 +18,13 @@
 
 use super::TOLERANCE;
 use super::parts::Parts;
+use super::plan::SupportPlan;
 use super::room::Size;
 use crate::floating::floating;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Solid};
-use isoslice_settings::Settings;
 
 /// Distance in the plane of a pad from what hangs over the bed beside it, mm.
 const BESIDE: Mm = 0.05;
@@ -33,7 +33,7 @@ const BESIDE: Mm = 0.05;
 pub(super) fn pads(
     parts: Parts<'_>,
     needs: &[Area],
-    settings: &Settings,
+    plan: &SupportPlan,
 ) -> Area {
     let outlines = parts.outlines;
     let mut held = Area::EMPTY;
@@ -53,10 +53,10 @@ pub(super) fn pads(
     if held.is_empty() {
         return held;
     }
-    let apart = settings.support.xy_gap + TOLERANCE;
+    let apart = plan.xy_gap + TOLERANCE;
     let near = [(&outlines[0], apart), (&unite(&others), BESIDE)];
     // A pad is as wide as a post.
-    let beyond = Size::new(settings).post;
+    let beyond = Size::new(plan).post;
     let all = offset(&held, beyond, TOLERANCE);
     near.into_iter().fold(all, |pad, (other, gap)| {
         difference(&pad, &offset(other, gap, TOLERANCE))
@@ -81,16 +81,16 @@ mod tests {
 
     /// Content of the pads below a stack of layers, all of which need a support.
     fn pad(height: Mm, outlines: &[Area]) -> f64 {
-        let settings = Settings::default();
+        let plan = SupportPlan::usual();
         let spans = LayerSpan::stack(height, outlines.len());
-        let heights = Heights::new(spans, &settings);
+        let heights = Heights::new(spans, &plan);
         let parts = Parts::in_layers(&heights, outlines, &[]);
-        pads(parts, outlines, &settings).content()
+        pads(parts, outlines, &plan).content()
     }
 
     /// Content of what lies within reach of the pad of a rectangle.
     fn around(wide: Mm, high: Mm) -> Mm2 {
-        let beyond = Size::new(&Settings::default()).post;
+        let beyond = Size::new(&SupportPlan::usual()).post;
         let round = std::f64::consts::PI * beyond * beyond;
         wide * high + 2.0 * (wide + high) * beyond + round
     }
@@ -115,16 +115,16 @@ mod tests {
 
     #[test]
     fn a_pad_keeps_away_from_what_else_is_near_to_the_bed() {
-        let settings = Settings::default();
+        let plan = SupportPlan::usual();
         let edge = rect(0.0, 0.0, 10.0, 0.4);
         // The space between the edge and what is beside it, and half a pad.
         let rest = |space: Mm| {
-            let beyond = Size::new(&settings).post;
+            let beyond = Size::new(&plan).post;
             let half = 0.5 * (around(10.0, 0.4) - 0.4 * (10.0 + 2.0 * beyond));
             half + (10.0 + 2.0 * beyond) * (0.4 + space)
         };
         // A block on the bed, and one that leans over the bed.
-        let gap = settings.support.xy_gap + TOLERANCE;
+        let gap = plan.xy_gap + TOLERANCE;
         let block = rect(-9.0, 0.4 + gap + 0.2, 19.0, 5.0);
         let both = union(&edge, &block);
         let found = pad(0.2, &[block.clone(), both.clone(), both.clone()]);

@@ -5,13 +5,13 @@
 
 use super::heights::Heights;
 use super::parts::Parts;
+use super::plan::SupportPlan;
 use super::room::Size;
 use super::{SPECK, TOLERANCE};
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
-use isoslice_settings::Settings;
 use rayon::prelude::*;
 
 /// Distance of supports from those ends of the part that are too thin to be
@@ -43,10 +43,10 @@ pub(super) fn pieces(
     needs: &[Area],
     areas: Vec<Area>,
     pads: &Area,
-    settings: &Settings,
+    plan: &SupportPlan,
 ) -> Vec<Vec<Piece>> {
-    let roof = settings.support.interface_layers as usize;
-    let mut tops = tops(parts.heights, needs, areas.len(), settings);
+    let roof = plan.interface_layers;
+    let mut tops = tops(parts.heights, needs, areas.len(), plan);
     if let Some(lowest) = tops.first_mut()
         && !pads.is_empty()
     {
@@ -66,7 +66,7 @@ pub(super) fn pieces(
         let all = without_ends(on_bed(all, parts.bed), parts, j, apart);
         let above: Vec<&Area> = tops.iter().skip(j).take(roof).collect();
         printable(all)
-            .map(|island| Piece::new(island, &above, settings))
+            .map(|island| Piece::new(island, &above, plan))
             .collect()
     };
     areas.into_par_iter().enumerate().map(of_layer).collect()
@@ -77,7 +77,7 @@ fn tops(
     heights: &Heights,
     needs: &[Area],
     count: usize,
-    settings: &Settings,
+    plan: &SupportPlan,
 ) -> Vec<Area> {
     let mut tops: Vec<Area> = vec![Area::EMPTY; count];
     for (i, need) in needs.iter().enumerate() {
@@ -85,7 +85,7 @@ fn tops(
             continue;
         }
         if let Some(j) = heights.below(i) {
-            let top = offset(need, Size::new(settings).post, TOLERANCE);
+            let top = offset(need, Size::new(plan).post, TOLERANCE);
             tops[j] = union(&tops[j], &top);
         }
     }
@@ -115,9 +115,9 @@ fn without_ends(all: Area, parts: Parts<'_>, j: usize, apart: Mm) -> Area {
 
 impl Piece {
     /// An island below some tops.
-    fn new(all: Area, tops: &[&Area], settings: &Settings) -> Piece {
+    fn new(all: Area, tops: &[&Area], plan: &SupportPlan) -> Piece {
         let bounds = all.bounds();
-        let [body, interface] = split(&all, bounds, tops, settings);
+        let [body, interface] = split(&all, bounds, tops, plan);
         let both = !body.is_empty() && !interface.is_empty();
         Piece {
             bounds,
@@ -157,7 +157,7 @@ fn split(
     island: &Area,
     bounds: Rect,
     tops: &[&Area],
-    settings: &Settings,
+    plan: &SupportPlan,
 ) -> [Area; 2] {
     let near = tops.iter().map(|top| crop(&top.rings, bounds));
     let near: Area = near.collect();
@@ -172,7 +172,7 @@ fn split(
     if rest.content() <= SPECK {
         return [Area::EMPTY, island.clone()];
     }
-    let half = settings.infill_width();
+    let half = plan.width;
     let core = offset(&rest, -half, TOLERANCE);
     let wide = if core.is_empty() {
         core
@@ -214,7 +214,7 @@ mod tests {
     use isoslice_settings::layers::LayerSpan;
 
     fn heights() -> Heights {
-        Heights::new(LayerSpan::stack(0.2, 6), &Settings::default())
+        Heights::new(LayerSpan::stack(0.2, 6), &SupportPlan::usual())
     }
 
     #[test]
@@ -227,8 +227,8 @@ mod tests {
         let parts = Parts::in_layers(&heights, &none, &ends);
         let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];
         let no_pads = Area::EMPTY;
-        let settings = Settings::default();
-        let found = pieces(parts, &none, areas, &no_pads, &settings);
+        let plan = SupportPlan::usual();
+        let found = pieces(parts, &none, areas, &no_pads, &plan);
         let content =
             |j: usize| found[j].iter().map(|p| p.all().content()).sum::<f64>();
         assert_eq!([content(0), content(2)], [36.0; 2]);
@@ -239,19 +239,19 @@ mod tests {
 
     #[test]
     fn what_is_right_above_makes_an_island_dense_and_narrow_strips_with_it() {
-        let settings = Settings::default();
+        let plan = SupportPlan::usual();
         let island = rect(0.0, 0.0, 10.0, 6.0);
         let split_by = |x: f64| {
             let top = rect(-1.0, -1.0, x, 7.0);
             let bounds = island.bounds();
-            let parts = split(&island, bounds, &[&top], &settings);
+            let parts = split(&island, bounds, &[&top], &plan);
             parts.map(|part| part.content())
         };
         let near = |found: [f64; 2], wanted: [f64; 2]| {
             (found[0] - wanted[0]).abs() < 0.2
                 && (found[1] - wanted[1]).abs() < 0.2
         };
-        let two = 2.0 * settings.infill_width();
+        let two = 2.0 * plan.width;
         assert_eq!(split_by(-0.5), [60.0, 0.0]);
         assert!(near(split_by(4.0), [36.0, 24.0]), "{:?}", split_by(4.0));
         let wide = 10.0 - (two + 0.1);
@@ -262,12 +262,12 @@ mod tests {
 
     #[test]
     fn a_narrow_island_is_dense_only_near_to_what_is_above() {
-        let settings = Settings::default();
+        let plan = SupportPlan::usual();
         let wall = rect(0.0, 0.0, 100.0, 0.6);
         let top = rect(-1.0, -1.0, 5.0, 1.0);
-        let [body, interface] = split(&wall, wall.bounds(), &[&top], &settings)
+        let [body, interface] = split(&wall, wall.bounds(), &[&top], &plan)
             .map(|part| part.content());
-        let near = 5.0 + 2.0 * settings.infill_width();
+        let near = 5.0 + 2.0 * plan.width;
         assert!((interface - 0.6 * near).abs() < 0.01, "{interface}");
         assert!((body - 0.6 * (100.0 - near)).abs() < 0.01, "{body}");
     }

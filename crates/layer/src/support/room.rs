@@ -21,13 +21,13 @@
 
 use super::TOLERANCE;
 use super::parts::Parts;
+use super::plan::SupportPlan;
 use super::survey::thinned;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, difference, union, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect, Solid, edges};
-use isoslice_settings::{Settings, Supports};
 use rayon::prelude::*;
 
 /// How thick branches are.
@@ -44,8 +44,8 @@ pub(super) struct Size {
 
 impl Size {
     /// The size that the width of the lines allows.
-    pub(super) fn new(settings: &Settings) -> Size {
-        let width = settings.infill_width();
+    pub(super) fn new(plan: &SupportPlan) -> Size {
+        let width = plan.width;
         Size {
             core: 0.45 * width,
             post: 1.1 * width,
@@ -62,7 +62,7 @@ impl Size {
 
 /// Where the lowest layers have no place for supports.
 pub(super) struct Room<'a> {
-    settings: &'a Settings,
+    plan: &'a SupportPlan,
     /// By layer, what is too near to the part for the middle of a branch.
     tight: Vec<Solid<'static>>,
     /// By layer, the area from which the middle of a branch cannot get down to
@@ -88,32 +88,35 @@ impl<'a> Room<'a> {
     pub(super) fn new(
         parts: Parts<'_>,
         count: usize,
-        settings: &'a Settings,
+        plan: &'a SupportPlan,
     ) -> Room<'a> {
         // Each outline is beside several layers of supports.
-        let beside = BESIDE + TOLERANCE + margin(settings);
+        let beside = BESIDE + TOLERANCE + margin(plan);
         let grown = |outline: &Area| offset(outline, beside, TOLERANCE);
         let grown: Vec<Area> = parts.outlines.par_iter().map(grown).collect();
         let tight: Vec<Area> = (0..count)
             .into_par_iter()
-            .map(|j| thinned(tight(parts, j, &grown, settings)))
+            .map(|j| thinned(tight(parts, j, &grown, plan)))
             .collect();
         drop(grown);
-        let closed = || no_way_down(parts, &tight, settings, |_| None);
+        let closed = || no_way_down(parts, &tight, plan, |_| None);
         let on_part = |j: usize| {
             let on = parts.heights.stands_on(j)?;
             Some(offset(&parts.outlines[on], ASTRIDE, TOLERANCE))
         };
-        let dead = || match settings.supports {
-            Supports::Auto => no_way_down(parts, &tight, settings, on_part),
-            _ => Vec::new(),
+        let dead = || {
+            if plan.on_part {
+                no_way_down(parts, &tight, plan, on_part)
+            } else {
+                Vec::new()
+            }
         };
         let (closed, dead) = rayon::join(closed, dead);
         let solids = |areas: Vec<Area>| {
             areas.into_iter().map(Solid::new).collect::<Vec<_>>()
         };
         Room {
-            settings,
+            plan,
             tight: solids(tight),
             closed: solids(closed),
             dead: solids(dead),
@@ -166,7 +169,7 @@ impl<'a> Room<'a> {
     /// The part in layer `j`, and what is too near to it, within a box. Notches
     /// count as too near if no branch has room in them.
     pub(super) fn taken(&self, j: usize, within: Rect) -> Area {
-        let margin = margin(self.settings);
+        let margin = margin(self.plan);
         let near = within.grown(3.0 * margin);
         let tight = crop(&self.tight[j].area().rings, near);
         crop(&offset(&tight, -margin, TOLERANCE).rings, within)
@@ -252,10 +255,10 @@ const ASTRIDE: Mm = 0.1;
 fn no_way_down(
     parts: Parts<'_>,
     tight: &[Area],
-    settings: &Settings,
+    plan: &SupportPlan,
     lands: impl Fn(usize) -> Option<Area>,
 ) -> Vec<Area> {
-    let lean = settings.support.branch_angle.to_radians().tan();
+    let lean = plan.lean();
     let mut all: Vec<Area> = Vec::with_capacity(tight.len());
     for (j, (tight, span)) in tight.iter().zip(parts.spans()).enumerate() {
         if isoslice_base::limits::is_stopped() {
@@ -283,8 +286,8 @@ pub(super) const BESIDE: Mm = 0.05;
 
 /// How far the middle of a branch is from its side, with the tolerance of the
 /// offsets.
-fn margin(settings: &Settings) -> Mm {
-    Size::new(settings).core + TOLERANCE
+fn margin(plan: &SupportPlan) -> Mm {
+    Size::new(plan).core + TOLERANCE
 }
 
 /// Where layer `j` has no place for the middle of a branch: in the part, and too
@@ -293,7 +296,7 @@ fn tight(
     parts: Parts<'_>,
     j: usize,
     grown: &[Area],
-    settings: &Settings,
+    plan: &SupportPlan,
 ) -> Area {
     if isoslice_base::limits::is_stopped() {
         return Area::EMPTY;
@@ -306,7 +309,7 @@ fn tight(
     } = parts;
     let section = &sections[j];
     // The tolerances of later offsets may take some of the gap.
-    let gap = settings.support.xy_gap + 2.0 * TOLERANCE + margin(settings);
+    let gap = plan.xy_gap + 2.0 * TOLERANCE + margin(plan);
     let area = offset(section, gap, TOLERANCE);
     // The layers beside it, and those within the gaps above and below.
     let level = heights.beside(j);
@@ -338,8 +341,8 @@ mod tests {
 
     #[test]
     fn a_branch_keeps_the_gap_from_walls_and_stays_out_of_thin_notches() {
-        let settings = Settings::default();
-        let heights = Heights::new(LayerSpan::stack(0.2, 4), &settings);
+        let plan = SupportPlan::usual();
+        let heights = Heights::new(LayerSpan::stack(0.2, 4), &plan);
         // Two walls, and a slot of 1 mm between them.
         let walls = Area::from_iter([
             rect(-10.0, -10.0, 0.0, 10.0),
@@ -348,8 +351,8 @@ mod tests {
         let outlines = vec![walls; 4];
         let none = vec![Area::EMPTY; 4];
         let parts = Parts::in_layers(&heights, &outlines, &none);
-        let room = Room::new(parts, 4, &settings);
-        let gap = settings.support.xy_gap + 2.0 * TOLERANCE;
+        let room = Room::new(parts, 4, &plan);
+        let gap = plan.xy_gap + 2.0 * TOLERANCE;
         let beside = rect(10.0, -1.0, 12.0, 1.0);
         let taken = room.taken(1, beside.bounds()).content();
         assert!((taken - 2.0 * gap).abs() < 0.03, "{taken}");
@@ -358,7 +361,7 @@ mod tests {
         // What lies beside it, what reaches into it, what is in it, and what is
         // around it.
         let meets = |area: &Area| room.meets(1, Foot::Bed, area);
-        let near = 10.0 + gap + margin(&settings);
+        let near = 10.0 + gap + margin(&plan);
         assert!(!meets(&rect(near + 0.05, -1.0, 13.0, 1.0)));
         assert!(meets(&rect(near - 0.05, -1.0, 13.0, 1.0)));
         assert!(meets(&rect(3.0, 3.0, 4.0, 4.0)));

@@ -17,6 +17,7 @@
 
 use super::parts::Parts;
 use super::pieces::Piece;
+use super::plan::SupportPlan;
 use super::room::BESIDE;
 use super::slice::Slice;
 use super::{SPECK, TOLERANCE};
@@ -26,7 +27,6 @@ use isoslice_base::units::Mm2;
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect, Ring};
-use isoslice_settings::{Settings, Supports};
 
 /// Least part of an island that has to rest on something: this share of the
 /// island, or this area if that is less.
@@ -44,7 +44,7 @@ const SPREAD: DVec2 = DVec2::new(0.754_877_666, 0.569_840_291);
 pub(super) fn settled(
     parts: Parts<'_>,
     mut layers: Vec<Vec<Piece>>,
-    settings: &Settings,
+    plan: &SupportPlan,
 ) -> Vec<Slice> {
     let mut slices = Vec::with_capacity(layers.len());
     // The supports in the layer below. There is no such layer below the first
@@ -78,15 +78,13 @@ pub(super) fn settled(
         for mut piece in pieces.into_iter().flat_map(apart) {
             if !on_support(&piece) {
                 // Supports from the plate do not stand on the part.
-                if settings.supports != Supports::Auto
-                    || !stands(piece.all(), j, parts)
-                {
+                if !plan.on_part || !stands(piece.all(), j, parts) {
                     continue;
                 }
                 let mut higher = j + 1..layers.len();
                 let next = higher.find(|&k| parts.heights.span(k).is_some());
                 let above = next.map_or(&[][..], |k| &layers[k]);
-                if let Some(step) = on_step(&piece, j, above, parts, settings) {
+                if let Some(step) = on_step(&piece, j, above, parts, plan) {
                     piece = step;
                 }
                 let deeper = parts.heights.deeper(j);
@@ -141,12 +139,12 @@ fn on_step(
     j: usize,
     above: &[Piece],
     parts: Parts<'_>,
-    settings: &Settings,
+    plan: &SupportPlan,
 ) -> Option<Piece> {
     let all = piece.all();
     let on = &parts.outlines[parts.heights.stands_on(j)?];
     let over = intersection(all, &unite(&crop(&on.rings, piece.bounds)));
-    let half = 0.5 * settings.thinnest_line();
+    let half = 0.5 * plan.hang.thinnest;
     let wide = |island: &Area| !offset(island, -half, TOLERANCE).is_empty();
     let step: Area = over.islands().into_iter().filter(wide).collect();
     if step.content() <= least(all).max(STEP * all.content()) {
@@ -217,6 +215,7 @@ mod tests {
     use super::super::pieces::pieces;
     use super::*;
     use isoslice_planar::rect;
+    use isoslice_settings::Supports;
     use isoslice_settings::layers::LayerSpan;
 
     #[test]
@@ -244,13 +243,10 @@ mod tests {
 
     #[test]
     fn thin_beads_stand_on_the_part_beside_supports_that_go_on_down() {
-        let settings = Settings {
-            supports: Supports::Auto,
-            ..Settings::default()
-        };
+        let plan = SupportPlan::with(|s| s.supports = Supports::Auto);
         // A block of three layers of 0.3 mm ends at x = 0. A support of 4 mm, half
         // over the block, begins in layer 4, 0.1 mm above it. The gap is 0.2 mm.
-        let heights = Heights::new(LayerSpan::stack(0.3, 8), &settings);
+        let heights = Heights::new(LayerSpan::stack(0.3, 8), &plan);
         assert_eq!(heights.stands_close(4), Some(2));
         let block = |k: usize| match k {
             0..3 => rect(-9.0, -9.0, 0.0, 9.0),
@@ -265,8 +261,8 @@ mod tests {
             _ => Area::EMPTY,
         };
         let areas = (0..8).map(of).collect();
-        let all = pieces(parts, &none, areas, &Area::EMPTY, &settings);
-        let slices = settled(parts, all.clone(), &settings);
+        let all = pieces(parts, &none, areas, &Area::EMPTY, &plan);
+        let slices = settled(parts, all.clone(), &plan);
         let [lower, upper] = [&slices[4], &slices[5]];
         assert!((lower.deeper + 0.1).abs() < 1e-9, "{}", lower.deeper);
         let standing = lower.standing.content();
@@ -274,10 +270,7 @@ mod tests {
         let beside = 4.0 * (2.0 - BESIDE);
         assert!((lower.area().content() - 8.0 - beside).abs() < 0.02);
         // Supports from the plate keep off the block.
-        let plate = Settings {
-            supports: Supports::Plate,
-            ..settings
-        };
+        let plate = SupportPlan::with(|s| s.supports = Supports::Plate);
         let lower = settled(parts, all, &plate)[4].area();
         assert!((lower.content() - beside).abs() < 0.01);
         assert!(upper.standing.is_empty() && upper.deeper == 0.0);
@@ -285,11 +278,8 @@ mod tests {
 
     #[test]
     fn the_lowest_layer_on_a_slope_is_above_the_highest_step_alone() {
-        let settings = Settings {
-            supports: Supports::Auto,
-            ..Settings::default()
-        };
-        let heights = Heights::new(LayerSpan::stack(0.2, 8), &settings);
+        let plan = SupportPlan::with(|s| s.supports = Supports::Auto);
+        let heights = Heights::new(LayerSpan::stack(0.2, 8), &plan);
         // Steps of 0.4 mm. A support in layer 4 stands on layer 2, which ends
         // at x = 0.
         let step = |k: i32| rect(-9.0, -9.0, 0.4 * f64::from(2 - k), 9.0);
@@ -308,8 +298,8 @@ mod tests {
             };
             let areas = (0..8).map(of).collect();
             let pads = Area::EMPTY;
-            let all = pieces(parts, &none, areas, &pads, &settings);
-            let slices = super::settled(parts, all, &settings).into_iter();
+            let all = pieces(parts, &none, areas, &pads, &plan);
+            let slices = super::settled(parts, all, &plan).into_iter();
             slices.map(|slice| slice.area().content()).collect()
         };
         let post = |x: f64| rect(x, -0.6, x + 1.2, 0.6);

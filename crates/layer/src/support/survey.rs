@@ -7,14 +7,14 @@
 
 use super::TOLERANCE;
 use super::need::Need;
+use super::plan::SupportPlan;
 use super::wish::{Wish, Wishes};
-use crate::hang::{Printed, Unheld, unheld};
+use crate::hang::{HangPlan, Printed, Unheld, unheld};
 use isoslice_base::units::Mm;
 use isoslice_model::vary::VaryError;
 use isoslice_planar::Area;
 use isoslice_planar::clip::difference;
 use isoslice_planar::simplify::simplify_area;
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 
 /// What asks for supports.
@@ -22,8 +22,8 @@ use isoslice_settings::layers::LayerSpan;
 pub struct Asked<'a> {
     /// What `support.where` asks for, if it is an expression.
     pub wishes: Option<&'a Wishes<'a>>,
-    /// The print's settings.
-    pub settings: &'a Settings,
+    /// What supports follow from.
+    pub plan: &'a SupportPlan,
 }
 
 impl Asked<'_> {
@@ -40,9 +40,9 @@ impl Asked<'_> {
             None => Wish::default(),
         };
         // Skin counts the raft's layers, too.
-        let number = span.index + self.settings.raft_layers();
+        let number = span.index + self.plan.hang.raft_layers;
         let Unheld { must, thin } =
-            unheld(here, below, number, span.height(), self.settings);
+            unheld(here, below, number, span.height(), &self.plan.hang);
         let needs = !must.is_empty();
         let need = Need::new(must, &wish, span.height());
         let found = Found {
@@ -92,7 +92,7 @@ impl Survey {
         let mut survey = Survey::default();
         for (span, outline) in layers {
             let (here, unprinted) =
-                Printed::new(outline, span.height(), asked.settings);
+                Printed::new(outline, span.height(), &asked.plan.hang);
             survey.outlines.push(thinned(here.area.clone()));
             survey.unprinted.push(unprinted);
             match &mut survey.ends {
@@ -152,8 +152,8 @@ impl Survey {
 
 /// The outline of a layer of some height, as coarse as supports ask for,
 /// without what is not printed.
-pub fn coarse(outline: &Area, height: Mm, settings: &Settings) -> Area {
-    let (printed, _) = Printed::new(outline, height, settings);
+pub fn coarse(outline: &Area, height: Mm, plan: &HangPlan) -> Area {
+    let (printed, _) = Printed::new(outline, height, plan);
     thinned(printed.area)
 }
 

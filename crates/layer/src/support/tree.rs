@@ -14,6 +14,7 @@
 use super::branch::{Branch, POINT, Step, middle};
 use super::cells::{CELL, Cells};
 use super::parts::Parts;
+use super::plan::SupportPlan;
 use super::room::{Foot, Room, Size};
 use super::{SPECK, TOLERANCE};
 use glam::DVec2;
@@ -22,7 +23,7 @@ use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::clusters::{Cluster, clusters};
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect, Ring, Solid, point_beside, signed_area};
-use isoslice_settings::{Settings, SupportStyle, Supports};
+use isoslice_settings::SupportStyle;
 use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -63,9 +64,9 @@ pub(super) fn grow(
     needs: &[Area],
     mut room: Room<'_>,
     count: usize,
-    settings: &Settings,
+    plan: &SupportPlan,
 ) -> Vec<Area> {
-    let tan = settings.support.branch_angle.to_radians().tan();
+    let tan = plan.lean();
     let mut tops: Vec<Vec<usize>> = vec![Vec::new(); count];
     for (i, _) in needs.iter().enumerate().filter(|(_, n)| !n.is_empty()) {
         if let Some(j) = parts.heights.below(i) {
@@ -77,7 +78,7 @@ pub(super) fn grow(
         return Vec::new();
     };
     // Supports reach beyond what they hold.
-    let cells = Cells::new(bounds.grown(Size::new(settings).post));
+    let cells = Cells::new(bounds.grown(Size::new(plan).post));
     let below = parts.outlines.iter().take(count);
     let mut solids: Vec<Solid> = below.map(|o| Solid::of(o, GRID)).collect();
     let mut areas = vec![Area::EMPTY; count];
@@ -89,7 +90,7 @@ pub(super) fn grow(
             lean: height * tan,
             parts,
             room: &room,
-            settings,
+            plan,
         };
         let goals = goals(&branches, step, tan);
         let pairs = branches.par_iter_mut().zip(goals);
@@ -148,7 +149,7 @@ fn begun(
 ) -> Vec<Branch> {
     let (layer, parts) = (step.layer, step.parts);
     let top = parts.spans()[i].bottom;
-    let anywhere = step.settings.supports == Supports::Auto;
+    let anywhere = step.plan.on_part;
     // The lowest layer needs no supports, since no layer is below it.
     let below = &parts.outlines[i - 1];
     let [to_bed, to_part] = cores(need, below, step);
@@ -178,7 +179,7 @@ fn begun(
 /// layer of the part. The layer below that one has the outline `below`. From the
 /// first core a way leads down to the bed, from the second one only to the part.
 fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
-    let size = Size::new(step.settings);
+    let size = Size::new(step.plan);
     let within = |area: &Area, reach: Mm| {
         let core = offset(area, reach - size.core, TOLERANCE);
         step.room.split(&core, step.layer)
@@ -231,7 +232,7 @@ fn pieces(
         cut.map(|(cell, core)| (Some(cell), core))
     };
     let columns = |area: &Area| area.islands().into_iter().map(|i| (None, i));
-    match step.settings.support.style {
+    match step.plan.style {
         SupportStyle::Tree => in_cells(area).collect(),
         SupportStyle::Snug => columns(area).collect(),
         SupportStyle::Grid => {
@@ -242,8 +243,7 @@ fn pieces(
         SupportStyle::Auto => {
             let bottom = step.parts.spans()[step.layer].bottom;
             // How far a branch is drawn together on its way to the bed.
-            let angle = step.settings.support.branch_angle;
-            let drawn = bottom * angle.to_radians().tan();
+            let drawn = bottom * step.plan.lean();
             let is_column = |island: &Area| {
                 // Branches would still be wide when they reach the bed.
                 drawn < 0.5 * CELL && island.content() > WIDE
@@ -314,7 +314,7 @@ fn is_near(
 /// Joins a new branch with one of the same cell that it touches. If there is
 /// none, the new branch stays as it is.
 fn attach(branches: &mut Vec<Branch>, new: Branch, step: Step<'_>) {
-    let size = Size::new(step.settings);
+    let size = Size::new(step.plan);
     // The post below a point keeps its place.
     let is_point = new.core.bounds().size().max_element() < 2.0 * size.post;
     let reach = 2.0 * if is_point { size.core } else { size.apart() };
@@ -456,17 +456,17 @@ mod tests {
 
     /// What [`gather`] makes of branches over empty layers.
     fn gathered(branches: Vec<Branch>) -> Vec<Branch> {
-        let settings = Settings::default();
-        let heights = Heights::new(LayerSpan::stack(0.2, 4), &settings);
+        let plan = SupportPlan::usual();
+        let heights = Heights::new(LayerSpan::stack(0.2, 4), &plan);
         let none = vec![Area::EMPTY; 4];
         let parts = Parts::in_layers(&heights, &none, &none);
-        let room = Room::new(parts, 4, &settings);
+        let room = Room::new(parts, 4, &plan);
         let step = Step {
             layer: 2,
             lean: 0.2,
             parts,
             room: &room,
-            settings: &settings,
+            plan: &plan,
         };
         let mut branches = branches;
         gather(&mut branches, step);

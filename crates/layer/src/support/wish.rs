@@ -9,6 +9,7 @@
 //! What sticks out over the layer below by less than outlines may be off is no
 //! underside: in layers of 0.2 mm, what leans by less than 3°.
 
+use super::plan::SupportPlan;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_model::vary::{Quantity, Surroundings, VaryError};
@@ -16,8 +17,8 @@ use isoslice_planar::clip::difference;
 use isoslice_planar::offset::offset;
 use isoslice_planar::zero::{Sampling, negative};
 use isoslice_planar::{Area, Solid};
+use isoslice_settings::Varying;
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{Settings, Varying};
 
 /// The setting's name.
 const KEY: &str = "support.where";
@@ -34,9 +35,7 @@ const SURE: f64 = 2.0;
 pub struct Wishes<'a> {
     value: Quantity,
     around: &'a Surroundings<'a>,
-    settings: &'a Settings,
-    /// Height of the part's lowest point above the bed.
-    lift: Mm,
+    plan: &'a SupportPlan,
 }
 
 /// The parts of a layer's underside about which there is a wish.
@@ -56,23 +55,22 @@ impl Wish {
 }
 
 impl<'a> Wishes<'a> {
-    /// The wishes of the settings; nothing if only the angle of faces counts.
+    /// The wishes of a plan; nothing if only the angle of faces counts.
     ///
     /// # Errors
     /// If the expression has a mistake.
     pub fn new(
-        settings: &'a Settings,
+        plan: &'a SupportPlan,
         around: &'a Surroundings<'a>,
     ) -> Result<Option<Wishes<'a>>, VaryError> {
-        if settings.support.where_ == Varying::Constant(0.0) {
+        if plan.wanted == Varying::Constant(0.0) {
             return Ok(None);
         }
-        let value = Quantity::new(KEY, &settings.support.where_)?;
+        let value = Quantity::new(KEY, &plan.wanted)?;
         Ok(Some(Wishes {
             value,
             around,
-            settings,
-            lift: settings.raft_height(),
+            plan,
         }))
     }
 
@@ -89,7 +87,7 @@ impl<'a> Wishes<'a> {
         if isoslice_base::limits::is_stopped() {
             return Ok(Wish::default());
         }
-        let slack = SURE * self.settings.accuracy;
+        let slack = SURE * self.plan.accuracy;
         let under = if below.is_empty() {
             here.clone()
         } else {
@@ -115,7 +113,7 @@ impl<'a> Wishes<'a> {
         let solid = measure.then(|| Solid::new(here.clone()));
         let solid = solid.as_ref().map(Solid::grid);
         let sampling = Sampling {
-            step: STEP * self.settings.infill_width(),
+            step: STEP * self.plan.width,
             chord: CHORD,
         };
         let mut places = Vec::new();
@@ -123,7 +121,7 @@ impl<'a> Wishes<'a> {
             negative(&under, sampling, |points, out| {
                 let points: &mut dyn Iterator<Item = DVec2> = points;
                 places.clear();
-                let z = span.bottom + self.lift;
+                let z = span.bottom + self.plan.lift;
                 self.around.places(points, z, measure, solid, &mut places)?;
                 // Undersides are at the surface or a little outside, where
                 // a depth below 0 would be no number in sqrt(d).

@@ -1,0 +1,65 @@
+//! What tells which places hang.
+
+use crate::walls::WallPlan;
+use isoslice_base::units::{Degrees, Mm};
+use isoslice_settings::Settings;
+
+/// How far layers hold what is above them.
+#[derive(Clone, Copy, Debug)]
+pub struct HangPlan {
+    /// A face that leans by up to this from the vertical holds itself.
+    pub angle: Degrees,
+    /// True if skin over a gap turns so that its lines bridge the gap.
+    pub bridges: bool,
+    /// Greatest length of a bridge, mm.
+    pub bridge_max: Mm,
+    /// Directions of skin's lines in even and in odd layers.
+    pub directions: [Degrees; 2],
+    /// The walls.
+    pub walls: WallPlan,
+    /// Width of the thinnest line, mm.
+    pub thinnest: Mm,
+    /// Height of the thickest layers above the first, mm.
+    pub thickest_layer: Mm,
+    /// Number of the raft's layers.
+    pub raft_layers: usize,
+}
+
+impl HangPlan {
+    /// The plan that settings ask for.
+    pub fn of(settings: &Settings) -> HangPlan {
+        HangPlan {
+            angle: settings.support.angle,
+            bridges: settings.bridges,
+            bridge_max: settings.bridge_max,
+            directions: [0, 1].map(|layer| settings.skin_direction(layer)),
+            walls: WallPlan::of(settings),
+            thinnest: settings.thinnest_line(),
+            thickest_layer: settings.thickest_layer(),
+            raft_layers: settings.raft_layers(),
+        }
+    }
+
+    /// How far a layer of a height sticks out along a face that leans by just the
+    /// angle.
+    pub(super) fn slope(&self, height: Mm) -> Mm {
+        height * self.angle.to_radians().tan()
+    }
+
+    /// Direction of the skin's lines in a layer.
+    pub(super) fn direction(&self, layer: usize) -> Degrees {
+        self.directions[layer % 2]
+    }
+
+    #[cfg(test)]
+    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> HangPlan {
+        let mut settings = Settings::default();
+        change(&mut settings);
+        HangPlan::of(&settings)
+    }
+
+    #[cfg(test)]
+    pub(crate) fn usual() -> HangPlan {
+        HangPlan::with(|_| ())
+    }
+}
