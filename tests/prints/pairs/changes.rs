@@ -152,7 +152,7 @@ fn in_company(feature: &Feature) -> Option<String> {
         "plate.spacing=30",
     ][..];
     let together = settings_of(feature, plate);
-    if text(&together, "spiral") == "true" {
+    if text(&together, "spiral") != "false" {
         // A vase has its plate for itself.
         return None;
     }
