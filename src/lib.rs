@@ -257,7 +257,7 @@ pub use isoslice_gcode::{TemplateError, settings_in_gcode, try_templates};
 #[doc(inline)]
 pub use isoslice_gcode_read::bgcode::Unpacked;
 #[doc(inline)]
-pub use isoslice_layer::hang::{HangPlan, Hanging, Kind, Sum, Unsupported};
+pub use isoslice_layer::hang::{Hanging, Kind, Sum, Unsupported};
 #[doc(no_inline)]
 pub use model::{Model, load, place};
 pub use pipeline::{Options, Share, SliceError, Summary, Survey};
