@@ -113,7 +113,7 @@
 //! [`exposure`]: isoslice_layer::exposure
 //! [`fuzzy`]: isoslice_layer::fuzzy
 //! [`gcode`]: isoslice_gcode
-//! [`hang`]: isoslice_layer::hang
+//! [`hang`]: isoslice_held::hang
 //! [`infill`]: isoslice_layer::infill
 //! [`order`]: isoslice_path::order
 //! [`outline`]: isoslice_layer::outline
@@ -126,7 +126,7 @@
 //! [`sets`]: isoslice_base::sets
 //! [`skin`]: isoslice_layer::skin
 //! [`spiral`]: isoslice_path::spiral
-//! [`support`]: isoslice_layer::support
+//! [`support`]: isoslice_held::support
 //! [`timings`]: isoslice_base::timings
 //! [`travel`]: isoslice_path::travel
 //! [`units`]: isoslice_base::units
@@ -257,7 +257,7 @@ pub use isoslice_gcode::{TemplateError, settings_in_gcode, try_templates};
 #[doc(inline)]
 pub use isoslice_gcode_read::bgcode::Unpacked;
 #[doc(inline)]
-pub use isoslice_layer::hang::{Hanging, Kind, Sum, Unsupported};
+pub use isoslice_held::hang::{Hanging, Kind, Sum, Unsupported};
 #[doc(no_inline)]
 pub use model::{Model, load, place};
 pub use pipeline::{Options, Share, SliceError, Summary, Survey};

@@ -64,12 +64,17 @@ const ORDER: &[(&str, Steps)] = &[
             // `exposure` splits what walls leave.
             &["exposure"],
             &["fuzzy", "skin", "infill", "adhesion"],
+            // Where loops begin follows from the walls before fuzzy skin.
+            &["seam"],
+        ],
+    ),
+    (
+        "crates/held/src",
+        &[
             // `hang` finds what hangs, except for what the skin's bridges hold.
             &["hang"],
             // `support` holds what hangs. Skin says where bridges hold it.
             &["support"],
-            // Where loops begin follows from the walls before fuzzy skin.
-            &["seam"],
         ],
     ),
     (
@@ -138,7 +143,8 @@ const CIRCLES: &[(&str, &[&str])] = &[
 
 /// Crates whose parts follow plans of plain numbers: none but files named
 /// `plan.rs` know `Settings`.
-const PLANNED: &[&str] = &["crates/layer/src", "crates/path/src"];
+const PLANNED: &[&str] =
+    &["crates/held/src", "crates/layer/src", "crates/path/src"];
 
 /// Crates that only some modules of the root package may name.
 const CONFINED: &[Confined] = &[

@@ -3,7 +3,7 @@
 use super::BLOCK;
 use super::layer::Layer;
 use glam::DVec2;
-use isoslice_layer::hang::{HangPlan, Look, Tracker};
+use isoslice_held::hang::{HangPlan, Look, Tracker};
 
 /// How layers are followed.
 pub(super) struct Follow<'a> {

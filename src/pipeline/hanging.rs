@@ -7,7 +7,7 @@ use super::start::pool;
 use crate::report::Gauge;
 use isoslice_base::limits;
 use isoslice_base::units::Mm;
-use isoslice_layer::hang::{HangPlan, Hanging, Unsupported};
+use isoslice_held::hang::{HangPlan, Hanging, Unsupported};
 use isoslice_model::Model;
 use isoslice_model::heights::heights;
 use isoslice_model::vary::Surroundings;

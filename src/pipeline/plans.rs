@@ -1,12 +1,12 @@
 //! What the stages of a part do, resolved once from the part's settings.
 
+use isoslice_held::hang::HangPlan;
+use isoslice_held::support::SupportPlan;
 use isoslice_layer::adhesion::AdhesionPlan;
-use isoslice_layer::hang::HangPlan;
 use isoslice_layer::infill::InfillPlan;
 use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::EndingPlan;
 use isoslice_layer::skin::SkinPlan;
-use isoslice_layer::support::SupportPlan;
 use isoslice_layer::{outline::OutlinePlan, walls::WallPlan};
 use isoslice_path::order::OrderPlan;
 use isoslice_path::pace::PacePlan;

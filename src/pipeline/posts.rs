@@ -8,8 +8,8 @@
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
+use isoslice_held::support::Disc;
 use isoslice_layer::resolution::Resolution;
-use isoslice_layer::support::Disc;
 use isoslice_layer::walls;
 use isoslice_layer::walls::{WallPlan, support_walls};
 use isoslice_planar::bead::Bead;

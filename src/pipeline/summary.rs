@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use isoslice_base::timings::Stage;
 use isoslice_base::units::{Mm, Mm2, Seconds, filament_area};
 use isoslice_check::Verdict;
-use isoslice_layer::hang::Hanging;
+use isoslice_held::hang::Hanging;
 use isoslice_model::heights::Steps;
 use isoslice_path::pace::Amount;
 use isoslice_path::spiral::Spiral;

@@ -190,7 +190,7 @@ fn packed(
     let mut placed = Vec::with_capacity(order.len());
     for (k, &i) in order.iter().enumerate() {
         if isoslice_base::limits::is_stopped() {
-            break;
+            return Err(k);
         }
         let mut size = boxes[i].size + spacing;
         if boxes[i].alone {

@@ -4,7 +4,7 @@ use crate::common;
 use crate::common::{formula, settings, slice_layers};
 use isoslice::pipeline::Summary;
 use isoslice::{Hanging, Survey, survey};
-use isoslice_layer::hang::HangPlan;
+use isoslice_held::hang::HangPlan;
 
 fn run(text: &str, set: &[&str], layers: &str, threads: usize) -> Summary {
     let all = [&["sample_spacing=0.3", "accuracy=0.02"], set].concat();

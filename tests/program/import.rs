@@ -477,6 +477,15 @@ fn a_file_of_isoslice_s_own_is_read_back_whole() {
     let own = ["--printer", "own", "--filament", "own", "--preset", "own"];
     let own = [&own[..], &["--profiles", "mine"]].concat();
     assert_eq!(slice(&own, "c.gcode"), before);
+    // Settings of earlier versions are not lost without a word.
+    let now = "; isoslice walls = 4\n";
+    let was = before.replace(now, "; isoslice top_thickness = 1.6\n");
+    assert_ne!(was, before);
+    fs::write(dir.path().join("was.gcode"), was).unwrap();
+    let import = ["profiles", "import", "was.gcode", "-o", "was.toml"];
+    let said = output(dir.path(), &import);
+    let told = "top_thickness = 1.6: write the thickness";
+    assert!(said.contains(told), "{said}");
     // A file without these lines says that it has few.
     let tail = "; isoslice settings";
     let (few, _) = before.split_once(tail).unwrap();

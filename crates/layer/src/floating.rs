@@ -14,7 +14,7 @@ use isoslice_planar::{Area, Solid};
 
 /// An island that begins in the air.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Floating {
+pub struct Floating {
     /// Outer ring and holes of the island.
     pub island: Area,
     /// A point of the island.
@@ -24,7 +24,7 @@ pub(crate) struct Floating {
 }
 
 /// A layer's islands that begin in the air over `below`.
-pub(crate) fn floating(outline: &Area, below: &Solid<'_>) -> Vec<Floating> {
+pub fn floating(outline: &Area, below: &Solid<'_>) -> Vec<Floating> {
     let mut free = outline.islands();
     // Nearly always the first point of an island tells whether solid is below it, or
     // its middle, where the part gets wider.

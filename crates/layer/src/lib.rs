@@ -1,8 +1,8 @@
-//! What is in a layer: walls, skin, infill, supports, adhesion and seams.
+//! What is in a layer: walls, skin, infill, adhesion and seams.
 //!
 //! In: the outlines of a layer and of the layers around it, their heights, and
 //! plans: the plain numbers that a part needs of the settings. Each part's
-//! `plan.rs` reads the settings; nothing else here knows them. Out: areas of a
+//! `plan.rs` reads the settings; no other file takes all of them. Out: areas of a
 //! layer's plane, and the [`Bead`]s that fill them, not yet in any order.
 //!
 //! | module | what it answers |
@@ -17,8 +17,6 @@
 //! | [`skin`] | the lines that close tops and bottoms, and the bridges |
 //! | [`infill`] | the pattern inside |
 //! | [`adhesion`] | skirt, brim and ears |
-//! | [`hang`] | what nothing below holds |
-//! | [`support`] | what is printed to hold it |
 //! | [`seam`] | where loops may begin |
 //!
 //! Guarantees: the same input gives the same beads, on any number of threads.
@@ -49,16 +47,14 @@
 )]
 
 pub mod adhesion;
-mod cover;
+pub mod cover;
 pub mod exposure;
-mod floating;
+pub mod floating;
 pub mod fuzzy;
-pub mod hang;
 pub mod infill;
 pub mod outline;
 pub mod resolution;
 pub mod seam;
 pub mod skin;
-pub mod support;
 pub mod view;
 pub mod walls;

@@ -75,9 +75,21 @@ const GONE: &[(&str, &str)] = &[
 ];
 
 /// What to write instead of a setting that is no more.
-pub(super) fn instead(name: &str) -> Option<&'static str> {
+pub fn instead(name: &str) -> Option<&'static str> {
     let gone = GONE.iter().find(|(old, _)| *old == name);
     gone.map(|(_, instead)| *instead)
+}
+
+/// What to do about a setting that is no more. Files of all settings have it with
+/// its default, which needs no other.
+pub(super) fn advice(name: &str) -> Option<String> {
+    let instead = instead(name)?;
+    Some(match instead.starts_with("write") {
+        true => {
+            format!("leave it out if it has its old default, else {instead}")
+        }
+        false => instead.to_owned(),
+    })
 }
 
 #[cfg(test)]

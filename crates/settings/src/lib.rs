@@ -84,6 +84,7 @@ mod words;
 mod write;
 
 pub use error::{GivenIn, SettingsError};
+pub use gone::instead;
 pub use profile::{Origin, Profile, Profiles};
 pub use read::Builder;
 pub use rows::Settings;

@@ -258,8 +258,8 @@ fn hint(name: &str) -> String {
                 --filament or --preset"
             .to_owned();
     }
-    if let Some(instead) = gone::instead(name) {
-        return instead.to_owned();
+    if let Some(advice) = gone::advice(name) {
+        return advice;
     }
     if let Some(now) = foreign::name(name) {
         return format!("did you mean {now}?");

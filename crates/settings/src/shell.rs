@@ -55,7 +55,7 @@ impl Value for Shell {
         let mut thickness = ByNozzle::Auto;
         let mut count = 0;
         *self = match (raw, raw.length()) {
-            (_, Some(length)) => {
+            (_, Some(length)) if length.trim().parse::<f64>().is_ok() => {
                 thickness.assign(Raw::Word(length), THICKNESS)?;
                 Shell::Thickness(thickness)
             }

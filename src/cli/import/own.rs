@@ -3,7 +3,9 @@
 use anyhow::Context;
 use isoslice::settings::keys;
 use isoslice::settings_in_gcode;
-use slicerprofile::{Kind, Setting, Translation, Value, both_ends};
+use isoslice_settings::instead;
+use slicerprofile::{Kind, Left, Setting, Translation, Value, both_ends};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What such a file says in its first line.
@@ -42,17 +44,14 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
 /// Settings as an import has them.
 fn translation(table: toml::Table) -> Translation {
     let mut all = Translation::default();
+    let mut given = flat(table);
     for key in keys() {
-        let (group, leaf) = key.name.split_once('.').unwrap_or(("", key.name));
-        let value = match group {
-            "" => table.get(leaf),
-            group => table.get(group).and_then(|group| group.get(leaf)),
-        };
-        let value = match value {
-            Some(toml::Value::Integer(x)) => Value::Number(*x as f64),
-            Some(toml::Value::Float(x)) => Value::Number(*x),
-            Some(toml::Value::Boolean(yes)) => Value::Switch(*yes),
-            Some(toml::Value::String(text)) => Value::Text(text.clone()),
+        let (group, _) = key.name.split_once('.').unwrap_or(("", key.name));
+        let value = match given.remove(key.name) {
+            Some(toml::Value::Integer(x)) => Value::Number(x as f64),
+            Some(toml::Value::Float(x)) => Value::Number(x),
+            Some(toml::Value::Boolean(yes)) => Value::Switch(yes),
+            Some(toml::Value::String(text)) => Value::Text(text),
             _ => continue,
         };
         all.mapped += 1;
@@ -66,6 +65,33 @@ fn translation(table: toml::Table) -> Translation {
             value,
             from: Vec::new(),
         });
+    }
+    // An earlier version wrote the file, or somebody changed it.
+    all.lost.extend(given.into_iter().map(|(key, value)| {
+        Left {
+            why: instead(&key)
+                .unwrap_or("there is no such setting")
+                .to_owned(),
+            value: value.to_string(),
+            key,
+        }
+    }));
+    all
+}
+
+/// The values of a table and of the groups in it, by their whole names.
+fn flat(table: toml::Table) -> BTreeMap<String, toml::Value> {
+    let mut all = BTreeMap::new();
+    for (name, value) in table {
+        match value {
+            toml::Value::Table(group) => {
+                let within = group.into_iter();
+                all.extend(within.map(|(l, v)| (format!("{name}.{l}"), v)));
+            }
+            value => {
+                all.insert(name, value);
+            }
+        }
     }
     all
 }

@@ -4,7 +4,7 @@ use super::Stages;
 use crate::pipeline::layer::{Inside, Layer};
 use crate::report::{LayerFigures, LayerParts, ReportError};
 use isoslice_base::timings::Stage;
-use isoslice_layer::hang::Look;
+use isoslice_held::hang::Look;
 use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_layer::walls;
 use isoslice_layer::walls::{Walls, field_walls, walls};

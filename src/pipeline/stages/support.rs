@@ -11,11 +11,11 @@ use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::timings::Stage;
 use isoslice_base::units::Mm;
-use isoslice_layer::hang::{Hanging, Look, Needs, Tracker, Unsupported};
-use isoslice_layer::infill::InfillError;
-use isoslice_layer::support::{
+use isoslice_held::hang::{Hanging, Look, Needs, Tracker, Unsupported};
+use isoslice_held::support::{
     Asked, Heights, Plan, Survey, Wishes, coarse, held,
 };
+use isoslice_layer::infill::InfillError;
 use isoslice_model::vary::Surroundings;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::union;

@@ -1,6 +1,6 @@
 """Areas as other libraries have them: the attribute `__geo_interface__`.
 
-Shapely, GeoPandas, Matplotlib and others hand areas out and take them in by it
+Shapely and others hand areas out and take them in by it
 (https://gist.github.com/sgillies/2217756).
 """
 
@@ -39,7 +39,7 @@ def polygons_of(area: Any) -> list[list[list[tuple[float, float]]]]:
     first one."""
     given: Mapping[str, Any] = area.__geo_interface__
     if given["type"] == "Feature":
-        given = given["geometry"]
+        given = given["geometry"] or {"type": "MultiPolygon"}
     kind, coordinates = given["type"], given.get("coordinates", ())
     if kind == "Polygon":
         coordinates = [coordinates]

@@ -8,7 +8,7 @@
 //! nothing that matters is covered. Only if they do not, all neighbours that
 //! touch the island go into one sweep.
 
-pub(crate) mod neighbour;
+pub mod neighbour;
 
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, intersection, not_covered_by_all};
@@ -19,11 +19,11 @@ use neighbour::Neighbour;
 
 /// How far borders between skin and sparse infill may be off, mm: nobody sees
 /// these borders, and a bead is much wider.
-pub(crate) const TOLERANCE: Mm = 0.02;
+pub const TOLERANCE: Mm = 0.02;
 
 /// The part of an island that is not covered by all covers.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Exposed {
+pub enum Exposed {
     /// No part: each cover covers all of the island.
     Nowhere,
     /// This part of the island is not covered.
@@ -34,7 +34,7 @@ pub(crate) enum Exposed {
 
 /// How much of an island one cover covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Covered {
+pub enum Covered {
     /// All of the island.
     Wholly,
     /// A part of the island, or all of it except along its border.
@@ -44,7 +44,7 @@ pub(crate) enum Covered {
 }
 
 /// Connected areas, to be asked what covers touch or cover of them.
-pub(crate) struct Islands<'a> {
+pub struct Islands<'a> {
     all: &'a [Area],
     /// Edges of the islands.
     grid: EdgeGrid,
@@ -59,7 +59,7 @@ const CELL: Mm = 1.0;
 
 impl<'a> Islands<'a> {
     /// Islands, each an outer ring followed by its holes.
-    pub(crate) fn new(all: &'a [Area]) -> Islands<'a> {
+    pub fn new(all: &'a [Area]) -> Islands<'a> {
         let edges = all.iter().enumerate().flat_map(|(i, island)| {
             let all = island.rings.iter().flat_map(|r| edges(r));
             all.map(move |e| (i, e))
@@ -73,7 +73,7 @@ impl<'a> Islands<'a> {
     }
 
     /// How much of each island a cover covers.
-    pub(crate) fn covered(&self, cover: &Solid<'_>) -> Vec<Covered> {
+    pub fn covered(&self, cover: &Solid<'_>) -> Vec<Covered> {
         let of = |(island, touched): (&Area, bool)| {
             let p = island.rings.first().and_then(|r| r.first());
             match p {
@@ -119,12 +119,12 @@ impl<'a> Islands<'a> {
 }
 
 /// What a cover leaves open of an area; see [`not_covered_by_all`].
-pub(crate) fn open(area: &Area, cover: &Area) -> Area {
+pub fn open(area: &Area, cover: &Area) -> Area {
     not_covered_by_all(area, &[&near(area, cover)])
 }
 
 /// What a cover has around an area, enough to tell what it covers of it.
-pub(crate) fn near(area: &Area, cover: &Area) -> Area {
+pub fn near(area: &Area, cover: &Area) -> Area {
     crop(&cover.rings, area.bounds().grown(1.0))
 }
 
@@ -134,7 +134,7 @@ const TOUCH: Mm = 1e-4;
 /// Where the covers, together, leave each island open. `matters` tells whether
 /// it matters that a connected area is covered. If an area does not matter, its
 /// parts must not matter either.
-pub(crate) fn exposed(
+pub fn exposed(
     asked: &Islands<'_>,
     covers: &[&Solid<'_>],
     matters: impl Fn(&Area) -> bool,
@@ -212,7 +212,7 @@ fn anything_matters(
 }
 
 /// Areas by the island that each of them lies in.
-pub(crate) fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
+pub fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
     let nest = Nest::new(islands.iter().filter_map(|p| p.rings.first()));
     let mut sorted: Vec<Area> = vec![Area::EMPTY; islands.len()];
     for area in areas {

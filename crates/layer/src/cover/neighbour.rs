@@ -18,7 +18,7 @@ use isoslice_planar::{Area, BoxTree, Rect, Ring};
 
 /// A neighbouring layer's solid, its rings sorted by place.
 #[derive(Debug)]
-pub(crate) struct Neighbour<'a> {
+pub struct Neighbour<'a> {
     area: &'a Area,
     boxes: BoxTree,
     /// The runs of each ring.
@@ -41,7 +41,7 @@ const MARGIN: Mm = 1.0;
 
 impl<'a> Neighbour<'a> {
     /// Sorts a layer's rings.
-    pub(crate) fn new(area: &'a Area) -> Neighbour<'a> {
+    pub fn new(area: &'a Area) -> Neighbour<'a> {
         let runs: Vec<Runs> = area.rings.iter().map(Runs::new).collect();
         let boxes = runs
             .iter()
@@ -56,7 +56,7 @@ impl<'a> Neighbour<'a> {
 
     /// What the layer has around an area, enough to tell what it covers of
     /// it.
-    pub(crate) fn near(&self, area: &Area) -> Area {
+    pub fn near(&self, area: &Area) -> Area {
         if area.is_empty() {
             return Area::EMPTY;
         }
@@ -64,7 +64,7 @@ impl<'a> Neighbour<'a> {
     }
 
     /// What the layer has in a box.
-    pub(crate) fn within(&self, bounds: Rect) -> Area {
+    pub fn within(&self, bounds: Rect) -> Area {
         let mut numbers: Vec<usize> = self.boxes.meeting(bounds).collect();
         numbers.sort_unstable();
         let rings = numbers.into_iter().map(|i| {
@@ -77,7 +77,7 @@ impl<'a> Neighbour<'a> {
     }
 
     /// What the layer leaves open of an area.
-    pub(crate) fn open(&self, area: &Area) -> Area {
+    pub fn open(&self, area: &Area) -> Area {
         difference(area, &self.near(area))
     }
 }

@@ -50,7 +50,7 @@ const SIDES: usize = 16;
 /// Number of lines looked at for each direction.
 const ROWS: f64 = 24.0;
 /// What holds the end of a line is no farther from it than so many widths.
-pub(crate) const ANCHOR: f64 = 2.0;
+pub const ANCHOR: f64 = 2.0;
 /// Share of the lines' length that must be held at both ends.
 const HELD: f64 = 0.6;
 
@@ -224,7 +224,7 @@ fn hang(
 }
 
 /// Lines across a gap, and for each one whether `below` holds its ends.
-pub(crate) fn hung(
+pub fn hung(
     gap: &Area,
     below: &EdgeGrid,
     lines: Lines,

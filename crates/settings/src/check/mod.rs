@@ -50,6 +50,7 @@ pub(super) fn conflicts(
     sampling(s, &mut warnings)?;
     something_is_printed(s)?;
     raft(s, &mut warnings)?;
+    shield_beside_the_part(s)?;
     beside_a_vase(s)?;
     uneven_growth(s)?;
     retraction(s, &mut warnings)?;
@@ -306,6 +307,24 @@ fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
         );
     }
     Ok(())
+}
+
+/// Refuses a draft shield that would touch the part.
+fn shield_beside_the_part(s: &Settings) -> Result<(), Conflict> {
+    /// Least distance of a shield from the part, mm: about a line's width.
+    const LEAST: isoslice_base::units::Mm = 0.5;
+    let near = s.skirt.distance.filter(|distance| *distance < LEAST);
+    let shield = s.draft_shield != DraftShield::Off;
+    match near.filter(|_| shield) {
+        None => Ok(()),
+        Some(distance) => Err(conflict(
+            ["draft_shield", "skirt.distance"],
+            format!(
+                "the draft shield would touch the part at a skirt.distance of \
+                 {distance} mm; set it to {LEAST} mm or more"
+            ),
+        )),
+    }
 }
 
 /// Refuses what cannot stand beside a climbing wall: the nozzle would have to

@@ -87,7 +87,7 @@ pub(super) static ROWS: &[Row] = rows! {
                 "cooling.overhang_fan_speed",
                 "cooling.internal_bridge_fan_speed",
             ],
-            how: "of steps by overlap that of a quarter; if they have no fan \
+            how: "steps by overlap are steps; if they have no fan \
                   of their own, that of layers",
             make: Make(make::overhang_fan),
         };

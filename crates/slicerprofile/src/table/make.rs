@@ -525,18 +525,35 @@ pub(super) fn fan(given: &Given<'_>) -> Outcome {
 /// unless the profile gives them one of their own, in a later row.
 pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
     let mut out = Vec::new();
-    let percent = |key| given.number(key).filter(|v: &f64| *v >= 0.0);
+    let percent = |key: &str| given.number(key).filter(|v: &f64| *v >= 0.0);
     if given.slicer == Slicer::Prusa {
         let bridge = percent("bridge_fan_speed");
-        let steps = given.on("enable_dynamic_fan_speeds");
-        let overhang = percent("overhang_fan_speed_1").filter(|_| steps);
+        // The keys' names tell how many quarters of a line lie on the layer below.
+        let step = |(reach, key): (&str, &str)| {
+            Some(format!("{reach}: {}", percent(key)?.min(100.0)))
+        };
+        let steps: Vec<String> = [
+            ("25", "overhang_fan_speed_3"),
+            ("50", "overhang_fan_speed_2"),
+            ("75", "overhang_fan_speed_1"),
+            ("100", "overhang_fan_speed_0"),
+        ]
+        .into_iter()
+        .filter_map(step)
+        .collect();
+        let on = given.on("enable_dynamic_fan_speeds") && !steps.is_empty();
         if let Some(v) = bridge {
             out.push(("cooling.bridge_fan_speed", v.into()));
             out.push(("cooling.internal_bridge_fan_speed", v.into()));
         }
         // Without steps overhanging walls are printed like bridges.
-        if let Some(v) = overhang.or(bridge) {
-            out.push(("cooling.overhang_fan_speed", v.into()));
+        let overhang = if on {
+            Some(steps.join(", ").into())
+        } else {
+            bridge.map(Value::from)
+        };
+        if let Some(v) = overhang {
+            out.push(("cooling.overhang_fan_speed", v));
         }
         return Outcome::of(out);
     }

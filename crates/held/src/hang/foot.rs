@@ -22,9 +22,9 @@
 //! has a reason for a brim, which is no proof that it falls. Bodies that stand
 //! apart count as one.
 
-use crate::adhesion::{BrimPlan, brim};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
+use isoslice_layer::adhesion::{BrimPlan, brim};
 use isoslice_planar::{Area, edges};
 
 /// Tension that a well-set first layer bears at its edge, N/mm²: about half
@@ -149,11 +149,12 @@ impl Foot {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hang::plan::brim;
     use isoslice_planar::shapes::{circle, rect};
     use isoslice_settings::BrimPlace;
 
     fn holds(outline: &Area) -> Mm {
-        Foot::new(outline, &Area::EMPTY, 0.2, &BrimPlan::with(|_| ()))
+        Foot::new(outline, &Area::EMPTY, 0.2, &brim(|_| ()))
             .unwrap()
             .holds
     }
@@ -175,12 +176,12 @@ mod tests {
         let found = holds(&legs);
         assert!(found < 2.5 * 9.001 && found > square(3.0), "{found}");
         let none = &Area::EMPTY;
-        assert_eq!(Foot::new(none, none, 0.2, &BrimPlan::with(|_| ())), None);
+        assert_eq!(Foot::new(none, none, 0.2, &brim(|_| ())), None);
     }
 
     #[test]
     fn pads_on_both_sides_of_an_edge_count() {
-        let plan = BrimPlan::with(|_| ());
+        let plan = brim(|_| ());
         let pads = Area::from_iter([
             rect(-9.0, -1.0, 9.0, -0.4),
             rect(-9.0, 0.4, 9.0, 1.0),
@@ -206,7 +207,7 @@ mod tests {
         let vase = Area::from_iter([circle(30.0, 200), hole]);
         assert!(holds(&vase) > 5000.0);
         let pin = rect(0.0, 0.0, 3.0, 3.0);
-        let wide = BrimPlan::with(|s| s.brim.place = BrimPlace::Outer);
+        let wide = brim(|s| s.brim.place = BrimPlace::Outer);
         let foot = Foot::new(&pin, &Area::EMPTY, 0.2, &wide).unwrap();
         // A brim of 5 mm makes 13 mm of 3 mm, round at the corners.
         let square = 2.5 * 13.0_f64.powi(3) / 6.0;

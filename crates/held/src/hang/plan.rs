@@ -1,7 +1,9 @@
 //! What tells which places hang.
 
-use crate::walls::WallPlan;
 use isoslice_base::units::{Degrees, Mm};
+#[cfg(test)]
+use isoslice_layer::adhesion::BrimPlan;
+use isoslice_layer::walls::WallPlan;
 use isoslice_settings::Settings;
 
 /// How far layers hold what is above them.
@@ -11,6 +13,9 @@ pub struct HangPlan {
     pub angle: Degrees,
     /// True if skin over a gap turns so that its lines bridge the gap.
     pub bridges: bool,
+    /// True if lines of skin count that lie across a gap without being bridges:
+    /// they sag, but supports hold better.
+    pub by_skin: bool,
     /// Greatest length of a bridge, mm.
     pub bridge_max: Mm,
     /// Directions of skin's lines in even and in odd layers.
@@ -31,6 +36,7 @@ impl HangPlan {
         HangPlan {
             angle: settings.support.angle,
             bridges: settings.bridges,
+            by_skin: true,
             bridge_max: settings.bridge_max,
             directions: [0, 1].map(|layer| settings.skin_direction(layer)),
             walls: WallPlan::of(settings),
@@ -62,4 +68,12 @@ impl HangPlan {
     pub(crate) fn usual() -> HangPlan {
         HangPlan::with(|_| ())
     }
+}
+
+/// The plan of the brim for changed settings.
+#[cfg(test)]
+pub(super) fn brim(change: impl FnOnce(&mut Settings)) -> BrimPlan {
+    let mut settings = Settings::default();
+    change(&mut settings);
+    BrimPlan::of(&settings)
 }

@@ -5,10 +5,10 @@
 //! fits into it, and a spike that is too thin for a line holds nothing.
 
 use super::plan::HangPlan;
-use crate::cover::neighbour::Neighbour;
-use crate::walls::prints;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
+use isoslice_layer::cover::neighbour::Neighbour;
+use isoslice_layer::walls::prints;
 use isoslice_planar::clip::intersection;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Ring, Solid, signed_area};

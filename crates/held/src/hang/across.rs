@@ -10,9 +10,9 @@
 
 use super::held::held;
 use super::plan::HangPlan;
-use crate::skin::bridge::{ANCHOR, direction, hung};
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
+use isoslice_layer::skin::bridge::{ANCHOR, direction, hung};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, Segment};
 use isoslice_planar::{Area, Solid};
@@ -82,8 +82,10 @@ impl Across {
         let width = plan.walls.skin;
         let angle = if plan.bridges {
             direction(gap, below, width)?
-        } else {
+        } else if plan.by_skin {
             plan.direction(upper.number)
+        } else {
+            return None;
         };
         let size = gap.bounds().size().length();
         let spacing = width.max(size / LINES);

@@ -42,7 +42,10 @@ impl SupportPlan {
         let support = &settings.support;
         let width = settings.infill_width();
         SupportPlan {
-            hang: HangPlan::of(settings),
+            hang: HangPlan {
+                by_skin: false,
+                ..HangPlan::of(settings)
+            },
             wanted: support.where_.clone(),
             on_part: settings.supports == Supports::Auto,
             style: support.style,

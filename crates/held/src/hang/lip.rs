@@ -21,9 +21,9 @@
 
 use super::held::held;
 use super::plan::HangPlan;
-use crate::cover::neighbour::Neighbour;
 use glam::DVec2;
 use isoslice_base::units::Mm;
+use isoslice_layer::cover::neighbour::Neighbour;
 use isoslice_planar::clip::{difference, intersection};
 use isoslice_planar::grid::nearest_on;
 use isoslice_planar::offset::offset;
