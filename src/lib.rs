@@ -12,8 +12,8 @@
 //!
 //! Data flows one way, roughly from the top of this list to its end. Most parts
 //! of the way are crates in `crates/`. `CONTRIBUTING.md` has their order, which
-//! Cargo keeps. Inside `base`, `layer`, `gcode-read`, `path` and `src`,
-//! `tests/architecture.rs` keeps the order of the modules.
+//! Cargo keeps. Inside `base`, `layer`, `held`, `gcode-read`, `path` and
+//! `src`, `tests/architecture.rs` keeps the order of the modules.
 //!
 //! 1. [`model`] reads a script, fidget's `.vm` text or a formula, bounds the
 //!    part by interval arithmetic and places it on the bed. [`settings`] say

@@ -84,11 +84,10 @@ pub fn instead(name: &str) -> Option<&'static str> {
 /// its default, which needs no other.
 pub(super) fn advice(name: &str) -> Option<String> {
     let instead = instead(name)?;
-    Some(match instead.starts_with("write") {
-        true => {
-            format!("leave it out if it has its old default, else {instead}")
-        }
-        false => instead.to_owned(),
+    Some(if instead.starts_with("write") {
+        format!("leave it out if it has its old default, else {instead}")
+    } else {
+        instead.to_owned()
     })
 }
 
