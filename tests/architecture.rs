@@ -16,7 +16,11 @@
 //! types that the files share and calls those files. So does a crate's `lib.rs`.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+#![allow(
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail, too"
+)]
 
 #[path = "architecture/checker.rs"]
 mod checker;

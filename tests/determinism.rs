@@ -4,7 +4,11 @@
 //!
 //! `tests/texts/ranges.rs` shows it for ranges of layers.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+#![allow(
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail, too"
+)]
 
 mod common;
 

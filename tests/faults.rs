@@ -7,7 +7,11 @@
 //! do (mount, for one) is skipped with a message.
 
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+#![allow(
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail, too"
+)]
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};

@@ -2,6 +2,8 @@
 //!
 //! The targets are the fuzzer's own; CONTRIBUTING.md says how to run it.
 
+#![allow(clippy::panic, reason = "helpers of tests may fail, too")]
+
 #[path = "../fuzz/targets.rs"]
 mod targets;
 

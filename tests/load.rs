@@ -1,6 +1,10 @@
 //! Many slices in one process: no memory is kept, and none disturbs another.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+#![allow(
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail, too"
+)]
 
 mod common;
 

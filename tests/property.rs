@@ -6,7 +6,11 @@
 //! The formulas are only to be survived.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+#![allow(
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail, too"
+)]
 
 #[path = "property/check.rs"]
 mod check;
@@ -63,7 +67,11 @@ fn fresh() -> u64 {
         let given = std::env::var("SEED").ok();
         given.map_or_else(
             || RandomState::new().build_hasher().finish(),
-            |text| text.parse().expect("SEED must be a whole number"),
+            |text| {
+                text.parse().unwrap_or_else(|_| {
+                    panic!("SEED is no whole number: {text}")
+                })
+            },
         )
     });
     println!(

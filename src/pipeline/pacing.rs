@@ -13,6 +13,7 @@ use super::ways::Passed;
 use super::{BLOCK, SliceError};
 use crate::plate::Plate;
 use glam::DVec2;
+use isoslice_base::limits;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::{BedPlan, Skirt, keep_on_bed};
@@ -141,6 +142,7 @@ impl<'a> Pacing<'a> {
         'a: 'p,
     {
         let stretches = self.stretches(&span, passed);
+        limits::go_on()?;
         let written = self.turn.is_some() || self.layers.contains(&span.index);
         if written && let Some(pictures) = &self.pictures {
             let moves = stretches.iter().flat_map(|s| s.moves.clone());

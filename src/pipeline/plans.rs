@@ -3,11 +3,13 @@
 use isoslice_held::hang::HangPlan;
 use isoslice_held::support::SupportPlan;
 use isoslice_layer::adhesion::AdhesionPlan;
+use isoslice_layer::exposure::ExposurePlan;
 use isoslice_layer::infill::InfillPlan;
+use isoslice_layer::outline::OutlinePlan;
 use isoslice_layer::resolution::Resolution;
 use isoslice_layer::seam::EndingPlan;
 use isoslice_layer::skin::SkinPlan;
-use isoslice_layer::{outline::OutlinePlan, walls::WallPlan};
+use isoslice_layer::walls::WallPlan;
 use isoslice_path::order::OrderPlan;
 use isoslice_path::pace::PacePlan;
 use isoslice_path::spiral::SpiralPlan;
@@ -20,6 +22,7 @@ pub(super) struct Plans {
     pub resolution: Resolution,
     pub outline: OutlinePlan,
     pub walls: WallPlan,
+    pub exposure: ExposurePlan,
     pub skin: SkinPlan,
     pub infill: InfillPlan,
     pub adhesion: AdhesionPlan,
@@ -40,6 +43,7 @@ impl Plans {
             resolution: Resolution::of(settings),
             outline: OutlinePlan::of(settings),
             walls: WallPlan::of(settings),
+            exposure: ExposurePlan::of(settings),
             skin: SkinPlan::of(settings),
             infill: InfillPlan::of(settings),
             adhesion: AdhesionPlan::of(settings),

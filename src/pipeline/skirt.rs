@@ -5,7 +5,7 @@
 use super::SliceError;
 use super::job::{Job, Planned, outline_of};
 use super::stages::shielded;
-use isoslice_layer::adhesion::{BrimPlan, Skirt, SkirtPlan};
+use isoslice_layer::adhesion::{Skirt, SkirtPlan};
 use isoslice_planar::{Area, Ring, hull};
 use isoslice_settings::DraftShield;
 
@@ -47,8 +47,9 @@ pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
         }
     }
     // The skirt goes round the widest brim.
-    let brims = plate.parts.iter().map(|part| BrimPlan::of(&part.settings));
-    let brim = brims.map(|brim| brim.reach).fold(0.0, f64::max);
+    let plans = job.parts.iter().map(|part| part.stages.plans);
+    let brims = plans.map(|plans| plans.adhesion.brim.reach);
+    let brim = brims.fold(0.0, f64::max);
     let plan = if shield {
         let high = job.parts.iter().map(|p| shielded(p.spans, settings));
         SkirtPlan::of_shield(settings, high.max().unwrap_or(0))

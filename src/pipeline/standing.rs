@@ -36,7 +36,7 @@ pub fn supports(
             Ok(planned)
         });
         let planned = planned.map_err(|e| plate.named(part, e))?;
-        let Some(support) = planned.stages.supports() else {
+        let Some(support) = planned.stages.support() else {
             continue;
         };
         let own: Vec<_> = support.slabs().collect();

@@ -52,7 +52,7 @@ pub enum PlateError {
     },
     /// A part with a climbing wall is asked for beside other parts.
     #[error(
-        "{asked}: spiral = true prints one part, as its wall climbs without a \
+        "{asked}: spiral prints one part, as its wall climbs without a \
          break; slice the parts one by one, or set spiral = false"
     )]
     Spiral {

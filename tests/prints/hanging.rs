@@ -341,3 +341,23 @@ fn no_example_hangs() {
         assert!(told.is_empty(), "{}: {told:?}", example.name);
     }
 }
+
+/// Where `bridges` is off, supports count no lines of skin as bridges, and the
+/// places that need some are measured likewise.
+#[test]
+fn without_bridges_a_gap_is_listed_with_its_reach() {
+    // A lid on two walls that are 5 mm apart.
+    let table = "min(max(max(abs(abs(x) - 4.5) - 2, abs(y) - 8), \
+                 abs(z - 2) - 2), max(max(abs(x) - 6.5, abs(y) - 8), \
+                 abs(z - 4.5) - 0.5))";
+    for angle in ["skin_angle=0", "skin_angle=45", "skin_angle=90"] {
+        let settings = common::settings(&["bridges=false", angle]);
+        let model = common::formula(table, &settings);
+        let survey = survey(&model, &settings, Some(2)).unwrap();
+        let [place] = &survey.places[..] else {
+            panic!("{angle}: {:?}", survey.places);
+        };
+        assert!((place.area - 5.0 * 16.0).abs() < 5.0, "{place:?}");
+        assert!((place.reach - 2.5).abs() < 0.3, "{place:?}");
+    }
+}

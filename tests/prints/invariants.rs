@@ -337,9 +337,7 @@ fn the_skirt_keeps_off_the_part() {
         for m in skirt {
             let (a, b) = m.ends();
             // The hull is offset with arcs of chords, good to 10 µm.
-            let gap = print.settings.skirt.distance.unwrap_or(6.0)
-                + 0.5 * m.width
-                - 0.02;
+            let gap = print.settings.skirt_distance() + 0.5 * m.width - 0.02;
             for p in [a, a.midpoint(b), b] {
                 assert!(!area.contains(p), "{}", print.at(m));
                 let near = edges.nearest_within(p, gap);

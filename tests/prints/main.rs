@@ -2,7 +2,11 @@
 //! against what is known of the parts.
 
 // A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+#![allow(
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail, too"
+)]
 
 #[path = "../common/mod.rs"]
 mod common;

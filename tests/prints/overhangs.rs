@@ -159,7 +159,7 @@ fn walls_that_hang_are_turned_round_on_every_other_layer() {
         let wipe = |layer: &Layer| {
             let last = layer.moves.iter().rposition(|m| m.kind == Kind::Print);
             let end = layer.moves[last.unwrap()].to.truncate();
-            let next = layer.moves.get(last.unwrap() + 1).unwrap();
+            let next = &layer.moves[last.unwrap() + 1];
             (end, next.to.truncate())
         };
         let ((end, to), (_, plain)) = (wipe(a), wipe(b));

@@ -388,7 +388,7 @@ fn the_skirt_goes_round_all_and_each_part_has_its_brim() {
     ];
     let plate = Plate::new("p", &all, &of_all).unwrap();
     let all = printed(&run(&plate, "1..2", 2).0);
-    let skirt: Vec<_> = all.get(&(String::new(), 1)).unwrap().clone();
+    let skirt: Vec<_> = all[&(String::new(), 1)].clone();
     assert!(!all.contains_key(&(String::new(), 2)));
     // The skirt is round the parts, and 6 mm away from what is nearest, the
     // brim.

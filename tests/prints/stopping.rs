@@ -1,4 +1,4 @@
-//! Work that is stopped in any place ends with an error, not with a panic nor
+//! Work that is stopped ends with an error, wherever that is, not with a panic nor
 //! with a result.
 //!
 //! Stages that cannot fail return what they have when they are stopped. So what
@@ -17,9 +17,11 @@ fn stops_everywhere(formula: &str, settings: &[&str]) {
     let coarse = ["sample_spacing=0.5", "layer_height=0.3"];
     let settings = common::settings(&[&coarse, settings].concat());
     let model = common::formula(formula, &settings);
+    let pictures = tempfile::tempdir().unwrap();
     let options = Options {
         threads: Some(2),
         check: true,
+        svg_dir: Some(pictures.path()),
         ..Options::default()
     };
     let mut questions = 1;
@@ -27,17 +29,20 @@ fn stops_everywhere(formula: &str, settings: &[&str]) {
     loop {
         let watch = Watch::new(Limits::default());
         watch.cancel_after(questions);
+        let mut result = None;
         let run = || {
             let mut bytes = Vec::new();
-            pipeline::slice(&model, &settings, &options, &mut bytes)
+            let made = pipeline::slice(&model, &settings, &options, &mut bytes);
+            result = Some(made);
         };
-        match watch.run(run) {
-            Ok(done) => {
-                done.unwrap();
-                break;
-            }
-            Err(why) => assert_eq!(why.reason, Reason::Cancelled),
-        }
+        let run = watch.run(run);
+        let result = result.unwrap();
+        let Err(why) = run else {
+            result.unwrap();
+            break;
+        };
+        assert_eq!(why.reason, Reason::Cancelled);
+        assert!(result.is_err(), "stopped after {questions} questions");
         stopped += 1;
         questions = (questions as f64 * GROWTH) as u64 + 1;
     }

@@ -7,7 +7,11 @@
 //! ```sh                each line is a command, which must succeed
 //! ````
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, reason = "tests may unwrap")]
+#![allow(
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail, too"
+)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

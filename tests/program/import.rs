@@ -479,13 +479,17 @@ fn a_file_of_isoslice_s_own_is_read_back_whole() {
     assert_eq!(slice(&own, "c.gcode"), before);
     // Settings of earlier versions are not lost without a word.
     let now = "; isoslice walls = 4\n";
-    let was = before.replace(now, "; isoslice top_thickness = 1.6\n");
+    let old = "; isoslice top_thickness = 1.6\n\
+               ; isoslice speed.small_perimeter = 9\n";
+    let was = before.replace(now, old);
     assert_ne!(was, before);
     fs::write(dir.path().join("was.gcode"), was).unwrap();
     let import = ["profiles", "import", "was.gcode", "-o", "was.toml"];
     let said = output(dir.path(), &import);
     let told = "top_thickness = 1.6: write the thickness";
     assert!(said.contains(told), "{said}");
+    let was = fs::read_to_string(dir.path().join("was.toml")).unwrap();
+    assert!(was.contains("small_wall = 9"), "{was}");
     // A file without these lines says that it has few.
     let tail = "; isoslice settings";
     let (few, _) = before.split_once(tail).unwrap();

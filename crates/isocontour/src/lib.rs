@@ -45,22 +45,6 @@
 //! units with features of 0.01 or more, so millimetres suit most parts.
 
 #![warn(unreachable_pub)]
-#![allow(
-    rustdoc::private_intra_doc_links,
-    reason = "in the documentation of private items these links lead somewhere"
-)]
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::panic,
-        clippy::expect_used,
-        clippy::unwrap_used,
-        clippy::unreachable,
-        clippy::todo,
-        clippy::unimplemented,
-        clippy::get_unwrap,
-    )
-)]
 
 mod bounds;
 mod cancel;

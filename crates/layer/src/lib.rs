@@ -1,7 +1,7 @@
 //! What is in a layer: walls, skin, infill, adhesion and seams.
 //!
 //! In: the outlines of a layer and of the layers around it, their heights, and
-//! plans: the plain numbers that a part needs of the settings. Each part's
+//! plans: the plain numbers that a module needs of the settings. Each module's
 //! `plan.rs` reads the settings; no other file takes all of them. Out: areas of a
 //! layer's plane, and the [`Bead`]s that fill them, not yet in any order.
 //!
@@ -27,24 +27,6 @@
 //! [`Bead`]: isoslice_planar::bead::Bead
 
 #![warn(unreachable_pub)]
-#![allow(
-    rustdoc::private_intra_doc_links,
-    reason = "in the documentation of private items these links lead somewhere"
-)]
-// Failures are errors, not panics; only tests may panic. Indices are allowed,
-// since geometry is full of them; the fuzzer and the hostile models test those.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::panic,
-        clippy::expect_used,
-        clippy::unwrap_used,
-        clippy::unreachable,
-        clippy::todo,
-        clippy::unimplemented,
-        clippy::get_unwrap,
-    )
-)]
 
 pub mod adhesion;
 pub mod cover;

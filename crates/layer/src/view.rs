@@ -1,4 +1,4 @@
-//! A layer and what is around it, as all parts see it that ask.
+//! A layer and the layers around it, as any stage sees them.
 
 use isoslice_planar::Solid;
 use isoslice_settings::layers::LayerSpan;

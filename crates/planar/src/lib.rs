@@ -28,24 +28,6 @@
 //! tolerance says what lies within it. Nothing here knows settings or fields.
 
 #![warn(unreachable_pub)]
-#![allow(
-    rustdoc::private_intra_doc_links,
-    reason = "in the documentation of private items these links lead somewhere"
-)]
-// Failures are errors, not panics; only tests may panic. Indices are allowed,
-// since geometry is full of them; the fuzzer and the hostile models test those.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::panic,
-        clippy::expect_used,
-        clippy::unwrap_used,
-        clippy::unreachable,
-        clippy::todo,
-        clippy::unimplemented,
-        clippy::get_unwrap,
-    )
-)]
 
 pub mod along;
 pub mod arc;

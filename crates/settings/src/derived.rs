@@ -162,6 +162,16 @@ impl Settings {
         self.layer_heights == Varying::Constant(LayerHeights::Uniform)
     }
 
+    /// Distance of the skirt from the part: `skirt.distance` if set.
+    pub fn skirt_distance(&self) -> Mm {
+        self.skirt.distance.unwrap_or(6.0)
+    }
+
+    /// Distance of the draft shield from the part: `skirt.distance` if set.
+    pub fn shield_distance(&self) -> Mm {
+        self.skirt.distance.unwrap_or(10.0)
+    }
+
     /// Width of the thinnest line: [`Settings::thin_min`] of the outer wall's.
     pub fn thinnest_line(&self) -> Mm {
         self.thin_min / 100.0 * self.outer_wall_width()

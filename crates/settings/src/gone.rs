@@ -1,4 +1,4 @@
-//! Settings that became part of others.
+//! Settings that are no more.
 //!
 //! In: a name that a setting once had. Out: what to write instead.
 
@@ -23,7 +23,7 @@ const GONE: &[(&str, &str)] = &[
     ),
     (
         "draft_shield_gap",
-        "write skirt.distance, which is also the draft shield's",
+        "set skirt.distance to it if there is a draft shield, else leave it out",
     ),
     (
         "speed.overhang_steps",
@@ -66,7 +66,8 @@ const GONE: &[(&str, &str)] = &[
     ),
     (
         "seam_scarf_rise",
-        "write seam_scarf_start = 10 for scarfs that rise, and 100 for level ones",
+        "set seam_scarf_start = 100 if it was false, and leave it out if it was \
+         true",
     ),
     (
         "support.interface_spacing",
@@ -80,8 +81,8 @@ pub fn instead(name: &str) -> Option<&'static str> {
     gone.map(|(_, instead)| *instead)
 }
 
-/// What to do about a setting that is no more. Files of all settings have it with
-/// its default, which needs no other.
+/// What to do about a setting that is no more. Files of all settings name it even
+/// at its default; then it may be left out.
 pub(super) fn advice(name: &str) -> Option<String> {
     let instead = instead(name)?;
     Some(if instead.starts_with("write") {

@@ -37,24 +37,6 @@
 //! ```
 
 #![warn(unreachable_pub)]
-#![allow(
-    rustdoc::private_intra_doc_links,
-    reason = "in the documentation of private items these links lead somewhere"
-)]
-// Failures are errors, not panics; only tests may panic. Indices are allowed,
-// since geometry is full of them; the fuzzer and the hostile models test those.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::panic,
-        clippy::expect_used,
-        clippy::unwrap_used,
-        clippy::unreachable,
-        clippy::todo,
-        clippy::unimplemented,
-        clippy::get_unwrap,
-    )
-)]
 
 mod by_nozzle;
 mod check;
@@ -89,7 +71,7 @@ pub use profile::{Origin, Profile, Profiles};
 pub use read::Builder;
 pub use rows::Settings;
 pub use shipped::ProfileKind;
-pub use table::{Key, keys};
+pub use table::{Key, keys, name_now};
 pub use value::Range;
 
 pub use by_nozzle::ByNozzle;

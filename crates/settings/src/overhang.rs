@@ -1,7 +1,7 @@
 //! Rates of walls that hang over the layer below: one for all, or steps by how
 //! far they reach out.
 
-use super::steps::Steps;
+use super::steps::{Of, Steps};
 use super::value::{Kind, Measure, Raw, Refused, Value, Varying, formula};
 use isoslice_base::units::Percent;
 
@@ -42,14 +42,13 @@ impl<T> OfOverhangs<T> {
 fn read<T: Value>(
     raw: Raw<'_>,
     measure: Measure,
-    (mut rate, mut steps): (T, Steps),
+    (mut rate, of): (T, Of),
 ) -> Result<OfOverhangs<T>, Refused> {
     Ok(match raw {
         Raw::Text(text) | Raw::Word(text)
             if text.contains(':') && formula(raw).is_none() =>
         {
-            steps.assign(raw, measure)?;
-            OfOverhangs::Steps(steps)
+            OfOverhangs::Steps(Steps::read(text, of)?)
         }
         _ => {
             rate.assign(raw, measure)?;
@@ -71,7 +70,7 @@ impl Value for OverhangSpeed {
         raw: Raw<'_>,
         measure: Measure,
     ) -> Result<(), Refused> {
-        *self = read(raw, measure, (0.0.into(), Steps::of_speed()))?;
+        *self = read(raw, measure, (0.0.into(), Of::Speed))?;
         Ok(())
     }
 
@@ -95,7 +94,7 @@ impl Value for OverhangFan {
         raw: Raw<'_>,
         measure: Measure,
     ) -> Result<(), Refused> {
-        *self = read(raw, measure, (0.0, Steps::of_fan()))?;
+        *self = read(raw, measure, (0.0, Of::Fan))?;
         Ok(())
     }
 

@@ -73,9 +73,9 @@ table::settings! {
         top_walls: Option<u32> = None, in 1..=1000;
         /// Whether to print the part as a vase: bottom_layers flat layers,
         /// and above them one wall that climbs without a break, without
-        /// infill, top skin, seams and retractions. A number of walls climb
-        /// side by side, and the nozzle goes from each to the next one outside
-        /// of it once a turn.
+        /// infill, top skin, seams and retractions. A number is that of walls
+        /// that climb side by side; the nozzle goes from each to the next one
+        /// outside of it once a turn.
         spiral: SwitchOrCount = SwitchOrCount::Off, in 1..=100;
         /// Line width of the outer wall; auto is 112.5% of the nozzle's
         /// diameter.

@@ -9,9 +9,6 @@ use isoslice_base::units::Percent;
 /// Greatest number of steps.
 const MOST: usize = 20;
 
-/// The word for no steps.
-const OFF: &str = "off";
-
 /// The value at a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum At {
@@ -23,7 +20,7 @@ enum At {
 
 /// The quantity that steps give values of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Of {
+pub(super) enum Of {
     /// The values are speeds of the nozzle, mm/s, or shares of the speed
     /// without steps.
     Speed,
@@ -46,31 +43,10 @@ impl Of {
 /// Values at some shares above 0 to 100 %, interpolated between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steps {
-    of: Of,
     steps: Vec<(Percent, At)>,
 }
 
 impl Steps {
-    /// A speed without steps.
-    pub(super) fn of_speed() -> Steps {
-        Steps::off(Of::Speed)
-    }
-
-    /// A fan's speed without steps.
-    pub(super) fn of_fan() -> Steps {
-        Steps::off(Of::Fan)
-    }
-
-    fn off(of: Of) -> Steps {
-        let steps = Vec::new();
-        Steps { of, steps }
-    }
-
-    /// True if there are no steps.
-    pub fn is_off(&self) -> bool {
-        self.steps.is_empty()
-    }
-
     /// The value at a share. `own` is the value without steps, and at 0 %. From
     /// the last step on the value stays as it is.
     pub fn at(&self, share: Percent, own: f64) -> f64 {
@@ -90,12 +66,9 @@ impl Steps {
         from.1
     }
 
-    fn read(text: &str, of: Of) -> Result<Steps, Refused> {
-        let text = text.trim();
-        let mut all = Steps::off(of);
-        if text.is_empty() || text == OFF {
-            return Ok(all);
-        }
+    /// Reads steps, at least one.
+    pub(super) fn read(text: &str, of: Of) -> Result<Steps, Refused> {
+        let mut all = Steps { steps: Vec::new() };
         let mut last = 0.0;
         for step in text.split(',') {
             let (share, at) = read(step, of)?;
@@ -132,22 +105,7 @@ fn read(text: &str, of: Of) -> Result<(Percent, At), Refused> {
 }
 
 impl Steps {
-    pub(super) fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        _: Measure,
-    ) -> Result<(), Refused> {
-        *self = match raw {
-            Raw::Text(text) | Raw::Word(text) => Steps::read(text, self.of)?,
-            _ => return Err(Refused::Type),
-        };
-        Ok(())
-    }
-
     pub(super) fn to_toml(&self) -> String {
-        if self.is_off() {
-            return format!("\"{OFF}\"");
-        }
         let steps = self.steps.iter().map(|(share, at)| {
             let share = share.to_toml();
             match at {
@@ -181,7 +139,6 @@ mod tests {
         let one = read("50: 20");
         let found = [0.0, 25.0, 80.0].map(|share| one.at(share, 60.0));
         assert_eq!(found, [60.0, 40.0, 20.0]);
-        assert_eq!(Steps::of_fan().at(70.0, 33.0), 33.0);
     }
 
     #[test]
@@ -194,9 +151,6 @@ mod tests {
         // A fan's values are percentages themselves, so they cannot be shares
         // of another value.
         assert_eq!(written("5: 80%", Of::Fan), Ok("\"5: 80\"".into()));
-        for none in ["", " ", "off"] {
-            assert_eq!(written(none, Of::Fan), Ok("\"off\"".into()));
-        }
         for bad in [
             "25",
             "25:",
@@ -212,6 +166,9 @@ mod tests {
             "a: b",
             "25: 30 40",
             "on",
+            "off",
+            "",
+            " ",
         ] {
             assert_eq!(written(bad, Of::Speed), Err(Refused::Type), "{bad}");
         }

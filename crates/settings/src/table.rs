@@ -228,10 +228,15 @@ const RENAMED: [(&str, &str); 2] = [
     ("speed.small_perimeter_length", "speed.small_wall_length"),
 ];
 
+/// The name that a setting has now, by that or by one that it once had.
+pub fn name_now(name: &str) -> &str {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == name);
+    renamed.map_or(name, |(_, new)| new)
+}
+
 /// The key of a name, which may be one that the setting once had.
 pub(super) fn find(name: &str) -> Option<&'static Key> {
-    let renamed = RENAMED.iter().find(|(old, _)| *old == name);
-    let name = renamed.map_or(name, |(_, new)| new);
+    let name = name_now(name);
     keys().iter().find(|key| key.name == name)
 }
 

@@ -25,20 +25,6 @@
 //! # }
 //! ```
 
-// Failures are errors, not panics; only tests may panic.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::panic,
-        clippy::expect_used,
-        clippy::unwrap_used,
-        clippy::unreachable,
-        clippy::todo,
-        clippy::unimplemented,
-        clippy::get_unwrap,
-    )
-)]
-
 mod archive;
 mod conversion;
 mod cura;

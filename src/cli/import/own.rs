@@ -3,7 +3,7 @@
 use anyhow::Context;
 use isoslice::settings::keys;
 use isoslice::settings_in_gcode;
-use isoslice_settings::instead;
+use isoslice_settings::{instead, name_now};
 use slicerprofile::{Kind, Left, Setting, Translation, Value, both_ends};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -44,7 +44,9 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
 /// Settings as an import has them.
 fn translation(table: toml::Table) -> Translation {
     let mut all = Translation::default();
-    let mut given = flat(table);
+    let now = |(name, value): (String, _)| (name_now(&name).to_owned(), value);
+    let mut given: BTreeMap<String, toml::Value> =
+        flat(table).into_iter().map(now).collect();
     for key in keys() {
         let (group, _) = key.name.split_once('.').unwrap_or(("", key.name));
         let value = match given.remove(key.name) {

@@ -34,7 +34,6 @@ use isoslice_base::timings::Timings;
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::Skirt;
 use isoslice_layer::exposure::Exposure;
-use isoslice_layer::exposure::ExposurePlan;
 use isoslice_layer::fuzzy::Fuzzy;
 use isoslice_layer::infill::standing::Standing;
 use isoslice_layer::infill::{self, Infill};
@@ -125,7 +124,7 @@ impl<'a> Stages<'a> {
             raft_layers: settings.raft_layers(),
             bed: -model.offset.z,
             spiral: None,
-            exposure: Exposure::new(ExposurePlan::of(settings), spans),
+            exposure: Exposure::new(plans.exposure, spans),
             growth: Growth::new(&settings.xy_compensation, model)?,
             infill,
             timings: Timings::default(),

@@ -94,14 +94,15 @@ impl<'a> Stages<'a> {
         };
         let far = tracker.take_far();
         let places = pool.install(|| {
-            let [needs, outlines] = held(survey, &heights, &self.plans.hang);
+            let [needs, outlines] =
+                held(survey, &heights, &self.plans.support.hang);
             let needs = Needs {
                 needs: &needs,
                 outlines: &outlines,
                 spans: heights.spans(),
                 far: &far,
             };
-            needs.places(&self.plans.hang, place)
+            needs.places(&self.plans.support.hang, place)
         });
         Ok((tracker.finish(), places))
     }
@@ -187,11 +188,6 @@ impl<'a> Stages<'a> {
         });
     }
 
-    /// The supports, once they are planned.
-    pub(in crate::pipeline) fn supports(&self) -> Option<&Supported<'a>> {
-        self.support.as_ref()
-    }
-
     /// The part at half the height of each layer's supports, where that is not
     /// half the height of the layer.
     fn sections(
@@ -215,9 +211,9 @@ impl<'a> Stages<'a> {
             let all = 0..usize::MAX;
             let none = &WallFields::None;
             let layers = self.layers_of(&self.field, none, slab, &all)?;
-            let sections = layers
-                .iter()
-                .map(|l| coarse(l.area(), l.span.height(), &self.plans.hang));
+            let sections = layers.iter().map(|l| {
+                coarse(l.area(), l.span.height(), &self.plans.support.hang)
+            });
             let coarse = || sections.collect();
             Ok::<_, SliceError>(self.timings.time(Stage::Support, coarse))
         };

@@ -262,7 +262,7 @@ impl Watch {
 }
 
 /// Ends the second thread's watch when the work ends, also by a panic, and puts
-/// this thread under the watch before.
+/// this thread back under the watch that it was under before.
 struct Ends<'a> {
     shared: &'a Shared,
     outer: Option<Arc<Shared>>,

@@ -1,5 +1,5 @@
 //! How far a layer holds what is above it, and how much hangs without harm.
-//! There is one figure for each, whoever asks.
+//! Both figures are the same for warnings and for supports.
 
 use super::plan::HangPlan;
 use isoslice_base::units::Mm;
@@ -26,7 +26,7 @@ pub(super) struct Limits {
     /// How far beyond its rim the layer below holds something.
     pub held: Mm,
     /// Width of what hangs beyond that without harm.
-    pub lip: Mm,
+    pub harmless: Mm,
 }
 
 impl Limits {
@@ -35,14 +35,14 @@ impl Limits {
         Limits {
             slope: plan.slope(height),
             held: held(height, plan),
-            lip: HARMLESS * plan.walls.outer,
+            harmless: HARMLESS * plan.walls.outer,
         }
     }
 
     /// True if something that gets so far from what is below hangs by more than a
     /// lip.
     pub(super) fn harm(self, reach: Mm) -> bool {
-        reach > self.held + self.lip
+        reach > self.held + self.harmless
     }
 
     /// What a layer adds to the distance from what holds a face, if its rim sticks out

@@ -47,10 +47,10 @@ pub(crate) fn unheld(
     height: Mm,
     plan: &HangPlan,
 ) -> Unheld {
-    if isoslice_base::limits::is_stopped() {
-        return Unheld::default();
-    }
-    if here.area.is_empty() || here.area == below.area {
+    if here.area.is_empty()
+        || here.area == below.area
+        || isoslice_base::limits::is_stopped()
+    {
         return Unheld::default();
     }
     let solid = Solid::new(below.area.clone());
@@ -74,7 +74,8 @@ impl Upper<'_> {
     /// begin on nothing are nobody's bridge and should not be among it.
     pub(super) fn over(self, here: &Printed, below: &Printed) -> Unheld {
         let [beyond, thin] = self.beyond(here, below);
-        let must = if beyond.is_empty() {
+        let spans = self.plan.bridges || self.plan.by_skin;
+        let must = if beyond.is_empty() || !spans {
             beyond
         } else {
             // Lines of a bridge end on what the layer below holds.

@@ -15,7 +15,8 @@
 //! its layers sticks out as little. A lip is held along its length: what begins on
 //! nothing is none.
 //!
-//! A lip of up to two lines hangs without harm, and no warning names it. But where
+//! What sticks out by up to two lines hangs without harm, and no warning names it.
+//! But where
 //! supports are asked for, the underside of such a lip is better with a support, and
 //! `isoslice info --supports` lists it.
 
@@ -72,8 +73,7 @@ fn is_lip(
     }
     let lip = plan.walls.outer;
     // A slope of `support.angle` gets twice as far as a lip in this height.
-    let tan = plan.angle.to_radians().tan();
-    let height = 2.0 * lip / tan.max(0.1);
+    let height = 2.0 * lip / plan.slope(1.0).max(0.1);
     let bottom = spans[i].bottom;
     let lowest = spans.partition_point(|s| s.bottom < bottom - height);
     let highest = spans.partition_point(|s| s.bottom <= bottom + height);

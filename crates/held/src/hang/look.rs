@@ -265,7 +265,7 @@ fn over(
     let mut run: Option<Rect> = None;
     for place in places.iter() {
         if place.said == Said::Asked {
-            let margin = place.beyond + limits.held + limits.lip;
+            let margin = place.beyond + limits.held + limits.harmless;
             let around = Rect::new(place.at - margin, place.at + margin);
             run = Some(run.map_or(around, |r| r.union(around)));
         } else {
@@ -395,7 +395,7 @@ fn under_lids(
     limits: Limits,
     boxes: &mut Vec<Rect>,
 ) {
-    let depth = limits.held + limits.lip;
+    let depth = limits.held + limits.harmless;
     // The box reaches to the next place, and around what hangs there.
     let margin = WIDE_STEP + 2.0 * depth;
     for ring in &below.rings {

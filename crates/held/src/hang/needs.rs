@@ -65,10 +65,7 @@ impl Needs<'_> {
 
     /// The islands of what needs a support in layer `i`, and boxes around them.
     fn pieces(self, i: usize, plan: &HangPlan) -> Vec<(Piece, Rect)> {
-        if self.needs[i].is_empty() {
-            return Vec::new();
-        }
-        if isoslice_base::limits::is_stopped() {
+        if self.needs[i].is_empty() || isoslice_base::limits::is_stopped() {
             return Vec::new();
         }
         let here = &self.outlines[i];

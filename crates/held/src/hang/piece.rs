@@ -60,7 +60,7 @@ pub(super) fn piece(
         reach: 0.0,
         at: DVec2::ZERO,
     };
-    let narrow = 2.0 * (limits.held + limits.lip);
+    let narrow = 2.0 * (limits.held + limits.harmless);
     (piece.reach, piece.at) =
         farthest(island, narrow, |p| away(below.grid(), p));
     let long = rect.size().length() > upper.plan.bridge_max;

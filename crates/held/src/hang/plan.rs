@@ -13,8 +13,8 @@ pub struct HangPlan {
     pub angle: Degrees,
     /// True if skin over a gap turns so that its lines bridge the gap.
     pub bridges: bool,
-    /// True if lines of skin count that lie across a gap without being bridges:
-    /// they sag, but supports hold better.
+    /// True if lines of skin that run across a gap count as bridges where `bridges`
+    /// is off. They sag, so supports do not count them.
     pub by_skin: bool,
     /// Greatest length of a bridge, mm.
     pub bridge_max: Mm,

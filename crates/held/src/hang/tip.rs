@@ -77,7 +77,7 @@ impl Tips {
                     // No ring lies on the island. Solid above it or beside it
                     // has caught the island. Without such solid the island ends
                     // here, and nothing ever held it.
-                    let (p, lip) = (island.now, look.limits.lip);
+                    let (p, lip) = (island.now, look.limits.harmless);
                     let caught =
                         here.contains(p) || here.nearest_edge(p, lip).is_some();
                     if !caught && island.most >= speck(look.limits) {
@@ -145,7 +145,7 @@ impl Tips {
 
 /// Least content of what becomes a bead: the square of a line's width.
 fn speck(limits: Limits) -> Mm2 {
-    (0.5 * limits.lip).powi(2)
+    (0.5 * limits.harmless).powi(2)
 }
 
 impl Island {

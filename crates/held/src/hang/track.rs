@@ -124,7 +124,7 @@ impl Tracker {
             (*place, state)
         });
         let mut rim: Vec<(RimPlace, State)> = rim.collect();
-        let hangs = |state: &State| state.excess > limits.lip;
+        let hangs = |state: &State| state.excess > limits.harmless;
         let mut found = Vec::new();
         let mut from = 0;
         // Neighbouring places that hang belong to one slope.
@@ -204,7 +204,7 @@ impl Tracker {
             // The ledge is counted already.
             state.under = 0.0;
             state.slope = content;
-        } else if place.beyond > limits.held && moved > limits.lip {
+        } else if place.beyond > limits.held && moved > limits.harmless {
             state.under = 0.0;
             return (state, place.strip + below.under * place.length);
         } else if place.beyond > limits.held {

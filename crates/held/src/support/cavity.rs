@@ -182,10 +182,8 @@ impl<'a> Level<'a> {
 /// The empty spaces of two layers that lie over each other, as pairs of their
 /// numbers.
 fn joins(a: &Level<'_>, b: &Level<'_>) -> Vec<[usize; 2]> {
-    if isoslice_base::limits::is_stopped() {
-        return Vec::new();
-    }
-    if a.holes().next().is_none() && b.holes().next().is_none() {
+    let none = a.holes().next().is_none() && b.holes().next().is_none();
+    if none || isoslice_base::limits::is_stopped() {
         return Vec::new();
     }
     let of = |at: DVec2| Some([a.empty(at)?, b.empty(at)?]);

@@ -53,10 +53,10 @@ pub(super) fn pieces(
         *lowest = union(lowest, pads);
     }
     let of_layer = |(j, all): (usize, Area)| {
-        if isoslice_base::limits::is_stopped() {
-            return Vec::new();
-        }
-        if all.is_empty() || parts.heights.span(j).is_none() {
+        if all.is_empty()
+            || parts.heights.span(j).is_none()
+            || isoslice_base::limits::is_stopped()
+        {
             return Vec::new();
         }
         let apart = match j {

@@ -52,7 +52,7 @@ impl SkirtPlan {
         SkirtPlan {
             loops: settings.skirt.loops,
             layers: settings.skirt.layers as usize,
-            distance: settings.skirt.distance.unwrap_or(6.0),
+            distance: settings.skirt_distance(),
             brim: BrimPlan::of(settings).reach,
             width,
             step: spacing(width, width, settings.thickest_layer()),
@@ -64,7 +64,7 @@ impl SkirtPlan {
         SkirtPlan {
             loops: 1,
             layers,
-            distance: settings.skirt.distance.unwrap_or(10.0),
+            distance: settings.shield_distance(),
             ..SkirtPlan::of(settings)
         }
     }

@@ -249,12 +249,8 @@ fn on(
     let gaps = intersection(&offset(&core, width, TOLERANCE), &hanging);
     let (way, angle) = direction(under, width)?;
     let anchor = plan.anchor.max(0.5 * width);
-    let grown = gaps.islands().into_iter().map(|gap| {
-        if isoslice_base::limits::is_stopped() {
-            return Area::EMPTY;
-        }
-        offset(&gap, anchor, TOLERANCE)
-    });
+    let grown = gaps.islands().into_iter();
+    let grown = grown.map(|gap| offset(&gap, anchor, TOLERANCE));
     let grown: Vec<Area> = grown.collect();
     let (mut parts, skin) = shared(&free, &grown);
     let ground = Ground::new(over, under, FARTHEST * way + width, plan);

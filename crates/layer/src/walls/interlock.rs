@@ -49,10 +49,10 @@ struct Joined {
 impl Interlock<'_> {
     /// A wall in its place; other beads stay as they are.
     pub fn placed(&self, bead: Bead, resolution: Resolution) -> Vec<Bead> {
-        if !bead.sunk || bead.stroke.points.len() < 2 {
-            return vec![bead];
-        }
-        if isoslice_base::limits::is_stopped() {
+        if !bead.sunk
+            || bead.stroke.points.len() < 2
+            || isoslice_base::limits::is_stopped()
+        {
             return vec![bead];
         }
         let parts = resolution.pieces(bead).into_iter();

@@ -10,7 +10,7 @@ use isoslice_model::ProbeError;
 pub enum SpiralError {
     /// The part falls into several pieces.
     #[error(
-        "spiral = true: at z = {z:.2} mm (layer {layer}) the part consists of \
+        "spiral: at z = {z:.2} mm (layer {layer}) the part consists of \
          {count} pieces, at {} and {}; a spiral is one wall, so join them, \
          or set spiral = false",
         place(.at[0]), place(.at[1])
@@ -27,7 +27,7 @@ pub enum SpiralError {
     },
     /// The part is thinner than the wall.
     #[error(
-        "spiral = true: at z = {z:.2} mm (layer {layer}) the part is thinner \
+        "spiral: at z = {z:.2} mm (layer {layer}) the part is thinner \
          than its wall ({width:.2} mm); make it thicker or lower \
          outer_wall_width"
     )]

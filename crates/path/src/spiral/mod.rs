@@ -136,13 +136,13 @@ impl Spiral {
     /// What the user should know.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         let holes = self.holes.then(|| {
-            "spiral = true prints the outer wall only: holes of the part get \
+            "spiral prints the outer wall only: holes of the part get \
              no walls"
                 .to_owned()
         });
         let flat = self.flat.map(|z| {
             format!(
-                "spiral = true: above z = {z:.2} mm the part is so flat that \
+                "spiral: above z = {z:.2} mm the part is so flat that \
                  one turn of the wall does not lie on the other; cut it there \
                  or make it steeper"
             )

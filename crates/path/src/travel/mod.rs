@@ -101,8 +101,9 @@ impl LayerPath {
     }
 }
 
-/// The travel from one part to another, lifted if it `hops`. There is no wipe: if the host leaves
-/// out the part, the nozzle must not go over the place where it was.
+/// The travel from one part to another, lifted if `hop` is true. There is no wipe:
+/// if the host leaves out the part, the nozzle must not go over the place where it
+/// was.
 pub fn between_parts(to: DVec2, hop: bool) -> Travel {
     Travel {
         hop,

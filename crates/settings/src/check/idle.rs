@@ -117,7 +117,7 @@ pub(super) fn without_effect(
     idle.warn(
         "internal_bridges",
         s.internal_bridges.is_on() && s.walls == 0 && !s.is_vase(),
-        "internal_bridges = true has no effect, since the ends of bridges need \
+        "internal_bridges has no effect, since the ends of bridges need \
          walls; set walls to 1 or more"
             .to_owned(),
     );
@@ -206,9 +206,9 @@ fn spiral_without_effect(s: &Settings, idle: &mut Idle<'_>) {
             key,
             s.is_vase(),
             format!(
-                "{key} has no effect above the flat layers, since spiral = \
-                 true prints plain walls there, as many as it says; leave \
-                 one of them out"
+                "{key} has no effect above the flat layers, since spiral \
+                 prints plain walls there, as many as it says; leave one of \
+                 them out"
             ),
         );
     }
@@ -222,7 +222,7 @@ fn spiral_without_effect(s: &Settings, idle: &mut Idle<'_>) {
             "walls_interlocked",
         ],
         s.is_vase(),
-        "spiral = true prints flat layers and plain walls only; leave one \
+        "spiral prints flat layers and plain walls only; leave one \
          of them out",
     );
 }

@@ -249,7 +249,7 @@ fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
     if s.is_vase() {
         return Err(conflict(
             ["raft.layers", "spiral"],
-            "a climbing wall (spiral = true) stands on the bed and not on a \
+            "a climbing wall (spiral) stands on the bed and not on a \
              raft; set raft.layers = 0, or spiral = false"
                 .to_owned(),
         ));
@@ -336,7 +336,7 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
     if s.draft_shield != DraftShield::Off {
         return Err(conflict(
             ["draft_shield", "spiral"],
-            "a climbing wall (spiral = true) goes on from turn to turn without \
+            "a climbing wall (spiral) goes on from turn to turn without \
              a stop, so no draft shield can be printed beside it; set \
              draft_shield = \"off\", or spiral = false"
                 .to_owned(),
@@ -349,7 +349,7 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
             ["skirt.layers", "spiral", "bottom_layers"],
             format!(
                 "skirt.layers = {skirt} would stand beside the climbing wall \
-                 (spiral = true), which begins after {flat} flat layers and \
+                 (spiral), which begins after {flat} flat layers and \
                  goes on without a stop; set skirt.layers to {flat} or less, \
                  or spiral = false"
             ),

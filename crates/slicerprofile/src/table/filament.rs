@@ -87,7 +87,7 @@ pub(super) static ROWS: &[Row] = rows! {
                 "cooling.overhang_fan_speed",
                 "cooling.internal_bridge_fan_speed",
             ],
-            how: "steps by overlap are steps; if they have no fan \
+            how: "the fan at each quarter of overlap becomes a step; if overhangs have no fan \
                   of their own, that of layers",
             make: Make(make::overhang_fan),
         };

@@ -796,7 +796,8 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
         let of_height = || Some(100.0 * parse(text)? / height?);
         share(text).or_else(of_height)
     });
-    // Scarfs of other slicers rise, from the layer below if nothing is said.
+    // Scarfs of other slicers rise. If a profile does not say from where, they
+    // begin at 10 % of the layer's height, as low as isoslice advises.
     const BEGINNING: f64 = 10.0;
     let start = percent.map_or(BEGINNING, |p| p.clamp(0.0, 90.0));
     out.push(("seam_scarf_start", start.into()));
@@ -953,7 +954,12 @@ pub(super) fn draft_shield(given: &Given<'_>) -> Outcome {
         Some("limited") => return nothing("skirt.layers says how high it is"),
         _ => return nothing("there is no draft shield"),
     }
-    Outcome::of(vec![("draft_shield", "full".into())])
+    let mut out = vec![("draft_shield", "full".into())];
+    // Nearer it would touch the part, and isoslice refuses it.
+    if given.number("skirt_distance").is_some_and(|d: f64| d < 0.5) {
+        out.push(("skirt.distance", 0.5.into()));
+    }
+    Outcome::of(out)
 }
 
 pub(super) fn brim(given: &Given<'_>) -> Outcome {
