@@ -2,7 +2,9 @@
 //! far they reach out.
 
 use super::steps::{Of, Steps};
-use super::value::{Kind, Measure, Raw, Refused, Value, Varying, formula};
+use super::value::{
+    Form, Kind, Measure, Raw, Refused, Value, Varying, formula,
+};
 use isoslice_base::units::Percent;
 
 /// One rate for all overhangs, or rates by steps.
@@ -84,6 +86,7 @@ impl Value for OverhangSpeed {
              0 to 100%, each with its speed, or a share of what it is \
              elsewhere, 1 to 100%, such as \"10: 100%, 25: 80%, 50: 30, 100: \
              15\"",
+            &[Form::Expression, Form::Steps],
         )
     }
 }
@@ -106,6 +109,7 @@ impl Value for OverhangFan {
         Kind::NumberOrText(
             "0 to 100%, or shares of the width, above 0 to 100%, each with its \
              value, 0 to 100%, such as \"25: 50, 100: 100\"",
+            &[Form::Share, Form::Steps],
         )
     }
 }

@@ -7,13 +7,18 @@
 
 use super::rows::Settings;
 use super::table::{Key, keys};
-use super::value::Kind;
+use super::value::{Form, Kind};
 use serde_json::{Map, Value, json};
 
 /// Pattern of the beginning of an expression.
 const EXPRESSION: &str = "^\\s*expr:";
 /// Pattern of a share with its sign.
 const SHARE: &str = "^\\s*[-+]?[0-9]*\\.?[0-9]+([eE][-+]?[0-9]+)?\\s*%\\s*$";
+
+/// Pattern of a length with its unit.
+const LENGTH: &str = "^\\s*[0-9]*\\.?[0-9]+([eE][-+]?[0-9]+)?\\s*mm\\s*$";
+/// Pattern of values by steps.
+const STEPS: &str = "^[^:]+:[^:]+(,[^:]+:[^:]+)*$";
 
 impl Settings {
     /// The schema of a settings file.
@@ -92,8 +97,8 @@ fn of(key: &Key) -> Value {
         Kind::ByNozzle => vec![number, auto, share.clone()],
         Kind::Switch => vec![json!({ "type": "boolean" })],
         Kind::Text | Kind::Sizes => vec![text],
-        Kind::NumberOrText(_) => vec![number, text],
-        Kind::WholeOrText(_) => vec![whole, text],
+        Kind::NumberOrText(_, forms) => with_texts(number, forms),
+        Kind::WholeOrText(_, forms) => with_texts(whole, forms),
         Kind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
         Kind::Word(all) => vec![words(all)],
         // Besides its words the setting takes a script's name, or an
@@ -123,6 +128,20 @@ fn of(key: &Key) -> Value {
         out["default"] = default;
     }
     out
+}
+
+/// A number, or texts of these forms.
+fn with_texts(number: Value, forms: &[Form]) -> Vec<Value> {
+    let text = |form: &Form| match form {
+        Form::Auto => json!({ "const": "auto" }),
+        Form::Length => json!({ "type": "string", "pattern": LENGTH }),
+        Form::Share => json!({ "type": "string", "pattern": SHARE }),
+        Form::Steps => json!({ "type": "string", "pattern": STEPS }),
+        Form::Expression => json!({ "type": "string", "pattern": EXPRESSION }),
+    };
+    std::iter::once(number)
+        .chain(forms.iter().map(text))
+        .collect()
 }
 
 #[cfg(test)]
@@ -165,6 +184,13 @@ mod tests {
                         let number = text.strip_suffix('%').map(str::trim);
                         number.is_some_and(|n| n.parse::<f64>().is_ok())
                     }
+                    Some(LENGTH) => {
+                        let number = text.strip_suffix("mm").map(str::trim);
+                        number.is_some_and(|n| n.parse::<f64>().is_ok())
+                    }
+                    Some(STEPS) => {
+                        text.split(',').all(|step| step.split(':').count() == 2)
+                    }
                     Some(_) => text.ends_with(".rhai"),
                 }
             }),
@@ -198,7 +224,20 @@ mod tests {
             ("layer_height = 0.2", "layer_height = 200"),
             ("infill = \"gyroid\"", "infill = \"gyriod\""),
             ("infill = \"expr: x\"", "infill = 3"),
+            ("top_layers = \"auto\"", "top_layers = \"some\""),
             ("top_layers = \"0.8 mm\"", "top_layers = 0.8"),
+            (
+                "[speed]\noverhang = \"25: 30\"",
+                "[speed]\noverhang = \"fast\"",
+            ),
+            (
+                "[support]\ninterface_density = \"0.8 mm\"",
+                "[support]\ninterface_density = \"dense\"",
+            ),
+            (
+                "[cooling]\noverhang_fan_speed = \"25: 50, 100: 100\"",
+                "[cooling]\noverhang_fan_speed = \"off\"",
+            ),
             ("[speed]\nouter_wall = 30", "[speed]\nouter_wal = 30"),
             ("spiral = 2", "spiral = \"on\""),
             ("bridge_flow = \"90%\"", "bridge_flow = \"90\""),

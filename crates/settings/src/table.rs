@@ -57,7 +57,7 @@ impl Key {
                 "32x32, 300x300 or other sizes, or nothing".to_owned()
             }
             Kind::SwitchOrWhole => format!("true, false, or {range}"),
-            Kind::NumberOrText(allowed) | Kind::WholeOrText(allowed) => {
+            Kind::NumberOrText(allowed, _) | Kind::WholeOrText(allowed, _) => {
                 allowed.to_owned()
             }
             Kind::Word(words) => alternatives(words),
@@ -118,8 +118,8 @@ impl Key {
             (Kind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
             (
                 Kind::Switch
-                | Kind::NumberOrText(_)
-                | Kind::WholeOrText(_)
+                | Kind::NumberOrText(..)
+                | Kind::WholeOrText(..)
                 | Kind::SwitchOrWhole
                 | Kind::Word(_)
                 | Kind::WordOrShape(_)

@@ -94,6 +94,21 @@ pub(super) enum Refused {
     Range,
 }
 
+/// The form of a text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Form {
+    /// The word `auto`.
+    Auto,
+    /// A length with its unit, such as `0.8 mm`.
+    Length,
+    /// A number with the sign for a share, such as `200%`.
+    Share,
+    /// Values by steps, such as `25: 50, 100: 100`.
+    Steps,
+    /// An expression, `expr: ...`.
+    Expression,
+}
+
 /// What a setting takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
@@ -109,11 +124,12 @@ pub(super) enum Kind {
     Text,
     /// Sizes of pictures.
     Sizes,
-    /// A number, or text of another kind. The text says what may be assigned.
-    NumberOrText(&'static str),
-    /// A whole number, or text of another kind. The text says what may be
+    /// A number, or text of these forms. The first text says what may be
     /// assigned.
-    WholeOrText(&'static str),
+    NumberOrText(&'static str, &'static [Form]),
+    /// A whole number, or text of these forms. The first text says what may be
+    /// assigned.
+    WholeOrText(&'static str, &'static [Form]),
     /// True, false or a whole number.
     SwitchOrWhole,
     Word(&'static [&'static str]),

@@ -225,6 +225,13 @@ fn spiral_without_effect(s: &Settings, idle: &mut Idle<'_>) {
         "spiral prints flat layers and plain walls only; leave one \
          of them out",
     );
+    idle.warn(
+        "wall_order",
+        s.is_vase() && s.wall_order == WallOrder::OuterFirstUnlessOverhang,
+        "wall_order has no effect on overhangs, since spiral prints flat layers \
+         and plain walls only; leave one of them out"
+            .to_owned(),
+    );
 }
 
 /// Warns of settings of brims, shields, skirts and rafts that are not printed.
