@@ -485,7 +485,10 @@ fn plate_files_say_what_where_and_how() {
     let walls = |settings: &Settings| number(settings, "walls");
     let of_parts = file.parts.iter().map(|p| walls(&p.settings));
     let of_parts: Vec<f64> = of_parts.collect();
-    assert_eq!((walls(&file.settings), of_parts), (4.0, vec![4.0, 2.0]));
+    assert_eq!(
+        (walls(file.builder.settings()), of_parts),
+        (4.0, vec![4.0, 2.0])
+    );
     assert_eq!(file.parts[0].defines, [("w".into(), "20".into())]);
     assert_eq!(file.parts[1].placement.rotate, [0.0, 0.0, 90.0]);
     assert_eq!(file.parts[1].at, Some((50.0, 60.5)));
@@ -493,7 +496,7 @@ fn plate_files_say_what_where_and_how() {
 
     let error = |text: &str| match read(text) {
         Ok(file) => {
-            let made = Plate::new("p", &file.parts, &file.settings);
+            let made = Plate::new("p", &file.parts, file.builder.settings());
             made.map(|_| ()).unwrap_err().to_string()
         }
         Err(error) => error,
