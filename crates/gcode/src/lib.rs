@@ -76,8 +76,8 @@ pub use manifest::Fingerprint;
 pub use name::FormatError;
 pub use own::settings_in_gcode;
 pub(crate) use placeholders::PLACEHOLDERS;
-pub use plan::{WriterPlan, try_templates};
-pub use template::{TemplateError, understands_placeholder};
+pub use plan::WriterPlan;
+pub use template::{TemplateError, try_templates, understands_placeholder};
 pub use thumbnail::Thumbnail;
 
 use filament::Filament;

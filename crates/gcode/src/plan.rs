@@ -1,6 +1,5 @@
 //! What the writer needs of the settings.
 
-use super::template::{TemplateError, try_each};
 use isoslice_base::units::{
     Celsius, Mm, Mm2, MmPerSec, Seconds, cross_section, filament_area,
 };
@@ -151,12 +150,6 @@ impl<'a> WriterPlan<'a> {
         change(&mut settings);
         WriterPlan::of(Box::leak(Box::new(settings)))
     }
-}
-
-/// Tries the templates of settings on a part in the middle of the bed: what is
-/// wrong with each of them.
-pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
-    try_each(&WriterPlan::of(settings))
 }
 
 /// Which of Prusa's two firmwares a printer has, by what it calls itself.
