@@ -157,7 +157,9 @@ pub mod files {
 /// Heights of layers that follow the surface.
 pub mod heights {
     #[doc(inline)]
-    pub use isoslice_model::heights::{Heights, HeightsError, Steps, heights};
+    pub use isoslice_model::heights::{HeightPlan, Heights, HeightsError};
+    #[doc(inline)]
+    pub use isoslice_model::heights::{Steps, heights};
 }
 
 /// The layers that a part is cut into.

@@ -60,6 +60,8 @@ mod shipped;
 mod sizes;
 mod steps;
 mod table;
+#[doc(hidden)]
+pub mod testing;
 mod text;
 mod value;
 mod words;
@@ -82,8 +84,8 @@ pub use infill::Infill;
 pub use line_density::LineDensity;
 pub use overhang::{OfOverhangs, OverhangFan, OverhangSpeed};
 pub use rows::{
-    Acceleration, Brim, Cooling, FuzzySkin, Printer, Retract, Skirt, Speed,
-    Support,
+    Acceleration, Brim, Cooling, Filament, FuzzySkin, Printer, Retract, Skirt,
+    Speed, Support,
 };
 pub use shell::Shell;
 pub use shield::DraftShield;

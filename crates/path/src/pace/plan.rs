@@ -94,6 +94,13 @@ impl PacePlan {
     }
 }
 
+/// What the printer of the default settings can do.
+impl Default for Limits {
+    fn default() -> Limits {
+        limits(&Settings::default())
+    }
+}
+
 /// What the printer of these settings can do.
 pub fn limits(settings: &Settings) -> Limits {
     let printer = &settings.printer;
