@@ -146,9 +146,10 @@ impl<'a> WriterPlan<'a> {
     pub(super) fn with(
         change: impl FnOnce(&mut Settings),
     ) -> WriterPlan<'static> {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        WriterPlan::of(Box::leak(Box::new(settings)))
+        isoslice_settings::plan_with(
+            |s| WriterPlan::of(Box::leak(Box::new(s.clone()))),
+            change,
+        )
     }
 }
 

@@ -69,13 +69,6 @@ impl SkirtPlan {
             step: spacing(width, width, settings.thickest_layer()),
         }
     }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> SkirtPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        SkirtPlan::of(&settings)
-    }
 }
 
 /// How much higher than the shield a layer may reach, mm: rounding.
@@ -151,13 +144,6 @@ impl BrimPlan {
         let loops = (self.strip / step).round().max(1.0) as u32;
         let nearest = self.gap + 0.5 * self.width;
         (0..loops).map(|i| nearest + step * f64::from(i)).collect()
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> BrimPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        BrimPlan::of(&settings)
     }
 }
 
