@@ -143,7 +143,9 @@ mod report;
 /// Checks whether G-code, of any slicer, is safe to run.
 pub mod check {
     #[doc(inline)]
-    pub use isoslice_check::{Finding, Kind, Rules, Severity, Verdict, check};
+    pub use isoslice_check::{
+        Finding, FindingKind, Rules, Severity, Verdict, check,
+    };
 }
 
 /// Files that are read within limits, and written whole or not at all.
@@ -241,7 +243,7 @@ pub use isoslice_gcode::{TemplateError, settings_in_gcode};
 #[doc(inline)]
 pub use isoslice_gcode_read::bgcode::Unpacked;
 #[doc(inline)]
-pub use isoslice_held::hang::{Hanging, Kind, Sum, Unsupported};
+pub use isoslice_held::hang::{Hanging, OverhangKind, Sum, Unsupported};
 #[doc(no_inline)]
 pub use model::{Model, load, place};
 pub use pipeline::{Options, Share, SliceError, Summary, Survey};

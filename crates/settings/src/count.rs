@@ -1,6 +1,6 @@
 //! Whether something is done, and how often.
 
-use super::value::{Kind, Measure, Raw, Refused, Value};
+use super::value::{Measure, Raw, Refused, Value, ValueKind};
 
 /// Off, on as usual, or on so many times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +54,7 @@ impl Value for SwitchOrCount {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::SwitchOrWhole
+    fn kind(&self) -> ValueKind {
+        ValueKind::SwitchOrWhole
     }
 }

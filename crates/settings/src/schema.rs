@@ -7,7 +7,7 @@
 
 use super::rows::Settings;
 use super::table::{Key, keys};
-use super::value::{Form, Kind};
+use super::value::{Form, ValueKind};
 use serde_json::{Map, Value, json};
 
 /// Pattern of the beginning of an expression.
@@ -89,28 +89,30 @@ fn of(key: &Key) -> Value {
     let text = json!({ "type": "string" });
     let words = |words: &[&str]| json!({ "enum": words });
     let mut all = match key.kind() {
-        Kind::Number => vec![number],
-        Kind::Whole => vec![whole],
-        Kind::WholeOrAuto => vec![whole, auto],
-        Kind::NumberOrAuto => vec![number, auto],
-        Kind::Varying => vec![number, expression],
-        Kind::ByNozzle => vec![number, auto, share.clone()],
-        Kind::Switch => vec![json!({ "type": "boolean" })],
-        Kind::Text | Kind::Sizes => vec![text],
-        Kind::NumberOrText(_, forms) => with_texts(number, forms),
-        Kind::WholeOrText(_, forms) => with_texts(whole, forms),
-        Kind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
-        Kind::Word(all) => vec![words(all)],
+        ValueKind::Number => vec![number],
+        ValueKind::Whole => vec![whole],
+        ValueKind::WholeOrAuto => vec![whole, auto],
+        ValueKind::NumberOrAuto => vec![number, auto],
+        ValueKind::Varying => vec![number, expression],
+        ValueKind::ByNozzle => vec![number, auto, share.clone()],
+        ValueKind::Switch => vec![json!({ "type": "boolean" })],
+        ValueKind::Text | ValueKind::Sizes => vec![text],
+        ValueKind::NumberOrText(_, forms) => with_texts(number, forms),
+        ValueKind::WholeOrText(_, forms) => with_texts(whole, forms),
+        ValueKind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
+        ValueKind::Word(all) => vec![words(all)],
         // Besides its words the setting takes a script's name, or an
         // expression.
-        Kind::WordOrShape(all) => {
+        ValueKind::WordOrShape(all) => {
             let script = json!({ "type": "string", "pattern": "\\.rhai$" });
             vec![words(all), expression, script]
         }
-        Kind::WordOrFormula(all) => vec![words(all), expression],
-        Kind::WordOrNumber(all) => vec![words(all), number],
+        ValueKind::WordOrFormula(all) => vec![words(all), expression],
+        ValueKind::WordOrNumber(all) => vec![words(all), number],
     };
-    if key.unit == "%" && matches!(key.kind(), Kind::Number | Kind::Varying) {
+    if key.unit == "%"
+        && matches!(key.kind(), ValueKind::Number | ValueKind::Varying)
+    {
         all.push(share);
     }
     let mut out = match <[Value; 1]>::try_from(all) {

@@ -1,6 +1,6 @@
 //! How high the draft shield is: nowhere, a height, or all of the print.
 
-use super::value::{Kind, Measure, Raw, Refused, Value};
+use super::value::{Measure, Raw, Refused, Value, ValueKind};
 use isoslice_base::units::Mm;
 
 /// A wall around the print that keeps draughts off.
@@ -51,7 +51,7 @@ impl Value for DraftShield {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::WordOrNumber(&["off", "full"])
+    fn kind(&self) -> ValueKind {
+        ValueKind::WordOrNumber(&["off", "full"])
     }
 }

@@ -111,7 +111,7 @@ pub(super) enum Form {
 
 /// What a setting takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum ValueKind {
     Number,
     Whole,
     WholeOrAuto,
@@ -148,7 +148,7 @@ pub(super) trait Value {
     -> Result<(), Refused>;
     /// The value as TOML that `assign` reads back as the same value.
     fn to_toml(&self) -> String;
-    fn kind(&self) -> Kind;
+    fn kind(&self) -> ValueKind;
 }
 
 impl Value for f64 {
@@ -184,8 +184,8 @@ impl Value for f64 {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Number
+    fn kind(&self) -> ValueKind {
+        ValueKind::Number
     }
 }
 
@@ -286,10 +286,10 @@ impl<T: Value + Default> Value for Varying<T> {
         }
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> ValueKind {
         match T::default().kind() {
-            Kind::Word(words) => Kind::WordOrFormula(words),
-            _ => Kind::Varying,
+            ValueKind::Word(words) => ValueKind::WordOrFormula(words),
+            _ => ValueKind::Varying,
         }
     }
 }
@@ -317,8 +317,8 @@ impl Value for u32 {
         self.to_string()
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Whole
+    fn kind(&self) -> ValueKind {
+        ValueKind::Whole
     }
 }
 
@@ -349,8 +349,8 @@ macro_rules! or_auto {
                 )
             }
 
-            fn kind(&self) -> Kind {
-                Kind::$kind
+            fn kind(&self) -> ValueKind {
+                ValueKind::$kind
             }
         }
     };
@@ -374,8 +374,8 @@ impl Value for bool {
         self.to_string()
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Switch
+    fn kind(&self) -> ValueKind {
+        ValueKind::Switch
     }
 }
 
@@ -411,8 +411,8 @@ impl Value for String {
         text + quotes
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Text
+    fn kind(&self) -> ValueKind {
+        ValueKind::Text
     }
 }
 
@@ -466,8 +466,8 @@ macro_rules! words {
                 format!("\"{}\"", self.word())
             }
 
-            fn kind(&self) -> $crate::value::Kind {
-                $crate::value::Kind::Word(&[$($word),+])
+            fn kind(&self) -> $crate::value::ValueKind {
+                $crate::value::ValueKind::Word(&[$($word),+])
             }
         }
     )+};
