@@ -13,7 +13,7 @@ use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
 use isoslice_settings::{
-    InfillPattern, LineDensity, Settings, SkinPattern, Supports,
+    InfillPattern, InterfacePattern, LineDensity, Settings, Supports,
 };
 
 /// A gap beside supports that is wider than this, mm, may be why something has
@@ -61,14 +61,19 @@ impl<'a> Supported<'a> {
             }
             LineDensity::Share(share) => share,
         };
-        let pattern = match support.interface_pattern {
-            SkinPattern::Lines => InfillPattern::Rectilinear,
-            SkinPattern::Concentric => InfillPattern::Concentric,
-        };
         let body = fills.lines(width, support.density);
+        let (pattern, angle) = match support.interface_pattern {
+            InterfacePattern::Lines => (InfillPattern::Rectilinear, body.angle),
+            InterfacePattern::Concentric => {
+                (InfillPattern::Concentric, body.angle)
+            }
+            InterfacePattern::Towards(angle) => {
+                (InfillPattern::Rectilinear, angle)
+            }
+        };
         let interface = InfillPlan {
             pattern: isoslice_settings::Infill::Pattern(pattern),
-            angle: support.interface_angle.unwrap_or(body.angle),
+            angle,
             ..fills.lines(width, density)
         };
         Ok(Supported {

@@ -95,11 +95,11 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     }
     let brim = match s.brim.place {
         BrimPlace::None => 0.0,
-        BrimPlace::Ears => s.brim.ear_radius.ceil(),
+        BrimPlace::Ears => s.brim.width.ceil(),
         _ => s.brim.width.ceil(),
     };
     add(of, true, "brim_width", text(brim, 0));
-    add(of, true, "ironing", u8::from(s.ironing).to_string());
+    add(of, true, "ironing", u8::from(s.ironing.is_on()).to_string());
     add(
         of,
         true,

@@ -2,7 +2,7 @@
 
 use super::InfillPattern;
 use super::value::{
-    Kind, Measure, Raw, Refused, Value, formula, formula_to_toml,
+    Form, Kind, Measure, Raw, Refused, Value, formula, formula_to_toml,
 };
 
 /// Sparse infill. Settings keep expressions and scripts as text;
@@ -55,7 +55,9 @@ impl Value for Infill {
 
     fn kind(&self) -> Kind {
         match InfillPattern::default().kind() {
-            Kind::Word(words) => Kind::WordOrShape(words),
+            Kind::Word(words) => {
+                Kind::WordOrText(words, &[Form::Expression, Form::Script])
+            }
             kind => kind,
         }
     }

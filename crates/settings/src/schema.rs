@@ -100,17 +100,13 @@ fn of(key: &Key) -> Value {
         Kind::NumberOrText(_, forms) => with_texts(number, forms),
         Kind::WholeOrText(_, forms) => with_texts(whole, forms),
         Kind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
+        Kind::SwitchOrNumber => vec![json!({ "type": "boolean" }), number],
         Kind::Word(all) => vec![words(all)],
-        // Besides its words the setting takes a script's name, or an
-        // expression.
-        Kind::WordOrShape(all) => {
-            let script = json!({ "type": "string", "pattern": "\\.rhai$" });
-            vec![words(all), expression, script]
-        }
-        Kind::WordOrFormula(all) => vec![words(all), expression],
+        Kind::WordOrText(all, forms) => with_texts(words(all), forms),
         Kind::WordOrNumber(all) => vec![words(all), number],
+        Kind::WordOrWhole(all) => vec![words(all), whole],
     };
-    if key.unit == "%" && matches!(key.kind(), Kind::Number | Kind::Varying) {
+    if key.unit == "%" && takes_shares(key.kind()) {
         all.push(share);
     }
     let mut out = match <[Value; 1]>::try_from(all) {
@@ -130,16 +126,25 @@ fn of(key: &Key) -> Value {
     out
 }
 
-/// A number, or texts of these forms.
-fn with_texts(number: Value, forms: &[Form]) -> Vec<Value> {
+/// True if numbers of a setting in % may have their sign.
+fn takes_shares(kind: Kind) -> bool {
+    matches!(kind, Kind::Number | Kind::Varying | Kind::SwitchOrNumber)
+}
+
+/// A value of another schema, or texts of these forms.
+fn with_texts(other: Value, forms: &[Form]) -> Vec<Value> {
     let text = |form: &Form| match form {
+        Form::Like(_, pattern) => {
+            json!({ "type": "string", "pattern": pattern })
+        }
+        Form::Script => json!({ "type": "string", "pattern": "\\.rhai$" }),
         Form::Auto => json!({ "const": "auto" }),
         Form::Length => json!({ "type": "string", "pattern": LENGTH }),
         Form::Share => json!({ "type": "string", "pattern": SHARE }),
         Form::Steps => json!({ "type": "string", "pattern": STEPS }),
         Form::Expression => json!({ "type": "string", "pattern": EXPRESSION }),
     };
-    std::iter::once(number)
+    std::iter::once(other)
         .chain(forms.iter().map(text))
         .collect()
 }

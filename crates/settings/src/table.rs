@@ -56,18 +56,19 @@ impl Key {
             Kind::Sizes => {
                 "32x32, 300x300 or other sizes, or nothing".to_owned()
             }
-            Kind::SwitchOrWhole => format!("true, false, or {range}"),
+            Kind::SwitchOrWhole | Kind::SwitchOrNumber => {
+                format!("true, false, or {range}")
+            }
             Kind::NumberOrText(allowed, _) | Kind::WholeOrText(allowed, _) => {
                 allowed.to_owned()
             }
             Kind::Word(words) => alternatives(words),
-            Kind::WordOrShape(words) => {
-                format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
+            Kind::WordOrText(words, forms) => {
+                let forms = forms.iter().map(|form| form.shown().to_owned());
+                let words = words.iter().map(|word| (*word).to_owned());
+                alternatives(&words.chain(forms).collect::<Vec<_>>())
             }
-            Kind::WordOrFormula(words) => {
-                format!("{} or \"expr: ...\"", words.join(", "))
-            }
-            Kind::WordOrNumber(words) => {
+            Kind::WordOrNumber(words) | Kind::WordOrWhole(words) => {
                 format!("{} or {range}", words.join(", "))
             }
         }
@@ -121,10 +122,11 @@ impl Key {
                 | Kind::NumberOrText(..)
                 | Kind::WholeOrText(..)
                 | Kind::SwitchOrWhole
+                | Kind::SwitchOrNumber
                 | Kind::Word(_)
-                | Kind::WordOrShape(_)
-                | Kind::WordOrFormula(_)
-                | Kind::WordOrNumber(_),
+                | Kind::WordOrText(..)
+                | Kind::WordOrNumber(_)
+                | Kind::WordOrWhole(_),
                 _,
             ) => self.allowed(),
         }
@@ -148,9 +150,9 @@ impl Key {
     /// assigned as well.
     pub fn some_words(&self) -> &'static [&'static str] {
         match self.kind() {
-            Kind::WordOrShape(words)
-            | Kind::WordOrFormula(words)
-            | Kind::WordOrNumber(words) => words,
+            Kind::WordOrText(words, _)
+            | Kind::WordOrNumber(words)
+            | Kind::WordOrWhole(words) => words,
             Kind::WholeOrAuto | Kind::NumberOrAuto | Kind::ByNozzle => {
                 &["auto"]
             }
@@ -294,8 +296,9 @@ pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
 }
 
 /// Lists words as `a, b or c`.
-pub(super) fn alternatives(words: &[&str]) -> String {
-    match words {
+pub(super) fn alternatives<T: AsRef<str>>(words: &[T]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.as_slice() {
         [] => String::new(),
         [one] => (*one).to_owned(),
         [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
@@ -323,6 +326,9 @@ macro_rules! unit {
     (Varying<$inner:ident>) => {
         $crate::table::unit!($inner)
     };
+    (SwitchOr<$inner:ident>) => {
+        $crate::table::unit!($inner)
+    };
     (Mm) => {
         "mm"
     };
@@ -334,6 +340,18 @@ macro_rules! unit {
     };
     (DraftShield) => {
         "mm"
+    };
+    (ElephantFoot) => {
+        "mm"
+    };
+    (Scarf) => {
+        "mm"
+    };
+    (HeadClearance) => {
+        "mm"
+    };
+    (InterfacePattern) => {
+        "°"
     };
     (LineDensity) => {
         "%"

@@ -31,7 +31,7 @@ impl Stages<'_> {
         }
         // What the lowest of these lie on is not known. They decide only where
         // the ends of lines of the layers above them are held.
-        1 + self.settings.internal_bridges.count().unwrap_or(2) as usize
+        1 + self.settings.internal_bridges.number().unwrap_or(2) as usize
     }
 
     /// False if no internal bridge fits where skin lies over what is `open` in the

@@ -64,7 +64,7 @@ impl ExposurePlan {
             least: settings.skin_min_area,
             overlap: settings.skin_overlap(),
             bridge: settings.skin_width(),
-            anchor: settings.bridges.then_some(settings.bridge_anchor),
+            anchor: settings.bridges().then_some(settings.bridge_anchor),
         }
     }
 

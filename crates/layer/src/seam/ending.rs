@@ -281,7 +281,7 @@ mod tests {
 
     fn plan(scarf: f64, gap: f64, wipe: f64) -> EndingPlan {
         EndingPlan::with(|s| {
-            s.seam_scarf = scarf;
+            s.seam_scarf = scarf.into();
             s.seam_gap = gap;
             s.seam_wipe = wipe;
         })

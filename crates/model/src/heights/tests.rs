@@ -10,8 +10,7 @@ fn placed(formula: &str) -> Model {
 
 fn adaptive() -> Settings {
     Settings {
-        layer_heights: Varying::Constant(LayerHeights::Adaptive),
-        step_error: 0.1.into(),
+        layer_heights: LayerHeights::Adaptive(0.1.into()),
         ..Settings::default()
     }
 }
@@ -181,7 +180,7 @@ fn layers_end_at_level_faces_and_stay_thick() {
 #[test]
 fn an_expression_gives_the_height() {
     let settings = Settings {
-        layer_heights: Varying::Expression("0.1 + z / 100".into()),
+        layer_heights: LayerHeights::Expression("0.1 + z / 100".into()),
         ..Settings::default()
     };
     let model = placed("max(sqrt(x^2 + y^2) - 6, abs(z - 10) - 10)");
@@ -191,7 +190,7 @@ fn an_expression_gives_the_height() {
         assert!((span.height() / asked - 1.0).abs() < 0.05, "{span:?}");
     }
     let bad = Settings {
-        layer_heights: Varying::Expression("x".into()),
+        layer_heights: LayerHeights::Expression("x".into()),
         ..Settings::default()
     };
     assert!(heights(&model, &bad).is_err());
@@ -213,7 +212,7 @@ fn by_default_there_are_no_more_layers_than_uniform_ones() {
     for (height, most) in [(0.1, 0.3), (0.2, 0.3), (0.05, 0.3), (0.32, 0.32)] {
         let settings = Settings {
             layer_height: height.into(),
-            step_error: ByNozzle::Auto,
+            layer_heights: LayerHeights::Adaptive(ByNozzle::Auto),
             ..adaptive()
         };
         assert_eq!(settings.layer_height_max(), most);
