@@ -157,7 +157,9 @@ pub mod files {
 /// Heights of layers that follow the surface.
 pub mod heights {
     #[doc(inline)]
-    pub use isoslice_model::heights::{Heights, HeightsError, Steps, heights};
+    pub use isoslice_model::heights::{HeightPlan, Heights, HeightsError};
+    #[doc(inline)]
+    pub use isoslice_model::heights::{Steps, heights};
 }
 
 /// The layers that a part is cut into.
@@ -235,7 +237,7 @@ pub use isoslice_gcode::understands_placeholder;
 #[doc(inline)]
 pub use isoslice_gcode::{Format, FormatError, JoinError, Joined, Ranges};
 #[doc(inline)]
-pub use isoslice_gcode::{TemplateError, settings_in_gcode, try_templates};
+pub use isoslice_gcode::{TemplateError, settings_in_gcode};
 #[doc(inline)]
 pub use isoslice_gcode_read::bgcode::Unpacked;
 #[doc(inline)]
@@ -250,3 +252,9 @@ pub use reader::Reader;
 pub use report::{Figures, RoleSum};
 #[doc(no_inline)]
 pub use settings::Settings;
+
+/// Tries the templates of settings on a part in the middle of the bed: what is
+/// wrong with each of them.
+pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
+    isoslice_gcode::try_templates(&isoslice_gcode::WriterPlan::of(settings))
+}

@@ -7,9 +7,8 @@ use super::{plain, print_json, terminal};
 use anyhow::Context;
 use clap::Args;
 use glam::DVec3;
-use isoslice::heights::{Heights, Steps, heights};
+use isoslice::heights::{HeightPlan, Heights, Steps, heights};
 use isoslice::model::{Bounds, Model, Parameter};
-use isoslice::settings::Settings;
 use isoslice::{Kind, Survey, Unsupported, survey};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -64,11 +63,11 @@ pub(super) fn show(args: &InfoArgs, gathered: &Gathered) -> anyhow::Result<()> {
         if let Some(found) = &survey {
             warnings.extend(found.warnings(settings));
         }
-        let mut json = Json::new(&model, settings, warnings)?;
+        let mut json = Json::new(&model, gathered, warnings)?;
         json.needs_support = survey.as_ref().map(SupportsJson::new);
         return print_json(&json);
     }
-    let mut text = describe(&model, settings)?;
+    let mut text = describe(&model, gathered)?;
     if let Some(found) = &survey {
         describe_supports(found, &mut text)?;
     }
@@ -119,12 +118,13 @@ pub(super) struct JsonParameter<'a> {
 impl<'a> Json<'a> {
     fn new(
         model: &'a Model,
-        settings: &Settings,
+        Gathered { settings, .. }: &Gathered,
         warnings: Vec<String>,
     ) -> anyhow::Result<Self> {
         let corners = |b: Bounds| [b.min.to_array(), b.max.to_array()];
         let raised = model.raised(settings.raft_height());
-        let Heights { spans, steps } = heights(&raised, settings)?;
+        let Heights { spans, steps } =
+            heights(&raised, &HeightPlan::of(settings))?;
         Ok(Json {
             model: &model.name,
             size_mm: model.bounds.size().to_array(),
@@ -321,10 +321,13 @@ pub(super) fn describe_supports(
     Ok(())
 }
 
-fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
+fn describe(
+    model: &Model,
+    Gathered { settings, .. }: &Gathered,
+) -> anyhow::Result<String> {
     let size = model.bounds.size();
     let raised = model.raised(settings.raft_height());
-    let Heights { spans, steps } = heights(&raised, settings)?;
+    let Heights { spans, steps } = heights(&raised, &HeightPlan::of(settings))?;
     let layers = spans.len();
     let mut text = String::new();
     writeln!(text, "{}", plain::line(&model.name))?;

@@ -126,7 +126,7 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
             let (gathered, plate) = *given;
             let source = &args.source;
             let alone = PlateArgs::default();
-            let job = alone.job(&source.model, plate, &gathered.settings)?;
+            let job = alone.job(&source.model, plate, &gathered)?;
             terminal::warn(&job.warnings);
             let (gcode, warnings) = args.slice(&job.plate, watch)?;
             read(gcode, &file_name)?

@@ -9,7 +9,7 @@ use isoslice_base::limits;
 use isoslice_base::units::Mm;
 use isoslice_held::hang::{HangPlan, Hanging, Unsupported};
 use isoslice_model::Model;
-use isoslice_model::heights::heights;
+use isoslice_model::heights::{HeightPlan, heights};
 use isoslice_model::vary::Surroundings;
 use isoslice_settings::{Settings, Supports};
 
@@ -56,11 +56,13 @@ pub fn survey(
 ) -> Result<Survey, SliceError> {
     let pool = pool(threads)?;
     let model = &model.raised(settings.raft_height());
-    let spans = pool.install(|| heights(model, settings))?.spans;
+    let spans = pool
+        .install(|| heights(model, &HeightPlan::of(settings)))?
+        .spans;
     let around = Surroundings::new(model);
-    let gauge = Gauge::new(model, settings, spans.len(), false)?;
     let plans = Plans::of(settings);
-    let stages = Stages::new(model, settings, &plans, &around, gauge, &spans)?;
+    let gauge = Gauge::new(model, &plans.used, spans.len(), false)?;
+    let stages = Stages::new(model, &plans, &around, gauge, &spans)?;
     // What cannot be printed has no hanging places, of which there may be
     // millions.
     let printed = stages.printed(&pool, &spans)?;

@@ -81,6 +81,18 @@ pub fn formula(text: &str, settings: &Settings) -> Model {
     model(SourceKind::Formula, text, &[], &placement, settings)
 }
 
+/// A formula's model on the bed, and its settings.
+pub fn part(text: &str, assignments: &[&str]) -> (Model, Settings) {
+    let settings = settings(assignments);
+    (formula(text, &settings), settings)
+}
+
+/// The middle of the settings' bed.
+pub fn middle(settings: &Settings) -> DVec2 {
+    let size = ["printer.bed_x", "printer.bed_y"];
+    0.5 * DVec2::from_array(size.map(|name| number(settings, name)))
+}
+
 /// A formula's model as a part of a plate, where a place is found for it.
 pub fn wanted(
     name: &str,

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use isoslice::layers::LayerRange;
 use isoslice::pipeline::{Options, SliceError, Summary, slice_plate};
 use isoslice::plate::{Plate, PlateFile};
-use isoslice::settings::{Builder, Settings};
+use isoslice::settings::Builder;
 use std::collections::BTreeMap;
 use std::fs;
 
@@ -70,15 +70,14 @@ fn of<'a>(
     here.map(|((_, layer), segments)| (*layer, segments))
 }
 
-fn plate_of_three() -> (Plate, Settings, Settings) {
+fn plate_of_three() -> Plate {
     let plain = settings(&PLAIN);
     let more = settings(&[&PLAIN[..], &["walls=3"]].concat());
     let all = [
         wanted("cylinder", CYLINDER, 2, &plain),
         wanted("box", BOX, 1, &more),
     ];
-    let plate = Plate::new("three", &all, &plain).unwrap();
-    (plate, plain, more)
+    Plate::new("three", &all, &plain).unwrap()
 }
 
 /// Compares all that is printed of a plate's parts with each of them alone:
@@ -119,7 +118,7 @@ fn alone_and_together(plate: &Plate) -> (usize, Printed, Summary) {
 
 #[test]
 fn every_part_is_printed_as_if_it_were_alone() {
-    let (plate, _, _) = plate_of_three();
+    let plate = plate_of_three();
     let (compared, together, summary) = alone_and_together(&plate);
     assert!(compared > 3000, "{compared}");
     assert_eq!(
@@ -218,7 +217,7 @@ fn a_draft_shield_stands_round_all_parts() {
 
 #[test]
 fn parts_take_turns_in_the_order_of_nearness() {
-    let (plate, _, _) = plate_of_three();
+    let plate = plate_of_three();
     let (gcode, _) = run(&plate, "..", 1);
     let starts: Vec<Vec<&str>> = gcode
         .split(";LAYER_CHANGE\n")
@@ -256,7 +255,7 @@ fn parts_take_turns_in_the_order_of_nearness() {
 
 #[test]
 fn ranges_and_threads_give_the_same_bytes() {
-    let (mut plate, _, _) = plate_of_three();
+    let mut plate = plate_of_three();
     plate.settings = settings(&[&PLAIN[..], &["skirt.loops=2"]].concat());
     let body = |gcode: &str| {
         let from = gcode.find(";LAYER_CHANGE\n").unwrap();
@@ -446,7 +445,7 @@ fn layers_of_different_heights_suit_all_parts() {
 
 #[test]
 fn a_report_is_of_one_part() {
-    let (plate, _, _) = plate_of_three();
+    let plate = plate_of_three();
     let options = Options {
         report: true,
         ..Options::default()
@@ -481,10 +480,10 @@ fn plate_files_say_what_where_and_how() {
     assert_eq!(file.parts.len(), 2);
     // What the command line sets wins over the file's settings, and those of a
     // part win over both.
-    let walls = |settings: &Settings| number(settings, "walls");
-    let of_parts = file.parts.iter().map(|p| walls(&p.settings));
-    let of_parts: Vec<f64> = of_parts.collect();
-    assert_eq!((walls(&file.settings), of_parts), (4.0, vec![4.0, 2.0]));
+    let of_parts = file.parts.iter().map(|p| &p.settings);
+    let all = std::iter::once(file.builder.settings()).chain(of_parts);
+    let walls: Vec<f64> = all.map(|s| number(s, "walls")).collect();
+    assert_eq!(walls, [4.0, 4.0, 2.0]);
     assert_eq!(file.parts[0].defines, [("w".into(), "20".into())]);
     assert_eq!(file.parts[1].placement.rotate, [0.0, 0.0, 90.0]);
     assert_eq!(file.parts[1].at, Some((50.0, 60.5)));
@@ -492,7 +491,7 @@ fn plate_files_say_what_where_and_how() {
 
     let error = |text: &str| match read(text) {
         Ok(file) => {
-            let made = Plate::new("p", &file.parts, &file.settings);
+            let made = Plate::new("p", &file.parts, file.builder.settings());
             made.map(|_| ()).unwrap_err().to_string()
         }
         Err(error) => error,

@@ -1,8 +1,7 @@
 //! Small files, each with one thing wrong.
 
 use super::*;
-use isoslice_settings::Builder;
-use isoslice_settings::Settings;
+use isoslice_settings::testing::settings;
 
 mod heights;
 mod planted;
@@ -12,12 +11,7 @@ const START: &str = "G28\nM109 S200\nM83\n;LAYER_CHANGE\n;Z:0.2\n\
                      G1 X50 Y50 F6000\n";
 
 fn verdict_with(text: &str, assignments: &[&str]) -> Verdict {
-    let mut builder = Builder::new();
-    for assignment in assignments {
-        builder.set(assignment).unwrap();
-    }
-    let (settings, _) = builder.finish().unwrap();
-    check(text.as_bytes(), &Rules::new(&settings)).unwrap()
+    check(text.as_bytes(), &Rules::new(&settings(assignments))).unwrap()
 }
 
 fn verdict(text: &str) -> Verdict {
@@ -138,7 +132,7 @@ fn beads_beyond_the_bed_take_no_memory() {
     let all = verdict(&text);
     assert!(!all.is_safe());
     assert!(all.counts[&Kind::OutOfReach] > 2000);
-    let rules = Rules::new(&Settings::default());
+    let rules = Rules::new(&settings(&[]));
     let mut checker = Checker::new(&rules);
     let mut reader = Reader::new(text.as_bytes());
     while let Some(event) = reader.next() {
@@ -196,7 +190,7 @@ fn speeds_are_the_printers() {
     assert_eq!(none.counts.get(&Kind::NoSpeed), Some(&1));
     let rules = Rules {
         speed: 100.0,
-        ..Rules::new(&Settings::default())
+        ..Rules::new(&settings(&[]))
     };
     let fast = format!("{START}G1 X100 F6001\nG1 X50 F6100\n");
     let all = check(fast.as_bytes(), &rules).unwrap();
@@ -422,7 +416,7 @@ fn files_that_are_no_gcode_are_said_to_be_none() {
         assert!(!all.is_safe());
     }
     assert_eq!(count(&verdict("START_PRINT\n"), Kind::NoGcode), 0);
-    let rules = Rules::new(&Settings::default());
+    let rules = Rules::new(&settings(&[]));
     let all = check(&b"\x1f\x8b\x08\x00x"[..], &rules).unwrap();
     assert_eq!(count(&all, Kind::NoGcode), 1);
     assert!(all.findings[0].message.contains("zcat"), "{all:?}");
@@ -730,7 +724,7 @@ fn streams_without_end_are_no_gcode() {
         (b"G28\n".to_vec(), "commands do not move the head"),
         (b"G1 X5 E1\n".to_vec(), "commands do not move the head"),
     ] {
-        let rules = Rules::new(&Settings::default());
+        let rules = Rules::new(&settings(&[]));
         let all = check(Endless(text, 0), &rules).unwrap();
         assert_eq!(all.counts.len(), 1, "{all:?}");
         assert_eq!(count(&all, Kind::NoGcode), 1, "{all:?}");

@@ -304,7 +304,7 @@ impl<'a, W: Write> Writer<'a, W> {
         header: &Header,
         copy: &'a mut dyn FnMut(&[u8]),
     ) -> Result<Self, WriteError> {
-        let templates = Templates::new(plan.all, header)?;
+        let templates = Templates::new(&plan, header)?;
         let start = templates.start()?;
         let whole = header.layers == (0..header.layer_count);
         let waiting = if whole && plan.tells_progress {
@@ -478,7 +478,7 @@ impl<'a, W: Write> Writer<'a, W> {
             self.buffer.extend_from_slice(lines.as_bytes());
             manifest.end = record.at(self.buffer.len());
         }
-        let facts = facts::facts(self.plan.all, &self.totals);
+        let facts = facts::facts(&self.plan, &self.totals);
         if let Sink::Plate(_) = self.out {
             self.line("; EXECUTABLE_BLOCK_END");
         }

@@ -157,7 +157,7 @@ impl Print {
             at.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
         };
         Self {
-            settings: plan.all.changed(),
+            settings: plan.changed(),
             model_name: header.model_name.clone(),
             part_min: header.part_min.to_array(),
             part_max: header.part_max.to_array(),

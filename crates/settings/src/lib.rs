@@ -64,6 +64,8 @@ mod skin_patterns;
 mod steps;
 mod switch;
 mod table;
+#[doc(hidden)]
+pub mod testing;
 mod text;
 mod value;
 mod word_or_number;
@@ -88,8 +90,8 @@ pub use line_density::LineDensity;
 pub use overhang::{OfOverhangs, OverhangFan, OverhangSpeed};
 pub use pair::{ElephantFoot, HeadClearance, Scarf};
 pub use rows::{
-    Acceleration, Brim, Cooling, FuzzySkin, Printer, Retract, Skirt, Speed,
-    Support,
+    Acceleration, Brim, Cooling, Filament, FuzzySkin, Printer, Retract, Skirt,
+    Speed, Support,
 };
 pub use shell::Shell;
 pub use sizes::Sizes;
@@ -105,3 +107,15 @@ pub use words::{
     InfillPattern, PlateSequence, SeamRule, SkinPattern, SkinWhere,
     SupportStyle, Supports, WallOffset, WallOrder,
 };
+
+/// What the usual settings with a change resolve to, for tests of what follows
+/// from settings.
+#[doc(hidden)]
+pub fn plan_with<P>(
+    of: impl FnOnce(&Settings) -> P,
+    change: impl FnOnce(&mut Settings),
+) -> P {
+    let mut settings = Settings::default();
+    change(&mut settings);
+    of(&settings)
+}

@@ -10,7 +10,7 @@ use super::output::is_stream;
 use super::{plain, terminal};
 use anyhow::bail;
 use clap::Args;
-use isoslice::settings::{Builder, ProfileKind, Settings, keys};
+use isoslice::settings::{Builder, ProfileKind, keys};
 use isoslice::{try_templates, understands_placeholder};
 use own::Own;
 use slicerprofile::{
@@ -140,8 +140,6 @@ struct Import {
     kinds: Vec<Kind>,
     picked: Picked,
     translation: Translation,
-    /// All settings together.
-    settings: Settings,
     /// Templates that could not be translated: the setting, and the text.
     kept: Vec<(Kind, &'static str, String)>,
     /// Contradictions in the settings, and warnings about them.
@@ -204,7 +202,6 @@ impl Import {
             kinds,
             picked,
             translation,
-            settings: Settings::default(),
             kept: Vec::new(),
             remarks: Vec::new(),
         }
@@ -275,7 +272,6 @@ impl Import {
         for (setting, why) in &refused {
             self.lose(setting, why);
         }
-        self.settings = builder.settings().clone();
         match builder.finish() {
             Ok((_, warnings)) => self.remarks.extend(warnings),
             Err(error) => self.remarks.push(format!(

@@ -386,7 +386,7 @@ fn wipes_need_no_comments() {
 
 #[test]
 fn two_letters_are_no_gcode() {
-    let rules = Rules::new(&Settings::default());
+    let rules = Rules::new(&settings(&[]));
     for text in ["PK", "PK\n", "PK\x03", "GC", "GCD"] {
         assert!(check(text.as_bytes(), &rules).is_err(), "{text:?}");
     }

@@ -26,12 +26,12 @@ pub use error::TemplateError;
 
 use super::Header;
 use super::placeholders::{self, Known, Moment, Scope};
+use super::plan::WriterPlan;
 use super::{Totals, flavour};
 use control::control;
 use depth::too_deep;
 use engine::engine;
 use error::{error, failure, unknown_name};
-use isoslice_settings::Settings;
 use minijinja::{Environment, Value};
 use pieces::{find, pieces};
 use std::borrow::Cow;
@@ -54,7 +54,7 @@ const LAYER: &str = "gcode.layer";
 #[derive(Debug)]
 pub(super) struct Templates<'a> {
     engine: Environment<'static>,
-    settings: &'a Settings,
+    plan: WriterPlan<'a>,
     header: Header,
     /// Values that every template knows.
     known: BTreeMap<String, Value>,
@@ -115,12 +115,12 @@ impl<'a> Source<'a> {
 }
 
 impl<'a> Templates<'a> {
-    /// Reads and tries the templates of `settings`.
+    /// Reads and tries the templates of `plan`.
     pub(super) fn new(
-        settings: &'a Settings,
+        plan: &WriterPlan<'a>,
         header: &Header,
     ) -> Result<Self, TemplateError> {
-        let gcode = &settings.gcode;
+        let [start, end, layer] = plan.templates;
         let own = |text: &'a str, default| {
             // The text may have been pasted with a file's byte-order mark.
             let text = text.trim_start_matches('\u{feff}');
@@ -130,12 +130,12 @@ impl<'a> Templates<'a> {
                 text
             }
         };
-        let start = own(&gcode.start, flavour::START);
-        let end = own(&gcode.end, flavour::END);
-        let layer = own(&gcode.layer, "");
-        let mut known = placeholders::of_settings(settings);
+        let start = own(start, flavour::START);
+        let end = own(end, flavour::END);
+        let layer = own(layer, "");
+        let mut known = placeholders::of_settings(plan);
         let of_all = Known {
-            settings,
+            plan,
             header,
             moment: Moment::default(),
             totals: Totals::default(),
@@ -145,7 +145,7 @@ impl<'a> Templates<'a> {
         let engine = engine().map_err(|e| start.failure(&e))?;
         let mut templates = Self {
             engine,
-            settings,
+            plan: plan.clone(),
             header: Header {
                 thumbnails: Vec::new(),
                 parts: Vec::new(),
@@ -160,7 +160,7 @@ impl<'a> Templates<'a> {
             add(&mut templates.engine, source)?;
         }
         templates.try_end()?;
-        templates.layer(Moment::of_trial(settings))?;
+        templates.layer(Moment::of_trial(plan))?;
         Ok(templates)
     }
 
@@ -211,7 +211,7 @@ impl<'a> Templates<'a> {
     ) -> Result<String, TemplateError> {
         let (name, scope) = (source.name, source.scope);
         let now = Known {
-            settings: self.settings,
+            plan: &self.plan,
             header: &self.header,
             moment,
             totals,
@@ -319,16 +319,16 @@ fn add(
     }
 }
 
-/// Tries the templates of settings on a part in the middle of the bed: what is
+/// Tries the templates of a plan on a part in the middle of the bed: what is
 /// wrong with each of them.
-pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
-    let (x, y) = (settings.printer.bed_x / 2.0, settings.printer.bed_y / 2.0);
+pub fn try_templates(plan: &WriterPlan<'_>) -> Vec<TemplateError> {
+    let (x, y) = (plan.printer.bed_x / 2.0, plan.printer.bed_y / 2.0);
     let header = Header {
         model_name: String::from("part"),
         layer_count: 100,
         layers: 0..100,
         timestamp: None,
-        nozzle_temperature: settings.filament.first_layer_nozzle_temperature,
+        nozzle_temperature: plan.filament.first_layer_nozzle_temperature,
         part_min: glam::DVec3::new(x - 10.0, y - 10.0, 0.0),
         part_max: glam::DVec3::new(x + 10.0, y + 10.0, 20.0),
         parts: Vec::new(),
@@ -337,23 +337,14 @@ pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
         fingerprint: None,
         one_by_one: false,
     };
-    let mut wrong = Vec::new();
-    let templates: [fn(&mut Settings) -> &mut String; 3] = [
-        |s| &mut s.gcode.start,
-        |s| &mut s.gcode.end,
-        |s| &mut s.gcode.layer,
-    ];
-    for (i, _) in templates.iter().enumerate() {
-        let mut one = settings.clone();
-        for (j, other) in templates.iter().enumerate() {
-            if i != j {
-                other(&mut one).clear();
-            }
-        }
+    let alone = |i: usize| {
+        let mut one = plan.clone();
+        one.templates = [""; 3];
+        one.templates[i] = plan.templates[i];
         let filled = Templates::new(&one, &header).and_then(|t| t.start());
-        wrong.extend(filled.err());
-    }
-    wrong
+        filled.err()
+    };
+    (0..plan.templates.len()).filter_map(alone).collect()
 }
 
 /// True if a name of a foreign placeholder has a meaning here.

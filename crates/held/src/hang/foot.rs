@@ -149,12 +149,15 @@ impl Foot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hang::plan::brim;
     use isoslice_planar::shapes::{circle, rect};
-    use isoslice_settings::BrimPlace;
+    use isoslice_settings::{BrimPlace, Settings, plan_with};
+
+    fn usual() -> BrimPlan {
+        BrimPlan::of(&Settings::default())
+    }
 
     fn holds(outline: &Area) -> Mm {
-        Foot::new(outline, &Area::EMPTY, 0.2, &brim(|_| ()))
+        Foot::new(outline, &Area::EMPTY, 0.2, &usual())
             .unwrap()
             .holds
     }
@@ -176,12 +179,12 @@ mod tests {
         let found = holds(&legs);
         assert!(found < 2.5 * 9.001 && found > square(3.0), "{found}");
         let none = &Area::EMPTY;
-        assert_eq!(Foot::new(none, none, 0.2, &brim(|_| ())), None);
+        assert_eq!(Foot::new(none, none, 0.2, &usual()), None);
     }
 
     #[test]
     fn pads_on_both_sides_of_an_edge_count() {
-        let plan = brim(|_| ());
+        let plan = usual();
         let pads = Area::from_iter([
             rect(-9.0, -1.0, 9.0, -0.4),
             rect(-9.0, 0.4, 9.0, 1.0),
@@ -207,7 +210,7 @@ mod tests {
         let vase = Area::from_iter([circle(30.0, 200), hole]);
         assert!(holds(&vase) > 5000.0);
         let pin = rect(0.0, 0.0, 3.0, 3.0);
-        let wide = brim(|s| s.brim.place = BrimPlace::Outer);
+        let wide = plan_with(BrimPlan::of, |s| s.brim.place = BrimPlace::Outer);
         let foot = Foot::new(&pin, &Area::EMPTY, 0.2, &wide).unwrap();
         // A brim of 5 mm makes 13 mm of 3 mm, round at the corners.
         let square = 2.5 * 13.0_f64.powi(3) / 6.0;

@@ -433,6 +433,7 @@ fn under_lids(
 mod tests {
     use super::*;
     use isoslice_planar::shapes::rect;
+    use isoslice_settings::Settings;
 
     #[test]
     fn a_bridge_is_held_wherever_its_ring_begins() {
@@ -445,7 +446,12 @@ mod tests {
         let ring = [ring, vec![at(0.0, 0.0)]].concat();
         let here = Area::from(ring);
         let [here, below] = [here, below].map(Solid::new);
-        let look = Look::new([&here, &below], 5, [0.2; 2], &HangPlan::usual());
+        let look = Look::new(
+            [&here, &below],
+            5,
+            [0.2; 2],
+            &HangPlan::of(&Settings::default()),
+        );
         let said: Vec<Said> = look
             .rim
             .iter()

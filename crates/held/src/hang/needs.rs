@@ -124,6 +124,7 @@ mod tests {
     use super::*;
     use isoslice_planar::clip::{difference, union};
     use isoslice_planar::rect;
+    use isoslice_settings::Settings;
 
     fn told(needs: &[Area], outlines: &[Area]) -> Vec<Unsupported> {
         let spans = LayerSpan::stack(0.2, outlines.len());
@@ -134,7 +135,7 @@ mod tests {
             far: &[],
         };
         let place = |p: DVec2, span: &LayerSpan| p.extend(span.bottom);
-        needs.places(&HangPlan::usual(), place)
+        needs.places(&HangPlan::of(&Settings::default()), place)
     }
 
     #[test]

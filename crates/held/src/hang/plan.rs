@@ -1,8 +1,6 @@
 //! What tells which places hang.
 
 use isoslice_base::units::{Degrees, Mm};
-#[cfg(test)]
-use isoslice_layer::adhesion::BrimPlan;
 use isoslice_layer::walls::WallPlan;
 use isoslice_settings::Settings;
 
@@ -64,24 +62,4 @@ impl HangPlan {
     pub(super) fn direction(&self, layer: usize) -> Degrees {
         self.directions[layer % 2]
     }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> HangPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        HangPlan::of(&settings)
-    }
-
-    #[cfg(test)]
-    pub(crate) fn usual() -> HangPlan {
-        HangPlan::with(|_| ())
-    }
-}
-
-/// The plan of the brim for changed settings.
-#[cfg(test)]
-pub(super) fn brim(change: impl FnOnce(&mut Settings)) -> BrimPlan {
-    let mut settings = Settings::default();
-    change(&mut settings);
-    BrimPlan::of(&settings)
 }

@@ -28,6 +28,7 @@ use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::grid::nearest_on;
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::closed;
 use isoslice_planar::simplify::simplify;
 use isoslice_planar::{Area, Rect, Ring, edges, signed_area};
 
@@ -113,9 +114,7 @@ impl Branch {
         self.core = unite(&Area { rings });
         if self.core.islands().len() > 1 {
             // What is between the islands is printed.
-            let size = step.size().apart();
-            let wide = offset(&self.core, size, TOLERANCE);
-            let between = offset(&wide, -size, TOLERANCE);
+            let between = closed(&self.core, step.size().apart(), TOLERANCE);
             let near = between.bounds();
             let blocked = step.room.blocked(step.layer, self.foot, near);
             let free = difference(&between, &blocked);

@@ -32,8 +32,6 @@ pub struct SupportPlan {
     pub gap_bottom: Mm,
     /// Height of the part's lowest point above the bed, mm.
     pub lift: Mm,
-    /// Greatest error of outlines, mm.
-    pub accuracy: Mm,
 }
 
 impl SupportPlan {
@@ -57,24 +55,11 @@ impl SupportPlan {
             gap_top: support.z_gap,
             gap_bottom: support.z_gap_bottom,
             lift: settings.raft_height(),
-            accuracy: settings.accuracy,
         }
     }
 
     /// How far branches lean, mm aside per mm of height.
     pub(super) fn lean(&self) -> f64 {
         self.branch_angle.to_radians().tan()
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> SupportPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        SupportPlan::of(&settings)
-    }
-
-    #[cfg(test)]
-    pub(crate) fn usual() -> SupportPlan {
-        SupportPlan::with(|_| ())
     }
 }

@@ -27,6 +27,7 @@ use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, difference, union, unite};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::opened;
 use isoslice_planar::{Area, Rect, Solid, edges};
 use rayon::prelude::*;
 
@@ -183,9 +184,8 @@ impl<'a> Room<'a> {
         let dead = self.dead.get(j).unwrap_or(&self.closed[j]);
         let free = difference(area, &near(dead));
         let to_bed = difference(&free, &near(&self.closed[j]));
-        // Rounding leaves slivers, which vanish in two offsets.
-        let to_part = offset(&difference(&free, &to_bed), -BESIDE, TOLERANCE);
-        let to_part = offset(&to_part, BESIDE, TOLERANCE);
+        // Rounding leaves slivers, which are left out.
+        let to_part = opened(&difference(&free, &to_bed), BESIDE, TOLERANCE);
         [to_bed, to_part]
     }
 
@@ -337,11 +337,12 @@ mod tests {
     use super::*;
     use crate::support::heights::Heights;
     use isoslice_planar::rect;
+    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
 
     #[test]
     fn a_branch_keeps_the_gap_from_walls_and_stays_out_of_thin_notches() {
-        let plan = SupportPlan::usual();
+        let plan = SupportPlan::of(&Settings::default());
         let heights = Heights::new(LayerSpan::stack(0.2, 4), &plan);
         // Two walls, and a slot of 1 mm between them.
         let walls = Area::from_iter([

@@ -26,6 +26,7 @@ use isoslice_base::units::Mm2;
 use isoslice_layer::cover::neighbour::Neighbour;
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::is_wider;
 use isoslice_planar::{Area, Rect, Ring};
 
 /// Least part of an island that has to rest on something: this share of the
@@ -144,8 +145,8 @@ fn on_step(
     let all = piece.all();
     let on = &parts.outlines[parts.heights.stands_on(j)?];
     let over = intersection(all, &unite(&crop(&on.rings, piece.bounds)));
-    let half = 0.5 * plan.hang.thinnest;
-    let wide = |island: &Area| !offset(island, -half, TOLERANCE).is_empty();
+    let thinnest = plan.hang.thinnest;
+    let wide = |island: &Area| is_wider(island, thinnest, TOLERANCE);
     let step: Area = over.islands().into_iter().filter(wide).collect();
     if step.content() <= least(all).max(STEP * all.content()) {
         return None;
@@ -217,6 +218,7 @@ mod tests {
     use isoslice_planar::rect;
     use isoslice_settings::Supports;
     use isoslice_settings::layers::LayerSpan;
+    use isoslice_settings::plan_with;
 
     #[test]
     fn an_island_rests_on_a_tenth_of_itself_or_a_third_of_a_square_millimetre()
@@ -243,7 +245,7 @@ mod tests {
 
     #[test]
     fn thin_beads_stand_on_the_part_beside_supports_that_go_on_down() {
-        let plan = SupportPlan::with(|s| s.supports = Supports::Auto);
+        let plan = plan_with(SupportPlan::of, |s| s.supports = Supports::Auto);
         // A block of three layers of 0.3 mm ends at x = 0. A support of 4 mm, half
         // over the block, begins in layer 4, 0.1 mm above it. The gap is 0.2 mm.
         let heights = Heights::new(LayerSpan::stack(0.3, 8), &plan);
@@ -270,7 +272,8 @@ mod tests {
         let beside = 4.0 * (2.0 - BESIDE);
         assert!((lower.area().content() - 8.0 - beside).abs() < 0.02);
         // Supports from the plate keep off the block.
-        let plate = SupportPlan::with(|s| s.supports = Supports::Plate);
+        let plate =
+            plan_with(SupportPlan::of, |s| s.supports = Supports::Plate);
         let lower = settled(parts, all, &plate)[4].area();
         assert!((lower.content() - beside).abs() < 0.01);
         assert!(upper.standing.is_empty() && upper.deeper == 0.0);
@@ -278,7 +281,7 @@ mod tests {
 
     #[test]
     fn the_lowest_layer_on_a_slope_is_above_the_highest_step_alone() {
-        let plan = SupportPlan::with(|s| s.supports = Supports::Auto);
+        let plan = plan_with(SupportPlan::of, |s| s.supports = Supports::Auto);
         let heights = Heights::new(LayerSpan::stack(0.2, 8), &plan);
         // Steps of 0.4 mm. A support in layer 4 stands on layer 2, which ends
         // at x = 0.

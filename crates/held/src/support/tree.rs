@@ -22,6 +22,7 @@ use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::clusters::{Cluster, clusters};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::is_wider;
 use isoslice_planar::{Area, Rect, Ring, Solid, point_beside, signed_area};
 use isoslice_settings::SupportStyle;
 use rayon::prelude::*;
@@ -200,10 +201,8 @@ fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
             intersection(&near, &around).is_empty()
         }
     };
-    let is_thin = |island: &Area| {
-        island.bounds().size().min_element() < 2.0 * size.beyond
-            || offset(island, -size.beyond, TOLERANCE).is_empty()
-    };
+    let is_thin =
+        |island: &Area| !is_wider(island, 2.0 * size.beyond, TOLERANCE);
     let islands = need.islands().into_iter();
     let points: Area = islands.filter(|i| is_thin(i) && begins(i)).collect();
     let whole = if lost.is_empty() {
@@ -452,11 +451,12 @@ mod tests {
     use super::*;
     use crate::support::heights::Heights;
     use isoslice_planar::rect;
+    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
 
     /// What [`gather`] makes of branches over empty layers.
     fn gathered(branches: Vec<Branch>) -> Vec<Branch> {
-        let plan = SupportPlan::usual();
+        let plan = SupportPlan::of(&Settings::default());
         let heights = Heights::new(LayerSpan::stack(0.2, 4), &plan);
         let none = vec![Area::EMPTY; 4];
         let parts = Parts::in_layers(&heights, &none, &none);

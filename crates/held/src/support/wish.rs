@@ -87,7 +87,7 @@ impl<'a> Wishes<'a> {
         if isoslice_base::limits::is_stopped() {
             return Ok(Wish::default());
         }
-        let slack = SURE * self.plan.accuracy;
+        let slack = SURE * self.plan.hang.walls.accuracy;
         let under = if below.is_empty() {
             here.clone()
         } else {

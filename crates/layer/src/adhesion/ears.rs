@@ -84,6 +84,7 @@ pub(super) fn corners(outline: &Area, angle: f64) -> Vec<DVec2> {
 mod tests {
     use super::*;
     use isoslice_planar::shapes::{disc, rect};
+    use isoslice_settings::plan_with;
 
     #[test]
     fn sharp_convex_corners_get_ears_and_others_none() {
@@ -109,7 +110,7 @@ mod tests {
 
     #[test]
     fn ears_fill_their_discs_outside_of_the_part() {
-        let plan = BrimPlan::with(|s| {
+        let plan = plan_with(BrimPlan::of, |s| {
             s.brim.width = 4.0;
             s.brim.gap = 0.1;
         });
@@ -130,7 +131,7 @@ mod tests {
 
     #[test]
     fn ears_leave_holes_free() {
-        let plan = BrimPlan::with(|s| s.brim.width = 4.0);
+        let plan = plan_with(BrimPlan::of, |s| s.brim.width = 4.0);
         let solid = rect(0.0, 0.0, 30.0, 20.0);
         let mut part = solid.clone();
         // A hole lies within reach of a corner.

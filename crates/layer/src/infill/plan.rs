@@ -62,11 +62,4 @@ impl InfillPlan {
     pub(super) fn is_hollow(&self) -> bool {
         !self.is_own() && self.density.is(0.0)
     }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> InfillPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        InfillPlan::of(&settings)
-    }
 }

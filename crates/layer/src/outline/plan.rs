@@ -39,11 +39,4 @@ impl OutlinePlan {
             tolerance: 0.2 * settings.accuracy,
         }
     }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> OutlinePlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        OutlinePlan::of(&settings)
-    }
 }

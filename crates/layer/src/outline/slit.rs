@@ -24,8 +24,9 @@ use isoslice_base::units::Mm;
 use isoslice_planar::clip::{union, unite};
 use isoslice_planar::nest::Nest;
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::is_wider;
 use isoslice_planar::simplify::simplify_area;
-use isoslice_planar::{Area, Ring, Solid, edges, path_length, signed_area};
+use isoslice_planar::{Area, Ring, Solid, edges, signed_area};
 
 /// Cosine of the angle between the directions of two edges, each with the
 /// area to its left, from which on they face each other.
@@ -220,14 +221,8 @@ pub(super) fn filled(
 /// True if a hole is nowhere wider than a slit, or hardly.
 fn narrow(hole: &[DVec2], width: Mm, tolerance: Mm) -> bool {
     let width = width + HARDLY * tolerance;
-    // A hole as narrow as a slit has no more content than a strip of the slit's
-    // width, half as long as the hole's border. Most holes have more.
-    if signed_area(hole).abs() > 0.5 * width * path_length(hole, true) {
-        return false;
-    }
     let inside: Ring = hole.iter().rev().copied().collect();
-    let inside = Area::from(inside);
-    offset(&inside, -0.5 * width, tolerance).is_empty()
+    !is_wider(&Area::from(inside), width, tolerance)
 }
 
 #[cfg(test)]

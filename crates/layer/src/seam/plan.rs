@@ -36,11 +36,4 @@ impl EndingPlan {
             resolution: Resolution::of(settings),
         }
     }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> EndingPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        EndingPlan::of(&settings)
-    }
 }

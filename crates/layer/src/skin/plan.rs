@@ -105,11 +105,4 @@ impl SkinPlan {
             _ => self.internal,
         }
     }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> SkinPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        SkinPlan::of(&settings)
-    }
 }

@@ -637,6 +637,7 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, plan: &WallPlan) -> Mm2 {
 mod tests {
     use super::*;
     use isoslice_planar::shapes;
+    use isoslice_settings::{Settings, plan_with};
     use std::f64::consts::PI;
 
     fn disc(r: f64) -> Area {
@@ -645,7 +646,7 @@ mod tests {
 
     #[test]
     fn walls_of_a_disc_are_concentric() {
-        let plan = WallPlan::with(|s| s.walls = 3);
+        let plan = plan_with(WallPlan::of, |s| s.walls = 3);
         let w = walls(&disc(10.0), None, 0.2, &plan);
         let s = spacing(0.45, 0.45, 0.2);
         for (k, lines) in w.lines.iter().enumerate() {
@@ -682,7 +683,12 @@ mod tests {
             let ring = [(0.0, 0.0), (50.0, 0.0), (50.0, width), (0.0, width)]
                 .map(|(x, y)| DVec2::new(x, y))
                 .to_vec();
-            walls(&Area::from(ring), None, 0.2, &WallPlan::with(|_| {}))
+            walls(
+                &Area::from(ring),
+                None,
+                0.2,
+                &WallPlan::of(&Settings::default()),
+            )
         };
         for i in 0..40 {
             let width = 0.3 + 0.04 * f64::from(i);
@@ -706,7 +712,7 @@ mod tests {
 
     #[test]
     fn walls_make_way_for_the_bead_that_begins_between_them() {
-        let plan = WallPlan::with(|_| {});
+        let plan = WallPlan::of(&Settings::default());
         let [outer, inner] = [0, 1].map(|k| plan.lay(k, 0.2));
         let counts = Counts::new(&[outer, inner], Some(inner));
         // A wedge from 0.9 to 1.5 mm: two walls, then a bead between them.
@@ -731,7 +737,7 @@ mod tests {
     fn an_outline_is_printed_if_a_bead_or_skin_has_room() {
         let printed = |width: f64, walls: u32| {
             let strip = isoslice_planar::rect(0.0, 0.0, 5.0, width);
-            prints(&strip, 0.2, &WallPlan::with(|s| s.walls = walls))
+            prints(&strip, 0.2, &plan_with(WallPlan::of, |s| s.walls = walls))
         };
         assert_eq!([0.1, 0.3, 2.0].map(|w| printed(w, 2)), [false, true, true]);
         assert!(printed(0.3, 0));
@@ -739,7 +745,7 @@ mod tests {
 
     #[test]
     fn no_walls_leave_everything_to_the_fill() {
-        let plan = WallPlan::with(|s| s.walls = 0);
+        let plan = plan_with(WallPlan::of, |s| s.walls = 0);
         let w = walls(&disc(3.0), None, 0.2, &plan);
         assert!(w.lines.is_empty());
         assert_eq!(w.fill, disc(3.0));

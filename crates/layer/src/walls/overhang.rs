@@ -312,6 +312,7 @@ mod tests {
     use super::*;
     use isoslice_planar::Area;
     use isoslice_planar::shapes::rect_ring;
+    use isoslice_settings::plan_with;
 
     fn wall(points: Vec<DVec2>) -> Bead {
         Bead::new(Role::OuterWall, Stroke::new(points, true, 0.4), 0.2)
@@ -330,7 +331,8 @@ mod tests {
     ) -> Vec<Bead> {
         let solid = |ring| Solid::new(Area::from(ring));
         let (own, below) = (solid(own), solid(below));
-        let walls = WallPlan::with(|s| s.outer_wall_width = 0.4.into());
+        let walls =
+            plan_with(WallPlan::of, |s| s.outer_wall_width = 0.4.into());
         let support = Support::new(&below, &own, share, &walls);
         support.map_or(vec![bead.clone()], |s| s.cut(bead))
     }

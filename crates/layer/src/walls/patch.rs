@@ -200,18 +200,19 @@ mod tests {
     use super::*;
     use crate::walls::ThinPlan;
     use isoslice_planar::shapes::disc;
+    use isoslice_settings::Settings;
 
     fn strip(thickness: f64) -> Patch {
         let ring = [(0.0, 0.0), (20.0, 0.0), (20.0, 1.0), (0.0, 1.0)]
             .map(|(x, y)| DVec2::new(x, y * thickness))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::usual());
+        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
         patch(&Area::from(ring), plan, 0.01)
     }
 
     #[test]
     fn rings_fill_a_disc() {
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::usual());
+        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
         let area = disc(5.0, 400);
         let rings = concentric(&area, plan, 0.01);
         let space = 2.0 * plan.centre;
@@ -228,7 +229,7 @@ mod tests {
         let hole = [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)]
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::usual());
+        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
         let alone = Area::from(hole);
         assert!(concentric(&alone, plan, 0.01).len() < 9);
     }

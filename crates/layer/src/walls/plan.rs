@@ -21,11 +21,6 @@ impl ThinPlan {
             most: settings.thin_max,
         }
     }
-
-    #[cfg(test)]
-    pub(crate) fn usual() -> ThinPlan {
-        ThinPlan::of(&Settings::default())
-    }
 }
 
 /// How many walls there are, and how wide they are.
@@ -89,12 +84,5 @@ impl WallPlan {
             None => 0.0,
         };
         (depths, border)
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> WallPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        WallPlan::of(&settings)
     }
 }

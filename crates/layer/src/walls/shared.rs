@@ -18,14 +18,15 @@
 //! strips that are shared, as closed ridges, and what is left without them.
 
 use super::Lay;
+use super::cell;
 use super::line::RidgeIndex;
 use super::ridge::{Ridge, ridges};
 use super::widen::across;
-use super::{cell, shrink};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::clip::difference;
+use isoslice_planar::opening::is_wider;
 use isoslice_planar::{Area, Solid, edges};
 
 /// Length over which a strip has to be even, in lines.
@@ -251,8 +252,7 @@ impl Sharing {
         let taken = strips.iter().flat_map(|s| borders(s, self.slack));
         let taken = taken.collect();
         let prints = |part: &Area| {
-            part.content() > SMALL
-                || !shrink(part, 0.5 * self.taken, self.slack).is_empty()
+            part.content() > SMALL || is_wider(part, self.taken, self.slack)
         };
         let left = difference(&area, &taken).islands();
         let left = left.into_iter().filter(prints);
@@ -314,6 +314,7 @@ mod tests {
     use isoslice_planar::bead::{cross_section, spacing};
     use isoslice_planar::clip::union;
     use isoslice_planar::shapes::{circle, rect};
+    use isoslice_settings::{Settings, plan_with};
     use std::f64::consts::{PI, TAU};
 
     const HEIGHT: Mm = 0.2;
@@ -335,7 +336,7 @@ mod tests {
     }
 
     fn laid(part: &Area) -> Walls {
-        walls(part, None, HEIGHT, &WallPlan::with(|_| {}))
+        walls(part, None, HEIGHT, &WallPlan::of(&Settings::default()))
     }
 
     /// Radius and width of the strokes at an angle, from inside.
@@ -384,7 +385,8 @@ mod tests {
     /// fill it exactly.
     #[test]
     fn strips_of_known_thickness_are_filled() {
-        let plan = Lay::inside(WIDTH, HEIGHT, ThinPlan::usual());
+        let plan =
+            Lay::inside(WIDTH, HEIGHT, ThinPlan::of(&Settings::default()));
         for step in 0..=62 {
             let thick = 0.9 + 0.05 * f64::from(step);
             let walls = laid(&ring(|_| thick));
@@ -419,7 +421,8 @@ mod tests {
     /// The number of strokes all around a ring, and how often it changes.
     fn numbers(part: &Area) -> (Vec<usize>, usize) {
         let walls = laid(part);
-        let plan = Lay::inside(WIDTH, HEIGHT, ThinPlan::usual());
+        let plan =
+            Lay::inside(WIDTH, HEIGHT, ThinPlan::of(&Settings::default()));
         let fill = concentric(&walls.fill, plan, 0.005);
         let strokes: Vec<&Stroke> =
             all(&walls).into_iter().chain(&fill).collect();
@@ -454,7 +457,8 @@ mod tests {
 
     #[test]
     fn only_even_strips_are_shared() {
-        let plan = Lay::inside(WIDTH, HEIGHT, ThinPlan::usual());
+        let plan =
+            Lay::inside(WIDTH, HEIGHT, ThinPlan::of(&Settings::default()));
         let sharing = Sharing::new(&plan, &plan, 0.005);
         let strips = |part: &Area| sharing.strips(part, 0.005);
         let length = |part: &Area| -> f64 {
@@ -516,10 +520,13 @@ mod tests {
     fn nothing_is_shared_where_walls_have_to_be_narrow_or_follow_faces() {
         let part = ring(|_| 2.0);
         let rest = |plan| walls(&part, None, HEIGHT, &plan).fill.content();
-        assert_eq!(rest(WallPlan::with(|_| {})), 0.0);
-        assert!(rest(WallPlan::with(|s| s.thin_max = 100.0)) > 50.0);
-        assert!(rest(WallPlan::with(|s| s.contour_z = 100.0.into())) > 50.0);
+        assert_eq!(rest(WallPlan::of(&Settings::default())), 0.0);
+        assert!(rest(plan_with(WallPlan::of, |s| s.thin_max = 100.0)) > 50.0);
+        assert!(
+            rest(plan_with(WallPlan::of, |s| s.contour_z = 100.0.into()))
+                > 50.0
+        );
         // One wall is seen.
-        assert!(rest(WallPlan::with(|s| s.walls = 1)) > 50.0);
+        assert!(rest(plan_with(WallPlan::of, |s| s.walls = 1)) > 50.0);
     }
 }

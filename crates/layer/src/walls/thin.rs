@@ -268,10 +268,12 @@ mod tests {
     use super::*;
     use crate::walls::WallPlan;
     use glam::DVec2;
+    use isoslice_settings::Settings;
 
     /// Two walls, and skin inside them.
     fn counts() -> Counts {
-        let [outer, inner] = [0, 1].map(|k| WallPlan::with(|_| {}).lay(k, 0.2));
+        let [outer, inner] =
+            [0, 1].map(|k| WallPlan::of(&Settings::default()).lay(k, 0.2));
         Counts::new(&[outer, inner], Some(inner))
     }
 

@@ -287,6 +287,7 @@ fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
 mod tests {
     use super::*;
     use isoslice_planar::{Area, rect};
+    use isoslice_settings::{Settings, plan_with};
 
     const WIDTH: f64 = 0.45;
     const HEIGHT: f64 = 0.2;
@@ -307,7 +308,7 @@ mod tests {
     }
 
     fn linked_in(solid: &EdgeGrid, beads: &[Bead]) -> Vec<Bead> {
-        linked(beads.to_vec(), solid, &OrderPlan::with(|_| ()))
+        linked(beads.to_vec(), solid, &OrderPlan::of(&Settings::default()))
     }
 
     fn linked_inside(beads: &[Bead]) -> Vec<Bead> {
@@ -467,7 +468,7 @@ mod tests {
         assert_eq!(found[1].stroke.points[1], found[2].stroke.points[0]);
         // No way leads from a seam that is a gap or a scarf, nor to a seam.
         for (seam_gap, seam_scarf) in [(0.1, 0.0), (0.0, 5.0)] {
-            let apart = OrderPlan::with(|s| {
+            let apart = plan_with(OrderPlan::of, |s| {
                 (s.seam_gap, s.seam_scarf) = (seam_gap, seam_scarf.into());
             });
             assert_eq!(linked(both.to_vec(), &solid, &apart), both);

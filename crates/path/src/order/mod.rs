@@ -241,6 +241,7 @@ mod tests {
     use super::*;
     use isoslice_planar::bead::Stroke;
     use isoslice_settings::WallOrder;
+    use isoslice_settings::{Settings, plan_with};
     use jobs::Job;
 
     fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
@@ -294,7 +295,7 @@ mod tests {
             at: Some(DVec2::new(30.0, 0.0)),
             ..Head::default()
         };
-        let plan = OrderPlan::with(|_| ());
+        let plan = OrderPlan::of(&Settings::default());
         let out = order(beads, held(&outline), &mut head, &plan);
         let side: Vec<bool> =
             out.iter().map(|b| b.stroke.points[0].x > 10.0).collect();
@@ -319,7 +320,7 @@ mod tests {
             at: None,
             seams: vec![DVec2::new(1.2, -4.1)],
         };
-        let plan = OrderPlan::with(|_| ());
+        let plan = OrderPlan::of(&Settings::default());
         let out = order(beads, held(&outline), &mut head, &plan);
         let starts: Vec<DVec2> = out
             .iter()
@@ -359,7 +360,7 @@ mod tests {
                 2
             ];
             let mut head = Head::default();
-            let plan = OrderPlan::with(|s| s.wall_order = wall_order);
+            let plan = plan_with(OrderPlan::of, |s| s.wall_order = wall_order);
             let out = order(beads, held(&outline), &mut head, &plan);
             assert_eq!(out.len(), 6);
             let here = out.iter().filter(|b| b.stroke.points[0].x < 10.0);

@@ -36,11 +36,4 @@ impl OrderPlan {
             skin_meets_ring: s.skin_ring_gap <= 0.0,
         }
     }
-
-    #[cfg(test)]
-    pub(super) fn with(change: impl FnOnce(&mut Settings)) -> OrderPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        OrderPlan::of(&settings)
-    }
 }

@@ -92,12 +92,12 @@ impl PacePlan {
             resolution: Resolution::of(s),
         }
     }
+}
 
-    #[cfg(test)]
-    pub(super) fn with(change: impl FnOnce(&mut Settings)) -> PacePlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        PacePlan::of(&settings)
+/// What the printer of the default settings can do.
+impl Default for Limits {
+    fn default() -> Limits {
+        limits(&Settings::default())
     }
 }
 

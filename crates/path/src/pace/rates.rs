@@ -514,6 +514,7 @@ fn part(bead: &Bead, steps: &[Step]) -> Bead {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use isoslice_settings::plan_with;
 
     fn bead(points: &[(f64, f64)], closed: bool) -> Bead {
         Bead::new(
@@ -554,7 +555,7 @@ mod tests {
 
     #[test]
     fn constant_settings_leave_beads_whole() {
-        let plan = PacePlan::with(|s| {
+        let plan = plan_with(PacePlan::of, |s| {
             s.flow = Varying::Constant(90.0);
             s.bead_width = Varying::Constant(110.0);
         });

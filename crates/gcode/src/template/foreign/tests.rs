@@ -1,20 +1,19 @@
 use super::*;
+use crate::plan::WriterPlan;
 use crate::template::Templates;
 use crate::template::tests::header;
-use isoslice_settings::Settings;
+use isoslice_settings::testing::settings;
 
 fn templates(start: &str, layer: &str, end: &str) -> Result<String, String> {
-    let mut s = Settings::default();
-    s.filament.first_layer_bed_temperature = 65.0;
-    s.gcode.start = start.to_owned();
-    s.gcode.layer = layer.to_owned();
-    s.gcode.end = end.to_owned();
+    let s = settings(&["filament.first_layer_bed_temperature=65"]);
+    let mut plan = WriterPlan::of(&s);
+    plan.templates = [start, end, layer];
     let moment = crate::placeholders::Moment {
         number: 3,
         z: 0.6,
         height: 0.2,
     };
-    Templates::new(&s, &header())
+    Templates::new(&plan, &header())
         .and_then(|t| match (start, layer) {
             ("", "") => t.try_end(),
             ("", _) => t.layer(moment).map(Option::unwrap_or_default),
