@@ -19,8 +19,8 @@ use isoslice_path::travel::TravelPlan;
 use isoslice_path::z_contouring::ZContouringPlan;
 use isoslice_planar::bead::spacing;
 use isoslice_settings::{
-    FuzzySkin, InfillPattern, LineDensity, SeamRule, Settings, SkinPattern,
-    Varying, WallOffset,
+    FuzzySkin, InfillPattern, InterfacePattern, LineDensity, SeamRule,
+    Settings, Varying, WallOffset,
 };
 
 /// The plans of a part.
@@ -112,7 +112,7 @@ impl Plans {
             contours_z: !settings.contour_z.is(0.0),
             supports_follow: settings.supports_follow(),
             internal_bridges: settings.bridges_infill().then(|| {
-                settings.internal_bridges.count().unwrap_or(2) as usize
+                settings.internal_bridges.number().unwrap_or(2) as usize
             }),
             nozzle_flat: settings.nozzle_flat(),
             used: used(settings),
@@ -191,10 +191,13 @@ impl SupportFillPlan {
             density: support.density,
             interface_density: support.interface_density,
             interface_pattern: match support.interface_pattern {
-                SkinPattern::Lines => InfillPattern::Rectilinear,
-                SkinPattern::Concentric => InfillPattern::Concentric,
+                InterfacePattern::Concentric => InfillPattern::Concentric,
+                _ => InfillPattern::Rectilinear,
             },
-            interface_angle: support.interface_angle,
+            interface_angle: match support.interface_pattern {
+                InterfacePattern::Towards(angle) => Some(angle),
+                _ => None,
+            },
             side_by_side: spacing(width, width, settings.layer_height()),
             flattest: Settings::FLAT,
             first_layer: settings.first_layer_height(),

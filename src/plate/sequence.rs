@@ -14,7 +14,7 @@
 //! the two parts that are too near to each other, or the part that is too high.
 //!
 //! The head is a circle of `printer.head_clearance_radius` around the nozzle,
-//! empty below `printer.head_clearance_height`. The nozzle may be anywhere over
+//! empty below the height that the setting gives it. The nozzle may be anywhere over
 //! what stands on the bed of the part that is printed: its box with its brim or
 //! raft, and with the room that its supports have. No finished part may be in
 //! that circle. Whatever moves across the whole bed with the head is at
@@ -57,9 +57,10 @@ struct Head {
 
 impl Head {
     fn of(printer: &Printer) -> Option<Head> {
+        let clearance = printer.head_clearance_radius?;
         Some(Head {
-            radius: printer.head_clearance_radius?,
-            free_below: printer.head_clearance_height,
+            radius: clearance.radius,
+            free_below: clearance.free_below,
             gantry: printer.gantry_height?,
             front: printer.front_clearance,
         })

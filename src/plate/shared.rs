@@ -20,13 +20,12 @@ const GROUPS: [&str; 10] = [
 
 /// Settings outside of groups that all parts of a layer share, and the speed
 /// between parts.
-const SINGLE: [&str; 8] = [
+const SINGLE: [&str; 7] = [
     "layer_height",
     "first_layer_height",
     "layer_heights",
     "layer_height_min",
     "layer_height_max",
-    "step_error",
     "speed.travel",
     "draft_shield",
 ];

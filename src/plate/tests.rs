@@ -73,7 +73,7 @@ fn what_a_plate_does_not_have_is_refused() {
     in_one_place.at = Some((50.0, 50.0));
     assert!(error(&[in_one_place]).contains("2 copies cannot all stand"));
     let mut vase = Wanted::of_test(BALL, 2);
-    vase.settings.spiral = isoslice_settings::SwitchOrCount::On;
+    vase.settings.spiral = isoslice_settings::SwitchOr::On;
     assert!(error(&[vase]).contains("spiral prints one part"));
     let full = error(&[Wanted::of_test(LARGE, 30)]);
     assert!(full.contains("there is no place for part_"), "{full}");

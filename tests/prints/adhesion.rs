@@ -100,7 +100,7 @@ fn a_shield_is_outside_of_supports_and_rafts_and_of_any_range() {
 #[test]
 fn ears_are_at_the_corners_of_the_first_layer() {
     let block = "max(max(abs(x) - 20, abs(y) - 10), abs(z - 2) - 2)";
-    let set = ["brim.place=ears", "brim.ear_radius=4", "skirt.loops=0"];
+    let set = ["brim.place=ears", "brim.width=4", "skirt.loops=0"];
     let (layers, summary, _) = run(block, &set, "..");
     assert_eq!(summary.warnings, Vec::<String>::new());
     let ears = skirt(&layers[0]);

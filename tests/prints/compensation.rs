@@ -63,7 +63,7 @@ fn walls_lie_where_the_compensation_puts_them() {
             );
         }
     }
-    let drawn = layers(&["elephant_foot=0.2", "elephant_foot_layers=2"]);
+    let drawn = layers(&["elephant_foot=0.2 over 2"]);
     for (layer, by) in drawn.iter().zip([0.2, 0.1, 0.0, 0.0]) {
         close(
             radii(layer, "External perimeter"),
@@ -112,7 +112,7 @@ fn a_brim_lies_beside_the_first_layer_only() {
 #[test]
 fn nothing_hangs_over_the_elephants_foot() {
     // The next layer sticks out by more than half a line.
-    let printed = layers(&["elephant_foot=0.3", "elephant_foot_layers=1"]);
+    let printed = layers(&["elephant_foot=0.3"]);
     for layer in &printed {
         assert_eq!(layer.length("Overhang perimeter"), 0.0);
     }

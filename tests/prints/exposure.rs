@@ -269,7 +269,7 @@ fn every_place_is_printed_as_what_it_is() {
 fn widths_patterns_and_thicknesses_of_their_own_change_no_area() {
     let own = [
         "top_skin_width=0.4",
-        "top_skin_pattern=concentric",
+        "skin_pattern=top: concentric",
         "top_layers=2",
         "bottom_layers=5",
     ];

@@ -329,8 +329,8 @@ fn parts_that_stand_in_the_way_are_named() {
         "{high}"
     );
     // Nothing of the head is below 7 mm.
-    let free =
-        settings(&[&PLAIN[..], &["printer.head_clearance_height=7"]].concat());
+    let above = "printer.head_clearance_radius=40 mm above 7 mm";
+    let free = settings(&[&PLAIN[..], &[above]].concat());
     let close = [("a", 60.0), ("b", 75.0)].map(|(name, x)| Wanted {
         at: Some((x, 110.0)),
         ..wanted(name, LOW, 1, &free)

@@ -137,7 +137,7 @@ fn supports_and_rafts_are_those_of_each_part_alone() {
                max(max(abs(x) - 9, abs(y) - 6), abs(z - 7) - 1))";
     let set = [
         "supports=auto",
-        "bridges=false",
+        "bridge_max=0",
         "raft.layers=2",
         "speed.overhang=25:40, 75:20",
     ];
@@ -160,7 +160,7 @@ fn a_part_may_have_a_flow_widths_and_gaps_of_its_own() {
                max(max(abs(x) - 9, abs(y) - 6), abs(z - 3) - 1))";
     let wide = "outer_wall_width=2\ninner_wall_width=2\ninfill_width=2\n\
                 top_skin_width=2\nskin_width=2";
-    let held = "supports=auto\nbridges=false\nsupport.z_gap=1\n\
+    let held = "supports=auto\nbridge_max=0\nsupport.z_gap=1\n\
                 support.z_gap_bottom=1";
     for (of_plate, own) in [
         ("", "flow=170"),
@@ -421,8 +421,7 @@ fn the_skirt_goes_round_all_and_each_part_has_its_brim() {
 #[test]
 fn layers_of_different_heights_suit_all_parts() {
     let settings = settings(&[
-        "layer_heights=adaptive",
-        "step_error=0.08",
+        "layer_heights=adaptive 0.08",
         "accuracy=0.05",
         "sample_spacing=0.5",
     ]);

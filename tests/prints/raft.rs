@@ -170,8 +170,7 @@ fn a_part_on_its_tip_has_a_raft() {
 fn scarfs_rise_from_the_layer_below_and_not_from_a_rafts_air() {
     let set = [
         "raft.layers=3",
-        "seam_scarf=10",
-        "seam_scarf_start=10",
+        "seam_scarf=10 mm from 10%",
         "gcode.progress=off",
     ];
     let (layers, ..) = run(BLOCK, &set);

@@ -407,8 +407,7 @@ fn seams_depend_neither_on_threads_nor_on_the_range() {
 #[test]
 fn a_scarf_that_rises_lays_the_same_at_each_angle() {
     let own = [
-        "seam_scarf=20",
-        "seam_scarf_start=10",
+        "seam_scarf=20 mm from 10%",
         "gcode.relative_e=true",
         "cooling.min_layer_time=0",
     ];

@@ -391,7 +391,7 @@ fn dense_layers_have_a_pattern_direction_and_spacing_of_their_own() {
         along(moves, angle).max(along(moves, angle + 90.0))
     };
     let plain = interface(&[]);
-    let turned = interface(&["support.interface_angle=20"]);
+    let turned = interface(&["support.interface_pattern=20"]);
     assert!(both(&plain, 45.0) > 300.0 && both(&plain, 20.0) < 5.0);
     assert!(both(&turned, 20.0) > 300.0 && both(&turned, 45.0) < 5.0);
     let dense = ["supports=auto", "support.interface_density=0.2 mm"];

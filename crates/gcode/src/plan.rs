@@ -90,10 +90,9 @@ impl<'a> WriterPlan<'a> {
             infill_density: s.infill_density.constant(),
             brim_width: match s.brim.place {
                 BrimPlace::None => 0.0,
-                BrimPlace::Ears => s.brim.ear_radius.ceil(),
                 _ => s.brim.width.ceil(),
             },
-            ironing: s.ironing,
+            ironing: s.ironing.is_on(),
             supports: s.supports != Supports::Off,
             flavour,
             comments: gcode.comments,

@@ -2,7 +2,7 @@
 
 use super::InfillPattern;
 use super::value::{
-    Measure, Raw, Refused, Value, ValueKind, formula, formula_to_toml,
+    Form, Measure, Raw, Refused, Value, ValueKind, formula, formula_to_toml,
 };
 
 /// Sparse infill. Settings keep expressions and scripts as text;
@@ -55,7 +55,9 @@ impl Value for Infill {
 
     fn kind(&self) -> ValueKind {
         match InfillPattern::default().kind() {
-            ValueKind::Word(words) => ValueKind::WordOrShape(words),
+            ValueKind::Word(words) => {
+                ValueKind::WordOrText(words, &[Form::Expression, Form::Script])
+            }
             kind => kind,
         }
     }

@@ -100,19 +100,13 @@ fn of(key: &Key) -> Value {
         ValueKind::NumberOrText(_, forms) => with_texts(number, forms),
         ValueKind::WholeOrText(_, forms) => with_texts(whole, forms),
         ValueKind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
+        ValueKind::SwitchOrNumber => vec![json!({ "type": "boolean" }), number],
         ValueKind::Word(all) => vec![words(all)],
-        // Besides its words the setting takes a script's name, or an
-        // expression.
-        ValueKind::WordOrShape(all) => {
-            let script = json!({ "type": "string", "pattern": "\\.rhai$" });
-            vec![words(all), expression, script]
-        }
-        ValueKind::WordOrFormula(all) => vec![words(all), expression],
+        ValueKind::WordOrText(all, forms) => with_texts(words(all), forms),
         ValueKind::WordOrNumber(all) => vec![words(all), number],
+        ValueKind::WordOrWhole(all) => vec![words(all), whole],
     };
-    if key.unit == "%"
-        && matches!(key.kind(), ValueKind::Number | ValueKind::Varying)
-    {
+    if key.unit == "%" && takes_shares(key.kind()) {
         all.push(share);
     }
     let mut out = match <[Value; 1]>::try_from(all) {
@@ -132,16 +126,28 @@ fn of(key: &Key) -> Value {
     out
 }
 
-/// A number, or texts of these forms.
-fn with_texts(number: Value, forms: &[Form]) -> Vec<Value> {
+/// True if numbers of a setting in % may have their sign.
+fn takes_shares(kind: ValueKind) -> bool {
+    matches!(
+        kind,
+        ValueKind::Number | ValueKind::Varying | ValueKind::SwitchOrNumber
+    )
+}
+
+/// A value of another schema, or texts of these forms.
+fn with_texts(other: Value, forms: &[Form]) -> Vec<Value> {
     let text = |form: &Form| match form {
+        Form::Like(_, pattern) => {
+            json!({ "type": "string", "pattern": pattern })
+        }
+        Form::Script => json!({ "type": "string", "pattern": "\\.rhai$" }),
         Form::Auto => json!({ "const": "auto" }),
         Form::Length => json!({ "type": "string", "pattern": LENGTH }),
         Form::Share => json!({ "type": "string", "pattern": SHARE }),
         Form::Steps => json!({ "type": "string", "pattern": STEPS }),
         Form::Expression => json!({ "type": "string", "pattern": EXPRESSION }),
     };
-    std::iter::once(number)
+    std::iter::once(other)
         .chain(forms.iter().map(text))
         .collect()
 }

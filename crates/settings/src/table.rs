@@ -56,17 +56,18 @@ impl Key {
             ValueKind::Sizes => {
                 "32x32, 300x300 or other sizes, or nothing".to_owned()
             }
-            ValueKind::SwitchOrWhole => format!("true, false, or {range}"),
+            ValueKind::SwitchOrWhole | ValueKind::SwitchOrNumber => {
+                format!("true, false, or {range}")
+            }
             ValueKind::NumberOrText(allowed, _)
             | ValueKind::WholeOrText(allowed, _) => allowed.to_owned(),
             ValueKind::Word(words) => alternatives(words),
-            ValueKind::WordOrShape(words) => {
-                format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
+            ValueKind::WordOrText(words, forms) => {
+                let forms = forms.iter().map(|form| form.shown().to_owned());
+                let words = words.iter().map(|word| (*word).to_owned());
+                alternatives(&words.chain(forms).collect::<Vec<_>>())
             }
-            ValueKind::WordOrFormula(words) => {
-                format!("{} or \"expr: ...\"", words.join(", "))
-            }
-            ValueKind::WordOrNumber(words) => {
+            ValueKind::WordOrNumber(words) | ValueKind::WordOrWhole(words) => {
                 format!("{} or {range}", words.join(", "))
             }
         }
@@ -120,10 +121,11 @@ impl Key {
                 | ValueKind::NumberOrText(..)
                 | ValueKind::WholeOrText(..)
                 | ValueKind::SwitchOrWhole
+                | ValueKind::SwitchOrNumber
                 | ValueKind::Word(_)
-                | ValueKind::WordOrShape(_)
-                | ValueKind::WordOrFormula(_)
-                | ValueKind::WordOrNumber(_),
+                | ValueKind::WordOrText(..)
+                | ValueKind::WordOrNumber(_)
+                | ValueKind::WordOrWhole(_),
                 _,
             ) => self.allowed(),
         }
@@ -147,9 +149,9 @@ impl Key {
     /// assigned as well.
     pub fn some_words(&self) -> &'static [&'static str] {
         match self.kind() {
-            ValueKind::WordOrShape(words)
-            | ValueKind::WordOrFormula(words)
-            | ValueKind::WordOrNumber(words) => words,
+            ValueKind::WordOrText(words, _)
+            | ValueKind::WordOrNumber(words)
+            | ValueKind::WordOrWhole(words) => words,
             ValueKind::WholeOrAuto
             | ValueKind::NumberOrAuto
             | ValueKind::ByNozzle => &["auto"],
@@ -293,8 +295,9 @@ pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
 }
 
 /// Lists words as `a, b or c`.
-pub(super) fn alternatives(words: &[&str]) -> String {
-    match words {
+pub(super) fn alternatives<T: AsRef<str>>(words: &[T]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.as_slice() {
         [] => String::new(),
         [one] => (*one).to_owned(),
         [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
@@ -322,6 +325,9 @@ macro_rules! unit {
     (Varying<$inner:ident>) => {
         $crate::table::unit!($inner)
     };
+    (SwitchOr<$inner:ident>) => {
+        $crate::table::unit!($inner)
+    };
     (Mm) => {
         "mm"
     };
@@ -333,6 +339,18 @@ macro_rules! unit {
     };
     (DraftShield) => {
         "mm"
+    };
+    (ElephantFoot) => {
+        "mm"
+    };
+    (Scarf) => {
+        "mm"
+    };
+    (HeadClearance) => {
+        "mm"
+    };
+    (InterfacePattern) => {
+        "°"
     };
     (LineDensity) => {
         "%"

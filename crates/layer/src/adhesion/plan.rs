@@ -99,12 +99,10 @@ impl ShieldPlan {
 pub struct BrimPlan {
     /// Where it is.
     pub place: BrimPlace,
-    /// Width of the strip that its loops fill, mm.
+    /// Width of the strip that its loops fill, or radius of ears, mm.
     pub strip: Mm,
     /// Gap between the part and the innermost loop, mm.
     pub gap: Mm,
-    /// Radius of ears, mm.
-    pub ear_radius: Mm,
     /// Corners sharper than this have ears.
     pub ear_angle: Degrees,
     /// Line width, mm.
@@ -121,7 +119,6 @@ impl BrimPlan {
             place: brim.place,
             strip: brim.width,
             gap: brim.gap,
-            ear_radius: brim.ear_radius,
             ear_angle: brim.ear_angle,
             width: settings.outer_wall_width(),
             reach: 0.0,
@@ -131,7 +128,7 @@ impl BrimPlan {
                 let depths = plan.depths(settings.first_layer_height());
                 depths.last().map_or(0.0, |d| d + 0.5 * plan.width)
             }
-            BrimPlace::Ears => brim.ear_radius,
+            BrimPlace::Ears => brim.width,
             BrimPlace::None | BrimPlace::Inner => 0.0,
         };
         BrimPlan { reach, ..plan }

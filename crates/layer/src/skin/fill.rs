@@ -301,7 +301,7 @@ impl Filler<'_> {
         paths: Vec<(i64, Stroke)>,
         border: Option<&EdgeGrid>,
     ) -> Fill {
-        let parallel = look.pattern == SkinPattern::Lines;
+        let parallel = look.pattern != SkinPattern::Concentric;
         let swept = match role {
             Role::TopSkin => parallel && self.plan.swept,
             Role::Ironing => true,

@@ -201,7 +201,7 @@ pub(super) static ROWS: &[Row] = rows! {
         => To("infill", patterns::INFILL_OF_CURA);
     CURA Print: "infill_overlap" => To("infill_overlap", As::Percent);
     CURA Print: "top_bottom_pattern"
-        => To("bottom_skin_pattern", patterns::SKIN_OF_CURA);
+        => To("skin_pattern", patterns::SKIN_OF_CURA);
     CURA Print: "z_seam_type"
         => To(
             "seam",
@@ -225,8 +225,18 @@ pub(super) static ROWS: &[Row] = rows! {
             ]),
         );
     CURA Print: "xy_offset" => To("xy_compensation", As::Number);
-    CURA Print: "ironing_enabled" => To("ironing", As::Switch);
-    CURA Print: "ironing_flow" => To("ironing_flow", As::Percent);
+    CURA Print: "ironing_enabled", "ironing_flow"
+        => Made {
+            settings: &["ironing"],
+            how: "the flow if it is on",
+            make: Make(|given| match given.switch("ironing_enabled") {
+                Some(on) => {
+                    let value = make::ironed(given, on, &["ironing_flow"]);
+                    Outcome::of(vec![("ironing", value)])
+                }
+                None => Outcome::Nothing("whether to iron is not said".into()),
+            }),
+        };
     CURA Print: "ironing_line_spacing" => To("ironing_spacing", As::Positive);
     CURA Print: "speed_ironing" => To("speed.ironing", As::Positive);
     CURA Print: "speed_print", "speed_wall", "speed_wall_0", "speed_wall_x",
