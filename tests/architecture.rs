@@ -75,8 +75,8 @@ const ORDER: &[(&str, Steps)] = &[
     (
         "crates/held/src",
         &[
-            // `hang` finds what hangs, except for what the skin's bridges hold.
-            &["hang"],
+            // `overhangs` finds what hangs, except for what the skin's bridges hold.
+            &["overhangs"],
             // `support` holds what hangs. Skin says where bridges hold it.
             &["support"],
         ],

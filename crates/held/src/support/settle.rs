@@ -148,7 +148,7 @@ fn on_step(
     let all = piece.all();
     let on = &parts.outlines[parts.heights.stands_on(j)?];
     let over = intersection(all, &unite(&crop(&on.rings, piece.bounds)));
-    let thinnest = plan.hang.thinnest;
+    let thinnest = plan.overhangs.thinnest;
     let wide = |island: &Area| is_wider(island, thinnest, TOLERANCE);
     let step: Area = over.islands().into_iter().filter(wide).collect();
     if step.content() <= least(all).max(STEP * all.content()) {

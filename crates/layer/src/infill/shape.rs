@@ -19,7 +19,7 @@ use glam::DVec2;
 use isoslice_base::timings::Timings;
 use isoslice_base::units::Mm;
 use isoslice_model::contour::{Detail, Field, field, outlines};
-use isoslice_model::vary::{Surroundings, VaryError};
+use isoslice_model::expressions::{QuantityError, Surroundings};
 use isoslice_model::{Expression, Place, Source, load};
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::border::{Cutter, LinePiece};
@@ -252,7 +252,7 @@ fn deep(
     z: Mm,
     places: &mut Vec<Place>,
     out: &mut Vec<f64>,
-) -> Result<(), VaryError> {
+) -> Result<(), QuantityError> {
     let Around {
         surroundings,
         solid,

@@ -64,7 +64,7 @@ use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Degrees, Mm, Mm2};
 use isoslice_layer::seam::ending::Ended;
 use isoslice_layer::view::{LayerFace, LayerView};
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_model::{Model, Probe, ProbeError};
 use isoslice_planar::bead::{Bead, Role, cross_section, height_of};
 use isoslice_planar::grid::EdgeGrid;
@@ -96,7 +96,7 @@ const TOLERANCE: Mm = 0.0015;
 pub enum ZContouringError {
     /// The strength has no value somewhere.
     #[error(transparent)]
-    Strength(#[from] VaryError),
+    Strength(#[from] QuantityError),
     /// The field cannot be evaluated.
     #[error(transparent)]
     Probe(#[from] ProbeError),
@@ -396,7 +396,7 @@ impl<'a> ZContouring<'a> {
         &self,
         points: &[DVec2],
         span: &LayerSpan,
-    ) -> Result<Vec<f64>, VaryError> {
+    ) -> Result<Vec<f64>, QuantityError> {
         if let Some(strength) = self.strength.constant() {
             return Ok(vec![strength; points.len()]);
         }
