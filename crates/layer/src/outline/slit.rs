@@ -156,11 +156,7 @@ fn between(
     let v = -u.perp();
     let at = |p: DVec2| DVec2::new((p - a).dot(u), (p - a).dot(v));
     let ([a1, b1], [a2, b2]) = ([at(a), at(b)], [at(d), at(c)]);
-    let side = |p: DVec2, q: DVec2, x: f64| {
-        let t = (x - p.x) / (q.x - p.x);
-        p.y + t * (q.y - p.y)
-    };
-    let gap = |x: f64| side(a2, b2, x) - side(a1, b1, x);
+    let gap = |x: f64| height(a2, b2, x) - height(a1, b1, x);
     let (mut low, mut high) = (a1.x.max(a2.x), b1.x.min(b2.x));
     let opens = gap(low).max(gap(high)) > width;
     // The gap is linear: each bound cuts off one end.
@@ -184,12 +180,18 @@ fn between(
     }
     let corner = |x: f64, y: f64| a + u * x + v * y;
     let piece = vec![
-        corner(low, side(a2, b2, low) + margin),
-        corner(high, side(a2, b2, high) + margin),
-        corner(high, side(a1, b1, high) - margin),
-        corner(low, side(a1, b1, low) - margin),
+        corner(low, height(a2, b2, low) + margin),
+        corner(high, height(a2, b2, high) + margin),
+        corner(high, height(a1, b1, high) - margin),
+        corner(low, height(a1, b1, low) - margin),
     ];
     Some((piece, opens))
+}
+
+/// The y of the line through two points at an x.
+fn height(p: DVec2, q: DVec2, x: f64) -> f64 {
+    let t = (x - p.x) / (q.x - p.x);
+    p.y + t * (q.y - p.y)
 }
 
 /// The area with its slits filled, as [`slits`] has found them.
