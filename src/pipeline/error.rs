@@ -45,7 +45,7 @@ pub enum SliceError {
     /// The G-code cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The part does not fit under the printer's top on its raft.
+    /// On its raft the part is higher than the printer prints.
     #[error(
         "on its raft of {lift:.3} mm the part is {:.3} mm too high: its top is \
          at {top:.3} mm, and the printer has {most} mm; lower raft.layers, or \

@@ -330,7 +330,8 @@ mod tests {
         near(&below(&rect(-0.6, -0.6, 0.6, 0.2)), [0.0, 0.96, 0.96]);
         // The post leans.
         near(&below(&rect(-0.7, -0.6, 0.5, 0.6)), [0.0, 0.72, 1.44]);
-        // What is right below a face would begin in the air.
+        // The face covers so much of the layer that the rest of it would begin
+        // in the air.
         near(&below(&rect(-0.6, -0.6, 0.3, 0.6)), [0.0, 1.44, 1.08]);
         // An island above lies beside the step, on what would be left out.
         near(&below(&rect(0.1, -0.6, 0.6, 0.6)), [0.0, 1.44, 0.6]);

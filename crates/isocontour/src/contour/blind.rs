@@ -166,8 +166,8 @@ mod tests {
 
     #[test]
     fn leaning_surfaces_through_a_node_are_not_blind() {
-        // Around a node on a surface that falls by `lean` along x and by 1
-        // along z.
+        // The values around a node of a field that rises by `lean` along x and
+        // by 1 along z.
         let beside = |lean: f32| BESIDE.map(|[x, _, z]| 1e-4 * (lean * x + z));
         for (lean, blind) in
             [(1.0, Blind::NOT), (0.02, Blind::NOT), (0.005, FACE)]

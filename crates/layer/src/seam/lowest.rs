@@ -107,8 +107,8 @@ impl Curve<'_> {
             (a * (lb / la) + b * (la / lb)).try_normalize()
         };
         let tangents: Vec<Option<DVec2>> = (0..n).map(tangent).collect();
-        // An edge within `accuracy` of a curve stands for no sharper bend than
-        // this.
+        // If a curve's tangent at an end of an edge is farther off the edge than
+        // this, mm, the curve is not within `accuracy` of the edge.
         let most = 6.0 * accuracy + 0.01;
         let end = |i: usize, vertex: usize| -> DVec2 {
             let own = edge(i);

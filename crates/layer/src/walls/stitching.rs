@@ -793,7 +793,8 @@ mod tests {
         let (_, beads) =
             join(Vec::new(), vec![short, long.clone()], None, anywhere);
         assert_eq!(beads, [long]);
-        // Half of this one has a track of its own.
+        // This one leaves the other's way after half of its length, so that
+        // half stays.
         let half = line(&[(4.0, 0.05), (8.5, 0.05), (8.5, 6.0)], 0.5);
         let long = line(&[(0.0, 0.0), (9.0, 0.0), (20.0, 0.0)], 0.5);
         let (_, beads) = join(Vec::new(), vec![half, long], None, anywhere);

@@ -35,8 +35,8 @@ const SHARES: [f64; 3] = [1.0, 0.6, 0.3];
 
 /// The hull of a stretch of a ring beside a straight way.
 struct Hull {
-    /// The hull's points in coordinates along the way and to the stretch's
-    /// side.
+    /// The hull's points. Their x runs along the straight way, and their y to the
+    /// side on which the stretch lies.
     points: Vec<DVec2>,
     along: DVec2,
     aside: DVec2,
