@@ -43,8 +43,8 @@ const CORNER: f64 = 1.0 - std::f64::consts::FRAC_PI_4;
 /// Width of the seam between a lip and what holds it, mm.
 const SEAM: Mm = 0.1;
 
-/// The part of `need`, which is what of layer `i` the layer below does not hold,
-/// that is no lip. `outlines` and `spans` are those of all layers.
+/// The islands of `need` that are no lips. `need` is the part of layer `i` that the
+/// layer below does not hold; `outlines` and `spans` are those of all layers.
 pub(crate) fn without_lips(
     need: Area,
     i: usize,
@@ -60,7 +60,7 @@ pub(crate) fn without_lips(
     rest.collect()
 }
 
-/// True if an island of what of layer `i` the layer below does not hold is a lip.
+/// True if an island of layer `i` that the layer below does not hold is a lip.
 fn is_lip(
     island: &Area,
     i: usize,

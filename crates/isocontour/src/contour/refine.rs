@@ -198,8 +198,8 @@ impl Bracket {
     /// Takes in the field's value at the estimate and makes a new one.
     fn step(&mut self, f: f64, count: usize) {
         let end = if f < 0.0 { self.f_lo } else { self.f_hi };
-        // At a jump the estimate creeps along one side in tiny steps, but the
-        // field does not go down there.
+        // At a jump the estimate comes nearer in tiny steps from one side, but
+        // the field's value does not fall.
         let falls = f.abs() <= 0.25 * end.abs();
         if f < 0.0 {
             self.before = [self.lo, self.ends[0]];

@@ -35,8 +35,9 @@ const FACING: f64 = -0.866;
 /// Least length of a slit that gets wider, in multiples of the limit.
 const LENGTH: f64 = 4.0;
 
-/// By how many limits pieces of slits grow until those of one slit touch: each
-/// is turned a little against the next one.
+/// By how much the pieces of a slit grow so that they touch, in multiples of the
+/// limit. In a slit that bends each piece is turned a little against the next one,
+/// which leaves a gap between them.
 const GROWN: f64 = 0.25;
 
 /// Greatest overlap of edges that touch, due to rounding, mm.

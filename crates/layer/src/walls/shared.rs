@@ -48,8 +48,9 @@ const NOTHING: f64 = 0.1;
 const STRIP_STEP: f64 = 0.5;
 /// Distance of the places at which strips are looked for, in lines.
 const LOOK: f64 = 2.0;
-/// Least distance by which the area of a strip is larger than the strip on each
-/// side, mm: the borders of what is left are thinned.
+/// How much farther than a strip reaches on each side its area is taken off, mm:
+/// the borders of what is left are thinned, and must not reach back into
+/// the strip.
 const THINNED: Mm = 0.02;
 /// Pieces of what is left are looked at if they are smaller than this, mm²:
 /// some are remains that no bead fits into.

@@ -45,7 +45,7 @@ pub(super) fn lead_to_ends(
     let thickest = axes.iter().map(Axis::thickest).fold(0.0, f64::max);
     let lines = axes.iter().map(|r| r.points.iter().copied());
     let beside = EdgeGrid::of_lines(lines, thickest);
-    /// Share of the thickness: axes that meet end nearer to each other.
+    /// Axes that meet end nearer to each other than this share of the thickness.
     const NEAR: f64 = 0.5;
     // An end near to another axis is no tip but part of a junction.
     let junction = |i: usize, end: Option<&DVec2>, t: Option<&Mm>| {

@@ -457,8 +457,8 @@ impl Bounds {
         let height = site.span().height();
         let next = site.other(facing);
         let next = next.map_or(height, |next| next.span.height());
-        // What is higher than the nozzle's hole is wide would not touch what is
-        // below it.
+        // A bead that is higher than the nozzle's hole is wide would not touch
+        // what is below it.
         let room = (plan.nozzle - height).max(0.0);
         Bounds {
             facing,

@@ -65,8 +65,9 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// The tiles behind each other that begin with line `at`, nearest first.
-    /// Lines that are not `wanted` meet nothing.
+    /// Looks through a column of tiles that stand behind one another, the nearest
+    /// first. Its first line of sight is `at`. Lines that are not `wanted` meet
+    /// nothing.
     pub(super) fn column(
         &mut self,
         at: [usize; 2],
