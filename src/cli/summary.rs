@@ -5,7 +5,7 @@ use super::output::is_stream;
 use super::plain;
 use glam::DVec3;
 use isoslice::Figures;
-use isoslice::check::{Finding, Kind, Verdict};
+use isoslice::check::{Finding, FindingKind, Verdict};
 use isoslice::human_time;
 use isoslice::pipeline::{PartSummary, Summary};
 use isoslice::{Hanging, Plate, RoleSum, Sum};
@@ -279,8 +279,8 @@ fn describe_lost(
 /// The number of islands that begin in the air, and where the first of them
 /// begins.
 fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
-    let count = *verdict.counts.get(&Kind::InTheAir)?;
-    let is_one = |f: &&Finding| f.kind == Kind::InTheAir;
+    let count = *verdict.counts.get(&FindingKind::InTheAir)?;
+    let is_one = |f: &&Finding| f.kind == FindingKind::InTheAir;
     let first = verdict.findings.iter().find(is_one)?;
     Some((count, first.at))
 }

@@ -8,8 +8,8 @@ use isoslice_gcode::WriteError;
 use isoslice_gcode_read::reader::ReadError;
 use isoslice_layer::infill::InfillError;
 use isoslice_model::contour::{FieldError, remedy};
+use isoslice_model::expressions::QuantityError;
 use isoslice_model::heights::HeightsError;
-use isoslice_model::vary::VaryError;
 use isoslice_path::spiral::SpiralError;
 use isoslice_path::z_contouring::ZContouringError;
 use isoslice_preview::PictureError;
@@ -32,7 +32,7 @@ pub enum SliceError {
     Field(#[from] FieldError),
     /// A setting that is an expression has no value somewhere.
     #[error(transparent)]
-    Vary(#[from] VaryError),
+    Vary(#[from] QuantityError),
     /// The watch has stopped the work.
     #[error(transparent)]
     Stopped(#[from] Cancelled),

@@ -35,7 +35,7 @@ mod shared;
 pub use error::PlateError;
 pub use file::PlateFile;
 
-use arrange::{Bed, Box as Piece, arrange};
+use arrange::{Bed, Box as PartBox, arrange};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::BrimPlan;
@@ -461,7 +461,7 @@ fn place_all(
     let pieces = asked.iter().zip(&names).map(|(&(i, k), name)| {
         let foot = parts[k].0.foot();
         let bounds = parts[k].0.model.printed_bounds();
-        Piece {
+        PartBox {
             name: name.clone(),
             size: foot.size(),
             // The middle of the part's box is that of its foot.
@@ -470,7 +470,7 @@ fn place_all(
             alone: parts[k].0.top() > how.alone_above,
         }
     });
-    let pieces: Vec<Piece> = pieces.collect();
+    let pieces: Vec<PartBox> = pieces.collect();
     let middles = arrange(&pieces, bed)?;
     let count = asked.len();
     let mut placed: Vec<Part> = parts.iter().map(|p| p.0.clone()).collect();

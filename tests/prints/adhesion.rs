@@ -1,7 +1,7 @@
 //! What stands beside a part, in whole runs: brim ears and the draft shield.
 
 use crate::common::{
-    Kind, Layer, Move, SKIRT, formula, parse, settings, slice_layers,
+    Layer, Move, MoveKind, SKIRT, formula, parse, settings, slice_layers,
 };
 use glam::DVec2;
 use isoslice::pipeline::Summary;
@@ -31,7 +31,7 @@ fn run(
 fn skirt(layer: &Layer) -> Vec<&Move> {
     let moves = layer.moves.iter();
     moves
-        .filter(|m| m.role == SKIRT && m.kind == Kind::Print)
+        .filter(|m| m.role == SKIRT && m.kind == MoveKind::Print)
         .collect()
 }
 

@@ -1,7 +1,7 @@
 //! Compensations, brims and skirts in the G-code, against the radii of a tube.
 
 use crate::common::{
-    Kind, Layer, formula, parse, settings, slice, slice_layers,
+    Layer, MoveKind, formula, parse, settings, slice, slice_layers,
 };
 use glam::DVec2;
 use isoslice::model::{
@@ -23,7 +23,7 @@ fn layers(assignments: &[&str]) -> Vec<Layer> {
 fn radii(layer: &Layer, role: &str) -> [f64; 4] {
     let mut found = [f64::INFINITY, 0.0, f64::INFINITY, 0.0];
     for m in layer.moves.iter().filter(|m| m.role == role) {
-        if m.kind != Kind::Print {
+        if m.kind != MoveKind::Print {
             continue;
         }
         let (a, b) = m.ends();

@@ -7,7 +7,7 @@ use crate::common;
 use crate::common::edges::Edges;
 use crate::common::filament_area;
 use crate::common::{
-    Example, INNER_WALL, Kind, Layer, Move, OUTER_WALL, SKIRT, example,
+    Example, INNER_WALL, Layer, Move, MoveKind, OUTER_WALL, SKIRT, example,
     examples, formula, number, parse, settings, slice,
 };
 use glam::{DVec2, DVec3};
@@ -147,19 +147,19 @@ fn the_head_stays_over_the_bed() {
 fn filament_goes_back_only_to_retract() {
     for (print, m) in all_moves() {
         match m.kind {
-            Kind::Print => {
+            MoveKind::Print => {
                 assert!(m.fed > 0.0, "{}", print.at(m));
                 assert_eq!(m.back, 0.0, "not primed: {}", print.at(m));
             }
-            Kind::Retract => {
+            MoveKind::Retract => {
                 assert_eq!(m.back, 0.0, "retracted twice: {}", print.at(m));
                 let length = number(&print.plate.settings, "retract.length");
                 assert!((m.fed + length).abs() < 1e-4, "{}", print.at(m));
             }
-            Kind::Prime => {
+            MoveKind::Prime => {
                 assert!((m.fed - m.back).abs() < 1e-4, "{}", print.at(m));
             }
-            Kind::Travel | Kind::Lift => assert_eq!(m.fed, 0.0),
+            MoveKind::Travel | MoveKind::Lift => assert_eq!(m.fed, 0.0),
         }
     }
 }
@@ -172,14 +172,15 @@ fn the_head_sinks_only_to_the_layer_it_prints() {
         for layer in &print.layers {
             assert!(layer.z > below, "{}: layer at {}", print.name, layer.z);
             below = layer.z;
-            for m in layer.moves.iter().filter(|m| m.kind == Kind::Lift) {
+            for m in layer.moves.iter().filter(|m| m.kind == MoveKind::Lift) {
                 if m.to.z < m.from.z {
                     hops += 1;
                     assert_eq!(m.to.z, layer.z, "{}", print.at(m));
                 }
             }
             for m in &layer.moves {
-                let across = matches!(m.kind, Kind::Print | Kind::Travel);
+                let across =
+                    matches!(m.kind, MoveKind::Print | MoveKind::Travel);
                 if across && m.from.is_finite() {
                     assert_eq!(m.from.z, m.to.z, "{}", print.at(m));
                     assert!(m.to.z >= layer.z, "{}", print.at(m));
@@ -266,7 +267,9 @@ fn travels_that_leave_the_part_are_retracted() {
             for run in runs {
                 let legs: Vec<&Move> = run
                     .iter()
-                    .filter(|m| m.kind == Kind::Travel && m.from.is_finite())
+                    .filter(|m| {
+                        m.kind == MoveKind::Travel && m.from.is_finite()
+                    })
                     .collect();
                 let length: f64 = legs.iter().map(|m| m.length()).sum();
                 if length <= 2.0 {
@@ -302,7 +305,7 @@ fn travels_that_leave_the_part_are_retracted() {
 }
 
 fn is_print(m: &Move) -> bool {
-    m.kind == Kind::Print
+    m.kind == MoveKind::Print
 }
 
 /// The lines of a layer's outer walls.

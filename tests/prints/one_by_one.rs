@@ -4,7 +4,7 @@
 use crate::common::head::Head;
 use crate::common::{settings, wanted};
 use glam::{DVec2, DVec3};
-use isoslice::check::{Kind, Rules, check};
+use isoslice::check::{FindingKind, Rules, check};
 use isoslice::layers::LayerRange;
 use isoslice::pipeline::{Options, SliceError, slice_plate};
 use isoslice::plate::{Plate, Wanted};
@@ -219,7 +219,7 @@ fn a_thin_part_is_finished_before_the_next_begins() {
         let verdict =
             check(gcode.as_bytes(), &Rules::new(&plate.settings)).unwrap();
         let mut hits = verdict.findings.iter();
-        assert!(!hits.any(|f| f.kind == Kind::Collision), "{thin}");
+        assert!(!hits.any(|f| f.kind == FindingKind::Collision), "{thin}");
     }
 }
 
@@ -234,7 +234,7 @@ fn the_check_sees_a_head_that_comes_too_near() {
         let stricter = settings(&[&PLAIN[..], &[more]].concat());
         let verdict = check(gcode.as_bytes(), &Rules::new(&stricter)).unwrap();
         let hits = verdict.findings.iter();
-        let mut hits = hits.filter(|f| f.kind == Kind::Collision);
+        let mut hits = hits.filter(|f| f.kind == FindingKind::Collision);
         let first = hits.next().expect(more);
         assert!(first.message.contains(word), "{}", first.message);
         assert!(!verdict.is_safe());

@@ -36,7 +36,7 @@ fn roles(layer: &Layer) -> Vec<&'static str> {
 /// The corners of what a layer prints in a role.
 fn bounds(layer: &Layer, role: &str) -> [DVec2; 2] {
     let of_role = layer.moves.iter().filter(|m| m.role == role);
-    let prints = of_role.filter(|m| m.kind == common::Kind::Print);
+    let prints = of_role.filter(|m| m.kind == common::MoveKind::Print);
     let ends: Vec<DVec2> = prints.map(|m| m.ends().1).collect();
     let least = ends.iter().copied().reduce(DVec2::min).unwrap();
     [least, ends.iter().copied().reduce(DVec2::max).unwrap()]

@@ -464,7 +464,7 @@ impl<'a, W: Write> Writer<'a, W> {
             &self.buffer,
         )?;
         if let Some(record) = &mut self.record {
-            record.manifest.foot = manifest::Foot {
+            record.manifest.foot = manifest::FootManifest {
                 template: record.at(self.buffer.len()),
                 before,
             };

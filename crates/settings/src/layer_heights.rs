@@ -2,7 +2,8 @@
 
 use super::by_nozzle::ByNozzle;
 use super::value::{
-    Form, Kind, Measure, Range, Raw, Refused, Value, formula, formula_to_toml,
+    Form, Measure, Range, Raw, Refused, Value, ValueKind, formula,
+    formula_to_toml,
 };
 
 /// The heights of the layers above the first.
@@ -69,8 +70,8 @@ impl Value for LayerHeights {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::WordOrText(
+    fn kind(&self) -> ValueKind {
+        ValueKind::WordOrText(
             &["uniform", ADAPTIVE],
             &[
                 Form::Like(

@@ -1,7 +1,9 @@
 //! Settings that are a number, and a second one behind a word if it is not as
 //! usual: `0.2`, or `0.2 mm over 3 layers`.
 
-use super::value::{Form, Kind, Measure, Range, Raw, Refused, Value, or_auto};
+use super::value::{
+    Form, Measure, Range, Raw, Refused, Value, ValueKind, or_auto,
+};
 use isoslice_base::units::{Mm, Percent};
 
 /// The number of a number with its unit.
@@ -83,7 +85,7 @@ macro_rules! pairs {
                 format!("\"{first} mm {} {second}{gap}{}\"", $word, $unit)
             }
 
-            fn kind(&self) -> Kind {
+            fn kind(&self) -> ValueKind {
                 $kind
             }
         }
@@ -96,7 +98,7 @@ const PAIR: &str =
 
 pairs! {
     /// How the first layers are drawn in.
-    ElephantFoot is Kind::NumberOrText(
+    ElephantFoot is ValueKind::NumberOrText(
         "0 to 2 mm, or with the number of layers, such as \"0.2 mm over 3 \
          layers\"",
         &[Form::Like("\"0.2 mm over 3 layers\"", PAIR)],
@@ -108,7 +110,7 @@ pairs! {
         layers: u32 = 1 "layers", in 1..=1000;
 
     /// How the ends of an outer wall overlap.
-    Scarf is Kind::NumberOrText(
+    Scarf is ValueKind::NumberOrText(
         "0 to 200 mm, or with the height at which it begins, 0 to 100% of its \
          layer's, such as \"20 mm from 10%\"",
         &[Form::Like("\"20 mm from 10%\"", PAIR)],
@@ -120,7 +122,7 @@ pairs! {
         start: Percent = 100.0 "%", in 0.0..=100.0;
 
     /// The room that the printer's head needs around the nozzle.
-    HeadClearance is Kind::NumberOrText("", &[]);
+    HeadClearance is ValueKind::NumberOrText("", &[]);
         /// Radius of the circle around the nozzle that holds the head.
         radius: Mm,
         "above"
@@ -130,7 +132,7 @@ pairs! {
 
 or_auto!(
     HeadClearance,
-    Kind::NumberOrText(
+    ValueKind::NumberOrText(
         "auto, 1 to 500 mm, or with the height at which the head begins, such \
          as \"45 mm above 7 mm\"",
         &[Form::Auto, Form::Like("\"45 mm above 7 mm\"", PAIR)],

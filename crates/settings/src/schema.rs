@@ -7,7 +7,7 @@
 
 use super::rows::Settings;
 use super::table::{Key, keys};
-use super::value::{Form, Kind};
+use super::value::{Form, ValueKind};
 use serde_json::{Map, Value, json};
 
 /// Pattern of the beginning of an expression.
@@ -89,22 +89,22 @@ fn of(key: &Key) -> Value {
     let text = json!({ "type": "string" });
     let words = |words: &[&str]| json!({ "enum": words });
     let mut all = match key.kind() {
-        Kind::Number => vec![number],
-        Kind::Whole => vec![whole],
-        Kind::WholeOrAuto => vec![whole, auto],
-        Kind::NumberOrAuto => vec![number, auto],
-        Kind::Varying => vec![number, expression],
-        Kind::ByNozzle => vec![number, auto, share.clone()],
-        Kind::Switch => vec![json!({ "type": "boolean" })],
-        Kind::Text | Kind::Sizes => vec![text],
-        Kind::NumberOrText(_, forms) => with_texts(number, forms),
-        Kind::WholeOrText(_, forms) => with_texts(whole, forms),
-        Kind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
-        Kind::SwitchOrNumber => vec![json!({ "type": "boolean" }), number],
-        Kind::Word(all) => vec![words(all)],
-        Kind::WordOrText(all, forms) => with_texts(words(all), forms),
-        Kind::WordOrNumber(all) => vec![words(all), number],
-        Kind::WordOrWhole(all) => vec![words(all), whole],
+        ValueKind::Number => vec![number],
+        ValueKind::Whole => vec![whole],
+        ValueKind::WholeOrAuto => vec![whole, auto],
+        ValueKind::NumberOrAuto => vec![number, auto],
+        ValueKind::Varying => vec![number, expression],
+        ValueKind::ByNozzle => vec![number, auto, share.clone()],
+        ValueKind::Switch => vec![json!({ "type": "boolean" })],
+        ValueKind::Text | ValueKind::Sizes => vec![text],
+        ValueKind::NumberOrText(_, forms) => with_texts(number, forms),
+        ValueKind::WholeOrText(_, forms) => with_texts(whole, forms),
+        ValueKind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
+        ValueKind::SwitchOrNumber => vec![json!({ "type": "boolean" }), number],
+        ValueKind::Word(all) => vec![words(all)],
+        ValueKind::WordOrText(all, forms) => with_texts(words(all), forms),
+        ValueKind::WordOrNumber(all) => vec![words(all), number],
+        ValueKind::WordOrWhole(all) => vec![words(all), whole],
     };
     if key.unit == "%" && takes_shares(key.kind()) {
         all.push(share);
@@ -127,8 +127,11 @@ fn of(key: &Key) -> Value {
 }
 
 /// True if numbers of a setting in % may have their sign.
-fn takes_shares(kind: Kind) -> bool {
-    matches!(kind, Kind::Number | Kind::Varying | Kind::SwitchOrNumber)
+fn takes_shares(kind: ValueKind) -> bool {
+    matches!(
+        kind,
+        ValueKind::Number | ValueKind::Varying | ValueKind::SwitchOrNumber
+    )
 }
 
 /// A value of another schema, or texts of these forms.

@@ -1,7 +1,7 @@
 //! The pattern of each kind of skin.
 
 use super::SkinPattern;
-use super::value::{Form, Kind, Measure, Raw, Refused, Value};
+use super::value::{Form, Measure, Raw, Refused, Value, ValueKind};
 
 /// The patterns of skin, by which way it faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,9 +76,9 @@ impl Value for SkinPatterns {
         other.collect::<Vec<_>>().join(", ").to_toml()
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> ValueKind {
         match SkinPattern::default().kind() {
-            Kind::Word(words) => Kind::WordOrText(
+            ValueKind::Word(words) => ValueKind::WordOrText(
                 words,
                 &[Form::Like(
                     "\"top: concentric, bottom: lines\"",

@@ -1,6 +1,6 @@
 //! Whether something is done, and how often or how much.
 
-use super::value::{Kind, Measure, Raw, Refused, Value};
+use super::value::{Measure, Raw, Refused, Value, ValueKind};
 
 /// Off, on as usual, or on with a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,10 +54,10 @@ impl<T: Value + Default> Value for SwitchOr<T> {
         }
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> ValueKind {
         match T::default().kind() {
-            Kind::Whole => Kind::SwitchOrWhole,
-            _ => Kind::SwitchOrNumber,
+            ValueKind::Whole => ValueKind::SwitchOrWhole,
+            _ => ValueKind::SwitchOrNumber,
         }
     }
 }

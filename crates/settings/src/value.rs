@@ -130,7 +130,7 @@ impl Form {
 
 /// What a setting takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum ValueKind {
     Number,
     Whole,
     WholeOrAuto,
@@ -169,7 +169,7 @@ pub(super) trait Value {
     -> Result<(), Refused>;
     /// The value as TOML that `assign` reads back as the same value.
     fn to_toml(&self) -> String;
-    fn kind(&self) -> Kind;
+    fn kind(&self) -> ValueKind;
 }
 
 impl Value for f64 {
@@ -205,8 +205,8 @@ impl Value for f64 {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Number
+    fn kind(&self) -> ValueKind {
+        ValueKind::Number
     }
 }
 
@@ -307,10 +307,12 @@ impl<T: Value + Default> Value for Varying<T> {
         }
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> ValueKind {
         match T::default().kind() {
-            Kind::Word(words) => Kind::WordOrText(words, &[Form::Expression]),
-            _ => Kind::Varying,
+            ValueKind::Word(words) => {
+                ValueKind::WordOrText(words, &[Form::Expression])
+            }
+            _ => ValueKind::Varying,
         }
     }
 }
@@ -338,8 +340,8 @@ impl Value for u32 {
         self.to_string()
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Whole
+    fn kind(&self) -> ValueKind {
+        ValueKind::Whole
     }
 }
 
@@ -371,7 +373,7 @@ macro_rules! or_auto {
                 )
             }
 
-            fn kind(&self) -> $crate::value::Kind {
+            fn kind(&self) -> $crate::value::ValueKind {
                 $kind
             }
         }
@@ -379,8 +381,8 @@ macro_rules! or_auto {
 }
 pub(super) use or_auto;
 
-or_auto!(u32, Kind::WholeOrAuto);
-or_auto!(f64, Kind::NumberOrAuto);
+or_auto!(u32, ValueKind::WholeOrAuto);
+or_auto!(f64, ValueKind::NumberOrAuto);
 
 impl Value for bool {
     fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
@@ -397,8 +399,8 @@ impl Value for bool {
         self.to_string()
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Switch
+    fn kind(&self) -> ValueKind {
+        ValueKind::Switch
     }
 }
 
@@ -434,8 +436,8 @@ impl Value for String {
         text + quotes
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Text
+    fn kind(&self) -> ValueKind {
+        ValueKind::Text
     }
 }
 
@@ -489,8 +491,8 @@ macro_rules! words {
                 format!("\"{}\"", self.word())
             }
 
-            fn kind(&self) -> $crate::value::Kind {
-                $crate::value::Kind::Word(&[$($word),+])
+            fn kind(&self) -> $crate::value::ValueKind {
+                $crate::value::ValueKind::Word(&[$($word),+])
             }
         }
     )+};

@@ -1,6 +1,6 @@
 //! Settings that are one of a few words, or a number.
 
-use super::value::{Kind, Measure, Raw, Refused, Value};
+use super::value::{Measure, Raw, Refused, Value, ValueKind};
 use isoslice_base::units::{Degrees, Mm};
 
 /// Declares the types.
@@ -45,8 +45,8 @@ macro_rules! words_or_number {
                 }
             }
 
-            fn kind(&self) -> Kind {
-                Kind::$kind(&[$($text),+])
+            fn kind(&self) -> ValueKind {
+                ValueKind::$kind(&[$($text),+])
             }
         }
     )+};

@@ -2,14 +2,14 @@
 
 use crate::Picked;
 use crate::given::{Given, Value};
-use crate::table::{Kind, Outcome, Row, Rule, row_of, rows};
+use crate::table::{Outcome, PresetKind, Row, Rule, row_of, rows};
 use std::collections::BTreeSet;
 
 /// A setting that follows from the profile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     /// The kind of isoslice's profile to which the setting belongs.
-    pub kind: Kind,
+    pub kind: PresetKind,
     /// The setting's name.
     pub name: &'static str,
     /// The setting's value.

@@ -4,7 +4,7 @@
 //! comment they do no harm.
 
 use super::error::meant;
-use super::pieces::Piece;
+use super::pieces::TemplatePiece;
 use crate::placeholders::Scope;
 
 /// What to write for text that only looks like a placeholder.
@@ -18,7 +18,7 @@ const LONGEST: usize = 2048;
 /// place in bytes, and what to do about it.
 pub(super) fn foreign(
     source: &str,
-    pieces: &[Piece],
+    pieces: &[TemplatePiece],
     scope: Scope,
 ) -> Option<(usize, String)> {
     let mut comment = Comment {

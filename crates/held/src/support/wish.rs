@@ -12,7 +12,7 @@
 use super::plan::SupportPlan;
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_planar::clip::difference;
 use isoslice_planar::offset::offset;
 use isoslice_planar::zero::{Sampling, negative};
@@ -62,7 +62,7 @@ impl<'a> Wishes<'a> {
     pub fn new(
         plan: &'a SupportPlan,
         around: &'a Surroundings<'a>,
-    ) -> Result<Option<Wishes<'a>>, VaryError> {
+    ) -> Result<Option<Wishes<'a>>, QuantityError> {
         if plan.wanted == Varying::Constant(0.0) {
             return Ok(None);
         }
@@ -83,11 +83,11 @@ impl<'a> Wishes<'a> {
         here: &Area,
         below: &Area,
         span: &LayerSpan,
-    ) -> Result<Wish, VaryError> {
+    ) -> Result<Wish, QuantityError> {
         if isoslice_base::limits::is_stopped() {
             return Ok(Wish::default());
         }
-        let slack = SURE * self.plan.hang.walls.accuracy;
+        let slack = SURE * self.plan.overhangs.walls.accuracy;
         let under = if below.is_empty() {
             here.clone()
         } else {
@@ -131,7 +131,7 @@ impl<'a> Wishes<'a> {
                 let first = out.len();
                 self.value.evaluate(&places, out)?;
                 out[first..].iter_mut().for_each(|v| *v = ZERO - sign * *v);
-                Ok::<(), VaryError>(())
+                Ok::<(), QuantityError>(())
             })
         };
         Ok(Wish {

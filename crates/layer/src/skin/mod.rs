@@ -32,7 +32,7 @@ mod zigzag;
 
 use crate::cover::{Covered, Islands};
 use crate::view::{LayerFace, LayerView};
-use fill::{Filler, Side};
+use fill::{AdjacentLayer, Filler};
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::difference;
@@ -91,8 +91,8 @@ pub fn patches(
     let covers = side(above).into_iter().zip(side(below));
     let span = view.here.span;
     let filler = Filler {
-        above: Side::new(above),
-        below: Side::new(below),
+        above: AdjacentLayer::new(above),
+        below: AdjacentLayer::new(below),
         sparse: Solid::of(sparse, 1.0),
         on_bed: span.index == 0,
         angle: plan.directions[span.index % 2],

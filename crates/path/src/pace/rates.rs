@@ -11,7 +11,7 @@ use super::PacePlan;
 use glam::DVec2;
 use isoslice_base::units::{Celsius, Mm, MmPerSec, Percent};
 use isoslice_layer::walls::Reach;
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_model::{Model, Place};
 use isoslice_planar::bead::{Bead, Level, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
@@ -36,7 +36,9 @@ const REACH_SHORT: Mm = 1.0;
 /// it, and of the fan's speed. Smaller steps do not show.
 const REACH_CHANGE: (f64, Percent) = (0.05, 5.0);
 
-/// What is known of the place of a layer's beads, in the model's coordinates.
+/// What is known of the place of a layer's beads, in the model's coordinates. It
+/// is no view of the layer, since moves get their speeds when the layers around
+/// theirs have been let go.
 #[derive(Clone, Copy, Default)]
 pub struct Site<'a> {
     /// The layer's outline, for settings that depend on the depth below it.
@@ -119,7 +121,7 @@ impl<'a> Rater<'a> {
         plan: &'a PacePlan,
         model: &Model,
         around: &'a Surroundings<'a>,
-    ) -> Result<Rater<'a>, VaryError> {
+    ) -> Result<Rater<'a>, QuantityError> {
         Self::with(plan, Some((around, model.offset.truncate())))
     }
 
@@ -128,14 +130,14 @@ impl<'a> Rater<'a> {
     ///
     /// # Errors
     /// If a setting is no valid expression.
-    pub fn constant(plan: &'a PacePlan) -> Result<Rater<'a>, VaryError> {
+    pub fn constant(plan: &'a PacePlan) -> Result<Rater<'a>, QuantityError> {
         Self::with(plan, None)
     }
 
     fn with(
         plan: &'a PacePlan,
         around: Option<(&'a Surroundings<'a>, DVec2)>,
-    ) -> Result<Rater<'a>, VaryError> {
+    ) -> Result<Rater<'a>, QuantityError> {
         let speeds: Vec<Quantity> = Role::ALL
             .iter()
             .map(|r| {
@@ -170,7 +172,10 @@ impl<'a> Rater<'a> {
     /// # Errors
     /// If an expression has no value there, or if plastic does not melt at the
     /// value, or the printer does not bear it.
-    pub fn temperature(&self, span: &LayerSpan) -> Result<Celsius, VaryError> {
+    pub fn temperature(
+        &self,
+        span: &LayerSpan,
+    ) -> Result<Celsius, QuantityError> {
         if span.index == 0 {
             return Ok(self.plan.first_temperature);
         }
@@ -207,7 +212,7 @@ impl<'a> Rater<'a> {
         bead: Bead,
         span: &LayerSpan,
         site: Site<'_>,
-    ) -> Result<Vec<(Bead, Rates)>, VaryError> {
+    ) -> Result<Vec<(Bead, Rates)>, QuantityError> {
         let by_reach = self.by_reach(&bead);
         let role = if by_reach.speed {
             bead.laid_as
@@ -301,7 +306,7 @@ impl<'a> Rater<'a> {
         steps: &[Step],
         span: &LayerSpan,
         site: Site<'_>,
-    ) -> Result<Vec<Place>, VaryError> {
+    ) -> Result<Vec<Place>, QuantityError> {
         let mut places = Vec::with_capacity(steps.len());
         if let Some((around, offset)) = self.around {
             let offset = offset + site.shift;

@@ -64,13 +64,13 @@ use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Degrees, Mm, Mm2};
 use isoslice_layer::seam::ending::Ended;
 use isoslice_layer::view::{LayerFace, LayerView};
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_model::{Model, Probe, ProbeError};
 use isoslice_planar::bead::{Bead, Role, cross_section, height_of};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_settings::Varying;
 use isoslice_settings::layers::LayerSpan;
-use profile::{Kind, Knot};
+use profile::{Knot, KnotKind};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use surface::{Facing, Spot, Window};
@@ -96,7 +96,7 @@ const TOLERANCE: Mm = 0.0015;
 pub enum ZContouringError {
     /// The strength has no value somewhere.
     #[error(transparent)]
-    Strength(#[from] VaryError),
+    Strength(#[from] QuantityError),
     /// The field cannot be evaluated.
     #[error(transparent)]
     Probe(#[from] ProbeError),
@@ -362,13 +362,13 @@ impl<'a> ZContouring<'a> {
         let mut knot = |stop: &Stop| {
             let mut knot = Knot {
                 at: stop.at,
-                kind: Kind::Covered,
+                kind: KnotKind::Covered,
                 rise: 0.0,
                 fill: 0.0,
                 corner: stop.corner,
             };
             if stop.open {
-                knot.kind = Kind::Bare;
+                knot.kind = KnotKind::Bare;
             }
             if !seen(&stop) {
                 return knot;
@@ -380,7 +380,7 @@ impl<'a> ZContouring<'a> {
                     .any(|p| site.is_under_support(p, bounds.facing));
                 let out = bounds.facing.sign() * (spot.height - face);
                 let rise = bounds.clamped(of_slope * out);
-                knot.kind = Kind::Open;
+                knot.kind = KnotKind::Open;
                 knot.rise = if kept { rise.min(0.0) } else { rise };
                 knot.fill = stop.bare.share * knot.rise;
                 level &= knot.rise.abs() < LEVEL;
@@ -396,7 +396,7 @@ impl<'a> ZContouring<'a> {
         &self,
         points: &[DVec2],
         span: &LayerSpan,
-    ) -> Result<Vec<f64>, VaryError> {
+    ) -> Result<Vec<f64>, QuantityError> {
         if let Some(strength) = self.strength.constant() {
             return Ok(vec![strength; points.len()]);
         }

@@ -1,6 +1,6 @@
 //! Keys of Cura.
 
-use super::Kind::{Filament, Print, Printer};
+use super::PresetKind::{Filament, Print, Printer};
 use super::{As, CURA, FLOW, Make, Outcome, Row, Rule, make, patterns};
 use crate::given::Given;
 use crate::values::parse;

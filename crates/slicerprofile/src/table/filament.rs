@@ -1,6 +1,6 @@
 //! Keys of filaments.
 
-use super::Kind::Filament;
+use super::PresetKind::Filament;
 use super::{As, BOTH, Make, ORCA, PRUSA, Row, Rule, make};
 use Rule::{Ignored, Lost, Made, To};
 

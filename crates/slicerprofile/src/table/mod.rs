@@ -22,7 +22,7 @@ use crate::given::{Given, Value};
 
 /// The kind of a profile, or of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum PresetKind {
     /// A machine.
     Printer,
     /// A material.
@@ -31,22 +31,22 @@ pub enum Kind {
     Print,
 }
 
-impl Kind {
+impl PresetKind {
     /// The kind's word in bundles and on the command line.
     pub fn word(self) -> &'static str {
         match self {
-            Kind::Printer => "printer",
-            Kind::Filament => "filament",
-            Kind::Print => "print",
+            PresetKind::Printer => "printer",
+            PresetKind::Filament => "filament",
+            PresetKind::Print => "print",
         }
     }
 
     /// The kind of a word of any slicer.
-    pub(crate) fn of_word(word: &str) -> Option<Kind> {
+    pub(crate) fn of_word(word: &str) -> Option<PresetKind> {
         match word {
-            "printer" | "machine" => Some(Kind::Printer),
-            "filament" => Some(Kind::Filament),
-            "print" | "process" | "preset" => Some(Kind::Print),
+            "printer" | "machine" => Some(PresetKind::Printer),
+            "filament" => Some(PresetKind::Filament),
+            "print" | "process" | "preset" => Some(PresetKind::Print),
             _ => None,
         }
     }
@@ -58,7 +58,7 @@ pub struct Row {
     /// Slicers that have these keys.
     pub of: &'static [Slicer],
     /// The kind of the keys.
-    pub kind: Kind,
+    pub kind: PresetKind,
     /// The keys. If they become one setting, the first key that is there
     /// counts.
     pub keys: &'static [&'static str],

@@ -1,6 +1,6 @@
 //! Keys of kinds of print.
 
-use super::Kind::Print;
+use super::PresetKind::Print;
 use super::{As, BOTH, FLOW, Make, ORCA, PRUSA, Row, Rule, make, patterns};
 use Rule::{Ignored, Lost, Made, To};
 

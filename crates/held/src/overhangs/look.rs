@@ -11,7 +11,7 @@
 use super::across::{DRIFT, Upper};
 use super::held::Limits;
 use super::ledges::{Ledge, ledges};
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use super::printed::kept;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
@@ -22,7 +22,7 @@ use std::collections::HashSet;
 
 /// A layer over the one below.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct LayerOverhang {
     pub(super) limits: Limits,
     /// The layer's number.
     pub(super) number: usize,
@@ -89,14 +89,14 @@ const STRAIGHT: Mm = 1.0;
 /// since lids are wide.
 const WIDE_STEP: Mm = 2.0;
 
-impl Look {
+impl LayerOverhang {
     /// Looks at a layer over the layer below. The heights are those of both.
     pub fn new(
         [here, below]: [&Solid<'_>; 2],
         number: usize,
         heights: [Mm; 2],
-        plan: &HangPlan,
-    ) -> Look {
+        plan: &OverhangPlan,
+    ) -> LayerOverhang {
         let [height, height_below] = heights;
         let here = kept(here, height, plan);
         let below = kept(below, height_below, plan);
@@ -116,7 +116,7 @@ impl Look {
         let new: HashSet<Name> = begins.iter().flat_map(rings_of).collect();
         let is_new =
             |ring: &Ring| ring.first().is_some_and(|p| new.contains(&name(*p)));
-        let mut look = Look {
+        let mut look = LayerOverhang {
             limits,
             number,
             height,
@@ -334,14 +334,14 @@ fn is_straight(run: &[usize], at: impl Fn(usize) -> DVec2) -> bool {
 }
 
 /// The place of the layer below that is nearest to a place.
-struct Foot {
+struct NearestBelow {
     at: DVec2,
     on: Option<f64>,
     beyond: Mm,
 }
 
 /// Looks for the nearest place. Deep inside, the result is unknown.
-fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
+fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> NearestBelow {
     /// Nearly all places have an edge so near, mm, which tells at once on which side
     /// the solid is.
     const NEAR: Mm = 1.0;
@@ -358,7 +358,7 @@ fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
     };
     let Some((edge, at)) = found else {
         let beyond = if outside { f64::INFINITY } else { f64::NAN };
-        return Foot {
+        return NearestBelow {
             at: p,
             on: None,
             beyond,
@@ -367,7 +367,7 @@ fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
     let (a, b) = below.edge(edge);
     let t = (at - a).dot(b - a) / (b - a).length_squared().max(1e-18);
     let distance = p.distance(at);
-    Foot {
+    NearestBelow {
         at,
         on: Some(edge as f64 + t.clamp(0.0, 1.0)),
         beyond: if outside { distance } else { -distance },
@@ -446,11 +446,11 @@ mod tests {
         let ring = [ring, vec![at(0.0, 0.0)]].concat();
         let here = Area::from(ring);
         let [here, below] = [here, below].map(Solid::new);
-        let look = Look::new(
+        let look = LayerOverhang::new(
             [&here, &below],
             5,
             [0.2; 2],
-            &HangPlan::of(&Settings::default()),
+            &OverhangPlan::of(&Settings::default()),
         );
         let said: Vec<Said> = look
             .rim

@@ -1,7 +1,7 @@
 //! How far a layer holds what is above it, and how much hangs without harm.
 //! Both figures are the same for warnings and for supports.
 
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use isoslice_base::units::Mm;
 
 /// Width of a lip that hangs without harm, as a multiple of the outer wall's: a bead
@@ -14,7 +14,7 @@ pub(super) const HARMLESS: f64 = 2.0;
 const SLACK: f64 = 0.1;
 
 /// How far a layer of some height holds what is above it.
-pub(crate) fn held(height: Mm, plan: &HangPlan) -> Mm {
+pub(crate) fn held(height: Mm, plan: &OverhangPlan) -> Mm {
     plan.slope(height) + SLACK * height
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Limits {
 
 impl Limits {
     /// The limits of a layer of this height.
-    pub(super) fn new(height: Mm, plan: &HangPlan) -> Limits {
+    pub(super) fn new(height: Mm, plan: &OverhangPlan) -> Limits {
         Limits {
             slope: plan.slope(height),
             held: held(height, plan),

@@ -21,7 +21,7 @@
 //! `isoslice info --supports` lists it.
 
 use super::held::held;
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_layer::cover::neighbour::Neighbour;
@@ -50,7 +50,7 @@ pub(crate) fn without_lips(
     i: usize,
     spans: &[LayerSpan],
     outlines: &[Neighbour<'_>],
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> Area {
     if i == 0 || need.is_empty() {
         return need;
@@ -66,7 +66,7 @@ fn is_lip(
     i: usize,
     spans: &[LayerSpan],
     outlines: &[Neighbour<'_>],
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> bool {
     if isoslice_base::limits::is_stopped() {
         return false;
@@ -128,7 +128,7 @@ fn is_held(
     island: &Area,
     [here, below]: [&Neighbour<'_>; 2],
     held: Mm,
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> bool {
     let seam = offset(island, SEAM, TOLERANCE);
     let around = seam.bounds().grown(held + 1.0);
@@ -147,7 +147,7 @@ mod tests {
 
     /// What is left of `need` in the middle one of some layers.
     fn left(need: &Area, outlines: &[Area]) -> Area {
-        let plan = HangPlan::of(&Settings::default());
+        let plan = OverhangPlan::of(&Settings::default());
         let spans = LayerSpan::stack(0.2, outlines.len());
         let middle = outlines.len() / 2;
         let outlines: Vec<_> = outlines.iter().map(Neighbour::new).collect();

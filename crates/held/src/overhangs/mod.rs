@@ -64,10 +64,10 @@ mod words;
 pub(crate) use held::held;
 pub(crate) use judge::{Unheld, large, unheld};
 pub(crate) use lip::without_lips;
-pub use look::Look;
+pub use look::LayerOverhang;
 pub use needs::Needs;
 pub use places::Unsupported;
-pub use plan::HangPlan;
+pub use plan::OverhangPlan;
 pub(crate) use printed::Printed;
 pub use track::{Far, Tracker};
 
@@ -76,7 +76,7 @@ use isoslice_base::units::{Mm, Mm2};
 
 /// Why something hangs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum OverhangKind {
     /// An island begins on nothing.
     Begins,
     /// A face leans too far.
