@@ -11,11 +11,11 @@ pub(super) const HARMLESS: f64 = 2.0;
 /// What sticks out beyond what is held hangs only if it is more than this share of
 /// the layer's height: a face that leans by just `support.angle` holds itself, in
 /// layers of any height.
-const SLACK: f64 = 0.1;
+const HELD_ANYWAY: f64 = 0.1;
 
 /// How far a layer of some height holds what is above it.
 pub(crate) fn held(height: Mm, plan: &OverhangPlan) -> Mm {
-    plan.slope(height) + SLACK * height
+    plan.slope(height) + HELD_ANYWAY * height
 }
 
 /// How far a layer may stick out.

@@ -83,7 +83,7 @@ const MIDDLE: f64 = 0.5;
 /// shorter one is small, and lattices are full of them.
 const LONG: Mm = 3.0;
 /// Distance between places on a curved rim, and on a straight one, mm.
-const STEP: Mm = 0.5;
+const RIM_STEP: Mm = 0.5;
 const STRAIGHT: Mm = 1.0;
 /// Distance between places on the rim of the layer below, mm. It may be large,
 /// since lids are wide.
@@ -169,7 +169,7 @@ impl LayerOverhang {
         let mut since = f64::INFINITY;
         for (i, (a, b)) in edges(ring).enumerate() {
             let on = (first + i) as f64;
-            if since >= STEP {
+            if since >= RIM_STEP {
                 push(a, on);
                 since = 0.0;
             }

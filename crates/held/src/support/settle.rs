@@ -34,7 +34,7 @@ use isoslice_planar::{Area, Rect, Ring};
 const REST: (f64, Mm2) = (0.1, 0.3);
 /// Least part of an island that has to be above the highest step of a slope if
 /// that step is to carry the island alone.
-const STEP: f64 = 1.0 / 3.0;
+const ON_HIGHEST_STEP: f64 = 1.0 / 3.0;
 /// Number of points at which two areas are compared.
 const POINTS: u32 = 24;
 /// Points are spread by these shares of a box from one to the next, so that no
@@ -151,7 +151,7 @@ fn on_step(
     let thinnest = plan.overhangs.thinnest;
     let wide = |island: &Area| is_wider(island, thinnest, TOLERANCE);
     let step: Area = over.islands().into_iter().filter(wide).collect();
-    if step.content() <= least(all).max(STEP * all.content()) {
+    if step.content() <= least(all).max(ON_HIGHEST_STEP * all.content()) {
         return None;
     }
     let above = above.iter().filter(|a| a.bounds.meets(piece.bounds));

@@ -25,7 +25,7 @@ const KEY: &str = "support.where";
 /// A value nearer to 0 than this is neither positive nor negative.
 const ZERO: f64 = 1e-6;
 /// Distance of the lattice's nodes, as a share of a line's width.
-const STEP: f64 = 0.5;
+const NODE_STEP: f64 = 0.5;
 /// Borders may be off by this, mm.
 const CHORD: Mm = 0.02;
 /// Undersides stick out by more than so many times the outlines' accuracy.
@@ -113,7 +113,7 @@ impl<'a> Wishes<'a> {
         let solid = measure.then(|| Solid::new(here.clone()));
         let solid = solid.as_ref().map(Solid::grid);
         let sampling = Sampling {
-            step: STEP * self.plan.width,
+            step: NODE_STEP * self.plan.width,
             chord: CHORD,
         };
         let mut places = Vec::new();

@@ -83,7 +83,7 @@ const CHORD: (Mm, f64) = (0.05, 0.01);
 /// distance of its lines where they are densest.
 const FINE: f64 = 0.25;
 /// Greatest number of nodes of a lattice for a layer whose cells vary.
-const MOST: f64 = 2e6;
+const MOST_NODES: f64 = 2e6;
 /// Nodes along the side of a block. Where cells are large, the function is
 /// evaluated at the corners of blocks only, and interpolated between them.
 const BLOCK: usize = 4;
@@ -303,7 +303,7 @@ impl Sheet {
             let bounds = frame.bounds(cluster.bounds);
             let extent = bounds.size();
             let step = (FINE * layer.solid / most)
-                .max((extent.x * extent.y / MOST).sqrt());
+                .max((extent.x * extent.y / MOST_NODES).sqrt());
             let origin = (bounds.min / step).floor() * step;
             let size = (bounds.max - origin) / step;
             let lattice = Lattice {

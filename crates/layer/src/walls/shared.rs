@@ -45,12 +45,12 @@ const STAY: f64 = 1.12;
 /// Least thickness of a strip, in lines.
 const NOTHING: f64 = 0.1;
 /// Distance of the places at which a strip is looked at, in lines.
-const STEP: f64 = 0.5;
+const STRIP_STEP: f64 = 0.5;
 /// Distance of the places at which strips are looked for, in lines.
 const LOOK: f64 = 2.0;
 /// Least distance by which the area of a strip is larger than the strip on each
 /// side, mm: the borders of what is left are thinned.
-const SLACK: Mm = 0.02;
+const THINNED: Mm = 0.02;
 /// Pieces of what is left are looked at if they are smaller than this, mm²:
 /// some are remains that no bead fits into.
 const SMALL: Mm2 = 1.0;
@@ -80,7 +80,7 @@ impl Sharing {
             taken: line.least,
             whole: line.inner.min(most),
             most,
-            slack: SLACK.max(tolerance),
+            slack: THINNED.max(tolerance),
         }
     }
 
@@ -191,7 +191,7 @@ impl Sharing {
 
     /// True if a closed axis is even all around, but for corners.
     fn is_even(&self, axis: &Axis) -> bool {
-        let mut places = places(axis, STEP * self.line);
+        let mut places = places(axis, STRIP_STEP * self.line);
         self.mark(&mut places);
         let Some(first) = places.iter().position(|p| p.even) else {
             return false;
@@ -238,7 +238,7 @@ impl Sharing {
     /// True if places between even ones are a corner that the walls can take in.
     fn is_corner(&self, places: &[Place]) -> bool {
         let steps = places.windows(2).map(|p| p[0].at.distance(p[1].at));
-        let length = steps.sum::<Mm>() + 2.0 * STEP * self.line;
+        let length = steps.sum::<Mm>() + 2.0 * STRIP_STEP * self.line;
         let range = NOTHING * self.line..=self.corner();
         length <= CORNER * self.line
             && places.iter().all(|p| range.contains(&p.thickness))

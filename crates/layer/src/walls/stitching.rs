@@ -59,7 +59,7 @@ const OWN: f64 = 3.0;
 /// shorter than this share of their width.
 const STUB: f64 = 0.15;
 /// Greatest overlap of an end with a stroke that is left alone, mm.
-const SLACK: Mm = 0.005;
+const OVERLAP_LEFT: Mm = 0.005;
 /// A stroke shorter than this many of its widths is a dab.
 const DAB: f64 = 2.0;
 /// A dab is left out if less than this share of it lies where no other bead does:
@@ -464,7 +464,7 @@ fn stop_short(
                 let place = line.place(&stroke, *taken);
                 let along = if end == 0 { *taken } else { length - *taken };
                 let over = over(&lines, place, along);
-                if over <= SLACK {
+                if over <= OVERLAP_LEFT {
                     break;
                 }
                 *taken += over;

@@ -79,7 +79,7 @@ use surface::{Facing, Spot, Window};
 const FADE: Degrees = 10.0;
 
 /// Distance of places along a bead at which the surface is looked for, mm.
-const STEP: Mm = 0.1;
+const SURFACE_STEP: Mm = 0.1;
 
 /// Distance at which the slope of the surface is measured, mm.
 const BESIDE: Mm = 0.1;
@@ -312,7 +312,7 @@ impl<'a> ZContouring<'a> {
         };
         let parts: Vec<Ended> = beads.iter().flat_map(cut).collect();
         let chain = Chain::new(parts);
-        let stops = chain.stops(cover, STEP, height);
+        let stops = chain.stops(cover, SURFACE_STEP, height);
         let bounds = Bounds::new(site, facing, &self.plan);
         let Some(knots) = self.knots(&stops, site, &bounds)? else {
             return Ok(beads);

@@ -822,13 +822,13 @@ const IRONING_FLOW: [&str; 2] = ["ironing_flowrate", "ironing_flow"];
 /// Whether tops are ironed, or with how much material.
 pub(super) fn ironed(given: &Given<'_>, on: bool, flow: &[&str]) -> Value {
     /// Least flow that isoslice takes, %.
-    const LEAST: f64 = 0.1;
+    const SHORTEST: f64 = 0.1;
     let mut percent = flow.iter().filter_map(|key| {
         let text = given.values.first(key)?;
         share(text).or_else(|| parse(text))
     });
     match percent.next().filter(|_| on) {
-        Some(percent) => percent.max(LEAST).into(),
+        Some(percent) => percent.max(SHORTEST).into(),
         None => on.into(),
     }
 }
@@ -1035,12 +1035,14 @@ pub(super) fn support_angle(given: &Given<'_>) -> Outcome {
 /// OrcaSlicer advises a very large length to those who want no bridge
 /// supported, and 0 to those who want all of them supported.
 pub(super) fn bridge_max(given: &Given<'_>) -> Outcome {
-    const LEAST: f64 = 0.1;
-    const MOST: f64 = 1000.0;
+    /// What the setting takes, mm.
+    const SHORTEST: f64 = 0.1;
+    const LONGEST: f64 = 1000.0;
     match number(given, &["max_bridge_length"]) {
-        Some(length) if length >= 0.0 => {
-            Outcome::of(vec![("bridge_max", length.clamp(LEAST, MOST).into())])
-        }
+        Some(length) if length >= 0.0 => Outcome::of(vec![(
+            "bridge_max",
+            length.clamp(SHORTEST, LONGEST).into(),
+        )]),
         _ => nothing("no length is given"),
     }
 }
