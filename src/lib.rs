@@ -235,7 +235,7 @@ pub use isoslice_base::timings::Stage;
 #[doc(inline)]
 pub use isoslice_base::units::human_time;
 #[doc(inline)]
-pub use isoslice_gcode::understands_placeholder;
+pub use isoslice_gcode::is_placeholder;
 #[doc(inline)]
 pub use isoslice_gcode::{Format, FormatError, JoinError, Joined, Ranges};
 #[doc(inline)]

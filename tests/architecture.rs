@@ -349,6 +349,7 @@ fn is_handed_out(name: &str) -> bool {
         .filter_map(|line| {
             line.strip_prefix("pub use ")
                 .or_else(|| line.strip_prefix("pub mod "))
+                .or_else(|| line.strip_prefix("pub fn "))
         })
         .any(|line| words(line).any(|word| word == name))
 }

@@ -569,19 +569,14 @@ pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
     Outcome::of(out)
 }
 
-pub(super) fn internal_bridge_fan(given: &Given<'_>) -> Outcome {
-    let keys = ["internal_bridge_fan_speed", "bridge_internal_fan_speed"];
-    let speed = number(given, &keys).filter(|v| *v >= 0.0);
-    let speed = speed.map(|v| ("cooling.internal_bridge_fan_speed", v.into()));
-    Outcome::of(speed.into_iter().collect())
-}
-
-pub(super) fn support_interface_fan(given: &Given<'_>) -> Outcome {
-    let speed = given.number("support_material_interface_fan_speed");
-    let speed = speed.filter(|v: &f64| *v >= 0.0);
-    let speed =
-        speed.map(|v| ("cooling.support_interface_fan_speed", v.into()));
-    Outcome::of(speed.into_iter().collect())
+/// The fan's speed at one kind of beads; less than 0 leaves it.
+pub(super) fn fan_unless_negative(
+    given: &Given<'_>,
+    keys: &[&str],
+    name: &'static str,
+) -> Outcome {
+    let speed = number(given, keys).filter(|v| *v >= 0.0);
+    Outcome::of(speed.map(|v| (name, v.into())).into_iter().collect())
 }
 
 /// The flows of supports, which OrcaSlicer uses only if flows are set one by

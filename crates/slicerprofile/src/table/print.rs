@@ -170,6 +170,7 @@ pub(super) static ROWS: &[Row] = rows! {
             how: "the circumference of that radius",
             make: Make(make::small_length),
         };
+    PRUSA Print: "overhangs_speed" => To("speed.overhang", As::Amount);
     BOTH Print: "enable_dynamic_overhang_speeds", "overhang_speed_0",
         "overhang_speed_1", "overhang_speed_2", "overhang_speed_3",
         "dynamic_overhang_speeds", "enable_overhang_speed",
@@ -350,7 +351,8 @@ pub(super) static ROWS: &[Row] = rows! {
                   layers",
             make: Make(make::draft_shield),
         };
-    BOTH Print: "overhang_reverse" => To("overhang_reverse", As::Switch);
+    BOTH Print: "overhang_reverse", "overhangs_reverse"
+        => To("overhang_reverse", As::Switch);
     BOTH Print: "support_material_interface_pattern",
         "support_interface_pattern"
         => To("support.interface_pattern", patterns::INTERFACE);
@@ -491,8 +493,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "isoslice anchors bridges at both ends and says which are too \
                  long: bridge_anchor, bridge_max, internal_bridges",
         );
-    BOTH Print: "overhang_totally_speed", "overhangs_speed",
-        "overhangs_dynamic_speed", "overhangs_width", "overhangs_width_speed",
+    BOTH Print: "overhang_totally_speed", "overhangs_dynamic_speed", "overhangs_width", "overhangs_width_speed",
         "detect_overhang_wall_filter",
         "overhang_threshold_participating_cooling"
         => Ignored(
