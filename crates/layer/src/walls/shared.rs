@@ -375,7 +375,7 @@ mod tests {
             0 | 1 => 1.8 * WIDTH,
             2 => outer + least,
             3 => outer + limit,
-            // What a whole line does not fit into is shared.
+            // The walls share a rest that is too thin for a whole line.
             4 => outer + 3.0 * own,
             n if n % 2 == 1 => outer + (n - 3) as f64 * own + limit,
             n => outer + (n - 2) as f64 * own + least,

@@ -76,8 +76,8 @@ pub(super) fn bed(given: &Given<'_>) -> Outcome {
     ])
 }
 
-/// The name that the firmware of a Prusa printer has for it, as the start
-/// G-code checks it.
+/// The name by which the firmware of a Prusa printer knows the printer, from the
+/// line of the start G-code that checks it.
 fn model_checked(given: &Given<'_>) -> Option<String> {
     let start = given
         .values
