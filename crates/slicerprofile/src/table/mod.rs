@@ -1,11 +1,11 @@
 //! The table of what every key of the other slicers means. Both the translation
 //! and the documentation follow from it.
 
-/// Rows, each of which says whose keys and of which kind they are, the keys,
-/// and what they become.
+/// Rows, by whose keys and of which kind they are: the keys, and what they
+/// become.
 macro_rules! rows {
-    ($($of:ident $kind:ident: $($key:literal),+ => $rule:expr;)*) => {
-        &[$(Row { of: $of, kind: $kind, keys: &[$($key),+], rule: $rule }),*]
+    ($($of:ident $kind:ident { $($($key:literal),+ => $rule:expr;)* })*) => {
+        &[$($(Row { of: $of, kind: $kind, keys: &[$($key),+], rule: $rule }),*),*]
     };
 }
 
@@ -93,6 +93,21 @@ pub struct Make(pub(crate) fn(&Given<'_>) -> Outcome);
 impl std::fmt::Debug for Make {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("Make")
+    }
+}
+
+/// Settings that depend on all keys of a row, and how they are made, in a
+/// sentence.
+const fn made(
+    make: fn(&Given<'_>) -> Outcome,
+    settings: &'static [&'static str],
+    how: &'static str,
+) -> Rule {
+    let make = Make(make);
+    Rule::Made {
+        settings,
+        how,
+        make,
     }
 }
 
