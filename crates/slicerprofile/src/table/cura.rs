@@ -427,16 +427,10 @@ fn temperatures(
                 given.number(&format!("default_material_{of}_temperature"))
             });
     let first = given.number(&format!("material_{of}_temperature_layer_0"));
-    let pairs = [(names[0], above.or(first)), (names[1], first.or(above))];
-    let known = pairs
-        .into_iter()
-        .filter_map(|(name, t)| Some((name, t?.into())));
-    match known.collect::<Vec<_>>() {
-        none if none.is_empty() => {
-            Outcome::Lost("it is a formula: write its value".to_owned())
-        }
-        some => Outcome::Set(some),
+    if above.or(first).is_none() {
+        return Outcome::Lost("it is a formula: write its value".to_owned());
     }
+    Outcome::known([(names[0], above.or(first)), (names[1], first.or(above))])
 }
 
 /// A number, or 0 if its switch is off.
@@ -447,18 +441,10 @@ fn when(
     name: &'static str,
 ) -> Outcome {
     if given.off(switch) {
-        return Outcome::of(vec![(name, 0.0.into())]);
+        return Outcome::set(name, 0.0);
     }
     let number = given.number(key);
-    Outcome::of(number.map(|x| (name, x.into())).into_iter().collect())
-}
-
-/// The settings whose values are known.
-fn known(all: &[(&'static str, Option<f64>)]) -> Outcome {
-    let known = all
-        .iter()
-        .filter_map(|(name, x)| Some((*name, (*x)?.into())));
-    Outcome::of(known.collect())
+    Outcome::known([(name, number)])
 }
 
 fn fan(given: &Given<'_>) -> Outcome {
@@ -468,7 +454,7 @@ fn fan(given: &Given<'_>) -> Outcome {
     let speed = one("cool_fan_speed_min").or(one("cool_fan_speed"));
     let own = !given.off("bridge_settings_enabled");
     let bridge = one("bridge_fan_speed").filter(|_| own).or(speed);
-    known(&[
+    Outcome::known([
         ("cooling.fan_speed", or_off(speed)),
         (
             "cooling.short_layer_fan_speed",
@@ -484,7 +470,7 @@ fn extra_prime(given: &Given<'_>) -> Outcome {
     let diameter = given.positive("material_diameter").unwrap_or(1.75);
     let area = std::f64::consts::PI * diameter * diameter / 4.0;
     let volume = given.number("retraction_extra_prime_amount");
-    known(&[("retract.extra_prime", volume.map(|v| v / area))])
+    Outcome::known([("retract.extra_prime", volume.map(|v| v / area))])
 }
 
 /// The width of outer and of inner walls, if the profile says them.
@@ -499,7 +485,7 @@ fn widths(given: &Given<'_>) -> Outcome {
     let [outer, inner] = wall_widths(given);
     let line = one("line_width");
     let skin = one("skin_line_width").or(line);
-    known(&[
+    Outcome::known([
         ("outer_wall_width", outer),
         ("inner_wall_width", inner),
         ("infill_width", one("infill_line_width").or(line)),
@@ -520,7 +506,7 @@ fn walls(given: &Given<'_>) -> Outcome {
     };
     let count = given.number("wall_line_count");
     let thickness = given.number("wall_thickness");
-    known(&[("walls", count.or(thickness.map(by_thickness)))])
+    Outcome::known([("walls", count.or(thickness.map(by_thickness)))])
 }
 
 fn skins(given: &Given<'_>) -> Outcome {
@@ -551,7 +537,7 @@ fn speeds(given: &Given<'_>) -> Outcome {
     let skin = one("speed_topbottom").or(half);
     let first = one("speed_print_layer_0").or(one("speed_layer_0")).or(half);
     let support = one("speed_support").or(print);
-    known(&[
+    Outcome::known([
         ("speed.outer_wall", one("speed_wall_0").or(wall)),
         (
             "speed.inner_wall",
@@ -601,17 +587,12 @@ fn accelerations(given: &Given<'_>) -> Outcome {
         ("acceleration.first_layer", one("acceleration_layer_0")),
         ("printer.travel_acceleration", one("acceleration_travel")),
     ];
-    let known = all
-        .into_iter()
-        .filter_map(|(name, a)| Some((name, a?.into())));
-    Outcome::of(known.collect())
+    Outcome::known(all)
 }
 
 fn elephant_foot(given: &Given<'_>) -> Outcome {
     match given.number("xy_offset_layer_0") {
-        Some(x) if x <= 0.0 => {
-            Outcome::of(vec![("elephant_foot", (-x).into())])
-        }
+        Some(x) if x <= 0.0 => Outcome::set("elephant_foot", -x),
         _ => Outcome::Lost("the first layer can only be drawn in".to_owned()),
     }
 }
@@ -619,9 +600,7 @@ fn elephant_foot(given: &Given<'_>) -> Outcome {
 fn jerk(given: &Given<'_>) -> Outcome {
     let jerk = given.positive("jerk_print");
     match jerk.filter(|_| given.on("jerk_enabled")) {
-        Some(v) => {
-            Outcome::of(vec![("printer.square_corner_velocity", v.into())])
-        }
+        Some(v) => Outcome::set("printer.square_corner_velocity", v),
         None => Outcome::Nothing("jerk is off".to_owned()),
     }
 }
@@ -687,5 +666,5 @@ fn supports(given: &Given<'_>) -> Outcome {
         (true, true) => "plate",
         (true, false) => "auto",
     };
-    Outcome::of(vec![("supports", word.into())])
+    Outcome::set("supports", word)
 }

@@ -135,6 +135,19 @@ impl Outcome {
         }
     }
 
+    /// One setting.
+    pub(crate) fn set(name: &'static str, value: impl Into<Value>) -> Outcome {
+        Outcome::Set(vec![(name, value.into())])
+    }
+
+    /// Those settings that have a value.
+    pub(crate) fn known<V: Into<Value>>(
+        all: impl IntoIterator<Item = (&'static str, Option<V>)>,
+    ) -> Outcome {
+        let all = all.into_iter();
+        Outcome::of(all.filter_map(|(k, v)| Some((k, v?.into()))).collect())
+    }
+
     /// One setting, from one key.
     pub(crate) fn to(
         setting: &'static str,
