@@ -15,7 +15,7 @@ use isoslice::model::{
 use isoslice::pipeline::{self, Options};
 use isoslice::preview::Toolpath;
 use isoslice::reader::{Event, Reader};
-use isoslice::settings::{Builder, Settings};
+use isoslice::settings::Builder;
 use std::time::Duration;
 
 /// A target with its name: that of its folder of seeds.
@@ -202,7 +202,7 @@ pub fn gcode(bytes: &[u8]) {
             assert!(step.filament.is_finite() && step.speed.is_finite());
         }
     }
-    let _ = check(bytes, &Rules::new(&Settings::default())).map(drop);
+    let _ = check(bytes, &Rules::new(Builder::new().settings())).map(drop);
     if let Ok(path) = Toolpath::read(Reader::new(bytes)) {
         let mut page = Vec::new();
         if let Err(error) = path.write_html(&mut page, "fuzz") {

@@ -143,7 +143,9 @@ mod report;
 /// Checks whether G-code, of any slicer, is safe to run.
 pub mod check {
     #[doc(inline)]
-    pub use isoslice_check::{Finding, Kind, Rules, Severity, Verdict, check};
+    pub use isoslice_check::{
+        Finding, FindingKind, Rules, Severity, Verdict, check,
+    };
 }
 
 /// Files that are read within limits, and written whole or not at all.
@@ -237,11 +239,11 @@ pub use isoslice_gcode::understands_placeholder;
 #[doc(inline)]
 pub use isoslice_gcode::{Format, FormatError, JoinError, Joined, Ranges};
 #[doc(inline)]
-pub use isoslice_gcode::{TemplateError, settings_in_gcode, try_templates};
+pub use isoslice_gcode::{TemplateError, settings_in_gcode};
 #[doc(inline)]
 pub use isoslice_gcode_read::bgcode::Unpacked;
 #[doc(inline)]
-pub use isoslice_held::hang::{Hanging, Kind, Sum, Unsupported};
+pub use isoslice_held::hang::{Hanging, OverhangKind, Sum, Unsupported};
 #[doc(no_inline)]
 pub use model::{Model, load, place};
 pub use pipeline::{Options, Share, SliceError, Summary, Survey};
@@ -252,3 +254,9 @@ pub use reader::Reader;
 pub use report::{Figures, RoleSum};
 #[doc(no_inline)]
 pub use settings::Settings;
+
+/// Tries the templates of settings on a part in the middle of the bed: what is
+/// wrong with each of them.
+pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
+    isoslice_gcode::try_templates(&isoslice_gcode::WriterPlan::of(settings))
+}

@@ -29,7 +29,7 @@ pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
         if file.is_none() {
             return info::show(args, &gathered);
         }
-        let job = alone.job(&args.model, file, &gathered.settings)?;
+        let job = alone.job(&args.model, file, &gathered)?;
         let mut warnings = job.warnings;
         warnings.retain(|w| !gathered.warnings.contains(w));
         show(args, &job.plate, &gathered.warnings, warnings)

@@ -60,9 +60,9 @@ pub fn survey(
         .install(|| heights(model, &HeightPlan::of(settings)))?
         .spans;
     let around = Surroundings::new(model);
-    let gauge = Gauge::new(model, settings, spans.len(), false)?;
     let plans = Plans::of(settings);
-    let stages = Stages::new(model, settings, &plans, &around, gauge, &spans)?;
+    let gauge = Gauge::new(model, &plans.used, spans.len(), false)?;
+    let stages = Stages::new(model, &plans, &around, gauge, &spans)?;
     // What cannot be printed has no hanging places, of which there may be
     // millions.
     let printed = stages.printed(&pool, &spans)?;

@@ -136,15 +136,9 @@ impl Layer {
         self.squeezed.as_ref().unwrap_or(&self.outline)
     }
 
-    /// What holds the layer above the layer `below`, as far as seams care; none
-    /// if their outlines are equal, or if there is nothing below.
+    /// What holds the layer above the layer `below`, as far as seams care.
     pub(super) fn ground<'l>(&'l self, below: &'l Layer) -> Option<Ground<'l>> {
-        let differs =
-            !self.same_outline(below) && *self.area() != *below.area();
-        (differs && !below.area().is_empty()).then(|| {
-            let below = below.top().grid();
-            Ground::new(self.outline.grid(), below, self.span.height())
-        })
+        Ground::of(self.face(), below.face())
     }
 
     /// Lets a guide look at the layer, which `ground` holds. The layer `above`

@@ -156,8 +156,7 @@ impl<'a> PartOrder<'a> {
         }
         let ended = self.timings.time(Stage::Order, || {
             let context = order::Context {
-                number: index,
-                outline: layer.area(),
+                here: layer.face(),
                 support,
                 ground,
             };

@@ -6,7 +6,6 @@ use isoslice_base::limits;
 use isoslice_base::units::Mm;
 use isoslice_model::heights::{HeightPlan, Heights, Steps, heights};
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{LayerHeights, Varying};
 use rayon::ThreadPool;
 
 /// Accuracy of heights, mm.
@@ -29,8 +28,7 @@ pub(super) fn pool(
 pub(super) fn layers_of(
     plate: &Plate,
 ) -> Result<(Vec<Vec<LayerSpan>>, Option<Steps>), SliceError> {
-    let uniform = plate.settings.layer_heights
-        == Varying::Constant(LayerHeights::Uniform);
+    let uniform = plate.settings.is_uniform();
     if let (false, [_, _, ..]) = (uniform, plate.parts.as_slice()) {
         let Some(whole) = plate.of_each() else {
             return Err(SliceError::TooLargeTogether);

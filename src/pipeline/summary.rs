@@ -177,7 +177,6 @@ impl Summary {
             stages,
             spans,
         } = planned;
-        let settings = &part.settings;
         let copies = part.places.len();
         let top = spans.last().map_or(0.0, |span| span.top);
         let mut warnings = Vec::new();
@@ -190,7 +189,7 @@ impl Summary {
             hanging = Hanging::default();
             let first = part.places.first().map_or(DVec2::ZERO, |p| p.shift);
             let offset = part.model.offset.truncate() + first;
-            warnings.extend(supported.warnings(offset, settings));
+            warnings.extend(supported.warnings(offset));
         }
         hanging.foot = done.foot.filter(|foot| top > foot.holds);
         warnings.extend(hanging.warnings(top, &stages.plans.hang));

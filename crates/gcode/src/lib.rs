@@ -76,8 +76,8 @@ pub use manifest::Fingerprint;
 pub use name::FormatError;
 pub use own::settings_in_gcode;
 pub(crate) use placeholders::PLACEHOLDERS;
-pub use plan::{WriterPlan, try_templates};
-pub use template::{TemplateError, understands_placeholder};
+pub use plan::WriterPlan;
+pub use template::{TemplateError, try_templates, understands_placeholder};
 pub use thumbnail::Thumbnail;
 
 use filament::Filament;
@@ -464,7 +464,7 @@ impl<'a, W: Write> Writer<'a, W> {
             &self.buffer,
         )?;
         if let Some(record) = &mut self.record {
-            record.manifest.foot = manifest::Foot {
+            record.manifest.foot = manifest::FootManifest {
                 template: record.at(self.buffer.len()),
                 before,
             };

@@ -1,6 +1,5 @@
 //! What the writer needs of the settings.
 
-use super::template::{TemplateError, try_each};
 use isoslice_base::units::{
     Celsius, Mm, Mm2, MmPerSec, Seconds, cross_section, filament_area,
 };
@@ -91,10 +90,9 @@ impl<'a> WriterPlan<'a> {
             infill_density: s.infill_density.constant(),
             brim_width: match s.brim.place {
                 BrimPlace::None => 0.0,
-                BrimPlace::Ears => s.brim.ear_radius.ceil(),
                 _ => s.brim.width.ceil(),
             },
-            ironing: s.ironing,
+            ironing: s.ironing.is_on(),
             supports: s.supports != Supports::Off,
             flavour,
             comments: gcode.comments,
@@ -152,12 +150,6 @@ impl<'a> WriterPlan<'a> {
             change,
         )
     }
-}
-
-/// Tries the templates of settings on a part in the middle of the bed: what is
-/// wrong with each of them.
-pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
-    try_each(&WriterPlan::of(settings))
 }
 
 /// Which of Prusa's two firmwares a printer has, by what it calls itself.

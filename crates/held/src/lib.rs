@@ -6,8 +6,8 @@
 //!
 //! One judge decides for both what of a layer the layer below does not hold
 //! (`hang/judge.rs`): warnings, `isoslice info --supports` and supports
-//! agree, except that supports do not count lines of skin as bridges where `bridges`
-//! is off.
+//! agree, except that supports do not count lines of skin as bridges where `bridge_max`
+//! is 0.
 //!
 //! Guarantees: the same outlines give the same answer, on any number of threads.
 //! What is listed as hanging is larger than a bead, and no bridge holds it.

@@ -205,7 +205,7 @@ impl Request {
         }
         let name = path.file_stem().unwrap_or_default();
         let name = name.to_string_lossy().into_owned();
-        let settings = file.settings;
+        let settings = file.builder.settings().clone();
         let given = Given::Plate(file.parts);
         let mut request =
             keywords.request(given, Some(name), settings, warnings)?;

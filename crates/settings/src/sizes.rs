@@ -1,6 +1,6 @@
 //! Sizes of the pictures in a file's head: `32x32, 300x300/QOI`.
 
-use super::value::{Kind, Measure, Raw, Refused, Value};
+use super::value::{Measure, Raw, Refused, Value, ValueKind};
 
 /// Greatest side of a picture in a file, pixels. No host shows a larger one,
 /// and its text takes 1 MB.
@@ -122,8 +122,8 @@ impl Value for Sizes {
         format!("\"{}\"", sizes.collect::<Vec<_>>().join(", "))
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Sizes
+    fn kind(&self) -> ValueKind {
+        ValueKind::Sizes
     }
 }
 

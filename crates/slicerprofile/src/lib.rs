@@ -46,7 +46,7 @@ pub use error::Error;
 pub use fill::{Filled, fill};
 pub use given::Value;
 pub use source::{Named, Picked, Slicer, Source, both_ends};
-pub use table::{Kind, Row, Rule, rows};
+pub use table::{PresetKind, Row, Rule, rows};
 pub use translate::{Left, Setting, Translation, translate};
 pub use values::Values;
 

@@ -10,12 +10,12 @@ use super::output::is_stream;
 use super::{plain, terminal};
 use anyhow::bail;
 use clap::Args;
-use isoslice::settings::{Builder, ProfileKind, Settings, keys};
+use isoslice::settings::{Builder, ProfileKind, keys};
 use isoslice::{try_templates, understands_placeholder};
 use own::Own;
 use slicerprofile::{
-    Kind, Left, Picked, Setting, Slicer, Source, Translation, Value, Values,
-    fill, translate,
+    Left, Picked, PresetKind, Setting, Slicer, Source, Translation, Value,
+    Values, fill, translate,
 };
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -118,7 +118,7 @@ fn list(source: &Source) -> anyhow::Result<()> {
         return plain::print("It holds one profile, without a choice.\n");
     }
     let mut text = String::new();
-    for kind in [Kind::Printer, Kind::Filament, Kind::Print] {
+    for kind in [PresetKind::Printer, PresetKind::Filament, PresetKind::Print] {
         for named in all.iter().filter(|n| n.kind == kind) {
             let name = plain::line(&named.name);
             writeln!(text, "{}:{name}", kind.word())?;
@@ -137,13 +137,11 @@ struct Import {
     maker: &'static str,
     /// Name of the new profiles, unless a kind has a name of its own.
     name: String,
-    kinds: Vec<Kind>,
+    kinds: Vec<PresetKind>,
     picked: Picked,
     translation: Translation,
-    /// All settings together.
-    settings: Settings,
     /// Templates that could not be translated: the setting, and the text.
-    kept: Vec<(Kind, &'static str, String)>,
+    kept: Vec<(PresetKind, &'static str, String)>,
     /// Contradictions in the settings, and warnings about them.
     remarks: Vec<String>,
 }
@@ -182,9 +180,11 @@ impl Import {
         picked: Picked,
         translation: Translation,
     ) -> Self {
-        let has =
-            |kind: &Kind| translation.settings.iter().any(|s| s.kind == *kind);
-        let kinds = [Kind::Printer, Kind::Filament, Kind::Print];
+        let has = |kind: &PresetKind| {
+            translation.settings.iter().any(|s| s.kind == *kind)
+        };
+        let kinds =
+            [PresetKind::Printer, PresetKind::Filament, PresetKind::Print];
         let kinds = kinds.into_iter().filter(has).collect();
         let stem = file.file_name().unwrap_or_default().to_string_lossy();
         let stem = stem.split('.').next().unwrap_or("").to_owned();
@@ -204,7 +204,6 @@ impl Import {
             kinds,
             picked,
             translation,
-            settings: Settings::default(),
             kept: Vec::new(),
             remarks: Vec::new(),
         }
@@ -275,7 +274,6 @@ impl Import {
         for (setting, why) in &refused {
             self.lose(setting, why);
         }
-        self.settings = builder.settings().clone();
         match builder.finish() {
             Ok((_, warnings)) => self.remarks.extend(warnings),
             Err(error) => self.remarks.push(format!(
@@ -324,7 +322,7 @@ impl Import {
 
     /// The text of a profile with the settings of some kinds. Where two kinds
     /// differ, the last one wins.
-    fn text(&self, of: &[Kind]) -> anyhow::Result<String> {
+    fn text(&self, of: &[PresetKind]) -> anyhow::Result<String> {
         let mut text = String::new();
         let t = &self.translation;
         writeln!(
@@ -414,13 +412,13 @@ fn nothing(translation: &Translation) -> String {
 }
 
 /// A file that was written: its kind, its name on the command line, its path.
-type Written = (Kind, String, PathBuf);
+type Written = (PresetKind, String, PathBuf);
 
 /// The kind of isoslice's profiles to which a kind of key goes.
-fn ours(kind: Kind) -> ProfileKind {
+fn ours(kind: PresetKind) -> ProfileKind {
     match kind {
-        Kind::Printer => ProfileKind::Printer,
-        Kind::Filament => ProfileKind::Filament,
-        Kind::Print => ProfileKind::Preset,
+        PresetKind::Printer => ProfileKind::Printer,
+        PresetKind::Filament => ProfileKind::Filament,
+        PresetKind::Print => ProfileKind::Preset,
     }
 }

@@ -4,7 +4,7 @@ use anyhow::Context;
 use isoslice::settings::keys;
 use isoslice::settings_in_gcode;
 use isoslice_settings::{instead, name_now};
-use slicerprofile::{Kind, Left, Setting, Translation, Value, both_ends};
+use slicerprofile::{Left, PresetKind, Setting, Translation, Value, both_ends};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -59,9 +59,9 @@ fn translation(table: toml::Table) -> Translation {
         all.mapped += 1;
         all.settings.push(Setting {
             kind: match group {
-                "printer" | "gcode" | "retract" => Kind::Printer,
-                "filament" | "cooling" => Kind::Filament,
-                _ => Kind::Print,
+                "printer" | "gcode" | "retract" => PresetKind::Printer,
+                "filament" | "cooling" => PresetKind::Filament,
+                _ => PresetKind::Print,
             },
             name: key.name,
             value,

@@ -26,12 +26,9 @@ impl Stages<'_> {
     /// How many layers below the first of a block have to be filled, since its
     /// internal bridges lie on their infill or on their bridges.
     pub(in crate::pipeline) fn rehearsed_bridges(&self) -> usize {
-        if !self.settings.bridges_infill() {
-            return 0;
-        }
         // What the lowest of these lie on is not known. They decide only where
         // the ends of lines of the layers above them are held.
-        1 + self.settings.internal_bridges.count().unwrap_or(2) as usize
+        self.plans.internal_bridges.map_or(0, |layers| 1 + layers)
     }
 
     /// False if no internal bridge fits where skin lies over what is `open` in the

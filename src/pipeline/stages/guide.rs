@@ -20,7 +20,7 @@ impl Stages<'_> {
         spans: &[LayerSpan],
         first: usize,
     ) -> Result<(), SliceError> {
-        let Some(mut guide) = self.seams.guide(self.raft_layers) else {
+        let Some(mut guide) = self.seams.guide(self.plans.raft.layers) else {
             return Ok(());
         };
         let flat = |&i: &usize| self.spiral_at(i).is_none();

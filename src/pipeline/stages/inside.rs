@@ -77,7 +77,7 @@ impl Stages<'_> {
         // A turn of a climbing wall is nowhere at the height of its layer's
         // outline.
         let number = layer.span.index;
-        if self.spiral_at(number).is_some() || number < self.raft_layers {
+        if self.spiral_at(number).is_some() || number < self.plans.raft.layers {
             return Ok(None);
         }
         let rounded;

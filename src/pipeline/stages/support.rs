@@ -5,6 +5,7 @@ use super::{ALL_LAYERS, Stages};
 use crate::pipeline::SliceError;
 use crate::pipeline::follow::Follow;
 use crate::pipeline::layer::Layer;
+use crate::pipeline::plans::RaftPlan;
 use crate::pipeline::raft::Raft;
 use crate::pipeline::supported::{Supported, Top};
 use glam::DVec2;
@@ -64,7 +65,7 @@ impl<'a> Stages<'a> {
         let plan = self.timings.time_pool(Stage::Support, pool, plan);
         self.known = known;
         let fills = self.fills(around);
-        self.support = Some(Supported::new(plan, self.settings, &fills)?);
+        self.support = Some(Supported::new(plan, &fills)?);
         Ok(())
     }
 
@@ -88,7 +89,7 @@ impl<'a> Stages<'a> {
         let follow = Some(&mut tracker);
         let (survey, heights, _) =
             self.surveyed(pool, spans, asked, 0, follow)?;
-        let (offset, lift) = (self.model.offset, self.settings.raft_height());
+        let (offset, lift) = (self.model.offset, self.plans.raft.height);
         let place = |p: DVec2, span: &LayerSpan| {
             (p + offset.truncate()).extend(span.bottom + lift)
         };
@@ -118,8 +119,8 @@ impl<'a> Stages<'a> {
         mut follow: Option<&mut Tracker>,
     ) -> Result<(Survey, Heights, Vec<Layer>), SliceError> {
         // The plan does not know the raft, which serves as its bed.
-        let raft = (self.raft_layers, self.settings.raft_height());
-        let above = spans.iter().skip(self.raft_layers);
+        let raft = &self.plans.raft;
+        let above = spans.iter().skip(raft.layers);
         let above = above.map(|span| without_raft(*span, raft)).collect();
         let heights = Heights::new(above, &self.plans.support);
         let left = AtomicUsize::new(known);
@@ -134,7 +135,7 @@ impl<'a> Stages<'a> {
             let kept = follows || keep(&layers, &left);
             Ok::<_, SliceError>((survey, kept.then_some(layers)))
         };
-        let above = spans.get(self.raft_layers..).unwrap_or_default();
+        let above = spans.get(raft.layers..).unwrap_or_default();
         let slabs: Vec<_> = above.chunks(self.slab_layers()).collect();
         // Layers that are followed are known for a while only: all of them would
         // take much memory.
@@ -198,13 +199,13 @@ impl<'a> Stages<'a> {
         if heights.own().eq(heights.spans().iter().copied()) {
             return Ok(None);
         }
-        let lift = self.settings.raft_height();
+        let raft = &self.plans.raft;
         let own: Vec<LayerSpan> = heights
             .own()
             .map(|span| LayerSpan {
-                index: span.index + self.raft_layers,
-                bottom: span.bottom + lift,
-                top: span.top + lift,
+                index: span.index + raft.layers,
+                bottom: span.bottom + raft.height,
+                top: span.top + raft.height,
             })
             .collect();
         let of_slab = |slab: &[LayerSpan]| {
@@ -238,12 +239,12 @@ impl<'a> Stages<'a> {
         around: &'a Surroundings<'a>,
         room: Rect,
     ) -> Result<(), SliceError> {
-        let first = self.raft_layers;
+        let plans = self.plans;
+        let first = plans.raft.layers;
         if first == 0 {
             return Ok(());
         }
-        let s = self.settings;
-        let half = 0.5 * s.thinnest_line();
+        let half = 0.5 * plans.hang.thinnest;
         let mut under = Area::EMPTY;
         for span in spans.iter().skip(first) {
             limits::go_on()?;
@@ -256,12 +257,12 @@ impl<'a> Stages<'a> {
                 continue;
             };
             under = union(&under, layer.area());
-            if !offset(layer.area(), -half, s.accuracy).is_empty() {
+            if !offset(layer.area(), -half, plans.accuracy).is_empty() {
                 break;
             }
         }
         let fills = self.fills(around);
-        self.raft = Some(Raft::new(&under, self.in_model(room), s, &fills)?);
+        self.raft = Some(Raft::new(&under, self.in_model(room), &fills)?);
         Ok(())
     }
 
@@ -276,7 +277,9 @@ impl<'a> Stages<'a> {
         layer: usize,
     ) -> Option<Area> {
         match &self.raft {
-            Some(raft) if layer < self.raft_layers => Some(raft.area.clone()),
+            Some(raft) if layer < self.plans.raft.layers => {
+                Some(raft.area.clone())
+            }
             _ => self.support()?.area(layer),
         }
     }
@@ -286,8 +289,7 @@ impl<'a> Stages<'a> {
         &self,
         span: &LayerSpan,
     ) -> Option<Top> {
-        let follows = self.settings.supports_follow();
-        self.support()?.top(span, follows)
+        self.support()?.top(span, self.plans.supports_follow)
     }
 
     /// True if a layer's supports end below its top.
@@ -301,8 +303,8 @@ impl<'a> Stages<'a> {
         &self,
         span: &LayerSpan,
     ) -> Option<Area> {
-        let follows = !self.settings.contour_z.is(0.0);
-        self.support().filter(|_| follows)?.on_top(span)
+        let support = self.support().filter(|_| self.plans.contours_z);
+        support?.on_top(span)
     }
 
     /// Where supports hold a layer, if that matters for its walls.
@@ -310,8 +312,7 @@ impl<'a> Stages<'a> {
         &self,
         layer: usize,
     ) -> Option<Area> {
-        let by_reach = self.settings.by_reach();
-        self.support().filter(|_| by_reach)?.under(layer)
+        self.support().filter(|_| self.plans.by_reach)?.under(layer)
     }
 
     /// The beads of a layer's supports, or of its raft.
@@ -321,7 +322,7 @@ impl<'a> Stages<'a> {
     ) -> Result<Vec<Bead>, InfillError> {
         self.timings.time(Stage::Support, || {
             match (&self.raft, self.support()) {
-                (Some(raft), _) if span.index < self.raft_layers => {
+                (Some(raft), _) if span.index < self.plans.raft.layers => {
                     raft.beads(span)
                 }
                 (_, Some(support)) => support.beads(span),
@@ -332,11 +333,11 @@ impl<'a> Stages<'a> {
 }
 
 /// A layer's number and heights without the raft's.
-fn without_raft(span: LayerSpan, (layers, height): (usize, Mm)) -> LayerSpan {
+fn without_raft(span: LayerSpan, raft: &RaftPlan) -> LayerSpan {
     LayerSpan {
-        index: span.index - layers,
-        bottom: span.bottom - height,
-        top: span.top - height,
+        index: span.index - raft.layers,
+        bottom: span.bottom - raft.height,
+        top: span.top - raft.height,
     }
 }
 

@@ -9,7 +9,7 @@
 //! whether it makes one or not. Lists may be as long as they like, since the
 //! elements of a list lie side by side.
 
-use super::pieces::Piece;
+use super::pieces::TemplatePiece;
 use super::tokens::{Token, Tokens};
 
 /// Greatest number of operators that lie in one another, and of `elif` behind
@@ -20,7 +20,7 @@ const DEEPEST: usize = 250;
 /// Where a template is nested too deeply, in bytes, and what to do about it.
 pub(super) fn too_deep(
     source: &str,
-    pieces: &[Piece],
+    pieces: &[TemplatePiece],
 ) -> Option<(usize, String)> {
     let mut alternatives = Alternatives::default();
     let deep = pieces.iter().filter(|piece| piece.code).find(|piece| {

@@ -321,7 +321,7 @@ fn add(
 
 /// Tries the templates of a plan on a part in the middle of the bed: what is
 /// wrong with each of them.
-pub(super) fn try_each(plan: &WriterPlan<'_>) -> Vec<TemplateError> {
+pub fn try_templates(plan: &WriterPlan<'_>) -> Vec<TemplateError> {
     let (x, y) = (plan.printer.bed_x / 2.0, plan.printer.bed_y / 2.0);
     let header = Header {
         model_name: String::from("part"),

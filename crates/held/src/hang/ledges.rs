@@ -5,7 +5,7 @@
 
 use super::across::Upper;
 use super::held::Limits;
-use super::piece::{Piece, piece};
+use super::piece::{OverhangPiece, piece};
 use super::printed::Printed;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::crop;
@@ -16,7 +16,7 @@ use isoslice_planar::{Area, Rect, Solid};
 pub(super) struct Ledge {
     /// Where it is, without what the layer below holds.
     pub area: Area,
-    pub piece: Piece,
+    pub piece: OverhangPiece,
     /// True if it gets farther away than a lip.
     pub counts: bool,
 }

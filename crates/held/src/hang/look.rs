@@ -334,14 +334,14 @@ fn is_straight(run: &[usize], at: impl Fn(usize) -> DVec2) -> bool {
 }
 
 /// The place of the layer below that is nearest to a place.
-struct Foot {
+struct NearestBelow {
     at: DVec2,
     on: Option<f64>,
     beyond: Mm,
 }
 
 /// Looks for the nearest place. Deep inside, the result is unknown.
-fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
+fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> NearestBelow {
     /// Nearly all places have an edge so near, mm, which tells at once on which side
     /// the solid is.
     const NEAR: Mm = 1.0;
@@ -358,7 +358,7 @@ fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
     };
     let Some((edge, at)) = found else {
         let beyond = if outside { f64::INFINITY } else { f64::NAN };
-        return Foot {
+        return NearestBelow {
             at: p,
             on: None,
             beyond,
@@ -367,7 +367,7 @@ fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
     let (a, b) = below.edge(edge);
     let t = (at - a).dot(b - a) / (b - a).length_squared().max(1e-18);
     let distance = p.distance(at);
-    Foot {
+    NearestBelow {
         at,
         on: Some(edge as f64 + t.clamp(0.0, 1.0)),
         beyond: if outside { distance } else { -distance },

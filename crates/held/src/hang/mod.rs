@@ -76,7 +76,7 @@ use isoslice_base::units::{Mm, Mm2};
 
 /// Why something hangs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum OverhangKind {
     /// An island begins on nothing.
     Begins,
     /// A face leans too far.

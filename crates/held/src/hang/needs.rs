@@ -6,11 +6,11 @@
 //! reach is the one that the summary of a run has.
 
 use super::across::{Across, Upper};
-use super::piece::{Piece, piece};
+use super::piece::{OverhangPiece, piece};
 use super::places::{Found, Places};
 use super::plan::HangPlan;
 use super::track::Far;
-use super::{Kind, Unsupported};
+use super::{OverhangKind, Unsupported};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::Mm;
 use isoslice_layer::floating::floating;
@@ -46,7 +46,7 @@ impl Needs<'_> {
     ) -> Vec<Unsupported> {
         let layers = (0..self.needs.len()).into_par_iter();
         let pieces = layers.map(|i| self.pieces(i, plan));
-        let pieces: Vec<Vec<(Piece, Rect)>> = pieces.collect();
+        let pieces: Vec<Vec<(OverhangPiece, Rect)>> = pieces.collect();
         let mut places = Places::default();
         for (pieces, span) in pieces.into_iter().zip(self.spans) {
             places.next_layer();
@@ -64,7 +64,7 @@ impl Needs<'_> {
     }
 
     /// The islands of what needs a support in layer `i`, and boxes around them.
-    fn pieces(self, i: usize, plan: &HangPlan) -> Vec<(Piece, Rect)> {
+    fn pieces(self, i: usize, plan: &HangPlan) -> Vec<(OverhangPiece, Rect)> {
         if self.needs[i].is_empty() || isoslice_base::limits::is_stopped() {
             return Vec::new();
         }
@@ -88,8 +88,8 @@ impl Needs<'_> {
                 !intersection(&begins[k].island, &area).is_empty()
             });
             let piece = match on_nothing.min() {
-                Some(k) => Piece {
-                    kind: Kind::Begins,
+                Some(k) => OverhangPiece {
+                    kind: OverhangKind::Begins,
                     area: area.content(),
                     reach: 0.0,
                     at: begins[k].at,
@@ -102,8 +102,13 @@ impl Needs<'_> {
     }
 
     /// A piece in a box of a layer, with the reach that adds up over the layers below.
-    fn farthest(self, mut piece: Piece, around: Rect, number: usize) -> Piece {
-        if piece.kind != Kind::Leans {
+    fn farthest(
+        self,
+        mut piece: OverhangPiece,
+        around: Rect,
+        number: usize,
+    ) -> OverhangPiece {
+        if piece.kind != OverhangKind::Leans {
             return piece;
         }
         let from = self.far.partition_point(|far| far.layer < number);
@@ -150,7 +155,7 @@ mod tests {
             panic!("{places:?}");
         };
         let kinds = [leans.kind, begins.kind];
-        assert_eq!(kinds, [Kind::Leans, Kind::Begins]);
+        assert_eq!(kinds, [OverhangKind::Leans, OverhangKind::Begins]);
         // With the strip of 0.3 mm that the layer below holds.
         assert!((leans.area - 200.0).abs() < 0.1, "{leans:?}");
         assert!((leans.reach - 20.0).abs() < 1e-6);
@@ -165,18 +170,18 @@ mod tests {
         let lid = [Area::EMPTY, rect(5.3, 5.3, 54.7, 13.7)];
         let places = told(&lid, &[below.clone(), plate]);
         // It is 9 mm wide, and bridges may be longer.
-        assert_eq!(places[0].kind, Kind::Leans);
+        assert_eq!(places[0].kind, OverhangKind::Leans);
         let two = [rect(0.0, 0.0, 5.0, 20.0), rect(45.0, 0.0, 50.0, 20.0)];
         let two = Area::from_iter(two);
         let need = [Area::EMPTY, rect(5.3, 0.0, 44.7, 20.0)];
         let over = rect(0.0, 0.0, 50.0, 20.0);
         let places = told(&need, &[two, over]);
-        assert_eq!(places[0].kind, Kind::Bridge);
+        assert_eq!(places[0].kind, OverhangKind::Bridge);
         assert!((places[0].reach - 40.0).abs() < 1.0, "{places:?}");
         let ball = rect(10.0, 8.0, 12.0, 10.0);
         let needs = [Area::EMPTY, ball.clone()];
         let above = union(&below, &ball);
         let places = told(&needs, &[below, above]);
-        assert_eq!(places[0].kind, Kind::Begins);
+        assert_eq!(places[0].kind, OverhangKind::Begins);
     }
 }

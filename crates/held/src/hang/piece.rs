@@ -3,7 +3,7 @@
 //! In: an island of what the layer below does not hold ([`judge`](super::judge)).
 //! Out: whether that is a bridge that is too long, its content and its reach.
 
-use super::Kind;
+use super::OverhangKind;
 use super::across::{Across, Upper};
 use super::held::Limits;
 use glam::DVec2;
@@ -16,8 +16,8 @@ use isoslice_planar::{Area, Solid, edges};
 
 /// What hangs in one place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
-    pub kind: Kind,
+pub(super) struct OverhangPiece {
+    pub kind: OverhangKind,
     /// Content of the underside, seen from below. What is next to the layer below is
     /// part of it, though that layer holds it.
     pub area: Mm2,
@@ -44,7 +44,7 @@ pub(super) fn piece(
     here: &Area,
     below: &Solid<'_>,
     upper: Upper<'_>,
-) -> Piece {
+) -> OverhangPiece {
     let limits = Limits::new(upper.height, upper.plan);
     let around = offset(island, limits.held + TOLERANCE, TOLERANCE);
     let rect = around.bounds();
@@ -54,8 +54,8 @@ pub(super) fn piece(
     // Beside the island lies what bridges span, which does not hang.
     let held = intersection(&gaps, &offset(&under, limits.held, TOLERANCE));
     let area = island.content() + difference(&held, island).content();
-    let mut piece = Piece {
-        kind: Kind::Leans,
+    let mut piece = OverhangPiece {
+        kind: OverhangKind::Leans,
         area,
         reach: 0.0,
         at: DVec2::ZERO,
@@ -77,7 +77,7 @@ pub(super) fn piece(
         .map(|(content, across)| long_ones(*content, across));
     let long = long.max_by(|a, b| a.area.total_cmp(&b.area));
     if let Some(long) = long.filter(|l| l.area > MOST * island.content()) {
-        piece.kind = Kind::Bridge;
+        piece.kind = OverhangKind::Bridge;
         (piece.reach, piece.at) = (long.span, long.middle);
         return piece;
     }

@@ -5,7 +5,7 @@
 //! What leans in one layer belongs to what leans in the layer below if their
 //! boxes come near each other, so a slope is one place, over all of its height.
 
-use super::Kind;
+use super::OverhangKind;
 use glam::DVec3;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::Rect;
@@ -21,7 +21,7 @@ const MOST: usize = 10_000;
 #[non_exhaustive]
 pub struct Unsupported {
     /// What hangs there.
-    pub kind: Kind,
+    pub kind: OverhangKind,
     /// Content of the underside, seen from below.
     pub area: Mm2,
     /// Height above the bed at which the underside begins.
@@ -38,7 +38,7 @@ pub struct Unsupported {
 /// What was found of one kind in one layer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
-    pub kind: Kind,
+    pub kind: OverhangKind,
     pub area: Mm2,
     pub reach: Mm,
     /// The farthest point, on the bed.
@@ -52,7 +52,7 @@ pub(super) struct Found {
 pub(super) struct Places {
     all: Vec<Unsupported>,
     /// The number of the last place of each kind.
-    last: Vec<(Kind, usize)>,
+    last: Vec<(OverhangKind, usize)>,
     /// The slopes of the layer below, and of this layer: numbers of places, and
     /// boxes.
     below: Vec<(usize, Rect)>,
@@ -77,7 +77,7 @@ impl Places {
         let near = around.grown(NEAR);
         let known = self.below.iter().chain(&self.here);
         let mut known = known.filter(|(_, rect)| rect.meets(near));
-        let known = known.next().filter(|_| kind == Kind::Leans);
+        let known = known.next().filter(|_| kind == OverhangKind::Leans);
         // If there are too many places, new ones go with the last one of their
         // kind.
         let full = self.all.len() >= MOST;
@@ -109,7 +109,7 @@ impl Places {
             place.reach = reach;
             place.at = at;
         }
-        if kind == Kind::Leans {
+        if kind == OverhangKind::Leans {
             self.here.push((number, around));
         }
     }
@@ -139,18 +139,18 @@ mod tests {
                 });
             }
         };
-        add(Kind::Begins, 5, 1.0);
-        add(Kind::Bridge, MOST, 2.0);
-        add(Kind::Begins, 3, 1.0);
-        add(Kind::Leans, 2, 4.0);
+        add(OverhangKind::Begins, 5, 1.0);
+        add(OverhangKind::Bridge, MOST, 2.0);
+        add(OverhangKind::Begins, 3, 1.0);
+        add(OverhangKind::Leans, 2, 4.0);
         let all = places.finish();
         assert_eq!(all.len(), MOST + 1);
         let area = |kind| -> Mm2 {
             all.iter().filter(|p| p.kind == kind).map(|p| p.area).sum()
         };
-        assert_eq!(area(Kind::Begins), 8.0);
-        assert_eq!(area(Kind::Bridge), 2.0 * MOST as f64);
-        assert_eq!(area(Kind::Leans), 8.0);
+        assert_eq!(area(OverhangKind::Begins), 8.0);
+        assert_eq!(area(OverhangKind::Bridge), 2.0 * MOST as f64);
+        assert_eq!(area(OverhangKind::Leans), 8.0);
     }
 
     #[test]
@@ -169,15 +169,23 @@ mod tests {
         for k in 0..10 {
             places.next_layer();
             let at = 0.5 * f64::from(k);
-            places.add(found(1.0 + at, 0.2 * f64::from(k), Kind::Leans));
-            places.add(found(50.0 - at, 0.2 * f64::from(k), Kind::Leans));
+            places.add(found(
+                1.0 + at,
+                0.2 * f64::from(k),
+                OverhangKind::Leans,
+            ));
+            places.add(found(
+                50.0 - at,
+                0.2 * f64::from(k),
+                OverhangKind::Leans,
+            ));
         }
         // After a layer without a slope the next slope is another place.
         places.next_layer();
         places.next_layer();
-        places.add(found(6.0, 2.4, Kind::Leans));
-        places.add(found(6.0, 2.4, Kind::Begins));
-        places.add(found(6.0, 2.4, Kind::Begins));
+        places.add(found(6.0, 2.4, OverhangKind::Leans));
+        places.add(found(6.0, 2.4, OverhangKind::Begins));
+        places.add(found(6.0, 2.4, OverhangKind::Begins));
         let all = places.finish();
         assert_eq!(all.len(), 5);
         assert_eq!([all[0].from, all[0].area, all[0].reach], [0.0, 20.0, 5.5]);

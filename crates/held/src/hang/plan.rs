@@ -11,8 +11,8 @@ pub struct HangPlan {
     pub angle: Degrees,
     /// True if skin over a gap turns so that its lines bridge the gap.
     pub bridges: bool,
-    /// True if lines of skin that run across a gap count as bridges where `bridges`
-    /// is off. They sag, so supports do not count them.
+    /// True if lines of skin that run across a gap count as bridges where `bridge_max`
+    /// is 0. They sag, so supports do not count them.
     pub by_skin: bool,
     /// Greatest length of a bridge, mm.
     pub bridge_max: Mm,
@@ -28,14 +28,22 @@ pub struct HangPlan {
     pub raft_layers: usize,
 }
 
+/// Longest lines of skin across a gap that count as bridges where there are none,
+/// mm: as long as bridges are by default.
+const SKIN_SPAN: Mm = 10.0;
+
 impl HangPlan {
     /// The plan that settings ask for.
     pub fn of(settings: &Settings) -> HangPlan {
         HangPlan {
             angle: settings.support.angle,
-            bridges: settings.bridges,
+            bridges: settings.bridges(),
             by_skin: true,
-            bridge_max: settings.bridge_max,
+            bridge_max: if settings.bridges() {
+                settings.bridge_max
+            } else {
+                SKIN_SPAN
+            },
             directions: [0, 1].map(|layer| settings.skin_direction(layer)),
             walls: WallPlan::of(settings),
             thinnest: settings.thinnest_line(),

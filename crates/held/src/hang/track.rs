@@ -4,7 +4,7 @@ use super::held::Limits;
 use super::look::{Look, RimPlace, Said};
 use super::plan::HangPlan;
 use super::tip::{Island, Tips};
-use super::{Hanging, Kind};
+use super::{Hanging, OverhangKind};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::grid::EdgeGrid;
@@ -99,7 +99,7 @@ impl Tracker {
         for ledge in look.ledges.iter().filter(|ledge| ledge.counts) {
             let (area, reach) = (ledge.piece.area, ledge.piece.reach);
             let sum = match ledge.piece.kind {
-                Kind::Bridge => &mut self.sums.bridges,
+                OverhangKind::Bridge => &mut self.sums.bridges,
                 _ => &mut self.sums.leans,
             };
             sum.add(area, area, reach, place(ledge.piece.at));

@@ -71,10 +71,11 @@ impl Hanging {
         }
         let bridges = &self.bridges;
         if !bridges.is_none() {
+            let key = if plan.bridges { "bridge_max = " } else { "" };
             all.push(format!(
-                "the bridge at {} is longer than bridge_max = {} mm{}, the \
-                 longest {:.1} mm: they will sag; turn the part, or raise \
-                 bridge_max if your printer does better",
+                "the bridge at {} is longer than {key}{} mm{}, the longest \
+                 {:.1} mm: they will sag; turn the part, or raise bridge_max \
+                 if your printer does better",
                 place(bridges),
                 plan.bridge_max,
                 others(bridges.count),

@@ -19,7 +19,7 @@
 use super::disc::disc;
 use super::parts::Parts;
 use super::plan::SupportPlan;
-use super::room::{Foot, Room, Size};
+use super::room::{Room, Size, StandsOn};
 use super::settle::stands;
 use super::{SPECK, TOLERANCE};
 use glam::DVec2;
@@ -76,7 +76,7 @@ pub(super) struct Branch {
     /// printed.
     pub core: Area,
     /// What the branch stands on.
-    pub foot: Foot,
+    pub foot: StandsOn,
     /// The cell of the plane in which its first face was; nothing for a
     /// column.
     pub cell: Option<[u32; 2]>,
@@ -233,10 +233,10 @@ impl Branch {
                 _ if !self.is_post() => union(&core, &aside),
                 // A way leads down to the bed from every place beside what
                 // blocks it.
-                Foot::Bed => beside(&aside, middle),
+                StandsOn::Bed => beside(&aside, middle),
                 // Beside what blocks it a branch may end in the air between two
                 // walls of the part, so the largest place is taken.
-                Foot::Part => largest(aside),
+                StandsOn::Part => largest(aside),
             };
         } else if self.is_column() {
             self.core = core;
@@ -277,7 +277,7 @@ impl Branch {
     /// post needs enough of the part below it to stand on. A post that touches the
     /// part with its edge alone goes on down beside the part.
     fn can_land(&self, step: Step<'_>) -> bool {
-        self.foot == Foot::Part
+        self.foot == StandsOn::Part
             && (!self.is_post()
                 || stands(&self.printed, step.layer + 1, step.parts))
     }
@@ -318,7 +318,7 @@ impl Branch {
     pub(super) fn area(&self, step: Step<'_>) -> Area {
         let size = step.size();
         let mut post = self.radius(step);
-        if self.foot == Foot::Bed {
+        if self.foot == StandsOn::Bed {
             let bottom = step.parts.spans()[step.layer].bottom;
             post += (FOOT - bottom).max(0.0);
         }

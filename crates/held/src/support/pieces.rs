@@ -25,7 +25,7 @@ const BESIDE_PAD: Mm = 0.05;
 
 /// An island of support.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct SupportIsland {
     /// The box around it.
     pub bounds: Rect,
     /// Where it is sparse.
@@ -45,7 +45,7 @@ pub(super) fn pieces(
     areas: Vec<Area>,
     pads: &Area,
     plan: &SupportPlan,
-) -> Vec<Vec<Piece>> {
+) -> Vec<Vec<SupportIsland>> {
     let roof = plan.interface_layers;
     let mut tops = tops(parts.heights, needs, areas.len(), plan);
     if let Some(lowest) = tops.first_mut()
@@ -67,7 +67,7 @@ pub(super) fn pieces(
         let all = without_ends(on_bed(all, parts.bed), parts, j, apart);
         let above: Vec<&Area> = tops.iter().skip(j).take(roof).collect();
         printable(all)
-            .map(|island| Piece::new(island, &above, plan))
+            .map(|island| SupportIsland::new(island, &above, plan))
             .collect()
     };
     areas.into_par_iter().enumerate().map(of_layer).collect()
@@ -114,13 +114,13 @@ fn without_ends(all: Area, parts: Parts<'_>, j: usize, apart: Mm) -> Area {
     difference(&all, &offset(&ends, apart, TOLERANCE))
 }
 
-impl Piece {
+impl SupportIsland {
     /// An island below some tops.
-    fn new(all: Area, tops: &[&Area], plan: &SupportPlan) -> Piece {
+    fn new(all: Area, tops: &[&Area], plan: &SupportPlan) -> SupportIsland {
         let bounds = all.bounds();
         let [body, interface] = split(&all, bounds, tops, plan);
         let both = !body.is_empty() && !interface.is_empty();
-        Piece {
+        SupportIsland {
             bounds,
             body,
             interface,
@@ -129,9 +129,9 @@ impl Piece {
     }
 
     /// The part of the island that lies in an area.
-    pub(super) fn within(&self, area: &Area) -> Piece {
+    pub(super) fn within(&self, area: &Area) -> SupportIsland {
         let within = |own: &Area| intersection(own, area);
-        Piece {
+        SupportIsland {
             bounds: area.bounds(),
             body: within(&self.body),
             interface: within(&self.interface),

@@ -77,7 +77,7 @@ pub(super) struct Room<'a> {
 
 /// What a support stands on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Foot {
+pub(super) enum StandsOn {
     /// The bed.
     Bed,
     /// Whatever is below.
@@ -159,7 +159,7 @@ impl<'a> Room<'a> {
     pub(super) fn has_place(
         &self,
         j: usize,
-        foot: Foot,
+        foot: StandsOn,
         at: DVec2,
         around: Mm,
     ) -> bool {
@@ -191,7 +191,12 @@ impl<'a> Room<'a> {
 
     /// Where in a box the middle of a branch that stands on `foot` has no
     /// place in layer `j`.
-    pub(super) fn blocked(&self, j: usize, foot: Foot, within: Rect) -> Area {
+    pub(super) fn blocked(
+        &self,
+        j: usize,
+        foot: StandsOn,
+        within: Rect,
+    ) -> Area {
         let all = &self.of(foot)[j];
         let grid = all.grid();
         if !grid.meets(within) && !grid.contains(within.min) {
@@ -203,7 +208,7 @@ impl<'a> Room<'a> {
 
     /// True if some of an area is no place for the middle of a branch that
     /// stands on `foot` in layer `j`.
-    pub(super) fn meets(&self, j: usize, foot: Foot, area: &Area) -> bool {
+    pub(super) fn meets(&self, j: usize, foot: StandsOn, area: &Area) -> bool {
         let mut firsts = area.rings.iter().filter_map(|ring| ring.first());
         let grid = self.of(foot)[j].grid();
         let Rect { min, max } = area.bounds();
@@ -227,7 +232,7 @@ impl<'a> Room<'a> {
     pub(super) fn is_clear(
         &self,
         j: usize,
-        foot: Foot,
+        foot: StandsOn,
         from: DVec2,
         to: DVec2,
     ) -> bool {
@@ -237,10 +242,10 @@ impl<'a> Room<'a> {
 
     /// By layer, what is no place for the middle of a branch that stands on
     /// `foot`.
-    fn of(&self, foot: Foot) -> &[Solid<'static>] {
+    fn of(&self, foot: StandsOn) -> &[Solid<'static>] {
         match foot {
-            Foot::Bed => &self.closed,
-            Foot::Part => &self.dead,
+            StandsOn::Bed => &self.closed,
+            StandsOn::Part => &self.dead,
         }
     }
 }
@@ -361,7 +366,7 @@ mod tests {
         assert!((slot.content() - 2.0).abs() < 1e-3, "{}", slot.content());
         // What lies beside it, what reaches into it, what is in it, and what is
         // around it.
-        let meets = |area: &Area| room.meets(1, Foot::Bed, area);
+        let meets = |area: &Area| room.meets(1, StandsOn::Bed, area);
         let near = 10.0 + gap + margin(&plan);
         assert!(!meets(&rect(near + 0.05, -1.0, 13.0, 1.0)));
         assert!(meets(&rect(near - 0.05, -1.0, 13.0, 1.0)));

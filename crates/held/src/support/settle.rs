@@ -16,7 +16,7 @@
 //! may be right below a face of the part.
 
 use super::parts::Parts;
-use super::pieces::Piece;
+use super::pieces::SupportIsland;
 use super::plan::SupportPlan;
 use super::room::BESIDE;
 use super::slice::Slice;
@@ -44,13 +44,13 @@ const SPREAD: DVec2 = DVec2::new(0.754_877_666, 0.569_840_291);
 /// The supports of each layer: the islands that rest on something.
 pub(super) fn settled(
     parts: Parts<'_>,
-    mut layers: Vec<Vec<Piece>>,
+    mut layers: Vec<Vec<SupportIsland>>,
     plan: &SupportPlan,
 ) -> Vec<Slice> {
     let mut slices = Vec::with_capacity(layers.len());
     // The supports in the layer below. There is no such layer below the first
     // one that can have supports.
-    let mut below: Option<Vec<Piece>> = None;
+    let mut below: Option<Vec<SupportIsland>> = None;
     for j in 0..layers.len() {
         if isoslice_base::limits::is_stopped() {
             slices.push(Slice::default());
@@ -62,7 +62,7 @@ pub(super) fn settled(
             slices.push(slice);
             continue;
         }
-        let on_support = |piece: &Piece| {
+        let on_support = |piece: &SupportIsland| {
             below.as_ref().is_none_or(|below| {
                 let near =
                     below.iter().filter(|b| b.bounds.meets(piece.bounds));
@@ -71,7 +71,7 @@ pub(super) fn settled(
         };
         let close = parts.heights.stands_close(j);
         let close = close.map(|on| Neighbour::new(&parts.outlines[on]));
-        let apart = |piece: Piece| match &close {
+        let apart = |piece: SupportIsland| match &close {
             Some(on) if on_support(&piece) => without_close(piece, on),
             _ => vec![piece],
         };
@@ -109,7 +109,10 @@ pub(super) fn settled(
 
 /// A piece that rests on supports, parted from what lies over `close`, a layer of the
 /// part that is too near below for beads of the usual height.
-fn without_close(piece: Piece, close: &Neighbour<'_>) -> Vec<Piece> {
+fn without_close(
+    piece: SupportIsland,
+    close: &Neighbour<'_>,
+) -> Vec<SupportIsland> {
     let near = close.within(piece.bounds.grown(2.0 * BESIDE));
     if near.is_empty() {
         return vec![piece];
@@ -136,12 +139,12 @@ pub(super) fn stands(island: &Area, j: usize, parts: Parts<'_>) -> bool {
 /// if it stays whole: if nothing is to be left out, or the highest step is too
 /// little to stand on, or does not carry alone what lies on the island.
 fn on_step(
-    piece: &Piece,
+    piece: &SupportIsland,
     j: usize,
-    above: &[Piece],
+    above: &[SupportIsland],
     parts: Parts<'_>,
     plan: &SupportPlan,
-) -> Option<Piece> {
+) -> Option<SupportIsland> {
     let all = piece.all();
     let on = &parts.outlines[parts.heights.stands_on(j)?];
     let over = intersection(all, &unite(&crop(&on.rings, piece.bounds)));

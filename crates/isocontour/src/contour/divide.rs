@@ -39,7 +39,7 @@ pub(super) struct Cell {
 }
 
 /// A piece of the outline in a divided cell.
-pub(super) struct Piece {
+pub(super) struct OutlinePiece {
     pub layer: usize,
     /// Vertices, counted within the batch of cells.
     pub from: u32,
@@ -52,7 +52,7 @@ pub(super) struct Piece {
 #[derive(Default)]
 pub(super) struct Divided {
     pub vertices: Vec<Vertex>,
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<OutlinePiece>,
     /// For each cell, the sides on which the lattice's edge was wrong: south,
     /// east, north, west.
     pub wrong: Vec<[bool; 4]>,
@@ -429,7 +429,7 @@ fn connect(
                         z: z[cell.layer],
                     });
                 }
-                out.pieces.push(Piece {
+                out.pieces.push(OutlinePiece {
                     layer: cell.layer,
                     from,
                     to,

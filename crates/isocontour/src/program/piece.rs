@@ -33,7 +33,7 @@ const FIRST_SECTOR: f64 = 2.0;
 
 /// One piece of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Piece {
+pub(super) struct StepPiece {
     pub step: u32,
     /// Number of the piece among the step's pieces.
     pub index: f64,

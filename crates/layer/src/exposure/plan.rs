@@ -61,7 +61,7 @@ impl ExposurePlan {
             infill: settings.infill_width(),
             least: settings.skin_min_area,
             overlap: settings.skin_overlap(),
-            anchor: settings.bridges.then_some(settings.bridge_anchor),
+            anchor: settings.bridges().then_some(settings.bridge_anchor),
         }
     }
 }

@@ -7,7 +7,7 @@
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
-use isoslice_planar::border::Piece;
+use isoslice_planar::border::LinePiece;
 
 /// The share of the plane to be filled, 0 to 1, over a layer's area.
 #[derive(Clone, Debug)]
@@ -100,7 +100,7 @@ impl Grading {
         &self,
         ring: &[DVec2],
         limit: f64,
-        pieces: &mut Vec<Piece>,
+        pieces: &mut Vec<LinePiece>,
     ) {
         // Points are added to the ring until they are close enough for the
         // share to be read at them.
@@ -114,7 +114,7 @@ impl Grading {
             points.iter().map(|&p| self.share(p) - limit).collect();
         let n = points.len();
         let Some(start) = over.iter().position(|&f| f <= 0.0) else {
-            return pieces.push(Piece::inner(points, true));
+            return pieces.push(LinePiece::inner(points, true));
         };
         let mut run: Vec<DVec2> = Vec::new();
         for k in start..start + n {
@@ -128,7 +128,7 @@ impl Grading {
             }
             run.push(points[i].lerp(points[j], f / (f - g)));
             if f > 0.0 {
-                pieces.push(Piece::inner(std::mem::take(&mut run), false));
+                pieces.push(LinePiece::inner(std::mem::take(&mut run), false));
             }
         }
     }

@@ -22,7 +22,7 @@ use isoslice_model::contour::{Detail, Field, field, outlines};
 use isoslice_model::vary::{Surroundings, VaryError};
 use isoslice_model::{Expression, Place, Source, load};
 use isoslice_planar::bead::Stroke;
-use isoslice_planar::border::{Cutter, Piece};
+use isoslice_planar::border::{Cutter, LinePiece};
 use isoslice_planar::clip::intersection;
 use isoslice_planar::clusters::clusters;
 use isoslice_planar::grid::EdgeGrid;
@@ -111,7 +111,7 @@ impl Shape {
         layer: &Layer<'_>,
         around: Around<'_>,
         width: Mm,
-    ) -> Result<Vec<Piece>, InfillError> {
+    ) -> Result<Vec<LinePiece>, InfillError> {
         let mut pieces = Vec::new();
         match self {
             Shape::Field(field) => {
@@ -147,7 +147,7 @@ impl Shape {
                         cutter.line(&points, closed);
                     }
                     // A cluster's lattice reaches into the next cluster's box.
-                    let own = |p: &Piece| {
+                    let own = |p: &LinePiece| {
                         p.points.first().is_some_and(|&p| cluster.has(p))
                     };
                     pieces.extend(cutter.finish().into_iter().filter(own));

@@ -21,7 +21,7 @@ use super::{Density, Layer, Pattern};
 use glam::DVec2;
 use isocontour::level::{Curve, Lattice, thin, trace};
 use isoslice_base::units::Mm;
-use isoslice_planar::border::{Cutter, Piece};
+use isoslice_planar::border::{Cutter, LinePiece};
 use isoslice_planar::clusters::clusters;
 use isoslice_planar::{Rect, path_length};
 use std::f64::consts::TAU;
@@ -221,7 +221,7 @@ impl Sheet {
     }
 
     /// Copies of one cell's lines all over the area.
-    fn even(&self, layer: &Layer<'_>, share: f64) -> Vec<Piece> {
+    fn even(&self, layer: &Layer<'_>, share: f64) -> Vec<LinePiece> {
         let cell = self.length * layer.solid / share;
         let frame = layer.frame();
         let bounds = frame.bounds(layer.border.bounds());
@@ -284,7 +284,7 @@ impl Sheet {
     }
 
     /// Lines of cells whose size varies, over a lattice as wide as the area.
-    fn graded(&self, layer: &Layer<'_>, grading: &Grading) -> Vec<Piece> {
+    fn graded(&self, layer: &Layer<'_>, grading: &Grading) -> Vec<LinePiece> {
         let frame = layer.frame();
         let most = grading.most();
         if most < LEAST {
@@ -384,8 +384,9 @@ impl Sheet {
                 }
             }
             // The cluster's lattice reaches into the next cluster's box.
-            let own =
-                |p: &Piece| p.points.first().is_some_and(|&p| cluster.has(p));
+            let own = |p: &LinePiece| {
+                p.points.first().is_some_and(|&p| cluster.has(p))
+            };
             pieces.extend(cutter.finish().into_iter().filter(own));
         }
         pieces
@@ -393,7 +394,7 @@ impl Sheet {
 }
 
 impl Pattern for Sheet {
-    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<LinePiece> {
         match layer.density {
             Density::Even(share) => self.even(layer, share),
             Density::Graded(grading) => self.graded(layer, grading),

@@ -447,8 +447,10 @@ mod tests {
     #[test]
     fn the_foot_is_drawn_in_less_from_layer_to_layer() {
         let plan = plan_with(OutlinePlan::of, |s| {
-            s.elephant_foot = 0.3;
-            s.elephant_foot_layers = 3;
+            s.elephant_foot = isoslice_settings::ElephantFoot {
+                drawn: 0.3,
+                layers: 3,
+            };
         });
         let square = rect(0.0, 0.0, 20.0, 10.0);
         for (index, by) in [(0, 0.3), (1, 0.2), (2, 0.1)] {
@@ -463,7 +465,7 @@ mod tests {
 
     #[test]
     fn thin_places_keep_their_width() {
-        let plan = plan_with(OutlinePlan::of, |s| s.elephant_foot = 0.3);
+        let plan = plan_with(OutlinePlan::of, |s| s.elephant_foot = 0.3.into());
         let c = Compensation::new(&span(0), plan, None);
         // A block with a fin of 0.8 mm.
         let block = rect(0.0, 0.0, 20.0, 20.0);

@@ -283,7 +283,7 @@ mod tests {
 
     fn plan(scarf: f64, gap: f64, wipe: f64) -> EndingPlan {
         plan_with(EndingPlan::of, |s| {
-            s.seam_scarf = scarf;
+            s.seam_scarf = scarf.into();
             s.seam_gap = gap;
             s.seam_wipe = wipe;
         })

@@ -37,8 +37,8 @@ const NESTED: f64 = 14.0;
 
 /// What the islands of a layer have in common.
 pub(super) struct Filler<'a> {
-    pub above: Side<'a>,
-    pub below: Side<'a>,
+    pub above: AdjacentLayer<'a>,
+    pub below: AdjacentLayer<'a>,
     /// The sparse infill beside the skin.
     pub sparse: Solid<'a>,
     pub on_bed: bool,
@@ -48,15 +48,15 @@ pub(super) struct Filler<'a> {
 }
 
 /// A layer next to this one, sorted by place when an island first asks.
-pub(super) struct Side<'a> {
+pub(super) struct AdjacentLayer<'a> {
     face: Option<LayerFace<'a>>,
     sorted: OnceCell<Neighbour<'a>>,
 }
 
-impl<'a> Side<'a> {
+impl<'a> AdjacentLayer<'a> {
     /// The neighbouring layer as an island's neighbour, if there is one.
-    pub(super) fn new(face: Option<&LayerFace<'a>>) -> Side<'a> {
-        Side {
+    pub(super) fn new(face: Option<&LayerFace<'a>>) -> AdjacentLayer<'a> {
+        AdjacentLayer {
             face: face.copied(),
             sorted: OnceCell::new(),
         }
@@ -301,7 +301,7 @@ impl Filler<'_> {
         paths: Vec<(i64, Stroke)>,
         border: Option<&EdgeGrid>,
     ) -> Fill {
-        let parallel = look.pattern == SkinPattern::Lines;
+        let parallel = look.pattern != SkinPattern::Concentric;
         let swept = match role {
             Role::TopSkin => parallel && self.plan.swept,
             Role::Ironing => true,

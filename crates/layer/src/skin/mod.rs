@@ -32,7 +32,7 @@ mod zigzag;
 
 use crate::cover::{Covered, Islands};
 use crate::view::{LayerFace, LayerView};
-use fill::{Filler, Side};
+use fill::{AdjacentLayer, Filler};
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::difference;
@@ -91,8 +91,8 @@ pub fn patches(
     let covers = side(above).into_iter().zip(side(below));
     let span = view.here.span;
     let filler = Filler {
-        above: Side::new(above),
-        below: Side::new(below),
+        above: AdjacentLayer::new(above),
+        below: AdjacentLayer::new(below),
         sparse: Solid::of(sparse, 1.0),
         on_bed: span.index == 0,
         angle: plan.directions[span.index % 2],
@@ -132,8 +132,8 @@ mod tests {
     use glam::DVec2;
     use isoslice_planar::bead::{Role, Stroke, spacing};
     use isoslice_planar::shapes::{disc, rect, square};
-    use isoslice_settings::SkinPattern;
     use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::{SkinPattern, SwitchOr};
 
     /// The skin of a layer between two others, if there are any.
     fn laid_between(
@@ -261,11 +261,11 @@ mod tests {
 
     #[test]
     fn each_side_has_its_role_and_the_rest_is_internal() {
-        let base = plan_with(SkinPlan::of, |s| s.bridges = false);
+        let base = plan_with(SkinPlan::of, |s| s.bridge_max = 0.0);
         let wider = plan_with(SkinPlan::of, |s| {
-            s.bridges = false;
+            s.bridge_max = 0.0;
             s.top_skin_width = 0.5.into();
-            s.bottom_skin_pattern = SkinPattern::Concentric;
+            s.skin_pattern.bottom = SkinPattern::Concentric;
         });
         let rect = |x0: f64, x1: f64| {
             Area::from(
@@ -335,7 +335,7 @@ mod tests {
 
     #[test]
     fn ironing_goes_over_tops_alone() {
-        let plan = plan_with(SkinPlan::of, |s| s.ironing = true);
+        let plan = plan_with(SkinPlan::of, |s| s.ironing = SwitchOr::On);
         let [wide, half] = [square(12.0), square(4.0)];
         let beside = [Some(&wide), Some(&half)];
         let all = laid_between(&square(10.0), &Area::EMPTY, beside, 1, &plan);

@@ -12,12 +12,13 @@
 //! left for lines. Together they leave nothing open that is wider than the
 //! thinnest bead.
 
-use super::line::{RidgeIndex, absorb, cut};
-use super::ridge::Ridge;
-use super::thin::Counts;
+use super::beading::Beadings;
+use super::line::{AxisIndex, absorb, cut};
+use super::medial_axis::Axis;
 use super::{Lay, Skeleton, cell, joined, shrink};
 use glam::DVec2;
 use isoslice_base::units::Mm;
+use isoslice_planar::along::change;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::{Area, Solid};
 
@@ -31,7 +32,7 @@ pub struct Patch {
     /// The ring whole.
     pub whole: Area,
     /// The area inside the ring that these beads run through.
-    core: Vec<Ridge>,
+    core: Vec<Axis>,
 }
 
 /// Accuracy of the place at which a line has to end, mm.
@@ -43,11 +44,11 @@ const SLACK: Mm = 0.02;
 
 /// Lays the beads around a solid area.
 pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
-    let counts = Counts::new(&[plan, plan], None);
+    let beadings = Beadings::new(&[plan, plan], None);
     let solid = Solid::of(area, cell(area));
-    let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
-    let nodes = skeleton.ends(counts.limit());
-    let places = skeleton.thin_places(&counts, &nodes);
+    let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
+    let nodes = skeleton.ends(beadings.limit());
+    let places = skeleton.thin_places(&beadings, &nodes);
     let whole = skeleton.shrunk(plan.centre, tolerance);
     let single = places.beads(1, 0.0);
     let rings = cut(&whole, &single, plan.centre, plan.width);
@@ -79,18 +80,17 @@ impl Patch {
 
     /// Where lines are not under the beads in thin places.
     pub fn free(&self) -> Free<'_> {
-        let thickest =
-            self.core.iter().map(Ridge::thickest).fold(0.0, f64::max);
+        let thickest = self.core.iter().map(Axis::thickest).fold(0.0, f64::max);
         let reach = 0.5 * thickest + SLACK;
         let index =
-            (!self.core.is_empty()).then(|| RidgeIndex::new(&self.core, reach));
+            (!self.core.is_empty()).then(|| AxisIndex::new(&self.core, reach));
         Free { index, reach }
     }
 }
 
 /// The places that the beads in thin places leave free.
 pub struct Free<'a> {
-    index: Option<RidgeIndex<'a>>,
+    index: Option<AxisIndex<'a>>,
     /// No bead reaches farther from its middle.
     reach: Mm,
 }
@@ -123,7 +123,7 @@ impl Free<'_> {
 /// Rings inside one another that fill an area, the outermost first, and the
 /// beads of places too thin for them.
 pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
-    let mut counts = Counts::new(&[plan, plan], Some(plan));
+    let mut beadings = Beadings::new(&[plan, plan], Some(plan));
     let away = plan.inner - plan.centre;
     let mut area = area.clone();
     let mut strokes: Vec<Stroke> = Vec::new();
@@ -133,9 +133,9 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
         }
         // Two rings at a time, as walls.
         let solid = Solid::of(&area, cell(&area));
-        let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
-        let nodes = skeleton.ends(counts.limit());
-        let places = skeleton.thin_places(&counts, &nodes);
+        let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
+        let nodes = skeleton.ends(beadings.limit());
+        let places = skeleton.thin_places(&beadings, &nodes);
         let mut depth = 0.0;
         for k in 0..2 {
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
@@ -160,7 +160,7 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
             return strokes;
         }
         area = left;
-        counts = Counts::new(&[plan.after(tolerance), plan], Some(plan));
+        beadings = Beadings::new(&[plan.after(tolerance), plan], Some(plan));
     }
 }
 
@@ -175,15 +175,10 @@ fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
         let t = k as f64 / count;
         let to = (t, free(a.lerp(b, t)));
         if from.1 != to.1 {
-            let (mut low, mut high) = (from.0, to.0);
-            while (high - low) * length > END {
-                let middle = 0.5 * (low + high);
-                if free(a.lerp(b, middle)) == from.1 {
-                    low = middle
-                } else {
-                    high = middle
-                }
-            }
+            let ends = [from.0, to.0].map(|t| a.lerp(b, t));
+            let same = |p: DVec2| free(p) == from.1;
+            let [low, high] = change(ends[0], ends[1], END, same)
+                .map(|p| p.distance(a) / length);
             match start.take() {
                 Some(start) => found.push((start, low)),
                 None => start = Some(high),

@@ -3,7 +3,7 @@
 //! ```text
 //!     ┃  ┃ ┃  ┃        Where two walls lie side by side in each of some
 //!   ━━╯  ╰─╯  ╰━━      strips, they leave a pocket where the strips meet. It
-//!          ○           is too small for a bead of its own, and no ridge runs
+//!          ○           is too small for a bead of its own, and no axis runs
 //!   ━━╮  ╭─╮  ╭━━      through it. Each wall beside it becomes as much wider
 //!     ┃  ┃ ┃  ┃        as a ball is large that touches it from within.
 //! ```
@@ -12,8 +12,8 @@
 //! of the medial axis of what the wall leaves, so that walls on all sides of a
 //! pocket meet in its middle.
 
-use super::line::RidgeIndex;
-use super::ridge::Ridge;
+use super::line::AxisIndex;
+use super::medial_axis::Axis;
 use super::widen::{SEEN, Station, across, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -46,9 +46,9 @@ pub(super) struct Left<'a> {
     pub width: Mm,
     /// Radius of the balls beside which another wall or skin is laid.
     pub radius: Mm,
-    /// The beads in thin places of this part, as its ridges.
-    pub beads: &'a [Ridge],
-    /// The ends of the area's ridges, which are wherever strips meet.
+    /// The beads in thin places of this part, as its axes.
+    pub beads: &'a [Axis],
+    /// The ends of the area's axes, which are wherever strips meet.
     pub nodes: &'a EdgeGrid,
     /// Greatest distance of a pocket from such an end.
     pub around: Mm,
@@ -61,7 +61,7 @@ impl Left<'_> {
         lines: Vec<Stroke>,
         tolerance: Mm,
     ) -> Vec<Stroke> {
-        let beads = RidgeIndex::new(self.beads, self.reach());
+        let beads = AxisIndex::new(self.beads, self.reach());
         lines
             .into_iter()
             .map(|line| self.filled(line, &beads, tolerance))
@@ -76,7 +76,7 @@ impl Left<'_> {
     fn filled(
         &self,
         line: Stroke,
-        beads: &RidgeIndex<'_>,
+        beads: &AxisIndex<'_>,
         tolerance: Mm,
     ) -> Stroke {
         if isoslice_base::limits::is_stopped() {
@@ -151,7 +151,7 @@ impl Left<'_> {
         &self,
         p: DVec2,
         inwards: DVec2,
-        beads: &RidgeIndex<'_>,
+        beads: &AxisIndex<'_>,
     ) -> Option<Mm> {
         let fits = |p: DVec2, radius: Mm| {
             let distance = self.depth + radius - SLACK;

@@ -1,4 +1,4 @@
-//! Balls in a row: what becomes a ridge.
+//! Balls in a row: what becomes an axis.
 //!
 //! In: the balls of a ring of the border, in order. Out: runs of neighbours,
 //! joined where one ends and another begins.
@@ -229,7 +229,7 @@ impl Meeting {
     }
 
     /// True if the other run leads back where this one comes from: it has the
-    /// same ridge, seen from the other side.
+    /// same axis, seen from the other side.
     fn turns_back(&self, this: &Run, other: &Run) -> bool {
         /// Cosine of the turn.
         const BACK: f64 = -0.8;
@@ -337,7 +337,7 @@ fn behind<'a>(mut row: impl Iterator<Item = &'a Ball>, ball: &Ball) -> bool {
     };
     let away = ball.centre - first.centre;
     let back = second.centre - first.centre;
-    // Corners of more than a right angle are ridges, too.
+    // Corners of more than a right angle are axes, too.
     away.dot(back) > 0.5 * away.length() * back.length()
         && away.length_squared() > (0.5 * STEP).powi(2)
 }

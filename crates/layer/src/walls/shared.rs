@@ -15,12 +15,12 @@
 //! sides of it.
 //!
 //! In: the area that the walls leave, and how its lines are laid. Out: the
-//! strips that are shared, as closed ridges, and what is left without them.
+//! strips that are shared, as closed axes, and what is left without them.
 
 use super::Lay;
 use super::cell;
-use super::line::RidgeIndex;
-use super::ridge::{Ridge, ridges};
+use super::line::AxisIndex;
+use super::medial_axis::{Axis, axes};
 use super::widen::across;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
@@ -96,7 +96,7 @@ impl Sharing {
     }
 
     /// The strips of an area that are shared.
-    pub(super) fn strips(&self, area: &Area, tolerance: Mm) -> Vec<Ridge> {
+    pub(super) fn strips(&self, area: &Area, tolerance: Mm) -> Vec<Axis> {
         if area.is_empty() || self.whole <= self.taken {
             return Vec::new();
         }
@@ -104,30 +104,30 @@ impl Sharing {
         if !self.may_have_strips(&solid) {
             return Vec::new();
         }
-        let (all, _) = ridges(&solid, self.corner(), tolerance);
+        let (all, _) = axes(&solid, self.corner(), tolerance);
         let (closed, open): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|ridge| ridge.closed);
-        let thick = |strip: &Ridge| strip.thickest() > self.taken;
+            all.into_iter().partition(|axis| axis.closed);
+        let thick = |strip: &Axis| strip.thickest() > self.taken;
         let shared = closed.into_iter().filter(|strip| {
             thick(strip) && self.is_even(strip) && !self.meets(strip, &open)
         });
         shared.collect()
     }
 
-    /// True if one of some open ridges ends at a strip: walls that share the strip
+    /// True if one of some open axes ends at a strip: walls that share the strip
     /// would leave a hole there.
-    fn meets(&self, strip: &Ridge, open: &[Ridge]) -> bool {
+    fn meets(&self, strip: &Axis, open: &[Axis]) -> bool {
         let strip = std::slice::from_ref(strip);
-        let index = RidgeIndex::new(strip, self.whole);
-        let ends = open.iter().flat_map(|ridge| {
-            ridge.points.first().into_iter().chain(ridge.points.last())
+        let index = AxisIndex::new(strip, self.whole);
+        let ends = open.iter().flat_map(|axis| {
+            axis.points.first().into_iter().chain(axis.points.last())
         });
         let mut ends = ends.copied();
         ends.any(|end| index.nearest(end, self.whole).is_some())
     }
 
     /// What the walls beside strips take in of them.
-    pub(super) fn shares(&self, strips: &[Ridge]) -> Vec<Ridge> {
+    pub(super) fn shares(&self, strips: &[Axis]) -> Vec<Axis> {
         let mut shares = strips.to_vec();
         let all = shares.iter_mut().flat_map(|s| &mut s.thickness);
         all.for_each(|t| *t = t.min(self.most));
@@ -135,7 +135,7 @@ impl Sharing {
     }
 
     /// False if some places along an area's border tell that it has no strips. The
-    /// area of a lattice has many ridges, which take long to find.
+    /// area of a lattice has many axes, which take long to find.
     fn may_have_strips(&self, solid: &Solid<'_>) -> bool {
         // A strip's first and last place may lie between two of these places.
         let long = (LONG - 2.0 * LOOK) * self.line;
@@ -189,9 +189,9 @@ impl Sharing {
         (self.slack..=most).contains(&t).then_some(t)
     }
 
-    /// True if a closed ridge is even all around, but for corners.
-    fn is_even(&self, ridge: &Ridge) -> bool {
-        let mut places = places(ridge, STEP * self.line);
+    /// True if a closed axis is even all around, but for corners.
+    fn is_even(&self, axis: &Axis) -> bool {
+        let mut places = places(axis, STEP * self.line);
         self.mark(&mut places);
         let Some(first) = places.iter().position(|p| p.even) else {
             return false;
@@ -201,7 +201,7 @@ impl Sharing {
         let corners: Vec<_> = pieces.filter(|all| !all[0].even).collect();
         let least = EACH * self.line * corners.len() as f64;
         places.iter().any(|p| p.sure)
-            && ridge.length() >= least
+            && axis.length() >= least
             && corners.iter().all(|all| self.is_corner(all))
     }
 
@@ -245,7 +245,7 @@ impl Sharing {
     }
 
     /// What is left of an area without its strips.
-    pub(super) fn without(&self, area: Area, strips: &[Ridge]) -> Area {
+    pub(super) fn without(&self, area: Area, strips: &[Axis]) -> Area {
         if strips.is_empty() {
             return area;
         }
@@ -260,7 +260,7 @@ impl Sharing {
     }
 }
 
-/// A place on a ridge.
+/// A place on an axis.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     at: DVec2,
@@ -271,14 +271,14 @@ struct Place {
     sure: bool,
 }
 
-/// Places along a closed ridge that are no farther than `step` from each other.
-fn places(ridge: &Ridge, step: Mm) -> Vec<Place> {
-    let n = ridge.points.len();
+/// Places along a closed axis that are no farther than `step` from each other.
+fn places(axis: &Axis, step: Mm) -> Vec<Place> {
+    let n = axis.points.len();
     let mut places = Vec::new();
     for k in 0..n {
         let next = (k + 1) % n;
-        let (a, b) = (ridge.points[k], ridge.points[next]);
-        let (v, w) = (ridge.thickness[k], ridge.thickness[next]);
+        let (a, b) = (axis.points[k], axis.points[next]);
+        let (v, w) = (axis.thickness[k], axis.thickness[next]);
         let count = (a.distance(b) / step).ceil().clamp(1.0, 1e6);
         places.extend((0..count as usize).map(|i| {
             let t = i as f64 / count;
@@ -294,7 +294,7 @@ fn places(ridge: &Ridge, step: Mm) -> Vec<Place> {
 }
 
 /// The borders of a closed strip, `slack` beyond it.
-fn borders(strip: &Ridge, slack: Mm) -> [Vec<DVec2>; 2] {
+fn borders(strip: &Axis, slack: Mm) -> [Vec<DVec2>; 2] {
     let way = Stroke::new(strip.points.clone(), true, 0.0);
     let side = |sign: f64| -> Vec<DVec2> {
         let all = strip.points.iter().zip(&strip.thickness).enumerate();
@@ -462,7 +462,7 @@ mod tests {
         let sharing = Sharing::new(&plan, &plan, 0.005);
         let strips = |part: &Area| sharing.strips(part, 0.005);
         let length = |part: &Area| -> f64 {
-            strips(part).iter().map(Ridge::length).sum()
+            strips(part).iter().map(Axis::length).sum()
         };
         // The whole of a ring; what is left of it is nothing.
         let even = ring(|_| 0.33);

@@ -9,7 +9,7 @@
 //! across the surface (the cusp of Dolenc and Mäkelä, "Slicing procedures for
 //! layered manufacturing techniques", 1994). `isocontour::lean` bounds |n_z| on
 //! all of the surface at each height, so no layer makes a step greater than
-//! `step_error`, whether or not any sample lies there. An expression gives the
+//! the greatest step, whether or not any sample lies there. An expression gives the
 //! heights instead.
 //!
 //! A level face (|n_z| = 1) would ask for thin layers all around it, and still
@@ -22,7 +22,7 @@
 //! `layer_height_min`, where that is the only way to hit a level face.
 //!
 //! Not guaranteed: steps of the first layer, which has its own height. If
-//! `step_error` is less than `layer_height_min`, steps may be as great as the
+//! the greatest step is less than `layer_height_min`, steps may be as great as the
 //! latter; [`Steps`] says how great they are.
 
 mod limit;
@@ -143,7 +143,7 @@ fn heights_above(
     let top = model.bounds.max.z + model.offset.z;
     let uniform = |top: Mm| layers::plan(top - base, first, plan.uniform);
     let of_z = match &plan.heights {
-        Varying::Constant(LayerHeights::Uniform) => {
+        LayerHeights::Uniform => {
             let mut spans = uniform(top)?;
             if base > 0.0 {
                 for span in &mut spans {
@@ -153,8 +153,8 @@ fn heights_above(
             }
             return Ok(Heights { spans, steps: None });
         }
-        Varying::Constant(LayerHeights::Adaptive) => None,
-        Varying::Expression(text) => {
+        LayerHeights::Adaptive(_) => None,
+        LayerHeights::Expression(text) => {
             let value = Varying::Expression(text.clone());
             Some(Quantity::level(KEY, &value)?)
         }

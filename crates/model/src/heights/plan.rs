@@ -1,13 +1,13 @@
 //! What the heights of layers need of the settings.
 
 use isoslice_base::units::Mm;
-use isoslice_settings::{LayerHeights, Settings, Varying};
+use isoslice_settings::{LayerHeights, Settings};
 
 /// How high layers may be.
 #[derive(Clone, Debug)]
 pub struct HeightPlan {
     /// Equal heights, heights that follow the surface, or an expression.
-    pub(super) heights: Varying<LayerHeights>,
+    pub(super) heights: LayerHeights,
     /// Number of layers between the bed and the part.
     pub(super) raft_layers: usize,
     /// How high the part begins, mm.

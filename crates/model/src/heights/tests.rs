@@ -13,7 +13,7 @@ fn asked(assignments: &[&str]) -> HeightPlan {
 }
 
 fn adaptive() -> HeightPlan {
-    asked(&["layer_heights=adaptive", "step_error=0.1"])
+    asked(&["layer_heights=adaptive 0.1"])
 }
 
 /// Number of layers of one height that make steps as small on a surface as level

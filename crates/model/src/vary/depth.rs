@@ -39,7 +39,7 @@ pub(crate) struct DepthMap {
 
 /// A point of the surface.
 #[derive(Clone, Copy, Debug)]
-struct Foot {
+struct SurfacePoint {
     at: DVec3,
     /// Unit normal; zero if there is none.
     normal: DVec3,
@@ -114,10 +114,14 @@ impl DepthMap {
     }
 
     /// Points of the surface, each with a node beside it.
-    fn feet(&self, field: &Expression, inside: &[bool]) -> Vec<(usize, Foot)> {
+    fn feet(
+        &self,
+        field: &Expression,
+        inside: &[bool],
+    ) -> Vec<(usize, SurfacePoint)> {
         let stride = [1, self.size[0], self.size[0] * self.size[1]];
         let plane = stride[2];
-        let planes: Vec<Vec<(usize, Foot)>> = (0..self.size[2])
+        let planes: Vec<Vec<(usize, SurfacePoint)>> = (0..self.size[2])
             .into_par_iter()
             .map(|k| {
                 let mut nodes = Vec::new();
@@ -151,7 +155,7 @@ impl DepthMap {
     }
 
     /// Distances of all nodes from their nearest feet.
-    fn spread(&mut self, inside: &[bool], feet: &[(usize, Foot)]) {
+    fn spread(&mut self, inside: &[bool], feet: &[(usize, SurfacePoint)]) {
         const NONE: u32 = u32::MAX;
         let mut nearest = vec![NONE; inside.len()];
         let square = |node: [usize; 3], foot: u32, map: &DepthMap| match feet
@@ -233,7 +237,7 @@ impl DepthMap {
             .map(|i| {
                 let node = self.node(i);
                 let p = self.point(node);
-                let mut best: Option<(f64, &Foot)> = None;
+                let mut best: Option<(f64, &SurfacePoint)> = None;
                 for beside in self.around(node) {
                     let Some((_, foot)) = feet.get(nearest[beside] as usize)
                     else {
@@ -293,7 +297,7 @@ impl DepthMap {
     }
 }
 
-impl Foot {
+impl SurfacePoint {
     /// Distance of a point from the surface near this foot: from the foot's
     /// plane if the point is roughly in front of the foot, or else from the
     /// foot itself.
@@ -325,7 +329,7 @@ fn feet_between(
     field: &Expression,
     mut ends: Vec<(DVec3, DVec3)>,
     step: Mm,
-) -> Vec<Foot> {
+) -> Vec<SurfacePoint> {
     /// Length over which slopes are taken, as a share of the step.
     const PROBE: f64 = 0.05;
     let mut places = Vec::with_capacity(ends.len());
@@ -358,7 +362,7 @@ fn feet_between(
     let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(slope);
     ends.iter()
         .enumerate()
-        .map(|(i, (a, b))| Foot {
+        .map(|(i, (a, b))| SurfacePoint {
             at: 0.5 * (*a + *b),
             normal: DVec3::new(x[i], y[i], z[i])
                 .try_normalize()

@@ -469,7 +469,7 @@ mod tests {
         // No way leads from a seam that is a gap or a scarf, nor to a seam.
         for (seam_gap, seam_scarf) in [(0.1, 0.0), (0.0, 5.0)] {
             let apart = plan_with(OrderPlan::of, |s| {
-                (s.seam_gap, s.seam_scarf) = (seam_gap, seam_scarf);
+                (s.seam_gap, s.seam_scarf) = (seam_gap, seam_scarf.into());
             });
             assert_eq!(linked(both.to_vec(), &solid, &apart), both);
         }

@@ -40,8 +40,8 @@ use islands::{Island, grid_of, islands};
 use isoslice_base::units::Mm;
 use isoslice_layer::seam::{Below, Ground, Site, follow};
 use isoslice_layer::skin::Patch;
+use isoslice_layer::view::LayerFace;
 use isoslice_layer::walls::Support;
-use isoslice_planar::Area;
 use isoslice_planar::bead::{Bead, Role};
 pub use link::linked;
 pub use plan::OrderPlan;
@@ -96,10 +96,8 @@ const SEAM_REACH: Mm = 2.0;
 /// What is known of a layer besides its beads.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
-    /// The layer's number, from the bed.
-    pub number: usize,
-    /// The layer's solid.
-    pub outline: &'a Area,
+    /// The layer.
+    pub here: LayerFace<'a>,
     /// What holds the layer's walls, unless all of them are held.
     pub support: Option<&'a Support<'a>>,
     /// What holds the layer, if its outline differs from that of the layer
@@ -136,7 +134,7 @@ pub fn order(
     } else {
         (support, Vec::new())
     };
-    let outline = context.outline;
+    let outline = context.here.outline.area();
     supports::print(first, outline, &mut head.at, &mut out);
     let mut islands = islands(outline, beads);
     head.seams = place_seams(&mut islands, &head.seams, context.ground);
@@ -240,7 +238,9 @@ fn island_start(island: &Island) -> Option<DVec2> {
 mod tests {
     use super::*;
     use isoslice_planar::bead::Stroke;
+    use isoslice_planar::{Area, Solid};
     use isoslice_settings::WallOrder;
+    use isoslice_settings::layers::LayerSpan;
     use isoslice_settings::{Settings, plan_with};
     use jobs::Job;
 
@@ -265,16 +265,24 @@ mod tests {
         ])
     }
 
-    fn held(outline: &Area) -> Context<'_> {
+    fn held<'a>(outline: &'a Solid<'a>) -> Context<'a> {
         Context {
-            number: 1,
-            outline,
+            here: LayerFace {
+                span: LayerSpan {
+                    index: 1,
+                    bottom: 0.2,
+                    top: 0.4,
+                },
+                outline,
+                rough: outline,
+                top: outline,
+            },
             support: None,
             ground: None,
         }
     }
 
-    fn two_squares() -> (LayerBeads, Area) {
+    fn two_squares() -> (LayerBeads, Solid<'static>) {
         let beads = LayerBeads {
             walls: vec![
                 wall(Role::OuterWall, square(0.0, 4.0)),
@@ -285,7 +293,7 @@ mod tests {
             ..LayerBeads::default()
         };
         let outline = Area::from_iter([square(0.0, 4.2), square(20.0, 4.2)]);
-        (beads, outline)
+        (beads, Solid::new(outline))
     }
 
     #[test]

@@ -79,7 +79,7 @@ impl PacePlan {
                 (Role::InternalBridge, s.internal_bridge_flow),
                 (Role::Support, s.support.flow),
                 (Role::SupportInterface, s.support.interface_flow),
-                (Role::Ironing, s.ironing_flow),
+                (Role::Ironing, s.ironing_flow()),
             ],
             bead_width: s.bead_width.clone(),
             first_temperature: filament.first_layer_nozzle_temperature,

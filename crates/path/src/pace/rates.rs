@@ -36,7 +36,9 @@ const REACH_SHORT: Mm = 1.0;
 /// it, and of the fan's speed. Smaller steps do not show.
 const REACH_CHANGE: (f64, Percent) = (0.05, 5.0);
 
-/// What is known of the place of a layer's beads, in the model's coordinates.
+/// What is known of the place of a layer's beads, in the model's coordinates. It
+/// is no view of the layer, since moves get their speeds when the layers around
+/// theirs have been let go.
 #[derive(Clone, Copy, Default)]
 pub struct Site<'a> {
     /// The layer's outline, for settings that depend on the depth below it.

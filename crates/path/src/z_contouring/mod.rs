@@ -70,7 +70,7 @@ use isoslice_planar::bead::{Bead, Role, cross_section, height_of};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_settings::Varying;
 use isoslice_settings::layers::LayerSpan;
-use profile::{Kind, Knot};
+use profile::{Knot, KnotKind};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use surface::{Facing, Spot, Window};
@@ -362,13 +362,13 @@ impl<'a> ZContouring<'a> {
         let mut knot = |stop: &Stop| {
             let mut knot = Knot {
                 at: stop.at,
-                kind: Kind::Covered,
+                kind: KnotKind::Covered,
                 rise: 0.0,
                 fill: 0.0,
                 corner: stop.corner,
             };
             if stop.open {
-                knot.kind = Kind::Bare;
+                knot.kind = KnotKind::Bare;
             }
             if !seen(&stop) {
                 return knot;
@@ -380,7 +380,7 @@ impl<'a> ZContouring<'a> {
                     .any(|p| site.is_under_support(p, bounds.facing));
                 let out = bounds.facing.sign() * (spot.height - face);
                 let rise = bounds.clamped(of_slope * out);
-                knot.kind = Kind::Open;
+                knot.kind = KnotKind::Open;
                 knot.rise = if kept { rise.min(0.0) } else { rise };
                 knot.fill = stop.bare.share * knot.rise;
                 level &= knot.rise.abs() < LEVEL;

@@ -1,6 +1,6 @@
 //! Keys of Cura.
 
-use super::Kind::{Filament, Print, Printer};
+use super::PresetKind::{Filament, Print, Printer};
 use super::{As, CURA, FLOW, Outcome, Row, Rule, made, make, patterns};
 use crate::given::Given;
 use Rule::{Ignored, Lost, To};
@@ -123,8 +123,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "infill_sparse_density" => To("infill_density", As::Percent);
         "infill_pattern" => To("infill", patterns::INFILL_OF_CURA);
         "infill_overlap" => To("infill_overlap", As::Percent);
-        "top_bottom_pattern"
-            => To("bottom_skin_pattern", patterns::SKIN_OF_CURA);
+        "top_bottom_pattern" => To("skin_pattern", patterns::SKIN_OF_CURA);
         "z_seam_type"
             => To("seam", As::Words(&[
                 ("sharpest_corner", "aligned"),
@@ -142,8 +141,8 @@ pub(super) static ROWS: &[Row] = rows! {
                 ("outside_in", "outer-first"),
             ]));
         "xy_offset" => To("xy_compensation", As::Number);
-        "ironing_enabled" => To("ironing", As::Switch);
-        "ironing_flow" => To("ironing_flow", As::Percent);
+        "ironing_enabled", "ironing_flow"
+            => made(ironing, &["ironing"], "the flow if it is on");
         "ironing_line_spacing" => To("ironing_spacing", As::Positive);
         "speed_ironing" => To("speed.ironing", As::Positive);
         "speed_print", "speed_wall", "speed_wall_0", "speed_wall_x",
@@ -420,13 +419,10 @@ fn temperatures(
     of: &str,
     names: [&'static str; 2],
 ) -> Outcome {
-    let above =
-        given
-            .number(&format!("material_{of}_temperature"))
-            .or_else(|| {
-                given.number(&format!("default_material_{of}_temperature"))
-            });
-    let first = given.number(&format!("material_{of}_temperature_layer_0"));
+    let one = |key: String| given.number(&key);
+    let above = one(format!("material_{of}_temperature"))
+        .or_else(|| one(format!("default_material_{of}_temperature")));
+    let first = one(format!("material_{of}_temperature_layer_0"));
     if above.or(first).is_none() {
         return Outcome::Lost("it is a formula: write its value".to_owned());
     }
@@ -588,6 +584,16 @@ fn accelerations(given: &Given<'_>) -> Outcome {
         ("printer.travel_acceleration", one("acceleration_travel")),
     ];
     Outcome::known(all)
+}
+
+fn ironing(given: &Given<'_>) -> Outcome {
+    match given.switch("ironing_enabled") {
+        Some(on) => {
+            let value = make::ironed(given, on, &["ironing_flow"]);
+            Outcome::set("ironing", value)
+        }
+        None => Outcome::Nothing("whether to iron is not said".into()),
+    }
 }
 
 fn elephant_foot(given: &Given<'_>) -> Outcome {

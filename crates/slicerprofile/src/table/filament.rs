@@ -1,6 +1,6 @@
 //! Keys of filaments.
 
-use super::Kind::Filament;
+use super::PresetKind::Filament;
 use super::{As, BOTH, ORCA, PRUSA, Row, Rule, made, make};
 use Rule::{Ignored, Lost, To};
 

@@ -1,7 +1,6 @@
 //! Settings that several keys decide together.
 
 use super::Outcome;
-use super::patterns::SKIN;
 use crate::Slicer;
 use crate::given::{Given, Value};
 use crate::values::{parse, share};
@@ -699,26 +698,23 @@ pub(super) fn overlap(given: &Given<'_>) -> Outcome {
     Outcome::set("infill_overlap", percent.clamp(0.0, 100.0))
 }
 
-pub(super) fn top_pattern(given: &Given<'_>) -> Outcome {
-    let keys = [
-        "top_fill_pattern",
-        "top_surface_pattern",
-        "external_fill_pattern",
-    ];
-    let Some(key) = given.first_of(&keys) else {
-        return Outcome::of(Vec::new());
+/// A length, and a second number behind a word.
+fn pair(length: f64, word: &str, second: f64, unit: &str) -> Value {
+    let round = |x: f64| (x * 1e6).round() / 1e6;
+    let (length, second) = (round(length), round(second));
+    format!("{length} mm {word} {second}{unit}").into()
+}
+
+pub(super) fn elephant_foot(given: &Given<'_>) -> Outcome {
+    let Some(drawn) = given.number("elefant_foot_compensation") else {
+        return nothing("it leaves the choice to the slicer");
     };
-    let mut made = Outcome::to("top_skin_pattern", SKIN, given, key);
-    let word = given.values.first(key).unwrap_or("").to_ascii_lowercase();
-    let order = match word.as_str() {
-        "concentric" => None,
-        word if word.starts_with("monotonic") => Some("monotonic"),
-        _ => Some("nearest"),
+    let layers = given.positive("elefant_foot_compensation_layers");
+    let value = match layers.filter(|n| *n > 1.0) {
+        Some(layers) => pair(drawn, "over", layers, " layers"),
+        None => drawn.into(),
     };
-    if let Outcome::Set(all) | Outcome::Alike(all, _) = &mut made {
-        all.extend(order.map(|order| ("top_skin_order", order.into())));
-    }
-    made
+    Outcome::set("elephant_foot", value)
 }
 
 pub(super) fn scarf(given: &Given<'_>) -> Outcome {
@@ -733,7 +729,6 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
     let Some(length) = length.filter(|l| on && *l > 0.0) else {
         return nothing("seams have no slope");
     };
-    let mut out = vec![("seam_scarf", length.into())];
     let start = ["seam_slope_start_height", "scarf_seam_start_height"]
         .iter()
         .find_map(|key| given.values.first(key));
@@ -746,8 +741,7 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
     // begin at 10 % of the layer's height, as low as isoslice advises.
     const BEGINNING: f64 = 10.0;
     let start = percent.map_or(BEGINNING, |p| p.clamp(0.0, 90.0));
-    out.push(("seam_scarf_start", start.into()));
-    Outcome::of(out)
+    Outcome::of(vec![("seam_scarf", pair(length, "from", start, "%"))])
 }
 
 pub(super) fn wall_order(given: &Given<'_>) -> Outcome {
@@ -774,6 +768,22 @@ pub(super) fn wall_order(given: &Given<'_>) -> Outcome {
     Outcome::set("wall_order", order)
 }
 
+const IRONING_FLOW: [&str; 2] = ["ironing_flowrate", "ironing_flow"];
+
+/// Whether tops are ironed, or with how much material.
+pub(super) fn ironed(given: &Given<'_>, on: bool, flow: &[&str]) -> Value {
+    /// Least flow that isoslice takes, %.
+    const LEAST: f64 = 0.1;
+    let mut percent = flow.iter().filter_map(|key| {
+        let text = given.values.first(key)?;
+        share(text).or_else(|| parse(text))
+    });
+    match percent.next().filter(|_| on) {
+        Some(percent) => percent.max(LEAST).into(),
+        None => on.into(),
+    }
+}
+
 pub(super) fn ironing(given: &Given<'_>) -> Outcome {
     let word = given.values.first("ironing_type");
     let on = match given.switch("ironing") {
@@ -784,7 +794,7 @@ pub(super) fn ironing(given: &Given<'_>) -> Outcome {
         }
         None => word.is_some_and(|word| word != "no ironing"),
     };
-    Outcome::set("ironing", on)
+    Outcome::set("ironing", ironed(given, on, &IRONING_FLOW))
 }
 
 fn same_for(
@@ -928,14 +938,12 @@ pub(super) fn brim(given: &Given<'_>) -> Outcome {
         "outer_and_inner" => "both",
         _ => "outer",
     };
-    let mut out = vec![("brim.place", place.into())];
-    if place == "ears" {
-        out.push(("brim.ear_radius", width.into()));
-        if let Some(angle) = given.number("brim_ears_max_angle") {
-            out.push(("brim.ear_angle", angle.into()));
-        }
-    } else {
-        out.push(("brim.width", width.into()));
+    let mut out =
+        vec![("brim.place", place.into()), ("brim.width", width.into())];
+    if place == "ears"
+        && let Some(angle) = given.number("brim_ears_max_angle")
+    {
+        out.push(("brim.ear_angle", angle.into()));
     }
     Outcome::of(out)
 }
@@ -973,12 +981,13 @@ pub(super) fn support_angle(given: &Given<'_>) -> Outcome {
 }
 
 /// OrcaSlicer advises a very large length to those who want no bridge
-/// supported.
+/// supported, and 0 to those who want all of them supported.
 pub(super) fn bridge_max(given: &Given<'_>) -> Outcome {
+    const LEAST: f64 = 0.1;
     const MOST: f64 = 1000.0;
     match number(given, &["max_bridge_length"]) {
         Some(length) if length >= 0.0 => {
-            Outcome::set("bridge_max", length.min(MOST))
+            Outcome::set("bridge_max", length.clamp(LEAST, MOST))
         }
         _ => nothing("no length is given"),
     }

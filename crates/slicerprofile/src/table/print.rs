@@ -1,6 +1,6 @@
 //! Keys of kinds of print.
 
-use super::Kind::Print;
+use super::PresetKind::Print;
 use super::{As, BOTH, FLOW, ORCA, PRUSA, Row, Rule, made, make, patterns};
 use Rule::{Ignored, Lost, To};
 
@@ -60,12 +60,11 @@ pub(super) static ROWS: &[Row] = rows! {
             => made(make::overlap, &["infill_overlap"],
                 "lengths become shares of the line's width");
         "top_fill_pattern", "top_surface_pattern", "external_fill_pattern"
-            => made(make::top_pattern, &["top_skin_pattern", "top_skin_order"],
-                "concentric or lines; monotonic or not");
+            => To("skin_pattern", patterns::TOP);
         "bottom_fill_pattern", "bottom_surface_pattern", "bottom_fill_patter"
-            => To("bottom_skin_pattern", patterns::SKIN);
+            => To("skin_pattern", patterns::BOTTOM);
         "solid_fill_pattern", "internal_solid_infill_pattern"
-            => To("internal_skin_pattern", patterns::SKIN);
+            => To("skin_pattern", patterns::INTERNAL);
         "solid_infill_below_area", "minimum_sparse_infill_area"
             => To("skin_min_area", As::Number);
         "seam_position"
@@ -83,7 +82,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "seam_slope_type", "seam_slope_min_length", "scarf_seam_placement",
             "scarf_seam_length", "seam_slope_start_height",
             "scarf_seam_start_height"
-            => made(make::scarf, &["seam_scarf", "seam_scarf_start"],
+            => made(make::scarf, &["seam_scarf"],
                 "the slope's length, if walls have one; heights become shares \
                  of the layer's");
         "external_perimeters_first", "wall_sequence", "wall_infill_order"
@@ -91,13 +90,13 @@ pub(super) static ROWS: &[Row] = rows! {
                 "whether the outer wall comes first");
         "xy_size_compensation", "xy_contour_compensation"
             => To("xy_compensation", As::Number);
-        "elefant_foot_compensation" => To("elephant_foot", As::Number);
-        "elefant_foot_compensation_layers"
-            => To("elephant_foot_layers", As::Positive);
+        "elefant_foot_compensation", "elefant_foot_compensation_layers"
+            => made(make::elephant_foot, &["elephant_foot"],
+                "with the number of layers");
         "slice_closing_radius" => To("slit_closing", As::Number);
-        "ironing", "ironing_type"
-            => made(make::ironing, &["ironing"], "whichever tops it is for");
-        "ironing_flowrate", "ironing_flow" => To("ironing_flow", As::Percent);
+        "ironing", "ironing_type", "ironing_flowrate", "ironing_flow"
+            => made(make::ironing, &["ironing"],
+                "whichever tops it is for; the flow if it is on");
         "ironing_spacing" => To("ironing_spacing", As::Width);
         "ironing_speed" => To("speed.ironing", As::Amount);
         "bridge_flow_ratio", "bridge_flow" => To("bridge_flow", As::Ratio);
@@ -176,9 +175,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "skirt_distance" => To("skirt.distance", As::Number);
         "skirt_height" => To("skirt.layers", As::Positive);
         "brim_type", "brim_width", "brim_ears", "brim_ears_max_angle"
-            => made(make::brim,
-                &["brim.place", "brim.width", "brim.ear_angle",
-                  "brim.ear_radius"],
+            => made(make::brim, &["brim.place", "brim.width", "brim.ear_angle"],
                 "the width is the radius of ears; a part on a raft has none; \
                  auto_brim and painted have no counterpart");
         "brim_separation", "brim_object_gap", "brim_offset"
@@ -195,7 +192,8 @@ pub(super) static ROWS: &[Row] = rows! {
     ORCA Print {
         // In both slicers a bridge up to this length gets no supports.
         "max_bridge_length"
-            => made(make::bridge_max, &["bridge_max"], "1000 mm at most");
+            => made(make::bridge_max, &["bridge_max"],
+                "0.1 to 1000 mm: bridges are printed in any case");
     }
     BOTH Print {
         "support_material_xy_spacing", "support_object_xy_distance"

@@ -1,6 +1,6 @@
 //! Keys of printers.
 
-use super::Kind::Printer;
+use super::PresetKind::Printer;
 use super::{As, BOTH, ORCA, PRUSA, Row, Rule, made, make};
 use Rule::{Ignored, Lost, To};
 

@@ -16,7 +16,7 @@
 //! pair    = "(" choice "," choice ")"
 //! ```
 
-use super::names::{AT_THE_END, Kind, Ours, ours};
+use super::names::{AT_THE_END, NumberKind, Ours, ours};
 use crate::placeholders::{Scope, names};
 
 /// Why an expression is not understood, as a sentence.
@@ -136,7 +136,7 @@ struct Parser<'a> {
     scope: Scope,
 }
 
-type Parsed = Result<(String, Kind), Refused>;
+type Parsed = Result<(String, NumberKind), Refused>;
 
 impl<'a> Parser<'a> {
     fn next(&mut self) -> Option<Token<'a>> {
@@ -189,12 +189,12 @@ impl<'a> Parser<'a> {
 
     fn either(&mut self) -> Parsed {
         let words = [("or", "or"), ("||", "or")];
-        self.chain(Self::both, words, |_, _, _| Kind::Other)
+        self.chain(Self::both, words, |_, _, _| NumberKind::Other)
     }
 
     fn both(&mut self) -> Parsed {
         let words = [("and", "and"), ("&&", "and")];
-        self.chain(Self::same, words, |_, _, _| Kind::Other)
+        self.chain(Self::same, words, |_, _, _| NumberKind::Other)
     }
 
     fn same(&mut self) -> Parsed {
@@ -207,7 +207,7 @@ impl<'a> Parser<'a> {
             ("<", "<"),
             (">", ">"),
         ];
-        self.chain(Self::matched, words, |_, _, _| Kind::Other)
+        self.chain(Self::matched, words, |_, _, _| NumberKind::Other)
     }
 
     /// A sum, with a pattern behind it.
@@ -225,7 +225,7 @@ impl<'a> Parser<'a> {
         } else {
             format!("(not {found})")
         };
-        Ok((found, Kind::Other))
+        Ok((found, NumberKind::Other))
     }
 
     fn sum(&mut self) -> Parsed {
@@ -242,14 +242,14 @@ impl<'a> Parser<'a> {
         &mut self,
         part: fn(&mut Self) -> Parsed,
         words: [(&'static str, &'static str); N],
-        kind: fn(&str, Kind, Kind) -> Kind,
+        kind: fn(&str, NumberKind, NumberKind) -> NumberKind,
     ) -> Parsed {
         let (mut left, mut of) = part(self)?;
         while let Some(sign) = self.one_of(words) {
             let (right, of_right) = part(self)?;
             let both = kind(sign, of, of_right);
             left = format!("({left} {sign} {right})");
-            if sign == "/" && both == Kind::Whole {
+            if sign == "/" && both == NumberKind::Whole {
                 left = format!("({left} | int)");
             }
             of = both;
@@ -273,7 +273,7 @@ impl<'a> Parser<'a> {
                 "-" => text = format!("(-{text})"),
                 not => {
                     text = format!("({not}{text})");
-                    kind = Kind::Other;
+                    kind = NumberKind::Other;
                 }
             }
         }
@@ -284,23 +284,25 @@ impl<'a> Parser<'a> {
         match self.next() {
             Some(Token::Number(text)) => {
                 let kind = if text.contains('.') {
-                    Kind::Number
+                    NumberKind::Number
                 } else {
-                    Kind::Whole
+                    NumberKind::Whole
                 };
                 match text.parse::<f64>() {
                     Ok(_) => Ok((text.trim_end_matches('.').to_owned(), kind)),
                     Err(_) => Err(format!("`{text}` is not a number")),
                 }
             }
-            Some(Token::Text(text)) => Ok((format!("{text:?}"), Kind::Other)),
+            Some(Token::Text(text)) => {
+                Ok((format!("{text:?}"), NumberKind::Other))
+            }
             Some(Token::Sign("(")) => {
                 let inner = self.choice()?;
                 self.expect(")")?;
                 Ok(inner)
             }
             Some(Token::Name(name @ ("true" | "false"))) => {
-                Ok((name.to_owned(), Kind::Other))
+                Ok((name.to_owned(), NumberKind::Other))
             }
             Some(Token::Name(name)) if self.take("(") => self.call(name),
             Some(Token::Name(name)) => self.name(name),
@@ -344,7 +346,7 @@ impl<'a> Parser<'a> {
             );
         }
         text += &format!("{after})");
-        Ok((text, Kind::Number))
+        Ok((text, NumberKind::Number))
     }
 
     fn call(&mut self, name: &str) -> Parsed {
@@ -356,17 +358,23 @@ impl<'a> Parser<'a> {
             all.push(self.choice()?);
         }
         self.expect(")")?;
-        let kind = all.iter().fold(Kind::Whole, |k, (_, of)| wider(k, *of));
+        let kind = all
+            .iter()
+            .fold(NumberKind::Whole, |k, (_, of)| wider(k, *of));
         let of: Vec<_> = all.into_iter().map(|(text, _)| text).collect();
         match (name, of.as_slice()) {
             ("min" | "max", [_, _, ..]) => {
                 Ok((format!("([{}] | {name})", of.join(", ")), kind))
             }
-            ("int", [x]) => Ok((format!("({x} | int)"), Kind::Whole)),
-            ("round", [x]) => Ok((format!("({x} | round | int)"), Kind::Whole)),
+            ("int", [x]) => Ok((format!("({x} | int)"), NumberKind::Whole)),
+            ("round", [x]) => {
+                Ok((format!("({x} | round | int)"), NumberKind::Whole))
+            }
             ("abs", [x]) => Ok((format!("({x} | abs)"), kind)),
-            ("floor", [x]) => Ok((format!("({x} // 1)"), Kind::Whole)),
-            ("ceil", [x]) => Ok((format!("(-((-{x}) // 1))"), Kind::Whole)),
+            ("floor", [x]) => Ok((format!("({x} // 1)"), NumberKind::Whole)),
+            ("ceil", [x]) => {
+                Ok((format!("(-((-{x}) // 1))"), NumberKind::Whole))
+            }
             _ => Err(format!(
                 "the function {name} of {} values is not known; min, max, \
                  int, round, floor, ceil, abs and interpolate_table are",
@@ -389,8 +397,12 @@ impl<'a> Parser<'a> {
         };
         let first = index.is_none_or(|i| FIRST_TOOL.contains(&i));
         let found = match (ours(name), index) {
-            (Some(Ours::Pair(x, _)), Some("0")) => (x.to_owned(), Kind::Number),
-            (Some(Ours::Pair(_, y)), Some("1")) => (y.to_owned(), Kind::Number),
+            (Some(Ours::Pair(x, _)), Some("0")) => {
+                (x.to_owned(), NumberKind::Number)
+            }
+            (Some(Ours::Pair(_, y)), Some("1")) => {
+                (y.to_owned(), NumberKind::Number)
+            }
             (Some(Ours::Pair(..)), _) => {
                 return Err(format!(
                     "write {name}[0] for x or {name}[1] for y"
@@ -398,7 +410,7 @@ impl<'a> Parser<'a> {
             }
             // Nothing is printed with another extruder.
             (_, Some(_)) if !first && name == "is_extruder_used" => {
-                ("false".to_owned(), Kind::Other)
+                ("false".to_owned(), NumberKind::Other)
             }
             (_, Some(i)) if !first => {
                 return Err(format!(
@@ -430,7 +442,7 @@ impl<'a> Parser<'a> {
             // The name is one of this program's, but may mean something else in
             // other slicers.
             _ if names(self.scope).any(|known| known == name) => {
-                (name.to_owned(), Kind::Number)
+                (name.to_owned(), NumberKind::Number)
             }
             (Some(Ours::None(why)), _) => return Err(why.to_owned()),
             (None, _) => return Err(super::unknown(name, self.scope)),
@@ -470,10 +482,10 @@ fn looks_like(text: &str, pattern: &str) -> Result<String, Refused> {
     Ok(format!("({})", alternatives.join(" or ")))
 }
 
-fn wider(a: Kind, b: Kind) -> Kind {
+fn wider(a: NumberKind, b: NumberKind) -> NumberKind {
     match (a, b) {
-        (Kind::Whole, Kind::Whole) => Kind::Whole,
-        (Kind::Other, _) | (_, Kind::Other) => Kind::Other,
-        _ => Kind::Number,
+        (NumberKind::Whole, NumberKind::Whole) => NumberKind::Whole,
+        (NumberKind::Other, _) | (_, NumberKind::Other) => NumberKind::Other,
+        _ => NumberKind::Number,
     }
 }

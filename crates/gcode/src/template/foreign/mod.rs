@@ -12,7 +12,7 @@ mod names;
 mod tests;
 
 use super::error::{known_elsewhere, meant};
-use super::pieces::Piece;
+use super::pieces::TemplatePiece;
 use crate::placeholders::Scope;
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -29,7 +29,7 @@ const LONGEST: usize = 2048;
 /// wrong there.
 pub(super) fn translated<'a>(
     source: &'a str,
-    pieces: &[Piece],
+    pieces: &[TemplatePiece],
     scope: Scope,
 ) -> Result<Cow<'a, str>, (usize, String)> {
     let mut work = Translation {

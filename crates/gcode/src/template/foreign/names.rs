@@ -7,7 +7,7 @@
 
 /// The type of an expression's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum NumberKind {
     /// A whole number. PrusaSlicer drops the rest when it divides two of them.
     Whole,
     /// Any number.
@@ -20,22 +20,22 @@ pub(super) enum Kind {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Ours {
     /// An expression.
-    Is(Kind, &'static str),
+    Is(NumberKind, &'static str),
     /// One expression for x and one for y.
     Pair(&'static str, &'static str),
     /// One expression in `gcode.layer`, the other elsewhere.
-    ByScope(Kind, &'static str, &'static str),
+    ByScope(NumberKind, &'static str, &'static str),
     /// One expression in `gcode.layer` and one in `gcode.end`, where the last
     /// layer is meant. Other templates do not know the name.
-    OfLayer(Kind, &'static str, &'static str),
+    OfLayer(NumberKind, &'static str, &'static str),
     /// An expression in `gcode.end`, for what is known at the end only.
-    AtEnd(Kind, &'static str),
+    AtEnd(NumberKind, &'static str),
     /// No expression stands for the name. The text says why, or what to write
     /// instead.
     None(&'static str),
 }
 
-use Kind::{Number, Other, Whole};
+use NumberKind::{Number, Other, Whole};
 use Ours::{AtEnd, ByScope, Is, None, OfLayer, Pair};
 
 const NO_CHAMBER: &str =

@@ -3,15 +3,15 @@
 //! ```text
 //!   ━━━━━━━━━━p━━━━━━━━━━━   From a point p of the border a ball grows
 //!         ╭── │ ──╮           inwards until it touches the border elsewhere:
-//!   ┄┄┄┄┄┄┄┄┄┄c┄┄┄┄┄┄┄┄┄┄┄    its centre c is on the ridge of the distance
-//!         ╰── │ ──╯           to the border (the medial axis), its diameter
+//!   ┄┄┄┄┄┄┄┄┄┄c┄┄┄┄┄┄┄┄┄┄┄    its centre c is on the medial axis of the
+//!         ╰── │ ──╯           area, and its diameter
 //!   ━━━━━━━━━━q━━━━━━━━━━━    is the local thickness.
 //! ```
 //!
-//! In: an area and the thickness below which a place is thin. Out: the
-//! ridge's lines there, with the thickness at each point. Balls that touch two
-//! sides of a corner, and not opposite sides, are left out: the ridge's
-//! branches into corners are not places for a bead.
+//! In: an area and the thickness below which a place is thin. Out: the lines of
+//! the medial axis there, each of which is called an axis, with the thickness at
+//! each point. Balls that touch two sides of a corner, and not opposite sides, are
+//! left out: the branches into corners are not places for a bead.
 //!
 //! Not guaranteed: that lines meet where three strips do; they end within
 //! about a third of the thickness of each other.
@@ -23,11 +23,12 @@ use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::Room;
+use isoslice_planar::simplify::keep_farthest;
 use isoslice_planar::{Solid, path_length};
 
 /// A line along the middle of a thin place.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Ridge {
+pub(crate) struct Axis {
     /// Points of the line.
     pub points: Vec<DVec2>,
     /// Thickness of the area at each point.
@@ -36,13 +37,13 @@ pub(crate) struct Ridge {
     pub closed: bool,
 }
 
-/// The ridges of an area where it is thinner than `limit`, and how far its
+/// The axes of an area where it is thinner than `limit`, and how far its
 /// edges can move. Lines are thinned to `tolerance`, in place and thickness.
-pub(crate) fn ridges(
+pub(crate) fn axes(
     solid: &Solid<'_>,
     limit: Mm,
     tolerance: Mm,
-) -> (Vec<Ridge>, Room) {
+) -> (Vec<Axis>, Room) {
     let (area, grid) = (solid.area(), solid.grid());
     let mut border = Border::new(solid, 0.5 * limit);
     let mut runs: Vec<Run> = Vec::new();
@@ -59,19 +60,19 @@ pub(crate) fn ridges(
         .filter(|run| run.closed || run.balls.len() > 1)
         .map(|run| {
             let balls = run.balls.iter();
-            let ridge = Ridge {
+            let axis = Axis {
                 points: balls.clone().map(|b| b.centre).collect(),
                 thickness: balls.map(|b| b.thickness).collect(),
                 closed: run.closed,
             };
-            ridge.thinned(tolerance)
+            axis.thinned(tolerance)
         })
         .collect();
     (all, room)
 }
 
-impl Ridge {
-    /// The ridge's stroke, for a bead `extra` wider than the area is thick.
+impl Axis {
+    /// The axis's stroke, for a bead `extra` wider than the area is thick.
     pub(super) fn stroke(&self, extra: Mm) -> Stroke {
         let widths = self.thickness.iter().map(|t| t + extra).collect();
         Stroke::varying(self.points.clone(), widths, self.closed)
@@ -79,7 +80,7 @@ impl Ridge {
 
     /// The line with as few points as the tolerance permits (Douglas and
     /// Peucker 1973), half the thickness counting as a third coordinate.
-    pub(super) fn thinned(&self, tolerance: Mm) -> Ridge {
+    pub(super) fn thinned(&self, tolerance: Mm) -> Axis {
         if isoslice_base::limits::is_stopped() {
             return self.clone();
         }
@@ -109,26 +110,26 @@ impl Ridge {
             worst.1
         });
         let kept = || (0..keep.len()).filter(|&i| keep[i]);
-        Ridge {
+        Axis {
             points: kept().map(|i| self.points[i]).collect(),
             thickness: kept().map(|i| self.thickness[i]).collect(),
             closed: self.closed,
         }
     }
 
-    /// The ridge cut where its thickness passes `limit`: each part is above
+    /// The axis cut where its thickness passes `limit`: each part is above
     /// or below it all along.
-    pub(super) fn split_at(self, limit: Mm) -> Vec<Ridge> {
+    pub(super) fn split_at(self, limit: Mm) -> Vec<Axis> {
         let above = |t: Mm| t > limit;
         let n = self.points.len();
         let first = self.thickness.first().copied().unwrap_or(0.0);
         if self.thickness.iter().all(|&t| above(t) == above(first)) {
             return vec![self];
         }
-        let mut parts: Vec<Ridge> = Vec::new();
+        let mut parts: Vec<Axis> = Vec::new();
         let segments = if self.closed { n } else { n - 1 };
         let begun = |p: DVec2, thickness: Mm| {
-            let mut part = Ridge {
+            let mut part = Axis {
                 points: Vec::with_capacity(16),
                 thickness: Vec::with_capacity(16),
                 closed: false,
@@ -195,8 +196,8 @@ impl Ridge {
         0.5 * (at(a) + at(b))
     }
 
-    /// Goes on with another ridge, which begins where this one ends.
-    pub(super) fn append(&mut self, other: Ridge) {
+    /// Goes on with another axis, which begins where this one ends.
+    pub(super) fn append(&mut self, other: Axis) {
         self.points.extend(other.points.into_iter().skip(1));
         self.thickness.extend(other.thickness.into_iter().skip(1));
     }
@@ -222,33 +223,33 @@ mod tests {
         Area::from(shapes::ring(points))
     }
 
-    fn ridges_of(area: &Area, limit: f64) -> Vec<Ridge> {
-        ridges(&Solid::of(area, limit), limit, 0.005).0
+    fn axes_of(area: &Area, limit: f64) -> Vec<Axis> {
+        axes(&Solid::of(area, limit), limit, 0.005).0
     }
 
-    fn total(r: &Ridge) -> f64 {
+    fn total(r: &Axis) -> f64 {
         r.points.windows(2).map(|w| w[0].distance(w[1])).sum()
     }
 
     #[test]
-    fn a_strip_has_one_straight_ridge() {
+    fn a_strip_has_one_straight_axis() {
         let strip = area(&[(0.0, 0.0), (20.0, 0.0), (20.0, 0.5), (0.0, 0.5)]);
-        let found = ridges_of(&strip, 0.8);
+        let found = axes_of(&strip, 0.8);
         assert_eq!(found.len(), 1, "{found:?}");
         let r = &found[0];
         assert_eq!(r.points.len(), 2);
         assert!(r.thickness.iter().all(|t| (t - 0.5).abs() < 1e-4));
         assert!(r.points.iter().all(|p| (p.y - 0.25).abs() < 1e-4));
-        // The ridge ends where a round end of that width reaches the strip's
+        // The axis ends where a round end of that width reaches the strip's
         // end.
         assert!((total(r) - 19.5).abs() < 0.3, "{}", total(r));
-        assert!(ridges_of(&strip, 0.4).is_empty());
+        assert!(axes_of(&strip, 0.4).is_empty());
     }
 
     #[test]
     fn a_wedge_is_followed_until_it_is_thick() {
         let wedge = area(&[(0.0, 0.0), (20.0, -1.0), (20.0, 1.0)]);
-        let found = ridges_of(&wedge, 0.8);
+        let found = axes_of(&wedge, 0.8);
         assert_eq!(found.len(), 1, "{found:?}");
         for (p, t) in found[0].points.iter().zip(&found[0].thickness) {
             assert!(p.y.abs() < 0.01);
@@ -259,12 +260,12 @@ mod tests {
     }
 
     #[test]
-    fn a_thin_ring_has_a_closed_ridge() {
+    fn a_thin_ring_has_a_closed_axis() {
         let circle = |r: f64| circle(r, 400);
         let mut hole = circle(4.4);
         hole.reverse();
         let ring = Area::from_iter([circle(5.0), hole]);
-        let found = ridges_of(&ring, 0.8);
+        let found = axes_of(&ring, 0.8);
         assert_eq!(found.len(), 1);
         assert!(found[0].closed);
         for (p, t) in found[0].points.iter().zip(&found[0].thickness) {
@@ -277,7 +278,7 @@ mod tests {
     #[test]
     fn runs_are_joined_however_many_there_are() {
         // Thin squares: their borders begin in the middle of a strip, which
-        // cuts each ridge in two.
+        // cuts each axis in two.
         let frame = |x: f64, y: f64| {
             let ring = |h: f64| -> Vec<DVec2> {
                 [(0.0, -h), (h, -h), (h, h), (-h, h), (-h, -h)]
@@ -297,12 +298,12 @@ mod tests {
         let alone = Area {
             rings: frame(0.0, 0.0).to_vec(),
         };
-        let each = ridges_of(&alone, 0.8).len();
-        assert_eq!(ridges_of(&area, 0.8).len(), 2500 * each);
+        let each = axes_of(&alone, 0.8).len();
+        assert_eq!(axes_of(&area, 0.8).len(), 2500 * each);
     }
 
     #[test]
-    fn joined_ridges_are_as_thick_as_the_area_and_do_not_cross() {
+    fn joined_axes_are_as_thick_as_the_area_and_do_not_cross() {
         // Four strips of 0.6 mm meet: the ball in the middle touches four
         // corners.
         let (h, l) = (0.3, 5.0);
@@ -320,8 +321,8 @@ mod tests {
             (-h, h),
             (-l, h),
         ]);
-        let found = ridges_of(&cross, 1.2);
-        // Only one ridge leads through the middle, as thick as the area. Others
+        let found = axes_of(&cross, 1.2);
+        // Only one axis leads through the middle, as thick as the area. Others
         // may end there.
         let middle: Vec<f64> = found
             .iter()
@@ -346,7 +347,7 @@ mod tests {
         odd.insert(3, (10.0, 0.0));
         odd.insert(4, (10.0, -3.0));
         odd.insert(5, (10.0, 0.0));
-        let found = ridges_of(&area(&odd), 0.8);
+        let found = axes_of(&area(&odd), 0.8);
         let long: f64 = found.iter().map(total).sum();
         assert!((long - 19.5).abs() < 1.2, "{long}");
         // Not a number, nowhere, no points, one point, all the same.
@@ -354,15 +355,15 @@ mod tests {
             let mut ring = area(&strip).rings.remove(0);
             ring[2].x = bad;
             let all = vec![ring, Vec::new(), vec![DVec2::ZERO]];
-            ridges_of(&Area { rings: all }, 0.8);
+            axes_of(&Area { rings: all }, 0.8);
         }
-        assert!(ridges_of(&area(&[(1.0, 1.0); 9]), 0.8).is_empty());
+        assert!(axes_of(&area(&[(1.0, 1.0); 9]), 0.8).is_empty());
     }
 
     #[test]
     fn corners_of_thick_parts_have_none() {
         let block = area(&[(0.0, 0.0), (9.0, 0.0), (9.0, 5.0), (4.0, 9.0)]);
-        assert!(ridges_of(&block, 0.8).is_empty());
-        assert!(ridges_of(&Area::EMPTY, 0.8).is_empty());
+        assert!(axes_of(&block, 0.8).is_empty());
+        assert!(axes_of(&Area::EMPTY, 0.8).is_empty());
     }
 }

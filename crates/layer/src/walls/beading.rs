@@ -1,8 +1,8 @@
-//! How many beads lie side by side along a ridge.
+//! How many beads lie side by side along an axis.
 //!
-//! The thickness along a ridge decides: nothing fits up to the first bound, one
+//! The thickness along an axis decides: nothing fits up to the first bound, one
 //! bead up to the second, then two walls, two walls with a bead between them,
-//! and so on. In: a ridge. Out: the parts of the ridge, each with its number of
+//! and so on. In: an axis. Out: the parts of the axis, each with its number of
 //! beads.
 //!
 //! A thickness that wavers around a bound would chop beads and walls into
@@ -13,7 +13,7 @@
 //! dense contour-parallel toolpaths* (2020), decided for whole parts at a time.
 
 use super::Lay;
-use super::ridge::Ridge;
+use super::medial_axis::Axis;
 use isoslice_base::units::Mm;
 
 /// By how much a single bead may be narrower than its bound for a while.
@@ -43,8 +43,8 @@ const ROUNDS: u32 = 5;
 
 /// Thicknesses for which there is one number of beads.
 #[derive(Clone, Copy, Debug)]
-struct Count {
-    /// The nominal upper bound; the lower one is that of the count before.
+struct Beading {
+    /// The nominal upper bound; the lower one is that of the beading before.
     upto: Mm,
     /// Least and greatest thickness to which this number of beads can be
     /// stretched.
@@ -56,23 +56,23 @@ struct Count {
     taken: Mm,
 }
 
-/// Tells whether a bead along a part of a ridge leaves nothing open beside it.
-pub(super) type Bends<'a> = &'a dyn Fn(&Ridge) -> bool;
+/// Tells whether a bead along a part of an axis leaves nothing open beside it.
+pub(super) type Bends<'a> = &'a dyn Fn(&Axis) -> bool;
 
 /// The numbers of beads that thicknesses get.
 #[derive(Debug)]
-pub(super) struct Counts {
+pub(super) struct Beadings {
     /// An entry for each number of beads. Thicker places have these walls and
     /// more inside.
-    counts: Vec<Count>,
+    beadings: Vec<Beading>,
 }
 
-impl Counts {
+impl Beadings {
     /// The numbers for walls laid one inside the other. A bead in the middle can
     /// take the place of both sides of each wall. `inside` is what lies inside
     /// all of the walls, if anything does.
-    pub(super) fn new(walls: &[Lay], inside: Option<Lay>) -> Counts {
-        let mut counts = Vec::new();
+    pub(super) fn new(walls: &[Lay], inside: Option<Lay>) -> Beadings {
+        let mut beadings = Vec::new();
         let mut depth = 0.0;
         // Narrowest place that the walls so far can be squeezed into.
         let mut squeezed = 0.0;
@@ -83,14 +83,14 @@ impl Counts {
             } else {
                 wall.least
             };
-            counts.push(Count {
+            beadings.push(Beading {
                 upto: least,
                 range: (squeezed, depth + sliver),
                 bulge: depth + sliver,
                 taken: depth,
             });
             let wide = wall.limit * WIDE;
-            counts.push(Count {
+            beadings.push(Beading {
                 upto: depth + wall.limit,
                 range: (depth + wall.least / NARROW, depth + wide),
                 bulge: depth + BULGE * wide,
@@ -101,84 +101,84 @@ impl Counts {
         }
         if inside.is_some() {
             // The area inside has a bead of its own: only its bound counts.
-            counts.pop();
-            if let Some(last) = counts.last_mut() {
+            beadings.pop();
+            if let Some(last) = beadings.last_mut() {
                 last.range.1 = last.upto;
             }
         }
         let mut bound: Mm = 0.0;
-        for count in &mut counts {
-            bound = bound.max(count.upto);
-            count.upto = bound;
+        for beading in &mut beadings {
+            bound = bound.max(beading.upto);
+            beading.upto = bound;
         }
-        Counts { counts }
+        Beadings { beadings }
     }
 
     /// The greatest thickness that matters. A bulge that is thicker is left out:
     /// to look farther around costs more than it gains.
     pub(super) fn limit(&self) -> Mm {
-        let all = self.counts.iter().map(|c| c.upto.max(c.range.1));
+        let all = self.beadings.iter().map(|c| c.upto.max(c.range.1));
         all.fold(0.0, f64::max)
     }
 
     /// The number of beads for a thickness.
     fn number(&self, thickness: Mm) -> usize {
-        self.counts.partition_point(|c| c.upto < thickness)
+        self.beadings.partition_point(|c| c.upto < thickness)
     }
 
-    /// True if a number of beads can be made to fit all along a ridge. If there
+    /// True if a number of beads can be made to fit all along an axis. If there
     /// are as many at both its ends, `between` them, they may bulge. What is
-    /// left open beside a bulge at the surface would be seen, so there a ridge
+    /// left open beside a bulge at the surface would be seen, so there an axis
     /// has to be one of `bends`.
     fn fits(
         &self,
         number: usize,
-        ridge: &Ridge,
+        axis: &Axis,
         between: bool,
         bends: Bends<'_>,
     ) -> bool {
-        self.counts.get(number).is_some_and(|c| {
+        self.beadings.get(number).is_some_and(|c| {
             let inside = c.taken > 0.0;
             let most = if inside { BULGE_LENGTH } else { BEND_LENGTH };
             let longest = most * (c.bulge - c.taken);
             let bulges = between
-                && ridge.length() < longest
-                && ridge.thickest() <= c.bulge
-                && (inside || bends(ridge));
+                && axis.length() < longest
+                && axis.thickest() <= c.bulge
+                && (inside || bends(axis));
             let most = if bulges { c.bulge } else { c.range.1 };
-            ridge.thinnest() >= c.range.0 && ridge.thickest() <= most
+            axis.thinnest() >= c.range.0 && axis.thickest() <= most
         })
     }
 
-    /// The parts of a ridge and their numbers of beads, without those that are
+    /// The parts of an axis and their numbers of beads, without those that are
     /// too thick to have one.
     pub(super) fn split(
         &self,
-        ridge: &Ridge,
+        axis: &Axis,
         bends: Bends<'_>,
-    ) -> Vec<(usize, Ridge)> {
-        let few = self.counts.len();
-        let (thin, thick) = (ridge.thinnest(), ridge.thickest());
+    ) -> Vec<(usize, Axis)> {
+        let few = self.beadings.len();
+        let (thin, thick) = (axis.thinnest(), axis.thickest());
         let (low, high) = (self.number(thin), self.number(thick));
         if low == high {
             return if high < few {
-                vec![(high, ridge.clone())]
+                vec![(high, axis.clone())]
             } else {
                 Vec::new()
             };
         }
-        let mut parts = vec![ridge.clone()];
-        for count in &self.counts[low..high.min(few)] {
+        let mut parts = vec![axis.clone()];
+        for beading in &self.beadings[low..high.min(few)] {
             parts = parts
                 .into_iter()
-                .flat_map(|part| part.split_at(count.upto))
+                .flat_map(|part| part.split_at(beading.upto))
                 .collect();
         }
-        let mut all: Vec<(usize, Ridge)> = parts
+        let mut all: Vec<(usize, Axis)> = parts
             .into_iter()
             .map(|part| (self.number(part.middle_thickness()), part))
             .collect();
-        if ridge.closed && all.len() > 1 {
+        if axis.closed && all.len() > 1 {
             // The line was opened at its first point, perhaps within a part:
             // let it begin with its longest one.
             let longest = (0..all.len())
@@ -190,7 +190,7 @@ impl Counts {
         }
         for round in (0..ROUNDS).rev() {
             let short = SHORT / f64::from(1 << round);
-            all = self.merged(all, short, ridge.closed, bends);
+            all = self.merged(all, short, axis.closed, bends);
         }
         for (number, part) in &mut all {
             // A bead needs some length, or it is but a widening of the walls.
@@ -198,11 +198,12 @@ impl Counts {
             if !single {
                 continue;
             }
-            let width = part.thickest() - self.counts[*number].taken;
+            let width = part.thickest() - self.beadings[*number].taken;
             if part.length() < 0.5 * width {
                 *number -= 1;
-                let count = &self.counts[*number];
-                let most = count.upto + 2.0 * (count.range.1 - count.upto);
+                let beading = &self.beadings[*number];
+                let most =
+                    beading.upto + 2.0 * (beading.range.1 - beading.upto);
                 part.thickness.iter_mut().for_each(|t| *t = t.min(most));
             }
         }
@@ -214,13 +215,13 @@ impl Counts {
     /// fits, and joins neighbours of one number.
     fn merged(
         &self,
-        parts: Vec<(usize, Ridge)>,
+        parts: Vec<(usize, Axis)>,
         short: Mm,
         closed: bool,
         bends: Bends<'_>,
-    ) -> Vec<(usize, Ridge)> {
+    ) -> Vec<(usize, Axis)> {
         let first = parts.first().map(|p| p.0).filter(|_| closed);
-        let mut merged: Vec<(usize, Ridge)> = Vec::with_capacity(parts.len());
+        let mut merged: Vec<(usize, Axis)> = Vec::with_capacity(parts.len());
         let mut rest = parts.into_iter().peekable();
         while let Some((mut number, part)) = rest.next() {
             let before = merged.last().map(|p| p.0);
@@ -271,32 +272,32 @@ mod tests {
     use isoslice_settings::Settings;
 
     /// Two walls, and skin inside them.
-    fn counts() -> Counts {
+    fn beadings() -> Beadings {
         let [outer, inner] =
             [0, 1].map(|k| WallPlan::of(&Settings::default()).lay(k, 0.2));
-        Counts::new(&[outer, inner], Some(inner))
+        Beadings::new(&[outer, inner], Some(inner))
     }
 
-    /// A straight ridge with a point each 0.1 mm.
-    fn ridge(length: f64, thickness: impl Fn(f64) -> f64) -> Ridge {
+    /// A straight axis with a point each 0.1 mm.
+    fn axis(length: f64, thickness: impl Fn(f64) -> f64) -> Axis {
         let n = (length / 0.1).round() as usize;
         let x: Vec<f64> = (0..=n).map(|i| 0.1 * i as f64).collect();
-        Ridge {
+        Axis {
             points: x.iter().map(|&x| DVec2::X * x).collect(),
             thickness: x.iter().map(|&x| thickness(x)).collect(),
             closed: false,
         }
     }
 
-    fn numbers(parts: &[(usize, Ridge)]) -> Vec<usize> {
+    fn numbers(parts: &[(usize, Axis)]) -> Vec<usize> {
         parts.iter().map(|p| p.0).collect()
     }
 
     #[test]
     fn the_thicker_the_more_beads() {
         // Each number of beads goes on for longer than parts have to be.
-        let wedge = ridge(60.0, |x| 0.05 + x / 28.0);
-        let parts = counts().split(&wedge, &|_| false);
+        let wedge = axis(60.0, |x| 0.05 + x / 28.0);
+        let parts = beadings().split(&wedge, &|_| false);
         assert_eq!(numbers(&parts), [0, 1, 2, 3, 4]);
         // One bead from thin_min, 60 %, to thin_max, 180 % of 0.45 mm.
         let one = &parts[1].1;
@@ -312,20 +313,20 @@ mod tests {
     fn a_thickness_that_wavers_keeps_its_number() {
         let wavers = |middle: f64, by: f64| {
             let t = move |x: f64| middle + by * (2.0 * x).sin();
-            counts().split(&ridge(30.0, t), &|_| false)
+            beadings().split(&axis(30.0, t), &|_| false)
         };
         for (middle, by) in [(0.83, 0.1), (1.084, 0.05), (1.65, 0.15)] {
             let parts = wavers(middle, by);
             assert_eq!(parts.len(), 1, "{middle}: {:?}", numbers(&parts));
         }
-        // No number of beads fits all of this ridge.
+        // No number of beads fits all of this axis.
         assert!(wavers(1.0, 0.6).len() > 8);
     }
 
     #[test]
     fn what_is_long_has_the_number_that_fits_best() {
         let step = |x: f64| if x < 10.0 { 0.78 } else { 0.87 };
-        let parts = counts().split(&ridge(20.0, step), &|_| false);
+        let parts = beadings().split(&axis(20.0, step), &|_| false);
         assert_eq!(numbers(&parts), [1, 2]);
     }
 
@@ -337,7 +338,7 @@ mod tests {
                 let share = (2.0 * (x - 10.0) / length).abs();
                 1.3 + (most - 1.3) * (1.0 - share).max(0.0)
             };
-            numbers(&counts().split(&ridge(20.0, t), &|_| false))
+            numbers(&beadings().split(&axis(20.0, t), &|_| false))
         };
         // Wider than a bead may be for long, 1.716 mm.
         assert_eq!(bend(1.85, 2.6), [3]);
@@ -347,17 +348,17 @@ mod tests {
         // One bead alone bulges in a bend only.
         let t = |x: f64| 0.6 + 0.4 * (1.0 - (x - 10.0).abs()).max(0.0);
         assert_eq!(
-            numbers(&counts().split(&ridge(20.0, t), &|_| false)),
+            numbers(&beadings().split(&axis(20.0, t), &|_| false)),
             [1, 2, 1]
         );
-        let bent = counts().split(&ridge(20.0, t), &|_| true);
+        let bent = beadings().split(&axis(20.0, t), &|_| true);
         assert_eq!(numbers(&bent), [1]);
     }
 
     #[test]
-    fn a_closed_ridge_may_begin_anywhere() {
+    fn a_closed_axis_may_begin_anywhere() {
         let n = 300;
-        let all = |shift: usize| Ridge {
+        let all = |shift: usize| Axis {
             points: (0..n)
                 .map(|i| {
                     let a = (i + shift) as f64 / n as f64;
@@ -370,7 +371,7 @@ mod tests {
             closed: true,
         };
         for shift in [0, 70, 150, 260] {
-            let parts = counts().split(&all(shift), &|_| false);
+            let parts = beadings().split(&all(shift), &|_| false);
             let by = |number| -> f64 {
                 let own = parts.iter().filter(|p| p.0 == number);
                 own.map(|p| p.1.length()).sum()
