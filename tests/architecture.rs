@@ -75,8 +75,8 @@ const ORDER: &[(&str, Steps)] = &[
     (
         "crates/held/src",
         &[
-            // `hang` finds what hangs, except for what the skin's bridges hold.
-            &["hang"],
+            // `overhangs` finds what hangs, except for what the skin's bridges hold.
+            &["overhangs"],
             // `support` holds what hangs. Skin says where bridges hold it.
             &["support"],
         ],
@@ -349,6 +349,7 @@ fn is_handed_out(name: &str) -> bool {
         .filter_map(|line| {
             line.strip_prefix("pub use ")
                 .or_else(|| line.strip_prefix("pub mod "))
+                .or_else(|| line.strip_prefix("pub fn "))
         })
         .any(|line| words(line).any(|word| word == name))
 }

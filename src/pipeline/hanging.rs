@@ -7,10 +7,10 @@ use super::start::pool;
 use crate::report::Gauge;
 use isoslice_base::limits;
 use isoslice_base::units::Mm;
-use isoslice_held::hang::{HangPlan, Hanging, Unsupported};
+use isoslice_held::overhangs::{Hanging, OverhangPlan, Unsupported};
 use isoslice_model::Model;
+use isoslice_model::expressions::Surroundings;
 use isoslice_model::heights::{HeightPlan, heights};
-use isoslice_model::vary::Surroundings;
 use isoslice_settings::{Settings, Supports};
 
 /// What of a part would need supports.
@@ -38,7 +38,7 @@ impl Survey {
                 ..Hanging::default()
             },
         };
-        hanging.warnings(self.height, &HangPlan::of(settings))
+        hanging.warnings(self.height, &OverhangPlan::of(settings))
     }
 }
 

@@ -13,7 +13,7 @@ use crate::report::Gauge;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Mm, Seconds};
-use isoslice_model::vary::Surroundings;
+use isoslice_model::expressions::Surroundings;
 use isoslice_planar::Area;
 use isoslice_planar::offset::offset;
 use isoslice_preview::{PictureError, outline_from_above};

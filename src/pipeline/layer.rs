@@ -6,7 +6,7 @@ use super::supported::Top;
 use crate::report::LayerFigures;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
-use isoslice_held::hang::Look;
+use isoslice_held::overhangs::LayerOverhang;
 use isoslice_layer::exposure::FillAreas;
 use isoslice_layer::seam::{Ground, Guide};
 use isoslice_layer::view::{LayerFace, LayerView};
@@ -207,7 +207,7 @@ pub(super) struct Filled {
     /// Area of gaps that nothing fills.
     pub gap: Mm2,
     /// How the layer lies over the layer below, if their outlines differ.
-    pub look: Option<Look>,
+    pub look: Option<LayerOverhang>,
     /// The layer's accuracy, if it was measured.
     pub figures: Option<LayerFigures>,
 }

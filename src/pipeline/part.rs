@@ -14,8 +14,8 @@ use super::supported::Supported;
 use crate::plate::Part;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
-use isoslice_held::hang::foot::Foot;
-use isoslice_held::hang::{self, Hanging, Look};
+use isoslice_held::overhangs::foot::Foot;
+use isoslice_held::overhangs::{self, Hanging, LayerOverhang};
 use isoslice_layer::adhesion::{keep_on_bed, without_ears};
 use isoslice_layer::infill::standing;
 use isoslice_layer::seam::Guide;
@@ -50,7 +50,7 @@ pub(super) struct PartOrder<'a> {
     layer_count: usize,
     timings: &'a Timings,
     warnings: Vec<String>,
-    hanging: hang::Tracker,
+    hanging: overhangs::Tracker,
     /// The pads on which the part stands, unless there are none.
     pads: Option<&'a Area>,
     /// What the part stands on, if its first layer is written.
@@ -89,7 +89,7 @@ impl<'a> PartOrder<'a> {
             layer_count: spans.len(),
             timings: &stages.timings,
             warnings: Vec::new(),
-            hanging: hang::Tracker::default(),
+            hanging: overhangs::Tracker::default(),
             pads: stages.support().map(Supported::pads),
             foot: None,
         }
@@ -185,7 +185,7 @@ impl<'a> PartOrder<'a> {
     fn follow_hanging(
         &mut self,
         layer: &Layer,
-        look: Option<&Look>,
+        look: Option<&LayerOverhang>,
         written: bool,
     ) {
         let first = self.part.places.first().map_or(DVec2::ZERO, |p| p.shift);
@@ -194,7 +194,7 @@ impl<'a> PartOrder<'a> {
             offset: self.offset + first,
             count: self.layer_count,
             written,
-            plan: &self.plans.hang,
+            plan: &self.plans.overhangs,
         };
         let tracker = &mut self.hanging;
         self.timings

@@ -2,7 +2,7 @@
 
 use crate::report::Used;
 use isoslice_base::units::{Degrees, Mm, Percent};
-use isoslice_held::hang::HangPlan;
+use isoslice_held::overhangs::OverhangPlan;
 use isoslice_held::support::SupportPlan;
 use isoslice_layer::adhesion::AdhesionPlan;
 use isoslice_layer::exposure::ExposurePlan;
@@ -32,7 +32,7 @@ pub(super) struct Plans {
     pub skin: SkinPlan,
     pub infill: InfillPlan,
     pub adhesion: AdhesionPlan,
-    pub hang: HangPlan,
+    pub overhangs: OverhangPlan,
     pub support: SupportPlan,
     pub ending: EndingPlan,
     pub spiral: SpiralPlan,
@@ -84,7 +84,7 @@ impl Plans {
             skin: SkinPlan::of(settings),
             infill: InfillPlan::of(settings),
             adhesion: AdhesionPlan::of(settings),
-            hang: HangPlan::of(settings),
+            overhangs: OverhangPlan::of(settings),
             support: SupportPlan::of(settings),
             ending: EndingPlan::of(settings),
             spiral: SpiralPlan::of(settings),

@@ -7,7 +7,7 @@ use isoslice_base::units::{Mm, Mm2, Percent};
 use isoslice_held::support::{Plan, Slice, SupportPlan};
 use isoslice_layer::infill::{self, Infill, InfillError, InfillPlan};
 use isoslice_layer::walls::WallPlan;
-use isoslice_model::vary::Surroundings;
+use isoslice_model::expressions::Surroundings;
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Solid};

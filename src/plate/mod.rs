@@ -185,7 +185,8 @@ impl Plate {
 
     /// The name of a plate of these models, made of their names if they are few.
     pub fn name_of(wanted: &[Wanted]) -> String {
-        const MOST: usize = 3;
+        // The name is part of a file's name.
+        const MOST_NAMES: usize = 3;
         let mut names: Vec<String> = Vec::new();
         for one in wanted {
             let name = one.source.name();
@@ -194,7 +195,7 @@ impl Plate {
             }
         }
         match names.len() {
-            ..=MOST => names.join("+"),
+            ..=MOST_NAMES => names.join("+"),
             _ => format!("{}+{} more", names[0], names.len() - 1),
         }
     }

@@ -31,7 +31,7 @@ use std::f64::consts::PI;
 /// Micrometres in a millimetre.
 const MICRONS: f64 = 1e3;
 /// Greatest distance of points that are measured on a line, mm.
-const STEP: Mm = 0.5;
+const POINT_STEP: Mm = 0.5;
 /// Two walls that are farther apart than this many spacings are not neighbours.
 const NEIGHBOURS: f64 = 1.5;
 
@@ -175,7 +175,7 @@ fn outline(
                 let out = (out(i + n - 1) + out(i)).normalize_or(DVec2::X);
                 spots.push(Spot { at: a, out });
             }
-            let steps = (a.distance(b) / STEP).ceil().clamp(1.0, 1e4);
+            let steps = (a.distance(b) / POINT_STEP).ceil().clamp(1.0, 1e4);
             for k in 0..steps as usize {
                 if taken() {
                     let at = a.lerp(b, (k as f64 + 0.5) / steps);
@@ -237,7 +237,7 @@ fn nearest(
 fn along(line: &Stroke) -> impl Iterator<Item = (DVec2, Mm)> + '_ {
     line.segments().enumerate().flat_map(move |(i, (a, b))| {
         let (from, to) = (line.width_at(i), line.width_at(i + 1));
-        let steps = (a.distance(b) / STEP).ceil().clamp(1.0, 1e4);
+        let steps = (a.distance(b) / POINT_STEP).ceil().clamp(1.0, 1e4);
         (0..2 * steps as usize).map(move |k| {
             let t = k as f64 / (2.0 * steps);
             (a.lerp(b, t), from + t * (to - from))

@@ -4,7 +4,7 @@ use crate::common;
 use crate::common::{formula, settings, slice_layers};
 use isoslice::pipeline::Summary;
 use isoslice::{Hanging, Survey, survey};
-use isoslice_held::hang::HangPlan;
+use isoslice_held::overhangs::OverhangPlan;
 
 fn run(text: &str, set: &[&str], layers: &str, threads: usize) -> Summary {
     let all = [&["sample_spacing=0.3", "accuracy=0.02"], set].concat();
@@ -336,7 +336,7 @@ fn no_example_hangs() {
         let (model, settings) =
             example.place(&["sample_spacing=0.3", "accuracy=0.05"]);
         let summary = slice_layers(&model, &settings, "..", 2).1;
-        let (plan, top) = (HangPlan::of(&settings), summary.size.z);
+        let (plan, top) = (OverhangPlan::of(&settings), summary.size.z);
         let told = summary.hanging.warnings(top, &plan);
         assert!(told.is_empty(), "{}: {told:?}", example.name);
     }

@@ -420,6 +420,32 @@ fn a_template_that_is_not_understood_is_kept_as_a_comment() {
     );
 }
 
+/// Another slicer's start in a settings file of isoslice's own: a print refuses
+/// it and says how, and the import translates it.
+#[test]
+fn a_start_of_another_slicer_is_translated_once() {
+    let theirs = "walls = 3\n[gcode]\nstart = '''\nG28\n\
+                  M109 S[first_layer_temperature]\n\
+                  {if layer_height > 0.15}G29{else}G4 P1{endif}\n'''\n";
+    let dir = folder(&[("mine.toml", theirs)]);
+    let part = ["slice", "-e", "max(abs(x), abs(y), abs(z)) - 3", "-o", "-"];
+    let slice = |of, file| [&part[..], &[of, file]].concat();
+    let said = refused(dir.path(), &slice("--config", "mine.toml"));
+    assert!(said.contains("gcode.start, line 2, column 7"), "{said}");
+    assert!(said.contains("isoslice profiles import"), "{said}");
+    let import = ["profiles", "import", "mine.toml", "-o", "ours.toml"];
+    output(dir.path(), &import);
+    let ours = fs::read_to_string(dir.path().join("ours.toml")).unwrap();
+    let lines = [
+        "walls = 3",
+        "M109 S{{ first_layer_nozzle_temperature }}",
+        "{%+ if (layer_height > 0.15) +%}G29{%+ else +%}G4 P1{%+ endif +%}",
+    ];
+    assert_has(&ours, &lines);
+    let gcode = output(dir.path(), &slice("--preset", "ours.toml"));
+    assert_has(&gcode, &["G28", "M109 S215", "G29"]);
+}
+
 #[test]
 fn a_template_that_grows_without_an_end_is_left_out() {
     let start = "[wipe_height]".repeat(20_000);

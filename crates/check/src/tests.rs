@@ -269,7 +269,7 @@ fn islands_stand_on_supports_with_a_gap() {
     assert_eq!(in_the_air(&beside), 0);
     assert_eq!(in_the_air(&on_top(0.9, 80.0, part)), 0);
     assert_eq!(in_the_air(&on_top(0.9, 110.0, part)), 1);
-    // A support stands on the part with a gap; the part does not.
+    // A support may stand above a gap. The part may not.
     assert_eq!(in_the_air(&on_top(1.0, 50.0, support)), 0);
     let higher = [&beside[..], &[(0.8, 80.0, part), (1.0, 50.0, part)]];
     assert_eq!(in_the_air(&higher.concat()), 1);

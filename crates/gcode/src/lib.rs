@@ -77,7 +77,7 @@ pub use name::FormatError;
 pub use own::settings_in_gcode;
 pub(crate) use placeholders::PLACEHOLDERS;
 pub use plan::WriterPlan;
-pub use template::{TemplateError, try_templates, understands_placeholder};
+pub use template::{TemplateError, is_placeholder, try_templates};
 pub use thumbnail::Thumbnail;
 
 use filament::Filament;

@@ -1,11 +1,11 @@
 //! What holds what is printed.
 //!
 //! In: the outlines of a part's layers, from below, and plans of plain numbers.
-//! Out: what nothing below holds while it is printed ([`hang`]), and the areas
+//! Out: what nothing below holds while it is printed ([`overhangs`]), and the areas
 //! that are printed below to hold it ([`support`]).
 //!
 //! One judge decides for both what of a layer the layer below does not hold
-//! (`hang/judge.rs`): warnings, `isoslice info --supports` and supports
+//! (`overhangs/judge.rs`): warnings, `isoslice info --supports` and supports
 //! agree, except that supports do not count lines of skin as bridges where `bridge_max`
 //! is 0.
 //!
@@ -16,5 +16,5 @@
 
 #![warn(unreachable_pub)]
 
-pub mod hang;
+pub mod overhangs;
 pub mod support;

@@ -439,8 +439,8 @@ impl Settings {
         })
     }
 
-    /// Number of solid layers on the bed, of which the first has its own height,
-    /// if the others are uniform.
+    /// Number of solid layers at the bottom. The first one has a height of its
+    /// own, and all others are taken to be of one height.
     pub(super) fn layers_on_bed(&self) -> u32 {
         self.bottom_layers.layers().unwrap_or_else(|| {
             let rest = self.bottom_thickness() - self.part_first_height();

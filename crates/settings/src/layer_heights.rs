@@ -20,7 +20,7 @@ pub enum LayerHeights {
 const ADAPTIVE: &str = "adaptive";
 
 /// A step on the surface.
-const STEP: Measure = Measure {
+const STEP_ERROR: Measure = Measure {
     unit: "mm",
     range: Some(Range {
         min: 0.001,
@@ -44,7 +44,7 @@ impl Value for LayerHeights {
                 let mut auto = ByNozzle::Auto;
                 let step = step.trim().trim_end_matches("mm").trim_end();
                 if !step.is_empty() {
-                    auto.assign(Raw::Word(step), STEP)?;
+                    auto.assign(Raw::Word(step), STEP_ERROR)?;
                 }
                 if matches!(auto, ByNozzle::Share(s) if !SHARES.contains(&s)) {
                     return Err(Refused::Range);

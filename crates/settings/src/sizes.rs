@@ -7,7 +7,7 @@ use super::value::{Measure, Raw, Refused, Value, ValueKind};
 const GREATEST: u32 = 1024;
 
 /// Greatest number of pictures in a file.
-const MOST: usize = 8;
+const MOST_PICTURES: usize = 8;
 
 /// What may be assigned.
 pub(super) const EXPECTED: &str = "sizes in pixels, width x height, and \
@@ -80,7 +80,7 @@ impl Sizes {
             return Some(Sizes::default());
         }
         let sizes: Option<Vec<_>> = text.split(',').map(picture).collect();
-        sizes.filter(|all| all.len() <= MOST).map(Sizes)
+        sizes.filter(|all| all.len() <= MOST_PICTURES).map(Sizes)
     }
 }
 

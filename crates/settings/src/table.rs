@@ -276,7 +276,8 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
 /// as possible. They are in the table's order, and of the group that `name`
 /// has, if it has one.
 pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
-    const MOST: usize = 4;
+    // They stand in one sentence.
+    const MOST_NAMES: usize = 4;
     let name = name.to_lowercase().replace('-', "_");
     let (group, name) = name.split_once('.').unwrap_or(("", &name));
     let of_group = |key: &&Key| group.is_empty() || key.group() == group;
@@ -291,7 +292,7 @@ pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
         return Vec::new();
     };
     let all = all.filter(|key| besides(key) == Some(least));
-    all.map(|key| key.name).take(MOST).collect()
+    all.map(|key| key.name).take(MOST_NAMES).collect()
 }
 
 /// Lists words as `a, b or c`.

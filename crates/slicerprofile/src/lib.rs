@@ -39,6 +39,7 @@ mod parents;
 mod project;
 mod source;
 mod table;
+mod template;
 mod translate;
 mod values;
 
@@ -47,6 +48,9 @@ pub use fill::{Filled, fill};
 pub use given::Value;
 pub use source::{Named, Picked, Slicer, Source, both_ends};
 pub use table::{PresetKind, Row, Rule, rows};
+pub use template::{
+    NotTranslated, Place, foreign_names, translated, understands,
+};
 pub use translate::{Left, Setting, Translation, translate};
 pub use values::Values;
 

@@ -11,11 +11,11 @@ use super::{plain, terminal};
 use anyhow::bail;
 use clap::Args;
 use isoslice::settings::{Builder, ProfileKind, keys};
-use isoslice::{try_templates, understands_placeholder};
+use isoslice::{is_placeholder, try_templates};
 use own::Own;
 use slicerprofile::{
-    Left, Picked, PresetKind, Setting, Slicer, Source, Translation, Value,
-    Values, fill, translate,
+    Left, Picked, Place, PresetKind, Setting, Slicer, Source, Translation,
+    Value, Values, fill, translate, translated, understands,
 };
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,8 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub(super) struct ImportArgs {
     /// Profile of PrusaSlicer (.ini), OrcaSlicer or Bambu Studio (.json), Cura
-    /// (.curaprofile, .def.json), or G-code of any of them
+    /// (.curaprofile, .def.json), G-code of any of them, or settings of
+    /// isoslice's own (.toml) with another slicer's templates
     file: PathBuf,
 
     /// Name the profiles in a bundle, and stop
@@ -215,29 +216,16 @@ impl Import {
         let mut fine = Vec::new();
         let mut refused = Vec::new();
         for mut setting in std::mem::take(&mut self.translation.settings) {
-            if self.maker != own::MAKER
-                && setting.name.starts_with("gcode.")
+            if let Some(place) = Place::of_setting(setting.name)
                 && let Value::Text(text) = &setting.value
             {
-                let known = &understands_placeholder;
-                let filled = fill(text, &self.picked.values, known);
-                if let Some(why) = &filled.refused {
-                    refused.push(self.keep(setting, why));
-                    continue;
-                }
-                for (name, value) in filled.assumed {
-                    let shown =
-                        if value.is_empty() { "nothing" } else { value };
-                    let remark = format!(
-                        "{} asks for {name}, which the profile does not give: \
-                         {shown} is put in",
-                        setting.name
-                    );
-                    if !self.remarks.contains(&remark) {
-                        self.remarks.push(remark);
+                match self.template(setting.name, place, text) {
+                    Ok(text) => setting.value = Value::Text(text),
+                    Err(why) => {
+                        refused.push(self.keep(setting, &why));
+                        continue;
                     }
                 }
-                setting.value = Value::Text(filled.text);
             }
             let mut tried = builder.clone();
             match tried.toml("import", &assignment(&setting)) {
@@ -282,6 +270,42 @@ impl Import {
             )),
         }
         Ok(())
+    }
+
+    /// A template in isoslice's own language, with the profile's own values in
+    /// place of names that isoslice does not know.
+    ///
+    /// # Errors
+    /// Why it cannot be translated.
+    fn template(
+        &mut self,
+        name: &str,
+        place: Place,
+        text: &str,
+    ) -> Result<String, String> {
+        let own = |placeholder: &str| is_placeholder(name, placeholder);
+        let mut text = text.to_owned();
+        // Files of isoslice's own bring no values along.
+        if self.maker != own::MAKER {
+            let known = |name: &str| understands(name) || own(name);
+            let filled = fill(&text, &self.picked.values, &known);
+            if let Some(why) = filled.refused {
+                return Err(why);
+            }
+            for (asked, value) in filled.assumed {
+                let shown = if value.is_empty() { "nothing" } else { value };
+                let remark = format!(
+                    "{name} asks for {asked}, which the profile does not give: \
+                     {shown} is put in"
+                );
+                if !self.remarks.contains(&remark) {
+                    self.remarks.push(remark);
+                }
+            }
+            text = filled.text;
+        }
+        let ours = translated(&text, place, &own);
+        ours.map_err(|wrong| format!("{name}, {wrong}"))
     }
 
     /// Keeps a template that is left out as a comment, with the reason.

@@ -41,7 +41,7 @@ use isoslice_layer::outline::Growth;
 use isoslice_layer::seam::{Guide, Seams};
 use isoslice_model::Model;
 use isoslice_model::contour::{Field, field};
-use isoslice_model::vary::Surroundings;
+use isoslice_model::expressions::Surroundings;
 use isoslice_path::spiral::Spiral;
 use isoslice_planar::Rect;
 use isoslice_settings::layers::LayerSpan;

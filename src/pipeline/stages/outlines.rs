@@ -15,7 +15,7 @@ use isoslice_layer::walls::{OUTLINE_SHARE, WallPlan};
 use isoslice_model::contour::{
     Detail, Field, FieldError, Outline, field, outlines,
 };
-use isoslice_model::vary::VaryError;
+use isoslice_model::expressions::QuantityError;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
 use std::ops::Range;
@@ -217,7 +217,7 @@ impl Stages<'_> {
         let (changed, squeezed) = self.timings.time(Stage::Walls, || {
             let changed = moved.apply(&found, &mut offsets)?;
             let squeezed = moved.squeezed(found.area())?;
-            Ok::<_, VaryError>((changed, squeezed))
+            Ok::<_, QuantityError>((changed, squeezed))
         })?;
         // A large outline takes megabytes, and mostly nothing is changed.
         let (outline, unchanged) = match changed {

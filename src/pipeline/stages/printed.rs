@@ -45,7 +45,7 @@ impl Stages<'_> {
                 let found_in = |window: Rect, span: &LayerSpan| {
                     self.found_in(window, span)
                 };
-                let line = self.plans.hang.thinnest;
+                let line = self.plans.overhangs.thinnest;
                 sound::sample(pool, self.rect, spans, line, found_in)?;
                 sampled = true;
             }

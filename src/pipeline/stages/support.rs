@@ -12,12 +12,14 @@ use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::timings::Stage;
 use isoslice_base::units::Mm;
-use isoslice_held::hang::{Hanging, Look, Needs, Tracker, Unsupported};
+use isoslice_held::overhangs::{
+    Hanging, LayerOverhang, Needs, Tracker, Unsupported,
+};
 use isoslice_held::support::{
     Asked, Heights, Plan, Survey, Wishes, coarse, held,
 };
 use isoslice_layer::infill::InfillError;
-use isoslice_model::vary::Surroundings;
+use isoslice_model::expressions::Surroundings;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::union;
 use isoslice_planar::offset::offset;
@@ -96,14 +98,14 @@ impl<'a> Stages<'a> {
         let far = tracker.take_far();
         let places = pool.install(|| {
             let [needs, outlines] =
-                held(survey, &heights, &self.plans.support.hang);
+                held(survey, &heights, &self.plans.support.overhangs);
             let needs = Needs {
                 needs: &needs,
                 outlines: &outlines,
                 spans: heights.spans(),
                 far: &far,
             };
-            needs.places(&self.plans.support.hang, place)
+            needs.places(&self.plans.support.overhangs, place)
         });
         Ok((tracker.finish(), places))
     }
@@ -174,7 +176,7 @@ impl<'a> Stages<'a> {
     ) {
         let look =
             |pair: &[Layer]| self.look_over(&pair[1].face(), &pair[0].face());
-        let looks: Vec<Option<Look>> =
+        let looks: Vec<Option<LayerOverhang>> =
             pool.install(|| layers.par_windows(2).map(look).collect());
         self.timings.time(Stage::Hang, || {
             for (layer, look) in layers.iter().skip(1).zip(&looks) {
@@ -182,7 +184,7 @@ impl<'a> Stages<'a> {
                     offset: self.model.offset.truncate(),
                     count,
                     written: true,
-                    plan: &self.plans.hang,
+                    plan: &self.plans.overhangs,
                 };
                 follow.layer(tracker, layer, look.as_ref());
             }
@@ -213,7 +215,7 @@ impl<'a> Stages<'a> {
             let none = &WallFields::None;
             let layers = self.layers_of(&self.field, none, slab, &all)?;
             let sections = layers.iter().map(|l| {
-                coarse(l.area(), l.span.height(), &self.plans.support.hang)
+                coarse(l.area(), l.span.height(), &self.plans.support.overhangs)
             });
             let coarse = || sections.collect();
             Ok::<_, SliceError>(self.timings.time(Stage::Support, coarse))
@@ -244,7 +246,7 @@ impl<'a> Stages<'a> {
         if first == 0 {
             return Ok(());
         }
-        let half = 0.5 * plans.hang.thinnest;
+        let half = 0.5 * plans.overhangs.thinnest;
         let mut under = Area::EMPTY;
         for span in spans.iter().skip(first) {
             limits::go_on()?;

@@ -29,7 +29,7 @@ impl<'a> Supply<'a> {
         let (above, far_above) = above.split_at(above.len().min(1));
         let beside = [below, above].concat();
         let (layer, beside) = self.pool.install(|| {
-            // The walls take longer than any outline.
+            // The walls take longest, so they are begun first.
             join(|| self.with_walls(layer), || self.found(&beside))
         });
         let ((layer, inside), beside) = (layer?, beside?);

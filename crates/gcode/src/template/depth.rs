@@ -40,11 +40,11 @@ const WORDS: [&str; 6] = ["and", "or", "not", "is", "in", "if"];
 /// Levels between two brackets.
 #[derive(Clone, Copy, Default)]
 struct Level {
-    /// Levels of the element that is being read: its own operators, and what
-    /// is in its brackets.
+    /// Levels of the element of a list that is being read: its own operators, and
+    /// what is in its brackets.
     own: usize,
     inner: usize,
-    /// Levels of the deepest element that is over.
+    /// Levels of the deepest of the elements before it.
     over: usize,
 }
 

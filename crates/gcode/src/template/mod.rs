@@ -6,9 +6,8 @@
 //! Out: G-code. [`PLACEHOLDERS`](super::PLACEHOLDERS) is the list of names.
 //!
 //! Guarantees: an unknown name is an error with its place, also in a branch
-//! that is not taken, and so is a control character. A placeholder of another
-//! slicer means what it means there, or is an error; nothing is left out
-//! silently. All templates are tried before the first line is written. Numbers
+//! that is not taken, and so are a control character and a placeholder of another
+//! slicer. All templates are tried before the first line is written. Numbers
 //! are written as firmware reads them. A template can neither read files nor
 //! run for ever, nor take much memory.
 
@@ -17,6 +16,9 @@ mod depth;
 mod engine;
 mod error;
 mod foreign;
+#[cfg(test)]
+mod imported;
+mod line_ends;
 mod pieces;
 #[cfg(test)]
 mod tests;
@@ -32,6 +34,8 @@ use control::control;
 use depth::too_deep;
 use engine::engine;
 use error::{error, failure, unknown_name};
+use foreign::foreign;
+use line_ends::with_line_ends;
 use minijinja::{Environment, Value};
 use pieces::{find, pieces};
 use std::borrow::Cow;
@@ -68,10 +72,8 @@ pub(super) struct Templates<'a> {
 struct Source<'a> {
     name: &'static str,
     scope: Scope,
-    /// The text as the user wrote it.
-    written: &'a str,
-    /// The text in minijinja's syntax.
-    ours: Cow<'a, str>,
+    /// The text, with marks that keep the ends of its lines.
+    text: Cow<'a, str>,
 }
 
 impl<'a> Source<'a> {
@@ -83,21 +85,19 @@ impl<'a> Source<'a> {
         if let Some((at, message)) = control(written) {
             return Err(error(name, written, at, message));
         }
-        let ours = foreign::translated(written, &pieces(written), scope)
-            .map_err(|(at, message)| error(name, written, at, message))?;
+        if let Some((at, message)) = foreign(written, &pieces(written), scope) {
+            return Err(error(name, written, at, message));
+        }
         Ok(Source {
             name,
             scope,
-            written,
-            ours,
+            text: with_line_ends(written),
         })
     }
 
-    /// The error for a mistake at the byte `at` of the text in minijinja's
-    /// syntax.
+    /// The error for a mistake at the byte `at` of the text.
     fn error(&self, at: usize, message: String) -> TemplateError {
-        let at = foreign::origin(self.written, &self.ours, at);
-        error(self.name, self.written, at, message)
+        error(self.name, &self.text, at, message)
     }
 
     /// The error for an error of the engine.
@@ -164,9 +164,9 @@ impl<'a> Templates<'a> {
         Ok(templates)
     }
 
-    /// The start template in minijinja's syntax.
+    /// The start template.
     pub(super) fn start_source(&self) -> &str {
-        &self.start.ours
+        &self.start.text
     }
 
     /// The start template, filled in.
@@ -180,7 +180,7 @@ impl<'a> Templates<'a> {
         moment: Moment,
     ) -> Result<Option<String>, TemplateError> {
         let layer = &self.layer;
-        (!layer.written.is_empty())
+        (!layer.text.is_empty())
             .then(|| self.render(layer, moment, Totals::default()))
             .transpose()
     }
@@ -282,13 +282,13 @@ fn add(
     source: &Source<'_>,
 ) -> Result<(), TemplateError> {
     let failed = |e| source.failure(&e);
-    let (name, ours) = (source.name, &*source.ours);
-    let pieces = pieces(ours);
-    if let Some((at, message)) = too_deep(ours, &pieces) {
+    let (name, text) = (source.name, &*source.text);
+    let pieces = pieces(text);
+    if let Some((at, message)) = too_deep(text, &pieces) {
         return Err(source.error(at, message));
     }
     engine
-        .add_template_owned(name, ours.to_owned())
+        .add_template_owned(name, text.to_owned())
         .map_err(failed)?;
     let template = engine.get_template(name).map_err(failed)?;
     let globals: Vec<&str> = engine.globals().map(|(name, _)| name).collect();
@@ -309,7 +309,7 @@ fn add(
     // ones of the alphabet are searched for.
     unknown.sort();
     unknown.truncate(FEW);
-    let place = |used: &String| (find(ours, &pieces, used), used.clone());
+    let place = |used: &String| (find(text, &pieces, used), used.clone());
     let first = unknown.iter().map(place).min();
     match first {
         Some((at, used)) => {
@@ -347,8 +347,12 @@ pub fn try_templates(plan: &WriterPlan<'_>) -> Vec<TemplateError> {
     (0..plan.templates.len()).filter_map(alone).collect()
 }
 
-/// True if a name of a foreign placeholder has a meaning here.
-pub fn understands_placeholder(name: &str) -> bool {
-    foreign::understands(name)
-        || placeholders::names(Scope::Layer).any(|known| known == name)
+/// True if a template of this setting knows a placeholder.
+pub fn is_placeholder(template: &str, name: &str) -> bool {
+    let scope = match template {
+        LAYER => Scope::Layer,
+        END => Scope::End,
+        _ => Scope::All,
+    };
+    placeholders::names(scope).any(|known| known == name)
 }

@@ -209,10 +209,6 @@ fn nested(n: usize) -> Vec<(&'static str, String)> {
             let filters = "|abs".repeat(n);
             format!("{{% filter abs{filters} %}}1{{% endfilter %}}")
         }),
-        (
-            "of another slicer",
-            format!("{{1{}}}", "+1".repeat(n.min(900))),
-        ),
     ]
 }
 

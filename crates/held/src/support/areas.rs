@@ -13,7 +13,7 @@ use super::settle::settled;
 use super::slice::Slice;
 use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
-use crate::hang::{HangPlan, without_lips};
+use crate::overhangs::{OverhangPlan, without_lips};
 use glam::DVec3;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_layer::cover::neighbour::Neighbour;
@@ -87,7 +87,7 @@ impl Plan {
             sections: sections.as_ref().unwrap_or(&outlines),
             bed,
         };
-        let [needs, musts] = needs(found, parts, &to.hang);
+        let [needs, musts] = needs(found, parts, &to.overhangs);
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
             return Plan {
                 idle,
@@ -159,8 +159,8 @@ impl Plan {
     ) -> Unheld {
         // A support also holds what is nearer to its side than this. Over a wide
         // gap beside the part, lines from the part to the support are bridges.
-        let beside = plan.xy_gap.min(0.5 * plan.hang.bridge_max);
-        let near = beside + plan.hang.walls.outer;
+        let beside = plan.xy_gap.min(0.5 * plan.overhangs.bridge_max);
+        let near = beside + plan.overhangs.walls.outer;
         let lost = needs.par_iter().enumerate().map(|(i, need)| {
             if need.is_empty() {
                 return Area::EMPTY;
@@ -214,7 +214,7 @@ impl Plan {
 pub fn held(
     mut survey: Survey,
     heights: &Heights,
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> [Vec<Area>; 2] {
     let found = std::mem::take(&mut survey.found);
     let parts = Parts {
@@ -232,7 +232,7 @@ pub fn held(
 fn needs(
     found: Vec<Found>,
     parts: Parts<'_>,
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> [Vec<Area>; 2] {
     let outlines: Vec<_> =
         parts.outlines.par_iter().map(Neighbour::new).collect();
@@ -332,7 +332,10 @@ mod tests {
         let spans = spans(140);
         let outlines = body(x, &spans);
         let plan = plan(&outlines, Supports::Auto);
-        let held = crate::hang::held(0.2, &HangPlan::of(&Settings::default()));
+        let held = crate::overhangs::held(
+            0.2,
+            &OverhangPlan::of(&Settings::default()),
+        );
         let leans = spans.windows(2).filter_map(|pair| {
             let [below, here] = [0, 1].map(|k| x(pair[k].sample_z()));
             (here - below > held).then_some(here)

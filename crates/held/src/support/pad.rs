@@ -104,7 +104,8 @@ mod tests {
         assert!((found - exact).abs() < 0.05, "{found} {exact}");
         // The gap fits below the layer above.
         assert_eq!(pad(0.2, &[none.clone(), none.clone(), edge.clone()]), 0.0);
-        // In thinner layers it does not, nor below what sticks out there.
+        // In thinner layers the gap fits neither below the edge nor below what
+        // sticks out above it.
         let wider = rect(-0.3, -0.3, 10.3, 0.7);
         let layers = [none.clone(), none.clone(), edge.clone(), wider];
         let found = pad(0.1, &layers);

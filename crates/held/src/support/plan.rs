@@ -1,6 +1,6 @@
 //! What supports follow from.
 
-use crate::hang::HangPlan;
+use crate::overhangs::OverhangPlan;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_settings::{Settings, SupportStyle, Supports, Varying};
 
@@ -8,7 +8,7 @@ use isoslice_settings::{Settings, SupportStyle, Supports, Varying};
 #[derive(Clone, Debug)]
 pub struct SupportPlan {
     /// What tells which places hang.
-    pub hang: HangPlan,
+    pub overhangs: OverhangPlan,
     /// Where undersides are held whatever their angle (above 0), or left alone
     /// (below 0).
     pub wanted: Varying,
@@ -40,9 +40,9 @@ impl SupportPlan {
         let support = &settings.support;
         let width = settings.infill_width();
         SupportPlan {
-            hang: HangPlan {
+            overhangs: OverhangPlan {
                 by_skin: false,
-                ..HangPlan::of(settings)
+                ..OverhangPlan::of(settings)
             },
             wanted: support.where_.clone(),
             on_part: settings.supports == Supports::Auto,

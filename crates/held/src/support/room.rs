@@ -75,6 +75,10 @@ pub(super) struct Room<'a> {
     dead: Vec<Solid<'static>>,
 }
 
+fn solids(areas: Vec<Area>) -> Vec<Solid<'static>> {
+    areas.into_iter().map(Solid::new).collect()
+}
+
 /// What a support stands on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StandsOn {
@@ -93,8 +97,9 @@ impl<'a> Room<'a> {
     ) -> Room<'a> {
         // Each outline is beside several layers of supports.
         let beside = BESIDE + TOLERANCE + margin(plan);
-        let grown = |outline: &Area| offset(outline, beside, TOLERANCE);
-        let grown: Vec<Area> = parts.outlines.par_iter().map(grown).collect();
+        let outlines = parts.outlines.par_iter();
+        let grown: Vec<Area> =
+            outlines.map(|o| offset(o, beside, TOLERANCE)).collect();
         let tight: Vec<Area> = (0..count)
             .into_par_iter()
             .map(|j| thinned(tight(parts, j, &grown, plan)))
@@ -113,9 +118,6 @@ impl<'a> Room<'a> {
             }
         };
         let (closed, dead) = rayon::join(closed, dead);
-        let solids = |areas: Vec<Area>| {
-            areas.into_iter().map(Solid::new).collect::<Vec<_>>()
-        };
         Room {
             plan,
             tight: solids(tight),

@@ -34,7 +34,7 @@ use isoslice_planar::{Area, Rect, Ring};
 const REST: (f64, Mm2) = (0.1, 0.3);
 /// Least part of an island that has to be above the highest step of a slope if
 /// that step is to carry the island alone.
-const STEP: f64 = 1.0 / 3.0;
+const ON_HIGHEST_STEP: f64 = 1.0 / 3.0;
 /// Number of points at which two areas are compared.
 const POINTS: u32 = 24;
 /// Points are spread by these shares of a box from one to the next, so that no
@@ -148,10 +148,10 @@ fn on_step(
     let all = piece.all();
     let on = &parts.outlines[parts.heights.stands_on(j)?];
     let over = intersection(all, &unite(&crop(&on.rings, piece.bounds)));
-    let thinnest = plan.hang.thinnest;
+    let thinnest = plan.overhangs.thinnest;
     let wide = |island: &Area| is_wider(island, thinnest, TOLERANCE);
     let step: Area = over.islands().into_iter().filter(wide).collect();
-    if step.content() <= least(all).max(STEP * all.content()) {
+    if step.content() <= least(all).max(ON_HIGHEST_STEP * all.content()) {
         return None;
     }
     let above = above.iter().filter(|a| a.bounds.meets(piece.bounds));
@@ -330,7 +330,8 @@ mod tests {
         near(&below(&rect(-0.6, -0.6, 0.6, 0.2)), [0.0, 0.96, 0.96]);
         // The post leans.
         near(&below(&rect(-0.7, -0.6, 0.5, 0.6)), [0.0, 0.72, 1.44]);
-        // What is right below a face would begin in the air.
+        // The face covers so much of the layer that the rest of it would begin
+        // in the air.
         near(&below(&rect(-0.6, -0.6, 0.3, 0.6)), [0.0, 1.44, 1.08]);
         // An island above lies beside the step, on what would be left out.
         near(&below(&rect(0.1, -0.6, 0.6, 0.6)), [0.0, 1.44, 0.6]);

@@ -234,8 +234,7 @@ impl Search<'_> {
             }
             let whole = c.cell;
             c.cell = c.program.contracted(&whole, &self.scratch);
-            // The part of the box that the jumps leave may be too thin to
-            // count.
+            // Contracting the box may leave a part too thin to count.
             let too_thin =
                 |i: usize| c.cell.width(i) < whole.width(i).min(thinnest);
             if (0..3).any(too_thin) {

@@ -127,8 +127,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The error if the ranges tell too little. The field may have no values at
-    /// all.
+    /// The error where the ranges do not tell how far the part reaches. A field
+    /// that has no values at all has an error of its own.
     pub(super) fn undecided(
         &mut self,
         side: BoxSide,

@@ -19,7 +19,7 @@ pub(super) struct Grading {
 }
 
 /// Distance of the lattice's nodes, mm; they are closer in small areas.
-const STEP: Mm = 1.0;
+const NODE_STEP: Mm = 1.0;
 /// Least and greatest number of nodes along the longer side of an area.
 const SIDE: (f64, f64) = (40.0, 1024.0);
 /// Least distance of the nodes, mm.
@@ -37,7 +37,7 @@ impl Grading {
     ) -> Result<Grading, E> {
         let extent = bounds.size();
         let side = extent.max_element();
-        let step = STEP.min(side / SIDE.0).max(FINEST).max(side / SIDE.1);
+        let step = NODE_STEP.min(side / SIDE.0).max(FINEST).max(side / SIDE.1);
         let size =
             [extent.x, extent.y].map(|side| (side / step).ceil() as usize + 2);
         let mut points = Vec::with_capacity(size[0] * size[1]);

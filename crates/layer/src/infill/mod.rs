@@ -43,7 +43,7 @@ use glam::DVec2;
 use grading::Grading;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_model::contour::{FieldError, remedy};
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_model::{ExpressionError, LoadError, Source, load, operations};
 use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
 use isoslice_planar::border::{Border, LinePiece};
@@ -192,7 +192,7 @@ pub enum InfillError {
     /// The density's text is not an expression, or the expression has no value
     /// somewhere.
     #[error(transparent)]
-    Density(#[from] VaryError),
+    Density(#[from] QuantityError),
 }
 
 /// What the infill is made of.
@@ -373,7 +373,7 @@ impl<'a> Infill<'a> {
         bounds: Rect,
         z: Mm,
         around: Around<'_>,
-    ) -> Result<Grading, VaryError> {
+    ) -> Result<Grading, QuantityError> {
         let measure = self.density.uses_depth();
         Grading::new(bounds, |points, out| {
             let mut places = Vec::with_capacity(points.len());

@@ -19,7 +19,7 @@ use glam::DVec2;
 use isoslice_base::timings::Timings;
 use isoslice_base::units::Mm;
 use isoslice_model::contour::{Detail, Field, field, outlines};
-use isoslice_model::vary::{Surroundings, VaryError};
+use isoslice_model::expressions::{QuantityError, Surroundings};
 use isoslice_model::{Expression, Place, Source, load};
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::border::{Cutter, LinePiece};
@@ -39,7 +39,7 @@ pub(super) enum Shape {
 }
 
 /// Distance of the lattice's nodes, as a share of the line's width.
-const STEP: f64 = 0.5;
+const NODE_STEP: f64 = 0.5;
 /// Greatest error of lines, mm. Nobody sees it.
 const CHORD: Mm = 0.05;
 /// How far a field's box reaches beyond the part's, mm. The sides that close
@@ -227,7 +227,7 @@ fn formula(text: String) -> Source {
 fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
     let detail = Detail {
         accuracy: CHORD,
-        smallest: STEP * width,
+        smallest: NODE_STEP * width,
     };
     // These timings are dropped: the time belongs to the infill, not to the
     // part's outlines.
@@ -239,7 +239,7 @@ fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
 /// The lattice on which an expression that asks for d is sampled.
 fn sampling(width: Mm) -> Sampling {
     Sampling {
-        step: STEP * width,
+        step: NODE_STEP * width,
         chord: CHORD,
     }
 }
@@ -252,7 +252,7 @@ fn deep(
     z: Mm,
     places: &mut Vec<Place>,
     out: &mut Vec<f64>,
-) -> Result<(), VaryError> {
+) -> Result<(), QuantityError> {
     let Around {
         surroundings,
         solid,

@@ -13,7 +13,7 @@ pub use plan::OutlinePlan;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_model::vary::{Quantity, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError};
 use isoslice_model::{Model, Place};
 use isoslice_planar::bend::{Bend, bends};
 use isoslice_planar::clip::{difference, intersection, union, unite};
@@ -46,7 +46,7 @@ impl Growth {
     pub fn new(
         compensation: &Varying<Mm>,
         model: &Model,
-    ) -> Result<Option<Growth>, VaryError> {
+    ) -> Result<Option<Growth>, QuantityError> {
         if compensation.constant().is_some() {
             return Ok(None);
         }
@@ -62,7 +62,7 @@ impl Growth {
         area: &Area,
         z: Mm,
         tolerance: Mm,
-    ) -> Result<Area, VaryError> {
+    ) -> Result<Area, QuantityError> {
         let (mut rings, mut most) = (Vec::new(), f64::NEG_INFINITY);
         let mut places = Vec::new();
         for ring in &area.rings {
@@ -190,7 +190,10 @@ impl<'a> Compensation<'a> {
     ///
     /// # Errors
     /// If an expression has no value somewhere.
-    pub fn squeezed(&self, outline: &Area) -> Result<Option<Area>, VaryError> {
+    pub fn squeezed(
+        &self,
+        outline: &Area,
+    ) -> Result<Option<Area>, QuantityError> {
         if self.draw_in == 0.0 {
             return Ok(None);
         }
@@ -208,7 +211,7 @@ impl<'a> Compensation<'a> {
         &self,
         outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
-    ) -> Result<Option<Area>, VaryError> {
+    ) -> Result<Option<Area>, QuantityError> {
         let grown = self.grown(outline, walls)?;
         if self.draw_in == 0.0 {
             return Ok(grown);
@@ -226,7 +229,7 @@ impl<'a> Compensation<'a> {
         &self,
         outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
-    ) -> Result<Option<Area>, VaryError> {
+    ) -> Result<Option<Area>, QuantityError> {
         let closed = self.closed(outline, walls);
         if matches!(self.grow, Grow::By(0.0)) {
             return Ok(closed);
@@ -327,7 +330,7 @@ mod tests {
     }
 
     /// The outline that a formula for `xy_compensation` makes of an outline.
-    fn by_formula(text: &str, outline: &Area) -> Result<Area, VaryError> {
+    fn by_formula(text: &str, outline: &Area) -> Result<Area, QuantityError> {
         let value = Varying::Expression(text.to_owned());
         let growth = Growth {
             by: Quantity::of_outline("xy_compensation", &value)?,

@@ -269,7 +269,8 @@ mod tests {
         meant.thin(&mut stroke, Role::InnerWall);
         assert!(stroke.closed && stroke.points.len() < 30);
         assert!(off(&ring, &stroke) <= 0.02501);
-        // Where the width varies, most of the thinning comes later.
+        // A stroke of varying width keeps more points: a later step thins it
+        // further.
         let mut varying = Stroke::new(ring.clone(), true, 0.45);
         varying.widths = vec![0.45; 400];
         meant.thin(&mut varying, Role::InnerWall);

@@ -17,8 +17,8 @@ use isoslice_settings::layers::LayerSpan;
 /// over the tiles serves two looks. A seam that moves by 0.2 mm a layer is found
 /// within 1.5 mm, which is less than from corner to corner.
 const STRIDE: usize = 16;
-/// Which of so many layers is looked at. It lies in one slab with the layer
-/// below.
+/// The number of the layer that is looked at among every [`STRIDE`] layers, from
+/// 0. It lies in one slab with the layer below.
 const PLACE: usize = 13;
 
 /// The seams of a part, as far as the layers tell that were looked at.

@@ -71,7 +71,7 @@ const LEFT: f64 = 0.4;
 const BEYOND: Mm = 0.05;
 
 /// Distance of the places along a line that are tried for a hold, mm.
-const STEP: Mm = 0.1;
+const HOLD_STEP: Mm = 0.1;
 
 /// A bead of walls or of skin holds the end of a line whose middle is within this
 /// share of the line's width of the bead's own middle. Lines that lie side by side
@@ -534,13 +534,13 @@ impl<'a> Ground<'a> {
         let out = (p - inner).normalize_or_zero();
         let cut = self.crossed(p, inner).map(|t| t * length);
         let end = cut.unwrap_or(length);
-        let mut back = STEP;
+        let mut back = HOLD_STEP;
         while back < end {
             let at = p - back * out;
             if self.holds(at) {
                 return Some(at);
             }
-            back += STEP;
+            back += HOLD_STEP;
         }
         cut.map(|cut| p - cut * out)
     }

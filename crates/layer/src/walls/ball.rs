@@ -24,7 +24,7 @@ pub(super) struct Ball {
 }
 
 /// Distance of the balls along the border, mm: shorter edges get one each.
-pub(super) const STEP: Mm = 0.2;
+pub(super) const BALL_STEP: Mm = 0.2;
 /// Accuracy along the border with which the end of an axis is found, mm.
 const END: Mm = 0.005;
 /// Accuracy of an axis's end where the area becomes thicker than what matters,
@@ -183,7 +183,7 @@ impl<'a> Border<'a> {
                 let first = self.fan(a, number, normal, turn, &mut balls);
                 before = first.map(|g| (number, 0.0, Some(g)));
             }
-            let count = (length / STEP).ceil().clamp(1.0, 1e6);
+            let count = (length / BALL_STEP).ceil().clamp(1.0, 1e6);
             let place = |k: usize| (k as f64 + 0.5) / count * length;
             let count = count as usize;
             if self.seen.has_all((0..count).map(place), number) {
@@ -318,7 +318,7 @@ impl<'a> Border<'a> {
         /// Edges and length beyond which the two touch different parts of
         /// the border.
         const FEW: usize = 8;
-        const LONG: Mm = 5.0 * STEP;
+        const LONG: Mm = 5.0 * BALL_STEP;
         if !first.ball.near(&second.ball) {
             return;
         }
@@ -507,6 +507,7 @@ impl Ball {
     pub(super) fn near(&self, other: &Ball) -> bool {
         let apart = self.centre.distance_squared(other.centre);
         apart
-            < (2.0 * STEP + 0.25 * self.thickness.min(other.thickness)).powi(2)
+            < (2.0 * BALL_STEP + 0.25 * self.thickness.min(other.thickness))
+                .powi(2)
     }
 }

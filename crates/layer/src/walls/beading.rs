@@ -16,15 +16,14 @@ use super::Lay;
 use super::medial_axis::Axis;
 use isoslice_base::units::Mm;
 
-/// By how much a single bead may be narrower than its bound for a while.
+/// Factor by which a single bead goes on narrower than its bound.
 const NARROW: f64 = 1.25;
-/// By how much a single bead may be wider than its bound. The wider a round bead
+/// Factor by which a single bead goes on wider than its bound. The wider a round bead
 /// is, the more it leaves open in corners.
 const WIDE: f64 = 1.12;
-/// Share of their nominal thickness down to which two walls can stay side by
-/// side for a while.
+/// Share of their nominal thickness down to which two walls go on side by side.
 const SQUEEZE: f64 = 0.75;
-/// By how much the sliver between two walls may pass its bound for a while.
+/// Factor by which the sliver between two walls goes on thicker than its bound.
 const WIDEN: f64 = 1.25;
 /// Parts shorter than this take the number of a neighbour, if its beads can
 /// be made to fit, mm.

@@ -31,7 +31,7 @@ use isoslice_planar::bead::{Bead, Level, Plane, cross_section, height_of};
 /// share of the wall's width from layer to layer.
 const ASIDE: f64 = 0.25;
 /// Distance of the places at which a wall looks for the next one, mm.
-const STEP: Mm = 0.5;
+const LOOK_STEP: Mm = 0.5;
 /// A stretch of a wall that is shorter than this goes with what is beside it,
 /// mm.
 const SHORT: Mm = 1.0;
@@ -90,7 +90,7 @@ impl Interlock<'_> {
         let mut runs: Vec<(Mm, Joined)> = Vec::new();
         for (a, b) in bead.stroke.segments() {
             let edge = a.distance(b);
-            let count = (edge / STEP).ceil().max(1.0);
+            let count = (edge / LOOK_STEP).ceil().max(1.0);
             for i in 0..count as usize {
                 let middle = a.lerp(b, (i as f64 + 0.5) / count);
                 let joined = self.joined(middle, bead.stroke.width);

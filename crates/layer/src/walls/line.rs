@@ -16,7 +16,7 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::{Area, Rect, edges};
 
 /// Distance of the places at which a line near an axis is looked at, mm.
-const STEP: Mm = 0.2;
+const LOOK_STEP: Mm = 0.2;
 /// Length from which a piece of a ring is laid, as a share of its width. Where
 /// three strips meet, short pieces are all that lies between their beads at the
 /// surface (measured on lattices: pieces longer than their width only leave a
@@ -35,7 +35,7 @@ const GROUP: usize = 8;
 /// Least size of the cells in which axes are looked up, mm.
 const CELL: Mm = 0.8;
 /// Slack in distances that are equal but for rounding and thinning, mm.
-const SLACK: Mm = 0.05;
+const THINNED: Mm = 0.05;
 
 /// Axes, sorted so that the nearest one is found quickly.
 pub(super) struct AxisIndex<'a> {
@@ -183,7 +183,7 @@ pub(super) fn cut(
         return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
     }
     let thickest = axes.iter().map(Axis::thickest).fold(0.0, f64::max);
-    let reach = 0.5 * thickest - depth + 2.0 * SLACK;
+    let reach = 0.5 * thickest - depth + 2.0 * THINNED;
     if reach <= 0.0 {
         return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
     }
@@ -194,7 +194,7 @@ pub(super) fn cut(
         match index.nearest_of(near, p, reach) {
             // The border is half the place's thickness away from the axis, and
             // the ring is `depth` nearer to the axis than the border is.
-            Some((q, t)) => p.distance(q) > 0.5 * t - depth + SLACK,
+            Some((q, t)) => p.distance(q) > 0.5 * t - depth + THINNED,
             None => true,
         }
     };
@@ -218,7 +218,7 @@ pub(super) fn cut(
                 all.push((a, true));
                 continue;
             }
-            let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
+            let count = (a.distance(b) / LOOK_STEP).ceil().clamp(1.0, 1e6);
             let place = |k: usize| match k as f64 / count {
                 t if t < 1.0 => a.lerp(b, t),
                 _ => b,
@@ -305,7 +305,7 @@ pub(super) fn absorb(
         return lines;
     }
     let thickest = slivers.iter().map(Axis::thickest).fold(0.0, f64::max);
-    let reach = away + 0.5 * thickest + SLACK;
+    let reach = away + 0.5 * thickest + THINNED;
     let index = AxisIndex::new(slivers, reach);
     lines
         .into_iter()
@@ -324,7 +324,7 @@ fn widen(
     moved(line, index, reach, tolerance, SEEN, |p, across, _, near| {
         let sliver = index
             .nearest_of(near, p, reach)
-            .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
+            .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + THINNED);
         let left = across.normalize_or_zero();
         Station {
             at: p,

@@ -38,9 +38,9 @@ pub struct Patch {
 /// Accuracy of the place at which a line has to end, mm.
 const END: Mm = 0.005;
 /// Distance of the places at which a line is looked at, mm.
-const STEP: Mm = 0.2;
+const LOOK_STEP: Mm = 0.2;
 /// Slack in distances that are equal but for rounding and thinning, mm.
-const SLACK: Mm = 0.02;
+const THINNED: Mm = 0.02;
 
 /// Lays the beads around a solid area.
 pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
@@ -81,7 +81,7 @@ impl Patch {
     /// Where lines are not under the beads in thin places.
     pub fn free(&self) -> Free<'_> {
         let thickest = self.core.iter().map(Axis::thickest).fold(0.0, f64::max);
-        let reach = 0.5 * thickest + SLACK;
+        let reach = 0.5 * thickest + THINNED;
         let index =
             (!self.core.is_empty()).then(|| AxisIndex::new(&self.core, reach));
         Free { index, reach }
@@ -104,7 +104,7 @@ impl Free<'_> {
         };
         let reach = self.reach;
         let free = |p: DVec2| match index.nearest(p, reach) {
-            Some((q, t)) => p.distance(q) > 0.5 * t + SLACK,
+            Some((q, t)) => p.distance(q) > 0.5 * t + THINNED,
             None => true,
         };
         lines
@@ -167,7 +167,7 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
 /// The ranges of the line from `a` to `b` that are free.
 fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
     let length = a.distance(b);
-    let count = (length / STEP).ceil().clamp(1.0, 1e6);
+    let count = (length / LOOK_STEP).ceil().clamp(1.0, 1e6);
     let mut from = (0.0, free(a));
     let mut start = from.1.then_some(0.0);
     let mut found = Vec::new();

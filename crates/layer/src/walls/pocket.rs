@@ -21,12 +21,12 @@ use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::EdgeGrid;
 
 /// Distance of the places at which a line is looked at, mm.
-const STEP: Mm = 0.08;
+const LOOK_STEP: Mm = 0.08;
 /// Pockets with smaller balls than this are left as they are, and so are walls
 /// that lack less, mm.
 const LEAST: Mm = 0.02;
 /// Slack in distances that are equal but for thinning, mm.
-const SLACK: Mm = 0.01;
+const THINNED: Mm = 0.01;
 /// Accuracy of the size of a ball, mm.
 const EXACT: Mm = 0.002;
 /// Greatest number of times that a ball shrinks.
@@ -116,7 +116,7 @@ impl Left<'_> {
             if !near || self.is_thick(a, b, along.perp()) {
                 continue;
             }
-            let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
+            let count = (a.distance(b) / LOOK_STEP).ceil().clamp(1.0, 1e6);
             for i in 1..count as usize {
                 let t = i as f64 / count;
                 let (v, w) = (line.width_at(k), line.width_at(next));
@@ -142,7 +142,7 @@ impl Left<'_> {
         let up = inwards * (self.away + self.radius);
         // The wall's own border is no nearer than this.
         self.grid
-            .clear(a + up, b + up, self.depth + self.radius - SLACK)
+            .clear(a + up, b + up, self.depth + self.radius - THINNED)
     }
 
     /// The radius of the ball that touches what the wall leaves beside a place
@@ -154,7 +154,7 @@ impl Left<'_> {
         beads: &AxisIndex<'_>,
     ) -> Option<Mm> {
         let fits = |p: DVec2, radius: Mm| {
-            let distance = self.depth + radius - SLACK;
+            let distance = self.depth + radius - THINNED;
             self.grid.nearest_edge(p, distance).is_none()
         };
         let base = p + self.away * inwards;
@@ -165,7 +165,7 @@ impl Left<'_> {
         // it (Ma, Bae and Choi 2012).
         let mut low = self.radius;
         for round in 0..ROUNDS {
-            let depth = self.depth - SLACK;
+            let depth = self.depth - THINNED;
             let centre = base + low * inwards;
             let Some((_, q)) = self.grid.nearest_edge(centre, depth + low)
             else {
@@ -195,6 +195,6 @@ impl Left<'_> {
             fits(centre + 0.6 * to, self.radius)
                 || fits(centre + 1.2 * to, self.radius)
         });
-        (!laid && !bead_near(centre, low)).then_some(low - 0.5 * SLACK)
+        (!laid && !bead_near(centre, low)).then_some(low - 0.5 * THINNED)
     }
 }

@@ -45,12 +45,13 @@ const STAY: f64 = 1.12;
 /// Least thickness of a strip, in lines.
 const NOTHING: f64 = 0.1;
 /// Distance of the places at which a strip is looked at, in lines.
-const STEP: f64 = 0.5;
+const STRIP_STEP: f64 = 0.5;
 /// Distance of the places at which strips are looked for, in lines.
 const LOOK: f64 = 2.0;
-/// Least distance by which the area of a strip is larger than the strip on each
-/// side, mm: the borders of what is left are thinned.
-const SLACK: Mm = 0.02;
+/// How much farther than a strip reaches on each side its area is taken off, mm:
+/// the borders of what is left are thinned, and must not reach back into
+/// the strip.
+const THINNED: Mm = 0.02;
 /// Pieces of what is left are looked at if they are smaller than this, mm²:
 /// some are remains that no bead fits into.
 const SMALL: Mm2 = 1.0;
@@ -80,7 +81,7 @@ impl Sharing {
             taken: line.least,
             whole: line.inner.min(most),
             most,
-            slack: SLACK.max(tolerance),
+            slack: THINNED.max(tolerance),
         }
     }
 
@@ -191,7 +192,7 @@ impl Sharing {
 
     /// True if a closed axis is even all around, but for corners.
     fn is_even(&self, axis: &Axis) -> bool {
-        let mut places = places(axis, STEP * self.line);
+        let mut places = places(axis, STRIP_STEP * self.line);
         self.mark(&mut places);
         let Some(first) = places.iter().position(|p| p.even) else {
             return false;
@@ -238,7 +239,7 @@ impl Sharing {
     /// True if places between even ones are a corner that the walls can take in.
     fn is_corner(&self, places: &[Place]) -> bool {
         let steps = places.windows(2).map(|p| p[0].at.distance(p[1].at));
-        let length = steps.sum::<Mm>() + 2.0 * STEP * self.line;
+        let length = steps.sum::<Mm>() + 2.0 * STRIP_STEP * self.line;
         let range = NOTHING * self.line..=self.corner();
         length <= CORNER * self.line
             && places.iter().all(|p| range.contains(&p.thickness))
@@ -374,7 +375,7 @@ mod tests {
             0 | 1 => 1.8 * WIDTH,
             2 => outer + least,
             3 => outer + limit,
-            // What a whole line does not fit into is shared.
+            // The walls share a rest that is too thin for a whole line.
             4 => outer + 3.0 * own,
             n if n % 2 == 1 => outer + (n - 3) as f64 * own + limit,
             n => outer + (n - 2) as f64 * own + least,

@@ -45,7 +45,7 @@ pub(super) fn lead_to_ends(
     let thickest = axes.iter().map(Axis::thickest).fold(0.0, f64::max);
     let lines = axes.iter().map(|r| r.points.iter().copied());
     let beside = EdgeGrid::of_lines(lines, thickest);
-    /// Share of the thickness: axes that meet end nearer to each other.
+    /// Axes that meet end nearer to each other than this share of the thickness.
     const NEAR: f64 = 0.5;
     // An end near to another axis is no tip but part of a junction.
     let junction = |i: usize, end: Option<&DVec2>, t: Option<&Mm>| {
@@ -114,7 +114,7 @@ fn tip(
     least: Mm,
 ) -> Vec<(DVec2, Mm)> {
     /// Distance of the balls, mm.
-    const STEP: Mm = 0.04;
+    const BALL_STEP: Mm = 0.04;
     /// Length of the longest tip, as a share of the thickness where it begins:
     /// its sides are at least 60° apart.
     const LONG: f64 = 1.2;
@@ -126,7 +126,11 @@ fn tip(
         return balls;
     };
     let far = 0.5 * t;
-    let back = axis.points.iter().rev().find(|p| p.distance(end) > STEP);
+    let back = axis
+        .points
+        .iter()
+        .rev()
+        .find(|p| p.distance(end) > BALL_STEP);
     let Some(mut ahead) = back.and_then(|b| (end - *b).try_normalize()) else {
         return balls;
     };
@@ -137,8 +141,8 @@ fn tip(
     let (mut c, mut r) = (end, far);
     while c.distance(end) < LONG * t {
         // The middle between the sides is where a ball is largest.
-        let side = ahead.perp() * STEP;
-        let at = |share: f64| c + STEP * ahead + share * side;
+        let side = ahead.perp() * BALL_STEP;
+        let at = |share: f64| c + BALL_STEP * ahead + share * side;
         let (mut low, mut high) = (-1.0, 1.0);
         for _ in 0..8 {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
@@ -152,7 +156,7 @@ fn tip(
         let reach = radius(next).min(r);
         let way = next.distance(c);
         // A strip that becomes wider ends in a junction, not in a tip.
-        let widens = radius(next) > r + 0.1 * STEP;
+        let widens = radius(next) > r + 0.1 * BALL_STEP;
         let done = way + reach - r < GAIN * way;
         // An axis that has turned back there leads nowhere.
         let mut back = false;

@@ -31,7 +31,7 @@ mod stack;
 #[cfg(test)]
 mod tests;
 
-use crate::vary::{Quantity, VaryError};
+use crate::expressions::{Quantity, QuantityError};
 use crate::{Model, Place};
 use glam::DVec2;
 use isocontour::{Lean, LeanError, LeanOptions, lean};
@@ -93,7 +93,7 @@ pub enum HeightsError {
     Plan(#[from] PlanError),
     /// The expression has no value somewhere.
     #[error(transparent)]
-    Vary(#[from] VaryError),
+    Vary(#[from] QuantityError),
     /// The surface cannot be looked at.
     #[error("layer_heights: the surface cannot be looked at: {0}")]
     Lean(#[source] LeanError),
@@ -195,7 +195,7 @@ fn heights_above(
             Ok(plan.clamp(a?.min(b?)))
         }
     });
-    let bins: Vec<Mm> = bins.collect::<Result<_, VaryError>>()?;
+    let bins: Vec<Mm> = bins.collect::<Result<_, QuantityError>>()?;
     let limit = Limit::new(bottom, lean.bin, &bins);
     let tops = stack::stack(&borders, limit)?;
     let mut spans = vec![LayerSpan {

@@ -44,7 +44,7 @@ const SKINS: f64 = 0.5;
 /// stroke. The rest fills the corner where the wall ends.
 const CORNERS: f64 = 0.5;
 /// Slack in distances from the outline, mm.
-const SLACK: Mm = 0.03;
+const OFF_OUTLINE: Mm = 0.03;
 /// Number of rounds in which the lengths are found. They depend on each other.
 const ROUNDS: usize = 6;
 
@@ -164,7 +164,8 @@ impl Link {
             let near = solid.nearest_edge(p, inside);
             near.map_or(inside, |(_, q)| p.distance(q))
         };
-        let least = (depth(self.from).min(depth(self.to)) - SLACK).max(SLACK);
+        let least = (depth(self.from).min(depth(self.to)) - OFF_OUTLINE)
+            .max(OFF_OUTLINE);
         let mut free = true;
         solid.visit_edges_near(self.from, self.to, least, |_| free = false);
         free

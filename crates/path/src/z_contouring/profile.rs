@@ -40,7 +40,7 @@ pub(super) struct Knot {
 const CLIFF: f64 = 0.75;
 
 /// Height by which knots may differ at any distance, mm.
-const SLACK: Mm = 0.002;
+const HEIGHT_SLACK: Mm = 0.002;
 
 /// Greatest slope with which a way over a gap begins and ends.
 const STEEPEST: f64 = 0.5;
@@ -161,7 +161,7 @@ fn bare_cliffs(knots: &mut [Knot], reach: Mm) {
         .windows(2)
         .filter(|w| w.iter().all(open))
         .filter(|w| {
-            let most = CLIFF * (w[1].at - w[0].at) + SLACK;
+            let most = CLIFF * (w[1].at - w[0].at) + HEIGHT_SLACK;
             (w[1].rise - w[0].rise).abs() > most
         })
         .map(|w| 0.5 * (w[0].at + w[1].at))

@@ -65,11 +65,27 @@ pub(super) static ROWS: &[Row] = rows! {
                   "cooling.internal_bridge_fan_speed"],
                 "the fan at each quarter of overlap becomes a step; if \
                  overhangs have no fan of their own, that of layers");
+    }
+    PRUSA Filament {
+        "overhangs_fan_speed"
+            => made(
+                |given| make::fan_unless_negative(given,
+                    &["overhangs_fan_speed"],
+                    "cooling.overhang_fan_speed"),
+                &["cooling.overhang_fan_speed"], "-1 leaves it");
+    }
+    BOTH Filament {
         "internal_bridge_fan_speed", "bridge_internal_fan_speed"
-            => made(make::internal_bridge_fan,
+            => made(
+                |given| make::fan_unless_negative(given,
+                    &["internal_bridge_fan_speed", "bridge_internal_fan_speed"],
+                    "cooling.internal_bridge_fan_speed"),
                 &["cooling.internal_bridge_fan_speed"], "-1 leaves it");
         "support_material_interface_fan_speed"
-            => made(make::support_interface_fan,
+            => made(
+                |given| make::fan_unless_negative(given,
+                    &["support_material_interface_fan_speed"],
+                    "cooling.support_interface_fan_speed"),
                 &["cooling.support_interface_fan_speed"], "-1 leaves it");
         "disable_fan_first_layers", "close_fan_the_first_x_layers"
             => To("cooling.fan_off_layers", As::Number);

@@ -76,8 +76,8 @@ pub(super) fn bed(given: &Given<'_>) -> Outcome {
     ])
 }
 
-/// The name that the firmware of a Prusa printer has for it, as the start
-/// G-code checks it.
+/// The name by which the firmware of a Prusa printer knows the printer, from the
+/// line of the start G-code that checks it.
 fn model_checked(given: &Given<'_>) -> Option<String> {
     let start = given
         .values
@@ -522,16 +522,14 @@ pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
     ])
 }
 
-pub(super) fn internal_bridge_fan(given: &Given<'_>) -> Outcome {
-    let keys = ["internal_bridge_fan_speed", "bridge_internal_fan_speed"];
-    let speed = number(given, &keys).filter(|v| *v >= 0.0);
-    Outcome::known([("cooling.internal_bridge_fan_speed", speed)])
-}
-
-pub(super) fn support_interface_fan(given: &Given<'_>) -> Outcome {
-    let speed = given.number("support_material_interface_fan_speed");
-    let speed = speed.filter(|v: &f64| *v >= 0.0);
-    Outcome::known([("cooling.support_interface_fan_speed", speed)])
+/// The fan's speed at one kind of beads; less than 0 leaves it.
+pub(super) fn fan_unless_negative(
+    given: &Given<'_>,
+    keys: &[&str],
+    name: &'static str,
+) -> Outcome {
+    let speed = number(given, keys).filter(|v| *v >= 0.0);
+    Outcome::known([(name, speed)])
 }
 
 /// The flows of supports, which OrcaSlicer uses only if flows are set one by
@@ -773,13 +771,13 @@ const IRONING_FLOW: [&str; 2] = ["ironing_flowrate", "ironing_flow"];
 /// Whether tops are ironed, or with how much material.
 pub(super) fn ironed(given: &Given<'_>, on: bool, flow: &[&str]) -> Value {
     /// Least flow that isoslice takes, %.
-    const LEAST: f64 = 0.1;
+    const SHORTEST: f64 = 0.1;
     let mut percent = flow.iter().filter_map(|key| {
         let text = given.values.first(key)?;
         share(text).or_else(|| parse(text))
     });
     match percent.next().filter(|_| on) {
-        Some(percent) => percent.max(LEAST).into(),
+        Some(percent) => percent.max(SHORTEST).into(),
         None => on.into(),
     }
 }
@@ -983,11 +981,12 @@ pub(super) fn support_angle(given: &Given<'_>) -> Outcome {
 /// OrcaSlicer advises a very large length to those who want no bridge
 /// supported, and 0 to those who want all of them supported.
 pub(super) fn bridge_max(given: &Given<'_>) -> Outcome {
-    const LEAST: f64 = 0.1;
-    const MOST: f64 = 1000.0;
+    /// What the setting takes, mm.
+    const SHORTEST: f64 = 0.1;
+    const LONGEST: f64 = 1000.0;
     match number(given, &["max_bridge_length"]) {
         Some(length) if length >= 0.0 => {
-            Outcome::set("bridge_max", length.clamp(LEAST, MOST))
+            Outcome::set("bridge_max", length.clamp(SHORTEST, LONGEST))
         }
         _ => nothing("no length is given"),
     }

@@ -434,6 +434,38 @@ mod tests {
                 "skin_pattern=bottom: concentric".into(),
             ),
             (Orca, "max_bridge_length=0", "bridge_max=0.1".into()),
+            // SuperSlicer's.
+            (
+                Prusa,
+                "overhangs_speed=50%; bridge_speed=60; overhangs_reverse=1; \
+                 overhangs_fan_speed=80",
+                "cooling.overhang_fan_speed=80; overhang_reverse=true; \
+                 speed.bridge=60; speed.overhang=30"
+                    .into(),
+            ),
+            (Prusa, "overhangs_fan_speed=-1", String::new()),
+            (
+                Cura,
+                "layer_height=0.2; line_width=0.4; wall_overhang_angle=45; \
+                 wall_overhang_speed_factor=50",
+                "infill_width=0.4; inner_wall_width=0.4; layer_height=0.2; \
+                 outer_wall_width=0.4; skin_width=0.4; \
+                 speed.overhang=50.0: 100%, 50.1: 50%; top_skin_width=0.4"
+                    .into(),
+            ),
+            (
+                Cura,
+                "layer_height=0.2; wall_line_width_0=0.4; \
+                 wall_overhang_angle=45; wall_overhang_speed_factors=[80, 40]",
+                "layer_height=0.2; outer_wall_width=0.4; \
+                 speed.overhang=50.0: 100%, 50.1: 80%"
+                    .into(),
+            ),
+            (
+                Cura,
+                "wall_overhang_angle=90; wall_overhang_speed_factor=50",
+                String::new(),
+            ),
             (
                 Orca,
                 "small_perimeter_threshold=0",
@@ -504,6 +536,7 @@ mod tests {
                 "100",
             ),
             (Slicer::Cura, "coasting_enable", "True", "False"),
+            (Slicer::Cura, "infill_offset_x", "2", "0"),
         ] {
             let of = |value| translated(slicer, &format!("{key}={value}"));
             assert_eq!(of(on).lost.len(), 1, "{key}");

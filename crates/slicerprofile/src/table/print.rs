@@ -127,6 +127,11 @@ pub(super) static ROWS: &[Row] = rows! {
         "small_perimeter_threshold", "small_perimeter_max_length"
             => made(make::small_length, &["speed.small_wall_length"],
                 "the circumference of that radius");
+    }
+    PRUSA Print {
+        "overhangs_speed" => To("speed.overhang", As::Amount);
+    }
+    BOTH Print {
         "enable_dynamic_overhang_speeds", "overhang_speed_0",
             "overhang_speed_1", "overhang_speed_2", "overhang_speed_3",
             "dynamic_overhang_speeds", "enable_overhang_speed",
@@ -264,7 +269,8 @@ pub(super) static ROWS: &[Row] = rows! {
             => made(make::draft_shield, &["draft_shield"],
                 "full, as far off as the skirt; limited is a skirt of many \
                  layers");
-        "overhang_reverse" => To("overhang_reverse", As::Switch);
+        "overhang_reverse", "overhangs_reverse"
+            => To("overhang_reverse", As::Switch);
         "support_material_interface_pattern", "support_interface_pattern"
             => To("support.interface_pattern", patterns::INTERFACE);
         "xy_hole_compensation", "xy_inner_size_compensation"
@@ -401,9 +407,8 @@ pub(super) static ROWS: &[Row] = rows! {
             => Ignored(
                 "isoslice anchors bridges at both ends and says which are too \
                  long: bridge_anchor, bridge_max, internal_bridges");
-        "overhang_totally_speed", "overhangs_speed", "overhangs_dynamic_speed",
-            "overhangs_width", "overhangs_width_speed",
-            "detect_overhang_wall_filter",
+        "overhang_totally_speed", "overhangs_dynamic_speed", "overhangs_width",
+            "overhangs_width_speed", "detect_overhang_wall_filter",
             "overhang_threshold_participating_cooling"
             => Ignored(
                 "speeds of overhangs are steps by how far they reach out: \

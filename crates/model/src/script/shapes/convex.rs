@@ -78,7 +78,8 @@ pub(super) fn convex(
 struct PolygonSide {
     /// Distance from the side's line, positive on its right.
     off: Tree,
-    /// How far a foot lies before the side's beginning, and past its end.
+    /// How far a point lies before the side's beginning, and past its end, along
+    /// the side.
     before: Tree,
     after: Tree,
 }

@@ -1,8 +1,8 @@
 //! What hangs, added up from layer to layer.
 
 use super::held::Limits;
-use super::look::{Look, RimPlace, Said};
-use super::plan::HangPlan;
+use super::look::{LayerOverhang, RimPlace, Said};
+use super::plan::OverhangPlan;
 use super::tip::{Island, Tips};
 use super::{Hanging, OverhangKind};
 use glam::{DVec2, DVec3};
@@ -72,7 +72,7 @@ impl Tracker {
 
     /// Forgets all layers so far: what follows counts as held. With `count`,
     /// islands that have not met anything yet are counted.
-    pub fn restart(&mut self, count: bool, plan: &HangPlan) {
+    pub fn restart(&mut self, count: bool, plan: &OverhangPlan) {
         let limits = Limits::new(plan.thickest_layer, plan);
         let begins = self.tips.rest(limits);
         if count {
@@ -85,7 +85,7 @@ impl Tracker {
     /// layer. `place` turns a point of the layer into a point on the bed.
     pub fn layer(
         &mut self,
-        look: &Look,
+        look: &LayerOverhang,
         here: &EdgeGrid,
         count: bool,
         place: impl Fn(DVec2) -> DVec3,
@@ -112,7 +112,7 @@ impl Tracker {
     }
 
     /// Follows the rim. Returns what leans beyond a lip.
-    fn follow(&mut self, look: &Look) -> Vec<Slope> {
+    fn follow(&mut self, look: &LayerOverhang) -> Vec<Slope> {
         if self.rim.is_empty() && !look.leans {
             return Vec::new();
         }
@@ -163,7 +163,7 @@ impl Tracker {
     }
 
     /// Keeps how far each stretch of a rim gets that is not held.
-    fn keep_far(&mut self, rim: &[(RimPlace, State)], look: &Look) {
+    fn keep_far(&mut self, rim: &[(RimPlace, State)], look: &LayerOverhang) {
         let Some(far) = &mut self.far else { return };
         let Limits { slope, held, .. } = look.limits;
         let hangs = |(place, state): &(RimPlace, State)| {
@@ -257,7 +257,7 @@ impl Tracker {
 
     /// Takes a layer of this height whose outline equals that of the layer
     /// below: what hung there comes nearer to being held.
-    pub fn same(&mut self, height: Mm, count: bool, plan: &HangPlan) {
+    pub fn same(&mut self, height: Mm, count: bool, plan: &OverhangPlan) {
         let limits = Limits::new(height, plan);
         let begins = self.tips.same(height, limits);
         if count {
@@ -288,13 +288,13 @@ mod tests {
 
     #[test]
     fn what_begins_in_a_cavity_is_told_apart() {
-        let plan = HangPlan::of(&Settings::default());
+        let plan = OverhangPlan::of(&Settings::default());
         let plate = rect(0.0, 0.0, 60.0, 20.0);
         let below = difference(&plate, &rect(5.0, 5.0, 55.0, 14.0));
         let counts = |ball: &Area| {
             let [here, below] =
                 [union(&below, ball), below.clone()].map(Solid::new);
-            let look = Look::new([&here, &below], 5, [0.2; 2], &plan);
+            let look = LayerOverhang::new([&here, &below], 5, [0.2; 2], &plan);
             let mut tracker = Tracker::default();
             tracker.layer(&look, here.grid(), true, |p| p.extend(1.0));
             tracker.restart(true, &plan);

@@ -36,7 +36,7 @@ const POINTS: f64 = 500.0;
 const FINE: Mm = 0.1;
 /// Least share of an island that is over bridges that are too long, if these are why
 /// it hangs.
-const MOST: f64 = 0.5;
+const SHARE_OF_LONG_BRIDGES: f64 = 0.5;
 
 /// What hangs in `island`. `here` is what the layer has around it.
 pub(super) fn piece(
@@ -76,7 +76,9 @@ pub(super) fn piece(
         .iter()
         .map(|(content, across)| long_ones(*content, across));
     let long = long.max_by(|a, b| a.area.total_cmp(&b.area));
-    if let Some(long) = long.filter(|l| l.area > MOST * island.content()) {
+    if let Some(long) =
+        long.filter(|l| l.area > SHARE_OF_LONG_BRIDGES * island.content())
+    {
         piece.kind = OverhangKind::Bridge;
         (piece.reach, piece.at) = (long.span, long.middle);
         return piece;

@@ -17,7 +17,7 @@
 //! ```
 
 use super::names::{AT_THE_END, NumberKind, Ours, ours};
-use crate::placeholders::{Scope, names};
+use super::{Names, Place};
 
 /// Why an expression is not understood, as a sentence.
 pub(super) type Refused = String;
@@ -39,13 +39,16 @@ const FIRST_TOOL: [&str; 6] = [
     "current_tool",
 ];
 
-/// The minijinja expression that does what a foreign one does.
-pub(super) fn translated(text: &str, scope: Scope) -> Result<String, Refused> {
+/// The expression of isoslice that does what a foreign one does.
+pub(super) fn translated(
+    text: &str,
+    names: Names<'_>,
+) -> Result<String, Refused> {
     let mut parser = Parser {
         tokens: tokens(text)?,
         at: 0,
         depth: 0,
-        scope,
+        names,
     };
     let (ours, _) = parser.choice()?;
     // Cura's `{name, extruder}`.
@@ -133,7 +136,7 @@ struct Parser<'a> {
     tokens: Vec<Token<'a>>,
     at: usize,
     depth: usize,
-    scope: Scope,
+    names: Names<'a>,
 }
 
 type Parsed = Result<(String, NumberKind), Refused>;
@@ -419,12 +422,14 @@ impl<'a> Parser<'a> {
                 ));
             }
             (Some(Ours::Is(kind, ours)), _) => (ours.to_owned(), kind),
-            (Some(Ours::AtEnd(kind, ours)), _) if self.scope == Scope::End => {
+            (Some(Ours::AtEnd(kind, ours)), _)
+                if self.names.place == Place::End =>
+            {
                 (ours.to_owned(), kind)
             }
             (Some(Ours::AtEnd(..)), _) => return Err(AT_THE_END.to_owned()),
             (Some(Ours::OfLayer(kind, _, at_end)), _)
-                if self.scope == Scope::End =>
+                if self.names.place == Place::End =>
             {
                 (at_end.to_owned(), kind)
             }
@@ -432,7 +437,7 @@ impl<'a> Parser<'a> {
                 (of_layer.to_owned(), kind)
             }
             (Some(Ours::ByScope(kind, of_layer, _)), _)
-                if self.scope == Scope::Layer =>
+                if self.names.place == Place::Layer =>
             {
                 (of_layer.to_owned(), kind)
             }
@@ -441,11 +446,15 @@ impl<'a> Parser<'a> {
             }
             // The name is one of this program's, but may mean something else in
             // other slicers.
-            _ if names(self.scope).any(|known| known == name) => {
+            _ if (self.names.own)(name) => {
                 (name.to_owned(), NumberKind::Number)
             }
             (Some(Ours::None(why)), _) => return Err(why.to_owned()),
-            (None, _) => return Err(super::unknown(name, self.scope)),
+            (None, _) => {
+                return Err("isoslice does not know it; docs/gcode.md lists \
+                            what there is"
+                    .to_owned());
+            }
         };
         Ok(found)
     }

@@ -8,7 +8,7 @@
 use super::across::{Across, Upper};
 use super::piece::{OverhangPiece, piece};
 use super::places::{Found, Places};
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use super::track::Far;
 use super::{OverhangKind, Unsupported};
 use glam::{DVec2, DVec3};
@@ -41,7 +41,7 @@ impl Needs<'_> {
     /// bed.
     pub fn places(
         self,
-        plan: &HangPlan,
+        plan: &OverhangPlan,
         place: impl Fn(DVec2, &LayerSpan) -> DVec3,
     ) -> Vec<Unsupported> {
         let layers = (0..self.needs.len()).into_par_iter();
@@ -64,7 +64,11 @@ impl Needs<'_> {
     }
 
     /// The islands of what needs a support in layer `i`, and boxes around them.
-    fn pieces(self, i: usize, plan: &HangPlan) -> Vec<(OverhangPiece, Rect)> {
+    fn pieces(
+        self,
+        i: usize,
+        plan: &OverhangPlan,
+    ) -> Vec<(OverhangPiece, Rect)> {
         if self.needs[i].is_empty() || isoslice_base::limits::is_stopped() {
             return Vec::new();
         }
@@ -140,7 +144,7 @@ mod tests {
             far: &[],
         };
         let place = |p: DVec2, span: &LayerSpan| p.extend(span.bottom);
-        needs.places(&HangPlan::of(&Settings::default()), place)
+        needs.places(&OverhangPlan::of(&Settings::default()), place)
     }
 
     #[test]

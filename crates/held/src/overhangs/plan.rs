@@ -6,7 +6,7 @@ use isoslice_settings::Settings;
 
 /// How far layers hold what is above them.
 #[derive(Clone, Copy, Debug)]
-pub struct HangPlan {
+pub struct OverhangPlan {
     /// A face that leans by up to this from the vertical holds itself.
     pub angle: Degrees,
     /// True if skin over a gap turns so that its lines bridge the gap.
@@ -32,10 +32,10 @@ pub struct HangPlan {
 /// mm: as long as bridges are by default.
 const SKIN_SPAN: Mm = 10.0;
 
-impl HangPlan {
+impl OverhangPlan {
     /// The plan that settings ask for.
-    pub fn of(settings: &Settings) -> HangPlan {
-        HangPlan {
+    pub fn of(settings: &Settings) -> OverhangPlan {
+        OverhangPlan {
             angle: settings.support.angle,
             bridges: settings.bridges(),
             by_skin: true,

@@ -9,6 +9,7 @@
 //! tell the place.
 
 pub mod depth;
+pub(crate) mod expression;
 
 use crate::{Expression, ExpressionError, Model, Place};
 use depth::DepthMap;
@@ -20,7 +21,7 @@ use std::sync::OnceLock;
 
 /// Why a setting has no value somewhere.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
-pub enum VaryError {
+pub enum QuantityError {
     /// The expression has a mistake.
     #[error("{key} = \"expr: {text}\": {error}")]
     Bad {
@@ -113,7 +114,7 @@ impl Quantity {
     pub fn new(
         key: &'static str,
         value: &Varying,
-    ) -> Result<Quantity, VaryError> {
+    ) -> Result<Quantity, QuantityError> {
         Self::with(key, value, Expression::parse)
     }
 
@@ -125,7 +126,7 @@ impl Quantity {
     pub fn of_outline(
         key: &'static str,
         value: &Varying,
-    ) -> Result<Quantity, VaryError> {
+    ) -> Result<Quantity, QuantityError> {
         let mut quantity = Self::with(key, value, Expression::of_outline)?;
         quantity.fourth = "curvature";
         Ok(quantity)
@@ -135,12 +136,12 @@ impl Quantity {
         key: &'static str,
         value: &Varying,
         parse: impl Fn(&str) -> Result<Expression, ExpressionError>,
-    ) -> Result<Quantity, VaryError> {
+    ) -> Result<Quantity, QuantityError> {
         let row = keys().iter().find(|k| k.name == key);
         let value = match value {
             Varying::Constant(value) => Value::Constant(*value),
             Varying::Expression(text) => {
-                let bad = |e: ExpressionError| VaryError::Bad {
+                let bad = |e: ExpressionError| QuantityError::Bad {
                     key,
                     text: text.clone(),
                     error: e.to_string(),
@@ -169,11 +170,11 @@ impl Quantity {
     pub fn level(
         key: &'static str,
         value: &Varying,
-    ) -> Result<Quantity, VaryError> {
+    ) -> Result<Quantity, QuantityError> {
         let quantity = Quantity::new(key, value)?;
         match &quantity.value {
             Value::Varying { text, expression } if !expression.is_level() => {
-                Err(VaryError::NotLevel {
+                Err(QuantityError::NotLevel {
                     key,
                     text: text.clone(),
                 })
@@ -206,7 +207,7 @@ impl Quantity {
         &self,
         places: &[Place],
         out: &mut Vec<f64>,
-    ) -> Result<(), VaryError> {
+    ) -> Result<(), QuantityError> {
         let (text, expression) = match &self.value {
             Value::Constant(value) => {
                 out.extend(std::iter::repeat_n(*value, places.len()));
@@ -218,7 +219,7 @@ impl Quantity {
         expression.evaluate(places, out);
         for (value, place) in out[first..].iter_mut().zip(places) {
             if value.is_nan() {
-                return Err(VaryError::NotANumber {
+                return Err(QuantityError::NotANumber {
                     key: self.key,
                     text: text.clone(),
                     at: place.at,
@@ -238,7 +239,7 @@ impl Quantity {
     ///
     /// # Errors
     /// If there is no such value.
-    pub fn at_height(&self, z: Mm, range: Range) -> Result<f64, VaryError> {
+    pub fn at_height(&self, z: Mm, range: Range) -> Result<f64, QuantityError> {
         let (text, expression) = match &self.value {
             Value::Constant(value) => return Ok(*value),
             Value::Varying { text, expression } => (text, expression),
@@ -261,7 +262,7 @@ impl Quantity {
             return self.at(place);
         }
         if value < range.min || value > range.max {
-            return Err(VaryError::OutOfRange {
+            return Err(QuantityError::OutOfRange {
                 key: self.key,
                 text: text.clone(),
                 value,
@@ -276,7 +277,7 @@ impl Quantity {
     ///
     /// # Errors
     /// If the place has no value.
-    pub fn at(&self, place: Place) -> Result<f64, VaryError> {
+    pub fn at(&self, place: Place) -> Result<f64, QuantityError> {
         let mut value = Vec::with_capacity(1);
         self.evaluate(&[place], &mut value)?;
         Ok(value[0])
@@ -287,7 +288,7 @@ impl Quantity {
 pub struct Surroundings<'a> {
     model: &'a Model,
     /// The distances, which are measured when they are first asked for.
-    depth: OnceLock<Result<DepthMap, VaryError>>,
+    depth: OnceLock<Result<DepthMap, QuantityError>>,
 }
 
 impl<'a> Surroundings<'a> {
@@ -312,7 +313,7 @@ impl<'a> Surroundings<'a> {
         measure: bool,
         solid: Option<&EdgeGrid>,
         out: &mut Vec<Place>,
-    ) -> Result<(), VaryError> {
+    ) -> Result<(), QuantityError> {
         let map = if measure {
             Some(self.depth_map()?)
         } else {
@@ -339,10 +340,10 @@ impl<'a> Surroundings<'a> {
         Ok(())
     }
 
-    fn depth_map(&self) -> Result<&DepthMap, VaryError> {
+    fn depth_map(&self) -> Result<&DepthMap, QuantityError> {
         let made = self.depth.get_or_init(|| {
             DepthMap::new(self.model)
-                .map_err(|e| VaryError::Depth(e.to_string()))
+                .map_err(|e| QuantityError::Depth(e.to_string()))
         });
         made.as_ref().map_err(Clone::clone)
     }

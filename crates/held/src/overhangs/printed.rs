@@ -4,7 +4,7 @@
 //! they are thick. A part that begins in a point is printed from where a bead
 //! fits into it, and a spike that is too thin for a line holds nothing.
 
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_layer::cover::neighbour::Neighbour;
@@ -40,7 +40,7 @@ pub(crate) struct Printed {
 
 impl Printed {
     /// Half the width of the thinnest line.
-    pub(crate) fn half(plan: &HangPlan) -> Mm {
+    pub(crate) fn half(plan: &OverhangPlan) -> Mm {
         0.5 * plan.thinnest
     }
 
@@ -49,7 +49,7 @@ impl Printed {
     pub(crate) fn new(
         outline: &Area,
         height: Mm,
-        plan: &HangPlan,
+        plan: &OverhangPlan,
     ) -> (Printed, Area) {
         let mut core = offset(outline, -Self::half(plan), TOLERANCE);
         let cores = LazyCell::new(|| Neighbour::new(&core));
@@ -71,7 +71,11 @@ impl Printed {
 
     /// A part of what is printed of a layer. `around` is what of the layer is
     /// printed there and as far around as something matters.
-    pub(crate) fn part(area: Area, around: &Area, plan: &HangPlan) -> Printed {
+    pub(crate) fn part(
+        area: Area,
+        around: &Area,
+        plan: &OverhangPlan,
+    ) -> Printed {
         Printed {
             area,
             core: offset(around, -Self::half(plan), TOLERANCE),
@@ -80,7 +84,7 @@ impl Printed {
 
     /// The part of an area that is wide enough for a line, told by the core of
     /// the layer around it.
-    pub(crate) fn thick(core: &Area, area: &Area, plan: &HangPlan) -> Area {
+    pub(crate) fn thick(core: &Area, area: &Area, plan: &OverhangPlan) -> Area {
         let wide = CORNER * Self::half(plan);
         intersection(area, &offset(core, wide, TOLERANCE))
     }
@@ -103,7 +107,7 @@ impl Islands {
         outline: &Area,
         core_of: impl Fn(&Area) -> Area,
         height: Mm,
-        plan: &HangPlan,
+        plan: &OverhangPlan,
     ) -> Islands {
         let small = small(plan);
         let mut all = Islands::default();
@@ -132,7 +136,7 @@ impl Islands {
 pub(super) fn kept<'a>(
     outline: &'a Solid<'a>,
     height: Mm,
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> Cow<'a, Solid<'a>> {
     let core_of =
         |island: &Area| offset(island, -Printed::half(plan), TOLERANCE);
@@ -149,12 +153,12 @@ pub(super) fn kept<'a>(
 }
 
 /// Content of an island that may be too small to be printed.
-fn small(plan: &HangPlan) -> Mm2 {
+fn small(plan: &OverhangPlan) -> Mm2 {
     (4.0 * plan.walls.outer).powi(2)
 }
 
 /// True if the rings of a layer tell at once that all of its islands are printed.
-fn has_no_small_islands(outline: &Area, plan: &HangPlan) -> bool {
+fn has_no_small_islands(outline: &Area, plan: &OverhangPlan) -> bool {
     let content = outline.rings.iter().map(|ring| signed_area(ring));
     let (outer, holes): (Vec<Mm2>, Vec<Mm2>) =
         content.partition(|content| *content > 0.0);

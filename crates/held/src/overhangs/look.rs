@@ -11,7 +11,7 @@
 use super::across::{DRIFT, Upper};
 use super::held::Limits;
 use super::ledges::{Ledge, ledges};
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use super::printed::kept;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
@@ -22,7 +22,7 @@ use std::collections::HashSet;
 
 /// A layer over the one below.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct LayerOverhang {
     pub(super) limits: Limits,
     /// The layer's number.
     pub(super) number: usize,
@@ -83,20 +83,20 @@ const MIDDLE: f64 = 0.5;
 /// shorter one is small, and lattices are full of them.
 const LONG: Mm = 3.0;
 /// Distance between places on a curved rim, and on a straight one, mm.
-const STEP: Mm = 0.5;
+const RIM_STEP: Mm = 0.5;
 const STRAIGHT: Mm = 1.0;
 /// Distance between places on the rim of the layer below, mm. It may be large,
 /// since lids are wide.
 const WIDE_STEP: Mm = 2.0;
 
-impl Look {
+impl LayerOverhang {
     /// Looks at a layer over the layer below. The heights are those of both.
     pub fn new(
         [here, below]: [&Solid<'_>; 2],
         number: usize,
         heights: [Mm; 2],
-        plan: &HangPlan,
-    ) -> Look {
+        plan: &OverhangPlan,
+    ) -> LayerOverhang {
         let [height, height_below] = heights;
         let here = kept(here, height, plan);
         let below = kept(below, height_below, plan);
@@ -116,7 +116,7 @@ impl Look {
         let new: HashSet<Name> = begins.iter().flat_map(rings_of).collect();
         let is_new =
             |ring: &Ring| ring.first().is_some_and(|p| new.contains(&name(*p)));
-        let mut look = Look {
+        let mut look = LayerOverhang {
             limits,
             number,
             height,
@@ -169,7 +169,7 @@ impl Look {
         let mut since = f64::INFINITY;
         for (i, (a, b)) in edges(ring).enumerate() {
             let on = (first + i) as f64;
-            if since >= STEP {
+            if since >= RIM_STEP {
                 push(a, on);
                 since = 0.0;
             }
@@ -446,11 +446,11 @@ mod tests {
         let ring = [ring, vec![at(0.0, 0.0)]].concat();
         let here = Area::from(ring);
         let [here, below] = [here, below].map(Solid::new);
-        let look = Look::new(
+        let look = LayerOverhang::new(
             [&here, &below],
             5,
             [0.2; 2],
-            &HangPlan::of(&Settings::default()),
+            &OverhangPlan::of(&Settings::default()),
         );
         let said: Vec<Said> = look
             .rim

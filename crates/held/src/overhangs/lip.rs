@@ -21,7 +21,7 @@
 //! `isoslice info --supports` lists it.
 
 use super::held::held;
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_layer::cover::neighbour::Neighbour;
@@ -43,14 +43,14 @@ const CORNER: f64 = 1.0 - std::f64::consts::FRAC_PI_4;
 /// Width of the seam between a lip and what holds it, mm.
 const SEAM: Mm = 0.1;
 
-/// The part of `need`, which is what of layer `i` the layer below does not hold,
-/// that is no lip. `outlines` and `spans` are those of all layers.
+/// The islands of `need` that are no lips. `need` is the part of layer `i` that the
+/// layer below does not hold; `outlines` and `spans` are those of all layers.
 pub(crate) fn without_lips(
     need: Area,
     i: usize,
     spans: &[LayerSpan],
     outlines: &[Neighbour<'_>],
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> Area {
     if i == 0 || need.is_empty() {
         return need;
@@ -60,13 +60,13 @@ pub(crate) fn without_lips(
     rest.collect()
 }
 
-/// True if an island of what of layer `i` the layer below does not hold is a lip.
+/// True if an island of layer `i` that the layer below does not hold is a lip.
 fn is_lip(
     island: &Area,
     i: usize,
     spans: &[LayerSpan],
     outlines: &[Neighbour<'_>],
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> bool {
     if isoslice_base::limits::is_stopped() {
         return false;
@@ -128,7 +128,7 @@ fn is_held(
     island: &Area,
     [here, below]: [&Neighbour<'_>; 2],
     held: Mm,
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> bool {
     let seam = offset(island, SEAM, TOLERANCE);
     let around = seam.bounds().grown(held + 1.0);
@@ -147,7 +147,7 @@ mod tests {
 
     /// What is left of `need` in the middle one of some layers.
     fn left(need: &Area, outlines: &[Area]) -> Area {
-        let plan = HangPlan::of(&Settings::default());
+        let plan = OverhangPlan::of(&Settings::default());
         let spans = LayerSpan::stack(0.2, outlines.len());
         let middle = outlines.len() / 2;
         let outlines: Vec<_> = outlines.iter().map(Neighbour::new).collect();

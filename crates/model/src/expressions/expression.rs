@@ -11,7 +11,7 @@
 //! Expressions are evaluated in f32 by fidget's interpreter, with equal results
 //! on any machine and thread.
 
-use super::formula::{FormulaError, Name, parse_with};
+use crate::formula::{FormulaError, Name, parse_with};
 use fidget::context::Tree;
 use fidget::eval::{BulkEvaluator, Function, MathFunction, Tape};
 use fidget::var::Var;
@@ -215,6 +215,6 @@ mod tests {
         assert!(e.starts_with("column 6: unknown name `q`"), "{e}");
         assert!(e.contains("x, y, z, d"), "{e}");
         // A model has no d.
-        assert!(super::super::formula::parse_formula("x + d").is_err());
+        assert!(crate::formula::parse_formula("x + d").is_err());
     }
 }

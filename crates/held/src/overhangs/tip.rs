@@ -14,7 +14,7 @@
 //! In: the rims of layers, from below. Out: the islands that count.
 
 use super::held::Limits;
-use super::look::{Look, Name, RimPlace, name};
+use super::look::{LayerOverhang, Name, RimPlace, name};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::grid::EdgeGrid;
@@ -52,7 +52,7 @@ impl Tips {
     /// on.
     pub(super) fn layer(
         &mut self,
-        look: &Look,
+        look: &LayerOverhang,
         here: &EdgeGrid,
         place: impl Fn(DVec2) -> DVec3,
     ) -> Vec<Island> {
@@ -130,7 +130,7 @@ impl Tips {
         &mut self,
         mut island: Island,
         ring: &[RimPlace],
-        look: &Look,
+        look: &LayerOverhang,
         to: &mut Vec<Island>,
     ) {
         let ring: Vec<DVec2> = ring.iter().map(|p| p.at).collect();
@@ -202,7 +202,7 @@ fn ringed(islands: &[Island], rings: &[&[RimPlace]]) -> Vec<Above> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hang::look::Said;
+    use crate::overhangs::look::Said;
 
     #[test]
     fn islands_that_have_met_fare_alike() {

@@ -1,40 +1,71 @@
 //! Placeholders of other slicers: `[first_layer_temperature]`,
 //! `{bed_temperature[0]}`, `{if layer_num == 1}`.
 //!
-//! In: a template's text. Out: the template in minijinja's syntax, line for
-//! line. Text outside comments that looks like a placeholder and has no
-//! counterpart is an error, since it would reach the printer unchanged. In a
-//! comment it does no harm and stays.
+//! In: a template's text. Out: the template in isoslice's own syntax, that of
+//! Jinja, line for line. Text outside comments that looks like a placeholder and
+//! has no counterpart is an error, since it would reach the printer unchanged. In
+//! a comment it does no harm and stays.
 
 mod expression;
 mod names;
-#[cfg(test)]
-mod tests;
 
-use super::error::{known_elsewhere, meant};
-use super::pieces::TemplatePiece;
-use crate::placeholders::Scope;
-use std::borrow::Cow;
-use std::fmt::Write as _;
 use std::ops::Range;
 
 /// What to write for text that only looks like a placeholder.
 const AS_IT_IS: &str = "if it is meant for the printer, put it between {% raw \
                         %} and {% endraw %}";
 
+/// Which of isoslice's templates a template becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// `gcode.start`.
+    Start,
+    /// `gcode.layer`.
+    Layer,
+    /// `gcode.end`.
+    End,
+}
+
+impl Place {
+    /// The place of a setting that is a template.
+    pub fn of_setting(name: &str) -> Option<Place> {
+        match name {
+            "gcode.start" => Some(Place::Start),
+            "gcode.layer" => Some(Place::Layer),
+            "gcode.end" => Some(Place::End),
+            _ => None,
+        }
+    }
+}
+
+/// Why a template cannot be translated.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}, column {column}: {message}")]
+pub struct NotTranslated {
+    /// Line of the placeholder, from 1.
+    pub line: usize,
+    /// Column of the placeholder, in characters, from 1.
+    pub column: usize,
+    /// What is wrong, and the remedy.
+    pub message: String,
+}
+
 /// Greatest length of a placeholder, bytes.
 const LONGEST: usize = 2048;
 
-/// A template in minijinja's syntax. The error is a place in bytes and what is
-/// wrong there.
-pub(super) fn translated<'a>(
-    source: &'a str,
-    pieces: &[TemplatePiece],
-    scope: Scope,
-) -> Result<Cow<'a, str>, (usize, String)> {
+/// A template in isoslice's own syntax. Code in that syntax stays as it is. `own`
+/// tells isoslice's own names of placeholders.
+///
+/// # Errors
+/// The first placeholder that has no counterpart.
+pub fn translated(
+    source: &str,
+    place: Place,
+    own: &dyn Fn(&str) -> bool,
+) -> Result<String, NotTranslated> {
     let mut work = Translation {
         source,
-        scope,
+        names: Names { place, own },
         out: String::new(),
         copied: 0,
         open: 0,
@@ -42,20 +73,60 @@ pub(super) fn translated<'a>(
         comment: false,
         lines: None,
     };
-    for piece in pieces.iter().filter(|p| !p.code) {
-        work.plain(piece.at.start, piece.at.end)?;
+    let mut at = 0;
+    while let Some((code, end)) = own_code(source, at) {
+        work.plain(at, code)?;
+        at = end;
     }
+    work.plain(at, source.len())?;
     work.out.push_str(&source[work.copied..]);
-    let ours = match work.copied {
-        0 => Cow::Borrowed(source),
-        _ => Cow::Owned(work.out),
-    };
-    Ok(with_line_ends(ours))
+    Ok(work.out)
+}
+
+/// The next code in isoslice's own syntax: where it begins and ends.
+fn own_code(source: &str, from: usize) -> Option<(usize, usize)> {
+    let mut braces = source[from..].match_indices('{').map(|(i, _)| from + i);
+    braces.find_map(|at| {
+        let close = match source.as_bytes().get(at + 1)? {
+            b'{' => "}}",
+            b'%' if is_raw(&source[at + 2..]) => "endraw",
+            b'%' => "%}",
+            b'#' => "#}",
+            _ => return None,
+        };
+        // Code without an end is the rest.
+        let length = source[at..].find(close);
+        let end = length.map_or(source.len(), |i| at + i + close.len());
+        Some((at, end))
+    })
+}
+
+/// True if a tag begins text that is left alone.
+fn is_raw(tag: &str) -> bool {
+    tag.trim_start_matches(['-', '+', ' ']).starts_with("raw")
+}
+
+/// The mistake at a place in bytes.
+fn wrong(source: &str, at: usize, message: String) -> NotTranslated {
+    let before = &source[..at];
+    let start = before.rfind('\n').map_or(0, |i| i + 1);
+    NotTranslated {
+        line: before.matches('\n').count() + 1,
+        column: before[start..].chars().count() + 1,
+        message,
+    }
+}
+
+/// What names mean in a template.
+#[derive(Clone, Copy)]
+struct Names<'a> {
+    place: Place,
+    own: &'a dyn Fn(&str) -> bool,
 }
 
 struct Translation<'a> {
     source: &'a str,
-    scope: Scope,
+    names: Names<'a>,
     out: String,
     /// How many bytes of the source have been copied to `out`.
     copied: usize,
@@ -71,7 +142,7 @@ struct Translation<'a> {
 
 impl Translation<'_> {
     /// Translates plain text, a range of bytes.
-    fn plain(&mut self, from: usize, to: usize) -> Result<(), (usize, String)> {
+    fn plain(&mut self, from: usize, to: usize) -> Result<(), NotTranslated> {
         let mut at = from;
         while let Some(found) = self.source[at..to].find(['{', '[']) {
             let start = at + found;
@@ -79,12 +150,10 @@ impl Translation<'_> {
             let comment = self.is_comment(start);
             let Some(length) = extent(text) else {
                 if text.starts_with('{') && !comment {
-                    return Err((
-                        start,
-                        format!(
-                            "{{ has no }} within {LONGEST} bytes; {AS_IT_IS}"
-                        ),
-                    ));
+                    let message = format!(
+                        "{{ has no }} within {LONGEST} bytes; {AS_IT_IS}"
+                    );
+                    return Err(wrong(self.source, start, message));
                 }
                 at = start + 1;
                 continue;
@@ -104,17 +173,17 @@ impl Translation<'_> {
                     let given = &self.source[start..end];
                     let given: String = given.chars().take(60).collect();
                     let message = format!(
-                        "{given} is another slicer's placeholder, and would \
-                         reach the printer as it is: {why}; {AS_IT_IS}"
+                        "{given} would reach the printer as it is: {why}; \
+                         {AS_IT_IS}"
                     );
-                    return Err((start, message));
+                    return Err(wrong(self.source, start, message));
                 }
             }
         }
         Ok(())
     }
 
-    /// A placeholder in minijinja's syntax, or nothing if the text is no
+    /// A placeholder in isoslice's syntax, or nothing if the text is no
     /// placeholder.
     fn tag(
         &mut self,
@@ -123,7 +192,7 @@ impl Translation<'_> {
     ) -> Result<Option<String>, String> {
         let inside = self.source[start + 1..end - 1].trim();
         if self.source[start..].starts_with('[') {
-            let ours = expression::translated(inside, self.scope)?;
+            let ours = expression::translated(inside, self.names)?;
             return Ok(Some(format!("{{{{ {ours} }}}}")));
         }
         // The text that follows keeps its line number.
@@ -135,12 +204,12 @@ impl Translation<'_> {
         };
         let condition = match (word, rest.trim()) {
             ("if", rest) => {
-                let ours = expression::translated(rest, self.scope)?;
+                let ours = expression::translated(rest, self.names)?;
                 self.open += 1;
                 format!("if {ours}")
             }
             ("elsif", rest) if self.open > 0 => {
-                let ours = expression::translated(rest, self.scope)?;
+                let ours = expression::translated(rest, self.names)?;
                 format!("elif {ours}")
             }
             ("else", "") if self.open > 0 => "else".to_owned(),
@@ -156,7 +225,7 @@ impl Translation<'_> {
                     .to_owned());
             }
             _ => {
-                let ours = expression::translated(inside, self.scope)?;
+                let ours = expression::translated(inside, self.names)?;
                 return Ok(Some(format!("{{{{ {ours}{lines} }}}}")));
             }
         };
@@ -238,105 +307,13 @@ fn extent(text: &str) -> Option<usize> {
     })
 }
 
-/// Keeps the end of a line that has a block at its end and other text before
-/// it. minijinja drops the line's end after a block, which would make two
-/// commands one.
-fn with_line_ends(source: Cow<'_, str>) -> Cow<'_, str> {
-    let eats = |line: &str| {
-        line.ends_with("%}")
-            && !line.ends_with("-%}")
-            && !line.ends_with("+%}")
-            && line.contains("{%")
-            && has_text(line)
-    };
-    let line_of = |line: &'_ str| -> bool {
-        line.ends_with('\n') && eats(line.trim_end_matches(['\r', '\n']))
-    };
-    if !source.split_inclusive('\n').any(line_of) {
-        return source;
-    }
-    let mut out = String::with_capacity(source.len() + 16);
-    for line in source.split_inclusive('\n') {
-        if line_of(line) {
-            let end = line.rfind("%}").unwrap_or(0);
-            let _ = write!(out, "{}+{}", &line[..end], &line[end..]);
-        } else {
-            out.push_str(line);
-        }
-    }
-    Cow::Owned(out)
-}
-
-/// True if a line has text beside blocks and comments.
-fn has_text(mut line: &str) -> bool {
-    loop {
-        line = line.trim_start();
-        let close = match line.get(..2) {
-            Some("{%") => "%}",
-            Some("{#") => "#}",
-            _ => return !line.is_empty(),
-        };
-        match line.find(close) {
-            Some(at) => line = &line[at + 2..],
-            None => return false,
-        }
-    }
-}
-
-/// The byte of `source` that byte `at` of its translation comes from.
-pub(super) fn origin(source: &str, translated: &str, at: usize) -> usize {
-    let before = translated.get(..at).unwrap_or(translated);
-    let line = before.matches('\n').count();
-    let start_of = |text: &str| {
-        let ends = text.match_indices('\n').map(|(i, _)| i + 1);
-        [0].into_iter().chain(ends).nth(line).unwrap_or(0)
-    };
-    let (ours, theirs) = (start_of(translated), start_of(source));
-    let rest = |text: &'_ str, from: usize| -> String {
-        text[from..].lines().next().unwrap_or("").to_owned()
-    };
-    let (of_ours, of_source) = (rest(translated, ours), rest(source, theirs));
-    let column = at.saturating_sub(ours).min(of_ours.len());
-    // Finds the range in which the lines differ.
-    let same = |a: (char, char)| a.0 == a.1;
-    let head: usize = of_ours
-        .chars()
-        .zip(of_source.chars())
-        .take_while(|a| same(*a))
-        .map(|(c, _)| c.len_utf8())
-        .sum();
-    let tail: usize = of_ours
-        .chars()
-        .rev()
-        .zip(of_source.chars().rev())
-        .take_while(|a| same(*a))
-        .map(|(c, _)| c.len_utf8())
-        .sum();
-    let from_end = of_ours.len() - column;
-    theirs
-        + match () {
-            () if column < head => column,
-            () if from_end <= tail => of_source.len() - from_end,
-            () => head.min(of_source.len()),
-        }
-}
-
-/// True if a foreign name stands for something here.
-pub(super) fn understands(name: &str) -> bool {
+/// True if a foreign name stands for something in isoslice.
+pub fn understands(name: &str) -> bool {
     !matches!(names::ours(name), None | Some(names::Ours::None(_)))
 }
 
-/// The message for an unknown name.
-fn unknown(name: &str, scope: Scope) -> String {
-    if let Some(place) = known_elsewhere(name, scope) {
-        return format!("{name} is known in {place} only");
-    }
-    match meant(name, scope) {
-        Some(near) => format!(
-            "isoslice does not know it, and the nearest of ours is \
-             {{{{ {near} }}}}"
-        ),
-        None => "isoslice does not know it; docs/gcode.md lists what there is"
-            .to_owned(),
-    }
+/// The names of other slicers that isoslice knows, also those that have no
+/// counterpart.
+pub fn foreign_names() -> impl Iterator<Item = &'static str> {
+    names::NAMES.iter().map(|(name, _)| *name)
 }

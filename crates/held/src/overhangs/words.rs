@@ -1,7 +1,7 @@
 //! What hangs, in words: the warnings.
 
 use super::foot::Foot;
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use super::{Hanging, Sum};
 use isoslice_base::units::{Mm, Mm2};
 
@@ -32,7 +32,7 @@ fn others(count: usize) -> String {
 
 impl Hanging {
     /// What the user should know. `height` is the part's.
-    pub fn warnings(&self, height: Mm, plan: &HangPlan) -> Vec<String> {
+    pub fn warnings(&self, height: Mm, plan: &OverhangPlan) -> Vec<String> {
         let mut all = Vec::new();
         let inside = &self.in_cavity;
         if inside.largest >= ISLAND {
@@ -123,7 +123,7 @@ mod tests {
         let mut hanging = Hanging::default();
         let told = |hanging: &Hanging| {
             let all =
-                hanging.warnings(30.0, &HangPlan::of(&Settings::default()));
+                hanging.warnings(30.0, &OverhangPlan::of(&Settings::default()));
             all.iter().map(|w| w.contains("cavity")).collect::<Vec<_>>()
         };
         hanging.add_where(true, 12.0, DVec3::new(1.0, 2.0, 3.0));

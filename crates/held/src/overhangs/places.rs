@@ -14,7 +14,7 @@ use isoslice_planar::Rect;
 const NEAR: Mm = 1.0;
 /// Greatest number of places that are kept, besides at least one of each kind.
 /// Lattices may have more, and their area still counts.
-const MOST: usize = 10_000;
+const MOST_PLACES: usize = 10_000;
 
 /// A place of a part that would need a support.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +80,7 @@ impl Places {
         let known = known.next().filter(|_| kind == OverhangKind::Leans);
         // If there are too many places, new ones go with the last one of their
         // kind.
-        let full = self.all.len() >= MOST;
+        let full = self.all.len() >= MOST_PLACES;
         let of_kind = self.last.iter().filter(|(of, _)| full && *of == kind);
         let last = of_kind.map(|(_, number)| *number).next();
         let number = match known {
@@ -140,16 +140,16 @@ mod tests {
             }
         };
         add(OverhangKind::Begins, 5, 1.0);
-        add(OverhangKind::Bridge, MOST, 2.0);
+        add(OverhangKind::Bridge, MOST_PLACES, 2.0);
         add(OverhangKind::Begins, 3, 1.0);
         add(OverhangKind::Leans, 2, 4.0);
         let all = places.finish();
-        assert_eq!(all.len(), MOST + 1);
+        assert_eq!(all.len(), MOST_PLACES + 1);
         let area = |kind| -> Mm2 {
             all.iter().filter(|p| p.kind == kind).map(|p| p.area).sum()
         };
         assert_eq!(area(OverhangKind::Begins), 8.0);
-        assert_eq!(area(OverhangKind::Bridge), 2.0 * MOST as f64);
+        assert_eq!(area(OverhangKind::Bridge), 2.0 * MOST_PLACES as f64);
         assert_eq!(area(OverhangKind::Leans), 8.0);
     }
 

@@ -1,13 +1,29 @@
+//! Templates of other slicers, translated as imports do it and filled in.
+
+use super::tests::header;
 use super::*;
-use crate::plan::WriterPlan;
-use crate::template::Templates;
-use crate::template::tests::header;
 use isoslice_settings::testing::settings;
+use slicerprofile::{Place, foreign_names, translated};
+
+fn ours(source: &str, place: Place) -> Result<String, String> {
+    let name = match place {
+        Place::Start => START,
+        Place::Layer => LAYER,
+        Place::End => END,
+    };
+    let ours = translated(source, place, &|own| is_placeholder(name, own));
+    ours.map_err(|wrong| format!("{name}, {wrong}"))
+}
 
 fn templates(start: &str, layer: &str, end: &str) -> Result<String, String> {
     let s = settings(&["filament.first_layer_bed_temperature=65"]);
+    let [begin, every, last] = [
+        ours(start, Place::Start)?,
+        ours(layer, Place::Layer)?,
+        ours(end, Place::End)?,
+    ];
     let mut plan = WriterPlan::of(&s);
-    plan.templates = [start, end, layer];
+    plan.templates = [&begin, &last, &every];
     let moment = crate::placeholders::Moment {
         number: 3,
         z: 0.6,
@@ -140,10 +156,7 @@ fn assert_refused(source: &str, words: &[&str]) {
 fn what_is_not_known_is_named_and_does_not_reach_the_printer() {
     assert_refused(
         "G28\nM104 S[first_layer_nozzle_temp]",
-        &[
-            "gcode.start, line 2, column 7: [first_layer_nozzle_temp]",
-            "nearest of ours is {{ first_layer_nozzle_temperature }}",
-        ],
+        &["gcode.start, line 2, column 7: [first_layer_nozzle_temp]"],
     );
     assert_refused("M141 S{chamber_temperature[0]}", &["heats no chamber"]);
     assert_refused("M104 S{temperature[1]}", &["one extruder", "[1]"]);
@@ -155,7 +168,7 @@ fn what_is_not_known_is_named_and_does_not_reach_the_printer() {
     assert_refused("{if printer_notes=~/.*X.*/}\nG28", &["no notes"]);
     assert_refused("M104 S{random(1, 5)}", &["the function random"]);
     assert_refused("{local a = 5}G1 X{a}", &["{% set name"]);
-    assert_refused("M117 [{layer_zz}]", &["{layer_zz}", "nearest"]);
+    assert_refused("M117 [{layer_zz}]", &["{layer_zz}"]);
     assert_refused("RESPOND MSG=\"[info] hi\"", &["column 14: [info]"]);
     assert_refused("SAVE VALUE={'a': 1}", &["column 12"]);
     assert_refused("M117 { [100]", &["has no }"]);
@@ -184,38 +197,59 @@ fn text_that_is_no_placeholder_is_left_alone() {
     assert_start("G1 Z5{% if true %} F9{% endif %}\nG28", "G1 Z5 F9\nG28\n");
 }
 
+/// Every name leads to names there are, or to the reason why not.
 #[test]
-fn mistakes_after_a_translation_have_their_place() {
-    let e = templates("M104 S[temperature] T{{ bed_q }}", "", "").unwrap_err();
-    assert!(e.starts_with("gcode.start, line 1, column 25: "), "{e}");
-    let e = templates("{if true}\n{endif}\nG1 {{ bed_q }}", "", "");
-    let e = e.unwrap_err();
-    assert!(e.starts_with("gcode.start, line 3, column 7: "), "{e}");
-}
-
-/// Every row leads to names there are, and no name is in two of them.
-#[test]
-fn the_table_is_right() {
-    for (i, (name, ours)) in names::NAMES.iter().enumerate() {
-        assert!(names::NAMES[..i].iter().all(|(other, _)| other != name));
-        let theirs = match ours {
-            names::Ours::Pair(..) => format!("{{{name}[1]}}"),
-            _ => format!("[{name}]"),
-        };
-        match ours {
-            names::Ours::None(_) => {
-                assert_refused(&theirs, &["another slicer's"]);
-            }
-            names::Ours::AtEnd(..) => {
-                let filled = templates("", "", &theirs);
-                assert!(filled.is_ok(), "{filled:?}");
-                assert_refused(&theirs, &["gcode.end only"]);
-            }
-            _ => {
-                let filled = templates("", &theirs, "");
+fn all_that_is_translated_can_be_filled_in() {
+    let mut seen = std::collections::BTreeSet::new();
+    for name in foreign_names() {
+        assert!(seen.insert(name), "{name} twice");
+        for theirs in [format!("[{name}]"), format!("{{{name}[1]}}")] {
+            for place in [Place::Layer, Place::End] {
+                if ours(&theirs, place).is_err() {
+                    continue;
+                }
+                let filled = match place {
+                    Place::Layer => templates("", &theirs, ""),
+                    _ => templates("", "", &theirs),
+                };
                 assert!(filled.is_ok(), "{filled:?}");
             }
         }
+        if !slicerprofile::understands(name) {
+            assert_refused(&format!("[{name}]"), &[name]);
+        }
+    }
+}
+
+/// A print does not translate: it says how.
+#[test]
+fn placeholders_of_other_slicers_are_mistakes_in_a_print() {
+    let s = settings(&[]);
+    let refused = |source: &str| {
+        let mut plan = WriterPlan::of(&s);
+        plan.templates[0] = source;
+        let error = Templates::new(&plan, &header()).unwrap_err().to_string();
+        assert!(error.contains("{% raw %}"), "{source}: {error}");
+        error
+    };
+    let e = refused("G28 ; [a] {b}\nM104 S[first_layer_nozzle_temp]");
+    assert!(
+        e.starts_with("gcode.start, line 2, column 7: [first"),
+        "{e}"
+    );
+    assert!(e.contains("`isoslice profiles import`"), "{e}");
+    assert!(e.contains("{{ first_layer_nozzle_temperature }}"), "{e}");
+    let e = refused("; { [x]\n{if layer_num==1}\nG28{endif}");
+    assert!(e.starts_with("gcode.start, line 2, column 1: {if"), "{e}");
+    let e = refused("M117 {{ layer_count }}[{layer_zz}]");
+    assert!(e.contains("column 24: {layer_zz}"), "{e}");
+    let e = refused("M117 { [100]");
+    assert!(e.contains("has no }"), "{e}");
+    // A search that began anew at every sign would take minutes.
+    for piece in ["[ ", "[1]", "; {a}\n"] {
+        let text = piece.repeat(900_000 / piece.len());
+        let pieces = pieces(&text);
+        assert_eq!(foreign(&text, &pieces, Scope::All), None, "{piece}");
     }
 }
 
@@ -223,8 +257,7 @@ fn the_table_is_right() {
 fn a_macro_that_is_given_the_temperature_waits_for_it() {
     use crate::scan::{Heating, heating};
     let source = "START_PRINT EXTRUDER_TEMP=[first_layer_temperature]";
-    let pieces = crate::template::pieces::pieces(source);
-    let ours = translated(source, &pieces, Scope::All).unwrap();
+    let ours = ours(source, Place::Start).unwrap();
     let rendered = "START_PRINT EXTRUDER_TEMP=215\n";
     let names = ["first_layer_nozzle_temperature"];
     let found = heating(&ours, rendered, "M104", "M109", &names);
@@ -245,8 +278,7 @@ fn long_templates_are_translated_or_refused() {
         format!("; {{1{}}}", "+1".repeat(900)),
         format!("G28 ; {}", many("{if 1==1}{endif}")),
     ] {
-        let pieces = crate::template::pieces::pieces(&text);
-        let _ = translated(&text, &pieces, Scope::All);
+        let _ = ours(&text, Place::Start);
     }
     // Tables in tables.
     let row = "interpolate_table(1,(1,";

@@ -64,10 +64,10 @@ mod words;
 pub(crate) use held::held;
 pub(crate) use judge::{Unheld, large, unheld};
 pub(crate) use lip::without_lips;
-pub use look::Look;
+pub use look::LayerOverhang;
 pub use needs::Needs;
 pub use places::Unsupported;
-pub use plan::HangPlan;
+pub use plan::OverhangPlan;
 pub(crate) use printed::Printed;
 pub use track::{Far, Tracker};
 

@@ -9,7 +9,7 @@
 //! it are ever laid.
 
 use super::held::held;
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_layer::skin::bridge::{ANCHOR, direction, hung};
@@ -35,7 +35,7 @@ pub(super) struct Upper<'a> {
     pub number: usize,
     /// The layer's height.
     pub height: Mm,
-    pub plan: &'a HangPlan,
+    pub plan: &'a OverhangPlan,
 }
 
 /// Lines across a gap.
@@ -62,12 +62,12 @@ enum Fate {
 
 impl Across {
     /// How far from its ends a line looks for something that holds it.
-    pub(super) fn anchor(plan: &HangPlan) -> Mm {
+    pub(super) fn anchor(plan: &OverhangPlan) -> Mm {
         ANCHOR * plan.walls.skin
     }
 
     /// How deep below the rim a line asks whether it is a wall.
-    pub(super) fn depth(plan: &HangPlan) -> Mm {
+    pub(super) fn depth(plan: &OverhangPlan) -> Mm {
         plan.walls.count as f64 * plan.walls.outer
     }
 

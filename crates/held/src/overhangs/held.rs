@@ -1,7 +1,7 @@
 //! How far a layer holds what is above it, and how much hangs without harm.
 //! Both figures are the same for warnings and for supports.
 
-use super::plan::HangPlan;
+use super::plan::OverhangPlan;
 use isoslice_base::units::Mm;
 
 /// Width of a lip that hangs without harm, as a multiple of the outer wall's: a bead
@@ -11,11 +11,11 @@ pub(super) const HARMLESS: f64 = 2.0;
 /// What sticks out beyond what is held hangs only if it is more than this share of
 /// the layer's height: a face that leans by just `support.angle` holds itself, in
 /// layers of any height.
-const SLACK: f64 = 0.1;
+const HELD_ANYWAY: f64 = 0.1;
 
 /// How far a layer of some height holds what is above it.
-pub(crate) fn held(height: Mm, plan: &HangPlan) -> Mm {
-    plan.slope(height) + SLACK * height
+pub(crate) fn held(height: Mm, plan: &OverhangPlan) -> Mm {
+    plan.slope(height) + HELD_ANYWAY * height
 }
 
 /// How far a layer may stick out.
@@ -31,7 +31,7 @@ pub(super) struct Limits {
 
 impl Limits {
     /// The limits of a layer of this height.
-    pub(super) fn new(height: Mm, plan: &HangPlan) -> Limits {
+    pub(super) fn new(height: Mm, plan: &OverhangPlan) -> Limits {
         Limits {
             slope: plan.slope(height),
             held: held(height, plan),
