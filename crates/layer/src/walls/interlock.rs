@@ -178,7 +178,7 @@ mod tests {
     use isoslice_planar::bead::{Role, Stroke};
     use isoslice_planar::shapes::{rect_ring, square_ring};
     use isoslice_planar::{Area, Solid};
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     fn wall(half: Mm) -> Bead {
         let stroke = Stroke::new(square_ring(half), true, 0.45);
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_wall_is_half_a_layer_lower_where_it_goes_on() {
-        let resolution = Resolution::of(&Settings::default());
+        let resolution = usual_plan(Resolution::of);
         let own = solid(square_ring(10.0));
         let plain = volume(&[wall(9.4)]);
         for (below, above, rise, height) in [
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn a_wall_ends_at_a_ledge() {
-        let resolution = Resolution::of(&Settings::default());
+        let resolution = usual_plan(Resolution::of);
         let own = solid(square_ring(10.0));
         // The layer above ends at x = 2; its other sides are those of this one.
         let upper = solid(rect_ring(-10.0, -10.0, 2.0, 10.0));

@@ -195,19 +195,19 @@ mod tests {
     use super::*;
     use crate::walls::ThinPlan;
     use isoslice_planar::shapes::disc;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     fn strip(thickness: f64) -> Patch {
         let ring = [(0.0, 0.0), (20.0, 0.0), (20.0, 1.0), (0.0, 1.0)]
             .map(|(x, y)| DVec2::new(x, y * thickness))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
+        let plan = Lay::inside(0.45, 0.2, usual_plan(ThinPlan::of));
         patch(&Area::from(ring), plan, 0.01)
     }
 
     #[test]
     fn rings_fill_a_disc() {
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
+        let plan = Lay::inside(0.45, 0.2, usual_plan(ThinPlan::of));
         let area = disc(5.0, 400);
         let rings = concentric(&area, plan, 0.01);
         let space = 2.0 * plan.centre;
@@ -224,7 +224,7 @@ mod tests {
         let hole = [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)]
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
+        let plan = Lay::inside(0.45, 0.2, usual_plan(ThinPlan::of));
         let alone = Area::from(hole);
         assert!(concentric(&alone, plan, 0.01).len() < 9);
     }

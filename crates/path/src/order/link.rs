@@ -288,7 +288,7 @@ fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
 mod tests {
     use super::*;
     use isoslice_planar::{Area, rect};
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
 
     const WIDTH: f64 = 0.45;
     const HEIGHT: f64 = 0.2;
@@ -309,7 +309,7 @@ mod tests {
     }
 
     fn linked_in(solid: &EdgeGrid, beads: &[Bead]) -> Vec<Bead> {
-        linked(beads.to_vec(), solid, &OrderPlan::of(&Settings::default()))
+        linked(beads.to_vec(), solid, &usual_plan(OrderPlan::of))
     }
 
     fn linked_inside(beads: &[Bead]) -> Vec<Bead> {
