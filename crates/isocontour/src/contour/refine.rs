@@ -247,8 +247,9 @@ pub(super) fn refine(
     sampler: &mut dyn Sampler,
     scratch: &mut Samples,
 ) -> Result<Vec<DVec2>, FieldError> {
-    // Beside places where the field is infinite it takes two points inside to
-    // tell how it rises, or one and its slope.
+    // If the field is infinite at the outer end of a bracket, it does not tell
+    // how the field rises. Two points inside would, and so does one with its
+    // slope.
     let one_sided: Vec<usize> = (0..brackets.len())
         .filter(|&i| brackets[i].is_one_sided())
         .collect();

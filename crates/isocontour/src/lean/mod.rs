@@ -194,7 +194,7 @@ struct Search<'a> {
     /// along that border, and intervals are not rounded outwards.
     margin: Length,
     scratch: Scratch,
-    /// Memory for looks at other cells than the one that is looked at.
+    /// Memory for looking at other cells while one is being looked at.
     aside: Scratch,
 }
 

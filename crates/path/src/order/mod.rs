@@ -241,7 +241,7 @@ mod tests {
     use isoslice_planar::{Area, Solid};
     use isoslice_settings::WallOrder;
     use isoslice_settings::layers::LayerSpan;
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
     use jobs::Job;
 
     fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
@@ -303,7 +303,7 @@ mod tests {
             at: Some(DVec2::new(30.0, 0.0)),
             ..Head::default()
         };
-        let plan = OrderPlan::of(&Settings::default());
+        let plan = usual_plan(OrderPlan::of);
         let out = order(beads, held(&outline), &mut head, &plan);
         let side: Vec<bool> =
             out.iter().map(|b| b.stroke.points[0].x > 10.0).collect();
@@ -328,7 +328,7 @@ mod tests {
             at: None,
             seams: vec![DVec2::new(1.2, -4.1)],
         };
-        let plan = OrderPlan::of(&Settings::default());
+        let plan = usual_plan(OrderPlan::of);
         let out = order(beads, held(&outline), &mut head, &plan);
         let starts: Vec<DVec2> = out
             .iter()
