@@ -21,6 +21,7 @@ use isoslice_path::pace::rates;
 use isoslice_path::travel::{Ground, LayerPath, Move, connect};
 use isoslice_path::z_contouring::{Site, ZContouring};
 use isoslice_planar::Solid;
+use isoslice_planar::bead::Plane;
 use isoslice_settings::Settings;
 use std::ops::Range;
 use std::sync::Arc;
@@ -249,7 +250,7 @@ impl<'a> PartTravel<'a> {
         if rise != 0.0 {
             let all = beads.iter_mut().map(|ended| &mut ended.bead);
             for bead in all.filter(|bead| bead.role.is_support()) {
-                bead.plane = rise;
+                bead.plane = Plane::Supports(rise);
                 bead.stroke.rise_by(rise);
             }
         }

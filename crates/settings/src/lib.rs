@@ -46,6 +46,7 @@ mod error;
 mod firmware;
 mod foreign;
 mod gone;
+mod idle;
 mod infill;
 mod layer_heights;
 pub mod layers;

@@ -18,6 +18,7 @@ use super::medial_axis::Axis;
 use super::{Lay, Skeleton, cell, joined, shrink};
 use glam::DVec2;
 use isoslice_base::units::Mm;
+use isoslice_planar::along::change;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::{Area, Solid};
 
@@ -174,15 +175,10 @@ fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
         let t = k as f64 / count;
         let to = (t, free(a.lerp(b, t)));
         if from.1 != to.1 {
-            let (mut low, mut high) = (from.0, to.0);
-            while (high - low) * length > END {
-                let middle = 0.5 * (low + high);
-                if free(a.lerp(b, middle)) == from.1 {
-                    low = middle
-                } else {
-                    high = middle
-                }
-            }
+            let ends = [from.0, to.0].map(|t| a.lerp(b, t));
+            let same = |p: DVec2| free(p) == from.1;
+            let [low, high] = change(ends[0], ends[1], END, same)
+                .map(|p| p.distance(a) / length);
             match start.take() {
                 Some(start) => found.push((start, low)),
                 None => start = Some(high),

@@ -8,7 +8,7 @@ use super::tour::{Stop, tour};
 use super::{Context, OrderPlan, SEAM_REACH, sweep};
 use glam::DVec2;
 use isoslice_layer::skin::{Fill, Patch};
-use isoslice_planar::bead::{Bead, Role};
+use isoslice_planar::bead::{Bead, Plane, Role};
 use isoslice_planar::signed_area;
 
 /// Prints an island on a short way from where the head is, `at`, to `to`.
@@ -26,11 +26,12 @@ pub(super) fn print_island(
     let stage = |inner_first| if inner_first { 0 } else { 2 };
     let away_stage = stage(plan.inner_first);
     // The nozzle is low while it prints these: nothing may be beside it yet.
-    let mut sunk: Vec<(u32, Job)> = Vec::new();
+    let mut low: Vec<(u32, Job)> = Vec::new();
     for mut group in island.loops {
         group.walls.iter_mut().for_each(orient);
-        let low = group.walls.extract_if(.., |wall| wall.sunk);
-        sunk.extend(low.map(|wall| (0, Job::of(wall))));
+        let is_low = |wall: &mut Bead| wall.plane == Plane::HalfLower;
+        let walls = group.walls.extract_if(.., is_low);
+        low.extend(walls.map(|wall| (0, Job::of(wall))));
         let mut inner_first = plan.inner_first;
         if plan.inner_first_at_overhangs || plan.turns_overhangs {
             let hangs = group.walls.first().is_some_and(|w| context.hangs(w));
@@ -45,8 +46,8 @@ pub(super) fn print_island(
         let stage = stage(inner_first);
         jobs.extend(away.into_iter().map(|b| (stage, Job::of(b))));
     }
-    if !sunk.is_empty() {
-        print(sunk, at, None, out);
+    if !low.is_empty() {
+        print(low, at, None, out);
     }
     // If there are such walls, gaps lie between them. Otherwise gaps can be
     // filled on the way through the infill.

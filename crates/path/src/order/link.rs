@@ -16,7 +16,7 @@
 use super::{OrderPlan, jobs};
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_planar::bead::{Bead, Role, Stroke, narrowest, spacing};
+use isoslice_planar::bead::{Bead, Plane, Role, Stroke, narrowest, spacing};
 use isoslice_planar::grid::EdgeGrid;
 use std::cell::OnceCell;
 
@@ -251,7 +251,7 @@ fn may_go_on(before: &Bead, after: &Bead, plan: &OrderPlan) -> bool {
     let may = hides(before) && (hides(after) || open(after))
         || open(before) && hides(after)
         || seam && after.role == Role::GapFill;
-    may && !(before.sunk || after.sunk)
+    may && [before, after].iter().all(|b| b.plane != Plane::HalfLower)
 }
 
 /// Role of the first of two beads that does not show.
