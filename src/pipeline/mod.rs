@@ -73,6 +73,7 @@ mod stages;
 mod standing;
 mod start;
 mod summary;
+mod sums;
 mod supply;
 mod supported;
 mod tally;
@@ -81,14 +82,8 @@ mod write;
 
 pub use error::SliceError;
 pub use hanging::{Survey, survey};
-use isocontour::SLAB;
 pub use options::Options;
 pub use run::{slice, slice_plate};
 pub use split::{Share, split};
 pub use standing::supports;
 pub use summary::{PartSummary, Summary};
-
-/// Number of layers whose seams and travels depend on each other. At a block's
-/// beginning seams may jump, and there is a travel from anywhere, so blocks
-/// should be few. A run of a range has to rehearse up to a whole block.
-const BLOCK: usize = 4 * SLAB;

@@ -23,14 +23,12 @@ pub(in crate::pipeline) struct InternalBridges {
 }
 
 impl Stages<'_> {
-    /// How many layers below the first of a block have to be filled, since its
-    /// internal bridges lie on their infill or on their bridges.
-    pub(in crate::pipeline) fn rehearsed_bridges(&self) -> usize {
+    /// Number of layers above infill in which its bridges may show: the bridges, and
+    /// a layer over what they leave. 0 if there are no internal bridges.
+    pub(in crate::pipeline) fn bridge_layers(&self) -> usize {
         if !self.settings.bridges_infill() {
             return 0;
         }
-        // What the lowest of these lie on is not known. They decide only where
-        // the ends of lines of the layers above them are held.
         1 + self.settings.internal_bridges.count().unwrap_or(2) as usize
     }
 
