@@ -70,8 +70,9 @@ impl Options<'_> {
     /// What a run makes to write these layers.
     pub(super) fn extent(&self, layers: Range<usize>) -> Extent {
         let glimpse = self.glimpse.is_some();
-        // A layer goes on from where the layer below ends.
-        let below = usize::from(!glimpse);
+        // A layer goes on from where the layer below ends, and the order of that
+        // depends on where the one below it ends.
+        let below = if glimpse { 0 } else { 2 };
         Extent {
             made: layers.start.saturating_sub(below)..layers.end,
             layers,
@@ -85,7 +86,7 @@ impl Options<'_> {
 pub(super) struct Extent {
     /// The layers to be written.
     pub layers: Range<usize>,
-    /// The layers to be made: those to be written, and the one below them.
+    /// The layers to be made: those to be written, and two below them.
     pub made: Range<usize>,
     /// True if a single layer is made to be looked at.
     pub glimpse: bool,

@@ -16,9 +16,10 @@ use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Mm2, Mm3};
 use isoslice_held::hang::Look;
 use isoslice_layer::adhesion::{keep_on_bed, without_ears};
+use isoslice_layer::seam::Ground;
 use isoslice_layer::seam::ending::{Ended, cut, endings};
 use isoslice_layer::walls::{Reach, Support};
-use isoslice_path::order::{self, linked, order};
+use isoslice_path::order::{self, Begun, LayerBeads, linked, order};
 use isoslice_path::pace::rates;
 use isoslice_path::travel::LayerPath;
 use isoslice_path::z_contouring::ZContouring;
@@ -26,6 +27,7 @@ use isoslice_planar::Solid;
 use isoslice_planar::bead::Bead;
 use isoslice_settings::Settings;
 use rayon::ThreadPool;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// What makes the paths of one part.
@@ -47,19 +49,28 @@ pub(super) struct PartPaths<'a> {
 /// A layer of a part whose beads are in order.
 pub(super) struct Ordered {
     pub beads: Vec<Ended>,
-    /// What the layer stands on, if its outline differs from the layer's.
-    pub stands_on: Option<Arc<Solid<'static>>>,
     /// The layer, without its beads.
     pub filled: Filled,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
 
-impl Ordered {
-    /// Where the layer's last bead ends; none if there is no bead.
-    pub(super) fn end(&self) -> Option<DVec2> {
-        self.beads.last().and_then(Ended::end)
-    }
+/// Where a layer ends; none if that is not known, or if it has no bead.
+#[derive(Clone, Copy, Default)]
+pub(super) struct LayerEnd {
+    /// Where its order has it end, which is told before the order is known.
+    planned: Option<DVec2>,
+    /// Where its last bead ends.
+    at: Option<DVec2>,
+}
+
+/// What of the layers around a layer matters for its order.
+struct Around<'f> {
+    /// What holds the layer's walls, unless all of them are held.
+    support: Option<Support<'f>>,
+    ground: Option<Ground<'f>>,
+    /// Where the seams are expected.
+    seams: Vec<DVec2>,
 }
 
 /// A layer of a part whose path is known.
@@ -163,54 +174,140 @@ impl<'a> PartPaths<'a> {
         })
     }
 
-    /// Puts the beads of a layer in order.
-    pub(super) fn ordered(&self, mut filled: Filled) -> Ordered {
-        let mut beads = std::mem::take(&mut filled.beads);
-        let Filled { layer, below, .. } = &filled;
-        let index = layer.span.index;
-        let warnings = self.keep_on_bed(&mut beads.skirt, index);
-        let solid = layer.outline.grid();
-        let turns = std::mem::take(&mut beads.turns);
-        // A climbing wall leans on the turn below. A raft holds what is on it.
-        let first = index == self.settings.raft_layers();
-        let below = below.as_ref().filter(|_| turns.is_empty() && !first);
-        let ground = below.and_then(|below| layer.ground(below));
+    /// The paths of some layers, one above the other, on all threads of the pool
+    /// that this is called in. `below` is the end of the layer below, and becomes
+    /// the end of the highest one.
+    pub(super) fn layers(
+        &self,
+        mut batch: Vec<Filled>,
+        below: &mut LayerEnd,
+    ) -> Vec<Result<(Passed, Counted), SliceError>> {
+        let take = |filled: &mut Filled| {
+            let mut beads = std::mem::take(&mut filled.beads);
+            let index = filled.layer.span.index;
+            let warnings = self.keep_on_bed(&mut beads.skirt, index);
+            let turns = std::mem::take(&mut beads.turns);
+            (beads, turns, warnings)
+        };
+        let taken: Vec<_> = batch.iter_mut().map(take).collect();
+        let all = batch.par_iter().zip(&taken);
+        let around = all.map(|(filled, (_, turns, _))| {
+            self.around(filled, !turns.is_empty())
+        });
+        let around: Vec<Around<'_>> = around.collect();
+        let all = batch.par_iter().zip(&around).zip(taken);
+        let begun = all.map(|((filled, around), (beads, turns, warnings))| {
+            (self.begin(filled, around, beads), turns, warnings)
+        });
+        let begun: Vec<_> = begun.collect();
+        let from =
+            |end: Option<DVec2>| std::mem::replace(&mut below.planned, end);
+        let from: Vec<_> = begun.iter().map(|b| b.0.end()).map(from).collect();
+        let all = batch.par_iter().zip(&around);
+        let all = all.zip(begun).zip(from);
+        let ended = all.map(|(((filled, around), begun), from)| {
+            let (begun, turns, warnings) = begun;
+            (self.end(filled, around, begun, turns, from), warnings)
+        });
+        let ended: Vec<(Vec<Ended>, Vec<String>)> = ended.collect();
+        drop(around);
+        let from = |(beads, _): &(Vec<Ended>, _)| {
+            let end = beads.last().and_then(Ended::end);
+            std::mem::replace(&mut below.at, end)
+        };
+        let from: Vec<Option<DVec2>> = ended.iter().map(from).collect();
+        let all = batch.into_par_iter().zip(ended).zip(from);
+        let passed = all.map(|((filled, (beads, warnings)), from)| {
+            let ordered = Ordered {
+                beads,
+                filled,
+                warnings,
+            };
+            self.path(ordered, from)
+        });
+        passed.collect()
+    }
+
+    /// True for the part's first layer, which nothing holds but the bed or a raft.
+    fn is_first(&self, filled: &Filled) -> bool {
+        filled.layer.span.index == self.settings.raft_layers()
+    }
+
+    /// What a layer stands on, if that is another layer of the part whose outline
+    /// differs.
+    pub(super) fn stands_on<'f>(
+        &self,
+        filled: &'f Filled,
+    ) -> Option<&'f Arc<Solid<'static>>> {
+        let layer = &filled.layer;
+        let below = filled.below.as_ref().filter(|_| !self.is_first(filled));
         let below = below.filter(|below| !layer.same_outline(below));
-        let stands_on = below.map(|below| below.top().clone());
+        below.map(Layer::top)
+    }
+
+    /// What is around a layer. A layer that `climbs` leans on the turn below.
+    fn around<'f>(&self, filled: &'f Filled, climbs: bool) -> Around<'f> {
+        let layer = &filled.layer;
+        let below = filled.below.as_ref();
+        let below = below.filter(|_| !climbs && !self.is_first(filled));
         let support = self.timings.time(Stage::Travel, || {
-            let below = stands_on.as_deref()?;
+            let below = self.stands_on(filled).filter(|_| !climbs)?;
             let share = self.settings.overhang_share;
             Support::new(below, &layer.outline, share, &self.plans.walls)
         });
-        let support = support.as_ref();
-        let course = &self.planned.stages.course;
+        Around {
+            support,
+            ground: below.and_then(|below| layer.ground(below)),
+            seams: self.planned.stages.course.seams(&layer.span),
+        }
+    }
+
+    /// Puts the last beads of a layer in order.
+    fn begin<'f>(
+        &'f self,
+        filled: &'f Filled,
+        around: &'f Around<'f>,
+        beads: LayerBeads,
+    ) -> Begun<'f> {
+        let layer = &filled.layer;
+        let (stages, spans) = (&self.planned.stages, self.planned.spans);
+        let number = layer.span.index;
+        let [from, to] = stages.course.ends(spans, number);
+        let context = order::Context {
+            number,
+            from,
+            to,
+            seams: &around.seams,
+            outline: layer.area(),
+            support: around.support.as_ref(),
+            ground: around.ground,
+        };
+        self.timings
+            .time(Stage::Order, || order(beads, context, &self.plans.order))
+    }
+
+    /// Puts all beads of a layer in order, and gives its walls their ends. `from` is
+    /// where the layer below ends.
+    fn end(
+        &self,
+        filled: &Filled,
+        around: &Around<'_>,
+        begun: Begun<'_>,
+        turns: Vec<Bead>,
+        from: Option<DVec2>,
+    ) -> Vec<Ended> {
+        let solid = filled.layer.outline.grid();
         let ended = self.timings.time(Stage::Order, || {
-            let [from, to] = course.ends(index);
-            let context = order::Context {
-                number: index,
-                from,
-                to,
-                seams: &course.seams(&layer.span),
-                outline: layer.area(),
-                support,
-                ground,
-            };
-            let beads = order(beads, context, &self.plans.order);
-            let beads = linked(beads, solid, &self.plans.order);
+            let beads = linked(begun.from(from), solid, &self.plans.order);
+            let first = self.is_first(filled);
             let mut ended = endings(beads, solid, first, &self.plans.ending);
             ended.extend(turns.into_iter().map(Ended::from));
             ended
         });
-        let beads = self.timings.time(Stage::Travel, || match support {
+        self.timings.time(Stage::Travel, || match &around.support {
             Some(support) => cut(ended, support),
             None => ended,
-        });
-        Ordered {
-            beads,
-            stands_on,
-            filled,
-            warnings,
-        }
+        })
     }
 
     /// Leaves out what of a layer's skirt is not on the bed. A loop that leaves

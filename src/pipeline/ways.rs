@@ -26,7 +26,6 @@ impl PartPaths<'_> {
     ) -> Result<(Passed, Counted), SliceError> {
         let Ordered {
             beads,
-            stands_on,
             mut filled,
             warnings,
         } = ordered;
@@ -68,9 +67,10 @@ impl PartPaths<'_> {
             }
             path
         });
+        let below = self.stands_on(&filled).cloned();
         let passed = Passed {
             path,
-            below: stands_on.filter(|_| self.settings.by_reach()),
+            below: below.filter(|_| self.settings.by_reach()),
             held: filled.held,
             outline: filled.layer.outline,
         };

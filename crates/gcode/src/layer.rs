@@ -108,20 +108,31 @@ impl<W: Write> Writer<'_, W> {
         layer.parts.iter().filter_map(around).collect()
     }
 
-    /// Brings the machine to where the layers below leave it, if those layers are in
-    /// another file. `layer` is the first one of this file.
+    /// Brings the machine to where the layers below leave it, and tells it what
+    /// they tell it, if those layers are in another file. `layer` is the first
+    /// one of this file.
     pub(super) fn catch_up(
         &mut self,
         layer: &PacedLayer,
     ) -> Result<(), WriteError> {
+        let (feed, acceleration) = (self.feed.take(), self.acceleration);
         let approach = self.approach(layer);
         self.time_approach(approach.as_ref().map_or(&*layer.moves, |a| &a[..]));
         if let Some(way) = approach {
             // The machine is where the file's head leaves it.
             (self.xy, self.z) = (None, None);
             way.iter().try_for_each(|step| self.step(step))?;
-            // The layer itself tells its speeds.
-            (self.feed, self.acceleration) = (None, None);
+        }
+        (self.feed, self.acceleration) = (feed, acceleration);
+        let flavour = self.plan.flavour;
+        if let Some(pwm) = self.fan.filter(|&pwm| pwm > 0) {
+            self.line(&flavour::fan(flavour, pwm));
+        }
+        if let Some(count) = self.acceleration {
+            self.tell_acceleration(count);
+        }
+        if let Some(feed) = self.feed {
+            self.line(&format!("G1 F{feed}"));
         }
         Ok(())
     }

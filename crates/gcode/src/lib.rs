@@ -362,7 +362,7 @@ impl<'a, W: Write> Writer<'a, W> {
     /// # Errors
     /// If the output cannot be written, or a number is not finite.
     pub fn layer(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
-        self.begin_layer(layer)?;
+        self.begin_layer(layer);
         if self.totals.layers == 0 {
             self.catch_up(layer)?;
             if let Some(record) = &mut self.record {
@@ -395,7 +395,7 @@ impl<'a, W: Write> Writer<'a, W> {
             writer.buffer.clear();
             Ok(())
         };
-        self.begin_layer(layer)?;
+        self.begin_layer(layer);
         self.compose(layer, forget)?;
         if let Some(record) = &mut self.record {
             record.forget();
@@ -403,44 +403,22 @@ impl<'a, W: Write> Writer<'a, W> {
         forget(self)
     }
 
-    /// Forgets what the machine has been told but where the head is, as if the
-    /// layer were written by a run of its own. The print's first layer goes on from
-    /// the file's head.
-    ///
-    /// # Errors
-    /// If a number is not finite.
-    fn begin_layer(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
+    /// Begins a layer that depends on nothing before it but what the layer below has
+    /// told the machine, or on nothing at all if that has no moves. The print's first
+    /// layer goes on from the file's head.
+    fn begin_layer(&mut self, layer: &PacedLayer) {
         if layer.before + layer.span.index == 0 {
-            return Ok(());
+            return;
         }
-        let count = |what, at| self.count(what, at, XYZ);
-        let place = layer.from.map(|p| {
-            Ok::<_, WriteError>([
-                count("x", p.x)?,
-                count("y", p.y)?,
-                count("z", p.z)?,
-            ])
-        });
-        let place = place.transpose()?;
-        self.xy = place.map(|[x, y, _]| (x, y));
-        self.z = place.map(|[_, _, z]| z);
-        self.feed = None;
-        self.fan = None;
-        // A constant temperature need not be told again.
-        let (first, above) = self.plan.nozzle_temperatures;
-        self.nozzle = if layer.span.index == 1 {
-            Some(first)
-        } else {
-            above
-        };
-        self.acceleration = None;
-        self.retracted = false;
+        if layer.from_anywhere {
+            (self.xy, self.z) = (None, None);
+            (self.feed, self.fan, self.acceleration) = (None, None, None);
+        }
         self.extra = 0.0;
         self.filament = Filament {
             relative: self.filament.relative,
             ..Filament::default()
         };
-        Ok(())
     }
 
     /// Ends the file: retracts, turns the fan off, writes the end template and

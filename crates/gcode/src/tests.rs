@@ -610,7 +610,7 @@ fn what_is_no_number_is_an_error() {
         .expect("templates");
         let paced = PacedLayer {
             before: 0,
-            from: None,
+            from_anywhere: true,
             span: layer(7, vec![]).span,
             moves: vec![PacedMove::Travel {
                 points: vec![DVec2::new(bad, 1.0)],

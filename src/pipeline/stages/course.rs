@@ -19,7 +19,7 @@ use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_layer::seam::{BACK, Guide};
 use isoslice_path::order::course;
-use isoslice_planar::Area;
+use isoslice_planar::{Ring, signed_area};
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -44,12 +44,22 @@ pub(in crate::pipeline) struct Course {
 }
 
 impl Course {
-    /// Where a layer begins and where it ends, if that was planned.
-    pub(in crate::pipeline) fn ends(&self, layer: usize) -> [Option<DVec2>; 2] {
+    /// Where the layer `layer` of these begins and where it ends, if that was
+    /// planned.
+    pub(in crate::pipeline) fn ends(
+        &self,
+        spans: &[LayerSpan],
+        layer: usize,
+    ) -> [Option<DVec2>; 2] {
         [layer, layer + 1].map(|begun| {
             let next = self.ways.partition_point(|way| way.0 <= begun);
             let (_, ends) = self.ways.get(next.saturating_sub(1))?;
-            Some(ends[begun % 2])
+            let meant = ends[begun % 2];
+            // An island begins at its seam, which has moved on since the look.
+            let seams = spans.get(begun).map(|span| self.seams(span));
+            let away = |p: &DVec2| p.distance_squared(meant);
+            let near = |a: &DVec2, b: &DVec2| away(a).total_cmp(&away(b));
+            seams.into_iter().flatten().min_by(near).or(Some(meant))
         })
     }
 
@@ -68,13 +78,24 @@ impl Course {
         }
     }
 
-    /// Finds the ends of the way through a layer's islands.
+    /// Finds the ends of the way through a layer's islands, each of which begins at
+    /// its seam, or at the back.
     fn visit(&mut self, layer: &Layer) {
-        let islands = layer.area().islands().into_iter();
+        let rings = &layer.area().rings;
+        let mut seams = vec![None; rings.len()];
+        for seam in self.seams(&layer.span) {
+            if let Some((ring, _)) = layer.outline.grid().nearest(seam) {
+                seams[ring] = Some(seam);
+            }
+        }
         let back = |a: &DVec2, b: &DVec2| BACK.dot(*a).total_cmp(&BACK.dot(*b));
-        let place =
-            |island: Area| island.rings.first()?.iter().copied().max_by(back);
-        let places: Vec<DVec2> = islands.filter_map(place).collect();
+        let island = |(ring, seam): (&Ring, Option<DVec2>)| {
+            let outer = signed_area(ring) > 0.0;
+            let place = seam.or_else(|| ring.iter().copied().max_by(back));
+            place.filter(|_| outer)
+        };
+        let islands = rings.iter().zip(seams).filter_map(island);
+        let places: Vec<DVec2> = islands.collect();
         let way = course(&places);
         if let (Some(&first), Some(&last)) = (way.first(), way.last()) {
             let ends = [places[first], places[last]];

@@ -46,7 +46,7 @@ pub(super) struct Lower {
     calm: usize,
 }
 
-/// Number of the lowest layer on which layer `first` may depend.
+/// Number of the lowest layer on which the bridges of layer `first` may depend.
 pub(super) fn lowest(first: usize) -> usize {
     (first - first % CUT).saturating_sub(1)
 }
@@ -109,7 +109,7 @@ impl Lower {
         for (k, filled) in all.iter_mut().enumerate() {
             let i = start + k;
             let number = window.layers[i].span.index;
-            if window.stages.is_on_raft(number) || is_cut(number) {
+            if window.stages.is_on_raft(number) {
                 // All infill counts as standing on what is below it.
                 self.standing.iter_mut().for_each(Standing::forget);
             }
@@ -122,8 +122,9 @@ impl Lower {
             self.calm = if filled.bare { 0 } else { self.calm + 1 };
             let goes_on = self.calm < window.stages.bridge_layers();
             let bare = filled.bare;
-            let next = if is_cut(number) {
-                Some(window.plain(i, bare, beads, &areas)?)
+            let plain = if is_cut(number) {
+                let standing = self.standing.clone();
+                Some(window.plain(i, bare, beads, &areas, standing)?)
             } else {
                 None
             };
@@ -132,13 +133,8 @@ impl Lower {
             let over = window.over(i, bare, beads, &mut areas, under)?;
             let standing = self.standing.as_mut();
             filled.left_out = window.keep_standing(standing, beads);
-            match next {
-                Some((standing, infilled)) => {
-                    self.standing = standing;
-                    self.under = Some(infilled);
-                }
-                None => self.under = Some(over.infilled(beads, &areas.sparse)),
-            }
+            let own = || over.infilled(beads, &areas.sparse);
+            self.under = Some(plain.unwrap_or_else(own));
             filled.sparse = Solid::new(areas.sparse);
         }
         Ok(())
@@ -209,20 +205,19 @@ impl Window<'_> {
         Ok(Bridges { left, levels })
     }
 
-    /// Layer `i` of the window as if it had no bridges and all of its infill stood,
-    /// with the check of infill that goes on from it.
+    /// Layer `i` of the window as if it had no bridges.
     fn plain(
         &self,
         i: usize,
         bare: bool,
         beads: &LayerBeads,
         areas: &FillAreas,
-    ) -> Result<(Option<Standing>, Infilled), SliceError> {
+        mut standing: Option<Standing>,
+    ) -> Result<Infilled, SliceError> {
         let (mut beads, mut areas) = (beads.clone(), areas.clone());
         let over = self.over(i, bare, &mut beads, &mut areas, None)?;
-        let mut standing = self.stages.standing();
         self.keep_standing(standing.as_mut(), &mut beads);
-        Ok((standing, over.infilled(&beads, &areas.sparse)))
+        Ok(over.infilled(&beads, &areas.sparse))
     }
 
     /// Leaves out the infill of a layer that stands on nothing, and returns the

@@ -16,9 +16,8 @@ use super::SliceError;
 use super::job::Planned;
 use super::layer::{Filled, Inside, Layer, view};
 use super::options::Extent;
-use super::part::{Counted, Ordered, PartPaths, Passed};
+use super::part::{Counted, LayerEnd, PartPaths, Passed};
 use super::stages::Stages;
-use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_layer::skin::Patch;
 use isoslice_planar::Solid;
@@ -57,9 +56,8 @@ pub(super) struct Supply<'a> {
     lower: Lower,
     /// What makes the layers' paths.
     paths: &'a PartPaths<'a>,
-    /// Where the layer that was handed over last ends; none if that is not known,
-    /// or if it has no bead.
-    at: Option<DVec2>,
+    /// Where the layer that was handed over last ends.
+    end: LayerEnd,
 }
 
 impl<'a> Supply<'a> {
@@ -120,7 +118,7 @@ impl<'a> Supply<'a> {
             lower: Lower::new(stages),
             layers,
             paths,
-            at: None,
+            end: LayerEnd::default(),
         }
     }
 
@@ -214,21 +212,8 @@ impl<'a> Supply<'a> {
             .iter_mut()
             .take_while(below)
             .for_each(Layer::sink);
-        self.paths_of(batch)
-    }
-
-    /// The paths of some layers, on all threads.
-    fn paths_of(&mut self, batch: Vec<Filled>) -> Batch {
-        let paths = self.paths;
-        let ordered: Vec<Ordered> = self.pool.install(|| {
-            batch.into_par_iter().map(|f| paths.ordered(f)).collect()
-        });
-        let from =
-            |layer: &Ordered| std::mem::replace(&mut self.at, layer.end());
-        let from: Vec<Option<DVec2>> = ordered.iter().map(from).collect();
-        let all = ordered.into_par_iter().zip(from);
-        let made = all.map(|(layer, from)| paths.path(layer, from));
-        all_or_first(self.pool.install(|| made.collect()))
+        let (paths, end) = (self.paths, &mut self.end);
+        all_or_first(self.pool.install(|| paths.layers(batch, end)))
     }
 
     /// What there is to print in some layers of the window, but for what `settle`

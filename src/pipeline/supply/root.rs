@@ -22,13 +22,15 @@ pub(super) fn root(
     first: usize,
 ) -> Result<usize, SliceError> {
     let stages = &paths.planned.stages;
-    let depends = stages.bridge_layers() > 0 || stages.standing().is_some();
+    let checks = stages.standing().is_some();
+    let depends = stages.bridge_layers() > 0 || checks;
     let last = paths.planned.spans.len().saturating_sub(1);
     if !depends || first == 0 || first > last {
         return Ok(first);
     }
     let calm = stages.bridge_layers().max(1);
-    let lowest = lowest(first);
+    // What infill stands on may lie far below.
+    let lowest = if checks { 0 } else { lowest(first) };
     let (mut end, mut some, mut found) = (first + 1, calm + 1, 0);
     while end > lowest + 1 {
         let from = end.saturating_sub(some).max(lowest);
@@ -42,8 +44,7 @@ pub(super) fn root(
             };
             let root = layer.layer.span.index + calm - 1;
             let at = layers.iter().find(|l| l.layer.span.index == root);
-            let any = stages.standing().is_none();
-            if found >= calm && at.map_or(any, |root| stands(paths, root)) {
+            if found >= calm && at.map_or(!checks, |root| stands(paths, root)) {
                 return Ok(root);
             }
         }

@@ -31,6 +31,7 @@ const HELD: f64 = 0.75;
 const DOT: f64 = 2.0;
 
 /// What a layer's infill may stand on.
+#[derive(Clone)]
 pub struct Standing {
     reach: Mm,
     /// The beads of the layer below, if it is known.

@@ -1,9 +1,10 @@
 //! The order in which a layer's beads are printed, and where loops begin.
 //!
-//! In: a layer's beads by kind, where its seams may be, and where the layer is to
-//! begin and to end. Out: the beads in print order, closed ones rotated to their
-//! seam, open ones turned so that travels are short. Nothing of it depends on the
-//! order of another layer. Islands are finished one at a time. Within an island the
+//! In: a layer's beads by kind, where its seams may be, and where the head comes
+//! from. Out: the beads in print order, closed ones rotated to their seam, open ones
+//! turned so that travels are short. What is printed last does not depend on where
+//! the head comes from. So an order depends on no more than the layer and the end
+//! of the layer below. Islands are finished one at a time. Within an island the
 //! walls come first, then gap fill and sparse infill, then skin, each on a
 //! short tour (`tour`) that begins where the tour before ends.
 //!
@@ -36,7 +37,7 @@ pub use begin::begin_near;
 
 use begin::nearest_spot;
 use glam::DVec2;
-use island::print_island;
+use island::Inside;
 use islands::{Island, grid_of, islands};
 use isoslice_base::units::Mm;
 use isoslice_layer::seam::{BACK, Below, Ground, Site, follow};
@@ -90,9 +91,9 @@ const SEAM_REACH: Mm = 2.0;
 pub struct Context<'a> {
     /// The layer's number, from the bed.
     pub number: usize,
-    /// Where the head is expected to come from; nothing if from anywhere.
+    /// Where layers like this one begin; nothing if that is not planned.
     pub from: Option<DVec2>,
-    /// Where the head is to end; nothing if it may end anywhere.
+    /// Where they end.
     pub to: Option<DVec2>,
     /// Where the seams are expected.
     pub seams: &'a [DVec2],
@@ -112,57 +113,117 @@ impl Context<'_> {
     }
 }
 
-/// Puts a layer's beads in order.
-pub fn order(
+/// A layer's beads, of which the last ones are in order. They are chosen before the
+/// others, and do not depend on where the layer begins, so that the layer above can
+/// be told at once where this one ends.
+pub struct Begun<'a> {
+    context: Context<'a>,
+    plan: &'a OrderPlan,
+    skirt: Vec<Bead>,
+    /// Supports that come before the part.
+    support: Vec<Bead>,
+    /// The islands but for the last one.
+    islands: Vec<Island>,
+    /// What comes before the last beads in their island.
+    before: Inside,
+    last: Vec<Bead>,
+}
+
+/// Begins to put a layer's beads in order.
+pub fn order<'a>(
     mut beads: LayerBeads,
-    context: Context<'_>,
-    plan: &OrderPlan,
-) -> Vec<Bead> {
-    let mut at = context.from;
-    let mut out = Vec::new();
-    for mut bead in std::mem::take(&mut beads.skirt) {
-        if let Some(at) = at
-            && bead.stroke.closed
-        {
-            begin_near(&mut bead.stroke, at);
-        }
-        jobs::finish(bead, &mut at, &mut out);
-    }
+    context: Context<'a>,
+    plan: &'a OrderPlan,
+) -> Begun<'a> {
+    let skirt = std::mem::take(&mut beads.skirt);
     let support = std::mem::take(&mut beads.support);
-    let (first, last) = if beads.support_last {
-        (Vec::new(), support)
-    } else {
-        (support, Vec::new())
-    };
+    let support_last = beads.support_last;
     let outline = context.outline;
-    supports::print(first, outline, &mut at, &mut out);
     let mut islands = islands(outline, beads);
     place_seams(&mut islands, context.seams, context.ground);
-    let mut stops = Vec::new();
-    let mut left = Vec::new();
-    for island in islands {
-        if let Some(p) = island_start(&island) {
-            stops.push(Stop {
-                from: p,
-                to: p,
-                turns: false,
-                stage: 0,
-            });
-            left.push(Some(island));
-        }
+    islands.retain(|island| island_start(island).is_some());
+    let mut begun = Begun {
+        context,
+        plan,
+        skirt,
+        support,
+        islands,
+        before: Inside::default(),
+        last: Vec::new(),
+    };
+    if support_last && !begun.support.is_empty() {
+        let support = std::mem::take(&mut begun.support);
+        supports::print(support, outline, &mut None, &mut begun.last);
+        return begun;
     }
-    let visits = tour(&stops, at, context.to);
-    for (k, visit) in visits.iter().enumerate() {
-        // The layer above begins where this one ends, most often with the same
+    let stops = stops_at(&begun.islands);
+    if let Some(visit) = tour(&stops, context.from, context.to).last() {
+        let island = begun.islands.swap_remove(visit.stop);
+        // The layer above is likely to begin where this one ends, with the same
         // island.
-        let next = visits.get(k + 1).unwrap_or(visit);
-        let to = Some(stops[next.stop].from);
-        if let Some(island) = left[visit.stop].take() {
-            print_island(island, &mut at, to, context, plan, &mut out);
-        }
+        let to = Some(stops[visit.stop].from);
+        let mut inside = Inside::new(island, context, plan);
+        let alone = begun.skirt.is_empty()
+            && begun.support.is_empty()
+            && begun.islands.is_empty();
+        begun.last = inside.print_last(context.from.filter(|_| alone), to);
+        begun.before = inside;
     }
-    supports::print(last, outline, &mut at, &mut out);
-    out
+    begun
+}
+
+impl Begun<'_> {
+    /// Where the layer ends; none if it has no bead.
+    pub fn end(&self) -> Option<DVec2> {
+        self.last.iter().rev().find_map(jobs::end)
+    }
+
+    /// The beads in print order. `from` is where the head comes from.
+    pub fn from(self, from: Option<DVec2>) -> Vec<Bead> {
+        let Begun { context, plan, .. } = self;
+        let mut at = from.or(context.from);
+        let mut out = Vec::new();
+        for mut bead in self.skirt {
+            if let Some(at) = at
+                && bead.stroke.closed
+            {
+                begin_near(&mut bead.stroke, at);
+            }
+            jobs::finish(bead, &mut at, &mut out);
+        }
+        supports::print(self.support, context.outline, &mut at, &mut out);
+        let first = self.last.first().and_then(|b| b.stroke.ends());
+        let to = self.before.start().or(first.map(|ends| ends.0));
+        let stops = stops_at(&self.islands);
+        let visits = tour(&stops, at, to);
+        let mut left: Vec<Option<Island>> =
+            self.islands.into_iter().map(Some).collect();
+        for (k, visit) in visits.iter().enumerate() {
+            let next = visits.get(k + 1).map(|next| stops[next.stop].from);
+            if let Some(island) = left[visit.stop].take() {
+                let inside = Inside::new(island, context, plan);
+                inside.print(&mut at, next.or(to), &mut out);
+            }
+        }
+        self.before
+            .print(&mut at, first.map(|ends| ends.0), &mut out);
+        out.extend(self.last);
+        out
+    }
+}
+
+/// The islands as stops of a tour.
+fn stops_at(islands: &[Island]) -> Vec<Stop> {
+    let stop = |island| {
+        let at = island_start(island)?;
+        Some(Stop {
+            from: at,
+            to: at,
+            turns: false,
+            stage: 0,
+        })
+    };
+    islands.iter().filter_map(stop).collect()
 }
 
 /// The order in which to visit some places on a short way, which begins at the
@@ -294,7 +355,7 @@ mod tests {
             ..held(&outline)
         };
         let plan = OrderPlan::with(|_| ());
-        let out = order(beads, context, &plan);
+        let out = order(beads, context, &plan).from(None);
         let side: Vec<bool> =
             out.iter().map(|b| b.stroke.points[0].x > 10.0).collect();
         assert_eq!(side, [true, true, false, false]);
@@ -319,7 +380,7 @@ mod tests {
             ..held(&outline)
         };
         let plan = OrderPlan::with(|_| ());
-        let out = order(beads, context, &plan);
+        let out = order(beads, context, &plan).from(None);
         let starts: Vec<DVec2> = out
             .iter()
             .filter(|b| b.role == Role::OuterWall)
@@ -357,7 +418,7 @@ mod tests {
                 2
             ];
             let plan = OrderPlan::with(|s| s.wall_order = wall_order);
-            let out = order(beads, held(&outline), &plan);
+            let out = order(beads, held(&outline), &plan).from(None);
             assert_eq!(out.len(), 6);
             let here = out.iter().filter(|b| b.stroke.points[0].x < 10.0);
             let roles: Vec<Role> = here.map(|b| b.role).collect();
@@ -390,7 +451,8 @@ mod tests {
                 to: Some(centres[to]),
                 ..held(&outline)
             };
-            let out = order(beads, context, &OrderPlan::with(|_| ()));
+            let plan = OrderPlan::with(|_| ());
+            let out = order(beads, context, &plan).from(None);
             out.iter().map(|b| b.stroke.points[0].x + 4.0).collect()
         };
         let course = course(&centres);

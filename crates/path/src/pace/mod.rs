@@ -190,7 +190,7 @@ impl<'a> Pacer<'a> {
         stretches: Vec<Stretch<'a, '_>>,
         whole: &Rater<'a>,
     ) -> Result<PacedLayer, VaryError> {
-        let from = self.xy.zip(self.z).map(|(xy, z)| xy.extend(z));
+        let from_anywhere = self.xy.is_none();
         self.motion.clear();
         self.printed.clear();
         self.raised = 0.0;
@@ -241,7 +241,7 @@ impl<'a> Pacer<'a> {
         Ok(PacedLayer {
             span,
             before: 0,
-            from,
+            from_anywhere,
             moves: out,
             parts,
             fan,

@@ -1,6 +1,6 @@
 //! The steps of the machine that pacing makes, layer by layer.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use isoslice_base::units::{
     Celsius, Mm, MmPerSec, MmPerSec2, Percent, Seconds,
 };
@@ -157,8 +157,8 @@ pub struct PacedLayer {
     pub span: LayerSpan,
     /// Layers of parts that were finished before this one began.
     pub before: usize,
-    /// Where the head comes from; none if that is not known.
-    pub from: Option<DVec3>,
+    /// True if nothing is known of where the head comes from.
+    pub from_anywhere: bool,
     /// The layer's moves in order.
     pub moves: Vec<PacedMove>,
     /// Which moves belong to which part, in order.
