@@ -12,7 +12,7 @@ use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::signed_area;
 
 /// What is printed of an island, in its order.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Inside {
     /// Walls that lie lower than the layer. The nozzle is low while it prints these:
     /// nothing may be beside them yet.
@@ -78,11 +78,11 @@ impl Inside {
         Some(first.ends()?.0)
     }
 
-    /// Takes what is printed last and prints it on a short way to `to`, from `at` if
-    /// that is known.
+    /// Takes what is printed last and prints it on a short way to `to`, if the head
+    /// comes from `at`.
     pub(super) fn print_last(
         &mut self,
-        at: Option<DVec2>,
+        mut at: Option<DVec2>,
         to: Option<DVec2>,
     ) -> Vec<Bead> {
         let last = self.jobs.iter().map(|job| job.0).max();
@@ -98,9 +98,9 @@ impl Inside {
             jobs,
             skin: std::mem::take(&mut self.skin),
         };
-        let alone = self.sunk.is_empty() && self.jobs.is_empty();
+        self.clone().print(&mut at, None, &mut Vec::new());
         let mut out = Vec::new();
-        last.print(&mut at.filter(|_| alone), to, &mut out);
+        last.print(&mut at, to, &mut out);
         out
     }
 

@@ -157,16 +157,16 @@ pub fn order<'a>(
         return begun;
     }
     let stops = stops_at(&begun.islands);
-    if let Some(visit) = tour(&stops, context.from, context.to).last() {
+    let visits = tour(&stops, context.from, context.to);
+    if let Some(visit) = visits.last() {
+        let before = visits.iter().rev().nth(1);
+        let at = before.map(|visit| stops[visit.stop].from);
         let island = begun.islands.swap_remove(visit.stop);
         // The layer above is likely to begin where this one ends, with the same
         // island.
         let to = Some(stops[visit.stop].from);
         let mut inside = Inside::new(island, context, plan);
-        let alone = begun.skirt.is_empty()
-            && begun.support.is_empty()
-            && begun.islands.is_empty();
-        begun.last = inside.print_last(context.from.filter(|_| alone), to);
+        begun.last = inside.print_last(at.or(context.from), to);
         begun.before = inside;
     }
     begun
