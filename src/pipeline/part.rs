@@ -270,13 +270,9 @@ impl<'a> PartPaths<'a> {
         beads: LayerBeads,
     ) -> Begun<'f> {
         let layer = &filled.layer;
-        let (stages, spans) = (&self.planned.stages, self.planned.spans);
-        let number = layer.span.index;
-        let [from, to] = stages.course.ends(spans, number);
         let context = order::Context {
-            number,
-            from,
-            to,
+            number: layer.span.index,
+            from: self.planned.stages.course.begin(&layer.span),
             seams: &around.seams,
             outline: layer.area(),
             support: around.support.as_ref(),

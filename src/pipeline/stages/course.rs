@@ -1,5 +1,5 @@
 //! What runs through a whole part from layer to layer, planned before its layers
-//! are made: the lines of its seams, and where layers begin and end.
+//! are made: the lines of its seams, and where layers begin.
 //!
 //! ```text
 //!   layer 3   ○ ○ ○ ○ ←    The islands of a layer are visited on a short way. The
@@ -7,9 +7,10 @@
 //!   layer 1   ○ ○ ○ ○ ←    where this one ends.
 //! ```
 //!
-//! In: the outlines of a few layers. Out: for each layer where to begin, where to
-//! end, and where seams are expected. So a layer's paths depend on no other
-//! layer's paths.
+//! In: the outlines of a few layers. Out: for each layer where to begin, and where
+//! seams are expected. What a layer prints last follows from that alone, and so where
+//! the next layer begins; what comes before it is then ordered between the two
+//! places.
 
 use super::Stages;
 use super::outlines::WallFields;
@@ -44,23 +45,16 @@ pub(in crate::pipeline) struct Course {
 }
 
 impl Course {
-    /// Where the layer `layer` of these begins and where it ends, if that was
+    /// Where the head is likely to come from when a layer begins, if that was
     /// planned.
-    pub(in crate::pipeline) fn ends(
-        &self,
-        spans: &[LayerSpan],
-        layer: usize,
-    ) -> [Option<DVec2>; 2] {
-        [layer, layer + 1].map(|begun| {
-            let next = self.ways.partition_point(|way| way.0 <= begun);
-            let (_, ends) = self.ways.get(next.saturating_sub(1))?;
-            let meant = ends[begun % 2];
-            // An island begins at its seam, which has moved on since the look.
-            let seams = spans.get(begun).map(|span| self.seams(span));
-            let away = |p: &DVec2| p.distance_squared(meant);
-            let near = |a: &DVec2, b: &DVec2| away(a).total_cmp(&away(b));
-            seams.into_iter().flatten().min_by(near).or(Some(meant))
-        })
+    pub(in crate::pipeline) fn begin(&self, span: &LayerSpan) -> Option<DVec2> {
+        let next = self.ways.partition_point(|way| way.0 <= span.index);
+        let (_, ends) = self.ways.get(next.saturating_sub(1))?;
+        let meant = ends[span.index % 2];
+        // An island begins at its seam, which has moved on since the look.
+        let away = |p: &DVec2| p.distance_squared(meant);
+        let near = |a: &DVec2, b: &DVec2| away(a).total_cmp(&away(b));
+        self.seams(span).into_iter().min_by(near).or(Some(meant))
     }
 
     /// Where the seams of a layer are expected.

@@ -91,10 +91,8 @@ const SEAM_REACH: Mm = 2.0;
 pub struct Context<'a> {
     /// The layer's number, from the bed.
     pub number: usize,
-    /// Where layers like this one begin; nothing if that is not planned.
+    /// Where the head is likely to come from; nothing if that is not planned.
     pub from: Option<DVec2>,
-    /// Where they end.
-    pub to: Option<DVec2>,
     /// Where the seams are expected.
     pub seams: &'a [DVec2],
     /// The layer's solid.
@@ -157,7 +155,7 @@ pub fn order<'a>(
         return begun;
     }
     let stops = stops_at(&begun.islands);
-    let visits = tour(&stops, context.from, context.to);
+    let visits = tour(&stops, context.from, None);
     if let Some(visit) = visits.last() {
         let before = visits.iter().rev().nth(1);
         let at = before.map(|visit| stops[visit.stop].from);
@@ -325,7 +323,6 @@ mod tests {
         Context {
             number: 1,
             from: None,
-            to: None,
             seams: &[],
             outline,
             support: None,
@@ -437,7 +434,7 @@ mod tests {
     #[test]
     fn layers_above_each_other_begin_where_the_last_one_ends() {
         let centres = [0.0, 40.0, 20.0].map(|x| DVec2::new(x, 0.0));
-        let order_of = |from: usize, to: usize| -> Vec<f64> {
+        let order_of = |from: usize| -> Vec<f64> {
             let walls =
                 centres.map(|c| wall(Role::OuterWall, square(c.x, 4.0)));
             let outline: Area =
@@ -448,7 +445,6 @@ mod tests {
             };
             let context = Context {
                 from: Some(centres[from]),
-                to: Some(centres[to]),
                 ..held(&outline)
             };
             let plan = OrderPlan::with(|_| ());
@@ -458,8 +454,8 @@ mod tests {
         let course = course(&centres);
         assert_eq!(course, [1, 2, 0]);
         let (first, last) = (course[0], course[2]);
-        assert_eq!(order_of(first, last), [40.0, 20.0, 0.0]);
-        assert_eq!(order_of(last, first), [0.0, 20.0, 40.0]);
+        assert_eq!(order_of(first), [40.0, 20.0, 0.0]);
+        assert_eq!(order_of(last), [0.0, 20.0, 40.0]);
     }
 
     #[test]
