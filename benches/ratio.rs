@@ -16,7 +16,7 @@ use fidget::eval::{BulkEvaluator, Function, MathFunction};
 use fidget::vm::VmFunction;
 use isoslice::model::{self, BuildVolume, Placement, Source};
 use isoslice::pipeline::{Options, Summary, slice};
-use isoslice::settings::Settings;
+use isoslice::settings::Builder;
 use std::error::Error;
 use std::io;
 use std::path::PathBuf;
@@ -83,7 +83,7 @@ fn whole(
         threads: Some(threads),
         ..Options::default()
     };
-    let settings = Settings::default();
+    let (settings, _) = Builder::new().finish()?;
     let start = ProcessTime::now();
     let mut sink = io::sink();
     let summary = slice(model, &settings, &options, &mut sink)?;

@@ -15,7 +15,8 @@ use isoslice::model::{
 use isoslice::pipeline::{self, Options};
 use isoslice::preview::Toolpath;
 use isoslice::reader::{Event, Reader};
-use isoslice::settings::{Builder, Settings};
+use isoslice::settings::Builder;
+use slicerprofile::Place;
 use std::time::Duration;
 
 /// A target with its name: that of its folder of seeds.
@@ -114,11 +115,21 @@ pub fn settings(data: &[u8]) {
     assert_eq!(again.settings().to_toml(), written);
 }
 
-/// Placeholders of the start and end templates.
+/// Placeholders of the start template, as they are and as imports translate
+/// them.
 pub fn template(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;
     };
+    let own = |name: &str| isoslice::is_placeholder("gcode.start", name);
+    let ours = slicerprofile::translated(text, Place::Start, &own);
+    for text in [Some(text.to_owned()), ours.ok()].into_iter().flatten() {
+        start(&text);
+    }
+}
+
+/// A part with a start template.
+fn start(text: &str) {
     let source = Source::formula("fuzz", "max(abs(x), abs(y), abs(z)) - 0.6");
     let bed = BuildVolume {
         x: 9.0,
@@ -202,7 +213,7 @@ pub fn gcode(bytes: &[u8]) {
             assert!(step.filament.is_finite() && step.speed.is_finite());
         }
     }
-    let _ = check(bytes, &Rules::new(&Settings::default())).map(drop);
+    let _ = check(bytes, &Rules::new(Builder::new().settings())).map(drop);
     if let Ok(path) = Toolpath::read(Reader::new(bytes)) {
         let mut page = Vec::new();
         if let Err(error) = path.write_html(&mut page, "fuzz") {

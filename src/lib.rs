@@ -37,7 +37,7 @@
 //!    geometry, [`bead`] the cross-section that says how far apart lines lie.
 //! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of walls and
 //!    areas, and [`fuzzy`] gives outer walls a texture. All later stages work
-//!    on beads. [`hang`] finds what nothing below holds while it is printed.
+//!    on beads. [`overhangs`] finds what nothing below holds while it is printed.
 //!    [`support`] plans what is printed below to hold it.
 //! 7. [`seam`] says where loops may begin. [`order`] lets them begin there, and
 //!    puts all beads in an order with short travels, one island at a time.
@@ -60,7 +60,7 @@
 //! the travels between them, and its [`PacedLayer`], which is
 //! written.
 //!
-//! Settings that are expressions get their values from [`vary`].
+//! Settings that are expressions get their values from [`expressions`].
 //!
 //! [`pipeline`] runs these stages over a window of layers that moves up the
 //! part, on any number of threads, which does not change the result.
@@ -113,7 +113,7 @@
 //! [`exposure`]: isoslice_layer::exposure
 //! [`fuzzy`]: isoslice_layer::fuzzy
 //! [`gcode`]: isoslice_gcode
-//! [`hang`]: isoslice_held::hang
+//! [`overhangs`]: isoslice_held::overhangs
 //! [`infill`]: isoslice_layer::infill
 //! [`order`]: isoslice_path::order
 //! [`outline`]: isoslice_layer::outline
@@ -130,7 +130,7 @@
 //! [`timings`]: isoslice_base::timings
 //! [`travel`]: isoslice_path::travel
 //! [`units`]: isoslice_base::units
-//! [`vary`]: isoslice_model::vary
+//! [`expressions`]: isoslice_model::expressions
 //! [`walls`]: isoslice_layer::walls
 //!
 #![doc = include_str!("../docs/glossary.md")]
@@ -143,7 +143,9 @@ mod report;
 /// Checks whether G-code, of any slicer, is safe to run.
 pub mod check {
     #[doc(inline)]
-    pub use isoslice_check::{Finding, Kind, Rules, Severity, Verdict, check};
+    pub use isoslice_check::{
+        Finding, FindingKind, Rules, Severity, Verdict, check,
+    };
 }
 
 /// Files that are read within limits, and written whole or not at all.
@@ -157,7 +159,9 @@ pub mod files {
 /// Heights of layers that follow the surface.
 pub mod heights {
     #[doc(inline)]
-    pub use isoslice_model::heights::{Heights, HeightsError, Steps, heights};
+    pub use isoslice_model::heights::{HeightPlan, Heights, HeightsError};
+    #[doc(inline)]
+    pub use isoslice_model::heights::{Steps, heights};
 }
 
 /// The layers that a part is cut into.
@@ -231,15 +235,15 @@ pub use isoslice_base::timings::Stage;
 #[doc(inline)]
 pub use isoslice_base::units::human_time;
 #[doc(inline)]
-pub use isoslice_gcode::understands_placeholder;
+pub use isoslice_gcode::is_placeholder;
 #[doc(inline)]
 pub use isoslice_gcode::{Format, FormatError, JoinError, Joined, Ranges};
 #[doc(inline)]
-pub use isoslice_gcode::{TemplateError, settings_in_gcode, try_templates};
+pub use isoslice_gcode::{TemplateError, settings_in_gcode};
 #[doc(inline)]
 pub use isoslice_gcode_read::bgcode::Unpacked;
 #[doc(inline)]
-pub use isoslice_held::hang::{Hanging, Kind, Sum, Unsupported};
+pub use isoslice_held::overhangs::{Hanging, OverhangKind, Sum, Unsupported};
 #[doc(no_inline)]
 pub use model::{Model, load, place};
 pub use pipeline::{Options, Share, SliceError, Summary, Survey};
@@ -250,3 +254,9 @@ pub use reader::Reader;
 pub use report::{Figures, RoleSum};
 #[doc(no_inline)]
 pub use settings::Settings;
+
+/// Tries the templates of settings on a part in the middle of the bed: what is
+/// wrong with each of them.
+pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
+    isoslice_gcode::try_templates(&isoslice_gcode::WriterPlan::of(settings))
+}

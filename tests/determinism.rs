@@ -12,9 +12,7 @@
 
 mod common;
 
-use isoslice::model::Model;
 use isoslice::pipeline::{self, Options};
-use isoslice::settings::Settings;
 
 /// Settings so coarse that all examples take seconds, with everything that
 /// passes from layer to layer.
@@ -26,16 +24,6 @@ const COARSE: [&str; 6] = [
     "first_layer_height=0.42",
     "retract.z_hop=0.3",
 ];
-
-fn slice(model: &Model, settings: &Settings, threads: usize) -> String {
-    let options = Options {
-        threads: Some(threads),
-        ..Options::default()
-    };
-    let mut bytes = Vec::new();
-    pipeline::slice(model, settings, &options, &mut bytes).unwrap();
-    String::from_utf8(bytes).unwrap()
-}
 
 #[track_caller]
 fn assert_same(expected: &str, found: &str, what: &str) {
@@ -61,11 +49,11 @@ fn check(name: &str, extra: &[&str]) {
     let mut all = COARSE.to_vec();
     all.extend(extra);
     let (model, settings) = example.place(&all);
-    let first = slice(&model, &settings, 1);
+    let first = common::slice(&model, &settings, 1).0;
     assert!(first.matches(";LAYER_CHANGE").count() > 10, "{name}");
     for threads in [2, 7] {
         let (model, settings) = example.place(&all);
-        let again = slice(&model, &settings, threads);
+        let again = common::slice(&model, &settings, threads).0;
         let what = format!("{name}, read again, {threads} threads");
         assert_same(&first, &again, &what);
     }

@@ -8,9 +8,6 @@
 
 mod common;
 
-use isoslice::model::Model;
-use isoslice::pipeline::{self, Options};
-use isoslice::settings::Settings;
 use std::sync::Mutex;
 
 /// Tests run one at a time, since memory is the whole process's.
@@ -25,28 +22,14 @@ fn resident_bytes() -> Option<u64> {
 const PART: &str = "max(max(max(abs(x) - 4, abs(y) - 4), abs(z) - 1.5), \
                     0.8 - max(abs(x), abs(z)))";
 
-fn part() -> (Model, Settings) {
-    let settings = common::settings(&[
-        "sample_spacing=0.5",
-        "layer_height=0.3",
-        "first_layer_height=0.3",
-        "top_layers=2",
-        "bottom_layers=2",
-        "infill=gyroid",
-    ]);
-    let model = common::formula(PART, &settings);
-    (model, settings)
-}
-
-fn slice(model: &Model, settings: &Settings) -> Vec<u8> {
-    let options = Options {
-        threads: Some(2),
-        ..Options::default()
-    };
-    let mut bytes = Vec::new();
-    pipeline::slice(model, settings, &options, &mut bytes).unwrap();
-    bytes
-}
+const COARSE: [&str; 6] = [
+    "sample_spacing=0.5",
+    "layer_height=0.3",
+    "first_layer_height=0.3",
+    "top_layers=2",
+    "bottom_layers=2",
+    "infill=gyroid",
+];
 
 #[test]
 fn two_hundred_slices_in_a_row_keep_no_memory() {
@@ -58,12 +41,12 @@ fn two_hundred_slices_in_a_row_keep_no_memory() {
         eprintln!("skipped: the system does not tell the memory in use");
         return;
     };
-    let mut first: Option<Vec<u8>> = None;
+    let mut first: Option<String> = None;
     let mut after_ten = 0;
     for round in 0..200 {
         // Each slice begins with the model's text.
-        let (model, settings) = part();
-        let gcode = slice(&model, &settings);
+        let (model, settings) = common::part(PART, &COARSE);
+        let gcode = common::slice(&model, &settings, 2).0;
         assert!(gcode.len() > 10_000);
         match &first {
             Some(first) => assert!(*first == gcode, "slice {round} differs"),
@@ -83,13 +66,13 @@ fn two_hundred_slices_in_a_row_keep_no_memory() {
 #[test]
 fn eight_at_once_are_the_same() {
     let _alone = ALONE.lock().unwrap();
-    let (model, settings) = part();
-    let alone = slice(&model, &settings);
-    let all: Vec<Vec<u8>> = std::thread::scope(|scope| {
+    let (model, settings) = common::part(PART, &COARSE);
+    let alone = common::slice(&model, &settings, 2).0;
+    let all: Vec<String> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..8)
             .map(|_| {
                 let (model, settings) = (&model, &settings);
-                scope.spawn(move || slice(model, settings))
+                scope.spawn(move || common::slice(model, settings, 2).0)
             })
             .collect();
         threads.into_iter().map(|t| t.join().unwrap()).collect()

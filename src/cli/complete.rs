@@ -175,7 +175,7 @@ fn is_script(path: &Path) -> bool {
 /// The words of the line so far.
 fn line() -> Vec<OsString> {
     let mut words = std::env::args_os();
-    // Before the line stands this program, as the shell has called it.
+    // The shell calls the program with `--` before the words of the line.
     words.by_ref().find(|word| word == "--");
     words.collect()
 }

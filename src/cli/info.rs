@@ -7,10 +7,9 @@ use super::{plain, print_json, terminal};
 use anyhow::Context;
 use clap::Args;
 use glam::DVec3;
-use isoslice::heights::{Heights, Steps, heights};
+use isoslice::heights::{HeightPlan, Heights, Steps, heights};
 use isoslice::model::{Bounds, Model, Parameter};
-use isoslice::settings::Settings;
-use isoslice::{Kind, Survey, Unsupported, survey};
+use isoslice::{OverhangKind, Survey, Unsupported, survey};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -64,11 +63,11 @@ pub(super) fn show(args: &InfoArgs, gathered: &Gathered) -> anyhow::Result<()> {
         if let Some(found) = &survey {
             warnings.extend(found.warnings(settings));
         }
-        let mut json = Json::new(&model, settings, warnings)?;
+        let mut json = Json::new(&model, gathered, warnings)?;
         json.needs_support = survey.as_ref().map(SupportsJson::new);
         return print_json(&json);
     }
-    let mut text = describe(&model, settings)?;
+    let mut text = describe(&model, gathered)?;
     if let Some(found) = &survey {
         describe_supports(found, &mut text)?;
     }
@@ -119,12 +118,13 @@ pub(super) struct JsonParameter<'a> {
 impl<'a> Json<'a> {
     fn new(
         model: &'a Model,
-        settings: &Settings,
+        Gathered { settings, .. }: &Gathered,
         warnings: Vec<String>,
     ) -> anyhow::Result<Self> {
         let corners = |b: Bounds| [b.min.to_array(), b.max.to_array()];
         let raised = model.raised(settings.raft_height());
-        let Heights { spans, steps } = heights(&raised, settings)?;
+        let Heights { spans, steps } =
+            heights(&raised, &HeightPlan::of(settings))?;
         Ok(Json {
             model: &model.name,
             size_mm: model.bounds.size().to_array(),
@@ -238,28 +238,29 @@ impl SupportsJson {
     pub(super) fn new(survey: &Survey) -> SupportsJson {
         let place = |place: &Unsupported| PlaceJson {
             kind: match place.kind {
-                Kind::Begins => "begins_on_nothing",
-                Kind::Leans => "leans",
-                Kind::Bridge => "long_bridge",
+                OverhangKind::Begins => "begins_on_nothing",
+                OverhangKind::Leans => "leans",
+                OverhangKind::Bridge => "long_bridge",
             },
             area_mm2: place.area,
             from_z_mm: place.from,
             to_z_mm: place.to,
-            reach_mm: (place.kind != Kind::Begins).then_some(place.reach),
+            reach_mm: (place.kind != OverhangKind::Begins)
+                .then_some(place.reach),
             at_mm: place.at.to_array(),
         };
         SupportsJson {
             area_mm2: survey.places.iter().map(|place| place.area).sum(),
-            begins_on_nothing_mm2: area_of(survey, Kind::Begins),
-            leans_mm2: area_of(survey, Kind::Leans),
-            long_bridges_mm2: area_of(survey, Kind::Bridge),
+            begins_on_nothing_mm2: area_of(survey, OverhangKind::Begins),
+            leans_mm2: area_of(survey, OverhangKind::Leans),
+            long_bridges_mm2: area_of(survey, OverhangKind::Bridge),
             places: survey.places.iter().map(place).collect(),
         }
     }
 }
 
 /// Content of the places of a kind.
-fn area_of(survey: &Survey, kind: Kind) -> f64 {
+fn area_of(survey: &Survey, kind: OverhangKind) -> f64 {
     let places = survey.places.iter().filter(|place| place.kind == kind);
     places.map(|place| place.area).sum()
 }
@@ -292,9 +293,11 @@ pub(super) fn describe_supports(
         let place = &survey.places[k];
         let p = place.at;
         let what = match place.kind {
-            Kind::Begins => "begins on nothing".to_owned(),
-            Kind::Leans => format!("leans, reach {:.1} mm", place.reach),
-            Kind::Bridge => format!("bridge of {:.1} mm", place.reach),
+            OverhangKind::Begins => "begins on nothing".to_owned(),
+            OverhangKind::Leans => {
+                format!("leans, reach {:.1} mm", place.reach)
+            }
+            OverhangKind::Bridge => format!("bridge of {:.1} mm", place.reach),
         };
         let heights = if place.to > place.from {
             format!("z = {:.2} to {:.2}", place.from, place.to)
@@ -321,10 +324,13 @@ pub(super) fn describe_supports(
     Ok(())
 }
 
-fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
+fn describe(
+    model: &Model,
+    Gathered { settings, .. }: &Gathered,
+) -> anyhow::Result<String> {
     let size = model.bounds.size();
     let raised = model.raised(settings.raft_height());
-    let Heights { spans, steps } = heights(&raised, settings)?;
+    let Heights { spans, steps } = heights(&raised, &HeightPlan::of(settings))?;
     let layers = spans.len();
     let mut text = String::new();
     writeln!(text, "{}", plain::line(&model.name))?;

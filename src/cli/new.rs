@@ -103,7 +103,8 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
     let Some(stem) = base.file_name().and_then(|name| name.to_str()) else {
         bail!("{given} is no name for a file; write part, for example");
     };
-    // The name stands in a line of both files.
+    // The name is written into both files, where such characters could end the
+    // line or hide in it.
     if stem.contains(plain::is_obeyed) {
         bail!("{given} has characters that no editor shows; write part");
     }

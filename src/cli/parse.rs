@@ -6,7 +6,7 @@
 use super::{Cli, plain};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use isoslice::settings::{self, Settings};
+use isoslice::settings::{self, Builder};
 use std::process::exit;
 
 /// Options of other slicers, and words of this program in the wrong place, with
@@ -205,7 +205,7 @@ fn tip(given: &str, value: Option<&str>) -> Option<String> {
             if let Some(value) = value.filter(|v| !v.contains([' ', '"'])) {
                 return format!("--set {}={value}", key.name);
             }
-            let length = key.length(&Settings::default());
+            let length = key.length(Builder::new().settings());
             let default =
                 length.map_or_else(|| key.default(), |mm| mm.to_string());
             if default.contains(['\n', '"']) {

@@ -7,7 +7,7 @@ use super::limits::watched;
 use super::plates::{self, PlateArgs};
 use super::{plain, print_json, terminal};
 use anyhow::Context;
-use isoslice::heights::heights;
+use isoslice::heights::{HeightPlan, heights};
 use isoslice::plate::{Part, Plate};
 use isoslice::{Survey, survey};
 use serde::Serialize;
@@ -29,7 +29,7 @@ pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
         if file.is_none() {
             return info::show(args, &gathered);
         }
-        let job = alone.job(&args.model, file, &gathered.settings)?;
+        let job = alone.job(&args.model, file, &gathered)?;
         let mut warnings = job.warnings;
         warnings.retain(|w| !gathered.warnings.contains(w));
         show(args, &job.plate, &gathered.warnings, warnings)
@@ -146,7 +146,7 @@ impl<'a> PartJson<'a> {
     fn new(part: &'a Part) -> anyhow::Result<Self> {
         let model = &part.model;
         let raised = model.raised(part.settings.raft_height());
-        let layers = heights(&raised, &part.settings)
+        let layers = heights(&raised, &HeightPlan::of(&part.settings))
             .with_context(|| model.name.clone())?;
         let bounds = model.printed_bounds();
         let middle = bounds.centre().truncate();

@@ -5,7 +5,6 @@ use super::args::{Gathered, ModelArgs, is_plate};
 use anyhow::bail;
 use clap::Args;
 use isoslice::plate::{Plate, PlateFile, Wanted};
-use isoslice::settings::Settings;
 use std::path::{Path, PathBuf};
 
 /// The models beyond the first, and copies.
@@ -93,12 +92,13 @@ impl PlateArgs {
         &self,
         model: &ModelArgs,
         file: Option<PlateFile>,
-        settings: &Settings,
+        Gathered { settings, .. }: &Gathered,
     ) -> anyhow::Result<Job> {
         if let Some(file) = file {
             let path = model.model.as_deref().and_then(Path::file_stem);
             let name = path.unwrap_or_default().to_string_lossy();
-            let plate = Plate::new(&name, &file.parts, &file.settings)?;
+            let plate =
+                Plate::new(&name, &file.parts, file.builder.settings())?;
             let warnings = file.warnings;
             return Ok(Job { plate, warnings });
         }

@@ -87,7 +87,7 @@ struct Sliced {
 }
 
 /// The kind of the file that is named.
-enum Kind {
+enum InputKind {
     /// A model, or a plate file.
     Model(Box<(Gathered, Option<PlateFile>)>),
     Gcode(PathBuf),
@@ -104,9 +104,9 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     let kind = args.source.kind()?;
     let (path, name) = args.names();
     let inputs: Vec<&Path> = match &kind {
-        Kind::Stdin => Vec::new(),
-        Kind::Gcode(path) => vec![path],
-        Kind::Model(given) => {
+        InputKind::Stdin => Vec::new(),
+        InputKind::Gcode(path) => vec![path],
+        InputKind::Model(given) => {
             let (gathered, plate) = &**given;
             let models = plate.iter().flat_map(|file| &file.models);
             let mut inputs = args.source.model.inputs(gathered);
@@ -122,19 +122,19 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     }
     let file_name = args.source.file_name();
     let toolpath = match kind {
-        Kind::Model(given) => {
+        InputKind::Model(given) => {
             let (gathered, plate) = *given;
             let source = &args.source;
             let alone = PlateArgs::default();
-            let job = alone.job(&source.model, plate, &gathered.settings)?;
+            let job = alone.job(&source.model, plate, &gathered)?;
             terminal::warn(&job.warnings);
             let (gcode, warnings) = args.slice(&job.plate, watch)?;
             read(gcode, &file_name)?
                 .with_settings(&job.plate.settings)
                 .with_warnings(&warnings)
         }
-        Kind::Stdin => read(io::stdin().lock(), "standard input")?,
-        Kind::Gcode(path) => {
+        InputKind::Stdin => read(io::stdin().lock(), "standard input")?,
+        InputKind::Gcode(path) => {
             let cannot =
                 || format!("cannot read {}: check its name", path.display());
             if path.is_dir() {
@@ -239,7 +239,7 @@ impl PreviewArgs {
 impl Sliced {
     /// The kind of the file, by its name. Options that would have no effect are
     /// errors.
-    fn kind(&self) -> anyhow::Result<Kind> {
+    fn kind(&self) -> anyhow::Result<InputKind> {
         let Some(file) = &self.model.model else {
             return self.model();
         };
@@ -273,17 +273,17 @@ impl Sliced {
             );
         }
         Ok(if file.as_os_str() == "-" {
-            Kind::Stdin
+            InputKind::Stdin
         } else {
-            Kind::Gcode(file.clone())
+            InputKind::Gcode(file.clone())
         })
     }
 
-    fn model(&self) -> anyhow::Result<Kind> {
+    fn model(&self) -> anyhow::Result<InputKind> {
         let gathered = self.settings.gather()?;
         let (alone, sets) = (PlateArgs::default(), &self.settings.set);
         let plate = plates::file(&self.model, &alone, &gathered, sets)?;
-        Ok(Kind::Model(Box::new((gathered, plate))))
+        Ok(InputKind::Model(Box::new((gathered, plate))))
     }
 
     /// The name for messages.

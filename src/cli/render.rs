@@ -174,7 +174,7 @@ impl RenderArgs {
             let model = self.model.load(&gathered.settings)?;
             return Ok(Plate::of(&model, &gathered.settings));
         }
-        let job = alone.job(&self.model, file, &gathered.settings)?;
+        let job = alone.job(&self.model, file, gathered)?;
         terminal::warn(&job.warnings);
         Ok(job.plate)
     }

@@ -128,7 +128,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let file = plates::file(&args.model, &args.plate, &gathered, sets)?;
     let of_file = file.as_ref().map_or(&[][..], |file| &file.models);
     let of_file = of_file.to_vec();
-    let of_all = file.as_ref().map(|file| &file.settings);
+    let of_all = file.as_ref().map(|file| file.builder.settings());
     let of_all = of_all.unwrap_or(&gathered.settings);
     let format = match args.layers {
         // Plates hold whole prints.
@@ -152,7 +152,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     }
     let format = format_of(&path)?;
     let report = args.report_output(&output, &path, &inputs)?;
-    let job = args.plate.job(&args.model, file, &gathered.settings)?;
+    let job = args.plate.job(&args.model, file, &gathered)?;
     // So far there was nothing else to do than to read and to place models.
     let bounds = processor_time();
     let (plate, settings) = (&job.plate, &job.plate.settings);
@@ -212,9 +212,8 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     of_print.extend(format.unusual_for(settings.gcode.flavour));
     terminal::warn(&of_print);
     let sums = Sums {
-        model: &plate.name,
         output: &path,
-        settings,
+        plate,
         summary: &summary,
         took: started.elapsed(),
         timings: (args.timings || terminal::wants_timings())

@@ -64,7 +64,7 @@ fn divide(args: &SplitArgs) -> anyhow::Result<()> {
     let gathered = args.settings.gather()?;
     let sets = &args.settings.set;
     let file = plates::file(&args.model, &args.plate, &gathered, sets)?;
-    let job = args.plate.job(&args.model, file, &gathered.settings)?;
+    let job = args.plate.job(&args.model, file, &gathered)?;
     let plate = &job.plate;
     let parts = usize::from(args.parts);
     let shares = split(plate, parts, args.threads.count())

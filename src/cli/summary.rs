@@ -5,11 +5,10 @@ use super::output::is_stream;
 use super::plain;
 use glam::DVec3;
 use isoslice::Figures;
-use isoslice::check::{Finding, Kind, Verdict};
+use isoslice::check::{Finding, FindingKind, Verdict};
 use isoslice::human_time;
 use isoslice::pipeline::{PartSummary, Summary};
-use isoslice::settings::Settings;
-use isoslice::{Hanging, RoleSum, Sum};
+use isoslice::{Hanging, Plate, RoleSum, Sum};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -18,9 +17,8 @@ use std::time::Duration;
 
 /// The results of a run, and what was sliced.
 pub(super) struct Sums<'a> {
-    pub(super) model: &'a str,
     pub(super) output: &'a Path,
-    pub(super) settings: &'a Settings,
+    pub(super) plate: &'a Plate,
     pub(super) summary: &'a Summary,
     pub(super) took: Duration,
     /// Where the processor time went, if the summary tells it.
@@ -30,7 +28,7 @@ pub(super) struct Sums<'a> {
 impl Sums<'_> {
     /// Price of the filament, if the price of a kilogram is set.
     fn cost(&self) -> Option<f64> {
-        let per_kg = self.settings.filament_cost();
+        let per_kg = self.plate.settings.filament_cost();
         (per_kg > 0.0).then(|| self.summary.filament_mass_g * per_kg / 1000.0)
     }
 
@@ -41,7 +39,7 @@ impl Sums<'_> {
         let summary = self.summary;
         let p99 = |figures: Option<Figures>| figures.map(|f| f.p99);
         let text = serde_json::to_string_pretty(&Json {
-            model: self.model,
+            model: &self.plate.name,
             output: self.output.display().to_string(),
             size_mm: summary.size.to_array(),
             layer_count: summary.layer_count,
@@ -250,7 +248,7 @@ fn describe_lost(
     /// Share of the print's time from which a cause is worth a line.
     const SHARE: f64 = 0.05;
     let summary = sums.summary;
-    let moves = sums.settings.max_moves_per_second();
+    let moves = sums.plate.settings.max_moves_per_second();
     let causes = [
         ("cooling", "cooling (cooling.min_layer_time)".to_owned()),
         ("flow", "the hot end's flow (filament.max_flow)".to_owned()),
@@ -281,8 +279,8 @@ fn describe_lost(
 /// The number of islands that begin in the air, and where the first of them
 /// begins.
 fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
-    let count = *verdict.counts.get(&Kind::InTheAir)?;
-    let is_one = |f: &&Finding| f.kind == Kind::InTheAir;
+    let count = *verdict.counts.get(&FindingKind::InTheAir)?;
+    let is_one = |f: &&Finding| f.kind == FindingKind::InTheAir;
     let first = verdict.findings.iter().find(is_one)?;
     Some((count, first.at))
 }
@@ -315,7 +313,11 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
     let mut text = String::new();
     if is_stream(sums.output) {
-        writeln!(text, "{} (on standard output)", plain::line(sums.model))?
+        writeln!(
+            text,
+            "{} (on standard output)",
+            plain::line(&sums.plate.name)
+        )?
     } else {
         writeln!(text, "{}", plain::value(sums.output.display()))?
     }
@@ -351,18 +353,17 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
         Some(cost) => writeln!(
             text,
             ", {cost:.2} at {} per kg",
-            sums.settings.filament_cost()
+            sums.plate.settings.filament_cost()
         )?,
         None => writeln!(text)?,
     }
     if summary.support_length > 0.0 {
         let metres = summary.support_length / 1000.0;
         let of = ["support", "support_interface"];
-        let settings = sums.settings;
-        let sums = of.iter().filter_map(|role| summary.roles.get(role));
-        let time: f64 = sums.map(|sum| sum.time_s).sum();
+        let of_roles = of.iter().filter_map(|role| summary.roles.get(role));
+        let time: f64 = of_roles.map(|sum| sum.time_s).sum();
         // A raft counts as a support.
-        let any = settings.has_supports();
+        let any = sums.plate.settings.has_supports();
         let (title, with) = match (summary.raft_layers, any) {
             (0, _) => ("supports    ", ""),
             (_, true) => ("supports    ", ", the raft included"),

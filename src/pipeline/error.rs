@@ -8,8 +8,8 @@ use isoslice_gcode::WriteError;
 use isoslice_gcode_read::reader::ReadError;
 use isoslice_layer::infill::InfillError;
 use isoslice_model::contour::{FieldError, remedy};
+use isoslice_model::expressions::QuantityError;
 use isoslice_model::heights::HeightsError;
-use isoslice_model::vary::VaryError;
 use isoslice_path::spiral::SpiralError;
 use isoslice_path::z_contouring::ZContouringError;
 use isoslice_preview::PictureError;
@@ -32,7 +32,7 @@ pub enum SliceError {
     Field(#[from] FieldError),
     /// A setting that is an expression has no value somewhere.
     #[error(transparent)]
-    Vary(#[from] VaryError),
+    Vary(#[from] QuantityError),
     /// The watch has stopped the work.
     #[error(transparent)]
     Stopped(#[from] Cancelled),
@@ -45,7 +45,7 @@ pub enum SliceError {
     /// The G-code cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The part does not fit under the printer's top on its raft.
+    /// On its raft the part is higher than the printer prints.
     #[error(
         "on its raft of {lift:.3} mm the part is {:.3} mm too high: its top is \
          at {top:.3} mm, and the printer has {most} mm; lower raft.layers, or \

@@ -12,28 +12,27 @@ use crate::pipeline::{Options, slice};
 use isoslice_model::{Placement, placed};
 use isoslice_path::pace::clock::time_of;
 use isoslice_path::pace::limits;
-use isoslice_settings::{Flavour, Settings};
+use isoslice_settings::Flavour;
+use isoslice_settings::testing::settings;
 use std::fmt::Write;
 
 /// What the printer does before each case.
 const HEAD: &str = "G28\nG90\nM83\n";
 
 /// The printer of the module's head.
-fn klipper() -> Settings {
-    let mut settings = Settings::default();
-    settings.gcode.flavour = Flavour::Klipper;
-    settings.printer.acceleration = 3000.0;
-    settings.printer.travel_acceleration = 3000.0;
-    settings.printer.max_speed_z = 12.0;
-    settings.printer.max_acceleration_z = 200.0;
-    settings.printer.retract_acceleration = 5000.0;
-    settings
-}
+const KLIPPER: [&str; 6] = [
+    "gcode.flavour=klipper",
+    "printer.acceleration=3000",
+    "printer.travel_acceleration=3000",
+    "printer.max_speed_z=12",
+    "printer.max_acceleration_z=200",
+    "printer.retract_acceleration=5000",
+];
 
 #[track_caller]
 fn takes(text: &str, seconds: f64) {
-    let (time, _) =
-        time_of(format!("{HEAD}{text}").as_bytes(), limits(&klipper()));
+    let limits = limits(&settings(&KLIPPER));
+    let (time, _) = time_of(format!("{HEAD}{text}").as_bytes(), limits);
     let off = time / seconds - 1.0;
     assert!(off.abs() < 2e-4, "{time} s instead of {seconds} s");
 }
@@ -103,13 +102,13 @@ fn the_estimate_is_what_the_text_takes() {
     let cup = placed(cup, &Placement::default());
     for flavour in Flavour::ALL {
         for relative in [false, true] {
-            let mut settings = Settings::default();
-            settings.gcode.flavour = flavour;
-            settings.gcode.relative_e = relative;
-            settings.retract.z_hop = 0.4;
-            settings.gcode.end = "G91\nG1 E-2 F1200\nG1 Z10 F600\nG90\n\
-                                  G1 X0 Y200 F6000\nG4 P1500\nM84\n"
-                .into();
+            let settings = settings(&[
+                "retract.z_hop=0.4",
+                "gcode.end=G91\nG1 E-2 F1200\nG1 Z10 F600\nG90\n\
+                 G1 X0 Y200 F6000\nG4 P1500\nM84\n",
+                &format!("gcode.flavour={}", flavour.word()),
+                &format!("gcode.relative_e={relative}"),
+            ]);
             let mut text = Vec::new();
             let options = Options::default();
             let summary = slice(&cup, &settings, &options, &mut text).unwrap();

@@ -9,7 +9,7 @@ use crate::plate::Plate;
 use isoslice_gcode::{Fingerprint, version};
 use isoslice_layer::infill::script_words;
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{Settings, keys};
+use isoslice_settings::{Infill, Key, keys};
 use ring::digest::{Context, SHA256};
 
 /// Number of bytes of a digest that are written.
@@ -23,7 +23,8 @@ pub(super) fn fingerprint<'s>(
     let mut model = Digest::new();
     let mut settings = Digest::new();
     model.add(&plate.name);
-    settings.add_settings(&plate.settings)?;
+    let of_plate = &plate.settings;
+    settings.add_settings(|key| key.get(of_plate), &of_plate.infill)?;
     for part in &plate.parts {
         part.model
             .words(&mut |word| model.add(word))
@@ -33,8 +34,9 @@ pub(super) fn fingerprint<'s>(
             model.add(&place.name);
             model.add(&format!("{:?} {:?}", at.x, at.y));
         }
+        let own = &part.settings;
         settings
-            .add_settings(&part.settings)
+            .add_settings(|key| key.get(own), &own.infill)
             .map_err(|e| plate.named(part, e))?;
     }
     let mut layers = Digest::new();
@@ -66,13 +68,18 @@ impl Digest {
         self.0.update(word.as_bytes());
     }
 
-    /// Adds settings, and the text of the file that they name.
-    fn add_settings(&mut self, settings: &Settings) -> Result<(), SliceError> {
+    /// Adds the values of settings, and the text of the file that the infill
+    /// names.
+    fn add_settings(
+        &mut self,
+        value: impl Fn(&Key) -> String,
+        infill: &Infill,
+    ) -> Result<(), SliceError> {
         for key in keys() {
             self.add(key.name);
-            self.add(&key.get(settings));
+            self.add(&value(key));
         }
-        script_words(&settings.infill, &mut |word| self.add(word))?;
+        script_words(infill, &mut |word| self.add(word))?;
         Ok(())
     }
 
@@ -87,10 +94,11 @@ impl Digest {
 mod tests {
     use super::*;
     use isoslice_model::{Placement, placed};
+    use isoslice_settings::testing::settings;
 
-    fn of(text: &str, settings: &Settings, top: f64) -> Fingerprint {
+    fn of(text: &str, assignments: &[&str], top: f64) -> Fingerprint {
         let model = placed(text, &Placement::default());
-        let plate = Plate::of(&model, settings);
+        let plate = Plate::of(&model, &settings(assignments));
         let spans = [LayerSpan {
             index: 0,
             bottom: 0.0,
@@ -102,25 +110,20 @@ mod tests {
     #[test]
     fn what_makes_other_text_makes_another_fingerprint() {
         let ball = "sqrt(x^2 + y^2 + z^2) - 3";
-        let plain = Settings::default();
-        let first = of(ball, &plain, 0.2);
-        assert_eq!(first, of("sqrt(x^2+y^2+z^2)  -  3.0", &plain, 0.2));
-        let model = of("sqrt(x^2 + y^2 + z^2) - 3.0001", &plain, 0.2);
+        let first = of(ball, &[], 0.2);
+        assert_eq!(first, of("sqrt(x^2+y^2+z^2)  -  3.0", &[], 0.2));
+        let model = of("sqrt(x^2 + y^2 + z^2) - 3.0001", &[], 0.2);
         // This is the next number above 3 in single precision.
-        let close = of("sqrt(x^2 + y^2 + z^2) - 3.0000002", &plain, 0.2);
-        let swapped = of("sqrt(x^2 + y^2 - -z^2) - 3", &plain, 0.2);
+        let close = of("sqrt(x^2 + y^2 + z^2) - 3.0000002", &[], 0.2);
+        let swapped = of("sqrt(x^2 + y^2 - -z^2) - 3", &[], 0.2);
         for other in [model, close, swapped] {
             assert_ne!(other.model, first.model);
             assert_eq!(other.settings, first.settings);
         }
-        let settings = Settings {
-            walls: plain.walls + 1,
-            ..plain.clone()
-        };
-        let other = of(ball, &settings, 0.2);
+        let other = of(ball, &["walls=5"], 0.2);
         assert_eq!(other.model, first.model);
         assert_ne!(other.settings, first.settings);
-        let other = of(ball, &plain, 0.1 + 0.2);
+        let other = of(ball, &[], 0.1 + 0.2);
         assert_eq!(other.settings, first.settings);
         assert_ne!(other.layers, first.layers);
     }

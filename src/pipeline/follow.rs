@@ -2,7 +2,7 @@
 
 use super::layer::Layer;
 use glam::DVec2;
-use isoslice_held::hang::{HangPlan, Look, Tracker};
+use isoslice_held::overhangs::{LayerOverhang, OverhangPlan, Tracker};
 
 /// How layers are followed.
 pub(super) struct Follow<'a> {
@@ -12,7 +12,7 @@ pub(super) struct Follow<'a> {
     pub count: usize,
     /// True if what hangs in this layer counts.
     pub written: bool,
-    pub plan: &'a HangPlan,
+    pub plan: &'a OverhangPlan,
 }
 
 impl Follow<'_> {
@@ -22,7 +22,7 @@ impl Follow<'_> {
         self,
         tracker: &mut Tracker,
         layer: &Layer,
-        look: Option<&Look>,
+        look: Option<&LayerOverhang>,
     ) {
         let span = layer.span;
         let place = |p: DVec2| (p + self.offset).extend(span.bottom);

@@ -7,10 +7,10 @@ use super::start::pool;
 use crate::report::Gauge;
 use isoslice_base::limits;
 use isoslice_base::units::Mm;
-use isoslice_held::hang::{HangPlan, Hanging, Unsupported};
+use isoslice_held::overhangs::{Hanging, OverhangPlan, Unsupported};
 use isoslice_model::Model;
-use isoslice_model::heights::heights;
-use isoslice_model::vary::Surroundings;
+use isoslice_model::expressions::Surroundings;
+use isoslice_model::heights::{HeightPlan, heights};
 use isoslice_settings::{Settings, Supports};
 
 /// What of a part would need supports.
@@ -38,7 +38,7 @@ impl Survey {
                 ..Hanging::default()
             },
         };
-        hanging.warnings(self.height, &HangPlan::of(settings))
+        hanging.warnings(self.height, &OverhangPlan::of(settings))
     }
 }
 
@@ -56,11 +56,13 @@ pub fn survey(
 ) -> Result<Survey, SliceError> {
     let pool = pool(threads)?;
     let model = &model.raised(settings.raft_height());
-    let spans = pool.install(|| heights(model, settings))?.spans;
+    let spans = pool
+        .install(|| heights(model, &HeightPlan::of(settings)))?
+        .spans;
     let around = Surroundings::new(model);
-    let gauge = Gauge::new(model, settings, spans.len(), false)?;
     let plans = Plans::of(settings);
-    let stages = Stages::new(model, settings, &plans, &around, gauge, &spans)?;
+    let gauge = Gauge::new(model, &plans.used, spans.len(), false)?;
+    let stages = Stages::new(model, &plans, &around, gauge, &spans)?;
     // What cannot be printed has no hanging places, of which there may be
     // millions.
     let printed = stages.printed(&pool, &spans)?;

@@ -13,7 +13,7 @@ use crate::report::Gauge;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Mm, Seconds};
-use isoslice_model::vary::Surroundings;
+use isoslice_model::expressions::Surroundings;
 use isoslice_planar::Area;
 use isoslice_planar::offset::offset;
 use isoslice_preview::{PictureError, outline_from_above};
@@ -71,19 +71,20 @@ impl<'a> Base<'a> {
             around,
             plans,
         } = self;
-        let (model, settings) = (&part.model, &part.settings);
+        let model = &part.model;
         // In a glimpse as few places are measured as in a layer of a whole run.
         let count = match options.glimpse {
             Some(_) => spans.len(),
             None => layers.end.min(spans.len()).saturating_sub(layers.start),
         };
-        let gauge = Gauge::new(model, settings, count.max(1), options.report)?;
-        let stages = Stages::new(model, settings, plans, around, gauge, spans)?;
+        let gauge =
+            Gauge::new(model, &plans.used, count.max(1), options.report)?;
+        let stages = Stages::new(model, plans, around, gauge, spans)?;
         let printed = stages.printed(pool, spans)?;
         if printed == 0 {
             return Err(SliceError::NothingToPrint {
                 layers: spans.len(),
-                line: settings.outer_wall_width(),
+                line: plans.walls.outer,
             });
         }
         Ok(Planned {

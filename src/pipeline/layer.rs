@@ -5,7 +5,7 @@ use super::ahead::Made;
 use super::supported::Top;
 use crate::report::LayerFigures;
 use isoslice_base::units::{Mm, Mm2};
-use isoslice_held::hang::Look;
+use isoslice_held::overhangs::LayerOverhang;
 use isoslice_layer::exposure::FillAreas;
 use isoslice_layer::seam::Ground;
 use isoslice_layer::view::{LayerFace, LayerView};
@@ -135,15 +135,9 @@ impl Layer {
         self.squeezed.as_ref().unwrap_or(&self.outline)
     }
 
-    /// What holds the layer above the layer `below`, as far as seams care; none
-    /// if their outlines are equal, or if there is nothing below.
+    /// What holds the layer above the layer `below`, as far as seams care.
     pub(super) fn ground<'l>(&'l self, below: &'l Layer) -> Option<Ground<'l>> {
-        let differs =
-            !self.same_outline(below) && *self.area() != *below.area();
-        (differs && !below.area().is_empty()).then(|| {
-            let below = below.top().grid();
-            Ground::new(self.outline.grid(), below, self.span.height())
-        })
+        Ground::of(self.face(), below.face())
     }
 
     /// Shares with the layer below whatever equals it.
@@ -197,7 +191,7 @@ pub(super) struct Filled {
     /// Area of gaps that nothing fills.
     pub gap: Mm2,
     /// How the layer lies over the layer below, if their outlines differ.
-    pub look: Option<Look>,
+    pub look: Option<LayerOverhang>,
     /// The layer's accuracy, if it was measured.
     pub figures: Option<LayerFigures>,
 }

@@ -14,7 +14,7 @@ use crate::report::LayerFigures;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Mm2, Mm3};
-use isoslice_held::hang::Look;
+use isoslice_held::overhangs::LayerOverhang;
 use isoslice_layer::adhesion::{keep_on_bed, without_ears};
 use isoslice_layer::seam::Ground;
 use isoslice_layer::seam::ending::{Ended, cut, endings};
@@ -25,7 +25,6 @@ use isoslice_path::travel::LayerPath;
 use isoslice_path::z_contouring::ZContouring;
 use isoslice_planar::Solid;
 use isoslice_planar::bead::Bead;
-use isoslice_settings::Settings;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -33,7 +32,6 @@ use std::sync::Arc;
 /// What makes the paths of one part.
 pub(super) struct PartPaths<'a> {
     pub planned: &'a Planned<'a>,
-    pub(super) settings: &'a Settings,
     pub(super) plans: &'a Plans,
     part: &'a Part,
     /// Way from the model's coordinates to the bed's.
@@ -103,7 +101,7 @@ impl Passed {
 pub(super) struct Counted {
     pub layer: Layer,
     /// How the layer lies over the layer below, if their outlines differ.
-    pub look: Option<Look>,
+    pub look: Option<LayerOverhang>,
     /// Number of beads of the infill that are left out, since they stand on
     /// nothing.
     pub left_out: usize,
@@ -164,7 +162,6 @@ impl<'a> PartPaths<'a> {
             });
         Ok(PartPaths {
             planned,
-            settings: &part.settings,
             plans: stages.plans,
             part,
             offset: part.model.offset.truncate(),
@@ -230,7 +227,7 @@ impl<'a> PartPaths<'a> {
 
     /// True for the part's first layer, which nothing holds but the bed or a raft.
     fn is_first(&self, filled: &Filled) -> bool {
-        filled.layer.span.index == self.settings.raft_layers()
+        filled.layer.span.index == self.plans.raft.layers
     }
 
     /// What a layer stands on, if that is another layer of the part whose outline
@@ -252,8 +249,7 @@ impl<'a> PartPaths<'a> {
         let below = below.filter(|_| !climbs && !self.is_first(filled));
         let support = self.timings.time(Stage::Travel, || {
             let below = self.stands_on(filled).filter(|_| !climbs)?;
-            let share = self.settings.overhang_share;
-            Support::new(below, &layer.outline, share, &self.plans.walls)
+            Support::new(below, &layer.outline, &self.plans.walls)
         });
         Around {
             support,
@@ -271,10 +267,9 @@ impl<'a> PartPaths<'a> {
     ) -> Begun<'f> {
         let layer = &filled.layer;
         let context = order::Context {
-            number: layer.span.index,
+            here: layer.face(),
             from: self.planned.stages.course.begin(&layer.span),
             seams: &around.seams,
-            outline: layer.area(),
             support: around.support.as_ref(),
             ground: around.ground,
         };

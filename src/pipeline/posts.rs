@@ -160,10 +160,10 @@ mod tests {
     use super::*;
     use isoslice_planar::rect;
     use isoslice_planar::shapes::{circle, moved};
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::settings;
 
     fn posts() -> Posts {
-        let settings = Settings::default();
+        let settings = settings(&[]);
         Posts::new(WallPlan::of(&settings), Resolution::of(&settings))
     }
 

@@ -19,7 +19,6 @@ use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::clip::{crop, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 
 /// Share of the first layer that is printed.
@@ -42,16 +41,17 @@ impl<'a> Raft<'a> {
     pub(super) fn new(
         under: &Area,
         bed: Rect,
-        settings: &Settings,
         fills: &Fills<'_, 'a>,
     ) -> Result<Raft<'a>, InfillError> {
-        let reach = settings.raft.expansion + 0.5 * CLOSED;
+        let plan = &fills.plans.raft;
+        let reach = plan.expansion + 0.5 * CLOSED;
         let wide = offset(under, reach, TOLERANCE);
         let area = offset(&wide, -0.5 * CLOSED, TOLERANCE);
         // The raft keeps to the part of the bed that supports may use.
         let area = unite(&crop(&area.rings, bed));
-        let base = fills.lines(settings.raft_line_width(), SPARSE);
-        let solid = fills.lines(settings.infill_width(), 100.0);
+        let [base, solid] = plan.widths;
+        let base = fills.lines(base, SPARSE);
+        let solid = fills.lines(solid, 100.0);
         Ok(Raft {
             area,
             base: fills.fill(base, Role::Support)?,

@@ -7,7 +7,7 @@ use super::{Options, SliceError, Summary};
 use crate::plate::Plate;
 use isoslice_base::timings::{self, Stage};
 use isoslice_base::units::Seconds;
-use isoslice_check::{Alongside, Kind, Rules, Severity};
+use isoslice_check::{Alongside, FindingKind, Rules, Severity};
 use isoslice_gcode::Format;
 use isoslice_model::Model;
 use isoslice_settings::Settings;
@@ -119,15 +119,15 @@ fn judge(checker: Alongside, summary: &mut Summary) -> Result<(), SliceError> {
     // The summary tells of what hangs in the air. Printers that heat in their
     // macros are as they should be. Whoever calls a macro knows what it is, and
     // whoever wrote a template was told of its lines.
-    let told = |kind: Kind| {
+    let told = |kind: FindingKind| {
         kind.severity() == Severity::Warning
             && !matches!(
                 kind,
-                Kind::InTheAir
-                    | Kind::Adrift
-                    | Kind::Unknown
-                    | Kind::UnknownWord
-                    | Kind::Purge
+                FindingKind::InTheAir
+                    | FindingKind::Adrift
+                    | FindingKind::Unknown
+                    | FindingKind::UnknownWord
+                    | FindingKind::Purge
             )
     };
     summary.warnings.extend(verdict.sentences_of("", told));

@@ -4,25 +4,23 @@
 
 use super::SliceError;
 use super::job::{Job, Planned, outline_of};
-use super::stages::shielded;
-use isoslice_layer::adhesion::{Skirt, SkirtPlan};
+use isoslice_layer::adhesion::{AdhesionPlan, Skirt, SkirtPlan};
 use isoslice_planar::{Area, Ring, hull};
-use isoslice_settings::DraftShield;
 
 /// The skirt or the draft shield round several parts, if there is one.
 pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
     let plate = job.plate;
-    let settings = &plate.settings;
-    let skirt = &settings.skirt;
-    let shield = settings.draft_shield != DraftShield::Off;
-    let any = shield || (skirt.loops > 0 && skirt.layers > 0);
+    let AdhesionPlan {
+        skirt, shield, bed, ..
+    } = AdhesionPlan::of(&plate.settings);
+    let any = bed.shield || (skirt.loops > 0 && skirt.layers > 0);
     if plate.place_count() == 1 || !any {
         return Ok(None);
     }
     // A higher one would be in the way of the head.
     let layers = match job.turns {
         Some(_) => 1,
-        None => skirt.layers as usize,
+        None => skirt.layers,
     };
     let mut areas = Vec::new();
     for Planned {
@@ -31,7 +29,7 @@ pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
         spans,
     } in &job.parts
     {
-        let beside = if shield {
+        let beside = if bed.shield {
             stages.seen_from_above(spans, &outline_of(part)?)
         } else {
             stages.beside(spans, layers)?
@@ -50,14 +48,11 @@ pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
     let plans = job.parts.iter().map(|part| part.stages.plans);
     let brims = plans.map(|plans| plans.adhesion.brim.reach);
     let brim = brims.fold(0.0, f64::max);
-    let plan = if shield {
-        let high = job.parts.iter().map(|p| shielded(p.spans, settings));
-        SkirtPlan::of_shield(settings, high.max().unwrap_or(0))
+    let plan = if bed.shield {
+        let of_parts = job.parts.iter().map(|part| shield.among(part.spans));
+        of_parts.max_by_key(|plan| plan.layers).unwrap_or(skirt)
     } else {
-        SkirtPlan {
-            layers,
-            ..SkirtPlan::of(settings)
-        }
+        SkirtPlan { layers, ..skirt }
     };
     Ok(Some(Skirt::new(&areas, SkirtPlan { brim, ..plan })))
 }

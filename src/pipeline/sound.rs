@@ -32,7 +32,7 @@ use std::ops::AddAssign;
 /// to be looked at.
 const SUSPICIOUS: f64 = 0.5;
 /// Share of the sample's area that has to be thinner than any line.
-const MOST: f64 = 0.9;
+const THIN_SHARE: f64 = 0.9;
 /// Number of windows that are tried, and number of windows that must have
 /// something in them.
 const WINDOWS: usize = 16;
@@ -132,7 +132,7 @@ pub(super) fn sample(
         all += found;
         looked += usize::from(!found.is_blank());
     }
-    if looked < ENOUGH || !all.is_thinner(MOST) {
+    if looked < ENOUGH || !all.is_thinner(THIN_SHARE) {
         return Ok(());
     }
     Err(SliceError::TooThin {

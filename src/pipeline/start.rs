@@ -4,9 +4,8 @@ use super::SliceError;
 use crate::plate::{Part, Plate};
 use isoslice_base::limits;
 use isoslice_base::units::Mm;
-use isoslice_model::heights::{Heights, Steps, heights};
+use isoslice_model::heights::{HeightPlan, Heights, Steps, heights};
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{LayerHeights, Varying};
 use rayon::ThreadPool;
 
 /// Accuracy of heights, mm.
@@ -29,13 +28,13 @@ pub(super) fn pool(
 pub(super) fn layers_of(
     plate: &Plate,
 ) -> Result<(Vec<Vec<LayerSpan>>, Option<Steps>), SliceError> {
-    let uniform = plate.settings.layer_heights
-        == Varying::Constant(LayerHeights::Uniform);
+    let uniform = plate.settings.is_uniform();
     if let (false, [_, _, ..]) = (uniform, plate.parts.as_slice()) {
         let Some(whole) = plate.of_each() else {
             return Err(SliceError::TooLargeTogether);
         };
-        let Heights { spans, steps } = heights(&whole, &plate.settings)?;
+        let Heights { spans, steps } =
+            heights(&whole, &HeightPlan::of(&plate.settings))?;
         let of_part = |part: &Part| {
             let top = part.model.printed_bounds().max.z;
             let has = |s: &&LayerSpan| s.sample_z() < top;
@@ -46,7 +45,7 @@ pub(super) fn layers_of(
     let mut all = Vec::new();
     let mut steps = None;
     for part in &plate.parts {
-        let found = heights(&part.model, &part.settings)
+        let found = heights(&part.model, &HeightPlan::of(&part.settings))
             .map_err(|e| plate.named(part, e.into()))?;
         all.push(found.spans);
         steps = found.steps;

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use isoslice_base::timings::Stage;
 use isoslice_base::units::{Mm, Mm2, Seconds, filament_area};
 use isoslice_check::Verdict;
-use isoslice_held::hang::Hanging;
+use isoslice_held::overhangs::Hanging;
 use isoslice_model::heights::Steps;
 use isoslice_path::pace::Amount;
 use isoslice_path::spiral::Spiral;
@@ -177,7 +177,6 @@ impl Summary {
             stages,
             spans,
         } = planned;
-        let settings = &part.settings;
         let copies = part.places.len();
         let top = spans.last().map_or(0.0, |span| span.top);
         let mut warnings = Vec::new();
@@ -190,10 +189,10 @@ impl Summary {
             hanging = Hanging::default();
             let first = part.places.first().map_or(DVec2::ZERO, |p| p.shift);
             let offset = part.model.offset.truncate() + first;
-            warnings.extend(supported.warnings(offset, settings));
+            warnings.extend(supported.warnings(offset));
         }
         hanging.foot = done.foot.filter(|foot| top > foot.holds);
-        warnings.extend(hanging.warnings(top, &stages.plans.hang));
+        warnings.extend(hanging.warnings(top, &stages.plans.overhangs));
         let tally = done.tally;
         tally.warn(&mut warnings);
         let times = copies as f64;

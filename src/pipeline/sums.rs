@@ -9,8 +9,8 @@ use super::tally::Tally;
 use crate::plate::Part;
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
-use isoslice_held::hang::foot::Foot;
-use isoslice_held::hang::{self, Hanging};
+use isoslice_held::overhangs::foot::Foot;
+use isoslice_held::overhangs::{self, Hanging};
 use isoslice_layer::infill::standing;
 use isoslice_planar::Area;
 use std::ops::Range;
@@ -30,7 +30,7 @@ pub(super) struct PartSums<'a> {
     beads: usize,
     left_out: usize,
     tally: Tally,
-    hanging: hang::Tracker,
+    hanging: overhangs::Tracker,
     foot: Option<Foot>,
     warnings: Vec<String>,
 }
@@ -62,13 +62,13 @@ impl<'a> PartSums<'a> {
             plans: stages.plans,
             layers,
             layer_count: spans.len(),
-            raft_layers: part.settings.raft_layers(),
+            raft_layers: stages.plans.raft.layers,
             pads: stages.support().map(Supported::pads),
             timings: &stages.timings,
             beads: 0,
             left_out: 0,
             tally: Tally::default(),
-            hanging: hang::Tracker::default(),
+            hanging: overhangs::Tracker::default(),
             foot: None,
             warnings: Vec::new(),
         }
@@ -85,7 +85,7 @@ impl<'a> PartSums<'a> {
             offset: self.part.model.offset.truncate() + first,
             count: self.layer_count,
             written,
-            plan: &self.plans.hang,
+            plan: &self.plans.overhangs,
         };
         let tracker = &mut self.hanging;
         self.timings.time(Stage::Hang, || {

@@ -1,20 +1,19 @@
 //! The supports of a part, layer by layer.
 
-use super::plans::Plans;
+use super::plans::{Plans, RaftPlan, SupportFillPlan};
 use super::posts::Posts;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Mm, Mm2, Percent};
-use isoslice_held::support::{Plan, Slice};
+use isoslice_held::support::{Plan, Slice, SupportPlan};
 use isoslice_layer::infill::{self, Infill, InfillError, InfillPlan};
 use isoslice_layer::walls::WallPlan;
-use isoslice_model::vary::Surroundings;
-use isoslice_planar::bead::{Bead, Role, spacing};
+use isoslice_model::expressions::Surroundings;
+use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Solid};
+use isoslice_settings::Infill::Pattern;
+use isoslice_settings::LineDensity;
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{
-    InfillPattern, LineDensity, Settings, SkinPattern, Supports,
-};
 
 /// A gap beside supports that is wider than this, mm, may be why something has
 /// none.
@@ -35,50 +34,43 @@ pub(super) struct Top {
 /// The supports of a part.
 pub(super) struct Supported<'a> {
     plan: Plan,
+    asked: SupportPlan,
+    fill: SupportFillPlan,
+    raft: RaftPlan,
     body: SupportFill<'a>,
     interface: SupportFill<'a>,
-    /// Number of the raft's layers, which the plan does not know.
-    raft: usize,
-    /// Height of the raft and of the air above it.
-    lift: Mm,
-    /// Height of the air above the raft, which the first layer of supports
-    /// fills.
-    gap: Mm,
 }
 
 impl<'a> Supported<'a> {
     /// The supports of a plan, filled as settings ask.
     pub(super) fn new(
         plan: Plan,
-        settings: &Settings,
         fills: &Fills<'_, 'a>,
     ) -> Result<Supported<'a>, InfillError> {
-        let width = settings.infill_width();
-        let support = &settings.support;
-        let density = match support.interface_density {
+        let Plans {
+            support_fill: fill,
+            raft,
+            support: asked,
+            ..
+        } = fills.plans;
+        let width = asked.width;
+        let density = match fill.interface_density {
             LineDensity::Spacing(apart) => {
-                (100.0 * side_by_side(settings) / apart).clamp(1.0, 100.0)
+                (100.0 * fill.side_by_side / apart).clamp(1.0, 100.0)
             }
             LineDensity::Share(share) => share,
         };
-        let pattern = match support.interface_pattern {
-            SkinPattern::Lines => InfillPattern::Rectilinear,
-            SkinPattern::Concentric => InfillPattern::Concentric,
-        };
-        let body = fills.lines(width, support.density);
+        let body = fills.lines(width, fill.density);
         let interface = InfillPlan {
-            pattern: isoslice_settings::Infill::Pattern(pattern),
-            angle: support.interface_angle.unwrap_or(body.angle),
+            pattern: Pattern(fill.interface_pattern),
+            angle: fill.interface_angle.unwrap_or(body.angle),
             ..fills.lines(width, density)
         };
         Ok(Supported {
             plan,
-            raft: settings.raft_layers(),
-            lift: settings.raft_height(),
-            gap: match settings.raft_layers() {
-                0 => 0.0,
-                _ => settings.raft_gap(),
-            },
+            asked: asked.clone(),
+            fill: *fill,
+            raft: *raft,
             body: fills.fill(body, Role::Support)?,
             interface: fills.fill(interface, Role::SupportInterface)?,
         })
@@ -86,13 +78,9 @@ impl<'a> Supported<'a> {
 
     /// What the user should know of the plan. `offset` leads from the model's
     /// coordinates to the bed's.
-    pub(super) fn warnings(
-        &self,
-        offset: DVec2,
-        settings: &Settings,
-    ) -> Vec<String> {
+    pub(super) fn warnings(&self, offset: DVec2) -> Vec<String> {
         let place = |worst: DVec3| {
-            let at = worst + offset.extend(self.lift);
+            let at = worst + offset.extend(self.raft.height);
             format!(
                 "x = {:.1}, y = {:.1}, z = {:.1} on the bed",
                 at.x, at.y, at.z
@@ -113,7 +101,7 @@ impl<'a> Supported<'a> {
                  {}: {}",
                 unheld.area,
                 place(unheld.worst),
-                why(unheld.worst.z, settings),
+                self.why(unheld.worst.z),
             ));
         }
         if unmet.area > UNHELD {
@@ -153,8 +141,7 @@ impl<'a> Supported<'a> {
                     .to_owned(),
             );
         }
-        let (air, nozzle) =
-            (settings.support.z_gap, settings.printer.nozzle_diameter);
+        let (air, nozzle) = (self.asked.gap_top, self.fill.nozzle);
         if air > nozzle && unheld.area <= UNHELD {
             all.push(format!(
                 "support.z_gap = {air} mm is more than the nozzle's diameter of \
@@ -162,24 +149,49 @@ impl<'a> Supported<'a> {
                  lies on them; about the height of a layer is usual"
             ));
         }
-        let beside = side_by_side(settings);
-        if let LineDensity::Spacing(apart) = settings.support.interface_density
-            && settings.support.interface_layers > 0
+        let beside = self.fill.side_by_side;
+        if let LineDensity::Spacing(apart) = self.fill.interface_density
+            && self.asked.interface_layers > 0
             && apart < beside
         {
             all.push(format!(
                 "support.interface_density = \"{apart} mm\" is less than the \
                  {beside:.3} mm that lines of infill_width = {:.3} mm need, so \
                  these lie side by side; raise it, or lower infill_width",
-                settings.infill_width(),
+                self.asked.width,
             ));
         }
         all
     }
 
+    /// Why a face at this height above the supports' bed gets no support, and
+    /// what to do.
+    fn why(&self, height: Mm) -> String {
+        let SupportPlan {
+            gap_top,
+            xy_gap,
+            on_part,
+            ..
+        } = &self.asked;
+        if height < gap_top + self.fill.first_layer {
+            return format!(
+                "support.z_gap = {gap_top} mm leaves no room for one below it; \
+                 lower that"
+            );
+        }
+        let next = if *xy_gap > WIDE {
+            "lower support.xy_gap, which keeps supports that far from the part"
+        } else if *on_part {
+            "turn the part, or open what is around it"
+        } else {
+            "supports = auto may stand on the part"
+        };
+        format!("no support reaches it from below; {next}")
+    }
+
     /// The sparse and the dense area in a layer, if there is one.
     pub(super) fn slice(&self, layer: usize) -> Option<&Slice> {
-        self.plan.slice(layer.checked_sub(self.raft)?)
+        self.plan.slice(layer.checked_sub(self.raft.layers)?)
     }
 
     /// Where a layer has supports.
@@ -190,7 +202,7 @@ impl<'a> Supported<'a> {
     /// The area of the supports that hold a layer. Their tops are a gap below
     /// it.
     pub(super) fn under(&self, layer: usize) -> Option<Area> {
-        let layer = layer.checked_sub(self.raft)?;
+        let layer = layer.checked_sub(self.raft.layers)?;
         self.plan.under(layer)
     }
 
@@ -201,7 +213,7 @@ impl<'a> Supported<'a> {
 
     /// Where supports stand on a layer: their bottoms are a gap above.
     pub(super) fn on_top(&self, span: &LayerSpan) -> Option<Area> {
-        let layer = span.index.checked_sub(self.raft)?;
+        let layer = span.index.checked_sub(self.raft.layers)?;
         let heights = &self.plan.heights;
         let above = (layer + 1..heights.spans().len())
             .map(|j| (j, heights.stands_on(j)))
@@ -213,7 +225,7 @@ impl<'a> Supported<'a> {
 
     /// From where to where the supports of a layer reach, if it can have some.
     fn span(&self, span: &LayerSpan) -> Option<LayerSpan> {
-        let layer = span.index.checked_sub(self.raft)?;
+        let layer = span.index.checked_sub(self.raft.layers)?;
         let heights = &self.plan.heights;
         let own = heights.span(layer)?;
         Some(if own == heights.spans()[layer] {
@@ -221,8 +233,8 @@ impl<'a> Supported<'a> {
         } else {
             LayerSpan {
                 index: span.index,
-                bottom: own.bottom + self.lift,
-                top: own.top + self.lift,
+                bottom: own.bottom + self.raft.height,
+                top: own.top + self.raft.height,
             }
         })
     }
@@ -242,7 +254,7 @@ impl<'a> Supported<'a> {
         let own = self.span(span)?;
         let above = || {
             let heights = &self.plan.heights;
-            let layer = span.index - self.raft;
+            let layer = span.index - self.raft.layers;
             let mut higher = layer + 1..heights.spans().len();
             let (j, next) = higher.find_map(|j| Some((j, heights.span(j)?)))?;
             let area = self.plan.slice(j)?.area();
@@ -272,47 +284,21 @@ impl<'a> Supported<'a> {
                 let from = bead.stroke.points.first();
                 from.is_some_and(|p| slice.standing.contains(*p))
             };
-            let deeper = match span.index == self.raft {
+            let deeper = match span.index == self.raft.layers {
                 // Supports stand on the raft, so they reach down to it.
-                true => self.gap,
+                true => self.raft.gap,
                 false if slice.deeper != 0.0 && standing() => slice.deeper,
                 false => 0.0,
             };
             if deeper != 0.0 {
                 // Lines of the usual width are wide enough for that height.
                 // Lines that fit into a thin place may not be.
-                let most = Settings::FLAT * bead.stroke.width;
+                let most = self.fill.flattest * bead.stroke.width;
                 bead.height = (bead.height + deeper).min(most);
             }
         }
         Ok(beads)
     }
-}
-
-/// Why a face at this height above the supports' bed gets no support, and what
-/// to do.
-fn why(height: Mm, settings: &Settings) -> String {
-    let gap = settings.support.z_gap;
-    if height < gap + settings.first_layer_height() {
-        return format!(
-            "support.z_gap = {gap} mm leaves no room for one below it; lower \
-             that"
-        );
-    }
-    let next = match settings.supports {
-        _ if settings.support.xy_gap > WIDE => {
-            "lower support.xy_gap, which keeps supports that far from the part"
-        }
-        Supports::Plate => "supports = auto may stand on the part",
-        _ => "turn the part, or open what is around it",
-    };
-    format!("no support reaches it from below; {next}")
-}
-
-/// Spacing of lines of supports that lie side by side.
-fn side_by_side(settings: &Settings) -> Mm {
-    let width = settings.infill_width();
-    spacing(width, width, settings.layer_height())
 }
 
 /// What fills of supports and of a raft have in common.

@@ -31,7 +31,7 @@ impl PartPaths<'_> {
         } = ordered;
         let view = filled.view();
         let span = filled.layer.span;
-        let beads = if self.settings.interlocks() {
+        let beads = if self.plans.interlocked {
             self.timings
                 .time(Stage::Walls, || self.interlocked(beads, &view))
         } else {
@@ -70,7 +70,7 @@ impl PartPaths<'_> {
         let below = self.stands_on(&filled).cloned();
         let passed = Passed {
             path,
-            below: below.filter(|_| self.settings.by_reach()),
+            below: below.filter(|_| self.plans.by_reach),
             held: filled.held,
             outline: filled.layer.outline,
         };
@@ -154,7 +154,7 @@ impl PartPaths<'_> {
         };
         let mut view = view.clone();
         // The bed and a raft are flat.
-        if view.here.span.index <= self.settings.raft_layers() {
+        if view.here.span.index <= self.plans.raft.layers {
             view.below = vec![view.here];
         }
         let site = Site {

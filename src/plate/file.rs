@@ -22,7 +22,7 @@
 use super::{Plate, PlateError, Wanted};
 use isoslice_base::files::{self, MAX_SETTINGS_BYTES};
 use isoslice_model::{Placement, Source};
-use isoslice_settings::{Builder, Settings};
+use isoslice_settings::Builder;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -32,9 +32,7 @@ use toml::de::{DeTable, DeValue};
 pub struct PlateFile {
     /// The parts that are wanted.
     pub parts: Vec<Wanted>,
-    /// What holds for the whole plate.
-    pub settings: Settings,
-    /// Where these settings are from.
+    /// What holds for the whole plate, and where it is from.
     pub builder: Builder,
     /// What the user should know of the settings.
     pub warnings: Vec<String>,
@@ -90,7 +88,7 @@ impl PlateFile {
                 builder.set(set)?;
             }
         }
-        let (settings, mut warnings) = builder.clone().finish()?;
+        let (_, mut warnings) = builder.clone().finish()?;
         let parts = match table.get("part").map(|p| (p, p.get_ref())) {
             Some((_, DeValue::Array(parts))) => parts,
             Some((part, _)) => {
@@ -130,7 +128,6 @@ impl PlateFile {
         }
         Ok(PlateFile {
             parts: wanted,
-            settings,
             builder,
             warnings,
             models,

@@ -35,7 +35,7 @@ mod shared;
 pub use error::PlateError;
 pub use file::PlateFile;
 
-use arrange::{Bed, Box as Piece, arrange};
+use arrange::{Bed, Box as PartBox, arrange};
 use glam::{DVec2, DVec3};
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::BrimPlan;
@@ -160,8 +160,13 @@ impl Plate {
         if count > Plate::MOST_PARTS {
             return Err(PlateError::TooMany { count });
         }
+        let mut plate = Plate {
+            name: name.to_owned(),
+            settings: settings.clone(),
+            parts: Vec::new(),
+        };
         for one in wanted {
-            one.check(settings, count)?;
+            one.check(&plate, count)?;
         }
         let kinds = kinds(wanted);
         let mut parts = Vec::new();
@@ -170,12 +175,7 @@ impl Plate {
             let wanted = kind.clone();
             parts.push((Part { wanted, ..part }, kind));
         }
-        let mut plate = Plate {
-            name: name.to_owned(),
-            settings: settings.clone(),
-            parts: Vec::new(),
-        };
-        if count > 1 && sequence::one_by_one(settings) {
+        if count > 1 && plate.is_one_by_one() {
             plate.check_alone()?;
         }
         place_all(&mut plate, parts, wanted)?;
@@ -185,7 +185,8 @@ impl Plate {
 
     /// The name of a plate of these models, made of their names if they are few.
     pub fn name_of(wanted: &[Wanted]) -> String {
-        const MOST: usize = 3;
+        // The name is part of a file's name.
+        const MOST_NAMES: usize = 3;
         let mut names: Vec<String> = Vec::new();
         for one in wanted {
             let name = one.source.name();
@@ -194,7 +195,7 @@ impl Plate {
             }
         }
         match names.len() {
-            ..=MOST => names.join("+"),
+            ..=MOST_NAMES => names.join("+"),
             _ => format!("{}+{} more", names[0], names.len() - 1),
         }
     }
@@ -337,9 +338,9 @@ impl Part {
 
 impl Wanted {
     /// Refuses what a plate of `count` parts cannot have.
-    fn check(&self, plate: &Settings, count: u64) -> Result<(), PlateError> {
+    fn check(&self, plate: &Plate, count: u64) -> Result<(), PlateError> {
         let asked = || self.asked.clone();
-        if let Some(differs) = shared::difference(plate, &self.settings) {
+        if let Some(differs) = shared::difference(plate, self) {
             return Err(PlateError::Differs {
                 asked: asked(),
                 key: differs.key,
@@ -444,7 +445,7 @@ fn place_all(
         kind.iter().map(|&i| wanted[i].copies as usize).sum()
     };
     let counted = parts.iter().map(|(part, kind)| (part, count(kind)));
-    let how = Arrangement::of(settings, counted);
+    let how = Arrangement::of(plate, counted);
     let bed = Bed {
         size: DVec2::new(printer.bed_x, printer.bed_y),
         spacing: how.spacing,
@@ -461,7 +462,7 @@ fn place_all(
     let pieces = asked.iter().zip(&names).map(|(&(i, k), name)| {
         let foot = parts[k].0.foot();
         let bounds = parts[k].0.model.printed_bounds();
-        Piece {
+        PartBox {
             name: name.clone(),
             size: foot.size(),
             // The middle of the part's box is that of its foot.
@@ -470,7 +471,7 @@ fn place_all(
             alone: parts[k].0.top() > how.alone_above,
         }
     });
-    let pieces: Vec<Piece> = pieces.collect();
+    let pieces: Vec<PartBox> = pieces.collect();
     let middles = arrange(&pieces, bed)?;
     let count = asked.len();
     let mut placed: Vec<Part> = parts.iter().map(|p| p.0.clone()).collect();

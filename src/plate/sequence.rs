@@ -14,7 +14,7 @@
 //! the two parts that are too near to each other, or the part that is too high.
 //!
 //! The head is a circle of `printer.head_clearance_radius` around the nozzle,
-//! empty below `printer.head_clearance_height`. The nozzle may be anywhere over
+//! empty below the height that the setting gives it. The nozzle may be anywhere over
 //! what stands on the bed of the part that is printed: its box with its brim or
 //! raft, and with the room that its supports have. No finished part may be in
 //! that circle. Whatever moves across the whole bed with the head is at
@@ -37,7 +37,7 @@ use super::{Part, Plate, PlateError};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
-use isoslice_settings::{DraftShield, PlateSequence, Settings, Supports};
+use isoslice_settings::{DraftShield, PlateSequence, Printer, Supports};
 
 /// How far above all that is finished the head travels from one part to the
 /// next, mm: more than threads and blobs stand up.
@@ -56,11 +56,11 @@ struct Head {
 }
 
 impl Head {
-    fn of(settings: &Settings) -> Option<Head> {
-        let printer = &settings.printer;
+    fn of(printer: &Printer) -> Option<Head> {
+        let clearance = printer.head_clearance_radius?;
         Some(Head {
-            radius: printer.head_clearance_radius?,
-            free_below: printer.head_clearance_height,
+            radius: clearance.radius,
+            free_below: clearance.free_below,
             gantry: printer.gantry_height?,
             front: printer.front_clearance,
         })
@@ -82,11 +82,6 @@ struct Standing<'a> {
     top: Mm,
 }
 
-/// True if the parts are printed one by one.
-pub(super) fn one_by_one(settings: &Settings) -> bool {
-    settings.plate.sequence == PlateSequence::OneByOne
-}
-
 /// How parts are arranged.
 pub(super) struct Arrangement {
     /// The distance that they keep from one another.
@@ -96,17 +91,18 @@ pub(super) struct Arrangement {
 }
 
 impl Arrangement {
-    /// The arrangement of parts, each with the number of its places.
+    /// The arrangement of the parts of a plate, each with the number of its
+    /// places.
     pub(super) fn of<'a>(
-        settings: &Settings,
+        plate: &Plate,
         parts: impl Iterator<Item = (&'a Part, usize)>,
     ) -> Arrangement {
-        let usual = settings.plate.spacing;
+        let usual = plate.settings.plate.spacing;
         let mut all = Arrangement {
             spacing: usual,
             alone_above: Mm::INFINITY,
         };
-        let head = Head::of(settings).filter(|_| one_by_one(settings));
+        let head = plate.head().filter(|_| plate.is_one_by_one());
         let Some(head) = head else {
             return all;
         };
@@ -130,15 +126,25 @@ impl Arrangement {
 }
 
 impl Plate {
+    /// True if the parts are printed one by one.
+    pub(super) fn is_one_by_one(&self) -> bool {
+        self.settings.plate.sequence == PlateSequence::OneByOne
+    }
+
+    /// What the head needs, if the printer's settings tell it.
+    fn head(&self) -> Option<Head> {
+        Head::of(&self.settings.printer)
+    }
+
     /// The places in the order in which their parts are printed one by one, as
     /// [`Plate::shifts`] has them; nothing if all grow together.
     pub(crate) fn turns(&self) -> Option<Vec<usize>> {
-        if !one_by_one(&self.settings) || self.place_count() < 2 {
+        if !self.is_one_by_one() || self.place_count() < 2 {
             return None;
         }
         // Of those that are as high as what carries the head the front one
         // comes first, if it may be passed in front.
-        let head = Head::of(&self.settings).filter(|h| h.front.is_some());
+        let head = self.head().filter(|h| h.front.is_some());
         let key = |&(part, shift): &(usize, DVec2)| {
             let (part, top) = (&self.parts[part], self.parts[part].top());
             match head {
@@ -178,7 +184,7 @@ impl Plate {
         if self.settings.draft_shield != DraftShield::Off {
             return Err(PlateError::ShieldOneByOne);
         }
-        match Head::of(&self.settings) {
+        match self.head() {
             Some(_) => Ok(()),
             None => Err(PlateError::UnknownHead),
         }
@@ -190,7 +196,7 @@ impl Plate {
         let Some(turns) = self.turns() else {
             return Ok(());
         };
-        let Some(head) = Head::of(&self.settings) else {
+        let Some(head) = self.head() else {
             return Err(PlateError::UnknownHead);
         };
         let places = self.parts.iter().flat_map(|part| {

@@ -1,6 +1,7 @@
 //! Which settings hold for the whole plate.
 
-use isoslice_settings::{Settings, keys};
+use super::{Plate, Wanted};
+use isoslice_settings::keys;
 
 /// Groups of settings that are of the printer, of the filament, of the file, or
 /// of what the nozzle does between parts.
@@ -19,13 +20,12 @@ const GROUPS: [&str; 10] = [
 
 /// Settings outside of groups that all parts of a layer share, and the speed
 /// between parts.
-const SINGLE: [&str; 8] = [
+const SINGLE: [&str; 7] = [
     "layer_height",
     "first_layer_height",
     "layer_heights",
     "layer_height_min",
     "layer_height_max",
-    "step_error",
     "speed.travel",
     "draft_shield",
 ];
@@ -46,8 +46,10 @@ pub(super) fn is_shared(key: &str) -> bool {
 
 /// The first setting that differs although all parts share it.
 pub(super) fn difference(
-    plate: &Settings,
-    part: &Settings,
+    Plate {
+        settings: plate, ..
+    }: &Plate,
+    Wanted { settings: part, .. }: &Wanted,
 ) -> Option<Difference> {
     let shared = keys().iter().filter(|key| is_shared(key.name));
     let differs =
@@ -77,12 +79,16 @@ mod tests {
 
     #[test]
     fn parts_may_differ_in_their_walls_and_not_in_their_layers() {
-        let plate = Settings::default();
-        let mut part = plate.clone();
-        part.walls = 4;
-        part.brim.width = 3.0;
+        let mut part = Wanted::of_test("x", 1);
+        let plate = Plate {
+            name: String::new(),
+            settings: part.settings.clone(),
+            parts: Vec::new(),
+        };
+        part.settings.walls = 4;
+        part.settings.brim.width = 3.0;
         assert!(difference(&plate, &part).is_none());
-        part.filament.flow = 95.0;
+        part.settings.filament.flow = 95.0;
         let found = difference(&plate, &part).unwrap();
         assert_eq!((found.key, &*found.value), ("filament.flow", "95"));
     }

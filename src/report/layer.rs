@@ -25,14 +25,13 @@ use isoslice_model::{Probe, Spot};
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::{Area, Rect, Solid};
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 use std::f64::consts::PI;
 
 /// Micrometres in a millimetre.
 const MICRONS: f64 = 1e3;
 /// Greatest distance of points that are measured on a line, mm.
-const STEP: Mm = 0.5;
+const POINT_STEP: Mm = 0.5;
 /// Two walls that are farther apart than this many spacings are not neighbours.
 const NEIGHBOURS: f64 = 1.5;
 
@@ -103,7 +102,8 @@ pub(crate) struct LayerFigures {
     pub unfilled: Mm2,
 }
 
-/// Measures a layer. `frame` is the part's box in the plane.
+/// Measures a layer. `frame` is the part's box in the plane, `pitch` the distance
+/// of samples.
 ///
 /// # Errors
 /// If the field cannot be evaluated, which is a bug.
@@ -112,7 +112,7 @@ pub(crate) fn measure(
     probe: &Probe,
     frame: Rect,
     effort: Effort,
-    settings: &Settings,
+    pitch: Mm,
 ) -> Result<LayerFigures, ReportError> {
     let area = layer.outline;
     let mut found = LayerFigures {
@@ -132,7 +132,6 @@ pub(crate) fn measure(
     if let Effort::Full { area_lines } = effort
         && area_lines > 0
     {
-        let pitch = settings.sample_spacing;
         let by_field = content(probe, frame, layer.z, area_lines, pitch)?;
         found.area_by_field = Some(by_field);
     }
@@ -176,7 +175,7 @@ fn outline(
                 let out = (out(i + n - 1) + out(i)).normalize_or(DVec2::X);
                 spots.push(Spot { at: a, out });
             }
-            let steps = (a.distance(b) / STEP).ceil().clamp(1.0, 1e4);
+            let steps = (a.distance(b) / POINT_STEP).ceil().clamp(1.0, 1e4);
             for k in 0..steps as usize {
                 if taken() {
                     let at = a.lerp(b, (k as f64 + 0.5) / steps);
@@ -238,7 +237,7 @@ fn nearest(
 fn along(line: &Stroke) -> impl Iterator<Item = (DVec2, Mm)> + '_ {
     line.segments().enumerate().flat_map(move |(i, (a, b))| {
         let (from, to) = (line.width_at(i), line.width_at(i + 1));
-        let steps = (a.distance(b) / STEP).ceil().clamp(1.0, 1e4);
+        let steps = (a.distance(b) / POINT_STEP).ceil().clamp(1.0, 1e4);
         (0..2 * steps as usize).map(move |k| {
             let t = k as f64 / (2.0 * steps);
             (a.lerp(b, t), from + t * (to - from))
@@ -306,6 +305,7 @@ mod tests {
     use fidget::context::Tree;
     use isoslice_layer::walls::{self, WallPlan};
     use isoslice_planar::shapes::{circle, moved};
+    use isoslice_settings::testing::settings;
 
     fn disc() -> Probe {
         let (x, y) = (Tree::x(), Tree::y());
@@ -319,7 +319,6 @@ mod tests {
     }
 
     fn figures(outline: &Area, walls: &Walls, effort: Effort) -> LayerFigures {
-        let settings = Settings::default();
         let span = LayerSpan {
             index: 7,
             bottom: 1.4,
@@ -335,7 +334,7 @@ mod tests {
             walls,
         };
         let frame = Rect::new(DVec2::splat(-6.0), DVec2::splat(6.0));
-        measure(parts, &disc(), frame, effort, &settings).unwrap()
+        measure(parts, &disc(), frame, effort, 0.1).unwrap()
     }
 
     const FULL: Effort = Effort::Full { area_lines: 200 };
@@ -344,7 +343,7 @@ mod tests {
     fn a_true_outline_has_no_errors() {
         let area = ring(DVec2::ZERO, 5.0);
         let walls =
-            walls::walls(&area, None, 0.2, &WallPlan::of(&Settings::default()));
+            walls::walls(&area, None, 0.2, &WallPlan::of(&settings(&[])));
         let found = figures(&area, &walls, FULL);
         // Chords of half a degree are 48 nm inside at their middle.
         let d = found.outline.figures().unwrap();
@@ -393,9 +392,9 @@ mod tests {
 
     #[test]
     fn misplaced_walls_show() {
-        let settings = Settings::default();
         let area = ring(DVec2::ZERO, 5.0);
-        let good = walls::walls(&area, None, 0.2, &WallPlan::of(&settings));
+        let good =
+            walls::walls(&area, None, 0.2, &WallPlan::of(&settings(&[])));
         let mut walls = good.clone();
         for p in &mut walls.lines[0][0].points {
             // The outer wall is 30 µm too far in, and so nearer to the next
@@ -422,7 +421,7 @@ mod tests {
     fn a_narrower_bead_is_measured_at_its_own_edge() {
         let area = ring(DVec2::ZERO, 5.0);
         let mut walls =
-            walls::walls(&area, None, 0.2, &WallPlan::of(&Settings::default()));
+            walls::walls(&area, None, 0.2, &WallPlan::of(&settings(&[])));
         let line = &mut walls.lines[0][0];
         // A post's ring is like this: thinner, and farther out by half of that.
         line.width -= 0.1;

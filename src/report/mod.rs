@@ -26,7 +26,6 @@ use isoslice_base::timings::Timings;
 use isoslice_base::units::{Mm, Mm2, Mm3, Seconds};
 use isoslice_model::heights::Steps;
 use isoslice_model::{Model, Probe, ProbeError};
-use isoslice_settings::{Settings, WallOffset};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -55,7 +54,7 @@ const WORST: usize = 10;
 /// Measures the layers of one run.
 pub(crate) struct Gauge<'a> {
     model: &'a Model,
-    settings: &'a Settings,
+    used: &'a Used,
     probe: Probe,
     /// Number of the run's layers.
     count: usize,
@@ -70,13 +69,13 @@ impl<'a> Gauge<'a> {
     /// If fidget refuses the expression.
     pub(crate) fn new(
         model: &'a Model,
-        settings: &'a Settings,
+        used: &'a Used,
         count: usize,
         full: bool,
     ) -> Result<Self, ReportError> {
         Ok(Gauge {
             model,
-            settings,
+            used,
             probe: Probe::new(&model.tree)?,
             count,
             full,
@@ -108,8 +107,13 @@ impl<'a> Gauge<'a> {
         } else {
             return Ok(None);
         };
-        let mut found =
-            measure(parts, &self.probe, frame, effort, self.settings)?;
+        let mut found = measure(
+            parts,
+            &self.probe,
+            frame,
+            effort,
+            self.used.sample_spacing,
+        )?;
         if let Some((_, at)) = &mut found.worst {
             *at += self.model.origin.truncate();
         }
@@ -129,7 +133,7 @@ impl<'a> Gauge<'a> {
         let (low, high) = (self.model.bounds.min, self.model.bounds.max);
         let low = DVec3::new(low.x, low.y, low.z.max(z[0]));
         let high = DVec3::new(high.x, high.y, high.z.min(z[1]).max(low.z));
-        let pitch = self.settings.sample_spacing;
+        let pitch = self.used.sample_spacing;
         area::volume(&self.probe, low, high, VOLUME_LINES, pitch, timings)
     }
 }
@@ -208,7 +212,6 @@ impl RunFigures {
         volume: (Mm3, Mm3),
         extruded: Mm3,
     ) -> Report {
-        let settings = gauge.settings;
         let sum = |of: fn(&Layer) -> usize| -> usize {
             self.layers.iter().map(of).sum()
         };
@@ -229,21 +232,7 @@ impl RunFigures {
             part_layers: layer_count,
             steps: None,
             roles: BTreeMap::new(),
-            settings: Used {
-                layer_height: settings.layer_height(),
-                first_layer_height: settings.bed_layer_height(),
-                accuracy: settings.accuracy,
-                sample_spacing: settings.sample_spacing,
-                walls: settings.walls,
-                wall_offset: match settings.wall_offset {
-                    WallOffset::Distance => "distance",
-                    WallOffset::Field => "field",
-                },
-                outer_wall_width: settings.outer_wall_width(),
-                inner_wall_width: settings.inner_wall_width(),
-                thin_min: settings.thin_min,
-                thin_max: settings.thin_max,
-            },
+            settings: gauge.used.clone(),
             outline_um: self.outline.figures(),
             outline_lost: self.lost,
             outer_wall_um: self.outer_wall.figures(),

@@ -81,6 +81,18 @@ pub fn formula(text: &str, settings: &Settings) -> Model {
     model(SourceKind::Formula, text, &[], &placement, settings)
 }
 
+/// A formula's model on the bed, and its settings.
+pub fn part(text: &str, assignments: &[&str]) -> (Model, Settings) {
+    let settings = settings(assignments);
+    (formula(text, &settings), settings)
+}
+
+/// The middle of the settings' bed.
+pub fn middle(settings: &Settings) -> DVec2 {
+    let size = ["printer.bed_x", "printer.bed_y"];
+    0.5 * DVec2::from_array(size.map(|name| number(settings, name)))
+}
+
 /// A formula's model as a part of a plate, where a place is found for it.
 pub fn wanted(
     name: &str,
@@ -277,7 +289,7 @@ pub const ROLES: [&str; 13] = [
 
 /// What a line of G-code makes the machine do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum MoveKind {
     /// Across the plane, feeding filament.
     Print,
     /// Across the plane, feeding none.
@@ -293,7 +305,7 @@ pub enum Kind {
 /// One move of the machine.
 #[derive(Clone, Copy, Debug)]
 pub struct Move {
-    pub kind: Kind,
+    pub kind: MoveKind,
     /// NaN where the start template left the head somewhere.
     pub from: DVec3,
     pub to: DVec3,
@@ -338,17 +350,17 @@ impl Layer {
     pub fn prints(&self) -> impl Iterator<Item = &Move> {
         self.moves
             .iter()
-            .filter(|m| m.kind == Kind::Print && m.role != SKIRT)
+            .filter(|m| m.kind == MoveKind::Print && m.role != SKIRT)
     }
 
     fn has_printed(&self) -> bool {
-        self.moves.iter().any(|m| m.kind == Kind::Print)
+        self.moves.iter().any(|m| m.kind == MoveKind::Print)
     }
 
     /// Length printed in a role.
     pub fn length(&self, role: &str) -> f64 {
         let of_role = self.moves.iter().filter(|m| m.role == role);
-        let prints = of_role.filter(|m| m.kind == Kind::Print);
+        let prints = of_role.filter(|m| m.kind == MoveKind::Print);
         prints.map(Move::length).sum()
     }
 }
@@ -415,11 +427,11 @@ pub fn parse(text: &str) -> Vec<Layer> {
                 }
                 let across = to.x != at.x || to.y != at.y;
                 let kind = match (across, fed) {
-                    (true, 0.0) => Kind::Travel,
-                    (true, _) => Kind::Print,
-                    (false, 0.0) => Kind::Lift,
-                    (false, f) if f < 0.0 => Kind::Retract,
-                    (false, _) => Kind::Prime,
+                    (true, 0.0) => MoveKind::Travel,
+                    (true, _) => MoveKind::Print,
+                    (false, 0.0) => MoveKind::Lift,
+                    (false, f) if f < 0.0 => MoveKind::Retract,
+                    (false, _) => MoveKind::Prime,
                 };
                 let between = layers.is_empty() || role == "Custom";
                 // When the head leaves the template, no role has been named.
@@ -439,7 +451,7 @@ pub fn parse(text: &str) -> Vec<Layer> {
                         line: line_number,
                     });
                 }
-                if kind != Kind::Print {
+                if kind != MoveKind::Print {
                     back = (back - fed).max(0.0);
                 }
                 at = to;

@@ -1,7 +1,7 @@
 //! What stands beside a part, in whole runs: brim ears and the draft shield.
 
 use crate::common::{
-    Kind, Layer, Move, SKIRT, formula, parse, settings, slice_layers,
+    Layer, Move, MoveKind, SKIRT, formula, parse, settings, slice_layers,
 };
 use glam::DVec2;
 use isoslice::pipeline::Summary;
@@ -31,7 +31,7 @@ fn run(
 fn skirt(layer: &Layer) -> Vec<&Move> {
     let moves = layer.moves.iter();
     moves
-        .filter(|m| m.role == SKIRT && m.kind == Kind::Print)
+        .filter(|m| m.role == SKIRT && m.kind == MoveKind::Print)
         .collect()
 }
 
@@ -100,7 +100,7 @@ fn a_shield_is_outside_of_supports_and_rafts_and_of_any_range() {
 #[test]
 fn ears_are_at_the_corners_of_the_first_layer() {
     let block = "max(max(abs(x) - 20, abs(y) - 10), abs(z - 2) - 2)";
-    let set = ["brim.place=ears", "brim.ear_radius=4", "skirt.loops=0"];
+    let set = ["brim.place=ears", "brim.width=4", "skirt.loops=0"];
     let (layers, summary, _) = run(block, &set, "..");
     assert_eq!(summary.warnings, Vec::<String>::new());
     let ears = skirt(&layers[0]);

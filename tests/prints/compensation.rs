@@ -1,7 +1,7 @@
 //! Compensations, brims and skirts in the G-code, against the radii of a tube.
 
 use crate::common::{
-    Kind, Layer, formula, parse, settings, slice, slice_layers,
+    Layer, MoveKind, formula, parse, settings, slice, slice_layers,
 };
 use glam::DVec2;
 use isoslice::model::{
@@ -23,7 +23,7 @@ fn layers(assignments: &[&str]) -> Vec<Layer> {
 fn radii(layer: &Layer, role: &str) -> [f64; 4] {
     let mut found = [f64::INFINITY, 0.0, f64::INFINITY, 0.0];
     for m in layer.moves.iter().filter(|m| m.role == role) {
-        if m.kind != Kind::Print {
+        if m.kind != MoveKind::Print {
             continue;
         }
         let (a, b) = m.ends();
@@ -63,7 +63,7 @@ fn walls_lie_where_the_compensation_puts_them() {
             );
         }
     }
-    let drawn = layers(&["elephant_foot=0.2", "elephant_foot_layers=2"]);
+    let drawn = layers(&["elephant_foot=0.2 over 2"]);
     for (layer, by) in drawn.iter().zip([0.2, 0.1, 0.0, 0.0]) {
         close(
             radii(layer, "External perimeter"),
@@ -112,7 +112,7 @@ fn a_brim_lies_beside_the_first_layer_only() {
 #[test]
 fn nothing_hangs_over_the_elephants_foot() {
     // The next layer sticks out by more than half a line.
-    let printed = layers(&["elephant_foot=0.3", "elephant_foot_layers=1"]);
+    let printed = layers(&["elephant_foot=0.3"]);
     for layer in &printed {
         assert_eq!(layer.length("Overhang perimeter"), 0.0);
     }

@@ -2,10 +2,9 @@
 //! place of a layer is printed as, against the function itself.
 
 use crate::common::{
-    Layer, Move, formula, number, parse, settings, slice, slice_layers,
+    Layer, Move, formula, middle, number, parse, settings, slice, slice_layers,
 };
 use glam::{DVec2, DVec3};
-use isoslice::settings::Settings;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 use std::f64::consts::{PI, TAU};
@@ -124,21 +123,29 @@ enum Place {
     Sparse,
 }
 
+/// What tells a layer's skin.
+#[derive(Clone, Copy)]
+struct Shells {
+    layer_height: f64,
+    /// Numbers of solid layers.
+    top: i64,
+    bottom: i64,
+}
+
 /// What a point of layer `i` is, by the function.
 fn place(
     f: fn(DVec3) -> f64,
     p: DVec2,
     i: i64,
     count: i64,
-    s: &Settings,
+    shells: Shells,
 ) -> Place {
-    let h = s.layer_height();
+    let h = shells.layer_height;
     let solid = |k: i64| {
         let z = (k as f64 + 0.5) * h;
         (0..count).contains(&k) && f(p.extend(z)) < 0.0
     };
-    let (top, bottom) =
-        (i64::from(s.top_layers()), i64::from(s.bottom_layers()));
+    let Shells { top, bottom, .. } = shells;
     match () {
         () if !solid(i) => Place::Outside,
         () if i == 0 => Place::Bottom,
@@ -155,14 +162,14 @@ fn clear_place(
     f: fn(DVec3) -> f64,
     p: DVec2,
     (i, count): (i64, i64),
-    s: &Settings,
+    shells: Shells,
     margin: f64,
 ) -> Option<Place> {
-    let own = place(f, p, i, count, s);
+    let own = place(f, p, i, count, shells);
     let around = (0..24).all(|k| {
         let turn = DVec2::from_angle(TAU * f64::from(k) / 12.0);
         let r = margin * if k < 12 { 1.0 } else { 0.5 };
-        place(f, p + turn * r, i, count, s) == own
+        place(f, p + turn * r, i, count, shells) == own
     });
     around.then_some(own)
 }
@@ -172,11 +179,6 @@ fn distance(m: &Move, p: DVec2) -> f64 {
     let along = b - a;
     let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
     p.distance(a + along * t)
-}
-
-/// Where the middle of the model is on the bed.
-fn centre(s: &Settings) -> DVec2 {
-    0.5 * DVec2::new(number(s, "printer.bed_x"), number(s, "printer.bed_y"))
 }
 
 /// Lines farther from a place than this do not count there, mm: it is more than
@@ -191,6 +193,11 @@ fn roles_are_exact(case: &Case, assignments: &[&str]) {
     let model = formula(case.formula, s);
     let layers = parse(&slice(&model, s, 2).0);
     let count = layers.len() as i64;
+    let shells = Shells {
+        layer_height: s.layer_height(),
+        top: i64::from(s.top_layers()),
+        bottom: i64::from(s.bottom_layers()),
+    };
     let mut seen = [0; 6];
     for (i, layer) in layers.iter().enumerate() {
         let line = |m: &Move| {
@@ -201,7 +208,7 @@ fn roles_are_exact(case: &Case, assignments: &[&str]) {
         let prints = RTree::bulk_load(prints.collect());
         // The lines near a place, each with its distance from the place.
         let around = |p: DVec2| {
-            let p = p + centre(s);
+            let p = p + middle(s);
             let (low, high) = ((p - REACH).to_array(), (p + REACH).to_array());
             prints
                 .locate_in_envelope_intersecting(&AABB::from_corners(low, high))
@@ -213,7 +220,7 @@ fn roles_are_exact(case: &Case, assignments: &[&str]) {
             let number = (i as i64, count);
             // The margin is more than skin reaches onto, and than short pieces
             // of its lines.
-            let Some(own) = clear_place(case.f, p, number, s, 2.4) else {
+            let Some(own) = clear_place(case.f, p, number, shells, 2.4) else {
                 continue;
             };
             let near = |roles: &[&str], reach: f64| {
@@ -262,7 +269,7 @@ fn every_place_is_printed_as_what_it_is() {
 fn widths_patterns_and_thicknesses_of_their_own_change_no_area() {
     let own = [
         "top_skin_width=0.4",
-        "top_skin_pattern=concentric",
+        "skin_pattern=top: concentric",
         "top_layers=2",
         "bottom_layers=5",
     ];
@@ -354,7 +361,7 @@ fn lines_of_skin_keep_the_gap_to_its_ring() {
         let s = settings(assignments);
         let layers = parse(&slice(&formula(square, &s), &s, 1).0);
         let ends = layers[1].prints().filter(|m| m.role == SOLID);
-        let far = |p: DVec2| (p - centre(&s)).abs().max_element();
+        let far = |p: DVec2| (p - middle(&s)).abs().max_element();
         // The ring is parallel to the sides, the lines are at 45°; what is
         // short leads from one to the other.
         let slanted = |m: &&Move| {
@@ -401,7 +408,7 @@ fn bridges_run_from_pillar_to_pillar() {
             assert!(d.perp_dot(along).abs() < 0.02, "{degrees}: {d}");
             // The line runs over the gap, and is anchored on both sides.
             for p in [a, b] {
-                let u = (p - centre(&s)).dot(along).abs();
+                let u = (p - middle(&s)).dot(along).abs();
                 assert!(u > reach - 0.7 && u < reach + 0.1, "{degrees}: {u}");
             }
         }
@@ -511,7 +518,8 @@ fn everything_solid_has_the_volume_of_the_part() {
 
 /// The least thickness of solid below a dome's surface, along its normal,
 /// over slopes from `from` to `to` degrees.
-fn shell(from: f64, to: f64, s: &Settings) -> f64 {
+fn shell(from: f64, to: f64, assignments: &[&str]) -> f64 {
+    let s = &settings(assignments);
     const R: f64 = 30.0;
     let dome = format!("max(sqrt(x^2+y^2+z^2) - {R}, -(z-15))");
     let layers = parse(&slice(&formula(&dome, s), s, 2).0);
@@ -529,7 +537,7 @@ fn shell(from: f64, to: f64, s: &Settings) -> f64 {
             let Some(layer) = layers.get(layer.max(0.0) as usize) else {
                 break;
             };
-            let at = p.truncate() + centre(s);
+            let at = p.truncate() + middle(s);
             let solid = layer.prints().any(|m| {
                 m.role != SPARSE && distance(m, at) < 0.5 * m.width + 0.05
             });
@@ -554,7 +562,7 @@ fn shells_of_slopes_are_as_thick_as_asked_for() {
     ] {
         let s = settings(&own);
         for (from, to) in [(10.0, 20.0), (20.0, 30.0), (30.0, 45.0)] {
-            let least = shell(from, to, &s);
+            let least = shell(from, to, &own);
             // On a slope nearly level half a layer's step shows.
             let step = if from < 20.0 {
                 0.5 * s.layer_height()

@@ -2,7 +2,7 @@
 //! the G-code.
 
 use crate::common::{
-    Kind, Move, filament_area, formula, parse, settings, slice,
+    Move, MoveKind, filament_area, formula, parse, settings, slice,
 };
 
 /// A cylinder that leans far out, whose walls are overhangs on one side.
@@ -40,7 +40,7 @@ fn worst(text: &str, most: f64, more: &[&str]) -> (f64, usize, f64) {
     let (mut off, mut changes, mut whole): (f64, usize, f64) =
         (f64::NEG_INFINITY, 0, 0.0);
     for layer in parse(&gcode) {
-        let prints = |m: &Move| m.kind == Kind::Print && m.length() > 0.0;
+        let prints = |m: &Move| m.kind == MoveKind::Print && m.length() > 0.0;
         let all: Vec<Move> = layer
             .moves
             .into_iter()

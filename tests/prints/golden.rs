@@ -6,19 +6,18 @@
 
 use crate::common;
 use crate::common::{ROLES, formula, layers, parse, settings, slice};
-use isoslice::model::{Model, Placement, SourceKind};
-use isoslice::settings::Settings;
+use isocontour::Outline;
+use isoslice::model::{Placement, SourceKind};
+use isoslice::pipeline::Summary;
 use std::fmt::Write;
 
 /// One line for each layer: what its outline is, and what is printed there.
-fn table(model: &Model, settings: &Settings) -> String {
-    let (gcode, summary) = slice(model, settings, 2);
+fn table((gcode, summary): &(String, Summary), outlines: &[Outline]) -> String {
     assert_eq!(summary.warnings, [""; 0]);
-    let printed = parse(&gcode);
-    let (_, outlines) = layers(model, settings);
+    let printed = parse(gcode);
     assert_eq!(printed.len(), outlines.len());
     let mut table = String::new();
-    for (layer, outline) in printed.iter().zip(&outlines) {
+    for (layer, outline) in printed.iter().zip(outlines) {
         let islands = outline.area.islands().len();
         let holes = outline.area.rings.len() - islands;
         let area = outline.area.content();
@@ -42,7 +41,8 @@ fn table(model: &Model, settings: &Settings) -> String {
 macro_rules! assert_table {
     ($model:expr, $settings:expr) => {
         insta::with_settings!({ omit_expression => true }, {
-            insta::assert_snapshot!(table($model, $settings));
+            let (_, outlines) = layers($model, $settings);
+            insta::assert_snapshot!(table(&slice($model, $settings, 2), &outlines));
         });
     };
 }
@@ -99,8 +99,7 @@ fn plate_with_holes() {
 }
 
 /// The G-code without what changes with every release.
-fn gcode(model: &Model, settings: &Settings) -> String {
-    let (text, _) = slice(model, settings, 2);
+fn lasting((text, _): &(String, Summary)) -> String {
     text.replacen(env!("CARGO_PKG_VERSION"), "[version]", 1)
 }
 
@@ -108,7 +107,7 @@ fn gcode(model: &Model, settings: &Settings) -> String {
 fn both_ends_of_a_file() {
     let settings =
         settings(&["gcode.flavour=klipper", "gcode.relative_e=true"]);
-    let text = gcode(&formula(PLATE, &settings), &settings);
+    let text = lasting(&slice(&formula(PLATE, &settings), &settings, 2));
     let lines: Vec<&str> = text.lines().collect();
     let (first, last) = (&lines[..40], &lines[lines.len() - 40..]);
     insta::with_settings!({ omit_expression => true }, {
@@ -124,7 +123,7 @@ fn both_ends_of_a_file() {
 fn all_of_a_tiny_cube() {
     let settings = settings(&["layer_height=0.25", "skirt.loops=0"]);
     let model = formula("max(max(abs(x), abs(y)), abs(z)) - 2.5", &settings);
-    let text = gcode(&model, &settings);
+    let text = lasting(&slice(&model, &settings, 2));
     assert!(text.len() < 40_000, "{}", text.len());
     insta::with_settings!({ omit_expression => true }, {
         insta::assert_snapshot!(text);

@@ -4,7 +4,7 @@ use crate::common;
 use crate::common::{formula, settings, slice_layers};
 use isoslice::pipeline::Summary;
 use isoslice::{Hanging, Survey, survey};
-use isoslice_held::hang::HangPlan;
+use isoslice_held::overhangs::OverhangPlan;
 
 fn run(text: &str, set: &[&str], layers: &str, threads: usize) -> Summary {
     let all = [&["sample_spacing=0.3", "accuracy=0.02"], set].concat();
@@ -152,7 +152,7 @@ fn a_bridge_holds_up_to_its_length() {
     let told = short.warnings.join("\n");
     assert!(told.contains("bridge_max = 12 mm"), "{told}");
     // Lines askew lead from the legs to the free sides.
-    let askew = run(&bridge(9.0), &["bridges=false"], "..", 1);
+    let askew = run(&bridge(9.0), &["bridge_max=0"], "..", 1);
     near(askew.hanging.leans.area, 18.0 * 16.0, 0.02);
 }
 
@@ -335,13 +335,13 @@ fn no_example_hangs() {
         let (model, settings) =
             example.place(&["sample_spacing=0.3", "accuracy=0.05"]);
         let summary = slice_layers(&model, &settings, "..", 2).1;
-        let (plan, top) = (HangPlan::of(&settings), summary.size.z);
+        let (plan, top) = (OverhangPlan::of(&settings), summary.size.z);
         let told = summary.hanging.warnings(top, &plan);
         assert!(told.is_empty(), "{}: {told:?}", example.name);
     }
 }
 
-/// Where `bridges` is off, supports count no lines of skin as bridges, and the
+/// Where `bridge_max` is 0, supports count no lines of skin as bridges, and the
 /// places that need some are measured likewise.
 #[test]
 fn without_bridges_a_gap_is_listed_with_its_reach() {
@@ -350,7 +350,7 @@ fn without_bridges_a_gap_is_listed_with_its_reach() {
                  abs(z - 2) - 2), max(max(abs(x) - 6.5, abs(y) - 8), \
                  abs(z - 4.5) - 0.5))";
     for angle in ["skin_angle=0", "skin_angle=45", "skin_angle=90"] {
-        let settings = common::settings(&["bridges=false", angle]);
+        let settings = common::settings(&["bridge_max=0", angle]);
         let model = common::formula(table, &settings);
         let survey = survey(&model, &settings, Some(2)).unwrap();
         let [place] = &survey.places[..] else {

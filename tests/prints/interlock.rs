@@ -1,35 +1,33 @@
 //! Interlocked walls: their heights and volumes, read from the G-code.
 
-use crate::common::{
-    Layer, Move, formula, parse, settings, slice, slice_layers,
-};
+use crate::common;
+use crate::common::{Layer, Move, parse, slice, slice_layers};
 use glam::DVec2;
-use isoslice::settings::Settings;
 
 const HEIGHT: f64 = 0.2;
 /// Radius of the upright cylinder, mm.
 const RADIUS: f64 = 10.0;
 
 /// Four walls and nothing else.
-fn asked(more: &[&str]) -> Settings {
-    let mut all = vec![
-        "walls=4",
-        "infill_density=0",
-        "top_layers=0",
-        "bottom_layers=0",
-        "first_layer_height=0.2",
-        "sample_spacing=0.4",
-        "skirt.loops=0",
-        "gcode.relative_e=true",
-        "gcode.progress=off",
-    ];
-    all.extend(more);
-    settings(&all)
+const BASE: [&str; 9] = [
+    "walls=4",
+    "infill_density=0",
+    "top_layers=0",
+    "bottom_layers=0",
+    "first_layer_height=0.2",
+    "sample_spacing=0.4",
+    "skirt.loops=0",
+    "gcode.relative_e=true",
+    "gcode.progress=off",
+];
+
+fn asked<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&BASE[..], more].concat()
 }
 
 fn sliced(text: &str, more: &[&str]) -> Vec<Layer> {
-    let settings = asked(more);
-    let (gcode, _) = slice(&formula(text, &settings), &settings, 2);
+    let (model, settings) = common::part(text, &asked(more));
+    let (gcode, _) = slice(&model, &settings, 2);
     let rules = isoslice::check::Rules::new(&settings);
     let verdict = isoslice::check::check(gcode.as_bytes(), &rules).unwrap();
     // Without skin the upper half of a step begins in the air.
@@ -168,9 +166,9 @@ fn ledges_slopes_and_thin_places_keep_their_volume() {
 
 #[test]
 fn ranges_of_layers_have_the_same_bytes() {
-    let settings = asked(&["walls_interlocked=true", "retract.z_hop=0.3"]);
+    let more = ["walls_interlocked=true", "retract.z_hop=0.3"];
     let text = "max(sqrt(x^2 + y^2) - 8 - 0.3*z + 0.02*z^2, abs(z - 14) - 14)";
-    let model = formula(text, &settings);
+    let (model, settings) = common::part(text, &asked(&more));
     let body = |range: &str, threads: usize| {
         let (gcode, _) = slice_layers(&model, &settings, range, threads);
         let from = gcode.find(";LAYER_CHANGE\n").unwrap();

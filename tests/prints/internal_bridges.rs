@@ -3,7 +3,6 @@
 use crate::common;
 use crate::common::head::Head;
 use glam::{DVec2, DVec3, IVec2};
-use isoslice::settings::Settings;
 use std::collections::HashMap;
 
 /// A move that extrudes, with its role.
@@ -21,21 +20,21 @@ struct Step {
     goes_on: bool,
 }
 
-fn settings(more: &[&str]) -> Settings {
-    let mut all = vec![
-        "gcode.comments=orca",
-        "gcode.relative_e=true",
-        "gcode.progress=off",
-        "skirt.loops=0",
-    ];
-    all.extend(more);
-    common::settings(&all)
+const BASE: [&str; 4] = [
+    "gcode.comments=orca",
+    "gcode.relative_e=true",
+    "gcode.progress=off",
+    "skirt.loops=0",
+];
+
+fn asked<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&BASE[..], more].concat()
 }
 
 /// The moves of each layer of a part.
-fn layers(formula: &str, settings: &Settings) -> Vec<Vec<Step>> {
-    let model = common::formula(formula, settings);
-    let (gcode, _) = common::slice(&model, settings, 2);
+fn layers(formula: &str, more: &[&str]) -> Vec<Vec<Step>> {
+    let (model, settings) = common::part(formula, &asked(more));
+    let (gcode, _) = common::slice(&model, &settings, 2);
     let end = gcode.find("; end of layers").unwrap();
     let mut head = Head::new(DVec3::new(110.0, 110.0, 0.0));
     let (mut role, mut layers) = ("", Vec::new());
@@ -169,8 +168,8 @@ const DOME: &str =
 
 #[test]
 fn a_top_has_one_layer_across_the_infill() {
-    let settings = settings(&["infill_density=15"]);
-    let layers = layers(BOX, &settings);
+    let more = &["infill_density=15"];
+    let layers = layers(BOX, more);
     let count = |l: &Vec<Step>| l.iter().filter(|s| s.role == BRIDGE).count();
     let with: Vec<usize> = (0..layers.len())
         .filter(|&i| count(&layers[i]) > 0)
@@ -216,7 +215,7 @@ fn every_end_is_held_whatever_the_infill() {
         "infill_density=expr: 10 + 20*exp(-d/4)",
     ] {
         for part in [BOX, DOME] {
-            let layers = layers(part, &settings(&[infill]));
+            let layers = layers(part, &[infill]);
             let (longest, free, lines) = judged(&layers);
             assert!(lines > 20, "{infill} {lines}");
             assert_eq!(free, 0, "{infill} {part}: of {lines} lines");
@@ -251,10 +250,10 @@ fn every_end_is_held_whatever_the_part_and_the_density() {
         for part in STEEP {
             let layers = layers(
                 part,
-                &settings(&[
+                &[
                     &format!("infill={infill}"),
                     &format!("infill_density={density}"),
-                ]),
+                ],
             );
             let (longest, free, lines) = judged(&layers);
             let case = format!("{infill} {density} {part}");
@@ -278,13 +277,13 @@ fn none_rests_on_infill_that_is_left_out() {
     let mut lines = 0;
     // Where the density varies, infill that stands on nothing is left out.
     for density in ["10 + 20*exp(-d/4)", "8 + 6*sin(0.9*x)*cos(0.8*y)"] {
-        let settings = settings(&[
+        let more = &[
             // Layers of two blocks, each of which begins anew.
             "layer_height=0.1",
             "infill=gyroid",
             &format!("infill_density=expr: {density}"),
-        ]);
-        let layers = layers(RAMP, &settings);
+        ];
+        let layers = layers(RAMP, more);
         assert!(layers.len() > 140);
         let (_, free, own) = judged(&layers);
         assert_eq!(free, 0, "{density}: of {own} lines");
@@ -318,7 +317,7 @@ fn over_sparse_infill_there_are_more_layers_each_across_the_other() {
         (&["infill_density=expr: 8"], &[16, 17]),
         (&["infill_density=expr: 15"], &[16]),
     ] {
-        let layers = layers(BOX, &settings(more));
+        let layers = layers(BOX, more);
         let found = directions(&layers);
         let with: Vec<usize> = found.iter().map(|f| f.0).collect();
         assert_eq!(with, expected, "{more:?}");
@@ -340,7 +339,7 @@ fn over_sparse_infill_there_are_more_layers_each_across_the_other() {
     // Ends are held also where skin grows from layer to layer, and where infill
     // bends.
     for infill in ["infill=rectilinear", "infill=gyroid", "infill=cubic"] {
-        let layers = layers(DOME, &settings(&[infill, "infill_density=8"]));
+        let layers = layers(DOME, &[infill, "infill_density=8"]);
         let (_, free, lines) = judged(&layers);
         assert!(lines > 20, "{infill} {lines}");
         assert_eq!(free, 0, "{infill}: of {lines} lines");
@@ -352,7 +351,7 @@ fn they_have_speed_flow_and_fan_of_their_own() {
     let moves = |more: &[&str]| {
         let mut all = vec!["cooling.min_layer_time=0", "cooling.fan_speed=50"];
         all.extend(more);
-        let mut layers = layers(BOX, &settings(&all));
+        let mut layers = layers(BOX, &all);
         let mut bridge = layers.swap_remove(16);
         bridge.retain(|s| s.role == BRIDGE && s.from.distance(s.to) > 5.0);
         bridge
@@ -375,7 +374,7 @@ fn they_have_speed_flow_and_fan_of_their_own() {
 #[test]
 fn there_are_none_in_solid_parts_nor_without_walls() {
     let off = ["internal_bridges=false"];
-    let layers_of = |more: &[&str]| layers(BOX, &settings(more));
+    let layers_of = |more: &[&str]| layers(BOX, more);
     let has =
         |all: &[Vec<Step>]| all.iter().flatten().any(|s| s.role == BRIDGE);
     assert!(!has(&layers_of(&off)));
@@ -397,7 +396,7 @@ fn bridges_over_gaps_keep_what_they_are_anchored_on() {
          -max(max(abs(x) - 5, abs(y) - 5), abs(z - 4) - 1.4))",
     ] {
         let laid = |more: &[&str]| {
-            let all = layers(part, &settings(more));
+            let all = layers(part, more);
             let all = all.iter().flatten().filter(|s| s.role == "Bridge");
             all.map(|s| s.from.distance(s.to)).sum::<f64>()
         };

@@ -7,7 +7,7 @@ use crate::common;
 use crate::common::edges::Edges;
 use crate::common::filament_area;
 use crate::common::{
-    Example, INNER_WALL, Kind, Layer, Move, OUTER_WALL, SKIRT, example,
+    Example, INNER_WALL, Layer, Move, MoveKind, OUTER_WALL, SKIRT, example,
     examples, formula, number, parse, settings, slice,
 };
 use glam::{DVec2, DVec3};
@@ -15,7 +15,7 @@ use isocontour::Area;
 use isoslice::layers::LayerSpan;
 use isoslice::model::BuildVolume;
 use isoslice::model::Model;
-use isoslice::settings::Settings;
+use isoslice::plate::Plate;
 use std::sync::LazyLock;
 
 const COARSE: &[&str] = &[
@@ -40,7 +40,7 @@ const ROUNDING: f64 = 0.001;
 /// An example's print, read back, beside the outlines it was made from.
 struct Print {
     name: String,
-    settings: Settings,
+    plate: Plate,
     spans: Vec<LayerSpan>,
     /// The outlines, on the bed.
     outlines: Vec<Area>,
@@ -66,7 +66,7 @@ impl Print {
             name: example.name.clone(),
             outlines: outlines.collect(),
             layers: parse(&text),
-            settings,
+            plate: Plate::of(&model, &settings),
             spans,
             text,
         }
@@ -132,7 +132,7 @@ fn numbers_are_plain_decimals() {
 #[test]
 fn the_head_stays_over_the_bed() {
     for (print, m) in all_moves() {
-        let volume = BuildVolume::of(&print.settings);
+        let volume = BuildVolume::of(&print.plate.settings);
         let high = DVec3::new(volume.x, volume.y, volume.z);
         let to = m.to;
         // Before the first travel x and y are where the template left them.
@@ -147,19 +147,19 @@ fn the_head_stays_over_the_bed() {
 fn filament_goes_back_only_to_retract() {
     for (print, m) in all_moves() {
         match m.kind {
-            Kind::Print => {
+            MoveKind::Print => {
                 assert!(m.fed > 0.0, "{}", print.at(m));
                 assert_eq!(m.back, 0.0, "not primed: {}", print.at(m));
             }
-            Kind::Retract => {
+            MoveKind::Retract => {
                 assert_eq!(m.back, 0.0, "retracted twice: {}", print.at(m));
-                let length = number(&print.settings, "retract.length");
+                let length = number(&print.plate.settings, "retract.length");
                 assert!((m.fed + length).abs() < 1e-4, "{}", print.at(m));
             }
-            Kind::Prime => {
+            MoveKind::Prime => {
                 assert!((m.fed - m.back).abs() < 1e-4, "{}", print.at(m));
             }
-            Kind::Travel | Kind::Lift => assert_eq!(m.fed, 0.0),
+            MoveKind::Travel | MoveKind::Lift => assert_eq!(m.fed, 0.0),
         }
     }
 }
@@ -172,14 +172,15 @@ fn the_head_sinks_only_to_the_layer_it_prints() {
         for layer in &print.layers {
             assert!(layer.z > below, "{}: layer at {}", print.name, layer.z);
             below = layer.z;
-            for m in layer.moves.iter().filter(|m| m.kind == Kind::Lift) {
+            for m in layer.moves.iter().filter(|m| m.kind == MoveKind::Lift) {
                 if m.to.z < m.from.z {
                     hops += 1;
                     assert_eq!(m.to.z, layer.z, "{}", print.at(m));
                 }
             }
             for m in &layer.moves {
-                let across = matches!(m.kind, Kind::Print | Kind::Travel);
+                let across =
+                    matches!(m.kind, MoveKind::Print | MoveKind::Travel);
                 if across && m.from.is_finite() {
                     assert_eq!(m.from.z, m.to.z, "{}", print.at(m));
                     assert!(m.to.z >= layer.z, "{}", print.at(m));
@@ -194,7 +195,7 @@ fn the_head_sinks_only_to_the_layer_it_prints() {
 fn no_layer_gets_more_material_than_it_has_room_for() {
     for print in PRINTS.iter() {
         let across =
-            filament_area(number(&print.settings, "filament.diameter"));
+            filament_area(number(&print.plate.settings, "filament.diameter"));
         for (layer, area) in print.layers.iter().zip(&print.outlines) {
             let fed = layer.fed() * across;
             let room = area.content() * layer.height;
@@ -221,8 +222,8 @@ fn walls_stay_inside_the_outline() {
             for m in walls {
                 let (a, b) = m.ends();
                 let width = match m.role {
-                    OUTER_WALL => print.settings.outer_wall_width(),
-                    _ => print.settings.inner_wall_width(),
+                    OUTER_WALL => print.plate.settings.outer_wall_width(),
+                    _ => print.plate.settings.inner_wall_width(),
                 };
                 let sticks_out = |share: f64, by: f64| {
                     let p = a.lerp(b, share);
@@ -254,7 +255,7 @@ fn walls_stay_inside_the_outline() {
 #[test]
 fn travels_that_leave_the_part_are_retracted() {
     for print in PRINTS.iter() {
-        let own = 0.5 * print.settings.outer_wall_width() + 0.01;
+        let own = 0.5 * print.plate.settings.outer_wall_width() + 0.01;
         let mut retracted = 0;
         for (layer, edges) in print.each_layer() {
             let walls = Edges::new(&outer_walls(layer));
@@ -266,7 +267,9 @@ fn travels_that_leave_the_part_are_retracted() {
             for run in runs {
                 let legs: Vec<&Move> = run
                     .iter()
-                    .filter(|m| m.kind == Kind::Travel && m.from.is_finite())
+                    .filter(|m| {
+                        m.kind == MoveKind::Travel && m.from.is_finite()
+                    })
                     .collect();
                 let length: f64 = legs.iter().map(|m| m.length()).sum();
                 if length <= 2.0 {
@@ -302,7 +305,7 @@ fn travels_that_leave_the_part_are_retracted() {
 }
 
 fn is_print(m: &Move) -> bool {
-    m.kind == Kind::Print
+    m.kind == MoveKind::Print
 }
 
 /// The lines of a layer's outer walls.
@@ -337,7 +340,8 @@ fn the_skirt_keeps_off_the_part() {
         for m in skirt {
             let (a, b) = m.ends();
             // The hull is offset with arcs of chords, good to 10 µm.
-            let gap = print.settings.skirt_distance() + 0.5 * m.width - 0.02;
+            let gap =
+                print.plate.settings.skirt_distance() + 0.5 * m.width - 0.02;
             for p in [a, a.midpoint(b), b] {
                 assert!(!area.contains(p), "{}", print.at(m));
                 let near = edges.nearest_within(p, gap);

@@ -4,8 +4,7 @@
 use crate::common::head::Head;
 use crate::common::{settings, wanted};
 use glam::{DVec2, DVec3};
-use isoslice::Settings;
-use isoslice::check::{Kind, Rules, check};
+use isoslice::check::{FindingKind, Rules, check};
 use isoslice::layers::LayerRange;
 use isoslice::pipeline::{Options, SliceError, slice_plate};
 use isoslice::plate::{Plate, Wanted};
@@ -28,14 +27,13 @@ const PLAIN: [&str; 8] = [
     "accuracy=0.02",
 ];
 
-fn plate(more: &[&str]) -> (Plate, Settings) {
+fn plate(more: &[&str]) -> Plate {
     let settings = settings(&[&PLAIN[..], more].concat());
     let all = [
         wanted("high", HIGH, 1, &settings),
         wanted("low", LOW, 2, &settings),
     ];
-    let plate = Plate::new("plate", &all, &settings).unwrap();
-    (plate, settings)
+    Plate::new("plate", &all, &settings).unwrap()
 }
 
 fn run(plate: &Plate, threads: usize) -> String {
@@ -106,16 +104,17 @@ fn a_skirt_that_is_not_named_is_no_finished_part() {
             "first_layer_height=0.2",
             "skirt.loops=2",
         ];
-        let (plate, settings) = plate(&more);
+        let plate = plate(&more);
         let gcode = run(&plate, 1);
-        let verdict = check(gcode.as_bytes(), &Rules::new(&settings)).unwrap();
+        let verdict =
+            check(gcode.as_bytes(), &Rules::new(&plate.settings)).unwrap();
         assert!(verdict.counts.is_empty(), "{:?}", verdict.findings);
     }
 }
 
 #[test]
 fn each_part_is_finished_before_the_next_begins_and_nothing_is_hit() {
-    let (plate, settings) = plate(&[]);
+    let plate = plate(&[]);
     assert_eq!(plate.order().unwrap(), ["low_1", "low_2", "high"]);
     let gcode = run(&plate, 1);
     let ways = ways(&gcode);
@@ -164,13 +163,14 @@ fn each_part_is_finished_before_the_next_begins_and_nothing_is_hit() {
             .unwrap();
         assert!(sideways.from.z >= 8.0 && sideways.to.z >= 8.0, "{name}");
     }
-    let verdict = check(gcode.as_bytes(), &Rules::new(&settings)).unwrap();
+    let verdict =
+        check(gcode.as_bytes(), &Rules::new(&plate.settings)).unwrap();
     assert!(verdict.findings.is_empty(), "{:?}", verdict.findings);
 }
 
 #[test]
 fn each_part_is_what_it_is_alone() {
-    let (plate, _) = plate(&["skirt.loops=0"]);
+    let plate = plate(&["skirt.loops=0"]);
     let together = ways(&run(&plate, 2));
     assert_eq!(run(&plate, 1), run(&plate, 3));
     for (k, name) in [(0, "high"), (1, "low_1"), (1, "low_2")] {
@@ -216,15 +216,16 @@ fn a_thin_part_is_finished_before_the_next_begins() {
         ];
         let plate = Plate::new("plate", &all, &settings).unwrap();
         let gcode = run(&plate, 1);
-        let verdict = check(gcode.as_bytes(), &Rules::new(&settings)).unwrap();
+        let verdict =
+            check(gcode.as_bytes(), &Rules::new(&plate.settings)).unwrap();
         let mut hits = verdict.findings.iter();
-        assert!(!hits.any(|f| f.kind == Kind::Collision), "{thin}");
+        assert!(!hits.any(|f| f.kind == FindingKind::Collision), "{thin}");
     }
 }
 
 #[test]
 fn the_check_sees_a_head_that_comes_too_near() {
-    let (plate, _) = plate(&[]);
+    let plate = plate(&[]);
     let gcode = run(&plate, 1);
     for (more, word) in [
         ("printer.head_clearance_radius=60", "head_clearance_radius"),
@@ -233,7 +234,7 @@ fn the_check_sees_a_head_that_comes_too_near() {
         let stricter = settings(&[&PLAIN[..], &[more]].concat());
         let verdict = check(gcode.as_bytes(), &Rules::new(&stricter)).unwrap();
         let hits = verdict.findings.iter();
-        let mut hits = hits.filter(|f| f.kind == Kind::Collision);
+        let mut hits = hits.filter(|f| f.kind == FindingKind::Collision);
         let first = hits.next().expect(more);
         assert!(first.message.contains(word), "{}", first.message);
         assert!(!verdict.is_safe());
@@ -254,7 +255,8 @@ fn high_parts_stand_one_behind_the_other_where_the_beam_is_behind_the_head() {
     let order = plate.order().unwrap();
     assert_eq!(order[..2], ["low_1", "low_2"]);
     let gcode = run(&plate, 2);
-    let verdict = check(gcode.as_bytes(), &Rules::new(&settings)).unwrap();
+    let verdict =
+        check(gcode.as_bytes(), &Rules::new(&plate.settings)).unwrap();
     assert!(verdict.is_safe(), "{:?}", verdict.findings);
     // Where the beads of each part are in y, and how high its last one is.
     let mut found: Vec<(String, f64, f64, f64)> = Vec::new();
@@ -304,56 +306,52 @@ fn high_parts_stand_one_behind_the_other_where_the_beam_is_behind_the_head() {
 
 #[test]
 fn parts_that_stand_in_the_way_are_named() {
-    let error = |all: &[Wanted], settings: &Settings| match Plate::new(
-        "plate", all, settings,
-    ) {
-        Ok(_) => String::new(),
-        Err(error) => error.to_string(),
-    };
+    let error =
+        |all: &[Wanted]| match Plate::new("plate", all, &all[0].settings) {
+            Ok(_) => String::new(),
+            Err(error) => error.to_string(),
+        };
     let plain = settings(&PLAIN);
     let at = |name: &str, text: &str, x: f64| Wanted {
         at: Some((x, 110.0)),
         ..wanted(name, text, 1, &plain)
     };
     // Boxes of 10 and 12 mm, 39 mm apart.
-    let near = error(&[at("a", LOW, 60.0), at("b", HIGH, 110.0)], &plain);
+    let near = error(&[at("a", LOW, 60.0), at("b", HIGH, 110.0)]);
     assert!(
         near.starts_with("b is 39.0 mm beside a, which is finished before it"),
         "{near}"
     );
-    assert_eq!(
-        error(&[at("a", LOW, 60.0), at("b", HIGH, 111.1)], &plain),
-        ""
-    );
-    let high = error(&[wanted("tall", HIGH, 2, &plain)], &plain);
+    assert_eq!(error(&[at("a", LOW, 60.0), at("b", HIGH, 111.1)]), "");
+    let high = error(&[wanted("tall", HIGH, 2, &plain)]);
     assert!(
         high.starts_with("tall_1 is 30.0 mm high, and tall_2 is printed after"),
         "{high}"
     );
     // Nothing of the head is below 7 mm.
-    let free =
-        settings(&[&PLAIN[..], &["printer.head_clearance_height=7"]].concat());
+    let above = "printer.head_clearance_radius=40 mm above 7 mm";
+    let free = settings(&[&PLAIN[..], &[above]].concat());
     let close = [("a", 60.0), ("b", 75.0)].map(|(name, x)| Wanted {
         at: Some((x, 110.0)),
         ..wanted(name, LOW, 1, &free)
     });
-    assert_eq!(error(&close, &free), "");
+    assert_eq!(error(&close), "");
     let unknown = settings(&["plate.sequence=one-by-one"]);
-    let unknown = error(&[wanted("a", LOW, 2, &unknown)], &unknown);
+    let unknown = error(&[wanted("a", LOW, 2, &unknown)]);
     assert!(
         unknown.contains("printer.head_clearance_radius"),
         "{unknown}"
     );
     let shield = settings(&[&PLAIN[..], &["draft_shield=full"]].concat());
-    let shield = error(&[wanted("a", LOW, 2, &shield)], &shield);
+    let shield = error(&[wanted("a", LOW, 2, &shield)]);
     assert!(shield.contains("draft shield"), "{shield}");
-    let full = error(&[wanted("a", LOW, 30, &plain)], &plain);
+    let full = error(&[wanted("a", LOW, 30, &plain)]);
     assert!(full.contains("40 mm between them"), "{full}");
 }
 
 #[test]
 fn ranges_are_for_parts_that_grow_together() {
-    let (plate, _) = plate(&[]);
+    let plate = plate(&[]);
     let options = Options {
         layers: "1..3".parse::<LayerRange>().unwrap(),
         ..Options::default()

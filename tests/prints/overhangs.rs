@@ -3,7 +3,7 @@
 
 use crate::common;
 use crate::common::{
-    INNER_WALL, Kind, Layer, Move, OUTER_WALL, formula, parse,
+    INNER_WALL, Layer, Move, MoveKind, OUTER_WALL, formula, parse,
 };
 use glam::DVec2;
 
@@ -157,7 +157,8 @@ fn walls_that_hang_are_turned_round_on_every_other_layer() {
     // Turned walls begin where the others do, and end with a wipe inwards.
     for (a, b) in turned.iter().zip(&plain) {
         let wipe = |layer: &Layer| {
-            let last = layer.moves.iter().rposition(|m| m.kind == Kind::Print);
+            let last =
+                layer.moves.iter().rposition(|m| m.kind == MoveKind::Print);
             let end = layer.moves[last.unwrap()].to.truncate();
             let next = &layer.moves[last.unwrap() + 1];
             (end, next.to.truncate())

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use isoslice::layers::LayerRange;
 use isoslice::pipeline::{Options, SliceError, Summary, slice_plate};
 use isoslice::plate::{Plate, PlateFile};
-use isoslice::settings::{Builder, Settings};
+use isoslice::settings::Builder;
 use std::collections::BTreeMap;
 use std::fs;
 
@@ -70,15 +70,14 @@ fn of<'a>(
     here.map(|((_, layer), segments)| (*layer, segments))
 }
 
-fn plate_of_three() -> (Plate, Settings, Settings) {
+fn plate_of_three() -> Plate {
     let plain = settings(&PLAIN);
     let more = settings(&[&PLAIN[..], &["walls=3"]].concat());
     let all = [
         wanted("cylinder", CYLINDER, 2, &plain),
         wanted("box", BOX, 1, &more),
     ];
-    let plate = Plate::new("three", &all, &plain).unwrap();
-    (plate, plain, more)
+    Plate::new("three", &all, &plain).unwrap()
 }
 
 /// Compares all that is printed of a plate's parts with each of them alone:
@@ -119,7 +118,7 @@ fn alone_and_together(plate: &Plate) -> (usize, Printed, Summary) {
 
 #[test]
 fn every_part_is_printed_as_if_it_were_alone() {
-    let (plate, _, _) = plate_of_three();
+    let plate = plate_of_three();
     let (compared, together, summary) = alone_and_together(&plate);
     assert!(compared > 3000, "{compared}");
     assert_eq!(
@@ -138,7 +137,7 @@ fn supports_and_rafts_are_those_of_each_part_alone() {
                max(max(abs(x) - 9, abs(y) - 6), abs(z - 7) - 1))";
     let set = [
         "supports=auto",
-        "bridges=false",
+        "bridge_max=0",
         "raft.layers=2",
         "speed.overhang=25:40, 75:20",
     ];
@@ -161,7 +160,7 @@ fn a_part_may_have_a_flow_widths_and_gaps_of_its_own() {
                max(max(abs(x) - 9, abs(y) - 6), abs(z - 3) - 1))";
     let wide = "outer_wall_width=2\ninner_wall_width=2\ninfill_width=2\n\
                 top_skin_width=2\nskin_width=2";
-    let held = "supports=auto\nbridges=false\nsupport.z_gap=1\n\
+    let held = "supports=auto\nbridge_max=0\nsupport.z_gap=1\n\
                 support.z_gap_bottom=1";
     for (of_plate, own) in [
         ("", "flow=170"),
@@ -218,7 +217,7 @@ fn a_draft_shield_stands_round_all_parts() {
 
 #[test]
 fn parts_take_turns_in_the_order_of_nearness() {
-    let (plate, _, _) = plate_of_three();
+    let plate = plate_of_three();
     let (gcode, _) = run(&plate, "..", 1);
     let starts: Vec<Vec<&str>> = gcode
         .split(";LAYER_CHANGE\n")
@@ -256,7 +255,7 @@ fn parts_take_turns_in_the_order_of_nearness() {
 
 #[test]
 fn ranges_and_threads_give_the_same_bytes() {
-    let (mut plate, _, _) = plate_of_three();
+    let mut plate = plate_of_three();
     plate.settings = settings(&[&PLAIN[..], &["skirt.loops=2"]].concat());
     let body = |gcode: &str| {
         let from = gcode.find(";LAYER_CHANGE\n").unwrap();
@@ -422,8 +421,7 @@ fn the_skirt_goes_round_all_and_each_part_has_its_brim() {
 #[test]
 fn layers_of_different_heights_suit_all_parts() {
     let settings = settings(&[
-        "layer_heights=adaptive",
-        "step_error=0.08",
+        "layer_heights=adaptive 0.08",
         "accuracy=0.05",
         "sample_spacing=0.5",
     ]);
@@ -447,7 +445,7 @@ fn layers_of_different_heights_suit_all_parts() {
 
 #[test]
 fn a_report_is_of_one_part() {
-    let (plate, _, _) = plate_of_three();
+    let plate = plate_of_three();
     let options = Options {
         report: true,
         ..Options::default()
@@ -482,10 +480,10 @@ fn plate_files_say_what_where_and_how() {
     assert_eq!(file.parts.len(), 2);
     // What the command line sets wins over the file's settings, and those of a
     // part win over both.
-    let walls = |settings: &Settings| number(settings, "walls");
-    let of_parts = file.parts.iter().map(|p| walls(&p.settings));
-    let of_parts: Vec<f64> = of_parts.collect();
-    assert_eq!((walls(&file.settings), of_parts), (4.0, vec![4.0, 2.0]));
+    let of_parts = file.parts.iter().map(|p| &p.settings);
+    let all = std::iter::once(file.builder.settings()).chain(of_parts);
+    let walls: Vec<f64> = all.map(|s| number(s, "walls")).collect();
+    assert_eq!(walls, [4.0, 4.0, 2.0]);
     assert_eq!(file.parts[0].defines, [("w".into(), "20".into())]);
     assert_eq!(file.parts[1].placement.rotate, [0.0, 0.0, 90.0]);
     assert_eq!(file.parts[1].at, Some((50.0, 60.5)));
@@ -493,7 +491,7 @@ fn plate_files_say_what_where_and_how() {
 
     let error = |text: &str| match read(text) {
         Ok(file) => {
-            let made = Plate::new("p", &file.parts, &file.settings);
+            let made = Plate::new("p", &file.parts, file.builder.settings());
             made.map(|_| ()).unwrap_err().to_string()
         }
         Err(error) => error,

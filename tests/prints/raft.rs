@@ -36,7 +36,7 @@ fn roles(layer: &Layer) -> Vec<&'static str> {
 /// The corners of what a layer prints in a role.
 fn bounds(layer: &Layer, role: &str) -> [DVec2; 2] {
     let of_role = layer.moves.iter().filter(|m| m.role == role);
-    let prints = of_role.filter(|m| m.kind == common::Kind::Print);
+    let prints = of_role.filter(|m| m.kind == common::MoveKind::Print);
     let ends: Vec<DVec2> = prints.map(|m| m.ends().1).collect();
     let least = ends.iter().copied().reduce(DVec2::min).unwrap();
     [least, ends.iter().copied().reduce(DVec2::max).unwrap()]
@@ -170,8 +170,7 @@ fn a_part_on_its_tip_has_a_raft() {
 fn scarfs_rise_from_the_layer_below_and_not_from_a_rafts_air() {
     let set = [
         "raft.layers=3",
-        "seam_scarf=10",
-        "seam_scarf_start=10",
+        "seam_scarf=10 mm from 10%",
         "gcode.progress=off",
     ];
     let (layers, ..) = run(BLOCK, &set);

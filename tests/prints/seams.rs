@@ -1,7 +1,9 @@
 //! Where outer walls begin and end, read from the G-code.
 
 use crate::common;
-use crate::common::{Kind, Layer, OUTER_WALL, formula, parse, settings, slice};
+use crate::common::{
+    Layer, MoveKind, OUTER_WALL, formula, parse, settings, slice,
+};
 use glam::DVec2;
 use std::f64::consts::TAU;
 
@@ -44,7 +46,7 @@ fn walls_round_pins_are_slow_however_they_are_cut() {
         ];
         let mut roles = std::collections::BTreeSet::new();
         for layer in &layers(pin, &more)[1..] {
-            for m in layer.moves.iter().filter(|m| m.kind == Kind::Print) {
+            for m in layer.moves.iter().filter(|m| m.kind == MoveKind::Print) {
                 assert_eq!(m.feed, 25.0 * 60.0, "{own} {}", m.role);
                 roles.insert(m.role);
             }
@@ -58,7 +60,7 @@ fn walls_round_pins_are_slow_however_they_are_cut() {
 fn begins(layer: &Layer) -> Vec<DVec2> {
     let wall = |i: usize| {
         let m = &layer.moves[i];
-        m.kind == Kind::Print && m.role == OUTER_WALL
+        m.kind == MoveKind::Print && m.role == OUTER_WALL
     };
     (0..layer.moves.len())
         .filter(|&i| wall(i) && (i == 0 || !wall(i - 1)))
@@ -223,7 +225,7 @@ fn an_aligned_seam_is_in_the_concave_corner() {
 fn middle_of(layer: &Layer, angle: f64) -> DVec2 {
     let turned = DVec2::from_angle(-angle);
     let points = layer.moves.iter().filter(|m| m.role == OUTER_WALL);
-    let prints = points.filter(|m| m.kind == Kind::Print);
+    let prints = points.filter(|m| m.kind == MoveKind::Print);
     let (low, high) = prints
         .map(|m| turned.rotate(m.to.truncate() - DVec2::splat(110.0)))
         .fold((DVec2::MAX, DVec2::MIN), |(low, high), p| {
@@ -281,10 +283,10 @@ fn a_nearest_seam_is_nearest_to_where_the_nozzle_was() {
         let (mut walls, mut begun) = (Vec::new(), false);
         for m in &layer.moves {
             let (from, to) = m.ends();
-            if m.kind == Kind::Print && !begun {
+            if m.kind == MoveKind::Print && !begun {
                 walls.push((was, Vec::new()));
             }
-            begun = m.kind == Kind::Print;
+            begun = m.kind == MoveKind::Print;
             if begun {
                 walls.last_mut().unwrap().1.push(from);
                 was = to;
@@ -326,16 +328,16 @@ fn loops_end_in_a_wipe_inwards() {
         let (mut ends, mut wipes) = (0, 0);
         for layer in &layers {
             for pair in layer.moves.windows(2) {
-                let ended = pair[0].kind == Kind::Print
+                let ended = pair[0].kind == MoveKind::Print
                     && pair[0].role == OUTER_WALL
-                    && pair[1].kind != Kind::Print;
+                    && pair[1].kind != MoveKind::Print;
                 if !ended {
                     continue;
                 }
                 ends += 1;
                 // The wipe comes before anything is pulled back.
                 let wipe = &pair[1];
-                if wipe.kind != Kind::Travel || wipe.length() > 0.41 {
+                if wipe.kind != MoveKind::Travel || wipe.length() > 0.41 {
                     continue;
                 }
                 wipes += 1;
@@ -407,8 +409,7 @@ fn seams_depend_neither_on_threads_nor_on_the_range() {
 #[test]
 fn a_scarf_that_rises_lays_the_same_at_each_angle() {
     let own = [
-        "seam_scarf=20",
-        "seam_scarf_start=10",
+        "seam_scarf=20 mm from 10%",
         "gcode.relative_e=true",
         "cooling.min_layer_time=0",
     ];

@@ -2,10 +2,8 @@
 
 use crate::common;
 use crate::common::head::Head;
-use crate::common::number;
 use glam::DVec3;
 use isoslice::pipeline::{self, Options};
-use isoslice::settings::Settings;
 
 /// Layer height, mm, and the wall's width.
 const HEIGHT: f64 = 0.2;
@@ -14,38 +12,28 @@ const WIDTH: f64 = 0.45;
 /// A move that extrudes: from, to, filament.
 type Step = (DVec3, DVec3, f64);
 
-fn settings(more: &[&str]) -> Settings {
-    let mut all = vec![
-        "spiral=true",
-        "layer_height=0.2",
-        "first_layer_height=0.2",
-        "outer_wall_width=0.45",
-        "bottom_layers=2",
-        "gcode.relative_e=true",
-        "gcode.progress=off",
-        "skirt.loops=0",
-    ];
-    all.extend(more);
-    common::settings(&all)
+const BASE: [&str; 8] = [
+    "spiral=true",
+    "layer_height=0.2",
+    "first_layer_height=0.2",
+    "outer_wall_width=0.45",
+    "bottom_layers=2",
+    "gcode.relative_e=true",
+    "gcode.progress=off",
+    "skirt.loops=0",
+];
+
+fn asked<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&BASE[..], more].concat()
 }
 
-/// The moves of the layers from `first` on, on a bed whose middle is 0, 0, and
-/// their text.
-fn turns(
-    gcode: &str,
-    first: usize,
-    settings: &Settings,
-) -> (Vec<Step>, String) {
+/// The moves of the layers from `first` on, from the middle of the default bed,
+/// and their text.
+fn turns(gcode: &str, first: usize) -> (Vec<Step>, String) {
     let mut layers = gcode.split(";LAYER_CHANGE\n").skip(1 + first);
     let mut text: String = layers.by_ref().collect();
     text.truncate(text.find("; end of layers").unwrap());
-    let middle = 0.5
-        * DVec3::new(
-            number(settings, "printer.bed_x"),
-            number(settings, "printer.bed_y"),
-            0.0,
-        );
-    let mut head = Head::new(middle);
+    let mut head = Head::new(DVec3::new(110.0, 110.0, 0.0));
     let steps = text.lines().filter_map(|line| head.step(line));
     let printing = steps.filter(|s| s.fed > 0.0 && s.to.distance(s.from) > 0.0);
     let steps = printing.map(|s| (s.from, s.to, s.fed)).collect();
@@ -54,11 +42,10 @@ fn turns(
 
 /// A cone that widens by half of its height.
 fn cone(more: &[&str]) -> (Vec<Step>, String) {
-    let settings = settings(more);
     let part = "max(sqrt(x^2 + y^2) - 15 - 0.5*z, max(-z, z - 6))";
-    let model = common::formula(part, &settings);
+    let (model, settings) = common::part(part, &asked(more));
     let (gcode, _) = common::slice(&model, &settings, 2);
-    turns(&gcode, 2, &settings)
+    turns(&gcode, 2)
 }
 
 #[test]
@@ -173,7 +160,7 @@ fn walls_inside_climb_beside_the_outer_one() {
 
 #[test]
 fn walls_without_room_are_an_error_that_says_where() {
-    let settings = settings(&["spiral=2"]);
+    let settings = common::settings(&asked(&["spiral=2"]));
     // A dumb-bell with a waist of 1 mm, up to 2.5 mm.
     let part = "max(min(min(sqrt((x-9)^2 + y^2), sqrt((x+9)^2 + y^2)) - 6, \
                 max(abs(x) - 9, abs(y) - 0.5 - max(0, z - 2.5))), \
@@ -194,11 +181,11 @@ fn walls_without_room_are_an_error_that_says_where() {
 
 #[test]
 fn a_high_skirt_is_refused_in_layers_of_any_height() {
-    let settings = settings(&[
+    let settings = common::settings(&asked(&[
         "layer_heights=adaptive",
         "skirt.loops=1",
         "skirt.layers=9",
-    ]);
+    ]));
     let part = "max(sqrt(x^2 + y^2) - 15 - 0.5*z, max(-z, z - 6))";
     let model = common::formula(part, &settings);
     let mut out = Vec::new();
@@ -211,11 +198,11 @@ fn a_high_skirt_is_refused_in_layers_of_any_height() {
 
 #[test]
 fn corners_stay_sharp() {
-    let settings = settings(&[]);
+    let settings = common::settings(&asked(&[]));
     let part = "max(max(abs(x), abs(y)) - 10 + 0.3*z, max(-z, z - 6))";
     let model = common::formula(part, &settings);
     let (gcode, _) = common::slice(&model, &settings, 1);
-    let (steps, _) = turns(&gcode, 2, &settings);
+    let (steps, _) = turns(&gcode, 2);
     let mut corners = 0;
     for (_, p, _) in steps.iter().filter(|s| s.1.z > 0.6 && s.1.z < 5.9) {
         let side = 10.0 - 0.3 * (p.z - 0.5 * HEIGHT) - 0.5 * WIDTH;
@@ -228,7 +215,7 @@ fn corners_stay_sharp() {
 
 #[test]
 fn what_is_no_single_wall_is_an_error() {
-    let settings = settings(&[]);
+    let settings = common::settings(&asked(&[]));
     for (part, word) in [
         (
             "max(min(sqrt((x-9)^2 + y^2), sqrt((x+9)^2 + y^2)) - 6, \
@@ -253,7 +240,7 @@ fn what_is_no_single_wall_is_an_error() {
 
 #[test]
 fn what_a_spiral_leaves_out_is_told() {
-    let settings = settings(&[]);
+    let settings = common::settings(&asked(&[]));
     for (part, word) in [
         ("max(abs(sqrt(x^2 + y^2) - 9) - 2, max(-z, z - 3))", "holes"),
         ("max(sqrt(x^2 + y^2 + z^2) - 6, -z)", "so flat"),

@@ -59,7 +59,7 @@ fn a_box_with_a_hole_stops_everywhere() {
         &[
             "supports=auto",
             "raft.layers=2",
-            "top_skin_pattern=concentric",
+            "skin_pattern=top: concentric",
             "xy_compensation=0.1",
         ],
     );

@@ -2,7 +2,7 @@
 
 use crate::common;
 use crate::common::{
-    Kind, SUPPORT, SUPPORT_INTERFACE, formula, parse, settings, slice,
+    MoveKind, SUPPORT, SUPPORT_INTERFACE, formula, parse, settings, slice,
 };
 use glam::DVec2;
 use isoslice::pipeline::{self, Options, SliceError, Summary};
@@ -40,12 +40,12 @@ fn supports_are_not_strung_together() {
         let mut role = "";
         for layer in &layers {
             for step in &layer.moves {
-                let string = step.kind == Kind::Travel && step.back == 0.0;
+                let string = step.kind == MoveKind::Travel && step.back == 0.0;
                 if string && of_support(role) {
                     assert!(step.length() < 2.0, "line {}", step.line);
                     (all, ways) = (all + step.length(), ways + 1);
                 }
-                if step.kind == Kind::Print {
+                if step.kind == MoveKind::Print {
                     role = step.role;
                 }
             }
@@ -391,7 +391,7 @@ fn dense_layers_have_a_pattern_direction_and_spacing_of_their_own() {
         along(moves, angle).max(along(moves, angle + 90.0))
     };
     let plain = interface(&[]);
-    let turned = interface(&["support.interface_angle=20"]);
+    let turned = interface(&["support.interface_pattern=20"]);
     assert!(both(&plain, 45.0) > 300.0 && both(&plain, 20.0) < 5.0);
     assert!(both(&turned, 20.0) > 300.0 && both(&turned, 45.0) < 5.0);
     let dense = ["supports=auto", "support.interface_density=0.2 mm"];

@@ -1,11 +1,8 @@
 //! Fewer walls around tops, read from the G-code of a tower on a plate.
 
 use crate::common;
-use crate::common::{
-    INNER_WALL, Layer, OUTER_WALL, formula, parse, settings, slice,
-};
+use crate::common::{INNER_WALL, Layer, OUTER_WALL, parse, slice};
 use glam::DVec2;
-use isoslice::settings::Settings;
 
 /// A tower, 10 mm wide and 4 mm high, on a plate of 30 × 20 × 2 mm.
 const TOWER: &str = "min(max(max(abs(x) - 15, abs(y) - 10), abs(z - 1) - 1), \
@@ -16,22 +13,22 @@ const HEIGHT: f64 = 0.2;
 /// The plate's highest layer.
 const TOP: usize = 9;
 
-fn asked(more: &[&str]) -> Settings {
-    let mut all = vec![
-        "walls=3",
-        "infill_density=100",
-        "first_layer_height=0.2",
-        "skirt.loops=0",
-        "gcode.relative_e=true",
-        "gcode.progress=off",
-    ];
-    all.extend(more);
-    settings(&all)
+const BASE: [&str; 6] = [
+    "walls=3",
+    "infill_density=100",
+    "first_layer_height=0.2",
+    "skirt.loops=0",
+    "gcode.relative_e=true",
+    "gcode.progress=off",
+];
+
+fn asked<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&BASE[..], more].concat()
 }
 
 fn sliced(text: &str, more: &[&str]) -> Vec<Layer> {
-    let settings = asked(more);
-    parse(&slice(&formula(text, &settings), &settings, 2).0)
+    let (model, settings) = common::part(text, &asked(more));
+    parse(&slice(&model, &settings, 2).0)
 }
 
 /// Volume of filament fed over volume of the part, in one layer.

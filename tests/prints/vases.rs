@@ -2,7 +2,7 @@
 //! height are, and whatever else is in the file.
 
 use crate::common;
-use crate::common::{Kind, Move, join, parse, slice, slice_layers};
+use crate::common::{Move, MoveKind, join, parse, slice, slice_layers};
 
 /// Layer height, mm.
 const HEIGHT: f64 = 0.2;
@@ -44,7 +44,7 @@ fn vase(form: &str, count: usize, more: &[&str], layers: &str) -> String {
 fn climb(gcode: &str) -> Vec<Move> {
     let body = &gcode[..gcode.find("; end of layers").unwrap()];
     let moves = parse(body).into_iter().flat_map(|layer| layer.moves);
-    let rises = |m: &Move| m.kind == Kind::Print && m.to.z > m.from.z;
+    let rises = |m: &Move| m.kind == MoveKind::Print && m.to.z > m.from.z;
     moves.skip_while(|m| !rises(m)).collect()
 }
 
@@ -55,7 +55,7 @@ fn assert_climbs(climb: &[Move], count: usize) {
     assert!((first.z - 2.0 * HEIGHT).abs() < 1e-9, "{first}");
     let mut at = first;
     for m in climb {
-        assert_eq!((m.kind, m.from), (Kind::Print, at), "{m:?}");
+        assert_eq!((m.kind, m.from), (MoveKind::Print, at), "{m:?}");
         assert!(m.fed > 0.0 && m.to.z >= m.from.z, "{m:?}");
         assert!(m.to.z - m.from.z < 0.5 * HEIGHT, "{m:?}");
         at = m.to;
@@ -130,7 +130,11 @@ fn a_vase_is_one_bead_whatever_else_is_in_the_file() {
         let model = common::formula(&text, &settings);
         let climb = climb(&slice(&model, &settings, 2).0);
         for (a, b) in climb.iter().zip(&climb[1..]) {
-            assert_eq!((b.kind, b.from), (Kind::Print, a.to), "{more}: {b:?}");
+            assert_eq!(
+                (b.kind, b.from),
+                (MoveKind::Print, a.to),
+                "{more}: {b:?}"
+            );
             assert!(b.to.z >= b.from.z, "{more}: {b:?}");
         }
     }
@@ -145,7 +149,7 @@ fn the_head_comes_back_from_a_template() {
         let template = format!("gcode.layer={away}");
         let moves = climb(&vase(form, 40, &[&template], ".."));
         let (beads, ways): (Vec<Move>, Vec<Move>) =
-            moves.into_iter().partition(|m| m.kind == Kind::Print);
+            moves.into_iter().partition(|m| m.kind == MoveKind::Print);
         assert_same(&plain, &beads);
         assert!(ways.len() >= 2 * 37, "{away}: {}", ways.len());
     }

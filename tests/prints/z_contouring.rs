@@ -4,7 +4,6 @@
 use crate::common;
 use crate::common::head::Head;
 use glam::DVec3;
-use isoslice::settings::Settings;
 
 /// Layer height, mm.
 const HEIGHT: f64 = 0.2;
@@ -84,17 +83,17 @@ fn waves() -> Part {
     }
 }
 
-fn settings(more: &[&str]) -> Settings {
-    let mut all = vec![
-        "layer_height=0.2",
-        "first_layer_height=0.2",
-        "infill_density=100",
-        "gcode.relative_e=true",
-        "gcode.progress=off",
-        "skirt.loops=0",
-    ];
-    all.extend(more);
-    common::settings(&all)
+const BASE: [&str; 6] = [
+    "layer_height=0.2",
+    "first_layer_height=0.2",
+    "infill_density=100",
+    "gcode.relative_e=true",
+    "gcode.progress=off",
+    "skirt.loops=0",
+];
+
+fn asked<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&BASE[..], more].concat()
 }
 
 /// A nozzle that may follow all of these parts.
@@ -160,9 +159,9 @@ fn steps(gcode: &str) -> Vec<Step> {
     steps
 }
 
-fn print(part: &Part, settings: &Settings) -> Vec<Step> {
-    let model = common::formula(&part.formula, settings);
-    let (gcode, summary) = common::slice(&model, settings, 2);
+fn print(part: &Part, more: &[&str]) -> Vec<Step> {
+    let (model, settings) = common::part(&part.formula, &asked(more));
+    let (gcode, summary) = common::slice(&model, &settings, 2);
     assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
     steps(&gcode)
 }
@@ -314,7 +313,7 @@ fn tops_lie_on_the_surface() {
         .into_iter()
         .chain([dome(), waves()])
     {
-        let steps = print(&part, &settings(&STEEP));
+        let steps = print(&part, &STEEP);
         let name = &part.formula;
         let Distances {
             own,
@@ -339,7 +338,7 @@ fn tops_lie_on_the_surface() {
         let bend = sharpest_bend(&part, &steps);
         assert!(bend < 0.08, "{name}: {bend}");
         // Level layers are off by half of their height.
-        let flat = print(&part, &settings(&[]));
+        let flat = print(&part, &[]);
         let Distances {
             own: off, strips, ..
         } = distances(&part, &flat);
@@ -399,8 +398,7 @@ fn undersides_lie_on_the_surface() {
         let mut laid = [0.0_f64; 2];
         let mut looks = 0;
         for (k, more) in [&[][..], &below[..]].into_iter().enumerate() {
-            let settings = settings(more);
-            let model = common::formula(&formula, &settings);
+            let (model, settings) = common::part(&formula, &asked(more));
             let (gcode, _) = common::slice(&model, &settings, 2);
             let steps = steps(&gcode);
             laid[k] = volume(&steps);
@@ -445,8 +443,7 @@ fn undersides_lie_on_the_surface() {
 fn undersides_stay_level_unless_asked_for() {
     let (formula, _) = &undersides()[0];
     let with = |more: &[&str]| {
-        let settings = settings(more);
-        let model = common::formula(formula, &settings);
+        let (model, settings) = common::part(formula, &asked(more));
         common::slice(&model, &settings, 2).0
     };
     let end = |text: &str| {
@@ -463,9 +460,10 @@ fn tops_do_not_rise_into_the_gap_below_supports() {
     let part = "min(max(max(abs(x) - 15, abs(y) - 10), abs(z - 1.54) - 1.54), \
                 min(max(max(abs(x) - 2, abs(y) - 2), abs(z - 5) - 5), \
                 max(max(abs(x) - 8, abs(y) - 8), abs(z - 9) - 1)))";
-    let settings =
-        settings(&["contour_z=100", "bridge_max=1", "supports=auto"]);
-    let model = common::formula(part, &settings);
+    let (model, settings) = common::part(
+        part,
+        &asked(&["contour_z=100", "bridge_max=1", "supports=auto"]),
+    );
     let (gcode, _) = common::slice(&model, &settings, 2);
     let steps = steps(&gcode);
     let near = |p: DVec3, s: &Step| {
@@ -507,8 +505,8 @@ fn what_is_added_is_what_is_below_the_surface() {
     // them, and does not average out.
     for angle in [5.0, 7.0, 10.0, 13.0] {
         let part = wedge(angle);
-        let [with, without] = [&STEEP[..], &[]]
-            .map(|more| volume(&print(&part, &settings(more))));
+        let [with, without] =
+            [&STEEP[..], &[]].map(|more| volume(&print(&part, more)));
         let share = (with - without) / part.volume();
         assert!(share.abs() < 0.001, "{angle}: {share}");
     }
@@ -526,8 +524,8 @@ fn closed_beads_end_as_high_as_they_begin() {
         parameter: 0.0,
         round: true,
     };
-    let settings = settings(&[&STEEP[..], &["seam=random"]].concat());
-    let steps = print(&part, &settings);
+    let more = [&STEEP[..], &["seam=random"]].concat();
+    let steps = print(&part, &more);
     let mut raised = 0;
     for path in steps.chunk_by(|_, next| next.goes_on) {
         let (from, to) = (path[0].from, path[path.len() - 1].to);
@@ -548,8 +546,8 @@ fn a_level_top_is_printed_at_its_height() {
     for top in [3.07, 2.93] {
         let formula =
             format!("max(max(abs(x) - 6, abs(y) - 6), max(-z, z - {top}))");
-        let settings = settings(&["contour_z=100"]);
-        let model = common::formula(&formula, &settings);
+        let (model, settings) =
+            common::part(&formula, &asked(&["contour_z=100"]));
         let (gcode, _) = common::slice(&model, &settings, 2);
         let steps = steps(&gcode);
         let last = steps.last().unwrap().top;
@@ -566,8 +564,7 @@ fn a_level_top_is_printed_at_its_height() {
 fn steep_faces_stay_as_they_are_and_nothing_begins_at_once() {
     // 22° at the dome's edge; full strength up to 8°, none from 18° on.
     let part = dome();
-    let steps =
-        print(&part, &settings(&["contour_z=100", "contour_z_angle=8"]));
+    let steps = print(&part, &["contour_z=100", "contour_z_angle=8"]);
     let radius = |angle: f64| 40.0 * angle.to_radians().sin();
     let mut faded = 0;
     let bends = bends(&steps);
@@ -606,13 +603,13 @@ fn a_flat_nozzle_follows_less() {
     // may at 16.7°; at 26.7° nothing is left.
     let part = wedge(30.0);
     let asked = ["contour_z=100", "contour_z_angle=35"];
-    let level = print(&part, &settings(&asked));
+    let level = print(&part, &asked);
     assert!(level.iter().all(|s| s.from.z == s.to.z));
     // One with a finer end may.
     let fine = [&asked[..], &["printer.nozzle_flat=0.4"]].concat();
     let Distances {
         own: off, straight, ..
-    } = distances(&part, &print(&part, &settings(&fine)));
+    } = distances(&part, &print(&part, &fine));
     assert!(off.len() > 100 && straight.len() > 100);
     assert!(worst(&straight) < 3.0, "{}", worst(&straight));
     // Bends are half as wide as the terraces between two layers' edges.
@@ -623,7 +620,7 @@ fn a_flat_nozzle_follows_less() {
 fn an_expression_says_where() {
     let part = wedge(8.0);
     let wanted = "contour_z=expr: 100*min(max(x/10, 0), 1)";
-    let steps = print(&part, &settings(&[wanted]));
+    let steps = print(&part, &[wanted]);
     let bends = bends(&steps);
     for step in &steps {
         if let Some(bare) = bare(&part, step, 0.5).filter(|b| b.whole) {
@@ -642,8 +639,7 @@ fn an_expression_says_where() {
 #[test]
 fn travels_run_above_what_is_printed() {
     let part = waves();
-    let settings = settings(&STEEP);
-    let model = common::formula(&part.formula, &settings);
+    let (model, settings) = common::part(&part.formula, &asked(&STEEP));
     let (gcode, _) = common::slice(&model, &settings, 2);
     let end = gcode.find("; end of layers").unwrap();
     let (mut at, mut highest, mut travels) = (DVec3::ZERO, 0.0_f64, 0);

@@ -387,13 +387,12 @@ fn rafts_ears_shields_and_steps_are_settings_that_isoslice_takes() {
             "ears.json",
             &[
                 "place = \"ears\"",
-                "ear_radius = 6",
+                "width = 6",
                 "ear_angle = 120",
                 "bridge_max = 12",
                 "overhang_reverse = true",
                 "interface_pattern = \"concentric\"",
-                "seam_scarf = 10",
-                "seam_scarf_start = 20",
+                "seam_scarf = \"10 mm from 20%\"",
             ],
         ),
         ("deep/base.json", &["bridge_max = 1000"]),
@@ -419,6 +418,32 @@ fn a_template_that_is_not_understood_is_kept_as_a_comment() {
         dir.path(),
         &["info", "-e", "sqrt(x^2+y^2+z^2) - 3", "--printer", "p"],
     );
+}
+
+/// Another slicer's start in a settings file of isoslice's own: a print refuses
+/// it and says how, and the import translates it.
+#[test]
+fn a_start_of_another_slicer_is_translated_once() {
+    let theirs = "walls = 3\n[gcode]\nstart = '''\nG28\n\
+                  M109 S[first_layer_temperature]\n\
+                  {if layer_height > 0.15}G29{else}G4 P1{endif}\n'''\n";
+    let dir = folder(&[("mine.toml", theirs)]);
+    let part = ["slice", "-e", "max(abs(x), abs(y), abs(z)) - 3", "-o", "-"];
+    let slice = |of, file| [&part[..], &[of, file]].concat();
+    let said = refused(dir.path(), &slice("--config", "mine.toml"));
+    assert!(said.contains("gcode.start, line 2, column 7"), "{said}");
+    assert!(said.contains("isoslice profiles import"), "{said}");
+    let import = ["profiles", "import", "mine.toml", "-o", "ours.toml"];
+    output(dir.path(), &import);
+    let ours = fs::read_to_string(dir.path().join("ours.toml")).unwrap();
+    let lines = [
+        "walls = 3",
+        "M109 S{{ first_layer_nozzle_temperature }}",
+        "{%+ if (layer_height > 0.15) +%}G29{%+ else +%}G4 P1{%+ endif +%}",
+    ];
+    assert_has(&ours, &lines);
+    let gcode = output(dir.path(), &slice("--preset", "ours.toml"));
+    assert_has(&gcode, &["G28", "M109 S215", "G29"]);
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use crate::program::isoslice;
 use isoslice::preview::Toolpath;
 use isoslice::reader::{Event, Reader, Role};
-use isoslice::settings::Settings;
+use isoslice::settings::Builder;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use std::f64::consts::PI;
@@ -199,7 +199,7 @@ fn a_model_is_sliced_first() {
     let page = fs::read(folder.path().join("formula.html")).unwrap();
     let mut expected = Vec::new();
     // The settings know the bed; no file of ours tells it.
-    let path = toolpath(&text).with_settings(&Settings::default());
+    let path = toolpath(&text).with_settings(Builder::new().settings());
     path.write_html(&mut expected, "formula").unwrap();
     assert!(page == expected);
 }

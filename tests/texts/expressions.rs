@@ -1,7 +1,7 @@
 //! Settings that are expressions, from the settings' text to the G-code.
 
 use crate::common::{
-    Kind, Layer, Move, OUTER_WALL, formula, parse, settings, slice,
+    Layer, Move, MoveKind, OUTER_WALL, formula, parse, settings, slice,
 };
 
 /// A ball of 12 mm, lowest point at z = 0 of the bed but not of the model.
@@ -47,7 +47,10 @@ fn a_speed_that_differs_along_a_wall_does_not_cut_it() {
     // Moves that do not print do not change.
     let travels = |layers: &[Layer]| -> Vec<usize> {
         let of = |l: &Layer| {
-            l.moves.iter().filter(|m| m.kind == Kind::Travel).count()
+            l.moves
+                .iter()
+                .filter(|m| m.kind == MoveKind::Travel)
+                .count()
         };
         layers.iter().map(of).collect()
     };

@@ -3,9 +3,9 @@
 
 use crate::common;
 use crate::common::filament_area;
-use crate::common::{examples, number, slice, slice_layers, text};
+use crate::common::{examples, number, part, slice, slice_layers, text};
 use glam::DVec2;
-use isoslice::settings::Settings;
+use isoslice::plate::Plate;
 use std::collections::BTreeSet;
 
 /// Settings coarse enough to be quick, with all that a firmware can be told.
@@ -114,7 +114,7 @@ fn word(code: &str) -> &str {
 fn each_example(
     flavour: &str,
     known: &[&str],
-    look: impl Fn(&str, &str, &Settings),
+    look: impl Fn(&str, &str, &Plate),
 ) {
     let flavour = format!("gcode.flavour={flavour}");
     let mut all = ALL.to_vec();
@@ -129,20 +129,21 @@ fn each_example(
         assert!(count("G10") > 0, "{name}");
         let left = count("G10").abs_diff(count("G11"));
         assert!(left <= 1, "{name}: {left} retractions without a partner");
-        accelerations(&gcode, &settings);
-        look(name, &gcode, &settings);
+        let plate = Plate::of(&model, &settings);
+        accelerations(&gcode, &plate);
+        look(name, &gcode, &plate);
     }
     // A whole part tells how far it has come.
-    let (model, settings) = ball(&all);
+    let (model, settings) = part(BALL, &all);
     let (gcode, _) = slice(&model, &settings, 2);
     assert_known(&gcode, known);
     assert!(commands(&gcode).filter(|c| word(c) == "M73").count() > 10);
-    look("test", &gcode, &settings);
+    look("test", &gcode, &Plate::of(&model, &settings));
 }
 
 /// Each bead has the acceleration of its role, told only where it changes.
 #[track_caller]
-fn accelerations(gcode: &str, s: &Settings) {
+fn accelerations(gcode: &str, Plate { settings: s, .. }: &Plate) {
     let klipper = text(s, "gcode.flavour") == "\"klipper\"";
     let word = if klipper { "M204 S" } else { "M204 P" };
     let mut layer = 0;
@@ -200,7 +201,7 @@ fn assert_head(name: &str, gcode: &str, lines: &[&str]) {
 #[test]
 fn marlin_knows_every_line() {
     each_example("marlin", MARLIN, |name, gcode, s| {
-        let corner = number(s, "printer.square_corner_velocity");
+        let corner = number(&s.settings, "printer.square_corner_velocity");
         let lines = [
             "M486 T1",
             "G28",
@@ -264,7 +265,7 @@ fn bambu_firmware_knows_every_line() {
         "filament.pressure_advance=0.02",
         "gcode.end=M104 S0\nM140 S0\nM18 X Y Z",
     ];
-    let (model, settings) = ball(&own);
+    let (model, settings) = part(BALL, &own);
     let (gcode, _) = slice(&model, &settings, 2);
     assert_known(&gcode, BAMBU);
     for line in ["M204 S1000", "M205 X5 Y5", "M900 K0.02 L1000 M10"] {
@@ -332,7 +333,7 @@ fn klipper_parses(code: &str) {
 }
 
 /// What klippy/kinematics/extruder.py refuses, by its defaults.
-fn klipper_extrudes(gcode: &str, s: &Settings) {
+fn klipper_extrudes(gcode: &str, Plate { settings: s, .. }: &Plate) {
     let filament = filament_area(number(s, "filament.diameter"));
     let nozzle = number(s, "printer.nozzle_diameter");
     let greatest = 4.0 * nozzle * nozzle / filament;
@@ -371,7 +372,7 @@ fn klipper_extrudes(gcode: &str, s: &Settings) {
 
 /// klippy/extras/exclude_object.py: the shape of what is defined, and that
 /// each start has its end.
-fn klipper_objects(gcode: &str, s: &Settings) {
+fn klipper_objects(gcode: &str, Plate { settings: s, .. }: &Plate) {
     let mut open = false;
     let mut name = "";
     for code in commands(gcode) {
@@ -413,16 +414,12 @@ fn klipper_objects(gcode: &str, s: &Settings) {
     assert!(!open && !name.is_empty());
 }
 
-fn ball(assignments: &[&str]) -> (isoslice::model::Model, Settings) {
-    let settings = common::settings(assignments);
-    let model = common::formula("sqrt(x^2 + y^2 + z^2) - 8", &settings);
-    (model, settings)
-}
+const BALL: &str = "sqrt(x^2 + y^2 + z^2) - 8";
 
 /// The label's outline is the part's, seen from above.
 #[test]
 fn the_outline_for_klipper_is_the_parts() {
-    let (model, settings) = ball(&["gcode.flavour=klipper"]);
+    let (model, settings) = part(BALL, &["gcode.flavour=klipper"]);
     let (gcode, _) = slice(&model, &settings, 2);
     let line = commands(&gcode).find(|c| c.contains("POLYGON=")).unwrap();
     assert!(line.contains(" CENTER=110,110 "), "{line}");
@@ -454,7 +451,7 @@ fn progress(gcode: &str) -> Vec<(u32, u64)> {
 
 #[test]
 fn progress_goes_from_nothing_to_all() {
-    let (model, settings) = ball(&["gcode.flavour=prusa"]);
+    let (model, settings) = part(BALL, &["gcode.flavour=prusa"]);
     let (gcode, summary) = slice(&model, &settings, 2);
     let all = progress(&gcode);
     let minutes = (summary.time / 60.0).round() as u64;
@@ -472,7 +469,8 @@ fn progress_goes_from_nothing_to_all() {
     for (flavour, told) in
         [("marlin", true), ("klipper", false), ("rrf", false)]
     {
-        let (model, settings) = ball(&[&format!("gcode.flavour={flavour}")]);
+        let (model, settings) =
+            part(BALL, &[&format!("gcode.flavour={flavour}")]);
         let gcode = slice(&model, &settings, 2).0;
         assert_eq!(gcode.contains("\nM73 P100"), told, "{flavour}");
     }
@@ -493,8 +491,10 @@ fn ranges_tell_no_progress_and_are_the_same_otherwise() {
     for flavour in ["prusa", "marlin", "rrf", "klipper"] {
         let flavour = format!("gcode.flavour={flavour}");
         let extra = ["retract.firmware=true", "gcode.labels=on"];
-        let (model, settings) =
-            ball(&[&flavour, layer, extra[0], extra[1], "layer_height=0.25"]);
+        let (model, settings) = part(
+            BALL,
+            &[&flavour, layer, extra[0], extra[1], "layer_height=0.25"],
+        );
         let (whole, _) = slice(&model, &settings, 2);
         let joined: Vec<String> = ["1..20", "21..40", "41.."]
             .iter()
@@ -512,10 +512,10 @@ fn ranges_tell_no_progress_and_are_the_same_otherwise() {
 fn a_layer_template_may_do_what_it_likes() {
     let lines = "gcode.layer=G91\nG1 Z5 F600\nG90\nG1 X0 Y0 F6000\nM106 S0";
     for relative in ["gcode.relative_e=true", "gcode.relative_e=false"] {
-        let (model, plain) = ball(&[relative]);
+        let (model, plain) = part(BALL, &[relative]);
         let (without, said) = slice(&model, &plain, 2);
         let without = common::parse(&without);
-        let (model, settings) = ball(&[relative, lines]);
+        let (model, settings) = part(BALL, &[relative, lines]);
         let (gcode, summary) = slice(&model, &settings, 2);
         assert_eq!(summary.warnings, said.warnings);
         assert!(gcode.contains("G1 X0 Y0 F6000\nM106 S0\nG21\nG90\nM8"));
@@ -547,7 +547,7 @@ fn a_layer_template_may_do_what_it_likes() {
 #[test]
 fn klipper_is_warned_of_purge_lines_that_it_refuses() {
     let start = "gcode.start=M109 S210\nG28\nG1 X0 Y0 F6000\nG1 X20 E15 F600";
-    let (model, settings) = ball(&["gcode.flavour=klipper", start]);
+    let (model, settings) = part(BALL, &["gcode.flavour=klipper", start]);
     let (_, summary) = slice(&model, &settings, 2);
     let warned = summary.warnings.join("\n");
     assert!(warned.contains("max_extrude_cross_section"), "{warned}");

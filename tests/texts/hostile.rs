@@ -2,7 +2,7 @@
 //! an error that says why, within bounded time and memory.
 
 use crate::common;
-use crate::common::{Kind, number};
+use crate::common::{MoveKind, number};
 use glam::DVec3;
 use isoslice::limits::{Limits, Watch};
 use isoslice::model::{Bounds, BuildVolume, Placement, Source, load, place};
@@ -70,7 +70,7 @@ fn assert_valid(gcode: &str, settings: &Settings, what: &str) {
             "{what}: off the bed: {line}"
         );
         assert!(m.fed.is_finite() && m.feed > 0.0, "{what}: {line}");
-        if m.kind == Kind::Print {
+        if m.kind == MoveKind::Print {
             let wipes = number(settings, "retract.wipe") > 0.0;
             assert!(m.fed > 0.0 || wipes, "{what}: backwards: {line}");
             prints += 1;

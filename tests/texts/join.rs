@@ -7,7 +7,6 @@ use crate::common::{join, settings, wanted};
 use isoslice::model::Model;
 use isoslice::pipeline::{Options, slice_plate};
 use isoslice::plate::Plate;
-use isoslice::settings::Settings;
 use isoslice::{Format, JoinError, split};
 use std::fs;
 use std::time::{Duration, UNIX_EPOCH};
@@ -16,8 +15,9 @@ use std::time::{Duration, UNIX_EPOCH};
 const PART: &str = "min(max(abs(x) - 7, max(abs(y) - 5, abs(z - 14) - 14)), \
                     max(sqrt((x - 14)^2 + y^2) - 3, abs(z - 20) - 4))";
 
-fn plate_of(text: &str, settings: &Settings) -> Plate {
-    Plate::of(&common::formula(text, settings), settings)
+fn plate_of(text: &str, assignments: &[&str]) -> Plate {
+    let (model, settings) = common::part(text, assignments);
+    Plate::of(&model, &settings)
 }
 
 /// The file of some layers of a plate.
@@ -53,34 +53,34 @@ fn assert_joins(plate: &Plate, format: Format) {
 fn every_firmware_and_every_dialect_of_comments() {
     for flavour in ["marlin", "klipper", "rrf", "prusa", "bambu"] {
         for comments in ["prusa", "orca", "cura", "none"] {
-            let settings = settings(&[
+            let asked = &[
                 &format!("gcode.flavour={flavour}"),
                 &format!("gcode.comments={comments}"),
                 "gcode.labels=on",
                 "gcode.progress=on",
                 "gcode.thumbnails=16x16",
                 "sample_spacing=0.6",
-            ]);
-            assert_joins(&plate_of(PART, &settings), Format::Text);
+            ];
+            assert_joins(&plate_of(PART, asked), Format::Text);
         }
     }
 }
 
 #[test]
 fn binary_files_with_pictures_of_every_format() {
-    let settings = settings(&[
+    let asked = &[
         "gcode.flavour=prusa",
         "gcode.thumbnails=16x16, 24x20/QOI, 20x20/JPG",
         "sample_spacing=0.6",
-    ]);
-    assert_joins(&plate_of(PART, &settings), Format::Binary);
+    ];
+    assert_joins(&plate_of(PART, asked), Format::Binary);
 }
 
 /// The end template names what is known at the end only. The firmware retracts
 /// by itself, and temperatures depend on the height.
 #[test]
 fn totals_in_templates() {
-    let settings = settings(&[
+    let asked = &[
         "retract.firmware=true",
         "retract.extra_prime=0.03",
         "filament.nozzle_temperature=expr: 200 + z/4",
@@ -89,8 +89,8 @@ fn totals_in_templates() {
         "gcode.end=M117 \"{{ print_time }}\" {{ filament_length }}\n\
          G4 S{{ (print_seconds / 100) | round }}",
         "gcode.layer=M117 {{ layer }} of {{ layer_count }}",
-    ]);
-    let plate = plate_of(PART, &settings);
+    ];
+    let plate = plate_of(PART, asked);
     assert_joins(&plate, Format::Text);
     let text = String::from_utf8(file(&plate, "..", Format::Text)).unwrap();
     assert!(text.contains("\nM117 \""), "{}", &text[text.len() - 900..]);
@@ -114,7 +114,7 @@ fn plates_of_several_parts() {
 fn coarse(model: &str, assignments: &[&str], layers: &str) -> Vec<u8> {
     let mut all = vec!["sample_spacing=0.6", "infill_density=0"];
     all.extend(assignments);
-    file(&plate_of(model, &settings(&all)), layers, Format::Text)
+    file(&plate_of(model, &all), layers, Format::Text)
 }
 
 const BALL: &str = "sqrt(x^2 + y^2 + z^2) - 3";
@@ -170,7 +170,7 @@ fn other_prints_are_refused() {
     assert!(version != text);
     assert_eq!(why(version.into_bytes()), "version or build of isoslice");
     let binary = file(
-        &plate_of(BALL, &settings(&["sample_spacing=0.6", "infill_density=0"])),
+        &plate_of(BALL, &["sample_spacing=0.6", "infill_density=0"]),
         "11..30",
         Format::Binary,
     );

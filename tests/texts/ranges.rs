@@ -3,9 +3,8 @@
 
 use crate::common;
 use crate::common::{Example, slice_layers};
-use isoslice::model::Model;
 use isoslice::pipeline::{self, Options};
-use isoslice::settings::Settings;
+use isoslice::plate::Plate;
 
 /// What lies between a file's head and its end.
 fn body(gcode: &str) -> &str {
@@ -16,7 +15,8 @@ fn body(gcode: &str) -> &str {
 
 /// Slices whole and in pieces that end before the given layers (from 0).
 #[track_caller]
-fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
+fn assert_same_in_ranges(plate: &Plate, cuts: &[usize]) {
+    let (model, settings) = (&plate.parts[0].model, &plate.settings);
     let (whole, summary) = slice_layers(model, settings, "..", 1);
     let count = summary.layer_count;
     let mut joined = String::new();
@@ -72,7 +72,7 @@ fn check_with(example: &Example, layer_height: &str, cuts: &[usize]) {
     let mut all = COARSE.to_vec();
     all.push(&height);
     let (model, settings) = example.place(&all);
-    assert_same_in_ranges(&model, &settings, cuts);
+    assert_same_in_ranges(&Plate::of(&model, &settings), cuts);
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn a_prism_whose_layers_are_all_alike() {
     let settings = common::settings(&[]);
     let text = "max(sqrt(x*x + y*y) - 3, max(-z, z - 40))";
     let model = common::formula(text, &settings);
-    assert_same_in_ranges(&model, &settings, &[140]);
+    assert_same_in_ranges(&Plate::of(&model, &settings), &[140]);
 }
 
 #[test]
@@ -99,10 +99,10 @@ fn a_spiral() {
     let settings = common::settings(&["spiral=true", "accuracy=0.05"]);
     let part = "max(sqrt(x^2 + y^2) - 8 - sin(0.2*z), max(-z, z - 30))";
     let model = common::formula(part, &settings);
-    assert_same_in_ranges(&model, &settings, &[2, 40, 128, 131]);
+    assert_same_in_ranges(&Plate::of(&model, &settings), &[2, 40, 128, 131]);
     let settings =
         common::settings(&["spiral=2", "accuracy=0.05", "gcode.progress=off"]);
-    assert_same_in_ranges(&model, &settings, &[2, 40, 128, 131]);
+    assert_same_in_ranges(&Plate::of(&model, &settings), &[2, 40, 128, 131]);
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn a_surface_without_steps() {
     ]);
     let part = "max(sqrt(x^2 + y^2) - 8, abs(z - 14) - 14 - 0.5*sin(x))";
     let model = common::formula(part, &settings);
-    assert_same_in_ranges(&model, &settings, &[2, 40, 139]);
+    assert_same_in_ranges(&Plate::of(&model, &settings), &[2, 40, 139]);
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn internal_bridges() {
     let part = "max(max(abs(x) - 50 + 3*floor((z + 1.6)/2), abs(y) - 6), \
                 max(-z, z - 29))";
     let model = common::formula(part, &settings);
-    assert_same_in_ranges(&model, &settings, &[2, 40, 128, 130]);
+    assert_same_in_ranges(&Plate::of(&model, &settings), &[2, 40, 128, 130]);
 }
 
 #[test]
@@ -152,8 +152,7 @@ fn more_layers_of_internal_bridges() {
             );
             let model = common::formula(&part, &settings);
             assert_same_in_ranges(
-                &model,
-                &settings,
+                &Plate::of(&model, &settings),
                 &[40, 62, 63, 64, 65, 128, 130],
             );
         }
@@ -175,7 +174,7 @@ fn what_lies_on_the_layers_below() {
         let all = [&COARSE[..], &["layer_height=0.12"], more].concat();
         let settings = common::settings(&all);
         let model = common::formula(dome, &settings);
-        assert_same_in_ranges(&model, &settings, &cuts);
+        assert_same_in_ranges(&Plate::of(&model, &settings), &cuts);
     }
 }
 
@@ -207,7 +206,7 @@ fn islands_in_the_air() {
             &settings,
         );
         let cuts = [2, 30, 32, 90, 96, 127, 128, 133];
-        assert_same_in_ranges(&model, &settings, &cuts);
+        assert_same_in_ranges(&Plate::of(&model, &settings), &cuts);
     }
 }
 
@@ -237,7 +236,7 @@ fn supports_of_a_tee_with(gap: &str) {
     assert!(text.contains(";TYPE:Support material interface\n"));
     assert!(summary.support_length > 0.0);
     assert_eq!(summary.warnings, Vec::<String>::new());
-    assert_same_in_ranges(&model, &settings, &[3, 33, 52]);
+    assert_same_in_ranges(&Plate::of(&model, &settings), &[3, 33, 52]);
 }
 
 /// The raft is planned from the whole part, too. Ranges begin in it, with the
@@ -253,7 +252,7 @@ fn a_raft_under_a_tee() {
          max(abs(x) - 12, abs(y) - 4, abs(z - 11) - 1))",
         &settings,
     );
-    assert_same_in_ranges(&model, &settings, &[2, 3, 4, 33]);
+    assert_same_in_ranges(&Plate::of(&model, &settings), &[2, 3, 4, 33]);
 }
 
 /// Seams have followed corners through the layers below, which a range does not
@@ -267,7 +266,7 @@ fn seams_in_corners_that_wind_and_lean() {
         let all = [&COARSE[..], &["accuracy=0.03", "raft.layers=1"]].concat();
         let settings = common::settings(&all);
         let model = common::formula(text, &settings);
-        assert_same_in_ranges(&model, &settings, &[128, 200, 256]);
+        assert_same_in_ranges(&Plate::of(&model, &settings), &[128, 200, 256]);
     }
 }
 

@@ -228,7 +228,6 @@ fn lengths_follow_the_nozzle() {
         ("skin_overlap", 0.6),
         ("skin_width", 0.45),
         ("slit_closing", 0.02),
-        ("step_error", 0.2),
         ("top_skin_width", 0.45),
     ];
     assert_eq!(lengths(&[]), BTreeMap::from(expected));
@@ -502,14 +501,9 @@ fn unwise_settings_are_warned_of() {
                 &["internal_bridges=false", "internal_bridge_flow=90"],
                 &["internal_bridges=true", "walls=0"],
                 &["skin_wall_overlap=10", "walls=0"],
-                &[
-                    "layer_heights=adaptive",
-                    "layer_height=0.15",
-                    "step_error=0.1",
-                ],
-                &["layer_height_min=0.1", "step_error=0.05"],
-                &["layer_heights=expr: 0.2", "step_error=0.05"],
-                &["seam_scarf_start=10"],
+                &["layer_heights=adaptive 0.1", "layer_height=0.15"],
+                &["layer_height_min=0.1"],
+                &["seam_scarf=10 from 20%", "contour_z=100"],
                 &["infill_mode=solid"],
                 &[
                     "infill=expr: sin(x)",

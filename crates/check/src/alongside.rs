@@ -112,11 +112,11 @@ impl Read for Written {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::settings;
 
     #[test]
     fn what_is_written_is_checked_as_a_file_is() {
-        let rules = Rules::new(&Settings::default());
+        let rules = Rules::new(&settings(&[]));
         let mut text = String::from("G28\nM109 S200\nM83\n;LAYER_CHANGE\n");
         // The text is more than the channel holds, with something wrong at the
         // end.

@@ -3,7 +3,7 @@
 
 use super::cells::cell_of;
 use super::rules::ROUNDING;
-use super::{Checker, Kind, place, sideways};
+use super::{Checker, FindingKind, place, sideways};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_gcode_read::reader::{Move, Role};
 use std::f64::consts::FRAC_PI_4;
@@ -29,7 +29,7 @@ impl Checker<'_> {
         }
         let z = step.to.z;
         if z < THINNEST {
-            self.verdict.add(Kind::OffBed, step.line, step.to, || {
+            self.verdict.add(FindingKind::OffBed, step.line, step.to, || {
                 format!(
                     "the first layer is printed at z = {z:.3}, with the nozzle \
                      on the bed"
@@ -41,7 +41,7 @@ impl Checker<'_> {
         let strand = (area / FRAC_PI_4).sqrt().max(rules.nozzle);
         let air = z - step.height.min(strand);
         if air > AIR + ROUNDING {
-            self.verdict.add(Kind::OffBed, step.line, step.to, || {
+            self.verdict.add(FindingKind::OffBed, step.line, step.to, || {
                 format!(
                     "a bead of the first layer at z = {z:.3} has {air:.2} mm of \
                      air between it and the bed"
@@ -72,9 +72,10 @@ impl Checker<'_> {
         );
         // A nozzle's width is more than any layer. A smaller depth leaves a mark.
         if depth > self.rules.nozzle + ROUNDING {
-            self.hold(Kind::Dive, "", step.line, step.to, why);
+            self.hold(FindingKind::Dive, "", step.line, step.to, why);
         } else {
-            self.verdict.add(Kind::Low, step.line, step.to, || why);
+            self.verdict
+                .add(FindingKind::Low, step.line, step.to, || why);
         }
     }
 }

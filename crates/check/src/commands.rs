@@ -2,7 +2,7 @@
 //! and lines that make no sense.
 
 use super::words::{self, Effect};
-use super::{Checker, HOMED, Kind};
+use super::{Checker, FindingKind, HOMED};
 use glam::DVec3;
 use isoslice_base::units::{Celsius, Seconds, human_time};
 use isoslice_gcode_read::reader::{Heater, Problem, Reader, Words};
@@ -11,9 +11,9 @@ use std::io::Read;
 impl Checker<'_> {
     pub(super) fn problem(&mut self, line: u64, problem: Problem) {
         let kind = match problem {
-            Problem::LongLine => Kind::LongLine,
-            Problem::CarriageReturn => Kind::LineEnd,
-            _ => Kind::Senseless,
+            Problem::LongLine => FindingKind::LongLine,
+            Problem::CarriageReturn => FindingKind::LineEnd,
+            _ => FindingKind::Senseless,
         };
         let at = DVec3::NAN;
         self.verdict.add(kind, line, at, || problem.to_string());
@@ -29,7 +29,7 @@ impl Checker<'_> {
         let (limit, name) = self.rules.heat(heater);
         if to > limit.most {
             self.verdict.add_about(
-                Kind::TooHot,
+                FindingKind::TooHot,
                 name,
                 line,
                 DVec3::NAN,
@@ -41,7 +41,7 @@ impl Checker<'_> {
                 },
             );
         } else if to > limit.usual {
-            self.verdict.add_about(Kind::Hot, name, line, DVec3::NAN, || {
+            self.verdict.add_about(FindingKind::Hot, name, line, DVec3::NAN, || {
                 format!(
                     "the {name} is told {to} °C, more than most bear; set {} \
                      to what yours does",
@@ -65,7 +65,7 @@ impl Checker<'_> {
             }
         }
         if (all || words.has(b'Z')) && self.ending.has_printed() {
-            let kind = Kind::Changed;
+            let kind = FindingKind::Changed;
             self.verdict.add_about(kind, "G28", line, DVec3::NAN, || {
                 "G28 homes z with a print on the bed, which the nozzle or \
                      the probe may meet"
@@ -108,7 +108,7 @@ impl Checker<'_> {
         /// Longest wait that is usual: soaking a chamber takes that long.
         const LONGEST: Seconds = 3600.0;
         if time > LONGEST {
-            let kind = Kind::Changed;
+            let kind = FindingKind::Changed;
             self.verdict.add_about(kind, "G4", line, DVec3::NAN, || {
                 format!("G4 waits for {}", human_time(time))
             });
@@ -158,9 +158,10 @@ impl Checker<'_> {
             value.starts_with(b"[") || value.starts_with(b"{")
         };
         if named.pairs().any(unfilled) {
-            self.verdict.add(Kind::Senseless, line, DVec3::NAN, || {
-                "a placeholder that nobody has filled in".into()
-            });
+            self.verdict
+                .add(FindingKind::Senseless, line, DVec3::NAN, || {
+                    "a placeholder that nobody has filled in".into()
+                });
         }
         if !named.name().is_empty() {
             // A name consists of letters, digits and _, so it can be shown.
@@ -177,13 +178,19 @@ impl Checker<'_> {
             Some(Effect::Disturbs(why)) => {
                 if self.ending.has_printed() {
                     let why = format!("{word} {why}");
-                    self.hold(Kind::Harmful, word, line, DVec3::NAN, why);
+                    self.hold(
+                        FindingKind::Harmful,
+                        word,
+                        line,
+                        DVec3::NAN,
+                        why,
+                    );
                 }
                 return;
             }
-            Some(Effect::Warns(why)) => (Kind::Changed, why),
-            Some(Effect::Harms(why)) => (Kind::Harmful, why),
-            None => (Kind::UnknownWord, "is not known"),
+            Some(Effect::Warns(why)) => (FindingKind::Changed, why),
+            Some(Effect::Harms(why)) => (FindingKind::Harmful, why),
+            None => (FindingKind::UnknownWord, "is not known"),
         };
         self.verdict.add_about(kind, word, line, DVec3::NAN, || {
             format!("{word} {why}")

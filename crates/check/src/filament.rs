@@ -8,7 +8,7 @@
 
 use super::ground::{How, Wrong};
 use super::rules::ROUNDING;
-use super::{Checker, Kind, TOOLS, bit, place, sideways};
+use super::{Checker, FindingKind, TOOLS, bit, place, sideways};
 use glam::DVec3;
 use isoslice_base::units::Mm;
 use isoslice_gcode_read::reader::{Move, Role};
@@ -30,9 +30,9 @@ impl Checker<'_> {
             && fed.abs() > most
         {
             let kind = if template {
-                Kind::Purge
+                FindingKind::Purge
             } else {
-                Kind::LongFeed
+                FindingKind::LongFeed
             };
             self.verdict.add(kind, step.line, step.to, || {
                 format!(
@@ -49,7 +49,13 @@ impl Checker<'_> {
             if back > rules.retraction && !template {
                 let why =
                     format!("{back:.1} mm of filament are pulled back in all");
-                self.hold(Kind::LongRetraction, "", step.line, step.to, why);
+                self.hold(
+                    FindingKind::LongRetraction,
+                    "",
+                    step.line,
+                    step.to,
+                    why,
+                );
             }
         } else if fed > 0.0 {
             if step.prints() && sideways(step) && !template {
@@ -80,7 +86,7 @@ impl Checker<'_> {
                      does not wipe",
                     back.length
                 );
-                self.hold(Kind::Backwards, "", back.line, back.at, why);
+                self.hold(FindingKind::Backwards, "", back.line, back.at, why);
             }
         } else if fed == 0.0 && step.travels() {
             self.way_back = None;
@@ -104,7 +110,7 @@ impl Checker<'_> {
                  what was pulled back: a blob",
                 self.pushed
             );
-            self.hold(Kind::Blob, "", step.line, step.to, why);
+            self.hold(FindingKind::Blob, "", step.line, step.to, why);
         }
     }
 
@@ -114,7 +120,7 @@ impl Checker<'_> {
         let missing = *self.back(step);
         let short = missing > self.rules.missing;
         if short || self.firmware_back & bit(step.tool) != 0 {
-            let kind = Kind::Unprimed;
+            let kind = FindingKind::Unprimed;
             self.verdict.add(kind, step.line, step.from, || {
                 if short {
                     format!(
@@ -141,9 +147,9 @@ impl Checker<'_> {
         let area = step.area(rules.filament_diameter);
         if area > rules.cross_section {
             let kind = if template {
-                Kind::Purge
+                FindingKind::Purge
             } else {
-                Kind::ThickBead
+                FindingKind::ThickBead
             };
             self.verdict.add(kind, step.line, step.to, || {
                 format!(
@@ -173,7 +179,7 @@ impl Checker<'_> {
         let most = self.top + rules.nozzle + ROUNDING;
         if z > most {
             let top = self.top;
-            self.verdict.add(Kind::Jump, step.line, step.to, || {
+            self.verdict.add(FindingKind::Jump, step.line, step.to, || {
                 format!(
                     "a bead at z = {z:.3}; the highest one below it is at \
                      {top:.3}, and nothing is printed between: what holds it \
@@ -200,7 +206,7 @@ impl Checker<'_> {
         let place = place(at);
         match how {
             How::Low => {
-                self.verdict.add(Kind::Sunk, step.line, at, || {
+                self.verdict.add(FindingKind::Sunk, step.line, at, || {
                     format!(
                         "a bead is laid into what is printed: at {place}, \
                          where the layers below reach up to {top:.3}"
@@ -208,7 +214,7 @@ impl Checker<'_> {
                 });
             }
             How::High => {
-                self.verdict.add(Kind::InTheAir, step.line, at, || {
+                self.verdict.add(FindingKind::InTheAir, step.line, at, || {
                     format!(
                         "a bead rises into the air: at {place}, where the \
                          layers below reach up to {top:.3} only"

@@ -32,9 +32,10 @@ pub(crate) struct HeadRoom {
 impl HeadRoom {
     /// The room that the head of a printer needs, if that is known.
     pub(super) fn of(printer: &Printer) -> Option<HeadRoom> {
+        let clearance = printer.head_clearance_radius?;
         Some(HeadRoom {
-            radius: printer.head_clearance_radius?,
-            free_below: printer.head_clearance_height,
+            radius: clearance.radius,
+            free_below: clearance.free_below,
             gantry: printer.gantry_height?,
             front: printer.front_clearance,
         })

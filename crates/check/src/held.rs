@@ -2,7 +2,7 @@
 //! unload filament, go down beside the print, measure the bed and turn the
 //! printer off.
 
-use super::{Checker, Kind};
+use super::{Checker, FindingKind};
 use glam::DVec3;
 
 /// Greatest number of findings that wait to see whether something is printed
@@ -11,7 +11,7 @@ const HELD: usize = 32;
 
 /// A finding that waits.
 pub(super) struct Held {
-    kind: Kind,
+    kind: FindingKind,
     about: String,
     line: u64,
     at: DVec3,
@@ -22,7 +22,7 @@ impl Checker<'_> {
     /// Keeps a finding that counts only if something is printed after it.
     pub(super) fn hold(
         &mut self,
-        kind: Kind,
+        kind: FindingKind,
         about: &str,
         line: u64,
         at: DVec3,

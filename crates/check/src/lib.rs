@@ -7,34 +7,34 @@
 //!
 //! | rule | kind |
 //! |---|---|
-//! | the head stays where the printer can go | [`Kind::OutOfReach`] |
-//! | plastic is pushed only through a nozzle that is hot enough for it | [`Kind::Cold`] |
-//! | no heater is told more than it bears | [`Kind::TooHot`], [`Kind::Hot`] |
-//! | the head knows where it is before it moves | [`Kind::NotHomed`] |
-//! | filament goes back in retractions and wipes only, and not too far | [`Kind::Backwards`], [`Kind::LongRetraction`] |
-//! | pulled-back filament is pushed forward before a bead begins | [`Kind::Unprimed`] |
-//! | no more than that is pushed while the head stands | [`Kind::Blob`] |
-//! | beads are not interrupted, and layers get the plastic that fits into them | [`Kind::Gap`], [`Kind::Flow`], [`Kind::Empty`] |
-//! | no bead is thicker than the nozzle can lay | [`Kind::ThickBead`] |
-//! | no move of filament alone is longer than firmware takes | [`Kind::LongFeed`] |
-//! | nothing is faster than the printer | [`Kind::TooFast`], [`Kind::NoSpeed`] |
-//! | z rises by layers | [`Kind::Jump`] |
-//! | the first layer lies on the bed | [`Kind::OffBed`] |
-//! | nothing is led or laid through what is printed, or laid twice | [`Kind::Low`], [`Kind::Dive`], [`Kind::Sunk`], [`Kind::Again`] |
-//! | the head does not come near parts that are finished, where parts are printed one by one | [`Kind::Collision`] |
-//! | every island, and every bead that rises, stands on something | [`Kind::InTheAir`], [`Kind::Adrift`] |
-//! | every line makes sense, and ends where any firmware ends it | [`Kind::Senseless`], [`Kind::LongLine`], [`Kind::LineEnd`] |
-//! | no command breaks what the check takes for granted (`words` is the table) | [`Kind::Harmful`], [`Kind::Changed`] |
-//! | the printer has the tools that are taken | [`Kind::NoTool`] |
-//! | the print is whole, and everything is off at the end | [`Kind::CutOff`], [`Kind::LeftOn`] |
-//! | the file is G-code | [`Kind::NoGcode`] |
-//! | the check tells what it does not know | [`Kind::Unknown`], [`Kind::UnknownWord`] |
+//! | the head stays where the printer can go | [`FindingKind::OutOfReach`] |
+//! | plastic is pushed only through a nozzle that is hot enough for it | [`FindingKind::Cold`] |
+//! | no heater is told more than it bears | [`FindingKind::TooHot`], [`FindingKind::Hot`] |
+//! | the head knows where it is before it moves | [`FindingKind::NotHomed`] |
+//! | filament goes back in retractions and wipes only, and not too far | [`FindingKind::Backwards`], [`FindingKind::LongRetraction`] |
+//! | pulled-back filament is pushed forward before a bead begins | [`FindingKind::Unprimed`] |
+//! | no more than that is pushed while the head stands | [`FindingKind::Blob`] |
+//! | beads are not interrupted, and layers get the plastic that fits into them | [`FindingKind::Gap`], [`FindingKind::Flow`], [`FindingKind::Empty`] |
+//! | no bead is thicker than the nozzle can lay | [`FindingKind::ThickBead`] |
+//! | no move of filament alone is longer than firmware takes | [`FindingKind::LongFeed`] |
+//! | nothing is faster than the printer | [`FindingKind::TooFast`], [`FindingKind::NoSpeed`] |
+//! | z rises by layers | [`FindingKind::Jump`] |
+//! | the first layer lies on the bed | [`FindingKind::OffBed`] |
+//! | nothing is led or laid through what is printed, or laid twice | [`FindingKind::Low`], [`FindingKind::Dive`], [`FindingKind::Sunk`], [`FindingKind::Again`] |
+//! | the head does not come near parts that are finished, where parts are printed one by one | [`FindingKind::Collision`] |
+//! | every island, and every bead that rises, stands on something | [`FindingKind::InTheAir`], [`FindingKind::Adrift`] |
+//! | every line makes sense, and ends where any firmware ends it | [`FindingKind::Senseless`], [`FindingKind::LongLine`], [`FindingKind::LineEnd`] |
+//! | no command breaks what the check takes for granted (`words` is the table) | [`FindingKind::Harmful`], [`FindingKind::Changed`] |
+//! | the printer has the tools that are taken | [`FindingKind::NoTool`] |
+//! | the print is whole, and everything is off at the end | [`FindingKind::CutOff`], [`FindingKind::LeftOn`] |
+//! | the file is G-code | [`FindingKind::NoGcode`] |
+//! | the check tells what it does not know | [`FindingKind::Unknown`], [`FindingKind::UnknownWord`] |
 //!
 //! What start and end templates do is the user's own choice. Their moves are
 //! those of role `Custom` and those before the first layer. Only the rules
 //! about heat, reach, speed and sense hold there, and reach has a margin, since
 //! printers purge beside their beds. More plastic than firmware takes by
-//! default is a warning there ([`Kind::Purge`]).
+//! default is a warning there ([`FindingKind::Purge`]).
 //!
 //! Filament that goes back while the head moves, or goes back too far, is a
 //! fault only if something is printed after it, since end codes unload
@@ -68,7 +68,7 @@ mod words;
 
 pub use alongside::Alongside;
 pub use rules::Rules;
-pub use verdict::{Finding, Kind, Severity, Verdict};
+pub use verdict::{Finding, FindingKind, Severity, Verdict};
 
 use again::Again;
 use ending::Ending;
@@ -320,7 +320,7 @@ impl<'a> Checker<'a> {
         let back = *self.back(step) > self.rules.missing
             || self.firmware_back & bit(step.tool) != 0;
         if let Some(gap) = self.gaps.step(step, back) {
-            let kind = Kind::Gap;
+            let kind = FindingKind::Gap;
             self.verdict.add(kind, gap.line, step.from, || {
                 format!(
                     "{:.2} mm without filament in the middle of a bead, up to \
@@ -343,7 +343,7 @@ impl<'a> Checker<'a> {
             return;
         }
         if let Some(line) = self.again.bead(step, area, self.rules.nozzle) {
-            self.verdict.add(Kind::Again, line, step.from, || {
+            self.verdict.add(FindingKind::Again, line, step.from, || {
                 format!(
                     "the same beads are laid again, at the same place and \
                      height: {}",
@@ -358,7 +358,7 @@ impl<'a> Checker<'a> {
         let margin = if template { BESIDE } else { ROUNDING };
         let rules = self.rules;
         if !rules.reach(step.to, margin) {
-            self.verdict.add(Kind::OutOfReach, step.line, step.to, || {
+            self.verdict.add(FindingKind::OutOfReach, step.line, step.to, || {
                 format!(
                     "the head goes to {}; the printer reaches from 0 to {} × \
                      {} × {} mm",
@@ -377,9 +377,10 @@ impl<'a> Checker<'a> {
             return;
         }
         if step.speed <= 0.0 {
-            self.verdict.add(Kind::NoSpeed, step.line, step.to, || {
-                "a move before any speed was set".into()
-            });
+            self.verdict
+                .add(FindingKind::NoSpeed, step.line, step.to, || {
+                    "a move before any speed was set".into()
+                });
             return;
         }
         // The z axis does not move, and no other one is faster than the head.
@@ -390,7 +391,7 @@ impl<'a> Checker<'a> {
         let over =
             |speed: f64, most: f64| speed > most * (1.0 + SPEED_ROUNDING);
         let plane = way.truncate().length();
-        let kind = Kind::TooFast;
+        let kind = FindingKind::TooFast;
         if over(way.z, rules.speed_z) {
             self.verdict.add_about(kind, "z", step.line, step.to, || {
                 format!(
@@ -428,19 +429,20 @@ impl<'a> Checker<'a> {
             .collect();
         // The finding names all axes, so it is reported once.
         self.homed = HOMED;
-        self.verdict.add(Kind::NotHomed, step.line, step.to, || {
-            let (names, was) = match names.split_last() {
-                Some((last, [])) => ((*last).to_owned(), "was"),
-                Some((last, others)) => {
-                    (format!("{} and {last}", others.join(", ")), "were")
-                }
-                None => (String::new(), "was"),
-            };
-            format!(
-                "the head moves, and {names} {was} not homed (G28), or not \
+        self.verdict
+            .add(FindingKind::NotHomed, step.line, step.to, || {
+                let (names, was) = match names.split_last() {
+                    Some((last, [])) => ((*last).to_owned(), "was"),
+                    Some((last, others)) => {
+                        (format!("{} and {last}", others.join(", ")), "were")
+                    }
+                    None => (String::new(), "was"),
+                };
+                format!(
+                    "the head moves, and {names} {was} not homed (G28), or not \
                  since the motors were turned off"
-            )
-        });
+                )
+            });
     }
 
     fn heat(&mut self, step: &Move) {
@@ -451,7 +453,7 @@ impl<'a> Checker<'a> {
         let why = match self.heat.readiness(step.tool) {
             Readiness::Hot => return,
             Readiness::Unknown => {
-                self.verdict.add(Kind::Unknown, step.line, step.to, || {
+                self.verdict.add(FindingKind::Unknown, step.line, step.to, || {
                     "no command waits for the nozzle's heat before filament \
                      is pushed; a macro of the printer's may"
                         .into()
@@ -475,7 +477,8 @@ impl<'a> Checker<'a> {
                     .into()
             }
         };
-        self.verdict.add(Kind::Cold, step.line, step.to, || why);
+        self.verdict
+            .add(FindingKind::Cold, step.line, step.to, || why);
     }
 
     /// Reports a head that would hit a finished part.
@@ -483,8 +486,12 @@ impl<'a> Checker<'a> {
         let room = self.rules.head_room.as_ref();
         let hit = room.and_then(|room| self.finished.hit(step, room));
         if let Some(what) = hit {
-            self.verdict
-                .add(Kind::Collision, step.line, step.to, || what);
+            self.verdict.add(
+                FindingKind::Collision,
+                step.line,
+                step.to,
+                || what,
+            );
         }
     }
 
@@ -495,7 +502,7 @@ impl<'a> Checker<'a> {
             return;
         }
         if low < top - self.rules.nozzle {
-            self.verdict.add(Kind::Low, step.line, step.to, || {
+            self.verdict.add(FindingKind::Low, step.line, step.to, || {
                 format!(
                     "the head moves at z = {low:.3}, below the top of what is \
                      printed, {top:.3}"
@@ -504,7 +511,7 @@ impl<'a> Checker<'a> {
         } else if self.within(step)
             && let Some(Wrong { at, top, .. }) = self.ground.travel(step)
         {
-            self.verdict.add(Kind::Low, step.line, at, || {
+            self.verdict.add(FindingKind::Low, step.line, at, || {
                 format!(
                     "the head leads through what is printed: at {}, where \
                      that reaches up to {top:.3}",
@@ -528,12 +535,12 @@ impl<'a> Checker<'a> {
         let layer = self.layer;
         let line = self.layer_line.take().unwrap_or(0);
         let adrift = self.ground.next_layer(|at| {
-            verdict.add(Kind::InTheAir, line, at, || {
+            verdict.add(FindingKind::InTheAir, line, at, || {
                 format!("layer {layer}: an island begins at {}", place(at))
             });
         });
         if let Some(Adrift { at, reach }) = adrift {
-            verdict.add(Kind::Adrift, line, at, || {
+            verdict.add(FindingKind::Adrift, line, at, || {
                 format!(
                     "layer {layer} reaches {reach:.0} mm into the air, to {}: \
                      what is printed from there on may be shifted, or need \
@@ -546,7 +553,7 @@ impl<'a> Checker<'a> {
         if let Some(flow) =
             self.flow.next_layer(self.rules.flow, self.rules.widths)
         {
-            verdict.add(Kind::Flow, flow.line, DVec3::NAN, || {
+            verdict.add(FindingKind::Flow, flow.line, DVec3::NAN, || {
                 format!(
                     "layer {layer} has {:.2} times the plastic that its beads \
                      have room for",
@@ -560,7 +567,7 @@ impl<'a> Checker<'a> {
             Some(rise::Wrong::Left { rise, .. })
                 if rise > self.rules.nozzle + ROUNDING => {}
             Some(rise::Wrong::Left { rise, before }) => {
-                verdict.add(Kind::Jump, line, DVec3::NAN, || {
+                verdict.add(FindingKind::Jump, line, DVec3::NAN, || {
                     format!(
                         "layer {layer} lies {rise:.2} mm above the one below it, \
                          with the plastic of {before:.2} mm: a layer may be \
@@ -569,7 +576,7 @@ impl<'a> Checker<'a> {
                 });
             }
             Some(rise::Wrong::Thick { share }) => {
-                verdict.add(Kind::Flow, line, DVec3::NAN, || {
+                verdict.add(FindingKind::Flow, line, DVec3::NAN, || {
                     format!(
                         "layer {layer} has {share:.2} times the plastic of the \
                          same beads in the layer below"
@@ -587,7 +594,7 @@ impl<'a> Checker<'a> {
         const MUCH: f64 = 1.5;
         let (said, laid) = (info.filament_length, self.laid);
         if let Some(said) = said.filter(|said| laid > MUCH * said) {
-            self.verdict.add(Kind::Flow, 0, DVec3::NAN, || {
+            self.verdict.add(FindingKind::Flow, 0, DVec3::NAN, || {
                 format!(
                     "the beads take {:.2} m of filament; the file says {:.2} m",
                     1e-3 * laid,
@@ -601,7 +608,7 @@ impl<'a> Checker<'a> {
     fn no_gcode(&mut self, why: &str) {
         // Other findings about such a file help nobody.
         self.verdict = Verdict::default();
-        self.verdict.add(Kind::NoGcode, 0, DVec3::NAN, || {
+        self.verdict.add(FindingKind::NoGcode, 0, DVec3::NAN, || {
             format!(
                 "this is no G-code: {why}; name the file that a slicer has \
                  written"
@@ -626,7 +633,7 @@ impl<'a> Checker<'a> {
         let (line, nowhere) = (reader.lines(), DVec3::NAN);
         let (from, moves) = self.idle;
         if moves > IDLE_MOVES {
-            self.verdict.add(Kind::Empty, from, nowhere, || {
+            self.verdict.add(FindingKind::Empty, from, nowhere, || {
                 format!(
                     "nothing is printed from here on, in {moves} moves: there \
                      is no filament in them"
@@ -636,10 +643,10 @@ impl<'a> Checker<'a> {
         let unfinished = reader.is_unfinished();
         if let Some(why) = self.ending.cut_off(reader.info(), unfinished) {
             self.verdict
-                .add(Kind::CutOff, line, nowhere, || why.to_owned());
+                .add(FindingKind::CutOff, line, nowhere, || why.to_owned());
         } else if !self.ending.by_macro && !self.own_start {
             for (name, to) in self.heat.on() {
-                let kind = Kind::LeftOn;
+                let kind = FindingKind::LeftOn;
                 self.verdict.add_about(kind, name, line, nowhere, || {
                     format!("the file ends, and the {name} stays at {to} °C")
                 });

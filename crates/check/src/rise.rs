@@ -14,7 +14,7 @@ use isoslice_base::units::{Mm, Mm2};
 use std::collections::BTreeMap;
 
 /// Rises that are closer than this are alike.
-const STEP: Mm = 0.01;
+const RISE_STEP: Mm = 0.01;
 
 /// Greatest rise that is told from others.
 const HIGHEST: Mm = 3.0;
@@ -98,7 +98,10 @@ impl Rise {
     ) {
         self.unnamed |= !named;
         let rise = rise.clamp(0.0, HIGHEST);
-        let beads = self.beads.entry((rise / STEP).round() as i64).or_default();
+        let beads = self
+            .beads
+            .entry((rise / RISE_STEP).round() as i64)
+            .or_default();
         beads.length += length;
         beads.volume += area * length;
         beads.rise += rise * length;
@@ -144,7 +147,7 @@ fn summed(beads: &BTreeMap<i64, Beads>) -> Option<Layer> {
     let all = |part: fn(&Beads) -> f64| beads.values().map(part).sum::<f64>();
     let length = all(|beads| beads.length);
     let rise = low.rise / low.length;
-    (length >= LEAST && rise >= STEP).then(|| Layer {
+    (length >= LEAST && rise >= RISE_STEP).then(|| Layer {
         rise,
         width: low.volume / low.rise,
         length,

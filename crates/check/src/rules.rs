@@ -15,7 +15,7 @@ pub(super) const ROUNDING: Mm = 2e-3;
 
 /// Pulled-back filament that does not count, since numbers are rounded and some
 /// slicers push forward a little less.
-const SLACK: Mm = 0.1;
+const NOT_PRIMED: Mm = 0.1;
 
 /// Filament that other slicers may push forward beyond what they pulled back, to
 /// make up for what oozed; it makes a drop of a millimetre.
@@ -89,7 +89,7 @@ impl Rules {
             retraction: (2.0 * settings.retract.length).max(20.0),
             // A negative `retract.extra_prime` pushes forward less than was
             // pulled back.
-            missing: SLACK + (-settings.retract.extra_prime).max(0.0),
+            missing: NOT_PRIMED + (-settings.retract.extra_prime).max(0.0),
             prime: MORE + settings.retract.extra_prime.max(0.0),
             flow: flow(settings),
             widths: widths(settings),

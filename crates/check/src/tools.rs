@@ -4,7 +4,7 @@
 //! several filaments through one nozzle, heats the others, or takes one of them
 //! before it prints, or says that it has a tower or several filaments.
 
-use super::{Checker, Kind, TOOLS, bit};
+use super::{Checker, FindingKind, TOOLS, bit};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -58,7 +58,7 @@ impl Checker<'_> {
             return;
         }
         for (tool, line) in std::mem::take(&mut self.tools.taken) {
-            let (kind, word) = (Kind::NoTool, format!("T{tool}"));
+            let (kind, word) = (FindingKind::NoTool, format!("T{tool}"));
             self.verdict.add_about(kind, &word, line, DVec3::NAN, || {
                 format!(
                     "{word} takes another tool in the middle of the print, \

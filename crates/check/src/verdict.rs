@@ -27,7 +27,7 @@ pub enum Severity {
 
 /// What can be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum FindingKind {
     /// The head would leave the printer.
     OutOfReach,
     /// Filament is pushed into a cold nozzle.
@@ -105,26 +105,26 @@ pub enum Kind {
     NoTool,
 }
 
-impl Kind {
+impl FindingKind {
     /// How bad findings of this kind are.
     pub fn severity(self) -> Severity {
         match self {
-            Kind::LongLine
-            | Kind::NoSpeed
-            | Kind::Jump
-            | Kind::TooFast
-            | Kind::Purge
-            | Kind::Low
-            | Kind::Sunk
-            | Kind::InTheAir
-            | Kind::Adrift
-            | Kind::Unknown
-            | Kind::Hot
-            | Kind::Changed
-            | Kind::UnknownWord
-            | Kind::NotHomed
-            | Kind::LeftOn
-            | Kind::LineEnd => Severity::Warning,
+            FindingKind::LongLine
+            | FindingKind::NoSpeed
+            | FindingKind::Jump
+            | FindingKind::TooFast
+            | FindingKind::Purge
+            | FindingKind::Low
+            | FindingKind::Sunk
+            | FindingKind::InTheAir
+            | FindingKind::Adrift
+            | FindingKind::Unknown
+            | FindingKind::Hot
+            | FindingKind::Changed
+            | FindingKind::UnknownWord
+            | FindingKind::NotHomed
+            | FindingKind::LeftOn
+            | FindingKind::LineEnd => Severity::Warning,
             _ => Severity::Fault,
         }
     }
@@ -132,43 +132,43 @@ impl Kind {
     /// The kind's name in JSON.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::OutOfReach => "out-of-reach",
-            Kind::Cold => "cold",
-            Kind::Backwards => "backwards",
-            Kind::LongRetraction => "long-retraction",
-            Kind::Unprimed => "unprimed",
-            Kind::ThickBead => "thick-bead",
-            Kind::LongFeed => "long-feed",
-            Kind::TooFast => "too-fast",
-            Kind::Purge => "purge",
-            Kind::Jump => "jump",
-            Kind::Senseless => "senseless",
-            Kind::LongLine => "long-line",
-            Kind::NoSpeed => "no-speed",
-            Kind::Low => "low-travel",
-            Kind::Sunk => "sunk-bead",
-            Kind::Collision => "collision",
-            Kind::InTheAir => "in-the-air",
-            Kind::Unknown => "unknown",
-            Kind::TooHot => "too-hot",
-            Kind::Hot => "hot",
-            Kind::Harmful => "harmful",
-            Kind::Changed => "changed",
-            Kind::UnknownWord => "unknown-word",
-            Kind::NotHomed => "not-homed",
-            Kind::LeftOn => "left-on",
-            Kind::CutOff => "cut-off",
-            Kind::NoGcode => "no-gcode",
-            Kind::LineEnd => "line-end",
-            Kind::Blob => "blob",
-            Kind::Gap => "gap",
-            Kind::Flow => "flow",
-            Kind::Empty => "empty",
-            Kind::OffBed => "off-bed",
-            Kind::Dive => "dive",
-            Kind::Adrift => "adrift",
-            Kind::Again => "again",
-            Kind::NoTool => "no-tool",
+            FindingKind::OutOfReach => "out-of-reach",
+            FindingKind::Cold => "cold",
+            FindingKind::Backwards => "backwards",
+            FindingKind::LongRetraction => "long-retraction",
+            FindingKind::Unprimed => "unprimed",
+            FindingKind::ThickBead => "thick-bead",
+            FindingKind::LongFeed => "long-feed",
+            FindingKind::TooFast => "too-fast",
+            FindingKind::Purge => "purge",
+            FindingKind::Jump => "jump",
+            FindingKind::Senseless => "senseless",
+            FindingKind::LongLine => "long-line",
+            FindingKind::NoSpeed => "no-speed",
+            FindingKind::Low => "low-travel",
+            FindingKind::Sunk => "sunk-bead",
+            FindingKind::Collision => "collision",
+            FindingKind::InTheAir => "in-the-air",
+            FindingKind::Unknown => "unknown",
+            FindingKind::TooHot => "too-hot",
+            FindingKind::Hot => "hot",
+            FindingKind::Harmful => "harmful",
+            FindingKind::Changed => "changed",
+            FindingKind::UnknownWord => "unknown-word",
+            FindingKind::NotHomed => "not-homed",
+            FindingKind::LeftOn => "left-on",
+            FindingKind::CutOff => "cut-off",
+            FindingKind::NoGcode => "no-gcode",
+            FindingKind::LineEnd => "line-end",
+            FindingKind::Blob => "blob",
+            FindingKind::Gap => "gap",
+            FindingKind::Flow => "flow",
+            FindingKind::Empty => "empty",
+            FindingKind::OffBed => "off-bed",
+            FindingKind::Dive => "dive",
+            FindingKind::Adrift => "adrift",
+            FindingKind::Again => "again",
+            FindingKind::NoTool => "no-tool",
         }
     }
 }
@@ -177,7 +177,7 @@ impl Kind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The kind of the fault.
-    pub kind: Kind,
+    pub kind: FindingKind,
     /// The command, heater or axis that it is about, if the kind has several;
     /// else empty.
     pub about: String,
@@ -225,7 +225,7 @@ pub struct Verdict {
     /// Everything that was found, once each, in the order of the file.
     pub findings: Vec<Finding>,
     /// Number of findings of each kind.
-    pub counts: BTreeMap<Kind, u64>,
+    pub counts: BTreeMap<FindingKind, u64>,
     /// Number of lines in the file.
     pub lines: u64,
     /// Number of moves in the file.
@@ -255,7 +255,7 @@ impl Verdict {
     pub fn unknown_words(&self) -> impl Iterator<Item = (&str, u64)> {
         self.findings
             .iter()
-            .filter(|f| f.kind == Kind::UnknownWord)
+            .filter(|f| f.kind == FindingKind::UnknownWord)
             .map(|f| (f.about.as_str(), f.count))
     }
 
@@ -270,15 +270,15 @@ impl Verdict {
     pub fn sentences_of(
         &self,
         name: &str,
-        of: impl Fn(Kind) -> bool,
+        of: impl Fn(FindingKind) -> bool,
     ) -> Vec<String> {
         let mut all: Vec<String> = self
             .findings
             .iter()
-            .filter(|f| of(f.kind) && f.kind != Kind::UnknownWord)
+            .filter(|f| of(f.kind) && f.kind != FindingKind::UnknownWord)
             .map(|f| f.sentence(name))
             .collect();
-        if of(Kind::UnknownWord) {
+        if of(FindingKind::UnknownWord) {
             all.extend(self.unknown_sentence(name));
         }
         all
@@ -288,7 +288,7 @@ impl Verdict {
         let words: Vec<String> = self
             .findings
             .iter()
-            .filter(|f| f.kind == Kind::UnknownWord)
+            .filter(|f| f.kind == FindingKind::UnknownWord)
             .map(|f| match f.count {
                 1 => format!("{} (line {})", f.about, f.line),
                 n => format!("{} ({n} times from line {})", f.about, f.line),
@@ -305,7 +305,7 @@ impl Verdict {
 
     pub(super) fn add(
         &mut self,
-        kind: Kind,
+        kind: FindingKind,
         line: u64,
         at: DVec3,
         message: impl FnOnce() -> String,
@@ -316,7 +316,7 @@ impl Verdict {
     /// Adds a finding of a kind that is about several things.
     pub(super) fn add_about(
         &mut self,
-        kind: Kind,
+        kind: FindingKind,
         about: &str,
         line: u64,
         at: DVec3,

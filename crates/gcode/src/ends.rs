@@ -73,8 +73,7 @@ pub(super) fn of_plate(
     totals: &Totals,
     [labelled, supports]: [bool; 2],
 ) -> package::About {
-    let settings = plan.all;
-    let filament = &settings.filament;
+    let (printer, filament) = (plan.printer, plan.filament);
     let one_by_one = said.as_ref().is_some_and(|said| said.one_by_one);
     let (parts, thumbnails) = match said {
         Some(said) => (said.parts, said.thumbnails),
@@ -91,8 +90,8 @@ pub(super) fn of_plate(
     };
     package::About {
         maker: MAKER.to_owned(),
-        printer: settings.printer.model.trim().to_owned(),
-        nozzle: settings.printer.nozzle_diameter,
+        printer: printer.model.trim().to_owned(),
+        nozzle: printer.nozzle_diameter,
         material: filament.material.trim().to_owned(),
         filament_diameter: filament.diameter,
         density: filament.density,
@@ -102,7 +101,7 @@ pub(super) fn of_plate(
         mass_g: totals.filament_mass_g,
         layers: totals.layers,
         height: totals.height,
-        layer_height: settings.layer_height(),
+        layer_height: plan.layer_heights[1],
         supports,
         one_by_one,
         labelled,
@@ -284,7 +283,7 @@ pub(super) fn end(
 ) -> Result<String, TemplateError> {
     totals.filament_volume = totals.filament_length * plan.filament_area;
     // Density is in g/cm³.
-    let density = plan.all.filament.density;
+    let density = plan.filament.density;
     totals.filament_mass_g = totals.filament_volume * 1e-3 * density;
     // The template may name the whole time, which includes the foot's own time.
     // So the template is filled in twice.
@@ -313,7 +312,7 @@ pub(super) fn footer(
     for Fact { key, value, .. } in facts {
         lines += &format!("; {key} = {value}\n");
     }
-    lines + &own::lines(plan.all)
+    lines + &own::lines(plan)
 }
 
 /// The text that all files of one version have in common: the program's name,

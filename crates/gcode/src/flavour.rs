@@ -79,7 +79,7 @@ pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
 
 /// Lines that ask the firmware whether the file is for this printer.
 pub(super) fn checks(plan: &WriterPlan<'_>) -> Vec<String> {
-    let printer = &plan.all.printer;
+    let printer = plan.printer;
     if !plan.flavour.firmware().asks_printer {
         return Vec::new();
     }

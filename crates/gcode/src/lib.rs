@@ -76,7 +76,7 @@ pub use name::FormatError;
 pub use own::settings_in_gcode;
 pub(crate) use placeholders::PLACEHOLDERS;
 pub use plan::WriterPlan;
-pub use template::{TemplateError, try_templates, understands_placeholder};
+pub use template::{TemplateError, is_placeholder, try_templates};
 pub use thumbnail::Thumbnail;
 
 use filament::Filament;
@@ -303,7 +303,7 @@ impl<'a, W: Write> Writer<'a, W> {
         header: &Header,
         copy: &'a mut dyn FnMut(&[u8]),
     ) -> Result<Self, WriteError> {
-        let templates = Templates::new(plan.all, header)?;
+        let templates = Templates::new(&plan, header)?;
         let start = templates.start()?;
         let whole = header.layers == (0..header.layer_count);
         let waiting = if whole && plan.tells_progress {
@@ -449,7 +449,7 @@ impl<'a, W: Write> Writer<'a, W> {
             &self.buffer,
         )?;
         if let Some(record) = &mut self.record {
-            record.manifest.foot = manifest::Foot {
+            record.manifest.foot = manifest::FootManifest {
                 template: record.at(self.buffer.len()),
                 before,
             };
@@ -463,7 +463,7 @@ impl<'a, W: Write> Writer<'a, W> {
             self.buffer.extend_from_slice(lines.as_bytes());
             manifest.end = record.at(self.buffer.len());
         }
-        let facts = facts::facts(self.plan.all, &self.totals);
+        let facts = facts::facts(&self.plan, &self.totals);
         if let Sink::Plate(_) = self.out {
             self.line("; EXECUTABLE_BLOCK_END");
         }

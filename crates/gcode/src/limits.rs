@@ -54,7 +54,8 @@ impl WriterPlan<'_> {
     /// A warning about beads that are too thick.
     pub fn thick_beads(&self) -> Option<String> {
         let refuses = self.flavour.firmware().refuses?;
-        let most = refuses.section * self.nozzle * self.nozzle;
+        let nozzle = self.printer.nozzle_diameter;
+        let most = refuses.section * nozzle * nozzle;
         (self.thickest > most).then(|| {
             format!(
                 "the thickest beads may have {} mm², but Klipper by default \
@@ -128,7 +129,8 @@ fn extrusion(
             )
         });
     }
-    let most = refuses.section * plan.nozzle * plan.nozzle;
+    let nozzle = plan.printer.nozzle_diameter;
+    let most = refuses.section * nozzle * nozzle;
     let section = fed * plan.filament_area / from.distance(to);
     // Where the length of the move is not known, `section` is NaN and the
     // comparison is false.

@@ -97,7 +97,7 @@ pub(super) struct Manifest {
     pub texts: Vec<LayerText>,
     /// Top of the highest layer, mm.
     pub height: Mm,
-    pub foot: Foot,
+    pub foot: FootManifest,
     pub print: Print,
 }
 
@@ -131,7 +131,7 @@ pub(super) struct LayerText {
 /// What joining needs to know of the foot, which begins where the last layer
 /// ends.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Foot {
+pub(super) struct FootManifest {
     /// Where the end template begins.
     pub template: u64,
     /// Lines that bring a reader to the state of the machine at the foot's
@@ -157,7 +157,7 @@ impl Print {
             at.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
         };
         Self {
-            settings: plan.all.changed(),
+            settings: plan.changed(),
             model_name: header.model_name.clone(),
             part_min: header.part_min.to_array(),
             part_max: header.part_max.to_array(),
@@ -190,7 +190,7 @@ impl Record {
                 head: Head::default(),
                 texts: Vec::new(),
                 height: 0.0,
-                foot: Foot::default(),
+                foot: FootManifest::default(),
                 print: Print::new(plan, header),
             },
             length: 0,

@@ -1,10 +1,11 @@
 //! The settings that a file was sliced with, in its tail.
 //!
-//! In: settings. Out: a comment for each one that differs from its default, from
+//! In: the writer's plan. Out: a comment for each one that differs from its default, from
 //! which [`settings_in_gcode`] makes text that reads back as equal settings.
 //! What parts of a plate have of their own is not among them.
 
-use isoslice_settings::{Settings, keys};
+use super::plan::WriterPlan;
+use isoslice_settings::keys;
 use std::fmt::Write as _;
 
 /// What the first of these lines says.
@@ -15,11 +16,11 @@ const HEAD: &str = "; isoslice settings that differ from the defaults:";
 const MARK: &str = "; isoslice ";
 
 /// The lines.
-pub(super) fn lines(settings: &Settings) -> String {
+pub(super) fn lines(plan: &WriterPlan<'_>) -> String {
     let mut lines = String::new();
     let mut count = 0;
     for key in keys() {
-        let value = key.get(settings);
+        let value = plan.value(key);
         if value != key.default() {
             count += 1;
             let _ = writeln!(lines, "{MARK}{} = {}", key.name, in_line(value));
@@ -64,17 +65,18 @@ mod tests {
     use isoslice_settings::Builder;
 
     #[track_caller]
-    fn assert_reads_back(settings: &Settings) {
-        let text = format!("G1 X1\r\n{}; more = 1\n", lines(settings));
+    fn assert_reads_back(given: &Builder) {
+        let plan = WriterPlan::of(given.settings());
+        let text = format!("G1 X1\r\n{}; more = 1\n", lines(&plan));
         let toml = settings_in_gcode(&text).unwrap();
         let mut builder = Builder::new();
         builder.toml("own", &toml).unwrap();
-        assert_eq!(builder.settings(), settings);
+        assert_eq!(builder.settings(), given.settings());
     }
 
     #[test]
     fn every_setting_reads_back() {
-        assert_reads_back(&Settings::default());
+        assert_reads_back(&Builder::new());
         let mut builder = Builder::new();
         for set in [
             "walls=5",
@@ -90,7 +92,7 @@ mod tests {
         ] {
             builder.set(set).unwrap();
         }
-        assert_reads_back(builder.settings());
+        assert_reads_back(&builder);
         // One at a time: each one at another value than its default.
         for key in keys() {
             let values =
@@ -98,7 +100,7 @@ mod tests {
             for value in values.into_iter().chain(key.words().iter().copied()) {
                 let mut builder = Builder::new();
                 if builder.set(&format!("{}={value}", key.name)).is_ok() {
-                    assert_reads_back(builder.settings());
+                    assert_reads_back(&builder);
                 }
             }
         }

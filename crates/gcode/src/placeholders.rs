@@ -1,12 +1,13 @@
 //! What templates may name.
 //!
-//! In: the settings and what is known of the print. Out: values for the
+//! In: the writer's plan and what is known of the print. Out: values for the
 //! template engine. Besides [`PLACEHOLDERS`] a template may name every setting:
 //! `layer_height`, `filament.diameter`.
 
+use super::plan::WriterPlan;
 use super::{Header, Totals};
 use isoslice_base::units::{Mm, feed_rate, human_time};
-use isoslice_settings::{Settings, keys};
+use isoslice_settings::keys;
 use minijinja::Value;
 use std::collections::BTreeMap;
 
@@ -44,18 +45,19 @@ pub(super) struct Moment {
 
 impl Moment {
     /// The first layer, for trying a template.
-    pub(super) fn of_trial(settings: &Settings) -> Self {
+    pub(super) fn of_trial(plan: &WriterPlan<'_>) -> Self {
+        let [height, _] = plan.layer_heights;
         Moment {
             number: 1,
-            z: settings.bed_layer_height(),
-            height: settings.bed_layer_height(),
+            z: height,
+            height,
         }
     }
 }
 
 /// What the values of placeholders are made of.
 pub(super) struct Known<'a> {
-    pub settings: &'a Settings,
+    pub plan: &'a WriterPlan<'a>,
     pub header: &'a Header,
     pub moment: Moment,
     pub totals: Totals,
@@ -84,35 +86,35 @@ pub(crate) const PLACEHOLDERS: &[Placeholder] = placeholders![
         |k| {
             // An expression of the temperature holds above the first layer
             // only.
-            let filament = &k.settings.filament;
+            let filament = &k.plan.filament;
             let above = filament.nozzle_temperature.constant();
             number(above.unwrap_or(filament.first_layer_nozzle_temperature))
         };
     All "first_layer_nozzle_temperature",
         "nozzle temperature of the first layer, °C",
-        |k| number(k.settings.filament.first_layer_nozzle_temperature);
+        |k| number(k.plan.filament.first_layer_nozzle_temperature);
     All "bed_temperature", "bed temperature, °C",
-        |k| number(k.settings.filament.bed_temperature);
+        |k| number(k.plan.filament.bed_temperature);
     All "first_layer_bed_temperature", "bed temperature of the first layer, °C",
-        |k| number(k.settings.filament.first_layer_bed_temperature);
+        |k| number(k.plan.filament.first_layer_bed_temperature);
     All "layer_count", "number of layers of the part",
         |k| number(k.header.layer_count as f64);
     All "bed_x", "width of the bed, mm",
-        |k| number(k.settings.printer.bed_x);
+        |k| number(k.plan.printer.bed_x);
     All "bed_y", "depth of the bed, mm",
-        |k| number(k.settings.printer.bed_y);
+        |k| number(k.plan.printer.bed_y);
     All "height", "greatest height the printer prints, mm",
-        |k| number(k.settings.printer.height);
+        |k| number(k.plan.printer.height);
     All "nozzle_diameter", "diameter of the nozzle, mm",
-        |k| number(k.settings.printer.nozzle_diameter);
+        |k| number(k.plan.printer.nozzle_diameter);
     All "filament_diameter", "diameter of the filament, mm",
-        |k| number(k.settings.filament.diameter);
+        |k| number(k.plan.filament.diameter);
     All "retract_length", "length of a retraction, mm",
-        |k| number(k.settings.retract.length);
+        |k| number(k.plan.retract.length);
     All "feed_rate_travel", "travel speed as a feed rate, mm/min",
-        |k| number(feed_rate(k.settings.travel_speed()).round());
+        |k| number(feed_rate(k.plan.travel_speed).round());
     All "feed_rate_z", "greatest speed of z as a feed rate, mm/min",
-        |k| number(feed_rate(k.settings.printer.max_speed_z).round());
+        |k| number(feed_rate(k.plan.printer.max_speed_z).round());
     All "part_min_x", "least x of the part, mm",
         |k| length(k.header.part_min.x);
     All "part_min_y", "least y of the part, mm",
@@ -128,7 +130,7 @@ pub(crate) const PLACEHOLDERS: &[Placeholder] = placeholders![
     All "park_z", "10 mm above the part, or as high as the printer goes, mm",
         |k| {
             let top = k.header.part_max.z;
-            let park = (top + PARK_LIFT).min(k.settings.printer.height);
+            let park = (top + PARK_LIFT).min(k.plan.printer.height);
             length(park.max(top))
         };
     All "model_name", "name of the model, without folder and extension",
@@ -167,14 +169,14 @@ fn setting_names() -> impl Iterator<Item = &'static str> {
 }
 
 /// The values of all settings, by their names.
-pub(super) fn of_settings(settings: &Settings) -> BTreeMap<String, Value> {
+pub(super) fn of_settings(plan: &WriterPlan<'_>) -> BTreeMap<String, Value> {
     let mut values = BTreeMap::new();
     let mut groups: BTreeMap<&str, BTreeMap<&str, Value>> = BTreeMap::new();
     let names: Vec<_> = setting_names().collect();
     for key in keys().iter().filter(|k| names.contains(&k.name)) {
-        let value = key
-            .length(settings)
-            .map_or_else(|| from_toml(&key.get(settings)), number);
+        let value = plan
+            .length(key)
+            .map_or_else(|| from_toml(&plan.value(key)), number);
         match key.name.split_once('.') {
             Some((group, leaf)) => {
                 groups.entry(group).or_default().insert(leaf, value);

@@ -5,14 +5,33 @@ use isoslice_base::units::{
 };
 use isoslice_path::pace::limits;
 use isoslice_path::pace::motion::Limits;
-use isoslice_settings::{Comments, Emit, Flavour, Retract, Settings, Varying};
+use isoslice_settings::{
+    BrimPlace, Comments, Emit, Filament, Flavour, Key, Printer, Retract,
+    Settings, Supports, Varying,
+};
 
 /// What a file says to the firmware, and in whose words.
 #[derive(Clone, Debug)]
 pub struct WriterPlan<'a> {
-    /// All settings: templates may name any, hosts show some, and the file keeps
-    /// them.
-    pub(super) all: &'a Settings,
+    /// All settings: templates may name any, and the file keeps them.
+    all: &'a Settings,
+    /// The texts of the templates for the start, for the end, and for a layer.
+    pub(super) templates: [&'a str; 3],
+    /// What the printer is and can do.
+    pub(super) printer: &'a Printer,
+    /// What is printed with, and how warm.
+    pub(super) filament: &'a Filament,
+    /// Thickness of the layer on the bed, and of those above it, mm.
+    pub(super) layer_heights: [Mm; 2],
+    /// Share of the inside that is filled, %; none if it differs from place to
+    /// place.
+    pub(super) infill_density: Option<f64>,
+    /// Width of the brim, mm, in whole millimetres; 0 for none.
+    pub(super) brim_width: Mm,
+    /// True if tops are ironed.
+    pub(super) ironing: bool,
+    /// True if there may be supports.
+    pub(super) supports: bool,
     /// The firmware.
     pub(super) flavour: Flavour,
     /// The slicer whose words the comments use.
@@ -29,8 +48,6 @@ pub struct WriterPlan<'a> {
     pub(super) labels: bool,
     /// Which of Prusa's firmwares the printer has.
     pub(super) board: Board,
-    /// Diameter of the nozzle's hole, mm.
-    pub(super) nozzle: Mm,
     /// Speed at which a right-angled corner is passed.
     pub(super) corner: MmPerSec,
     /// What the machine can do.
@@ -66,6 +83,17 @@ impl<'a> WriterPlan<'a> {
         };
         WriterPlan {
             all: s,
+            templates: [&gcode.start, &gcode.end, &gcode.layer],
+            printer,
+            filament,
+            layer_heights: [s.bed_layer_height(), s.layer_height()],
+            infill_density: s.infill_density.constant(),
+            brim_width: match s.brim.place {
+                BrimPlace::None => 0.0,
+                _ => s.brim.width.ceil(),
+            },
+            ironing: s.ironing.is_on(),
+            supports: s.supports != Supports::Off,
             flavour,
             comments: gcode.comments,
             relative_e: gcode.relative_e,
@@ -75,7 +103,6 @@ impl<'a> WriterPlan<'a> {
             tells_progress: wanted(gcode.progress, firmware.shows_progress),
             labels: wanted(gcode.labels, knows_labels(flavour, board)),
             board,
-            nozzle: printer.nozzle_diameter,
             corner: printer.square_corner_velocity,
             limits: limits(s),
             travel_speed: s.travel_speed(),
@@ -94,6 +121,21 @@ impl<'a> WriterPlan<'a> {
         }
     }
 
+    /// The value of a setting, as TOML.
+    pub(super) fn value(&self, key: &Key) -> String {
+        key.get(self.all)
+    }
+
+    /// The value of a setting that is a length, mm, whatever it is given in.
+    pub(super) fn length(&self, key: &Key) -> Option<Mm> {
+        key.length(self.all)
+    }
+
+    /// The settings that differ from the defaults, as TOML.
+    pub(super) fn changed(&self) -> String {
+        self.all.changed()
+    }
+
     /// True if parts' labels need the parts' outlines, as Klipper's do.
     pub fn needs_outline(&self) -> bool {
         self.labels && self.flavour.firmware().outlines_parts
@@ -103,9 +145,10 @@ impl<'a> WriterPlan<'a> {
     pub(super) fn with(
         change: impl FnOnce(&mut Settings),
     ) -> WriterPlan<'static> {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        WriterPlan::of(Box::leak(Box::new(settings)))
+        isoslice_settings::plan_with(
+            |s| WriterPlan::of(Box::leak(Box::new(s.clone()))),
+            change,
+        )
     }
 }
 

@@ -1,13 +1,13 @@
 //! What holds what is printed.
 //!
 //! In: the outlines of a part's layers, from below, and plans of plain numbers.
-//! Out: what nothing below holds while it is printed ([`hang`]), and the areas
+//! Out: what nothing below holds while it is printed ([`overhangs`]), and the areas
 //! that are printed below to hold it ([`support`]).
 //!
 //! One judge decides for both what of a layer the layer below does not hold
-//! (`hang/judge.rs`): warnings, `isoslice info --supports` and supports
-//! agree, except that supports do not count lines of skin as bridges where `bridges`
-//! is off.
+//! (`overhangs/judge.rs`): warnings, `isoslice info --supports` and supports
+//! agree, except that supports do not count lines of skin as bridges where `bridge_max`
+//! is 0.
 //!
 //! Guarantees: the same outlines give the same answer, on any number of threads.
 //! What is listed as hanging is larger than a bead, and no bridge holds it.
@@ -16,5 +16,5 @@
 
 #![warn(unreachable_pub)]
 
-pub mod hang;
+pub mod overhangs;
 pub mod support;

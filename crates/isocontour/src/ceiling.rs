@@ -106,12 +106,12 @@ impl Made {
 
 /// Parts that are looked at, as a multiple of the expression's operations. A
 /// part that is shared may be asked with many levels.
-const MOST: usize = 4;
+const LOOKS_PER_OPERATION: usize = 4;
 
 /// The expression `root` without ceilings.
 pub(crate) fn uncapped(ctx: &mut Context, root: Node) -> Node {
     let first = Part::new(root, false, 0.0);
-    let most = MOST * ctx.len();
+    let most = LOOKS_PER_OPERATION * ctx.len();
     let mut any = false;
     let mut done: HashMap<Part, Node> = HashMap::new();
     let mut todo = vec![(first, false)];

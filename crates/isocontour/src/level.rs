@@ -32,7 +32,8 @@ pub struct Curve {
     /// True if the line returns to its first point, some periods away if it
     /// winds. Any other line begins and ends at the lattice's border.
     pub closed: bool,
-    /// Periods between its end and its beginning.
+    /// Number of periods along x and y by which the end is away from the
+    /// beginning.
     pub winding: [i32; 2],
 }
 

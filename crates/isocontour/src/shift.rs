@@ -276,7 +276,7 @@ fn error_at(
     scratch: &mut Scratch,
 ) -> Option<f64> {
     /// Step of the differences that give the gradient.
-    const STEP: f64 = 1e-4;
+    const GRADIENT_STEP: f64 = 1e-4;
     let mut squared = 0.0;
     for i in 0..3 {
         let mut at = |step: f64| {
@@ -284,7 +284,8 @@ fn error_at(
             q[i] += step;
             program.value(q, scratch)
         };
-        let slope = (at(STEP) - at(-STEP)) / (2.0 * STEP);
+        let slope =
+            (at(GRADIENT_STEP) - at(-GRADIENT_STEP)) / (2.0 * GRADIENT_STEP);
         squared += slope * slope;
     }
     let [x, y, z] = p.map(|v| v as f32);

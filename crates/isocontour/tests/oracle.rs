@@ -22,7 +22,7 @@ const ACCURACY: f64 = 0.001;
 const COUNTED: f64 = 2.0 * SPACING * SPACING;
 
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum ShapeKind {
     Ball,
     Block,
     Cylinder,
@@ -30,7 +30,7 @@ enum Kind {
 
 #[derive(Clone, Copy, Debug)]
 struct Shape {
-    kind: Kind,
+    kind: ShapeKind,
     turn: Mat3,
     centre: Vec3,
     size: Vec3,
@@ -55,9 +55,9 @@ impl Shape {
         let [a, b, c] = [(); 3].map(|()| within(0.0, 6.3));
         let turn = Mat3::from_euler(EulerRot::XYZ, a, b, c);
         let kind = match rng.u8(0..3) {
-            0 => Kind::Ball,
-            1 => Kind::Block,
-            _ => Kind::Cylinder,
+            0 => ShapeKind::Ball,
+            1 => ShapeKind::Block,
+            _ => ShapeKind::Cylinder,
         };
         Shape {
             kind,
@@ -71,9 +71,9 @@ impl Shape {
     fn at(&self, p: Vec3) -> f32 {
         let p = self.turn * (p - self.centre);
         match self.kind {
-            Kind::Ball => p.length() - self.size.x,
-            Kind::Block => (p.abs() - self.size).max_element(),
-            Kind::Cylinder => (p.truncate().length() - self.size.x)
+            ShapeKind::Ball => p.length() - self.size.x,
+            ShapeKind::Block => (p.abs() - self.size).max_element(),
+            ShapeKind::Cylinder => (p.truncate().length() - self.size.x)
                 .max(p.z.abs() - self.size.y),
         }
     }
@@ -87,11 +87,13 @@ impl Shape {
         });
         let s = self.size;
         match self.kind {
-            Kind::Ball => (x.square() + y.square() + z.square()).sqrt() - s.x,
-            Kind::Block => {
+            ShapeKind::Ball => {
+                (x.square() + y.square() + z.square()).sqrt() - s.x
+            }
+            ShapeKind::Block => {
                 (x.abs() - s.x).max(y.abs() - s.y).max(z.abs() - s.z)
             }
-            Kind::Cylinder => {
+            ShapeKind::Cylinder => {
                 ((x.square() + y.square()).sqrt() - s.x).max(z.abs() - s.y)
             }
         }

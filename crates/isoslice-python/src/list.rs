@@ -3,7 +3,7 @@
 use crate::error::plain;
 use crate::request::folder;
 use crate::value::from_json;
-use isoslice::settings::{Origin, ProfileKind, Settings, keys};
+use isoslice::settings::{Origin, ProfileKind, keys};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -12,11 +12,10 @@ use std::path::PathBuf;
 /// and what it is.
 #[pyfunction]
 pub(crate) fn settings(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
-    let defaults = Settings::default();
     let all = keys().iter().map(|key| {
         json!({
             "name": key.name,
-            "default": key.get(&defaults),
+            "default": key.default(),
             "allowed": key.allowed(),
             "description": key.description(),
         })

@@ -15,7 +15,6 @@ use isocontour::{
     outlines as find_outlines,
 };
 use isoslice::limits::{Limits, Watch, doing};
-use isoslice::settings::{Settings, keys};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -68,13 +67,12 @@ pub(crate) fn outlines<'py>(
     let progress = keywords.progress.as_ref();
     let found = at_work(py, limits, progress, move |_| {
         let model = request.model()?;
-        let settings = &request.settings;
         let detail = Detail {
-            accuracy: length(settings, "accuracy")?,
+            accuracy: request.length("accuracy")?,
             // What is smaller cannot be printed.
-            smallest: 0.25 * length(settings, "outer_wall_width")?,
+            smallest: 0.25 * request.length("outer_wall_width")?,
         };
-        let spacing = length(settings, "sample_spacing")?;
+        let spacing = request.length("sample_spacing")?;
         // Below the bed nothing is printed.
         let above = |z: &f64| *z >= 0.0;
         let at: Vec<f64> = z.iter().map(|z| z - model.offset.z).collect();
@@ -128,16 +126,6 @@ fn as_bytes<'py>(py: Python<'py>, areas: &[Area]) -> Bytes<'py> {
     let rings = |area: &Area| area.rings.iter().map(one).collect();
     let islands = |area: &Area| area.islands().iter().map(rings).collect();
     areas.iter().map(islands).collect()
-}
-
-/// A setting that is a length, mm.
-fn length(settings: &Settings, name: &str) -> anyhow::Result<f64> {
-    let key = keys().iter().find(|key| key.name == name);
-    let key = key.with_context(|| format!("there is no setting {name}"))?;
-    let length = key
-        .length(settings)
-        .or_else(|| key.get(settings).parse().ok());
-    length.with_context(|| format!("{name} is no length"))
 }
 
 fn positive(name: &str, value: f64) -> PyResult<()> {

@@ -3,7 +3,7 @@
 
 use crate::error::plain;
 use crate::value::{assignments, expr, parameters};
-use anyhow::bail;
+use anyhow::{Context, bail};
 use glam::DVec3;
 use isocontour::Bounds;
 use isoslice::layers::LayerRange;
@@ -12,10 +12,11 @@ use isoslice::model::{
     self, BuildVolume, Model, Placement, Source, SourceKind,
 };
 use isoslice::plate::{Plate, PlateFile, Wanted};
-use isoslice::settings::{Builder, ProfileKind, Profiles, Settings};
+use isoslice::settings::{Builder, ProfileKind, Profiles, Settings, keys};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -102,6 +103,16 @@ pub(crate) struct Request {
 }
 
 impl Request {
+    /// A setting that is a length, mm.
+    pub(crate) fn length(&self, name: &str) -> anyhow::Result<f64> {
+        let key = keys().iter().find(|key| key.name == name);
+        let key = key.with_context(|| format!("there is no setting {name}"))?;
+        let length = key.length(&self.settings);
+        length
+            .or_else(|| key.get(&self.settings).parse().ok())
+            .with_context(|| format!("{name} is no length"))
+    }
+
     /// Reads a model, or the name of a plate file, with keywords, and the
     /// settings that they name.
     pub(crate) fn new(
@@ -194,7 +205,7 @@ impl Request {
         }
         let name = path.file_stem().unwrap_or_default();
         let name = name.to_string_lossy().into_owned();
-        let settings = file.settings;
+        let settings = file.builder.settings().clone();
         let given = Given::Plate(file.parts);
         let mut request =
             keywords.request(given, Some(name), settings, warnings)?;
@@ -242,6 +253,40 @@ fn is_plate(path: &Path) -> bool {
 
 fn plain_error(error: impl Into<anyhow::Error>) -> PyErr {
     crate::error::exception(&error.into())
+}
+
+/// What results keep of the settings.
+pub(crate) struct Kept {
+    /// The settings' texts, by name.
+    pub texts: BTreeMap<String, String>,
+    /// Notes on what the settings lead to unasked.
+    pub notes: Vec<String>,
+    /// Price of a kilogram of filament; none if there is none.
+    pub filament_cost: Option<f64>,
+}
+
+impl Kept {
+    pub(crate) fn of(Request { settings, .. }: &Request) -> Kept {
+        let all = keys().iter();
+        let cost = settings.filament_cost();
+        Kept {
+            texts: all.map(|k| (k.name.to_owned(), k.get(settings))).collect(),
+            notes: settings.notes(),
+            filament_cost: (cost > 0.0).then_some(cost),
+        }
+    }
+}
+
+/// The settings that texts by name stand for.
+pub(crate) fn settings_of(
+    texts: &BTreeMap<String, String>,
+) -> PyResult<Builder> {
+    let mut builder = Builder::new();
+    for (name, text) in texts {
+        let set = builder.set(&format!("{name}={text}"));
+        set.map_err(plain_error)?;
+    }
+    Ok(builder)
 }
 
 /// The settings, and what the user should know of them.

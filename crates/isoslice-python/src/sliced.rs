@@ -2,7 +2,9 @@
 
 use crate::error::{Error, plain};
 use crate::output::{Output, Written};
-use crate::request::{Keywords, PartGiven, Request, format, format_of, layers};
+use crate::request::{
+    Kept, Keywords, PartGiven, Request, format, format_of, layers, settings_of,
+};
 use crate::value::from_json;
 use crate::work::{Progress, at_work};
 use anyhow::Context;
@@ -10,7 +12,6 @@ use isoslice::limits::Limits;
 use isoslice::pipeline::{self, Options, Summary};
 use isoslice::preview::Toolpath;
 use isoslice::reader::Reader;
-use isoslice::settings::{Settings, keys};
 use isoslice::{Figures, Format, Hanging, RoleSum, Sum, human_time};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -85,8 +86,8 @@ pub(crate) struct Sliced {
     notes: Vec<String>,
     /// Results that are not numbers: tables by name, as JSON.
     tables: Value,
-    #[serde(with = "crate::value::texts")]
-    settings: Settings,
+    /// The settings' texts, by name.
+    settings: BTreeMap<String, String>,
     #[serde(skip, default = "Gcode::nowhere")]
     gcode: Gcode,
 }
@@ -139,7 +140,8 @@ pub(crate) fn slice<'py>(
         (None, None) => Format::usual_for(request.settings.gcode.flavour),
     };
     let limits = request.limits;
-    let settings = request.settings.clone();
+    let kept = Kept::of(&request);
+    let unusual = format.unusual_for(request.settings.gcode.flavour);
     let mut warnings = request.warnings.clone();
     let progress = keywords.progress.as_ref();
     let work = move |progress: &Progress| {
@@ -170,7 +172,7 @@ pub(crate) fn slice<'py>(
         at_work(py, limits, progress, work)?;
     warnings.extend(of_model);
     warnings.extend(summary.warnings.iter().cloned());
-    warnings.extend(format.unusual_for(settings.gcode.flavour));
+    warnings.extend(unusual);
     let gcode = match written {
         Written::Bytes(bytes) => {
             Gcode::Bytes(PyBytes::new(py, &bytes).unbind())
@@ -178,14 +180,14 @@ pub(crate) fn slice<'py>(
         Written::File(path) => Gcode::File(path),
         Written::Stream(path) => Gcode::Stream(path),
     };
-    Sliced::new(name, summary, settings, warnings, gcode)
+    Sliced::new(name, summary, kept, warnings, gcode)
 }
 
 impl Sliced {
     fn new(
         name: String,
         summary: Summary,
-        settings: Settings,
+        kept: Kept,
         warnings: Vec<String>,
         gcode: Gcode,
     ) -> PyResult<Sliced> {
@@ -210,9 +212,6 @@ impl Sliced {
             time_lost,
             timings: timings.collect(),
         });
-        let cost = settings.filament_cost();
-        let cost =
-            (cost > 0.0).then(|| summary.filament_mass_g * cost / 1000.0);
         Ok(Sliced {
             name,
             size: summary.size.into(),
@@ -222,7 +221,9 @@ impl Sliced {
             time: summary.time,
             filament_length: summary.filament_length,
             filament_mass: summary.filament_mass_g,
-            filament_cost: cost,
+            filament_cost: kept
+                .filament_cost
+                .map(|cost| summary.filament_mass_g * cost / 1000.0),
             support_length: summary.support_length,
             unfilled_area: summary.unfilled_area,
             solid_area: summary.solid_area,
@@ -231,9 +232,9 @@ impl Sliced {
             dropped_rings: summary.dropped_rings,
             checked: summary.verdict.is_some(),
             warnings,
-            notes: settings.notes(),
+            notes: kept.notes,
             tables: tables.map_err(plain)?,
-            settings,
+            settings: kept.texts,
             gcode,
         })
     }
@@ -333,10 +334,7 @@ impl Sliced {
     /// The settings that were used, by name, as TOML has them.
     #[getter]
     fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let one = |key: &isoslice::settings::Key| {
-            (key.name.to_owned(), json!(key.get(&self.settings)))
-        };
-        from_json(py, &Value::Object(keys().iter().map(one).collect()))
+        from_json(py, &json!(self.settings))
     }
 
     /// What pickle writes: how the results are made again. G-code that is in a
@@ -370,13 +368,14 @@ impl Sliced {
                 Box::new(file.map_err(|e| crate::error::exception(&e))?)
             }
         };
-        let (title, settings) = (self.title(), self.settings.clone());
+        let title = self.title();
+        let settings = settings_of(&self.settings)?;
         let warnings = self.warnings.clone();
         let page = at_work(py, Limits::of_slicing(), None, move |_| {
             let toolpath = Toolpath::read(Reader::new(gcode))?;
             let problems = toolpath.problems().warnings(&title);
             let toolpath = toolpath
-                .with_settings(&settings)
+                .with_settings(settings.settings())
                 .with_warnings(&[warnings, problems].concat());
             let mut page = Vec::new();
             toolpath.write_html(&mut page, &title)?;

@@ -312,32 +312,3 @@ pub(crate) fn arguments(
     }
     Ok(all)
 }
-
-/// Settings as texts by name, for serde.
-pub(crate) mod texts {
-    use isoslice::settings::{Builder, Settings, keys};
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use std::collections::BTreeMap;
-
-    pub(crate) fn serialize<S: Serializer>(
-        settings: &Settings,
-        to: S,
-    ) -> Result<S::Ok, S::Error> {
-        let all = keys().iter().map(|key| (key.name, key.get(settings)));
-        all.collect::<BTreeMap<_, _>>().serialize(to)
-    }
-
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
-        from: D,
-    ) -> Result<Settings, D::Error> {
-        let all = BTreeMap::<String, String>::deserialize(from)?;
-        let mut builder = Builder::new();
-        for (name, text) in all {
-            let set = builder.set(&format!("{name}={text}"));
-            set.map_err(D::Error::custom)?;
-        }
-        let (settings, _) = builder.finish().map_err(D::Error::custom)?;
-        Ok(settings)
-    }
-}

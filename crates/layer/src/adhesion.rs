@@ -276,6 +276,7 @@ mod tests {
     use isoslice_planar::bead::spacing;
     use isoslice_planar::grid::EdgeGrid;
     use isoslice_planar::shapes::rect;
+    use isoslice_settings::{Settings, plan_with};
 
     #[test]
     fn the_skirt_keeps_its_distance() {
@@ -284,7 +285,7 @@ mod tests {
             .to_vec();
         let outline = Area::from(ring);
         let plan = |place: BrimPlace| {
-            SkirtPlan::with(|s| {
+            plan_with(SkirtPlan::of, |s| {
                 s.skirt.loops = 2;
                 s.brim.place = place;
             })
@@ -332,11 +333,13 @@ mod tests {
     #[test]
     fn the_brim_is_where_it_should_be() {
         let frame = frame();
-        assert!(brim(&frame, 0.2, &BrimPlan::with(|_| {})).is_empty());
+        assert!(
+            brim(&frame, 0.2, &BrimPlan::of(&Settings::default())).is_empty()
+        );
         let step = spacing(0.45, 0.45, 0.2);
         let grid = EdgeGrid::new(&frame, 1.0);
         let count = |place: BrimPlace, width: Mm| {
-            let plan = BrimPlan::with(|s| {
+            let plan = plan_with(BrimPlan::of, |s| {
                 s.brim.place = place;
                 s.brim.width = width;
                 s.brim.gap = 0.2;
@@ -366,7 +369,7 @@ mod tests {
 
     #[test]
     fn the_brim_is_finished_round_one_island_before_the_next() {
-        let plan = BrimPlan::with(|s| s.brim.place = BrimPlace::Outer);
+        let plan = plan_with(BrimPlan::of, |s| s.brim.place = BrimPlace::Outer);
         // Four pins stand so far apart that their brims do not meet, then so
         // near that the outer loops go round two of them.
         for (apart, pairs) in [(30.0, false), (12.0, true)] {
@@ -392,7 +395,7 @@ mod tests {
 
     #[test]
     fn the_brim_comes_from_outside_to_the_part() {
-        let plan = BrimPlan::with(|s| s.brim.place = BrimPlace::Outer);
+        let plan = plan_with(BrimPlan::of, |s| s.brim.place = BrimPlace::Outer);
         let loops = brim(&rect(0.0, 0.0, 9.0, 9.0), 0.2, &plan);
         let lengths: Vec<f64> =
             loops.iter().map(|b| b.stroke.length()).collect();

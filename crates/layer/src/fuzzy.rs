@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use isoslice_base::random::{mix, share};
 use isoslice_base::units::Mm;
 use isoslice_model::Place;
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::signed_area;
 use isoslice_settings::FuzzySkin;
@@ -34,7 +34,7 @@ impl<'a> Fuzzy<'a> {
     pub fn new(
         skin: &'a FuzzySkin,
         around: &'a Surroundings<'a>,
-    ) -> Result<Option<Fuzzy<'a>>, VaryError> {
+    ) -> Result<Option<Fuzzy<'a>>, QuantityError> {
         let thickness = Quantity::new("fuzzy.thickness", &skin.thickness)?;
         Ok((thickness.constant() != Some(0.0)).then_some(Fuzzy {
             skin,
@@ -52,7 +52,7 @@ impl<'a> Fuzzy<'a> {
         &self,
         beads: &mut [Bead],
         layer: &LayerFace<'_>,
-    ) -> Result<(), VaryError> {
+    ) -> Result<(), QuantityError> {
         if layer.span.index == 0 {
             return Ok(());
         }
@@ -73,7 +73,7 @@ impl<'a> Fuzzy<'a> {
         &self,
         bead: &mut Bead,
         layer: &LayerFace<'_>,
-    ) -> Result<(), VaryError> {
+    ) -> Result<(), QuantityError> {
         let z = layer.span.sample_z();
         let grain = self.skin.grain;
         let dense = resampled(bead, grain / POINTS);

@@ -11,12 +11,11 @@
 //! | `vm` | reads fidget's text |
 //! | `formula` | reads one formula |
 //! | `functions`, `term` | what scripts, formulas and Python call by name |
-//! | `expression` | evaluates expressions of settings |
 //! | `param` | parameters of scripts, `-D name=value` |
 //! | `placement` | scale, rotation and place, by the box that [`isocontour::find_bounds`] finds |
 //! | `together` | makes one model of several |
 //! | `written` | writes a model as words |
-//! | [`vary`] | evaluates settings that are expressions |
+//! | [`expressions`] | evaluates settings that are expressions |
 //! | [`heights`] | finds layers that follow the surface |
 //! | [`contour`] | makes outlines under a run's limits |
 //!
@@ -32,7 +31,7 @@
 mod allowed;
 pub mod contour;
 mod error;
-mod expression;
+pub mod expressions;
 mod formula;
 mod functions;
 pub mod heights;
@@ -46,14 +45,13 @@ mod term;
 mod testing;
 mod together;
 mod value;
-pub mod vary;
 mod vm;
 mod written;
 
 pub use allowed::Allowed;
 pub use error::LoadError;
-pub use expression::Place;
-pub use expression::{Expression, ExpressionError};
+pub use expressions::expression::Place;
+pub use expressions::expression::{Expression, ExpressionError};
 pub use formula::FormulaError;
 pub use isocontour::Bounds;
 pub use param::{ParamError, Parameter};

@@ -8,7 +8,7 @@ use isocontour::Bounds;
 
 /// Greatest number of operations of all models. The picture of a larger one is
 /// not worth the time.
-const MOST: usize = 300_000;
+const MOST_OPERATIONS: usize = 300_000;
 
 /// Models as they stand on the bed, each moved in the plane, as one model in
 /// the printer's coordinates. None if there are no models, or if their
@@ -25,7 +25,7 @@ pub fn together<'a>(
         // The sum counts the models' own operations, those that move them, and
         // one minimum each.
         size += model.expression_size + 4;
-        if size > MOST {
+        if size > MOST_OPERATIONS {
             return None;
         }
         // All parts of a plate stand on one raft, or on none.

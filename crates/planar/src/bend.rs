@@ -17,7 +17,7 @@ use isoslice_base::units::{Mm, PerMm};
 const REACH: Mm = 1.0;
 
 /// Greatest distance of two places along a ring.
-const STEP: Mm = 0.25;
+const RING_STEP: Mm = 0.25;
 
 /// Greatest way that a sharp corner moves, as a multiple of the distance by
 /// which its sides move.
@@ -36,7 +36,7 @@ pub struct Bend {
     pub curvature: PerMm,
 }
 
-/// Places along a ring, no more than [`STEP`] apart, its corners among them.
+/// Places along a ring, no more than [`RING_STEP`] apart, its corners among them.
 pub fn bends(ring: &Ring) -> Vec<Bend> {
     let corners = corners(ring);
     let Some(length) = corners.last().map(|c| c.before) else {
@@ -50,7 +50,7 @@ pub fn bends(ring: &Ring) -> Vec<Bend> {
     for (i, corner) in corners.iter().enumerate() {
         let a = corners[(i + corners.len() - 1) % corners.len()].at;
         let side = corner.before - from;
-        let count = (side / STEP).ceil().max(1.0);
+        let count = (side / RING_STEP).ceil().max(1.0);
         for k in 1..=count as usize {
             let t = k as f64 / count;
             let s = from + t * side;
@@ -213,7 +213,7 @@ mod tests {
             assert!((bend.out.length() - long).abs() < 1e-9, "{bend:?}");
         }
         // All the angles together are a full turn.
-        let mean: f64 = all.iter().map(|b| b.curvature * STEP).sum();
+        let mean: f64 = all.iter().map(|b| b.curvature * RING_STEP).sum();
         assert!((mean - TAU).abs() < 0.01, "{mean}");
     }
 

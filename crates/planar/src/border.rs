@@ -16,7 +16,7 @@ use isoslice_base::units::Mm;
 
 /// A place on an area's border.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foot {
+pub struct BorderPlace {
     /// Number of the ring.
     pub ring: usize,
     /// Way along the ring from its first point.
@@ -25,22 +25,22 @@ pub struct Foot {
 
 /// What an area has of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct LinePiece {
     /// The points of the piece. A closed piece does not repeat its first point.
     pub points: Vec<DVec2>,
     /// True if the piece is the whole of a line that returns to its first
     /// point.
     pub closed: bool,
     /// Where the first point is on the border, if it is there.
-    pub from: Option<Foot>,
+    pub from: Option<BorderPlace>,
     /// Where the last point is on the border, if it is there.
-    pub to: Option<Foot>,
+    pub to: Option<BorderPlace>,
 }
 
-impl Piece {
+impl LinePiece {
     /// A piece whose ends, if it has any, are not on the border.
-    pub fn inner(points: Vec<DVec2>, closed: bool) -> Piece {
-        Piece {
+    pub fn inner(points: Vec<DVec2>, closed: bool) -> LinePiece {
+        LinePiece {
             points,
             closed,
             from: None,
@@ -98,14 +98,14 @@ impl<'a> Border<'a> {
     }
 
     /// The place of a point on an edge, which is counted through all rings.
-    pub(super) fn foot(&self, edge: usize, p: DVec2) -> Foot {
+    pub(super) fn foot(&self, edge: usize, p: DVec2) -> BorderPlace {
         let ring = self.places.ring(edge);
         let at = self.places.begin(edge) + self.grid.edge(edge).0.distance(p);
-        Foot { ring, at }
+        BorderPlace { ring, at }
     }
 
     /// The way along the ring from one place on it to another.
-    pub fn way(&self, from: Foot, to: Foot) -> Mm {
+    pub fn way(&self, from: BorderPlace, to: BorderPlace) -> Mm {
         let way = to.at - from.at;
         if way < 0.0 {
             way + self.places.length(from.ring)
@@ -115,7 +115,7 @@ impl<'a> Border<'a> {
     }
 
     /// The ring's points between two places on it, in its direction.
-    pub fn between(&self, from: Foot, to: Foot) -> Vec<DVec2> {
+    pub fn between(&self, from: BorderPlace, to: BorderPlace) -> Vec<DVec2> {
         let ring = &self.area.rings[from.ring];
         let before = self.places.of_ring(from.ring);
         // The first points after the two places.
@@ -134,14 +134,14 @@ impl<'a> Border<'a> {
 #[derive(Debug)]
 pub struct Cutter<'b, 'a> {
     border: &'b Border<'a>,
-    pieces: Vec<Piece>,
+    pieces: Vec<LinePiece>,
     /// The end of the line so far, if one has begun.
     at: Option<DVec2>,
     /// True if that end is inside.
     inside: bool,
     /// What has been inside since the last crossing.
     run: Vec<DVec2>,
-    from: Option<Foot>,
+    from: Option<BorderPlace>,
     hits: Vec<Hit>,
 }
 
@@ -169,7 +169,7 @@ impl<'b, 'a> Cutter<'b, 'a> {
     }
 
     /// The pieces of all lines.
-    pub fn finish(mut self) -> Vec<Piece> {
+    pub fn finish(mut self) -> Vec<LinePiece> {
         self.end();
         self.pieces
     }
@@ -213,7 +213,7 @@ impl<'b, 'a> Cutter<'b, 'a> {
         }
         self.end();
         if points.first().is_some_and(|&p| self.border.contains(p)) {
-            self.pieces.push(Piece::inner(points.to_vec(), true));
+            self.pieces.push(LinePiece::inner(points.to_vec(), true));
         }
     }
 
@@ -277,11 +277,11 @@ impl<'b, 'a> Cutter<'b, 'a> {
         self.inside = false;
     }
 
-    fn cut(&mut self, to: Option<Foot>) {
+    fn cut(&mut self, to: Option<BorderPlace>) {
         let points = std::mem::take(&mut self.run);
         let from = self.from.take();
         if points.len() >= 2 {
-            self.pieces.push(Piece {
+            self.pieces.push(LinePiece {
                 points,
                 closed: false,
                 from,
@@ -424,7 +424,7 @@ mod tests {
     fn the_way_along_a_ring() {
         let area = frame();
         let border = Border::new(&area);
-        let foot = |at| Foot { ring: 0, at };
+        let foot = |at| BorderPlace { ring: 0, at };
         assert_eq!(border.way(foot(35.0), foot(5.0)), 10.0);
         assert_eq!(
             border.between(foot(35.0), foot(5.0)),

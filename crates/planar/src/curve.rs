@@ -33,8 +33,10 @@ const AT_CORNER: f64 = 2.0 / 3.0 / (4.0 * CROSSING);
 /// share of how far the line through both crossings is from a corner.
 const AT_MIDDLE: f64 = 1.0 / 3.0 / (4.0 * CROSSING);
 
-/// A segment crosses the curve at least at this share of the usual way from its
-/// ends if it is not much longer than those beside it, and so bends as they do.
+/// The curve has a point beside the middle of a segment only if it crosses the
+/// segment at more than this share of the usual way from both of its ends. If it
+/// does not, the segment is much longer than those beside it, and does not bend as
+/// they do.
 const LONG: f64 = 0.5;
 
 /// A corner that is near to the curve.

@@ -9,7 +9,7 @@
 //! The lines' places depend on angle, spacing and phase alone, so that areas
 //! of different islands and layers get lines that continue each other.
 
-use super::border::{Border, Piece};
+use super::border::{Border, LinePiece};
 use super::grid::EdgeGrid;
 use super::{Area, edges};
 use glam::DVec2;
@@ -51,14 +51,14 @@ pub fn hatch_border(
     border: &Border<'_>,
     lines: Lines,
     shortest: Mm,
-) -> Vec<(i64, Piece)> {
+) -> Vec<(i64, LinePiece)> {
     let hits = hits(border.area(), lines);
     if isoslice_base::limits::is_stopped() {
         return Vec::new();
     }
     let pieces = pairs(&hits, shortest).map(|(from, to)| {
         let segment = lines.segment(from, to);
-        let piece = Piece {
+        let piece = LinePiece {
             points: vec![segment.from, segment.to],
             closed: false,
             from: Some(border.foot(from.edge, segment.from)),

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`clip`] | combines areas |
 //! | [`offset`] | grows and shrinks areas; [`trim`] helps it |
+//! | [`opening`] | tells what of an area is wide, and fills gaps |
 //! | [`simplify`] | thins rings within a tolerance |
 //! | [`along`] | finds the point at a length along a line, and cuts the line there |
 //! | [`arc`] | puts arcs in the place of segments |
@@ -42,6 +43,7 @@ pub mod grid;
 pub mod hatch;
 mod hull;
 pub mod offset;
+pub mod opening;
 #[cfg(test)]
 mod oracle;
 pub mod places;

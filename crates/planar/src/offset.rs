@@ -164,7 +164,7 @@ pub(super) fn moved(
         return Ring::new();
     }
     isoslice_base::limits::made(ring.len());
-    let sides = Sides::new(ring, by);
+    let sides = MovedEdges::new(ring, by);
     let n = sides.all.len();
     let mut out = Ring::with_capacity(n + n / 4);
     let step = {
@@ -220,7 +220,7 @@ pub(super) fn moved(
 }
 
 /// A ring's edge that is to be moved.
-struct Side {
+struct MovedEdge {
     /// Number of the edge in the ring.
     edge: u32,
     from: DVec2,
@@ -239,7 +239,7 @@ struct Side {
     end: Mm,
 }
 
-impl Side {
+impl MovedEdge {
     /// Length of the side when it has moved; negative if its ends have passed
     /// each other.
     fn room(&self) -> Mm {
@@ -248,18 +248,18 @@ impl Side {
 }
 
 /// A ring's edges without those that vanish on the way.
-struct Sides {
-    all: Vec<Side>,
+struct MovedEdges {
+    all: Vec<MovedEdge>,
     by: f64,
 }
 
-impl Sides {
-    fn new(ring: &[DVec2], by: f64) -> Sides {
-        let mut all: Vec<Side> = Vec::with_capacity(ring.len());
+impl MovedEdges {
+    fn new(ring: &[DVec2], by: f64) -> MovedEdges {
+        let mut all: Vec<MovedEdge> = Vec::with_capacity(ring.len());
         let edges = (0..).zip(super::edges(ring));
         for (edge, (a, b)) in edges.filter(|(_, (a, b))| a != b) {
             let length = a.distance(b);
-            all.push(Side {
+            all.push(MovedEdge {
                 edge,
                 from: a,
                 along: (b - a) / length,
@@ -277,7 +277,7 @@ impl Sides {
             side.before = if i == 0 { n - 1 } else { i - 1 } as u32;
             side.after = if i + 1 == n { 0 } else { i + 1 } as u32;
         }
-        let mut sides = Sides { all, by };
+        let mut sides = MovedEdges { all, by };
         for i in 0..n {
             sides.join(if i == 0 { n - 1 } else { i - 1 }, i);
         }
@@ -291,7 +291,7 @@ impl Sides {
     fn meet(&self, i: usize, j: usize) -> Option<DVec2> {
         let (a, b) = (&self.all[i], &self.all[j]);
         let (sine, cosine) = (a.along.perp_dot(b.along), a.along.dot(b.along));
-        // Sides that turn nearly straight back meet far away.
+        // Edges that turn nearly straight back meet far away.
         if sine * self.by <= 0.0 || cosine < -0.999 {
             return None;
         }
@@ -304,7 +304,7 @@ impl Sides {
     fn join(&mut self, i: usize, j: usize) {
         let corner = self.meet(i, j);
         let by = self.by;
-        let at = |side: &Side, p: DVec2| {
+        let at = |side: &MovedEdge, p: DVec2| {
             (p - (side.from + side.along.perp() * by)).dot(side.along)
         };
         let first = &mut self.all[i];

@@ -21,7 +21,7 @@ use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 use std::f64::consts::{PI, TAU};
 
 /// The grid of `clip`, mm.
-const STEP: f64 = 1e-5;
+const CLIP_GRID: f64 = 1e-5;
 
 /// The finest arcs that i_overlay's outline draws: a chord for each 1.8°.
 const FINEST_ARC: f64 = 0.01 * PI;
@@ -67,7 +67,7 @@ fn together(stars: Vec<Area>) -> Area {
 fn invalid(area: &Area) -> Option<String> {
     let mut exact = area.clone();
     for p in exact.rings.iter_mut().flatten() {
-        *p = (*p / STEP).round();
+        *p = (*p / CLIP_GRID).round();
     }
     let found = MultiPolygon::from(&exact).check_validation();
     found.err().map(|e| e.to_string())
@@ -103,7 +103,7 @@ fn booleans_of_random_areas_are_those_of_geo() {
         let [a, b] = [a, b].map(together);
         // Rounding to the grid moves an edge by less than a step: on both
         // sides, since geo has a grid of its own.
-        let tolerance = 2.0 * STEP * (a.perimeter() + b.perimeter());
+        let tolerance = 2.0 * CLIP_GRID * (a.perimeter() + b.perimeter());
         type Rule = fn(bool, bool) -> bool;
         let all: [(&str, Area, MultiPolygon, Rule); 3] = [
             (
@@ -131,7 +131,7 @@ fn booleans_of_random_areas_are_those_of_geo() {
             assert_eq!(invalid(&ours), None, "{name} {case}");
             for _ in 0..20 {
                 let p = point(&mut rng, 14.0);
-                if clearance(&a, p).min(clearance(&b, p)) < 3.0 * STEP {
+                if clearance(&a, p).min(clearance(&b, p)) < 3.0 * CLIP_GRID {
                     continue;
                 }
                 let at = Point::new(p.x, p.y);
@@ -179,7 +179,7 @@ fn offsets_of_random_areas_are_those_of_i_overlay_and_geo() {
             // a grid of its own.
             let height = size * (1.0 - (0.5 * FINEST_ARC).cos());
             let length = ours.perimeter().max(theirs.perimeter());
-            let bound = (TOLERANCE + height + 2.0 * STEP) * length;
+            let bound = (TOLERANCE + height + 2.0 * CLIP_GRID) * length;
             let off = (ours.content() - theirs.content()).abs();
             assert!(off <= bound, "{case} by {distance}: {off} > {bound}");
             compared += usize::from(!ours.is_empty());

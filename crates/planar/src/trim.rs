@@ -521,7 +521,7 @@ mod tests {
     use std::f64::consts::PI;
 
     const TOLERANCE: Mm = 1e-3;
-    const SLACK: Mm = 1.02 * TOLERANCE + 1e-6;
+    const ALLOWED: Mm = 1.02 * TOLERANCE + 1e-6;
 
     /// The area's rings moved inwards, with their edges' exact states.
     struct Shrunk {
@@ -539,7 +539,7 @@ mod tests {
             .iter()
             .map(|r| moved(r, by, TOLERANCE, &mut origins))
             .collect();
-        let clearance = by - SLACK;
+        let clearance = by - ALLOWED;
         let all = rings.iter().flat_map(|r| edges(r));
         let states = all.map(|(a, b)| state(a, b, &grid, clearance)).collect();
         Shrunk {
@@ -558,7 +558,7 @@ mod tests {
                 states: self.states.clone(),
                 grid: &self.grid,
                 clearance: self.clearance,
-                slack: SLACK,
+                slack: ALLOWED,
                 left: true,
                 turned: &turned,
             };

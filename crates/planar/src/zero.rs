@@ -15,7 +15,7 @@ use isoslice_base::units::Mm;
 
 /// Greatest number of a lattice's nodes. Where there would be more, they are
 /// farther apart.
-const MOST: f64 = 4e6;
+const MOST_NODES: f64 = 4e6;
 /// Cells along the side of a block; a block is sampled whole, or not at all.
 const BLOCK: usize = 8;
 /// Nodes evaluated at once: their places take little memory, and the time
@@ -49,7 +49,7 @@ pub fn zero_lines<E>(
     ) -> Result<(), E>,
 ) -> Result<Vec<(Ring, bool)>, E> {
     let extent = bounds.size();
-    let step = sampling.step.max((extent.x * extent.y / MOST).sqrt());
+    let step = sampling.step.max((extent.x * extent.y / MOST_NODES).sqrt());
     // Nodes lie whole steps from the origin, so that every layer has them at
     // equal places.
     let origin = ((bounds.min / step).floor() - 1.0) * step;

@@ -20,8 +20,8 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Edges within rows from `first` on: linear colours multiplied by their
-    /// opacity, and the opacity.
+    /// The edges within some rows, which begin with `first`. A pixel has its
+    /// linear colour, multiplied by its opacity, and its opacity.
     pub(super) fn new(
         pixels: &[[f32; 4]],
         width: usize,

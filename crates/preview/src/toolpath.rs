@@ -11,7 +11,7 @@ use isoslice_gcode_read::reader::{
 };
 use isoslice_gcode_read::reader::{Problems, USUAL_FILAMENT};
 use isoslice_path::pace::clock::Clock;
-use isoslice_path::pace::limits;
+use isoslice_path::pace::motion::Limits;
 use isoslice_settings::Settings;
 use serde::Serialize;
 use std::io::Read;
@@ -265,7 +265,7 @@ impl Default for Collector {
                 statistics: Statistics::default(),
                 problems: Problems::default(),
             },
-            clock: Clock::new(limits(&Settings::default())),
+            clock: Clock::new(Limits::default()),
             part: Box3::EMPTY,
             printed: Box3::EMPTY,
             volume: [0.0; Role::ALL.len()],
@@ -502,6 +502,7 @@ fn is_part(role: Role) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use isoslice_settings::testing::settings;
 
     fn read(text: &str) -> Toolpath {
         Toolpath::read(Reader::new(text.as_bytes())).unwrap()
@@ -565,7 +566,7 @@ mod tests {
 
     #[test]
     fn the_settings_know_the_bed_and_the_price() {
-        let path = read(SQUARE).with_settings(&Settings::default());
+        let path = read(SQUARE).with_settings(&settings(&[]));
         let s = path.statistics();
         let mass = s.mass.unwrap();
         assert!((s.cost.unwrap() - 25e-3 * mass).abs() < 1e-9);

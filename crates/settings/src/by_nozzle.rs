@@ -1,7 +1,7 @@
 //! Lengths that may follow the nozzle: in millimetres, or as a share of its
 //! diameter.
 
-use super::value::{Kind, Measure, Raw, Refused, Value};
+use super::value::{Measure, Raw, Refused, Value, ValueKind};
 use isoslice_base::units::{Mm, Percent};
 
 /// A length that has to suit the nozzle.
@@ -77,7 +77,7 @@ impl Value for ByNozzle {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::ByNozzle
+    fn kind(&self) -> ValueKind {
+        ValueKind::ByNozzle
     }
 }

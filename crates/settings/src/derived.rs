@@ -2,8 +2,8 @@
 
 use super::by_nozzle::share_of;
 use super::{
-    Acceleration, ByNozzle, Infill, InfillMode, InfillPattern, InterfaceShape,
-    LayerHeights, Settings, Supports, Varying, WallOffset, check,
+    Acceleration, ByNozzle, Infill, InfillPattern, InterfaceShape,
+    LayerHeights, Settings, Supports, WallOffset, check,
 };
 use isoslice_base::units::{
     Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, Percent, PricePerKg,
@@ -54,8 +54,6 @@ by_nozzle! {
     layer_height_min = (20.0 min layer_height);
     /// Height of the thickest layers that are not uniform.
     layer_height_max = (75.0 max layer_height);
-    /// Greatest step of adaptive layers on the surface.
-    step_error = layer_height;
     /// Half the width of the widest slit that is closed.
     slit_closing = 5.0;
     /// Line width of the outer wall.
@@ -75,6 +73,27 @@ by_nozzle! {
 }
 
 impl Settings {
+    /// Greatest step of adaptive layers on the surface.
+    pub fn step_error(&self) -> Mm {
+        let usual = self.layer_height();
+        match self.layer_heights {
+            LayerHeights::Adaptive(step) => {
+                step.with(self.printer.nozzle_diameter, usual)
+            }
+            _ => usual,
+        }
+    }
+
+    /// Material for ironing, as a share of what would fill the layer.
+    pub fn ironing_flow(&self) -> Percent {
+        self.ironing.number().unwrap_or(10.0)
+    }
+
+    /// True if skin over nothing gets lines across the gap.
+    pub fn bridges(&self) -> bool {
+        self.bridge_max > 0.0
+    }
+
     /// Thickness of solid material below each upward face.
     pub fn top_thickness(&self) -> Mm {
         let nozzle = self.printer.nozzle_diameter;
@@ -132,7 +151,7 @@ impl Settings {
     pub fn scarf_rises(&self) -> bool {
         /// Greatest share of the height at which a rise is worth while.
         const HIGHEST: f64 = 90.0;
-        self.seam_scarf_start <= HIGHEST && self.contour_z.is(0.0)
+        self.seam_scarf.start <= HIGHEST && self.contour_z.is(0.0)
     }
 
     /// True if walls depend on how far they reach beyond the layer below.
@@ -159,7 +178,7 @@ impl Settings {
 
     /// True if all layers above the first have one height.
     pub fn is_uniform(&self) -> bool {
-        self.layer_heights == Varying::Constant(LayerHeights::Uniform)
+        self.layer_heights == LayerHeights::Uniform
     }
 
     /// Distance of the skirt from the part: `skirt.distance` if set.
@@ -262,7 +281,7 @@ impl Settings {
         let turns = match self.infill {
             Infill::Pattern(pattern) => pattern == InfillPattern::Rectilinear,
             Infill::Expression(_) | Infill::Script(_) => {
-                self.infill_mode == InfillMode::Solid
+                self.infill_mode.walls().is_some()
             }
         };
         // Infill of an even layer lies below skin of an odd one.
@@ -420,8 +439,8 @@ impl Settings {
         })
     }
 
-    /// Number of solid layers on the bed, of which the first has its own height,
-    /// if the others are uniform.
+    /// Number of solid layers at the bottom. The first one has a height of its
+    /// own, and all others are taken to be of one height.
     pub(super) fn layers_on_bed(&self) -> u32 {
         self.bottom_layers.layers().unwrap_or_else(|| {
             let rest = self.bottom_thickness() - self.part_first_height();
@@ -522,6 +541,7 @@ mod tests {
 
     #[test]
     fn skin_runs_across_the_infill_right_below_it() {
+        use crate::InfillMode;
         let angles = [-45.0, 0.0, 20.0, 45.0, 90.0, 135.0, 290.0];
         let kinds = [
             Infill::Pattern(InfillPattern::Rectilinear),

@@ -152,7 +152,7 @@ pub enum SettingsError {
     TooDeep {
         /// Where the last of these profiles is named.
         place: GivenIn,
-        /// Greatest number of profiles in a row.
+        /// Greatest number of profiles of which each inherits from the next.
         most: usize,
         /// The first of these profiles, and what it inherits.
         first: String,

@@ -4,7 +4,7 @@
 //! Out: words for a message, if it is known what is meant.
 
 use super::table::Key;
-use super::value::{Kind, Raw};
+use super::value::{Raw, ValueKind};
 
 /// Words of other slicers for settings whose names here are too different to be
 /// guessed.
@@ -108,7 +108,7 @@ const VALUES: &[(&str, &[&str], &str)] = &[
 pub(super) fn value(key: &Key, raw: Raw<'_>) -> String {
     let word = match raw {
         Raw::Text(word) | Raw::Word(word) => word.to_lowercase(),
-        Raw::Float(_) if key.kind() == Kind::Whole => {
+        Raw::Float(_) if key.kind() == ValueKind::Whole => {
             return ", without a point".to_owned();
         }
         Raw::Bool(_) | Raw::Integer(_) => raw.describe(),
@@ -118,9 +118,12 @@ pub(super) fn value(key: &Key, raw: Raw<'_>) -> String {
         match (raw, key.kind()) {
             (
                 Raw::Text(_),
-                Kind::Whole | Kind::Number | Kind::Varying | Kind::NumberOrAuto,
+                ValueKind::Whole
+                | ValueKind::Number
+                | ValueKind::Varying
+                | ValueKind::NumberOrAuto,
             ) => return ", without quotes".to_owned(),
-            (_, Kind::Whole) => return ", without a point".to_owned(),
+            (_, ValueKind::Whole) => return ", without a point".to_owned(),
             _ => {}
         }
     }

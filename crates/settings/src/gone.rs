@@ -66,8 +66,56 @@ const GONE: &[(&str, &str)] = &[
     ),
     (
         "seam_scarf_rise",
-        "set seam_scarf_start = 100 if it was false, and leave it out if it was \
-         true",
+        "write the height at which the scarf begins in seam_scarf if it was \
+         true, such as \"20 mm from 10%\"",
+    ),
+    (
+        "seam_scarf_start",
+        "write it in seam_scarf, such as \"20 mm from 10%\"",
+    ),
+    (
+        "elephant_foot_layers",
+        "write the number in elephant_foot, such as \"0.2 mm over 3 layers\"",
+    ),
+    (
+        "step_error",
+        "write the step in layer_heights, such as \"adaptive 0.1 mm\"",
+    ),
+    (
+        "top_skin_pattern",
+        "write it in skin_pattern, such as \"top: concentric\"",
+    ),
+    (
+        "bottom_skin_pattern",
+        "write it in skin_pattern, such as \"bottom: concentric\"",
+    ),
+    (
+        "internal_skin_pattern",
+        "write it in skin_pattern, such as \"internal: concentric\"",
+    ),
+    (
+        "top_skin_order",
+        "write skin_pattern = \"top: unordered-lines\"",
+    ),
+    (
+        "ironing_flow",
+        "write the share in ironing, such as ironing = 15",
+    ),
+    ("bridges", "write bridge_max = 0"),
+    (
+        "infill_walls",
+        "write the number in infill_mode, such as infill_mode = 2",
+    ),
+    (
+        "support.interface_angle",
+        "write the angle in support.interface_pattern, such as \
+         interface_pattern = 20",
+    ),
+    ("brim.ear_radius", "write the radius in brim.width"),
+    (
+        "printer.head_clearance_height",
+        "write the height in printer.head_clearance_radius, such as \"45 mm \
+         above 7 mm\"",
     ),
     (
         "support.interface_spacing",
@@ -75,9 +123,13 @@ const GONE: &[(&str, &str)] = &[
     ),
 ];
 
-/// What to write instead of a setting that is no more.
+/// What to write instead of a setting that is no more. The name may be without its
+/// group.
 pub fn instead(name: &str) -> Option<&'static str> {
-    let gone = GONE.iter().find(|(old, _)| *old == name);
+    let is = |old: &str| {
+        old == name || old.split_once('.').is_some_and(|(_, leaf)| leaf == name)
+    };
+    let gone = GONE.iter().find(|(old, _)| is(old));
     gone.map(|(_, instead)| *instead)
 }
 
@@ -105,6 +157,10 @@ mod tests {
             let mut builder = Builder::new();
             let error = builder.set(&format!("{old}=1")).unwrap_err();
             assert!(error.to_string().ends_with(instead), "{error}");
+            // A setting of a group is found by its own name as well, unless that
+            // means something else.
+            let leaf = old.split('.').next_back().unwrap_or(old);
+            assert!(leaf == "travel" || self::instead(leaf).is_some());
             // A settings file, where the name may be in a group.
             let error = builder.toml("a.toml", &format!("{old} = 1"));
             let error = error.unwrap_err().to_string();

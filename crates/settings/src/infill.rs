@@ -2,7 +2,7 @@
 
 use super::InfillPattern;
 use super::value::{
-    Kind, Measure, Raw, Refused, Value, formula, formula_to_toml,
+    Form, Measure, Raw, Refused, Value, ValueKind, formula, formula_to_toml,
 };
 
 /// Sparse infill. Settings keep expressions and scripts as text;
@@ -53,9 +53,11 @@ impl Value for Infill {
         }
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> ValueKind {
         match InfillPattern::default().kind() {
-            Kind::Word(words) => Kind::WordOrShape(words),
+            ValueKind::Word(words) => {
+                ValueKind::WordOrText(words, &[Form::Expression, Form::Script])
+            }
             kind => kind,
         }
     }

@@ -170,11 +170,11 @@ pub fn plan(
 ) -> Result<Vec<LayerSpan>, PlanError> {
     // A rounding error of the bounds must not add a layer to a part that is n +
     // 0.5 layers high.
-    const SLACK: f64 = 1e-6;
+    const ROUNDED_BOUND: f64 = 1e-6;
     if height < 0.5 * first {
         return Err(PlanError::TooFlat { height, first });
     }
-    let above = ((height - first) / layer - SLACK).round().max(0.0);
+    let above = ((height - first) / layer - ROUNDED_BOUND).round().max(0.0);
     if above >= MAX_LAYERS as f64 {
         return Err(PlanError::TooMany {
             count: above + 1.0,

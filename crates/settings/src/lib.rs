@@ -40,28 +40,35 @@
 
 mod by_nozzle;
 mod check;
-mod count;
+
 mod derived;
 mod error;
 mod firmware;
 mod foreign;
 mod gone;
 mod infill;
+mod layer_heights;
 pub mod layers;
 mod line_density;
 mod overhang;
+mod pair;
 mod profile;
 mod read;
 mod rows;
 mod schema;
 mod shell;
-mod shield;
+
 mod shipped;
 mod sizes;
+mod skin_patterns;
 mod steps;
+mod switch;
 mod table;
+#[doc(hidden)]
+pub mod testing;
 mod text;
 mod value;
+mod word_or_number;
 mod words;
 mod write;
 
@@ -75,25 +82,40 @@ pub use table::{Key, keys, name_now};
 pub use value::Range;
 
 pub use by_nozzle::ByNozzle;
-pub use count::SwitchOrCount;
 pub use derived::{FullAngle, THICKNESS_SLACK};
 pub use firmware::Refusals;
 pub use infill::Infill;
+pub use layer_heights::LayerHeights;
 pub use line_density::LineDensity;
 pub use overhang::{OfOverhangs, OverhangFan, OverhangSpeed};
+pub use pair::{ElephantFoot, HeadClearance, Scarf};
 pub use rows::{
-    Acceleration, Brim, Cooling, FuzzySkin, Printer, Retract, Skirt, Speed,
-    Support,
+    Acceleration, Brim, Cooling, Filament, FuzzySkin, Printer, Retract, Skirt,
+    Speed, Support,
 };
 pub use shell::Shell;
-pub use shield::DraftShield;
 pub use sizes::Sizes;
 pub use sizes::{ImageFormat, PictureSize};
+pub use skin_patterns::SkinPatterns;
 pub use steps::Steps;
+pub use switch::SwitchOr;
 pub use value::Varying;
+pub use word_or_number::{DraftShield, InfillMode, InterfacePattern};
 pub(crate) use words::InterfaceShape;
 pub use words::{
-    BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillMode,
-    InfillPattern, LayerHeights, PlateSequence, SeamRule, SkinOrder,
-    SkinPattern, SkinWhere, SupportStyle, Supports, WallOffset, WallOrder,
+    BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen,
+    InfillPattern, PlateSequence, SeamRule, SkinPattern, SkinWhere,
+    SupportStyle, Supports, WallOffset, WallOrder,
 };
+
+/// What the usual settings with a change resolve to, for tests of what follows
+/// from settings.
+#[doc(hidden)]
+pub fn plan_with<P>(
+    of: impl FnOnce(&Settings) -> P,
+    change: impl FnOnce(&mut Settings),
+) -> P {
+    let mut settings = Settings::default();
+    change(&mut settings);
+    of(&settings)
+}

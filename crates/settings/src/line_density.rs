@@ -1,6 +1,6 @@
 //! How dense lines are: a share of the area, or their distance.
 
-use super::value::{Form, Kind, Measure, Range, Raw, Refused, Value};
+use super::value::{Form, Measure, Range, Raw, Refused, Value, ValueKind};
 use isoslice_base::units::{Mm, Percent};
 
 /// How dense parallel lines are.
@@ -51,8 +51,8 @@ impl Value for LineDensity {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::NumberOrText(
+    fn kind(&self) -> ValueKind {
+        ValueKind::NumberOrText(
             "10 to 100%, or the distance of lines, 0.1 to 20 mm, such as \"0.8 mm\"",
             &[Form::Length, Form::Share],
         )

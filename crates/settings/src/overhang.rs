@@ -3,7 +3,7 @@
 
 use super::steps::{Of, Steps};
 use super::value::{
-    Form, Kind, Measure, Raw, Refused, Value, Varying, formula,
+    Form, Measure, Raw, Refused, Value, ValueKind, Varying, formula,
 };
 use isoslice_base::units::Percent;
 
@@ -80,8 +80,8 @@ impl Value for OverhangSpeed {
         written(self)
     }
 
-    fn kind(&self) -> Kind {
-        Kind::NumberOrText(
+    fn kind(&self) -> ValueKind {
+        ValueKind::NumberOrText(
             "0.1 to 2000 mm/s, or \"expr: ...\", or shares of the width, above \
              0 to 100%, each with its speed, or a share of what it is \
              elsewhere, 1 to 100%, such as \"10: 100%, 25: 80%, 50: 30, 100: \
@@ -105,8 +105,8 @@ impl Value for OverhangFan {
         written(self)
     }
 
-    fn kind(&self) -> Kind {
-        Kind::NumberOrText(
+    fn kind(&self) -> ValueKind {
+        ValueKind::NumberOrText(
             "0 to 100%, or shares of the width, above 0 to 100%, each with its \
              value, 0 to 100%, such as \"25: 50, 100: 100\"",
             &[Form::Share, Form::Steps],

@@ -366,7 +366,8 @@ fn shipped(
 fn suggestion(name: &str, mut names: Vec<String>) -> String {
     // Likeness below which suggestions are guesses that do not help.
     const ALIKE: f64 = 0.75;
-    const MOST: usize = 3;
+    // More names would hide where to find them all.
+    const MOST_NAMES: usize = 3;
     // More than the printers of one maker.
     const MOST_PARTS_OF_NAMES: usize = 12;
     let wanted = name.to_lowercase().replace(['_', ' '], "-");
@@ -396,7 +397,7 @@ fn suggestion(name: &str, mut names: Vec<String>) -> String {
     names.truncate(if parts > 0 {
         parts.min(MOST_PARTS_OF_NAMES)
     } else {
-        MOST
+        MOST_NAMES
     });
     if names.is_empty() {
         return "`isoslice profiles` lists them".to_owned();

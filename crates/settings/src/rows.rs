@@ -14,8 +14,9 @@
 use super::table;
 use super::words::*;
 use super::{
-    ByNozzle, DraftShield, Infill, LineDensity, OverhangFan, OverhangSpeed,
-    Shell, Sizes, SwitchOrCount, Varying,
+    ByNozzle, DraftShield, ElephantFoot, HeadClearance, Infill, InfillMode,
+    InterfacePattern, LayerHeights, LineDensity, OverhangFan, OverhangSpeed,
+    Scarf, Shell, Sizes, SkinPatterns, SwitchOr, Varying,
 };
 use isoslice_base::units::*;
 
@@ -29,11 +30,13 @@ table::settings! {
         /// Height of the first layer; auto is 50% of the nozzle's diameter.
         first_layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// How high the layers above the first are: uniform, as layer_height
-        /// says, or adaptive, each as high as step_error allows. An expression
-        /// of z gives the height at each height. Unless they are uniform,
-        /// layers end exactly at level faces and at the part's top.
-        layer_heights: Varying<LayerHeights> =
-            Varying::Constant(LayerHeights::Uniform);
+        /// says, or adaptive, each as high as the steps on the surface allow.
+        /// These are at most layer_height, measured across the surface, or the
+        /// step behind the word, as in "adaptive 0.1 mm". Where layers would
+        /// have to be lower than layer_height_min, steps are greater. An
+        /// expression of z gives the height at each height. Unless they are
+        /// uniform, layers end exactly at level faces and at the part's top.
+        layer_heights: LayerHeights = LayerHeights::Uniform;
         /// Least height of layers that are not uniform. A layer that ends at a
         /// level face may be half as high. auto is 20% of the nozzle's
         /// diameter, or layer_height if that is less.
@@ -41,11 +44,6 @@ table::settings! {
         /// Greatest height of layers that are not uniform; auto is 75% of the
         /// nozzle's diameter, or layer_height if that is more.
         layer_height_max: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
-        /// Greatest step that adaptive layers may make on the surface, measured
-        /// across it. Where layers would have to be lower than
-        /// layer_height_min, the step is greater. auto takes layer_height, the
-        /// greatest step that uniform layers make.
-        step_error: ByNozzle = ByNozzle::Auto, in 0.001..=2.0;
 
         ["Outlines"]
         /// Greatest distance between an outline and the true surface.
@@ -76,7 +74,7 @@ table::settings! {
         /// infill, top skin, seams and retractions. A number is that of walls
         /// that climb side by side; the nozzle goes from each to the next one
         /// outside of it once a turn.
-        spiral: SwitchOrCount = SwitchOrCount::Off, in 1..=100;
+        spiral: SwitchOr<u32> = SwitchOr::Off, in 1..=100;
         /// Line width of the outer wall; auto is 112.5% of the nozzle's
         /// diameter.
         outer_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
@@ -107,11 +105,11 @@ table::settings! {
         /// z: 1/r around a disc, -1/r around a hole with the radius r.
         xy_compensation: Varying<Mm> = Varying::Constant(0.0), in -5.0..=5.0;
         /// How much the first layer is drawn in on all sides, to make up for
-        /// being squeezed; places as thin as two walls keep their width.
-        elephant_foot: Mm = 0.0, in 0.0..=2.0;
-        /// Number of layers, from the bed, that are drawn in, each less than
-        /// the one below.
-        elephant_foot_layers: u32 = 1, in 1..=1000;
+        /// being squeezed; places as thin as two walls keep their width. With a
+        /// number of layers, as in "0.2 mm over 3 layers", each is drawn in less
+        /// than the one below.
+        elephant_foot: ElephantFoot =
+            ElephantFoot { drawn: 0.0, layers: 1 }, in 0.0..=2.0;
         /// Where outer walls begin and end; an expression puts each wall's seam
         /// where its value is least.
         seam: Varying<SeamRule> = Varying::Constant(SeamRule::Aligned);
@@ -120,13 +118,12 @@ table::settings! {
         /// Length over which the flow of an outer wall grows at its beginning,
         /// and over which its end overlaps the beginning with shrinking flow; 0
         /// for a plain seam. No bead of a wall at least 1.8 times as wide as
-        /// high becomes narrower than high.
-        seam_scarf: Mm = 0.0, in 0.0..=200.0;
-        /// Height at which a scarf begins, as a share of its layer's: from there
-        /// the nozzle rises with the flow, and the end of the wall fills what
-        /// is left above. Above 90% scarfs stay level, as those of the first
-        /// layer do.
-        seam_scarf_start: Percent = 100.0, in 0.0..=100.0;
+        /// high becomes narrower than high. With a share of the layer's height,
+        /// as in "20 mm from 10%", it begins there: the nozzle rises with the
+        /// flow, and the end of the wall fills what is left above. Above 90%
+        /// scarfs stay level, as those of the first layer do.
+        seam_scarf: Scarf =
+            Scarf { length: 0.0, start: 100.0 }, in 0.0..=200.0;
         /// How far the nozzle moves inwards, without printing, from the end
         /// of an outer wall before it goes elsewhere.
         seam_wipe: Mm = 0.3, in 0.0..=5.0;
@@ -149,20 +146,13 @@ table::settings! {
         /// Width of the lines of skin that faces upwards; auto takes
         /// skin_width.
         top_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
-        /// Pattern of skin that faces upwards,
-        /// except where it is nowhere wider than 14 lines: there strokes
-        /// follow its border.
-        top_skin_pattern: SkinPattern = SkinPattern::Lines;
-        /// Pattern of skin that faces downwards,
-        /// except where it is nowhere wider than 14 lines: there strokes
-        /// follow its border.
-        bottom_skin_pattern: SkinPattern = SkinPattern::Lines;
-        /// Pattern of skin that the layers above and below cover,
-        /// except where it is nowhere wider than 14 lines: there strokes
-        /// follow its border.
-        internal_skin_pattern: SkinPattern = SkinPattern::Lines;
-        /// Order of the lines of skin that faces upwards.
-        top_skin_order: SkinOrder = SkinOrder::Monotonic;
+        /// Pattern of skin, except where it is nowhere wider than 14 lines:
+        /// there strokes follow its border. Lines that face upwards are swept
+        /// one way, which shines evenly, unless they are unordered-lines. Skin
+        /// that faces upwards (top) or downwards (bottom), or that the layers
+        /// above and below cover (internal), may have patterns of their own, as
+        /// in "top: concentric, bottom: lines"; those left out have lines.
+        skin_pattern: SkinPatterns = SkinPatterns::default();
         /// Direction of skin lines on even layers, counter-clockwise from
         /// the x axis; odd layers are turned by a right angle. Even and odd
         /// layers change places where lines would run along those of rectilinear
@@ -185,13 +175,12 @@ table::settings! {
 
         ["Ironing: a second pass over tops"]
         /// Whether to go over each top once more, with next to no material,
-        /// to make it smooth.
-        ironing: bool = false;
+        /// to make it smooth. A number is that material's share of what would
+        /// fill the layer; true is 10%.
+        ironing: SwitchOr<Percent> = SwitchOr::Off, in 0.1..=100.0;
         /// Distance between the lines of ironing; auto is 25% of the nozzle's
         /// diameter.
         ironing_spacing: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
-        /// Material for ironing, as a share of what would fill the layer.
-        ironing_flow: Percent = 10.0, in 0.0..=100.0;
         /// How much walls, skin and ironing that lie open follow the surface
         /// above them: 0 leaves the layers' steps, with 100 the nozzle runs on
         /// the surface itself.
@@ -205,14 +194,13 @@ table::settings! {
         contour_z_below: bool = false;
 
         ["Bridges and overhangs"]
-        /// Whether skin over nothing gets lines across the gap, from support
-        /// to support. A part's underside over a raft is a bridge in any case.
-        bridges: bool = true;
         /// How far a bridge's lines reach onto what holds them.
         bridge_anchor: Mm = 1.5, in 0.0..=20.0;
-        /// Longest bridge that the printer and the material can print. A longer
+        /// Longest bridge that the printer and the material can print: skin over
+        /// nothing gets lines across the gap, from support to support. A longer
         /// one is supported if supports are on, and gets a warning if not. With a
-        /// good fan PLA spans 20 mm or more.
+        /// good fan PLA spans 20 mm or more. 0 for no bridges, except below the
+        /// part's underside over a raft.
         bridge_max: Mm = 10.0, in 0.0..=1000.0;
         /// Material of bridges, as a share of what skin would get.
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
@@ -222,7 +210,7 @@ table::settings! {
         /// is that of such layers, each across the one below; true is 2 where
         /// infill_density is below 10%, else 1. If the density is an expression,
         /// the distance between the infill's lines decides.
-        internal_bridges: SwitchOrCount = SwitchOrCount::On, in 1..=10;
+        internal_bridges: SwitchOr<u32> = SwitchOr::On, in 1..=10;
         /// Material of internal bridges, as a share of what skin would get.
         internal_bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Share of its width by which a wall may hang over the layer below
@@ -256,10 +244,9 @@ table::settings! {
         /// that is negative inside (infill_mode).
         infill: Infill = Infill::Pattern(InfillPattern::Rectilinear);
         /// What an expression of infill is: a surface to lay beads on, or a
-        /// solid to print like a part of its own.
-        infill_mode: InfillMode = InfillMode::Surface;
-        /// Number of walls of infill that is a solid.
-        infill_walls: u32 = 1, in 0..=1000;
+        /// solid to print like a part of its own, with one wall, or with the
+        /// number of walls written here.
+        infill_mode: InfillMode = InfillMode::Surface, in 0..=1000;
         /// Line width of sparse infill; auto is 112.5% of the nozzle's
         /// diameter.
         infill_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
@@ -320,15 +307,15 @@ table::settings! {
         /// "0.8 mm".
         interface_density: LineDensity = LineDensity::Share(95.0),
             in 10.0..=100.0;
-        /// Pattern of the dense layers at the top of a support.
-        interface_pattern: SkinPattern = SkinPattern::Lines;
+        /// Pattern of the dense layers at the top of a support: concentric
+        /// rings, or lines, towards infill_angle or the angle written here on
+        /// even layers, counter-clockwise from the x axis, and turned by a right
+        /// angle on odd ones.
+        interface_pattern: InterfacePattern = InterfacePattern::Lines,
+            in -360.0..=360.0;
         /// Whether the top of a support is level in each layer, or follows the
         /// underside above it; contour_z_below gives that underside no steps.
         interface_shape: InterfaceShape = InterfaceShape::Flat;
-        /// Direction of the lines of the dense layers at the top of a support,
-        /// on even layers, counter-clockwise from the x axis; odd layers are
-        /// turned by a right angle. auto is infill_angle.
-        interface_angle: Option<Degrees> = None, in -360.0..=360.0;
         /// Material extruded for supports, and for the first layer of a raft, as
         /// a share of their beads' volume; multiplies flow.
         flow: Percent = 100.0, in 10.0..=300.0;
@@ -511,15 +498,13 @@ table::settings! {
         /// Where the brim is: around the part, in its holes, both, or as ears,
         /// discs at its sharp corners.
         place: BrimPlace = BrimPlace::None;
-        /// Width of all loops together.
+        /// Width of all loops together, or radius of ears.
         width: Mm = 5.0, in 0.1..=200.0;
         /// Gap between the part and the first loop; the wider the gap, the
         /// easier the brim comes off.
         gap: Mm = 0.1, in 0.0..=20.0;
         /// Corners of the first layer that are sharper than this get ears.
         ear_angle: Degrees = 125.0, in 0.0..=180.0;
-        /// Radius of ears.
-        ear_radius: Mm = 5.0, in 0.5..=50.0;
     }
     /// Fan, and slowing down for small layers.
     cooling: Cooling {
@@ -636,13 +621,11 @@ table::settings! {
         max_speed: MmPerSec = 500.0, in 1.0..=5000.0;
         /// How far from the nozzle the head reaches, seen from above: the
         /// radius of a circle around the nozzle that holds all of it. Parts
-        /// that are printed one by one keep that distance. auto if it is not
-        /// known.
-        head_clearance_radius: Option<Mm> = None, in 1.0..=500.0;
-        /// Height above the nozzle's tip up to which nothing but the nozzle is
-        /// within head_clearance_radius: parts no higher than this may stand
-        /// nearer to those printed after them.
-        head_clearance_height: Mm = 0.0, in 0.0..=500.0;
+        /// that are printed one by one keep that distance. If nothing but the
+        /// nozzle is there up to some height above the nozzle's tip, as in
+        /// "45 mm above 7 mm", parts no higher than that may stand nearer to
+        /// those printed after them. auto if it is not known.
+        head_clearance_radius: Option<HeadClearance> = None, in 1.0..=500.0;
         /// Height above the nozzle's tip of whatever moves across the whole bed
         /// with the head, such as the beam that carries it. Of parts that are
         /// printed one by one only the last may be higher. auto if it is not

@@ -7,7 +7,7 @@
 
 use super::rows::Settings;
 use super::table::{Key, keys};
-use super::value::{Form, Kind};
+use super::value::{Form, ValueKind};
 use serde_json::{Map, Value, json};
 
 /// Pattern of the beginning of an expression.
@@ -89,28 +89,24 @@ fn of(key: &Key) -> Value {
     let text = json!({ "type": "string" });
     let words = |words: &[&str]| json!({ "enum": words });
     let mut all = match key.kind() {
-        Kind::Number => vec![number],
-        Kind::Whole => vec![whole],
-        Kind::WholeOrAuto => vec![whole, auto],
-        Kind::NumberOrAuto => vec![number, auto],
-        Kind::Varying => vec![number, expression],
-        Kind::ByNozzle => vec![number, auto, share.clone()],
-        Kind::Switch => vec![json!({ "type": "boolean" })],
-        Kind::Text | Kind::Sizes => vec![text],
-        Kind::NumberOrText(_, forms) => with_texts(number, forms),
-        Kind::WholeOrText(_, forms) => with_texts(whole, forms),
-        Kind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
-        Kind::Word(all) => vec![words(all)],
-        // Besides its words the setting takes a script's name, or an
-        // expression.
-        Kind::WordOrShape(all) => {
-            let script = json!({ "type": "string", "pattern": "\\.rhai$" });
-            vec![words(all), expression, script]
-        }
-        Kind::WordOrFormula(all) => vec![words(all), expression],
-        Kind::WordOrNumber(all) => vec![words(all), number],
+        ValueKind::Number => vec![number],
+        ValueKind::Whole => vec![whole],
+        ValueKind::WholeOrAuto => vec![whole, auto],
+        ValueKind::NumberOrAuto => vec![number, auto],
+        ValueKind::Varying => vec![number, expression],
+        ValueKind::ByNozzle => vec![number, auto, share.clone()],
+        ValueKind::Switch => vec![json!({ "type": "boolean" })],
+        ValueKind::Text | ValueKind::Sizes => vec![text],
+        ValueKind::NumberOrText(_, forms) => with_texts(number, forms),
+        ValueKind::WholeOrText(_, forms) => with_texts(whole, forms),
+        ValueKind::SwitchOrWhole => vec![json!({ "type": "boolean" }), whole],
+        ValueKind::SwitchOrNumber => vec![json!({ "type": "boolean" }), number],
+        ValueKind::Word(all) => vec![words(all)],
+        ValueKind::WordOrText(all, forms) => with_texts(words(all), forms),
+        ValueKind::WordOrNumber(all) => vec![words(all), number],
+        ValueKind::WordOrWhole(all) => vec![words(all), whole],
     };
-    if key.unit == "%" && matches!(key.kind(), Kind::Number | Kind::Varying) {
+    if key.unit == "%" && takes_shares(key.kind()) {
         all.push(share);
     }
     let mut out = match <[Value; 1]>::try_from(all) {
@@ -130,16 +126,28 @@ fn of(key: &Key) -> Value {
     out
 }
 
-/// A number, or texts of these forms.
-fn with_texts(number: Value, forms: &[Form]) -> Vec<Value> {
+/// True if numbers of a setting in % may have their sign.
+fn takes_shares(kind: ValueKind) -> bool {
+    matches!(
+        kind,
+        ValueKind::Number | ValueKind::Varying | ValueKind::SwitchOrNumber
+    )
+}
+
+/// A value of another schema, or texts of these forms.
+fn with_texts(other: Value, forms: &[Form]) -> Vec<Value> {
     let text = |form: &Form| match form {
+        Form::Like(_, pattern) => {
+            json!({ "type": "string", "pattern": pattern })
+        }
+        Form::Script => json!({ "type": "string", "pattern": "\\.rhai$" }),
         Form::Auto => json!({ "const": "auto" }),
         Form::Length => json!({ "type": "string", "pattern": LENGTH }),
         Form::Share => json!({ "type": "string", "pattern": SHARE }),
         Form::Steps => json!({ "type": "string", "pattern": STEPS }),
         Form::Expression => json!({ "type": "string", "pattern": EXPRESSION }),
     };
-    std::iter::once(number)
+    std::iter::once(other)
         .chain(forms.iter().map(text))
         .collect()
 }

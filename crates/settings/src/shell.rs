@@ -2,7 +2,7 @@
 //! thickness.
 
 use super::by_nozzle::ByNozzle;
-use super::value::{Form, Kind, Measure, Range, Raw, Refused, Value};
+use super::value::{Form, Measure, Range, Raw, Refused, Value, ValueKind};
 use isoslice_base::units::Mm;
 
 /// The solid layers behind a face.
@@ -83,8 +83,8 @@ impl Value for Shell {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::WholeOrText(
+    fn kind(&self) -> ValueKind {
+        ValueKind::WholeOrText(
             "auto, a number of layers, 0 to 50000, or a thickness, such as \
              \"0.8 mm\", or \"200%\" of the nozzle",
             &[Form::Auto, Form::Length, Form::Share],

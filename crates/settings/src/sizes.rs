@@ -1,13 +1,13 @@
 //! Sizes of the pictures in a file's head: `32x32, 300x300/QOI`.
 
-use super::value::{Kind, Measure, Raw, Refused, Value};
+use super::value::{Measure, Raw, Refused, Value, ValueKind};
 
 /// Greatest side of a picture in a file, pixels. No host shows a larger one,
 /// and its text takes 1 MB.
 const GREATEST: u32 = 1024;
 
 /// Greatest number of pictures in a file.
-const MOST: usize = 8;
+const MOST_PICTURES: usize = 8;
 
 /// What may be assigned.
 pub(super) const EXPECTED: &str = "sizes in pixels, width x height, and \
@@ -80,7 +80,7 @@ impl Sizes {
             return Some(Sizes::default());
         }
         let sizes: Option<Vec<_>> = text.split(',').map(picture).collect();
-        sizes.filter(|all| all.len() <= MOST).map(Sizes)
+        sizes.filter(|all| all.len() <= MOST_PICTURES).map(Sizes)
     }
 }
 
@@ -122,8 +122,8 @@ impl Value for Sizes {
         format!("\"{}\"", sizes.collect::<Vec<_>>().join(", "))
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Sizes
+    fn kind(&self) -> ValueKind {
+        ValueKind::Sizes
     }
 }
 

@@ -7,7 +7,7 @@ use super::value::{Measure, Range, Raw, Refused, Value};
 use isoslice_base::units::Percent;
 
 /// Greatest number of steps.
-const MOST: usize = 20;
+const MOST_STEPS: usize = 20;
 
 /// The value at a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +72,9 @@ impl Steps {
         let mut last = 0.0;
         for step in text.split(',') {
             let (share, at) = read(step, of)?;
-            if !(share > last && share <= 100.0) || all.steps.len() == MOST {
+            if !(share > last && share <= 100.0)
+                || all.steps.len() == MOST_STEPS
+            {
                 return Err(Refused::Type);
             }
             last = share;

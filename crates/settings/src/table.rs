@@ -7,7 +7,7 @@
 
 use super::Settings;
 use super::rows::{GROUPS, KEYS};
-use super::value::{Kind, Measure, Range, Raw, Value};
+use super::value::{Measure, Range, Raw, Value, ValueKind};
 
 /// One row of the table: a setting's name and all that is known about it.
 #[derive(Debug)]
@@ -43,31 +43,31 @@ impl Key {
     pub fn allowed(&self) -> String {
         let range = self.range_with(&self.spaced_unit());
         match self.kind() {
-            Kind::Number | Kind::Whole => range,
-            Kind::Varying => format!("{range}, or \"expr: ...\""),
-            Kind::WholeOrAuto | Kind::NumberOrAuto => {
+            ValueKind::Number | ValueKind::Whole => range,
+            ValueKind::Varying => format!("{range}, or \"expr: ...\""),
+            ValueKind::WholeOrAuto | ValueKind::NumberOrAuto => {
                 format!("auto, or {range}")
             }
-            Kind::ByNozzle => {
+            ValueKind::ByNozzle => {
                 format!("auto, {range}, or a share of the nozzle such as 75%")
             }
-            Kind::Switch => "true or false".to_owned(),
-            Kind::Text => "any text".to_owned(),
-            Kind::Sizes => {
+            ValueKind::Switch => "true or false".to_owned(),
+            ValueKind::Text => "any text".to_owned(),
+            ValueKind::Sizes => {
                 "32x32, 300x300 or other sizes, or nothing".to_owned()
             }
-            Kind::SwitchOrWhole => format!("true, false, or {range}"),
-            Kind::NumberOrText(allowed, _) | Kind::WholeOrText(allowed, _) => {
-                allowed.to_owned()
+            ValueKind::SwitchOrWhole | ValueKind::SwitchOrNumber => {
+                format!("true, false, or {range}")
             }
-            Kind::Word(words) => alternatives(words),
-            Kind::WordOrShape(words) => {
-                format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
+            ValueKind::NumberOrText(allowed, _)
+            | ValueKind::WholeOrText(allowed, _) => allowed.to_owned(),
+            ValueKind::Word(words) => alternatives(words),
+            ValueKind::WordOrText(words, forms) => {
+                let forms = forms.iter().map(|form| form.shown().to_owned());
+                let words = words.iter().map(|word| (*word).to_owned());
+                alternatives(&words.chain(forms).collect::<Vec<_>>())
             }
-            Kind::WordOrFormula(words) => {
-                format!("{} or \"expr: ...\"", words.join(", "))
-            }
-            Kind::WordOrNumber(words) => {
+            ValueKind::WordOrNumber(words) | ValueKind::WordOrWhole(words) => {
                 format!("{} or {range}", words.join(", "))
             }
         }
@@ -78,19 +78,19 @@ impl Key {
     pub(super) fn expected(&self) -> String {
         let range = self.range_with("");
         match (self.kind(), self.unit) {
-            (Kind::Number, "") => format!("a number from {range}"),
-            (Kind::Number, "%") => format!(
+            (ValueKind::Number, "") => format!("a number from {range}"),
+            (ValueKind::Number, "%") => format!(
                 "a percentage, {}, such as 25 or \"25%\"",
                 self.range_with("%")
             ),
-            (Kind::Number, unit) => {
+            (ValueKind::Number, unit) => {
                 let from = match self.range {
                     Some(Range { or_zero: true, .. }) => "",
                     _ => "a number from ",
                 };
                 format!("{from}{range} (in {unit}, without quotes or unit)")
             }
-            (Kind::Varying, unit) => format!(
+            (ValueKind::Varying, unit) => format!(
                 "{range}{}{unit} or \"expr: ...\", a formula of x, y, z and {}",
                 if unit.is_empty() { "" } else { " " },
                 // `Quantity::of_outline` knows the curvature in place of the
@@ -100,31 +100,32 @@ impl Key {
                     _ => "d",
                 }
             ),
-            (Kind::Whole, _) => format!("a whole number, {range}"),
-            (Kind::WholeOrAuto, _) => {
+            (ValueKind::Whole, _) => format!("a whole number, {range}"),
+            (ValueKind::WholeOrAuto, _) => {
                 format!("\"auto\" or a whole number, {range}")
             }
-            (Kind::NumberOrAuto, unit) => {
+            (ValueKind::NumberOrAuto, unit) => {
                 format!(
                     "\"auto\" or a number from {range} (in {unit}, without \
                      unit)"
                 )
             }
-            (Kind::ByNozzle, unit) => format!(
+            (ValueKind::ByNozzle, unit) => format!(
                 "\"auto\", a number from {range} (in {unit}, without unit), \
                  or a share of the nozzle's diameter, such as \"75%\""
             ),
-            (Kind::Text, _) => "text in quotes".to_owned(),
-            (Kind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
+            (ValueKind::Text, _) => "text in quotes".to_owned(),
+            (ValueKind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
             (
-                Kind::Switch
-                | Kind::NumberOrText(..)
-                | Kind::WholeOrText(..)
-                | Kind::SwitchOrWhole
-                | Kind::Word(_)
-                | Kind::WordOrShape(_)
-                | Kind::WordOrFormula(_)
-                | Kind::WordOrNumber(_),
+                ValueKind::Switch
+                | ValueKind::NumberOrText(..)
+                | ValueKind::WholeOrText(..)
+                | ValueKind::SwitchOrWhole
+                | ValueKind::SwitchOrNumber
+                | ValueKind::Word(_)
+                | ValueKind::WordOrText(..)
+                | ValueKind::WordOrNumber(_)
+                | ValueKind::WordOrWhole(_),
                 _,
             ) => self.allowed(),
         }
@@ -138,8 +139,8 @@ impl Key {
     /// The words that may be assigned, if nothing else may.
     pub fn words(&self) -> &'static [&'static str] {
         match self.kind() {
-            Kind::Word(words) => words,
-            Kind::Switch => &["true", "false"],
+            ValueKind::Word(words) => words,
+            ValueKind::Switch => &["true", "false"],
             _ => &[],
         }
     }
@@ -148,12 +149,12 @@ impl Key {
     /// assigned as well.
     pub fn some_words(&self) -> &'static [&'static str] {
         match self.kind() {
-            Kind::WordOrShape(words)
-            | Kind::WordOrFormula(words)
-            | Kind::WordOrNumber(words) => words,
-            Kind::WholeOrAuto | Kind::NumberOrAuto | Kind::ByNozzle => {
-                &["auto"]
-            }
+            ValueKind::WordOrText(words, _)
+            | ValueKind::WordOrNumber(words)
+            | ValueKind::WordOrWhole(words) => words,
+            ValueKind::WholeOrAuto
+            | ValueKind::NumberOrAuto
+            | ValueKind::ByNozzle => &["auto"],
             _ => self.words(),
         }
     }
@@ -212,7 +213,7 @@ impl Key {
         field.assign(Raw::Text(text), self.measure()).is_ok()
     }
 
-    pub(super) fn kind(&self) -> Kind {
+    pub(super) fn kind(&self) -> ValueKind {
         (self.field)(&Settings::default()).kind()
     }
 }
@@ -275,7 +276,8 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
 /// as possible. They are in the table's order, and of the group that `name`
 /// has, if it has one.
 pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
-    const MOST: usize = 4;
+    // They stand in one sentence.
+    const MOST_NAMES: usize = 4;
     let name = name.to_lowercase().replace('-', "_");
     let (group, name) = name.split_once('.').unwrap_or(("", &name));
     let of_group = |key: &&Key| group.is_empty() || key.group() == group;
@@ -290,12 +292,13 @@ pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
         return Vec::new();
     };
     let all = all.filter(|key| besides(key) == Some(least));
-    all.map(|key| key.name).take(MOST).collect()
+    all.map(|key| key.name).take(MOST_NAMES).collect()
 }
 
 /// Lists words as `a, b or c`.
-pub(super) fn alternatives(words: &[&str]) -> String {
-    match words {
+pub(super) fn alternatives<T: AsRef<str>>(words: &[T]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.as_slice() {
         [] => String::new(),
         [one] => (*one).to_owned(),
         [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
@@ -323,6 +326,9 @@ macro_rules! unit {
     (Varying<$inner:ident>) => {
         $crate::table::unit!($inner)
     };
+    (SwitchOr<$inner:ident>) => {
+        $crate::table::unit!($inner)
+    };
     (Mm) => {
         "mm"
     };
@@ -334,6 +340,18 @@ macro_rules! unit {
     };
     (DraftShield) => {
         "mm"
+    };
+    (ElephantFoot) => {
+        "mm"
+    };
+    (Scarf) => {
+        "mm"
+    };
+    (HeadClearance) => {
+        "mm"
+    };
+    (InterfacePattern) => {
+        "°"
     };
     (LineDensity) => {
         "%"

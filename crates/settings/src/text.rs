@@ -87,8 +87,9 @@ pub(super) fn parse<'a>(
 
 /// A line, shortened for a message.
 fn shortened(line: &str) -> String {
-    const MOST: usize = 60;
-    match line.char_indices().nth(MOST) {
+    // The line stands in the middle of a message.
+    const LONGEST: usize = 60;
+    match line.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", &line[..end]),
         None => line.to_owned(),
     }

@@ -97,6 +97,10 @@ pub(super) enum Refused {
 /// The form of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Form {
+    /// A form of one setting: an example, and a regular expression.
+    Like(&'static str, &'static str),
+    /// The path of a script.
+    Script,
     /// The word `auto`.
     Auto,
     /// A length with its unit, such as `0.8 mm`.
@@ -109,9 +113,24 @@ pub(super) enum Form {
     Expression,
 }
 
+impl Form {
+    /// The form as lists of what may be assigned show it.
+    pub(super) fn shown(self) -> &'static str {
+        match self {
+            Form::Like(example, _) => example,
+            Form::Script => "a .rhai file",
+            Form::Auto => "auto",
+            Form::Length => "\"0.8 mm\"",
+            Form::Share => "\"200%\"",
+            Form::Steps => "\"25: 50, 100: 100\"",
+            Form::Expression => "\"expr: ...\"",
+        }
+    }
+}
+
 /// What a setting takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum ValueKind {
     Number,
     Whole,
     WholeOrAuto,
@@ -132,13 +151,15 @@ pub(super) enum Kind {
     WholeOrText(&'static str, &'static [Form]),
     /// True, false or a whole number.
     SwitchOrWhole,
+    /// True, false or a number.
+    SwitchOrNumber,
     Word(&'static [&'static str]),
-    /// A word, an expression, or the name of a script.
-    WordOrShape(&'static [&'static str]),
-    /// A word, or an expression.
-    WordOrFormula(&'static [&'static str]),
+    /// A word, or text of these forms.
+    WordOrText(&'static [&'static str], &'static [Form]),
     /// A word, or a number.
     WordOrNumber(&'static [&'static str]),
+    /// A word, or a whole number.
+    WordOrWhole(&'static [&'static str]),
 }
 
 /// A field of the settings.
@@ -148,7 +169,7 @@ pub(super) trait Value {
     -> Result<(), Refused>;
     /// The value as TOML that `assign` reads back as the same value.
     fn to_toml(&self) -> String;
-    fn kind(&self) -> Kind;
+    fn kind(&self) -> ValueKind;
 }
 
 impl Value for f64 {
@@ -184,8 +205,8 @@ impl Value for f64 {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Number
+    fn kind(&self) -> ValueKind {
+        ValueKind::Number
     }
 }
 
@@ -286,10 +307,12 @@ impl<T: Value + Default> Value for Varying<T> {
         }
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> ValueKind {
         match T::default().kind() {
-            Kind::Word(words) => Kind::WordOrFormula(words),
-            _ => Kind::Varying,
+            ValueKind::Word(words) => {
+                ValueKind::WordOrText(words, &[Form::Expression])
+            }
+            _ => ValueKind::Varying,
         }
     }
 }
@@ -317,20 +340,21 @@ impl Value for u32 {
         self.to_string()
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Whole
+    fn kind(&self) -> ValueKind {
+        ValueKind::Whole
     }
 }
 
 /// A value, or `auto`.
 macro_rules! or_auto {
-    ($value:ty, $kind:ident) => {
-        impl Value for Option<$value> {
+    ($value:ty, $kind:expr) => {
+        impl $crate::value::Value for Option<$value> {
             fn assign(
                 &mut self,
-                raw: Raw<'_>,
-                measure: Measure,
-            ) -> Result<(), Refused> {
+                raw: $crate::value::Raw<'_>,
+                measure: $crate::value::Measure,
+            ) -> Result<(), $crate::value::Refused> {
+                use $crate::value::Raw;
                 *self = match raw {
                     Raw::Text("auto") | Raw::Word("auto") => None,
                     _ => {
@@ -349,15 +373,16 @@ macro_rules! or_auto {
                 )
             }
 
-            fn kind(&self) -> Kind {
-                Kind::$kind
+            fn kind(&self) -> $crate::value::ValueKind {
+                $kind
             }
         }
     };
 }
+pub(super) use or_auto;
 
-or_auto!(u32, WholeOrAuto);
-or_auto!(f64, NumberOrAuto);
+or_auto!(u32, ValueKind::WholeOrAuto);
+or_auto!(f64, ValueKind::NumberOrAuto);
 
 impl Value for bool {
     fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
@@ -374,8 +399,8 @@ impl Value for bool {
         self.to_string()
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Switch
+    fn kind(&self) -> ValueKind {
+        ValueKind::Switch
     }
 }
 
@@ -411,8 +436,8 @@ impl Value for String {
         text + quotes
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Text
+    fn kind(&self) -> ValueKind {
+        ValueKind::Text
     }
 }
 
@@ -466,8 +491,8 @@ macro_rules! words {
                 format!("\"{}\"", self.word())
             }
 
-            fn kind(&self) -> $crate::value::Kind {
-                $crate::value::Kind::Word(&[$($word),+])
+            fn kind(&self) -> $crate::value::ValueKind {
+                $crate::value::ValueKind::Word(&[$($word),+])
             }
         }
     )+};

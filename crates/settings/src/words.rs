@@ -25,14 +25,6 @@ value::words! {
         OneByOne = "one-by-one",
     }
 
-    /// How high layers are.
-    LayerHeights {
-        /// All layers above the first are alike.
-        Uniform = "uniform",
-        /// As high as the steps on the surface allow.
-        Adaptive = "adaptive",
-    }
-
     /// The slicer whose words comments use.
     Comments {
         /// PrusaSlicer's, which most viewers and hosts know.
@@ -132,10 +124,14 @@ value::words! {
         Crossing = "crossing",
     }
 
-    /// Pattern of skin, and of the dense layers of supports.
+    /// Pattern of skin.
     SkinPattern {
-        /// Parallel lines, turned by a right angle every layer.
+        /// Parallel lines, turned by a right angle every layer. Those that face
+        /// upwards are swept one way: no line is printed between two older ones,
+        /// so that a surface shines evenly.
         Lines = "lines",
+        /// Parallel lines, the nearest first.
+        UnorderedLines = "unordered-lines",
         /// Rings inside one another, from the border inwards.
         Concentric = "concentric",
     }
@@ -179,15 +175,6 @@ value::words! {
         Follow = "follow",
     }
 
-    /// Order of a skin's lines.
-    SkinOrder {
-        /// Lines are swept one way. No line is printed between two older ones,
-        /// so that a surface shines evenly.
-        Monotonic = "monotonic",
-        /// Nearest first.
-        Nearest = "nearest",
-    }
-
     /// Pattern of the sparse infill.
     InfillPattern {
         /// Parallel lines, turned by a right angle every layer.
@@ -212,13 +199,5 @@ value::words! {
         Neovius = "neovius",
         /// The lidinoid.
         Lidinoid = "lidinoid",
-    }
-
-    /// What an expression of infill is.
-    InfillMode {
-        /// A surface to lay beads on, where the expression is zero.
-        Surface = "surface",
-        /// A solid, with walls of its own, where the expression is negative.
-        Solid = "solid",
     }
 }

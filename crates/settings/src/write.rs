@@ -89,7 +89,7 @@ fn explain(text: &mut String, key: &Key) {
     if !default.contains('\n') {
         facts.push_str("; default ");
         facts.push_str(default.trim_matches('"'));
-        if key.range.is_some() && !default.starts_with('"') {
+        if default.parse::<f64>().is_ok() {
             facts.push_str(&key.spaced_unit());
         }
     }

@@ -161,9 +161,10 @@ fn share_of(given: &Given<'_>, key: &str) -> &'static [&'static str] {
         (Slicer::Prusa, "first_layer_speed") => {
             &["external_perimeter_speed", "perimeter_speed"]
         }
-        (Slicer::Prusa, "bridge_speed_internal" | "over_bridge_speed") => {
-            &["bridge_speed"]
-        }
+        (
+            Slicer::Prusa,
+            "bridge_speed_internal" | "over_bridge_speed" | "overhangs_speed",
+        ) => &["bridge_speed"],
         (Slicer::Prusa, "support_material_xy_spacing") => &[
             "external_perimeter_extrusion_width",
             "extrusion_width",

@@ -2,7 +2,7 @@
 //! `[print:NAME]` that inherit from one another.
 
 use crate::values::Values;
-use crate::{Kind, Named};
+use crate::{Named, PresetKind};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Greatest number of profiles that one profile may inherit from, all together.
@@ -19,7 +19,7 @@ pub(crate) struct Ini {
     /// The lines before the first section.
     pub(crate) plain: Values,
     /// Sections by kind and name, with the names from which they inherit.
-    sections: BTreeMap<(Kind, String), (Values, Vec<String>)>,
+    sections: BTreeMap<(PresetKind, String), (Values, Vec<String>)>,
     /// Number of lines that are neither a section, an entry nor a comment.
     pub(crate) odd: usize,
 }
@@ -27,7 +27,7 @@ pub(crate) struct Ini {
 /// Reads a file's text.
 pub(crate) fn read(text: &str) -> Ini {
     let mut ini = Ini::default();
-    let mut section: Option<(Kind, String)> = None;
+    let mut section: Option<(PresetKind, String)> = None;
     let mut skipped = false;
     for line in text.lines() {
         let line = line.trim();
@@ -37,7 +37,10 @@ pub(crate) fn read(text: &str) -> Ini {
         if let Some(head) = line.strip_prefix('[') {
             let head = head.strip_suffix(']').unwrap_or(head);
             let kind = head.split_once(':').and_then(|(kind, name)| {
-                Some((Kind::of_word(kind.trim())?, name.trim().to_owned()))
+                Some((
+                    PresetKind::of_word(kind.trim())?,
+                    name.trim().to_owned(),
+                ))
             });
             skipped = kind.is_none();
             if let Some(at) = &kind {
@@ -80,7 +83,7 @@ impl Ini {
     /// The profiles to choose from. Names in asterisks are for other profiles
     /// to inherit from.
     pub(crate) fn list(&self) -> Vec<Named> {
-        let named = |(kind, name): &(Kind, String)| Named {
+        let named = |(kind, name): &(PresetKind, String)| Named {
             kind: *kind,
             name: name.clone(),
         };
@@ -101,7 +104,7 @@ impl Ini {
     /// A sentence, if a profile is missing or profiles inherit in a circle.
     pub(crate) fn resolve(
         &self,
-        kind: Kind,
+        kind: PresetKind,
         name: &str,
     ) -> Result<Values, String> {
         let mut seen = Seen::default();
@@ -111,7 +114,7 @@ impl Ini {
 
     fn resolved(
         &self,
-        kind: Kind,
+        kind: PresetKind,
         name: &str,
         open: &mut BTreeSet<String>,
         seen: &mut Seen,
@@ -222,7 +225,7 @@ mod tests {
              [print:*b*]\nk = 2\nl = 2\n# no\n; k = 9\n\
              [print:c]\ninherits = *a*; *b*\nk = 3\n",
         );
-        let c = ini.resolve(Kind::Print, "c").unwrap();
+        let c = ini.resolve(PresetKind::Print, "c").unwrap();
         let got = ["k", "l", "m"].map(|k| c.number(k).unwrap());
         assert_eq!(got, [3.0, 2.0, 1.0]);
         assert_eq!(ini.list().len(), 1);
@@ -232,10 +235,10 @@ mod tests {
     #[test]
     fn circles_gaps_and_bombs_of_parents_are_errors() {
         let circle = "[print:a]\ninherits = b\n[print:b]\ninherits = a\n";
-        let e = read(circle).resolve(Kind::Print, "a").unwrap_err();
+        let e = read(circle).resolve(PresetKind::Print, "a").unwrap_err();
         assert!(e.contains("inherits from itself"), "{e}");
         let gap = "[print:a]\ninherits = b\n";
-        let e = read(gap).resolve(Kind::Print, "a").unwrap_err();
+        let e = read(gap).resolve(PresetKind::Print, "a").unwrap_err();
         assert!(e.contains("no [print:b]"), "{e}");
         // Each profile inherits twice from the next one: 2³⁰ in all.
         let bomb: String = (0..30)
@@ -245,19 +248,19 @@ mod tests {
             })
             .chain(["[print:30]\nk = 1\n".to_owned()])
             .collect();
-        let e = read(&bomb).resolve(Kind::Print, "0").unwrap_err();
+        let e = read(&bomb).resolve(PresetKind::Print, "0").unwrap_err();
         assert!(e.contains("too many"), "{e}");
         // One large profile is inherited many times.
         let keys: String = (0..2000).map(|i| format!("k{i} = 1\n")).collect();
         let parents = "b;".repeat(400);
         let bomb =
             format!("[print:a]\ninherits = {parents}\n[print:b]\n{keys}");
-        let e = read(&bomb).resolve(Kind::Print, "a").unwrap_err();
+        let e = read(&bomb).resolve(PresetKind::Print, "a").unwrap_err();
         assert!(e.contains("more than 50000 keys"), "{e}");
         let row: String = (0..100)
             .map(|i| format!("[print:{i}]\ninherits = {}\n", i + 1))
             .collect();
-        let e = read(&row).resolve(Kind::Print, "0").unwrap_err();
+        let e = read(&row).resolve(PresetKind::Print, "0").unwrap_err();
         assert!(e.contains("too many"), "{e}");
     }
 

@@ -39,6 +39,7 @@ mod parents;
 mod project;
 mod source;
 mod table;
+mod template;
 mod translate;
 mod values;
 
@@ -46,7 +47,10 @@ pub use error::Error;
 pub use fill::{Filled, fill};
 pub use given::Value;
 pub use source::{Named, Picked, Slicer, Source, both_ends};
-pub use table::{Kind, Row, Rule, rows};
+pub use table::{PresetKind, Row, Rule, rows};
+pub use template::{
+    NotTranslated, Place, foreign_names, translated, understands,
+};
 pub use translate::{Left, Setting, Translation, translate};
 pub use values::Values;
 

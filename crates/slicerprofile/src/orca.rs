@@ -3,7 +3,7 @@
 
 use crate::parents::Parents;
 use crate::values::{Values, plain_text};
-use crate::{Error, Kind, MOST_BYTES, bytes_of};
+use crate::{Error, MOST_BYTES, PresetKind, bytes_of};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ const DEEPEST: usize = 32;
 
 /// One file's own values.
 pub(crate) struct Own {
-    pub(crate) kind: Option<Kind>,
+    pub(crate) kind: Option<PresetKind>,
     pub(crate) name: Option<String>,
     inherits: Option<String>,
     pub(crate) values: Values,
@@ -42,7 +42,7 @@ pub(crate) fn read(text: &str) -> Result<Own, String> {
         let text = values.take(key)?.into_iter().next()?;
         (!text.is_empty()).then_some(text)
     };
-    let kind = head("type").and_then(|word| Kind::of_word(&word));
+    let kind = head("type").and_then(|word| PresetKind::of_word(&word));
     Ok(Own {
         kind,
         name: head("name"),

@@ -3,7 +3,7 @@
 //! Guaranteed: the order in which a folder lists its files does not matter, and
 //! the number of files that are looked at is bounded.
 
-use crate::{Error, Kind, MOST_BYTES, bytes_of};
+use crate::{Error, MOST_BYTES, PresetKind, bytes_of};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
@@ -99,7 +99,7 @@ fn files(path: &Path, beside: &[PathBuf]) -> BTreeMap<String, Vec<PathBuf>> {
     let own = path.parent().unwrap_or(path);
     let is_kind = |folder: &Path| {
         let name = folder.file_name().and_then(|name| name.to_str());
-        name.is_some_and(|name| Kind::of_word(name).is_some())
+        name.is_some_and(|name| PresetKind::of_word(name).is_some())
     };
     let of_kind = own.ancestors().take(DEEPEST_FOLDER).find(|f| is_kind(f));
     let mut queue: VecDeque<(PathBuf, usize)> = VecDeque::new();

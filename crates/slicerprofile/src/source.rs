@@ -1,7 +1,7 @@
 //! A file of profiles, of whichever slicer.
 
 use crate::values::Values;
-use crate::{Error, Kind, cura, formula, gcode, ini, orca, project};
+use crate::{Error, PresetKind, cura, formula, gcode, ini, orca, project};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ impl Slicer {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Named {
     /// The kind of the profile.
-    pub kind: Kind,
+    pub kind: PresetKind,
     /// The profile's name.
     pub name: String,
 }
@@ -53,7 +53,7 @@ enum Held {
     One {
         values: Values,
         name: Option<String>,
-        kind: Option<Kind>,
+        kind: Option<PresetKind>,
     },
 }
 
@@ -74,7 +74,7 @@ pub struct Picked {
     /// The profiles' names; empty if the file has no names.
     pub names: Vec<Named>,
     /// The profiles' kinds; empty if the file holds a whole configuration.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<PresetKind>,
     /// All values.
     pub values: Values,
 }
@@ -134,7 +134,7 @@ impl Source {
             let json = serde_json::from_str(text)
                 .map_err(|e| wrong(format!("it is not JSON: {e}")))?;
             let (values, name) = cura::definition(path, &json)?;
-            let kind = Some(Kind::Printer);
+            let kind = Some(PresetKind::Printer);
             return Ok(Source::one(path, Slicer::Cura, values, name, kind));
         }
         if text.trim_start().starts_with('{') {
@@ -178,7 +178,7 @@ impl Source {
         slicer: Slicer,
         values: Values,
         name: Option<String>,
-        kind: Option<Kind>,
+        kind: Option<PresetKind>,
     ) -> Source {
         let mut values = values;
         if slicer == Slicer::Cura {
@@ -236,9 +236,9 @@ impl Source {
                 "it holds {} printers, {} filaments and {} kinds of print; \
                  --list names them, and --name NAME chooses, once for each \
                  kind",
-                count(Kind::Printer),
-                count(Kind::Filament),
-                count(Kind::Print)
+                count(PresetKind::Printer),
+                count(PresetKind::Filament),
+                count(PresetKind::Print)
             )));
         }
         let mut picked = Picked {
@@ -277,8 +277,8 @@ impl Source {
         given: &str,
     ) -> Result<&'a Named, Error> {
         let (kind, name) = match given.split_once(':') {
-            Some((word, rest)) if Kind::of_word(word).is_some() => {
-                (Kind::of_word(word), rest.trim())
+            Some((word, rest)) if PresetKind::of_word(word).is_some() => {
+                (PresetKind::of_word(word), rest.trim())
             }
             _ => (None, given.trim()),
         };

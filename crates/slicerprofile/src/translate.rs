@@ -2,14 +2,14 @@
 
 use crate::Picked;
 use crate::given::{Given, Value};
-use crate::table::{Kind, Outcome, Row, Rule, row_of, rows};
+use crate::table::{Outcome, PresetKind, Row, Rule, row_of, rows};
 use std::collections::BTreeSet;
 
 /// A setting that follows from the profile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     /// The kind of isoslice's profile to which the setting belongs.
-    pub kind: Kind,
+    pub kind: PresetKind,
     /// The setting's name.
     pub name: &'static str,
     /// The setting's value.
@@ -125,15 +125,18 @@ impl Translation {
             Outcome::Set(settings) | Outcome::Alike(settings, _) => {
                 self.mapped += present.len();
                 for (name, value) in settings {
-                    // Later rows of the table are more specific, and win.
-                    self.settings
-                        .retain(|s| s.name != name || s.kind != row.kind);
-                    self.settings.push(Setting {
+                    let mut setting = Setting {
                         kind: row.kind,
                         name,
                         value,
                         from: present.iter().map(|k| (*k).into()).collect(),
-                    });
+                    };
+                    let same =
+                        |s: &Setting| s.name == name && s.kind == row.kind;
+                    if let Some(at) = self.settings.iter().position(same) {
+                        setting.follow(self.settings.remove(at));
+                    }
+                    self.settings.push(setting);
                 }
             }
             Outcome::Nothing(why) => {
@@ -142,6 +145,24 @@ impl Translation {
             Outcome::Lost(why) => {
                 self.lost.extend(all(&why));
             }
+        }
+    }
+}
+
+/// Settings that are lists of parts, each from a row of the table.
+const OF_PARTS: [&str; 1] = ["skin_pattern"];
+
+impl Setting {
+    /// Takes the place of the same setting from an earlier row. Later rows of the
+    /// table are more specific, and win.
+    fn follow(&mut self, earlier: Setting) {
+        if let (true, Value::Text(before), Value::Text(text)) = (
+            OF_PARTS.contains(&self.name),
+            earlier.value,
+            &mut self.value,
+        ) {
+            *text = format!("{before}, {text}");
+            self.from.splice(0..0, earlier.from);
         }
     }
 }

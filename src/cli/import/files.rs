@@ -5,7 +5,7 @@ use super::words::slug;
 use super::{Import, ImportArgs, Written, ours};
 use anyhow::{Context, bail};
 use isoslice::files::Output;
-use slicerprofile::Kind;
+use slicerprofile::PresetKind;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ impl Import {
             bail!("{} is already there; --force replaces it", path.display());
         }
         put(path, &args.file, &text)?;
-        let kind = self.kinds.first().copied().unwrap_or(Kind::Print);
+        let kind = self.kinds.first().copied().unwrap_or(PresetKind::Print);
         let name = path.display().to_string();
         Ok(vec![(kind, name, path.to_owned())])
     }

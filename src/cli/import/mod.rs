@@ -10,12 +10,12 @@ use super::output::is_stream;
 use super::{plain, terminal};
 use anyhow::bail;
 use clap::Args;
-use isoslice::settings::{Builder, ProfileKind, Settings, keys};
-use isoslice::{try_templates, understands_placeholder};
+use isoslice::settings::{Builder, ProfileKind, keys};
+use isoslice::{is_placeholder, try_templates};
 use own::Own;
 use slicerprofile::{
-    Kind, Left, Picked, Setting, Slicer, Source, Translation, Value, Values,
-    fill, translate,
+    Left, Picked, Place, PresetKind, Setting, Slicer, Source, Translation,
+    Value, Values, fill, translate, translated, understands,
 };
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,8 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub(super) struct ImportArgs {
     /// Profile of PrusaSlicer (.ini), OrcaSlicer or Bambu Studio (.json), Cura
-    /// (.curaprofile, .def.json), or G-code of any of them
+    /// (.curaprofile, .def.json), G-code of any of them, or settings of
+    /// isoslice's own (.toml) with another slicer's templates
     file: PathBuf,
 
     /// Name the profiles in a bundle, and stop
@@ -118,7 +119,7 @@ fn list(source: &Source) -> anyhow::Result<()> {
         return plain::print("It holds one profile, without a choice.\n");
     }
     let mut text = String::new();
-    for kind in [Kind::Printer, Kind::Filament, Kind::Print] {
+    for kind in [PresetKind::Printer, PresetKind::Filament, PresetKind::Print] {
         for named in all.iter().filter(|n| n.kind == kind) {
             let name = plain::line(&named.name);
             writeln!(text, "{}:{name}", kind.word())?;
@@ -137,13 +138,11 @@ struct Import {
     maker: &'static str,
     /// Name of the new profiles, unless a kind has a name of its own.
     name: String,
-    kinds: Vec<Kind>,
+    kinds: Vec<PresetKind>,
     picked: Picked,
     translation: Translation,
-    /// All settings together.
-    settings: Settings,
     /// Templates that could not be translated: the setting, and the text.
-    kept: Vec<(Kind, &'static str, String)>,
+    kept: Vec<(PresetKind, &'static str, String)>,
     /// Contradictions in the settings, and warnings about them.
     remarks: Vec<String>,
 }
@@ -182,9 +181,11 @@ impl Import {
         picked: Picked,
         translation: Translation,
     ) -> Self {
-        let has =
-            |kind: &Kind| translation.settings.iter().any(|s| s.kind == *kind);
-        let kinds = [Kind::Printer, Kind::Filament, Kind::Print];
+        let has = |kind: &PresetKind| {
+            translation.settings.iter().any(|s| s.kind == *kind)
+        };
+        let kinds =
+            [PresetKind::Printer, PresetKind::Filament, PresetKind::Print];
         let kinds = kinds.into_iter().filter(has).collect();
         let stem = file.file_name().unwrap_or_default().to_string_lossy();
         let stem = stem.split('.').next().unwrap_or("").to_owned();
@@ -204,7 +205,6 @@ impl Import {
             kinds,
             picked,
             translation,
-            settings: Settings::default(),
             kept: Vec::new(),
             remarks: Vec::new(),
         }
@@ -216,29 +216,16 @@ impl Import {
         let mut fine = Vec::new();
         let mut refused = Vec::new();
         for mut setting in std::mem::take(&mut self.translation.settings) {
-            if self.maker != own::MAKER
-                && setting.name.starts_with("gcode.")
+            if let Some(place) = Place::of_setting(setting.name)
                 && let Value::Text(text) = &setting.value
             {
-                let known = &understands_placeholder;
-                let filled = fill(text, &self.picked.values, known);
-                if let Some(why) = &filled.refused {
-                    refused.push(self.keep(setting, why));
-                    continue;
-                }
-                for (name, value) in filled.assumed {
-                    let shown =
-                        if value.is_empty() { "nothing" } else { value };
-                    let remark = format!(
-                        "{} asks for {name}, which the profile does not give: \
-                         {shown} is put in",
-                        setting.name
-                    );
-                    if !self.remarks.contains(&remark) {
-                        self.remarks.push(remark);
+                match self.template(setting.name, place, text) {
+                    Ok(text) => setting.value = Value::Text(text),
+                    Err(why) => {
+                        refused.push(self.keep(setting, &why));
+                        continue;
                     }
                 }
-                setting.value = Value::Text(filled.text);
             }
             let mut tried = builder.clone();
             match tried.toml("import", &assignment(&setting)) {
@@ -275,7 +262,6 @@ impl Import {
         for (setting, why) in &refused {
             self.lose(setting, why);
         }
-        self.settings = builder.settings().clone();
         match builder.finish() {
             Ok((_, warnings)) => self.remarks.extend(warnings),
             Err(error) => self.remarks.push(format!(
@@ -284,6 +270,42 @@ impl Import {
             )),
         }
         Ok(())
+    }
+
+    /// A template in isoslice's own language, with the profile's own values in
+    /// place of names that isoslice does not know.
+    ///
+    /// # Errors
+    /// Why it cannot be translated.
+    fn template(
+        &mut self,
+        name: &str,
+        place: Place,
+        text: &str,
+    ) -> Result<String, String> {
+        let own = |placeholder: &str| is_placeholder(name, placeholder);
+        let mut text = text.to_owned();
+        // Files of isoslice's own bring no values along.
+        if self.maker != own::MAKER {
+            let known = |name: &str| understands(name) || own(name);
+            let filled = fill(&text, &self.picked.values, &known);
+            if let Some(why) = filled.refused {
+                return Err(why);
+            }
+            for (asked, value) in filled.assumed {
+                let shown = if value.is_empty() { "nothing" } else { value };
+                let remark = format!(
+                    "{name} asks for {asked}, which the profile does not give: \
+                     {shown} is put in"
+                );
+                if !self.remarks.contains(&remark) {
+                    self.remarks.push(remark);
+                }
+            }
+            text = filled.text;
+        }
+        let ours = translated(&text, place, &own);
+        ours.map_err(|wrong| format!("{name}, {wrong}"))
     }
 
     /// Keeps a template that is left out as a comment, with the reason.
@@ -324,7 +346,7 @@ impl Import {
 
     /// The text of a profile with the settings of some kinds. Where two kinds
     /// differ, the last one wins.
-    fn text(&self, of: &[Kind]) -> anyhow::Result<String> {
+    fn text(&self, of: &[PresetKind]) -> anyhow::Result<String> {
         let mut text = String::new();
         let t = &self.translation;
         writeln!(
@@ -414,13 +436,13 @@ fn nothing(translation: &Translation) -> String {
 }
 
 /// A file that was written: its kind, its name on the command line, its path.
-type Written = (Kind, String, PathBuf);
+type Written = (PresetKind, String, PathBuf);
 
 /// The kind of isoslice's profiles to which a kind of key goes.
-fn ours(kind: Kind) -> ProfileKind {
+fn ours(kind: PresetKind) -> ProfileKind {
     match kind {
-        Kind::Printer => ProfileKind::Printer,
-        Kind::Filament => ProfileKind::Filament,
-        Kind::Print => ProfileKind::Preset,
+        PresetKind::Printer => ProfileKind::Printer,
+        PresetKind::Filament => ProfileKind::Filament,
+        PresetKind::Print => ProfileKind::Preset,
     }
 }

@@ -1,10 +1,11 @@
-//! G-code of isoslice's own, which has the settings that it was sliced with.
+//! Files of isoslice's own: G-code, which has the settings that it was sliced
+//! with, and settings files, whose templates may be another slicer's.
 
 use anyhow::Context;
 use isoslice::settings::keys;
 use isoslice::settings_in_gcode;
 use isoslice_settings::{instead, name_now};
-use slicerprofile::{Kind, Left, Setting, Translation, Value, both_ends};
+use slicerprofile::{Left, PresetKind, Setting, Translation, Value, both_ends};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -19,13 +20,19 @@ pub(super) enum Own {
     Nothing,
 }
 
-/// What a file has, if it is G-code of isoslice's own.
+/// What a file has, if it is one of isoslice's own.
 ///
 /// # Errors
 /// If the file cannot be read, or its settings are malformed.
 pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
     let ending = file.extension().and_then(|e| e.to_str());
     let ending = ending.unwrap_or_default().to_ascii_lowercase();
+    if ending == "toml" {
+        let text = std::fs::read_to_string(file)
+            .with_context(|| file.display().to_string())?;
+        let table = text.parse().with_context(|| file.display().to_string())?;
+        return Ok(Some(Own::Settings(translation(table))));
+    }
     if !["gcode", "gco", "g"].contains(&&*ending) {
         return Ok(None);
     }
@@ -47,6 +54,8 @@ fn translation(table: toml::Table) -> Translation {
     let now = |(name, value): (String, _)| (name_now(&name).to_owned(), value);
     let mut given: BTreeMap<String, toml::Value> =
         flat(table).into_iter().map(now).collect();
+    // The new profile has one of its own.
+    given.remove("description");
     for key in keys() {
         let (group, _) = key.name.split_once('.').unwrap_or(("", key.name));
         let value = match given.remove(key.name) {
@@ -59,9 +68,9 @@ fn translation(table: toml::Table) -> Translation {
         all.mapped += 1;
         all.settings.push(Setting {
             kind: match group {
-                "printer" | "gcode" | "retract" => Kind::Printer,
-                "filament" | "cooling" => Kind::Filament,
-                _ => Kind::Print,
+                "printer" | "gcode" | "retract" => PresetKind::Printer,
+                "filament" | "cooling" => PresetKind::Filament,
+                _ => PresetKind::Print,
             },
             name: key.name,
             value,

@@ -26,8 +26,9 @@ pub(super) fn shown(value: &Value) -> String {
 
 /// A value, as part of a line of the summary.
 pub(super) fn shortened(text: &str) -> String {
-    const MOST: usize = 60;
-    match text.char_indices().nth(MOST) {
+    // The rest of the line has the setting's name, and where it is from.
+    const LONGEST: usize = 60;
+    match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),
     }

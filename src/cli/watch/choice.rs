@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// Greatest number of changes, and greatest length of a name or a value in
 /// bytes: more than people ever make.
-const MOST: usize = 1000;
+const MOST_CHANGES: usize = 1000;
 const LONGEST: usize = 16 << 10;
 
 /// Names that have been changed, and their values.
@@ -78,8 +78,10 @@ impl Choice {
                     None => map.remove(&name),
                 };
             }
-            if map.len() > MOST {
-                return Err(format!("more than {MOST} changes at once"));
+            if map.len() > MOST_CHANGES {
+                return Err(format!(
+                    "more than {MOST_CHANGES} changes at once"
+                ));
             }
         }
         *self = changed;

@@ -53,7 +53,7 @@ impl Read {
         let alone = PlateArgs::default();
         let plate = plates::file(&job.model, &alone, &gathered, &source.set)?;
         if let Some(file) = &plate {
-            gathered.settings = file.settings.clone();
+            gathered.settings = file.builder.settings().clone();
             gathered.builder = file.builder.clone();
             gathered.warnings.clone_from(&file.warnings);
         }
@@ -95,14 +95,15 @@ impl Read {
     }
 
     fn load_with(&self, job: &Job, choice: &Choice) -> anyhow::Result<Subject> {
-        let settings = &self.gathered.settings;
         let (mut file, mut model) = (self.plate.clone(), job.model.clone());
         match &mut file {
             Some(file) => change(&mut file.parts, choice),
             None => model = choice.model(&model),
         }
         let wanted = file.as_ref().map(|file| file.parts.clone());
-        let plate = PlateArgs::default().job(&model, file, settings)?.plate;
+        let plate = PlateArgs::default()
+            .job(&model, file, &self.gathered)?
+            .plate;
         Ok(Subject {
             drawn: plate.whole().or_else(|| plate.of_each()),
             wanted: wanted.unwrap_or_default(),
@@ -204,7 +205,7 @@ fn heading(index: usize, wanted: &Wanted) -> String {
 mod tests {
     use super::*;
     use isoslice::model::{Placement, Source};
-    use isoslice::settings::Settings;
+    use isoslice::settings::Builder;
 
     #[test]
     fn each_part_gets_its_own_changes() {
@@ -212,7 +213,7 @@ mod tests {
             source: Source::formula("a", "x"),
             defines: vec![("hole".into(), "5".into())],
             placement: Placement::default(),
-            settings: Settings::default(),
+            settings: Builder::new().settings().clone(),
             at: None,
             copies: 1,
             asked: String::new(),

@@ -42,7 +42,7 @@ impl Stages<'_> {
         self.timings.time(Stage::Skin, || {
             infill::fill_bare(&mut areas, &infill, &self.plans.infill);
         });
-        let mut walls = if self.settings.interlocks() {
+        let mut walls = if self.plans.interlocked {
             walls::interlocked(walls, height)
         } else {
             walls::beads(walls, height)
@@ -55,7 +55,7 @@ impl Stages<'_> {
                 .time(Stage::Walls, || fuzzy.apply(&mut walls, here))?;
         }
         let support = self.support_beads(span)?;
-        let radius = 0.5 * self.settings.nozzle_flat();
+        let radius = 0.5 * self.plans.nozzle_flat;
         let low = self.has_low_supports(span).then_some(radius);
         let support_last = supports_last(number, here.outline, &support, low);
         let mut beads = LayerBeads {
@@ -105,7 +105,7 @@ impl Stages<'_> {
     ) -> Result<Vec<Bead>, InfillError> {
         let solid = layer.outline.grid();
         self.timings.time(Stage::Infill, || {
-            if self.settings.is_vase() {
+            if self.plans.vase {
                 Ok(Vec::new())
             } else {
                 self.infill.beads(sparse, &layer.span, Some(solid))

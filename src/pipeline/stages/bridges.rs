@@ -26,10 +26,7 @@ impl Stages<'_> {
     /// Number of layers above infill in which its bridges may show: the bridges, and
     /// a layer over what they leave. 0 if there are no internal bridges.
     pub(in crate::pipeline) fn bridge_layers(&self) -> usize {
-        if !self.settings.bridges_infill() {
-            return 0;
-        }
-        1 + self.settings.internal_bridges.count().unwrap_or(2) as usize
+        self.plans.internal_bridges.map_or(0, |layers| 1 + layers)
     }
 
     /// False if no internal bridge fits where skin lies over what is `open` in the

@@ -109,7 +109,7 @@ impl Stages<'_> {
             guide: self.seams.guide(),
             ways: Vec::new(),
         };
-        let lowest = self.raft_layers;
+        let lowest = self.plans.raft.layers;
         let flat = |&i: &usize| self.spiral_at(i).is_none();
         let looked = |&i: &usize| i == lowest || i % STRIDE == PLACE;
         let all = (lowest..spans.len()).filter(flat).filter(looked);

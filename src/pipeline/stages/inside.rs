@@ -4,7 +4,7 @@ use super::Stages;
 use crate::pipeline::layer::{Inside, Layer};
 use crate::report::{LayerFigures, LayerParts, ReportError};
 use isoslice_base::timings::Stage;
-use isoslice_held::hang::Look;
+use isoslice_held::overhangs::LayerOverhang;
 use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_layer::walls;
 use isoslice_layer::walls::{Walls, field_walls, walls};
@@ -77,7 +77,7 @@ impl Stages<'_> {
         // A turn of a climbing wall is nowhere at the height of its layer's
         // outline.
         let number = layer.span.index;
-        if self.spiral_at(number).is_some() || number < self.raft_layers {
+        if self.spiral_at(number).is_some() || number < self.plans.raft.layers {
             return Ok(None);
         }
         let rounded;
@@ -106,7 +106,7 @@ impl Stages<'_> {
     pub(in crate::pipeline) fn look(
         &self,
         view: &LayerView<'_>,
-    ) -> Option<Look> {
+    ) -> Option<LayerOverhang> {
         let below = view.below.first()?;
         if self.support().is_some() {
             return None;
@@ -120,14 +120,16 @@ impl Stages<'_> {
         &self,
         here: &LayerFace<'_>,
         below: &LayerFace<'_>,
-    ) -> Option<Look> {
+    ) -> Option<LayerOverhang> {
         let number = here.span.index;
         if here.is_like(below) || self.is_on_raft(number) {
             return None;
         }
         let heights = [here, below].map(|layer| layer.span.height());
         let outlines = [here, below].map(|layer| layer.outline);
-        let look = || Look::new(outlines, number, heights, &self.plans.hang);
+        let look = || {
+            LayerOverhang::new(outlines, number, heights, &self.plans.overhangs)
+        };
         Some(self.timings.time(Stage::Hang, look))
     }
 }

@@ -26,7 +26,7 @@ mod support;
 
 use super::SliceError;
 use super::layer::Layer;
-use super::plans::Plans;
+use super::plans::{Plans, WallFieldPlan};
 use super::raft::Raft;
 use super::supported::{Fills, Supported};
 use crate::report::Gauge;
@@ -42,19 +42,16 @@ use isoslice_layer::outline::Growth;
 use isoslice_layer::seam::Seams;
 use isoslice_model::Model;
 use isoslice_model::contour::{Field, field};
-use isoslice_model::vary::Surroundings;
+use isoslice_model::expressions::Surroundings;
 use isoslice_path::spiral::Spiral;
 use isoslice_planar::Rect;
 use isoslice_settings::layers::LayerSpan;
-use isoslice_settings::{Settings, WallOffset};
 pub(super) use outlines::ALL_LAYERS;
 use outlines::{WallFields, by_depth};
-pub(super) use skirt::shielded;
 use std::ops::Range;
 
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
-    settings: &'a Settings,
     pub plans: &'a Plans,
     model: &'a Model,
     /// The part's box in the plane.
@@ -71,9 +68,8 @@ pub(super) struct Stages<'a> {
     support: Option<Supported<'a>>,
     /// Layers of the part that are known from planning its supports, from below.
     known: Vec<Layer>,
-    /// The raft, once it is planned, and the number of its layers.
+    /// The raft, once it is planned.
     raft: Option<Raft<'a>>,
-    raft_layers: usize,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
     /// The climbing wall, if there is one.
@@ -89,44 +85,41 @@ pub(super) struct Stages<'a> {
 impl<'a> Stages<'a> {
     pub(super) fn new(
         model: &'a Model,
-        settings: &'a Settings,
         plans: &'a Plans,
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
         spans: &'a [LayerSpan],
     ) -> Result<Self, SliceError> {
         let rect = model.bounds.from_above();
-        let spacing = settings.sample_spacing;
+        let spacing = plans.sample_spacing;
         let make = |depth: Mm| field(&model.tree, depth, rect, spacing);
         let field = make(0.0)?;
-        let wall_fields = match settings.wall_offset {
-            WallOffset::Distance => WallFields::None,
-            WallOffset::Field if settings.is_uniform() => WallFields::Alike(
-                by_depth(settings.layer_height(), &plans.walls, make)?,
-            ),
-            WallOffset::Field => WallFields::ByHeight,
+        let wall_fields = match plans.wall_fields {
+            WallFieldPlan::None => WallFields::None,
+            WallFieldPlan::Alike(height) => {
+                WallFields::Alike(by_depth(height, &plans.walls, make)?)
+            }
+            WallFieldPlan::ByHeight => WallFields::ByHeight,
         };
         let site = site(model, rect);
         let infill = Infill::new(plans.infill.clone(), around, site)?;
         Ok(Stages {
-            settings,
             plans,
             model,
             rect,
             field,
             wall_fields,
-            seams: Seams::new(&settings.seam, settings.accuracy, around)?,
+            seams: Seams::new(&plans.seam, plans.accuracy, around)?,
             course: Course::default(),
-            fuzzy: Fuzzy::new(&settings.fuzzy, around)?,
+            fuzzy: Fuzzy::new(&plans.fuzzy, around)?,
             skirt: None,
             support: None,
             known: Vec::new(),
             raft: None,
-            raft_layers: settings.raft_layers(),
             bed: -model.offset.z,
             spiral: None,
             exposure: Exposure::new(plans.exposure, spans),
-            growth: Growth::new(&settings.xy_compensation, model)?,
+            growth: Growth::new(&plans.growth, model)?,
             infill,
             timings: Timings::default(),
             gauge,
@@ -150,7 +143,7 @@ impl<'a> Stages<'a> {
 
     /// True if a layer is the part's first one, on a raft.
     pub(super) fn is_on_raft(&self, layer: usize) -> bool {
-        self.raft_layers > 0 && layer == self.raft_layers
+        self.plans.raft.layers > 0 && layer == self.plans.raft.layers
     }
 
     /// A check of infill that may stand on nothing, if the settings need one.
@@ -183,7 +176,7 @@ impl<'a> Stages<'a> {
     /// Number of layers below a layer that it depends on.
     pub(super) fn reach_below(&self) -> usize {
         // A turn lies on a layer that has to be known.
-        let below = usize::from(self.settings.is_vase());
+        let below = usize::from(self.plans.vase);
         self.exposure.reach_below().max(below)
     }
 }

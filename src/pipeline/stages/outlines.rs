@@ -15,7 +15,7 @@ use isoslice_layer::walls::{OUTLINE_SHARE, WallPlan};
 use isoslice_model::contour::{
     Detail, Field, FieldError, Outline, field, outlines,
 };
-use isoslice_model::vary::VaryError;
+use isoslice_model::expressions::QuantityError;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
 use std::ops::Range;
@@ -91,7 +91,9 @@ impl Stages<'_> {
         needed: &Range<usize>,
     ) -> Result<Vec<Layer>, SliceError> {
         // The part has nothing in the layers of a raft.
-        let raft = spans.iter().take_while(|s| s.index < self.raft_layers);
+        let raft = spans
+            .iter()
+            .take_while(|s| s.index < self.plans.raft.layers);
         let raft = raft.count();
         let of_part = &spans[raft..];
         let mut found = vec![Outline::default(); raft];
@@ -121,8 +123,8 @@ impl Stages<'_> {
             return Ok(Vec::new());
         };
         let detail = Detail {
-            accuracy: self.settings.accuracy * OUTLINE_SHARE,
-            smallest: PRINTABLE * self.settings.outer_wall_width(),
+            accuracy: self.plans.accuracy * OUTLINE_SHARE,
+            smallest: PRINTABLE * self.plans.walls.outer,
         };
         let z = spans.iter().map(|s| s.sample_z() + self.bed);
         let z: Vec<Mm> = z.collect();
@@ -162,7 +164,7 @@ impl Stages<'_> {
                 let mut all = Vec::with_capacity(spans.len());
                 for run in spans.chunk_by(alike) {
                     limits::go_on()?;
-                    let spacing = self.settings.sample_spacing;
+                    let spacing = self.plans.sample_spacing;
                     let tree = &self.model.tree;
                     let make = |d: Mm| field(tree, d, self.rect, spacing);
                     let fields =
@@ -215,7 +217,7 @@ impl Stages<'_> {
         let (changed, squeezed) = self.timings.time(Stage::Walls, || {
             let changed = moved.apply(&found, &mut offsets)?;
             let squeezed = moved.squeezed(found.area())?;
-            Ok::<_, VaryError>((changed, squeezed))
+            Ok::<_, QuantityError>((changed, squeezed))
         })?;
         // A large outline takes megabytes, and mostly nothing is changed.
         let (outline, unchanged) = match changed {

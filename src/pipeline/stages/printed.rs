@@ -45,7 +45,7 @@ impl Stages<'_> {
                 let found_in = |window: Rect, span: &LayerSpan| {
                     self.found_in(window, span)
                 };
-                let line = self.settings.thinnest_line();
+                let line = self.plans.overhangs.thinnest;
                 sound::sample(pool, self.rect, spans, line, found_in)?;
                 sampled = true;
             }
@@ -85,7 +85,7 @@ impl Stages<'_> {
         window: Rect,
         span: &LayerSpan,
     ) -> Result<Found, SliceError> {
-        let spacing = self.settings.sample_spacing;
+        let spacing = self.plans.sample_spacing;
         let field = field_in(&self.model.tree, window, spacing)?;
         let span = std::slice::from_ref(span);
         let none = &WallFields::None;

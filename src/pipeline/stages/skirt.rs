@@ -3,21 +3,16 @@
 use super::{ALL_LAYERS, Stages};
 use crate::pipeline::SliceError;
 use glam::DVec2;
-use isoslice_base::units::Mm;
-use isoslice_layer::adhesion::{Skirt, SkirtPlan, loops};
+use isoslice_layer::adhesion::{Skirt, loops};
 use isoslice_layer::view::LayerFace;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::union;
 use isoslice_planar::{Area, Ring};
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 
 /// About how many layers' outlines a high skirt is laid round. It keeps a
 /// distance from the part, which the layers in between do not exceed.
 const SKIRT_SAMPLES: usize = 64;
-
-/// Heights that differ by less do so by rounding only, mm.
-const ROUNDED: Mm = 1e-6;
 
 impl Stages<'_> {
     /// Lays the skirt of the whole part, `spans`, after its supports and its
@@ -84,8 +79,7 @@ impl Stages<'_> {
         part: &[DVec2],
     ) {
         let all = self.seen_from_above(spans, part);
-        let layers = shielded(spans, self.settings);
-        let plan = SkirtPlan::of_shield(self.settings, layers);
+        let plan = self.plans.adhesion.shield.among(spans);
         self.skirt = Some(Skirt::new(&all, plan));
     }
 
@@ -106,13 +100,4 @@ impl Stages<'_> {
             &self.plans.adhesion,
         )
     }
-}
-
-/// Number of layers that have the draft shield.
-pub(in crate::pipeline) fn shielded(
-    spans: &[LayerSpan],
-    settings: &Settings,
-) -> usize {
-    let height = settings.draft_shield.height();
-    spans.partition_point(|span| span.top <= height + ROUNDED)
 }

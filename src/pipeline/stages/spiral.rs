@@ -19,7 +19,7 @@ impl<'a> Stages<'a> {
         pool: &ThreadPool,
         spans: &[LayerSpan],
     ) -> Result<(), SliceError> {
-        if !self.settings.is_vase() {
+        if !self.plans.vase {
             return Ok(());
         }
         let mut spiral = Spiral::new(self.model, self.plans.spiral, spans)?;

@@ -5,18 +5,21 @@ use super::{ALL_LAYERS, Stages};
 use crate::pipeline::SliceError;
 use crate::pipeline::follow::Follow;
 use crate::pipeline::layer::Layer;
+use crate::pipeline::plans::RaftPlan;
 use crate::pipeline::raft::Raft;
 use crate::pipeline::supported::{Supported, Top};
 use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::timings::Stage;
 use isoslice_base::units::Mm;
-use isoslice_held::hang::{Hanging, Look, Needs, Tracker, Unsupported};
+use isoslice_held::overhangs::{
+    Hanging, LayerOverhang, Needs, Tracker, Unsupported,
+};
 use isoslice_held::support::{
     Asked, Heights, Plan, Survey, Wishes, coarse, held,
 };
 use isoslice_layer::infill::InfillError;
-use isoslice_model::vary::Surroundings;
+use isoslice_model::expressions::Surroundings;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::union;
 use isoslice_planar::offset::offset;
@@ -64,7 +67,7 @@ impl<'a> Stages<'a> {
         let plan = self.timings.time_pool(Stage::Support, pool, plan);
         self.known = known;
         let fills = self.fills(around);
-        self.support = Some(Supported::new(plan, self.settings, &fills)?);
+        self.support = Some(Supported::new(plan, &fills)?);
         Ok(())
     }
 
@@ -88,21 +91,21 @@ impl<'a> Stages<'a> {
         let follow = Some(&mut tracker);
         let (survey, heights, _) =
             self.surveyed(pool, spans, asked, 0, follow)?;
-        let (offset, lift) = (self.model.offset, self.settings.raft_height());
+        let (offset, lift) = (self.model.offset, self.plans.raft.height);
         let place = |p: DVec2, span: &LayerSpan| {
             (p + offset.truncate()).extend(span.bottom + lift)
         };
         let far = tracker.take_far();
         let places = pool.install(|| {
             let [needs, outlines] =
-                held(survey, &heights, &self.plans.support.hang);
+                held(survey, &heights, &self.plans.support.overhangs);
             let needs = Needs {
                 needs: &needs,
                 outlines: &outlines,
                 spans: heights.spans(),
                 far: &far,
             };
-            needs.places(&self.plans.support.hang, place)
+            needs.places(&self.plans.support.overhangs, place)
         });
         Ok((tracker.finish(), places))
     }
@@ -118,8 +121,8 @@ impl<'a> Stages<'a> {
         mut follow: Option<&mut Tracker>,
     ) -> Result<(Survey, Heights, Vec<Layer>), SliceError> {
         // The plan does not know the raft, which serves as its bed.
-        let raft = (self.raft_layers, self.settings.raft_height());
-        let above = spans.iter().skip(self.raft_layers);
+        let raft = &self.plans.raft;
+        let above = spans.iter().skip(raft.layers);
         let above = above.map(|span| without_raft(*span, raft)).collect();
         let heights = Heights::new(above, &self.plans.support);
         let left = AtomicUsize::new(known);
@@ -134,7 +137,7 @@ impl<'a> Stages<'a> {
             let kept = follows || keep(&layers, &left);
             Ok::<_, SliceError>((survey, kept.then_some(layers)))
         };
-        let above = spans.get(self.raft_layers..).unwrap_or_default();
+        let above = spans.get(raft.layers..).unwrap_or_default();
         let slabs: Vec<_> = above.chunks(self.slab_layers()).collect();
         // Layers that are followed are known for a while only: all of them would
         // take much memory.
@@ -173,7 +176,7 @@ impl<'a> Stages<'a> {
     ) {
         let look =
             |pair: &[Layer]| self.look_over(&pair[1].face(), &pair[0].face());
-        let looks: Vec<Option<Look>> =
+        let looks: Vec<Option<LayerOverhang>> =
             pool.install(|| layers.par_windows(2).map(look).collect());
         self.timings.time(Stage::Hang, || {
             for (layer, look) in layers.iter().skip(1).zip(&looks) {
@@ -181,7 +184,7 @@ impl<'a> Stages<'a> {
                     offset: self.model.offset.truncate(),
                     count,
                     written: true,
-                    plan: &self.plans.hang,
+                    plan: &self.plans.overhangs,
                 };
                 follow.layer(tracker, layer, look.as_ref());
             }
@@ -198,13 +201,13 @@ impl<'a> Stages<'a> {
         if heights.own().eq(heights.spans().iter().copied()) {
             return Ok(None);
         }
-        let lift = self.settings.raft_height();
+        let raft = &self.plans.raft;
         let own: Vec<LayerSpan> = heights
             .own()
             .map(|span| LayerSpan {
-                index: span.index + self.raft_layers,
-                bottom: span.bottom + lift,
-                top: span.top + lift,
+                index: span.index + raft.layers,
+                bottom: span.bottom + raft.height,
+                top: span.top + raft.height,
             })
             .collect();
         let of_slab = |slab: &[LayerSpan]| {
@@ -212,7 +215,7 @@ impl<'a> Stages<'a> {
             let none = &WallFields::None;
             let layers = self.layers_of(&self.field, none, slab, &all)?;
             let sections = layers.iter().map(|l| {
-                coarse(l.area(), l.span.height(), &self.plans.support.hang)
+                coarse(l.area(), l.span.height(), &self.plans.support.overhangs)
             });
             let coarse = || sections.collect();
             Ok::<_, SliceError>(self.timings.time(Stage::Support, coarse))
@@ -238,12 +241,12 @@ impl<'a> Stages<'a> {
         around: &'a Surroundings<'a>,
         room: Rect,
     ) -> Result<(), SliceError> {
-        let first = self.raft_layers;
+        let plans = self.plans;
+        let first = plans.raft.layers;
         if first == 0 {
             return Ok(());
         }
-        let s = self.settings;
-        let half = 0.5 * s.thinnest_line();
+        let half = 0.5 * plans.overhangs.thinnest;
         let mut under = Area::EMPTY;
         for span in spans.iter().skip(first) {
             limits::go_on()?;
@@ -256,12 +259,12 @@ impl<'a> Stages<'a> {
                 continue;
             };
             under = union(&under, layer.area());
-            if !offset(layer.area(), -half, s.accuracy).is_empty() {
+            if !offset(layer.area(), -half, plans.accuracy).is_empty() {
                 break;
             }
         }
         let fills = self.fills(around);
-        self.raft = Some(Raft::new(&under, self.in_model(room), s, &fills)?);
+        self.raft = Some(Raft::new(&under, self.in_model(room), &fills)?);
         Ok(())
     }
 
@@ -276,7 +279,9 @@ impl<'a> Stages<'a> {
         layer: usize,
     ) -> Option<Area> {
         match &self.raft {
-            Some(raft) if layer < self.raft_layers => Some(raft.area.clone()),
+            Some(raft) if layer < self.plans.raft.layers => {
+                Some(raft.area.clone())
+            }
             _ => self.support()?.area(layer),
         }
     }
@@ -286,8 +291,7 @@ impl<'a> Stages<'a> {
         &self,
         span: &LayerSpan,
     ) -> Option<Top> {
-        let follows = self.settings.supports_follow();
-        self.support()?.top(span, follows)
+        self.support()?.top(span, self.plans.supports_follow)
     }
 
     /// True if a layer's supports end below its top.
@@ -301,8 +305,8 @@ impl<'a> Stages<'a> {
         &self,
         span: &LayerSpan,
     ) -> Option<Area> {
-        let follows = !self.settings.contour_z.is(0.0);
-        self.support().filter(|_| follows)?.on_top(span)
+        let support = self.support().filter(|_| self.plans.contours_z);
+        support?.on_top(span)
     }
 
     /// Where supports hold a layer, if that matters for its walls.
@@ -310,8 +314,7 @@ impl<'a> Stages<'a> {
         &self,
         layer: usize,
     ) -> Option<Area> {
-        let by_reach = self.settings.by_reach();
-        self.support().filter(|_| by_reach)?.under(layer)
+        self.support().filter(|_| self.plans.by_reach)?.under(layer)
     }
 
     /// The beads of a layer's supports, or of its raft.
@@ -321,7 +324,7 @@ impl<'a> Stages<'a> {
     ) -> Result<Vec<Bead>, InfillError> {
         self.timings.time(Stage::Support, || {
             match (&self.raft, self.support()) {
-                (Some(raft), _) if span.index < self.raft_layers => {
+                (Some(raft), _) if span.index < self.plans.raft.layers => {
                     raft.beads(span)
                 }
                 (_, Some(support)) => support.beads(span),
@@ -332,11 +335,11 @@ impl<'a> Stages<'a> {
 }
 
 /// A layer's number and heights without the raft's.
-fn without_raft(span: LayerSpan, (layers, height): (usize, Mm)) -> LayerSpan {
+fn without_raft(span: LayerSpan, raft: &RaftPlan) -> LayerSpan {
     LayerSpan {
-        index: span.index - layers,
-        bottom: span.bottom - height,
-        top: span.top - height,
+        index: span.index - raft.layers,
+        bottom: span.bottom - raft.height,
+        top: span.top - raft.height,
     }
 }
 

@@ -2,11 +2,12 @@
 
 use super::features::Feature;
 use super::printed::{Laid, printed};
-use crate::common::{join, model, settings, slice, slice_layers, text, wanted};
+use crate::common::{
+    join, model, part, settings, slice, slice_layers, text, wanted,
+};
 use isoslice::model::{Model, Placement, SourceKind};
 use isoslice::pipeline::{Options, slice_plate};
 use isoslice::plate::{Plate, Wanted};
-use isoslice::settings::Settings;
 use std::collections::BTreeMap;
 
 /// A change.
@@ -38,7 +39,7 @@ pub struct Plain {
 
 impl Plain {
     pub fn of(feature: &Feature) -> Plain {
-        let gcode = sliced(feature.part, &settings_of(feature, &[]));
+        let gcode = sliced(feature.part, &asked(feature, &[]));
         let laid = printed(&gcode, None);
         assert!(laid.len() > 100, "{} prints nothing", feature.name);
         Plain { gcode, laid }
@@ -64,22 +65,23 @@ const QUARTER: [f64; 3] = [0.0, 0.0, 90.0];
 /// By how much filament may differ, as a share.
 const SLACK: f64 = 0.005;
 
-fn settings_of(feature: &Feature, more: &[&str]) -> Settings {
-    settings(&[BASE, feature.set, more].concat())
+fn asked<'a>(feature: &Feature, more: &[&'a str]) -> Vec<&'a str> {
+    [BASE, feature.set, more].concat()
 }
 
-fn placed(f: &str, placement: &Placement, settings: &Settings) -> Model {
-    model(SourceKind::Formula, f, &[], placement, settings)
+fn placed(f: &str, placement: &Placement, asked: &[&str]) -> Model {
+    model(SourceKind::Formula, f, &[], placement, &settings(asked))
 }
 
-fn sliced(f: &str, settings: &Settings) -> String {
-    slice(&placed(f, &Placement::default(), settings), settings, 1).0
+fn sliced(f: &str, asked: &[&str]) -> String {
+    let (model, settings) = part(f, asked);
+    slice(&model, &settings, 1).0
 }
 
 impl How {
     /// What differs after the change, if anything does.
     pub fn differs(&self, feature: &Feature, plain: &Plain) -> Option<String> {
-        let own = || settings_of(feature, &[]);
+        let own = || asked(feature, &[]);
         let bytes = |gcode: &[u8]| {
             (gcode != plain.gcode.as_bytes()).then(|| "other bytes".into())
         };
@@ -87,7 +89,7 @@ impl How {
         let as_much = |gcode| filament(&plain.laid, &printed(gcode, None));
         match *self {
             How::Written(more) => {
-                same(&sliced(feature.part, &settings_of(feature, more)))
+                same(&sliced(feature.part, &asked(feature, more)))
             }
             How::Formula(f) => same(&sliced(&f(feature.part), &own())),
             How::Cut(face) => {
@@ -99,27 +101,23 @@ impl How {
             How::Turned => {
                 let angles = &["infill_angle=135", "skin_angle=135"][..];
                 let more = [angles, feature.turned?].concat();
-                let settings = settings_of(feature, &more);
+                let own = asked(feature, &more);
                 let turned = Placement {
                     rotate: QUARTER,
                     ..Placement::default()
                 };
-                let turned = placed(feature.part, &turned, &settings);
-                as_much(&slice(&turned, &settings, 1).0)
+                let turned = placed(feature.part, &turned, &own);
+                as_much(&slice(&turned, &settings(&own), 1).0)
             }
             How::Moved => moved(feature, plain),
             How::Threads => {
-                let settings = own();
-                let none = Placement::default();
-                let model = placed(feature.part, &none, &settings);
+                let (model, settings) = part(feature.part, &own());
                 bytes(slice(&model, &settings, 3).0.as_bytes())
             }
             How::Ranges => {
-                let settings = own();
-                let none = Placement::default();
-                let model = placed(feature.part, &none, &settings);
-                let part = |range| slice_layers(&model, &settings, range, 1).0;
-                let parts = ["1..2", "3..7", "8.."].map(part);
+                let (model, settings) = part(feature.part, &own());
+                let of = |range| slice_layers(&model, &settings, range, 1).0;
+                let parts = ["1..2", "3..7", "8.."].map(of);
                 bytes(&join(&parts).unwrap())
             }
             How::Plate => in_company(feature),
@@ -129,16 +127,16 @@ impl How {
 
 /// What differs if the part stands elsewhere on the bed.
 fn moved(feature: &Feature, plain: &Plain) -> Option<String> {
-    let settings = settings_of(feature, &[]);
+    let own = asked(feature, &[]);
     let [here, there] = [None, Some((123.0, 87.0))].map(|at| {
         let placement = Placement {
             at,
             ..Placement::default()
         };
-        placed(feature.part, &placement, &settings)
+        placed(feature.part, &placement, &own)
     });
     let shift = (there.offset - here.offset).truncate();
-    let mut laid = printed(&slice(&there, &settings, 1).0, None);
+    let mut laid = printed(&slice(&there, &settings(&own), 1).0, None);
     laid.iter_mut().for_each(|l| l.shift(-shift));
     beads(&plain.laid, &laid)
 }
@@ -151,14 +149,14 @@ fn in_company(feature: &Feature) -> Option<String> {
         "gcode.labels=on",
         "plate.spacing=30",
     ][..];
-    let together = settings_of(feature, plate);
+    let together = settings(&asked(feature, plate));
     if text(&together, "spiral") != "false" {
         // A vase has its plate for itself.
         return None;
     }
     // A skirt and a shield belong to the plate.
     let own = [plate, &["skirt.loops=0", "draft_shield=off"]].concat();
-    let own = settings_of(feature, &own);
+    let own = settings(&asked(feature, &own));
     let alone = vec![wanted("part", feature.part, 1, &own)];
     let mut all = vec![wanted("part", feature.part, 2, &together)];
     // All parts of a plate have the same layers.
@@ -167,10 +165,10 @@ fn in_company(feature: &Feature) -> Option<String> {
         turned.placement.rotate = QUARTER;
         all.push(turned);
     }
-    let (_, alone) = on_plate(&alone, &own);
+    let (_, alone) = on_plate(&alone);
     let alone = printed(&alone, Some("part"));
     assert!(!alone.is_empty());
-    let (plate, gcode) = on_plate(&all, &together);
+    let (plate, gcode) = on_plate(&all);
     let part = plate.parts.iter().find(|p| p.model.name == "part").unwrap();
     assert_eq!(part.places.len(), 2);
     part.places.iter().find_map(|place| {
@@ -180,8 +178,8 @@ fn in_company(feature: &Feature) -> Option<String> {
     })
 }
 
-fn on_plate(all: &[Wanted], settings: &Settings) -> (Plate, String) {
-    let plate = Plate::new("plate", all, settings).unwrap();
+fn on_plate(all: &[Wanted]) -> (Plate, String) {
+    let plate = Plate::new("plate", all, &all[0].settings).unwrap();
     let options = Options {
         threads: Some(1),
         ..Options::default()

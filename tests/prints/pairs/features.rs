@@ -121,11 +121,7 @@ pub static FEATURES: &[Feature] = &[
         &["contour_z=100", "ironing=true", "contour_z_angle=30"],
     ),
     on(BLOCK, "ironing", &["ironing=true"]),
-    on(
-        BLOCK,
-        "scarves that rise",
-        &["seam_scarf=8", "seam_scarf_start=10"],
-    ),
+    on(BLOCK, "scarves that rise", &["seam_scarf=8 from 10%"]),
     on(
         BLOCK,
         "walls that interlock",
@@ -137,10 +133,7 @@ pub static FEATURES: &[Feature] = &[
     on(
         BLOCK,
         "rings of skin",
-        &[
-            "top_skin_pattern=concentric",
-            "bottom_skin_pattern=concentric",
-        ],
+        &["skin_pattern=top: concentric, bottom: concentric"],
     ),
     on(TUBE, "a thin tube", &["walls=2"]),
     on(
@@ -161,7 +154,7 @@ pub static FEATURES: &[Feature] = &[
     on(
         BLOCK,
         "ears and two skirts",
-        &["brim.place=ears", "brim.ear_radius=2", "skirt.loops=2"],
+        &["brim.place=ears", "brim.width=2", "skirt.loops=2"],
     ),
     on(BLOCK, "a draft shield", &["draft_shield=full"]),
     on(
@@ -219,7 +212,7 @@ pub static FEATURES: &[Feature] = &[
     on(
         BLOCK,
         "a first layer drawn in",
-        &["elephant_foot=0.2", "elephant_foot_layers=3"],
+        &["elephant_foot=0.2 over 3 layers"],
     ),
     on(BLOCK, "an even flow", &["filament.max_flow_change=50"]),
     on(BLOCK, "the outer wall first", &["wall_order=outer-first"]),

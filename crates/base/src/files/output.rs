@@ -86,12 +86,12 @@ pub enum OutputError {
 
 /// Output that is being written.
 pub struct Output {
-    kind: Kind,
+    kind: OutputKind,
     /// The output's name in errors.
     path: PathBuf,
 }
 
-enum Kind {
+enum OutputKind {
     /// A file beside the destination, which is renamed at the end.
     Pending {
         writer: BufWriter<NamedTempFile>,
@@ -161,7 +161,7 @@ impl Output {
                 .set_permissions(data.permissions())
                 .map_err(system)?;
         }
-        let kind = Kind::Pending {
+        let kind = OutputKind::Pending {
             writer: BufWriter::with_capacity(BUFFER, file),
             listed,
             destination,
@@ -188,7 +188,7 @@ impl Output {
         }
         match temporary_in(folder) {
             Ok((file, listed)) => {
-                let kind = Kind::Pending {
+                let kind = OutputKind::Pending {
                     writer: BufWriter::with_capacity(BUFFER, file),
                     listed,
                     destination: path.clone(),
@@ -204,7 +204,7 @@ impl Output {
     pub fn stream(path: &Path, to: impl Write + Send + 'static) -> Self {
         let to: Box<dyn Write + Send> = Box::new(to);
         Output {
-            kind: Kind::Stream(BufWriter::with_capacity(BUFFER, to)),
+            kind: OutputKind::Stream(BufWriter::with_capacity(BUFFER, to)),
             path: path.to_owned(),
         }
     }
@@ -228,7 +228,7 @@ impl Output {
     /// True if the output is not a file, so that messages on standard output
     /// might get into it.
     pub fn is_stream(&self) -> bool {
-        matches!(self.kind, Kind::Stream(_))
+        matches!(self.kind, OutputKind::Stream(_))
     }
 
     /// Writes bytes, all the way to the system.
@@ -254,11 +254,11 @@ impl Output {
     }
 }
 
-impl Kind {
+impl OutputKind {
     fn finish(self) -> io::Result<()> {
         match self {
-            Kind::Stream(mut writer) => writer.flush(),
-            Kind::Pending {
+            OutputKind::Stream(mut writer) => writer.flush(),
+            OutputKind::Pending {
                 writer,
                 listed,
                 destination,
@@ -288,15 +288,15 @@ impl Kind {
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match &mut self.kind {
-            Kind::Pending { writer, .. } => writer.write(bytes),
-            Kind::Stream(writer) => writer.write(bytes),
+            OutputKind::Pending { writer, .. } => writer.write(bytes),
+            OutputKind::Stream(writer) => writer.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match &mut self.kind {
-            Kind::Pending { writer, .. } => writer.flush(),
-            Kind::Stream(writer) => writer.flush(),
+            OutputKind::Pending { writer, .. } => writer.flush(),
+            OutputKind::Stream(writer) => writer.flush(),
         }
     }
 }

@@ -63,7 +63,7 @@ fn a_bead_that_rises_has_something_below_it() {
         let all = with(0.3, line);
         let found = &all.findings[..];
         assert_eq!(found.len(), 1, "{all:?}");
-        assert_eq!((found[0].kind, found[0].count), (Kind::InTheAir, 1));
+        assert_eq!((found[0].kind, found[0].count), (FindingKind::InTheAir, 1));
         assert!(found[0].line > 0);
         let x = 50.0 + 0.4 * line as f64;
         assert!((found[0].at - DVec3::new(x, 50.0, 0.9)).length() < 1e-6);
@@ -73,8 +73,8 @@ fn a_bead_that_rises_has_something_below_it() {
     let first = layer(0.2, |k| if k == 5 { 0.3 } else { 0.0 });
     let island = format!("{}{}", layer(0.2, level), alone(0.5));
     // The bead is an island of its own, which is told once.
-    assert_eq!(count(&of_layers(&[island]), Kind::InTheAir), 1);
-    assert_eq!(count(&of_layers(&[first]), Kind::InTheAir), 1);
+    assert_eq!(count(&of_layers(&[island]), FindingKind::InTheAir), 1);
+    assert_eq!(count(&of_layers(&[first]), FindingKind::InTheAir), 1);
     // A bead that lies over a gap in the layer below bridges it.
     let gap = levels(&[0.2])
         .into_iter()
@@ -98,8 +98,8 @@ fn an_island_stands_at_its_own_height() {
     // The next bead begins above one that is sunk, which itself is laid into
     // what is below it.
     let all = with(0.1);
-    assert_eq!(count(&all, Kind::InTheAir), 1, "{all:?}");
-    assert_eq!(count(&all, Kind::Sunk), 1, "{all:?}");
+    assert_eq!(count(&all, FindingKind::InTheAir), 1, "{all:?}");
+    assert_eq!(count(&all, FindingKind::Sunk), 1, "{all:?}");
 }
 
 #[test]
@@ -109,7 +109,11 @@ fn no_bead_is_laid_into_those_below() {
     layers.push(raised);
     layers.extend(levels(&[0.8]));
     let all = of_layers(&layers);
-    let sunk = all.findings.iter().find(|f| f.kind == Kind::Sunk).unwrap();
+    let sunk = all
+        .findings
+        .iter()
+        .find(|f| f.kind == FindingKind::Sunk)
+        .unwrap();
     // The cells of the raised line are those of its neighbours, too.
     assert!(matches!(sunk.count, 1..=3), "{all:?}");
     assert!((sunk.at.x - 52.0).abs() < 0.7, "{sunk:?}");
@@ -130,9 +134,14 @@ fn no_travel_leads_through_what_is_printed() {
             "G1 Z2 F600\nG1 X40 Y55 F6000\nG1 Z{z} F600\nG1 X70 Y60 F6000\n"
         );
         let (all, line) = with(&way);
-        assert_eq!(count(&all, Kind::Low), u64::from(low), "{z} {all:?}");
+        assert_eq!(
+            count(&all, FindingKind::Low),
+            u64::from(low),
+            "{z} {all:?}"
+        );
         if low {
-            let found = all.findings.iter().find(|f| f.kind == Kind::Low);
+            let found =
+                all.findings.iter().find(|f| f.kind == FindingKind::Low);
             let found = found.unwrap();
             assert_eq!(found.line, line + 3);
             let top = if z == 0.3 { 0.6 } else { 0.7 };

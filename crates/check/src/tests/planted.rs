@@ -25,7 +25,7 @@ fn print_with(planted: &str) -> String {
 }
 
 /// What is found, each with its line counted from the planted one.
-fn found(planted: &str) -> Vec<(Kind, i64)> {
+fn found(planted: &str) -> Vec<(FindingKind, i64)> {
     let text = print_with(planted);
     let clean = print_with("");
     let same = text.lines().zip(clean.lines()).take_while(|(a, b)| a == b);
@@ -53,11 +53,14 @@ fn no_filament_is_pushed_in_place() {
             .lines()
             .position(|l| l.contains("E8") || l.contains("F"));
         let line = first.unwrap() as i64 + 1;
-        assert_eq!(found(blob), [(Kind::Blob, line)], "{blob}");
+        assert_eq!(found(blob), [(FindingKind::Blob, line)], "{blob}");
     }
     // Many small drops are one blob.
     let drops = "G1 E0.2 F200\n".repeat(9);
-    assert_eq!(found(&format!("{drops}G1 F1800\n")), [(Kind::Blob, 3)]);
+    assert_eq!(
+        found(&format!("{drops}G1 F1800\n")),
+        [(FindingKind::Blob, 3)]
+    );
     for fine in [
         "G1 E-0.8 F2100\nG1 E0.9\nG1 F1800\n",
         // What a user's own template does is the user's own choice.
@@ -72,25 +75,25 @@ fn no_filament_is_pushed_in_place() {
     assert!(verdict(&end).counts.is_empty());
     let more = ["retract.extra_prime=2"];
     let all = verdict_with(&print_with("G1 E2.4 F200\nG1 F1800\n"), &more);
-    assert_eq!(count(&all, Kind::Blob), 0);
+    assert_eq!(count(&all, FindingKind::Blob), 0);
 }
 
 #[test]
 fn the_nozzle_does_not_go_down_into_the_print() {
     let dive = |z: f64| found(&format!("G1 Z{z} F600\nG1 Z0.4\nG1 F1800\n"));
-    assert_eq!(dive(0.0), [(Kind::Low, 1)]);
+    assert_eq!(dive(0.0), [(FindingKind::Low, 1)]);
     // A scarf begins within its layer.
     assert_eq!(dive(0.22), []);
     // Relative moves are followed.
     let deep = "G91\nG1 Z-0.4 F600\nG1 Z0.4\nG90\nM83\nG1 F1800\n";
-    assert_eq!(found(deep), [(Kind::Low, 2)]);
+    assert_eq!(found(deep), [(FindingKind::Low, 2)]);
     // More than the nozzle is wide is a fault.
     let tall: String = (4..12).map(|k| layer(0.2 * f64::from(k))).collect();
     let text = print_with("").replace(END, &tall);
     let over = |end: &str| {
         let text = format!("{text}G1 Z0.9 F600\n{end}{END}");
         let all = verdict(&text);
-        (count(&all, Kind::Dive), all.is_safe())
+        (count(&all, FindingKind::Dive), all.is_safe())
     };
     assert_eq!(over("G1 Z2.2\nG1 F1800\nG1 X60 E0.3\n"), (1, false));
     assert_eq!(over(""), (0, true), "nothing is printed after it");
@@ -117,7 +120,7 @@ fn nothing_is_measured_in_the_middle_of_a_print() {
         "PROBE",
     ] {
         let line = format!("{code}\n");
-        assert_eq!(found(&line), [(Kind::Harmful, 1)], "{code}");
+        assert_eq!(found(&line), [(FindingKind::Harmful, 1)], "{code}");
         // Before and after the print these commands are usual.
         let beside = format!("{line}{}{line}", print_with(""));
         assert!(verdict(&beside).counts.is_empty(), "{code}");
@@ -127,27 +130,27 @@ fn nothing_is_measured_in_the_middle_of_a_print() {
 #[test]
 fn numbers_are_never_too_large_for_the_rules() {
     for (line, kind) in [
-        ("M206 Z-10000000000", Kind::Harmful),
-        ("M851 Z9999999999999999999999", Kind::Harmful),
-        ("M290 Z-1000000000", Kind::Harmful),
-        ("M104 S10000000000", Kind::TooHot),
-        ("M190 S99999999999999999999999", Kind::TooHot),
+        ("M206 Z-10000000000", FindingKind::Harmful),
+        ("M851 Z9999999999999999999999", FindingKind::Harmful),
+        ("M290 Z-1000000000", FindingKind::Harmful),
+        ("M104 S10000000000", FindingKind::TooHot),
+        ("M190 S99999999999999999999999", FindingKind::TooHot),
         (
             "SET_HEATER_TEMPERATURE HEATER=extruder TARGET=1e12",
-            Kind::TooHot,
+            FindingKind::TooHot,
         ),
-        ("M204 P10000000000", Kind::Changed),
-        ("M106 S10000000000", Kind::Changed),
-        ("G4 P99999999999", Kind::Changed),
-        ("SET_GCODE_OFFSET Z=nan", Kind::Senseless),
-        ("G1 X10000000000", Kind::Senseless),
-        ("G1 E10000000000", Kind::Blob),
+        ("M204 P10000000000", FindingKind::Changed),
+        ("M106 S10000000000", FindingKind::Changed),
+        ("G4 P99999999999", FindingKind::Changed),
+        ("SET_GCODE_OFFSET Z=nan", FindingKind::Senseless),
+        ("G1 X10000000000", FindingKind::Senseless),
+        ("G1 E10000000000", FindingKind::Blob),
     ] {
         let kinds = found(&format!("{line}\n"));
         assert_eq!(kinds.first(), Some(&(kind, 1)), "{line}: {kinds:?}");
     }
     let offset = found("SET_GCODE_OFFSET Z=-10000000000\nG1 Z0.4 F600\n");
-    assert!(offset.contains(&(Kind::OutOfReach, 2)), "{offset:?}");
+    assert!(offset.contains(&(FindingKind::OutOfReach, 2)), "{offset:?}");
 }
 
 #[test]
@@ -155,7 +158,7 @@ fn the_first_layer_lies_on_the_bed() {
     let with = |z: &str| {
         let text = print_with("").replacen("G1 Z0.2", &format!("G1 Z{z}"), 1);
         let all = verdict(&text);
-        let first = all.findings.iter().find(|f| f.kind == Kind::OffBed);
+        let first = all.findings.iter().find(|f| f.kind == FindingKind::OffBed);
         first.map(|f| (f.line, f.message.clone()))
     };
     assert_eq!(with("0.2"), None);
@@ -177,7 +180,7 @@ fn the_first_layer_lies_on_the_bed() {
             "G28\nM109 S200\nM83\nG1 Z{z} F600\nG1 X50 Y50 F6000\n\
              G1 X80 E1.2 F1800\nG1 Y80 E1.2\n{END}"
         );
-        count(&verdict(&text), Kind::OffBed)
+        count(&verdict(&text), FindingKind::OffBed)
     };
     assert_eq!((bare(0.35), bare(1.8), bare(0.0)), (0, 2, 2));
 }
@@ -194,15 +197,18 @@ fn no_layer_is_left_out() {
         all.counts.into_iter().collect::<Vec<_>>()
     };
     assert_eq!(bare(&[1, 2, 3, 4, 5, 6]), []);
-    assert_eq!(bare(&[1, 2, 3, 5, 6, 7]), [(Kind::Jump, 1)]);
-    assert_eq!(bare(&[1, 2, 3, 5, 6, 8, 9]), [(Kind::Jump, 2)]);
+    assert_eq!(bare(&[1, 2, 3, 5, 6, 7]), [(FindingKind::Jump, 1)]);
+    assert_eq!(bare(&[1, 2, 3, 5, 6, 8, 9]), [(FindingKind::Jump, 2)]);
 }
 
 #[test]
 fn the_print_is_not_shifted() {
     for shift in ["G92 X60\n", "G92 Y50\n", "G92 X50 Y50 E0\n", "G92\n"] {
         let kinds = found(shift);
-        assert!(kinds.contains(&(Kind::Harmful, 1)), "{shift}: {kinds:?}");
+        assert!(
+            kinds.contains(&(FindingKind::Harmful, 1)),
+            "{shift}: {kinds:?}"
+        );
         // Before and after the print this is usual.
         let (start, end) = ("G92 X0 Y0\nG28\n", "G92 X0 Y0\n");
         let beside = format!("{start}{}{end}", print_with(""));
@@ -219,7 +225,7 @@ fn beads_take_the_filament_that_the_file_tells() {
         all.counts.into_iter().collect::<Vec<_>>()
     };
     assert_eq!(with(37.8), []);
-    assert_eq!(with(18.9), [(Kind::Flow, 1)]);
+    assert_eq!(with(18.9), [(FindingKind::Flow, 1)]);
     // A start may purge any length.
     assert_eq!(with(120.0), []);
 }
@@ -232,11 +238,11 @@ fn no_layer_is_printed_twice() {
         let all = verdict(&text.replace(";LAYER_CHANGE\n", head));
         all.counts.into_iter().collect::<Vec<_>>()
     };
-    assert_eq!(twice(";LAYER_CHANGE\n"), [(Kind::Again, 1)]);
+    assert_eq!(twice(";LAYER_CHANGE\n"), [(FindingKind::Again, 1)]);
     // A file without marks has one layer there, with twice the plastic.
     let kinds = twice("");
-    assert!(kinds.contains(&(Kind::Again, 1)), "{kinds:?}");
-    assert!(kinds.contains(&(Kind::Flow, 1)), "{kinds:?}");
+    assert!(kinds.contains(&(FindingKind::Again, 1)), "{kinds:?}");
+    assert!(kinds.contains(&(FindingKind::Flow, 1)), "{kinds:?}");
 }
 
 #[test]
@@ -256,7 +262,7 @@ fn plastic_is_as_much_as_there_is_room_for() {
             }
         }
         let all = verdict(&text);
-        (count(&all, Kind::Flow), all.is_safe())
+        (count(&all, FindingKind::Flow), all.is_safe())
     };
     for said in [true, false] {
         for usual in [0.6, 1.0, 1.2] {
@@ -267,9 +273,9 @@ fn plastic_is_as_much_as_there_is_room_for() {
         }
     }
     let double = print_with("").replace("M83\n", "M83\nM221 S200\n");
-    assert_eq!(count(&verdict(&double), Kind::Flow), 3);
+    assert_eq!(count(&verdict(&double), FindingKind::Flow), 3);
     let all = verdict_with(&double, &["flow=200"]);
-    assert_eq!(count(&all, Kind::Flow), 0);
+    assert_eq!(count(&all, FindingKind::Flow), 0);
 }
 
 #[test]
@@ -280,7 +286,7 @@ fn a_file_without_filament_prints_nothing() {
             None => line,
         });
         let all = verdict(&lines.collect::<Vec<_>>().join("\n"));
-        count(&all, Kind::Empty)
+        count(&all, FindingKind::Empty)
     };
     assert_eq!(dry(&print_with("")), 1);
     // The filament may also end in the middle.
@@ -288,7 +294,7 @@ fn a_file_without_filament_prints_nothing() {
     let at = text.find(";Z:0.4").unwrap();
     let all =
         verdict(&(text[..at].to_owned() + &text[at..].replace(" E", " ;")));
-    assert_eq!(count(&all, Kind::Empty), 1, "{all:?}");
+    assert_eq!(count(&all, FindingKind::Empty), 1, "{all:?}");
 }
 
 #[test]
@@ -298,7 +304,7 @@ fn a_bead_is_not_interrupted() {
     let line = text[..at].lines().count() as u64;
     let last = text[..at].trim_end().rfind(" E").unwrap();
     let all = verdict(&(text[..last].to_owned() + &text[at - 1..]));
-    assert_eq!(count(&all, Kind::Gap), 1, "{all:?}");
+    assert_eq!(count(&all, FindingKind::Gap), 1, "{all:?}");
     assert_eq!(all.findings[0].line, line);
     assert!(
         all.findings[0]
@@ -318,7 +324,7 @@ fn a_print_that_goes_on_in_the_air_is_found() {
             shift
         };
         let all = verdict(&print_with(&planted));
-        let kinds = [Kind::InTheAir, Kind::Adrift];
+        let kinds = [FindingKind::InTheAir, FindingKind::Adrift];
         let of = all.findings.iter().filter(|f| kinds.contains(&f.kind));
         of.map(|f| f.line).min()
     };
@@ -340,7 +346,7 @@ fn a_command_ends_where_marlin_still_reads_it() {
         format!("M104{blanks}  S210\n"),
     ] {
         let kinds = found(&line);
-        assert_eq!(kinds.first(), Some(&(Kind::Senseless, 1)), "{line}");
+        assert_eq!(kinds.first(), Some(&(FindingKind::Senseless, 1)), "{line}");
     }
     for fine in [
         format!("M117 {}\n", "printing ".repeat(20)),
@@ -354,7 +360,7 @@ fn a_command_ends_where_marlin_still_reads_it() {
 
 #[test]
 fn a_printer_of_one_tool_takes_no_other() {
-    assert_eq!(found("T1\n"), [(Kind::NoTool, 1)]);
+    assert_eq!(found("T1\n"), [(FindingKind::NoTool, 1)]);
     assert_eq!(found("T0\n"), []);
     for tool in ["T1", "T63", "T100"] {
         let all = verdict(&print_with(&format!("{tool}\n")));
@@ -362,7 +368,7 @@ fn a_printer_of_one_tool_takes_no_other() {
         assert!(told.starts_with(&format!("{tool} takes")), "{told}");
     }
     let text = print_with("T1\nG1 E9\n");
-    let fine = |text: String| count(&verdict(&text), Kind::NoTool) == 0;
+    let fine = |text: String| count(&verdict(&text), FindingKind::NoTool) == 0;
     // Files for several tools or filaments heat them, or name them.
     assert!(fine(text.replace("M83\n", "M83\nM104 T1 S200\n")));
     assert!(fine(text.replace("M83\n", "M83\nT1\n")));
@@ -381,12 +387,12 @@ fn wipes_need_no_comments() {
         assert_eq!(found(wipe), [], "{wipe}");
     }
     let back = "G1 X55 E-0.8 F2100\nG1 E0.8\nG1 F1800\n";
-    assert_eq!(found(back), [(Kind::Backwards, 1)]);
+    assert_eq!(found(back), [(FindingKind::Backwards, 1)]);
 }
 
 #[test]
 fn two_letters_are_no_gcode() {
-    let rules = Rules::new(&Settings::default());
+    let rules = Rules::new(&settings(&[]));
     for text in ["PK", "PK\n", "PK\x03", "GC", "GCD"] {
         assert!(check(text.as_bytes(), &rules).is_err(), "{text:?}");
     }

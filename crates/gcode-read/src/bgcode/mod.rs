@@ -47,7 +47,7 @@ const LENGTH: u8 = 4;
 
 /// What a block holds, by its number in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum BlockKind {
     /// Who made the file.
     File = 0,
     /// A piece of the text.
@@ -62,15 +62,15 @@ enum Kind {
     Thumbnail = 5,
 }
 
-impl Kind {
-    fn of(number: u16) -> Option<Kind> {
+impl BlockKind {
+    fn of(number: u16) -> Option<BlockKind> {
         let all = [
-            Kind::File,
-            Kind::Gcode,
-            Kind::Slicer,
-            Kind::Printer,
-            Kind::Print,
-            Kind::Thumbnail,
+            BlockKind::File,
+            BlockKind::Gcode,
+            BlockKind::Slicer,
+            BlockKind::Printer,
+            BlockKind::Print,
+            BlockKind::Thumbnail,
         ];
         all.get(usize::from(number)).copied()
     }
@@ -78,7 +78,7 @@ impl Kind {
     /// Bytes between the block's head and its data.
     fn parameters(self) -> usize {
         match self {
-            Kind::Thumbnail => 6,
+            BlockKind::Thumbnail => 6,
             _ => 2,
         }
     }

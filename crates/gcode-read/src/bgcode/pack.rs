@@ -2,7 +2,7 @@
 
 use super::heatshrink::compressed;
 use super::{
-    BLOCK, Compression, Kind, LENGTH, MAGIC, VERSION, WINDOW, number_of,
+    BLOCK, BlockKind, Compression, LENGTH, MAGIC, VERSION, WINDOW, number_of,
 };
 use isoslice_settings::PictureSize;
 use std::fs::File;
@@ -68,15 +68,15 @@ impl<W: Write> Packer<W> {
         out.write_all(&MAGIC)?;
         out.write_all(&VERSION.to_le_bytes())?;
         out.write_all(&CRC.to_le_bytes())?;
-        write_keys(out, Kind::File, &about.file)?;
-        write_keys(out, Kind::Printer, &about.printer)?;
+        write_keys(out, BlockKind::File, &about.file)?;
+        write_keys(out, BlockKind::Printer, &about.printer)?;
         for (size, file) in &about.pictures {
             let [width, height] = size.pixels.map(|n| n as u16);
             let parameters = [number_of(size.format), width, height];
-            write_block(out, Kind::Thumbnail, &parameters, file, None)?;
+            write_block(out, BlockKind::Thumbnail, &parameters, file, None)?;
         }
-        write_keys(out, Kind::Print, &about.print)?;
-        write_keys(out, Kind::Slicer, &about.slicer)?;
+        write_keys(out, BlockKind::Print, &about.print)?;
+        write_keys(out, BlockKind::Slicer, &about.slicer)?;
         let mut blocks =
             self.blocks.into_inner().map_err(|e| e.into_error())?;
         blocks.rewind()?;
@@ -107,12 +107,12 @@ impl<W: Write> Write for Packer<W> {
 
 fn write_text(out: &mut impl Write, text: &[u8]) -> io::Result<()> {
     let small = compressed(text, WINDOW, LENGTH);
-    write_block(out, Kind::Gcode, &[PLAIN], text, Some(&small))
+    write_block(out, BlockKind::Gcode, &[PLAIN], text, Some(&small))
 }
 
 fn write_keys(
     out: &mut impl Write,
-    kind: Kind,
+    kind: BlockKind,
     keys: &[Key],
 ) -> io::Result<()> {
     let lines = keys.iter().map(|(key, value)| format!("{key}={value}\n"));
@@ -123,7 +123,7 @@ fn write_keys(
 /// Writes a block with `data`, which may be compressed.
 fn write_block(
     out: &mut impl Write,
-    kind: Kind,
+    kind: BlockKind,
     parameters: &[u16],
     data: &[u8],
     small: Option<&[u8]>,

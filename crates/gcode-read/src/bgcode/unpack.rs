@@ -6,7 +6,8 @@
 //! larger than [`LARGEST`].
 
 use super::{
-    BLOCK, Compression, Kind, MAGIC, VERSION, heatshrink, meatpack, number_of,
+    BLOCK, BlockKind, Compression, MAGIC, VERSION, heatshrink, meatpack,
+    number_of,
 };
 use crate::package::{self, Opened};
 use flate2::read::ZlibDecoder;
@@ -184,7 +185,8 @@ impl<R: Read> Unpacked<R> {
             return Err(Damaged::CutOff(block).into());
         }
         let word = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
-        let kind = Kind::of(word(0)).ok_or(format("its kind is unknown"))?;
+        let kind =
+            BlockKind::of(word(0)).ok_or(format("its kind is unknown"))?;
         let compression = Compression::of(word(2))
             .ok_or(format("it is compressed in an unknown way"))?;
         let size = |b: &[u8]| match b {
@@ -218,7 +220,7 @@ impl<R: Read> Unpacked<R> {
             &[low, high, ..] => u16::from_le_bytes([low, high]),
             _ => u16::MAX,
         };
-        if let (OfBlocks::Pictures(all), Kind::Thumbnail) =
+        if let (OfBlocks::Pictures(all), BlockKind::Thumbnail) =
             (&mut self.of_blocks, kind)
         {
             let file = bytes[start..].to_vec();
@@ -231,16 +233,16 @@ impl<R: Read> Unpacked<R> {
         // Pictures are for screens, and nobody reads keys that come after the
         // text.
         let keys = matches!(self.of_blocks, OfBlocks::Comments) && !has_text;
-        if kind == Kind::Thumbnail || (kind != Kind::Gcode && !keys) {
+        if kind == BlockKind::Thumbnail || (kind != BlockKind::Gcode && !keys) {
             return Ok(true);
         }
         let text = decompressed(&bytes[start..], compression, whole as usize)
             .ok_or(format("its contents cannot be decompressed"))?;
         self.at = 0;
         self.ready = match (kind, encoding) {
-            (Kind::Gcode, 0) => text,
-            (Kind::Gcode, 1 | 2) => meatpack::unpacked(&text),
-            (Kind::Gcode, _) => {
+            (BlockKind::Gcode, 0) => text,
+            (BlockKind::Gcode, 1 | 2) => meatpack::unpacked(&text),
+            (BlockKind::Gcode, _) => {
                 return Err(format("its text has an unknown encoding").into());
             }
             // Newer versions of PrusaSlicer write their settings twice.
@@ -248,7 +250,7 @@ impl<R: Read> Unpacked<R> {
             _ => Vec::new(),
         };
         match kind {
-            Kind::Gcode => {
+            BlockKind::Gcode => {
                 let has_text = true;
                 self.form = Form::Binary {
                     checksums,

@@ -18,10 +18,11 @@ const LARGEST: u64 = 1 << 31;
 /// Greatest number of entries. Plates have a dozen, and a few for each model.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Greatest ratio of the text's length to its packed one, beyond [`SLACK`]: a
+/// Greatest ratio of the text's length to its packed one, beyond [`ALWAYS_UNPACKED`]: a
 /// few megabytes must not become gigabytes that take minutes to read.
 const LIKELY: u64 = 64;
-const SLACK: u64 = 1 << 24;
+/// A text that is no longer than this is unpacked whatever the ratio, bytes.
+const ALWAYS_UNPACKED: u64 = 1 << 24;
 
 /// Counts the headers that an archive's directory has for its entries.
 ///
@@ -184,7 +185,11 @@ impl Opened {
         };
         let entry = archive.by_name(name).map_err(damaged)?;
         let (packed, length) = (entry.compressed_size(), entry.size());
-        if length > packed.saturating_mul(LIKELY).saturating_add(SLACK) {
+        if length
+            > packed
+                .saturating_mul(LIKELY)
+                .saturating_add(ALWAYS_UNPACKED)
+        {
             return Err(Broken::Bomb.into());
         }
         let method = entry.compression();

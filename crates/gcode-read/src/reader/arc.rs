@@ -3,7 +3,7 @@
 //! In: an arc in the plane of the bed, with its centre (I, J) or its radius
 //! (R). Out: points on it, the last one exactly its end; z rises evenly. No
 //! chord is farther than [`ACCURACY`] from the arc, unless that would take more
-//! than [`MOST`] chords.
+//! than [`MOST_CHORDS`] chords.
 
 use glam::{DVec2, DVec3};
 use isoslice_base::units::Mm;
@@ -15,7 +15,7 @@ const ACCURACY: Mm = 0.01;
 /// straight.
 const LARGEST: Mm = 1e5;
 /// Most chords of one arc: a full circle of a metre's radius has fewer.
-const MOST: u32 = 720;
+const MOST_CHORDS: u32 = 720;
 
 /// An arc, walked along chord by chord.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ impl Arc {
             to,
             radius: [r0, r1 - r0],
             angle: [start, turn],
-            count: (count as u32).clamp(1, MOST),
+            count: (count as u32).clamp(1, MOST_CHORDS),
             next: 1,
         })
     }

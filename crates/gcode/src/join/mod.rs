@@ -143,7 +143,7 @@ impl Ranges {
         let mut source = Source::open(&last.path)?;
         let foot = source.between(&last.path, last.foot())?;
         let header = last.header(self.format);
-        let templates = Templates::new(&settings, &header)?;
+        let templates = Templates::new(&plan, &header)?;
         let before = &last.manifest.foot.before;
         let end = ends::end(&mut totals, &templates, &plan, before, &foot)?;
 
@@ -188,7 +188,7 @@ impl Ranges {
             reading.pass(file.foot().start, &mut out)?;
             reading.finish()?;
         }
-        let facts = facts::facts(&settings, &totals);
+        let facts = facts::facts(&plan, &totals);
         let footer = match self.format {
             Format::Binary => String::new(),
             Format::Text | Format::Plate => {

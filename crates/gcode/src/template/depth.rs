@@ -9,7 +9,7 @@
 //! whether it makes one or not. Lists may be as long as they like, since the
 //! elements of a list lie side by side.
 
-use super::pieces::Piece;
+use super::pieces::TemplatePiece;
 use super::tokens::{Token, Tokens};
 
 /// Greatest number of operators that lie in one another, and of `elif` behind
@@ -20,7 +20,7 @@ const DEEPEST: usize = 250;
 /// Where a template is nested too deeply, in bytes, and what to do about it.
 pub(super) fn too_deep(
     source: &str,
-    pieces: &[Piece],
+    pieces: &[TemplatePiece],
 ) -> Option<(usize, String)> {
     let mut alternatives = Alternatives::default();
     let deep = pieces.iter().filter(|piece| piece.code).find(|piece| {
@@ -40,11 +40,11 @@ const WORDS: [&str; 6] = ["and", "or", "not", "is", "in", "if"];
 /// Levels between two brackets.
 #[derive(Clone, Copy, Default)]
 struct Level {
-    /// Levels of the element that is being read: its own operators, and what
-    /// is in its brackets.
+    /// Levels of the element of a list that is being read: its own operators, and
+    /// what is in its brackets.
     own: usize,
     inner: usize,
-    /// Levels of the deepest element that is over.
+    /// Levels of the deepest of the elements before it.
     over: usize,
 }
 

@@ -6,9 +6,8 @@
 //! Out: G-code. [`PLACEHOLDERS`](super::PLACEHOLDERS) is the list of names.
 //!
 //! Guarantees: an unknown name is an error with its place, also in a branch
-//! that is not taken, and so is a control character. A placeholder of another
-//! slicer means what it means there, or is an error; nothing is left out
-//! silently. All templates are tried before the first line is written. Numbers
+//! that is not taken, and so are a control character and a placeholder of another
+//! slicer. All templates are tried before the first line is written. Numbers
 //! are written as firmware reads them. A template can neither read files nor
 //! run for ever, nor take much memory.
 
@@ -17,6 +16,9 @@ mod depth;
 mod engine;
 mod error;
 mod foreign;
+#[cfg(test)]
+mod imported;
+mod line_ends;
 mod pieces;
 #[cfg(test)]
 mod tests;
@@ -26,12 +28,14 @@ pub use error::TemplateError;
 
 use super::Header;
 use super::placeholders::{self, Known, Moment, Scope};
+use super::plan::WriterPlan;
 use super::{Totals, flavour};
 use control::control;
 use depth::too_deep;
 use engine::engine;
 use error::{error, failure, unknown_name};
-use isoslice_settings::Settings;
+use foreign::foreign;
+use line_ends::with_line_ends;
 use minijinja::{Environment, Value};
 use pieces::{find, pieces};
 use std::borrow::Cow;
@@ -54,7 +58,7 @@ const LAYER: &str = "gcode.layer";
 #[derive(Debug)]
 pub(super) struct Templates<'a> {
     engine: Environment<'static>,
-    settings: &'a Settings,
+    plan: WriterPlan<'a>,
     header: Header,
     /// Values that every template knows.
     known: BTreeMap<String, Value>,
@@ -68,10 +72,8 @@ pub(super) struct Templates<'a> {
 struct Source<'a> {
     name: &'static str,
     scope: Scope,
-    /// The text as the user wrote it.
-    written: &'a str,
-    /// The text in minijinja's syntax.
-    ours: Cow<'a, str>,
+    /// The text, with marks that keep the ends of its lines.
+    text: Cow<'a, str>,
 }
 
 impl<'a> Source<'a> {
@@ -83,21 +85,19 @@ impl<'a> Source<'a> {
         if let Some((at, message)) = control(written) {
             return Err(error(name, written, at, message));
         }
-        let ours = foreign::translated(written, &pieces(written), scope)
-            .map_err(|(at, message)| error(name, written, at, message))?;
+        if let Some((at, message)) = foreign(written, &pieces(written), scope) {
+            return Err(error(name, written, at, message));
+        }
         Ok(Source {
             name,
             scope,
-            written,
-            ours,
+            text: with_line_ends(written),
         })
     }
 
-    /// The error for a mistake at the byte `at` of the text in minijinja's
-    /// syntax.
+    /// The error for a mistake at the byte `at` of the text.
     fn error(&self, at: usize, message: String) -> TemplateError {
-        let at = foreign::origin(self.written, &self.ours, at);
-        error(self.name, self.written, at, message)
+        error(self.name, &self.text, at, message)
     }
 
     /// The error for an error of the engine.
@@ -115,12 +115,12 @@ impl<'a> Source<'a> {
 }
 
 impl<'a> Templates<'a> {
-    /// Reads and tries the templates of `settings`.
+    /// Reads and tries the templates of `plan`.
     pub(super) fn new(
-        settings: &'a Settings,
+        plan: &WriterPlan<'a>,
         header: &Header,
     ) -> Result<Self, TemplateError> {
-        let gcode = &settings.gcode;
+        let [start, end, layer] = plan.templates;
         let own = |text: &'a str, default| {
             // The text may have been pasted with a file's byte-order mark.
             let text = text.trim_start_matches('\u{feff}');
@@ -130,12 +130,12 @@ impl<'a> Templates<'a> {
                 text
             }
         };
-        let start = own(&gcode.start, flavour::START);
-        let end = own(&gcode.end, flavour::END);
-        let layer = own(&gcode.layer, "");
-        let mut known = placeholders::of_settings(settings);
+        let start = own(start, flavour::START);
+        let end = own(end, flavour::END);
+        let layer = own(layer, "");
+        let mut known = placeholders::of_settings(plan);
         let of_all = Known {
-            settings,
+            plan,
             header,
             moment: Moment::default(),
             totals: Totals::default(),
@@ -145,7 +145,7 @@ impl<'a> Templates<'a> {
         let engine = engine().map_err(|e| start.failure(&e))?;
         let mut templates = Self {
             engine,
-            settings,
+            plan: plan.clone(),
             header: Header {
                 thumbnails: Vec::new(),
                 parts: Vec::new(),
@@ -160,13 +160,13 @@ impl<'a> Templates<'a> {
             add(&mut templates.engine, source)?;
         }
         templates.try_end()?;
-        templates.layer(Moment::of_trial(settings))?;
+        templates.layer(Moment::of_trial(plan))?;
         Ok(templates)
     }
 
-    /// The start template in minijinja's syntax.
+    /// The start template.
     pub(super) fn start_source(&self) -> &str {
-        &self.start.ours
+        &self.start.text
     }
 
     /// The start template, filled in.
@@ -180,7 +180,7 @@ impl<'a> Templates<'a> {
         moment: Moment,
     ) -> Result<Option<String>, TemplateError> {
         let layer = &self.layer;
-        (!layer.written.is_empty())
+        (!layer.text.is_empty())
             .then(|| self.render(layer, moment, Totals::default()))
             .transpose()
     }
@@ -211,7 +211,7 @@ impl<'a> Templates<'a> {
     ) -> Result<String, TemplateError> {
         let (name, scope) = (source.name, source.scope);
         let now = Known {
-            settings: self.settings,
+            plan: &self.plan,
             header: &self.header,
             moment,
             totals,
@@ -282,13 +282,13 @@ fn add(
     source: &Source<'_>,
 ) -> Result<(), TemplateError> {
     let failed = |e| source.failure(&e);
-    let (name, ours) = (source.name, &*source.ours);
-    let pieces = pieces(ours);
-    if let Some((at, message)) = too_deep(ours, &pieces) {
+    let (name, text) = (source.name, &*source.text);
+    let pieces = pieces(text);
+    if let Some((at, message)) = too_deep(text, &pieces) {
         return Err(source.error(at, message));
     }
     engine
-        .add_template_owned(name, ours.to_owned())
+        .add_template_owned(name, text.to_owned())
         .map_err(failed)?;
     let template = engine.get_template(name).map_err(failed)?;
     let globals: Vec<&str> = engine.globals().map(|(name, _)| name).collect();
@@ -309,7 +309,7 @@ fn add(
     // ones of the alphabet are searched for.
     unknown.sort();
     unknown.truncate(FEW);
-    let place = |used: &String| (find(ours, &pieces, used), used.clone());
+    let place = |used: &String| (find(text, &pieces, used), used.clone());
     let first = unknown.iter().map(place).min();
     match first {
         Some((at, used)) => {
@@ -319,16 +319,16 @@ fn add(
     }
 }
 
-/// Tries the templates of settings on a part in the middle of the bed: what is
+/// Tries the templates of a plan on a part in the middle of the bed: what is
 /// wrong with each of them.
-pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
-    let (x, y) = (settings.printer.bed_x / 2.0, settings.printer.bed_y / 2.0);
+pub fn try_templates(plan: &WriterPlan<'_>) -> Vec<TemplateError> {
+    let (x, y) = (plan.printer.bed_x / 2.0, plan.printer.bed_y / 2.0);
     let header = Header {
         model_name: String::from("part"),
         layer_count: 100,
         layers: 0..100,
         timestamp: None,
-        nozzle_temperature: settings.filament.first_layer_nozzle_temperature,
+        nozzle_temperature: plan.filament.first_layer_nozzle_temperature,
         part_min: glam::DVec3::new(x - 10.0, y - 10.0, 0.0),
         part_max: glam::DVec3::new(x + 10.0, y + 10.0, 20.0),
         parts: Vec::new(),
@@ -337,27 +337,22 @@ pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
         fingerprint: None,
         one_by_one: false,
     };
-    let mut wrong = Vec::new();
-    let templates: [fn(&mut Settings) -> &mut String; 3] = [
-        |s| &mut s.gcode.start,
-        |s| &mut s.gcode.end,
-        |s| &mut s.gcode.layer,
-    ];
-    for (i, _) in templates.iter().enumerate() {
-        let mut one = settings.clone();
-        for (j, other) in templates.iter().enumerate() {
-            if i != j {
-                other(&mut one).clear();
-            }
-        }
+    let alone = |i: usize| {
+        let mut one = plan.clone();
+        one.templates = [""; 3];
+        one.templates[i] = plan.templates[i];
         let filled = Templates::new(&one, &header).and_then(|t| t.start());
-        wrong.extend(filled.err());
-    }
-    wrong
+        filled.err()
+    };
+    (0..plan.templates.len()).filter_map(alone).collect()
 }
 
-/// True if a name of a foreign placeholder has a meaning here.
-pub fn understands_placeholder(name: &str) -> bool {
-    foreign::understands(name)
-        || placeholders::names(Scope::Layer).any(|known| known == name)
+/// True if a template of this setting knows a placeholder.
+pub fn is_placeholder(template: &str, name: &str) -> bool {
+    let scope = match template {
+        LAYER => Scope::Layer,
+        END => Scope::End,
+        _ => Scope::All,
+    };
+    placeholders::names(scope).any(|known| known == name)
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// A piece of a template.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Piece {
+pub(super) struct TemplatePiece {
     /// Place of the piece, in bytes.
     pub at: Range<usize>,
     /// True for an expression or a condition, false for plain text.
@@ -14,7 +14,7 @@ pub(super) struct Piece {
 
 /// The pieces of a template: plain text, and what is between braces, as
 /// minijinja sees them. Comments and raw text are left out.
-pub(super) fn pieces(source: &str) -> Vec<Piece> {
+pub(super) fn pieces(source: &str) -> Vec<TemplatePiece> {
     let mut all = Vec::new();
     let mut at = 0;
     while let Some(open) = source[at..]
@@ -22,7 +22,7 @@ pub(super) fn pieces(source: &str) -> Vec<Piece> {
         .map(|(i, _)| at + i)
         .find(|&i| source[i + 1..].starts_with(['{', '%', '#']))
     {
-        all.push(Piece {
+        all.push(TemplatePiece {
             at: at..open,
             code: false,
         });
@@ -44,13 +44,13 @@ pub(super) fn pieces(source: &str) -> Vec<Piece> {
             continue;
         }
         let (code, over) = extent(rest, close);
-        all.push(Piece {
+        all.push(TemplatePiece {
             at: inside..inside + code,
             code: true,
         });
         at = inside + over;
     }
-    all.push(Piece {
+    all.push(TemplatePiece {
         at: at..source.len(),
         code: false,
     });
@@ -100,7 +100,11 @@ fn extent(text: &str, close: &str) -> (usize, usize) {
 }
 
 /// Where the template first uses `name`.
-pub(super) fn find(source: &str, pieces: &[Piece], name: &str) -> usize {
+pub(super) fn find(
+    source: &str,
+    pieces: &[TemplatePiece],
+    name: &str,
+) -> usize {
     let part = |c: char| c.is_alphanumeric() || c == '_';
     pieces
         .iter()

@@ -1,5 +1,6 @@
 use super::*;
 use glam::DVec3;
+use isoslice_settings::testing::settings;
 
 pub(super) fn header() -> Header {
     Header {
@@ -19,9 +20,10 @@ pub(super) fn header() -> Header {
 }
 
 fn filled(source: &str) -> Result<String, String> {
-    let mut s = Settings::default();
-    s.gcode.start = source.to_owned();
-    let start = Templates::new(&s, &header()).and_then(|t| t.start());
+    let s = settings(&[]);
+    let mut plan = WriterPlan::of(&s);
+    plan.templates[0] = source;
+    let start = Templates::new(&plan, &header()).and_then(|t| t.start());
     start.map_err(|e| {
         let s = e.to_string();
         s.split("; ").next().unwrap_or("").to_owned()
@@ -63,14 +65,15 @@ fn every_placeholder_has_a_value_and_its_own_name() {
     let all = crate::PLACEHOLDERS;
     for p in all {
         assert_eq!(all.iter().filter(|q| q.name == p.name).count(), 1);
-        let mut s = Settings::default();
         let text = format!("{{{{ {} }}}}", p.name);
-        match p.scope {
-            Scope::All => s.gcode.start = text,
-            Scope::Layer => s.gcode.layer = text,
-            Scope::End => s.gcode.end = text,
-        }
-        assert!(Templates::new(&s, &header()).is_ok(), "{}", p.name);
+        let s = settings(&[]);
+        let mut plan = WriterPlan::of(&s);
+        plan.templates = match p.scope {
+            Scope::All => [&text, "", ""],
+            Scope::End => ["", &text, ""],
+            Scope::Layer => ["", "", &text],
+        };
+        assert!(Templates::new(&plan, &header()).is_ok(), "{}", p.name);
     }
     // All settings but the templates.
     for key in isoslice_settings::keys() {
@@ -206,10 +209,6 @@ fn nested(n: usize) -> Vec<(&'static str, String)> {
             let filters = "|abs".repeat(n);
             format!("{{% filter abs{filters} %}}1{{% endfilter %}}")
         }),
-        (
-            "of another slicer",
-            format!("{{1{}}}", "+1".repeat(n.min(900))),
-        ),
     ]
 }
 

@@ -13,7 +13,7 @@ use super::settle::settled;
 use super::slice::Slice;
 use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
-use crate::hang::{HangPlan, without_lips};
+use crate::overhangs::{OverhangPlan, without_lips};
 use glam::DVec3;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_layer::cover::neighbour::Neighbour;
@@ -87,7 +87,7 @@ impl Plan {
             sections: sections.as_ref().unwrap_or(&outlines),
             bed,
         };
-        let [needs, musts] = needs(found, parts, &to.hang);
+        let [needs, musts] = needs(found, parts, &to.overhangs);
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
             return Plan {
                 idle,
@@ -159,8 +159,8 @@ impl Plan {
     ) -> Unheld {
         // A support also holds what is nearer to its side than this. Over a wide
         // gap beside the part, lines from the part to the support are bridges.
-        let beside = plan.xy_gap.min(0.5 * plan.hang.bridge_max);
-        let near = beside + plan.hang.walls.outer;
+        let beside = plan.xy_gap.min(0.5 * plan.overhangs.bridge_max);
+        let near = beside + plan.overhangs.walls.outer;
         let lost = needs.par_iter().enumerate().map(|(i, need)| {
             if need.is_empty() {
                 return Area::EMPTY;
@@ -214,7 +214,7 @@ impl Plan {
 pub fn held(
     mut survey: Survey,
     heights: &Heights,
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> [Vec<Area>; 2] {
     let found = std::mem::take(&mut survey.found);
     let parts = Parts {
@@ -232,7 +232,7 @@ pub fn held(
 fn needs(
     found: Vec<Found>,
     parts: Parts<'_>,
-    plan: &HangPlan,
+    plan: &OverhangPlan,
 ) -> [Vec<Area>; 2] {
     let outlines: Vec<_> =
         parts.outlines.par_iter().map(Neighbour::new).collect();
@@ -255,6 +255,7 @@ mod tests {
     use isoslice_planar::rect;
     use isoslice_settings::Supports;
     use isoslice_settings::layers::LayerSpan;
+    use isoslice_settings::{Settings, plan_with};
 
     fn spans(count: usize) -> Vec<LayerSpan> {
         LayerSpan::stack(0.2, count)
@@ -269,7 +270,7 @@ mod tests {
     }
 
     fn asking(supports: Supports) -> SupportPlan {
-        SupportPlan::with(|s| s.supports = supports)
+        plan_with(SupportPlan::of, |s| s.supports = supports)
     }
 
     fn plan(outlines: &[Area], supports: Supports) -> Plan {
@@ -331,7 +332,10 @@ mod tests {
         let spans = spans(140);
         let outlines = body(x, &spans);
         let plan = plan(&outlines, Supports::Auto);
-        let held = crate::hang::held(0.2, &HangPlan::usual());
+        let held = crate::overhangs::held(
+            0.2,
+            &OverhangPlan::of(&Settings::default()),
+        );
         let leans = spans.windows(2).filter_map(|pair| {
             let [below, here] = [0, 1].map(|k| x(pair[k].sample_z()));
             (here - below > held).then_some(here)
@@ -342,7 +346,7 @@ mod tests {
         let layers = layers.filter(|area| !area.is_empty());
         let wide = layers.map(|area| area.bounds().max.x).fold(0.0, f64::max);
         let beyond = wide - needs;
-        let half = 0.5 * SupportPlan::usual().width;
+        let half = 0.5 * SupportPlan::of(&Settings::default()).width;
         assert!((0.0..half + 0.05).contains(&beyond), "{beyond}");
     }
 
@@ -354,7 +358,9 @@ mod tests {
             let here = rect(from, -9.0, to, 9.0);
             intersection(&top, &here).bounds().max.y - 6.0
         };
-        let size = super::super::room::Size::new(&SupportPlan::usual());
+        let size = super::super::room::Size::new(&SupportPlan::of(
+            &Settings::default(),
+        ));
         let [near, far] = [beyond(4.4, 4.8), beyond(12.0, 20.0)];
         assert!((near - size.post).abs() < 0.05, "{near}");
         assert!((far - size.beyond).abs() < 0.05, "{far}");
@@ -383,7 +389,7 @@ mod tests {
         let roof = all(&plan, 29);
         assert!(roof.contains(DVec2::ZERO) && all(&plan, 30).is_empty());
         // A line that is wider begins two layers above the edge.
-        let wide = SupportPlan::with(|s| {
+        let wide = plan_with(SupportPlan::of, |s| {
             s.supports = Supports::Auto;
             s.thin_min = 100.0;
         });
@@ -606,7 +612,7 @@ mod tests {
         let outlines: Vec<Area> = (0..64).map(of).collect();
         let plan = plan(&outlines, Supports::Auto);
         assert_eq!(plan.unheld.area, 0.0);
-        let gap = SupportPlan::usual().xy_gap;
+        let gap = SupportPlan::of(&Settings::default()).xy_gap;
         // The post has a foot in the lowest layers.
         for j in 6..40 {
             let post = all(&plan, j);

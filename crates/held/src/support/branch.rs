@@ -19,7 +19,7 @@
 use super::disc::disc;
 use super::parts::Parts;
 use super::plan::SupportPlan;
-use super::room::{Foot, Room, Size};
+use super::room::{Room, Size, StandsOn};
 use super::settle::stands;
 use super::{SPECK, TOLERANCE};
 use glam::DVec2;
@@ -28,6 +28,7 @@ use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::grid::nearest_on;
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::closed;
 use isoslice_planar::simplify::simplify;
 use isoslice_planar::{Area, Rect, Ring, edges, signed_area};
 
@@ -75,7 +76,7 @@ pub(super) struct Branch {
     /// printed.
     pub core: Area,
     /// What the branch stands on.
-    pub foot: Foot,
+    pub foot: StandsOn,
     /// The cell of the plane in which its first face was; nothing for a
     /// column.
     pub cell: Option<[u32; 2]>,
@@ -113,9 +114,7 @@ impl Branch {
         self.core = unite(&Area { rings });
         if self.core.islands().len() > 1 {
             // What is between the islands is printed.
-            let size = step.size().apart();
-            let wide = offset(&self.core, size, TOLERANCE);
-            let between = offset(&wide, -size, TOLERANCE);
+            let between = closed(&self.core, step.size().apart(), TOLERANCE);
             let near = between.bounds();
             let blocked = step.room.blocked(step.layer, self.foot, near);
             let free = difference(&between, &blocked);
@@ -234,10 +233,10 @@ impl Branch {
                 _ if !self.is_post() => union(&core, &aside),
                 // A way leads down to the bed from every place beside what
                 // blocks it.
-                Foot::Bed => beside(&aside, middle),
+                StandsOn::Bed => beside(&aside, middle),
                 // Beside what blocks it a branch may end in the air between two
                 // walls of the part, so the largest place is taken.
-                Foot::Part => largest(aside),
+                StandsOn::Part => largest(aside),
             };
         } else if self.is_column() {
             self.core = core;
@@ -278,7 +277,7 @@ impl Branch {
     /// post needs enough of the part below it to stand on. A post that touches the
     /// part with its edge alone goes on down beside the part.
     fn can_land(&self, step: Step<'_>) -> bool {
-        self.foot == Foot::Part
+        self.foot == StandsOn::Part
             && (!self.is_post()
                 || stands(&self.printed, step.layer + 1, step.parts))
     }
@@ -319,7 +318,7 @@ impl Branch {
     pub(super) fn area(&self, step: Step<'_>) -> Area {
         let size = step.size();
         let mut post = self.radius(step);
-        if self.foot == Foot::Bed {
+        if self.foot == StandsOn::Bed {
             let bottom = step.parts.spans()[step.layer].bottom;
             post += (FOOT - bottom).max(0.0);
         }

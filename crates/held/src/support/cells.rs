@@ -14,7 +14,7 @@ const UNCUT: f64 = 1.5;
 /// The borders of cells lie at multiples of this, mm. Booleans round
 /// coordinates to a much finer grid. Rounded in two ways, a border that crosses
 /// a hole would leave a sliver there.
-const STEP: Mm = 1e-3;
+const BORDER_STEP: Mm = 1e-3;
 /// A piece smaller than this share of a cell goes with the piece beside it.
 const SLIVER: f64 = 0.04;
 
@@ -28,10 +28,11 @@ pub(super) struct Cells {
 impl Cells {
     /// A grid over a box, in which each of the cells has the same size.
     pub(super) fn new(bounds: Rect) -> Cells {
-        let min = (bounds.min / STEP).floor() * STEP;
+        let min = (bounds.min / BORDER_STEP).floor() * BORDER_STEP;
         let extent = bounds.max - min;
         let count = (extent / CELL).round().max(DVec2::ONE);
-        let size = (extent / count / STEP).ceil().max(DVec2::ONE) * STEP;
+        let size =
+            (extent / count / BORDER_STEP).ceil().max(DVec2::ONE) * BORDER_STEP;
         Cells {
             min,
             size,

@@ -216,6 +216,7 @@ impl Heights {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use isoslice_settings::plan_with;
 
     /// Layers of 0.2 mm on a first one of 0.3 mm, or of some heights.
     fn layers(heights: impl IntoIterator<Item = Mm>) -> Vec<LayerSpan> {
@@ -233,7 +234,7 @@ mod tests {
     }
 
     fn heights(spans: Vec<LayerSpan>, gap: Mm) -> Heights {
-        let plan = SupportPlan::with(|s| {
+        let plan = plan_with(SupportPlan::of, |s| {
             s.support.z_gap = gap;
             s.support.z_gap_bottom = gap;
         });

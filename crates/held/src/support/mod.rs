@@ -13,7 +13,7 @@
 //! In: the outlines of all layers, slab by slab ([`Survey`]). Out: a [`Plan`], which has an area of
 //! support for every layer.
 //!
-//! 1. [`hang`](crate::hang) says, layer by layer, what sticks out too far over the layer
+//! 1. [`overhangs`](crate::overhangs) says, layer by layer, what sticks out too far over the layer
 //!    below, begins on nothing, or is too long for a bridge, and what of it is a lip
 //!    that needs none. [`wish`] adds what `support.where` asks for, and takes away what
 //!    it forbids ([`need`]).

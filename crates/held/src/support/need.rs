@@ -1,10 +1,10 @@
 //! What of a layer gets a support.
 //!
-//! In: what the layer below does not hold ([`hang`](crate::hang)), and what
+//! In: what the layer below does not hold ([`overhangs`](crate::overhangs)), and what
 //! `support.where` asks for. Out: what needs a support, and what is to have one.
 
 use super::wish::Wish;
-use crate::hang::large;
+use crate::overhangs::large;
 use isoslice_base::units::Mm;
 use isoslice_planar::Area;
 use isoslice_planar::clip::difference;

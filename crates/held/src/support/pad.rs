@@ -77,11 +77,12 @@ mod tests {
     use crate::support::heights::Heights;
     use isoslice_base::units::Mm2;
     use isoslice_planar::rect;
+    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
 
     /// Content of the pads below a stack of layers, all of which need a support.
     fn pad(height: Mm, outlines: &[Area]) -> f64 {
-        let plan = SupportPlan::usual();
+        let plan = SupportPlan::of(&Settings::default());
         let spans = LayerSpan::stack(height, outlines.len());
         let heights = Heights::new(spans, &plan);
         let parts = Parts::in_layers(&heights, outlines, &[]);
@@ -90,7 +91,7 @@ mod tests {
 
     /// Content of what lies within reach of the pad of a rectangle.
     fn around(wide: Mm, high: Mm) -> Mm2 {
-        let beyond = Size::new(&SupportPlan::usual()).post;
+        let beyond = Size::new(&SupportPlan::of(&Settings::default())).post;
         let round = std::f64::consts::PI * beyond * beyond;
         wide * high + 2.0 * (wide + high) * beyond + round
     }
@@ -103,7 +104,8 @@ mod tests {
         assert!((found - exact).abs() < 0.05, "{found} {exact}");
         // The gap fits below the layer above.
         assert_eq!(pad(0.2, &[none.clone(), none.clone(), edge.clone()]), 0.0);
-        // In thinner layers it does not, nor below what sticks out there.
+        // In thinner layers the gap fits neither below the edge nor below what
+        // sticks out above it.
         let wider = rect(-0.3, -0.3, 10.3, 0.7);
         let layers = [none.clone(), none.clone(), edge.clone(), wider];
         let found = pad(0.1, &layers);
@@ -115,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_pad_keeps_away_from_what_else_is_near_to_the_bed() {
-        let plan = SupportPlan::usual();
+        let plan = SupportPlan::of(&Settings::default());
         let edge = rect(0.0, 0.0, 10.0, 0.4);
         // The space between the edge and what is beside it, and half a pad.
         let rest = |space: Mm| {

@@ -11,6 +11,7 @@ use super::{SPECK, TOLERANCE};
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::opened;
 use isoslice_planar::{Area, Rect};
 use rayon::prelude::*;
 
@@ -24,7 +25,7 @@ const BESIDE_PAD: Mm = 0.05;
 
 /// An island of support.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct SupportIsland {
     /// The box around it.
     pub bounds: Rect,
     /// Where it is sparse.
@@ -44,7 +45,7 @@ pub(super) fn pieces(
     areas: Vec<Area>,
     pads: &Area,
     plan: &SupportPlan,
-) -> Vec<Vec<Piece>> {
+) -> Vec<Vec<SupportIsland>> {
     let roof = plan.interface_layers;
     let mut tops = tops(parts.heights, needs, areas.len(), plan);
     if let Some(lowest) = tops.first_mut()
@@ -66,7 +67,7 @@ pub(super) fn pieces(
         let all = without_ends(on_bed(all, parts.bed), parts, j, apart);
         let above: Vec<&Area> = tops.iter().skip(j).take(roof).collect();
         printable(all)
-            .map(|island| Piece::new(island, &above, plan))
+            .map(|island| SupportIsland::new(island, &above, plan))
             .collect()
     };
     areas.into_par_iter().enumerate().map(of_layer).collect()
@@ -113,13 +114,13 @@ fn without_ends(all: Area, parts: Parts<'_>, j: usize, apart: Mm) -> Area {
     difference(&all, &offset(&ends, apart, TOLERANCE))
 }
 
-impl Piece {
+impl SupportIsland {
     /// An island below some tops.
-    fn new(all: Area, tops: &[&Area], plan: &SupportPlan) -> Piece {
+    fn new(all: Area, tops: &[&Area], plan: &SupportPlan) -> SupportIsland {
         let bounds = all.bounds();
         let [body, interface] = split(&all, bounds, tops, plan);
         let both = !body.is_empty() && !interface.is_empty();
-        Piece {
+        SupportIsland {
             bounds,
             body,
             interface,
@@ -128,9 +129,9 @@ impl Piece {
     }
 
     /// The part of the island that lies in an area.
-    pub(super) fn within(&self, area: &Area) -> Piece {
+    pub(super) fn within(&self, area: &Area) -> SupportIsland {
         let within = |own: &Area| intersection(own, area);
-        Piece {
+        SupportIsland {
             bounds: area.bounds(),
             body: within(&self.body),
             interface: within(&self.interface),
@@ -173,13 +174,7 @@ fn split(
         return [Area::EMPTY, island.clone()];
     }
     let half = plan.width;
-    let core = offset(&rest, -half, TOLERANCE);
-    let wide = if core.is_empty() {
-        core
-    } else {
-        let wide = offset(&core, half + TOLERANCE, TOLERANCE);
-        intersection(&rest, &wide)
-    };
+    let wide = opened(&rest, half, TOLERANCE);
     let body = if rest.content() - wide.content() > SPECK {
         let beside = offset(&above, 2.0 * half, TOLERANCE);
         union(&wide, &difference(&rest, &beside))
@@ -211,10 +206,14 @@ fn joined(islands: impl Iterator<Item = Area>) -> Area {
 mod tests {
     use super::*;
     use isoslice_planar::rect;
+    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
 
     fn heights() -> Heights {
-        Heights::new(LayerSpan::stack(0.2, 6), &SupportPlan::usual())
+        Heights::new(
+            LayerSpan::stack(0.2, 6),
+            &SupportPlan::of(&Settings::default()),
+        )
     }
 
     #[test]
@@ -227,7 +226,7 @@ mod tests {
         let parts = Parts::in_layers(&heights, &none, &ends);
         let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];
         let no_pads = Area::EMPTY;
-        let plan = SupportPlan::usual();
+        let plan = SupportPlan::of(&Settings::default());
         let found = pieces(parts, &none, areas, &no_pads, &plan);
         let content =
             |j: usize| found[j].iter().map(|p| p.all().content()).sum::<f64>();
@@ -239,7 +238,7 @@ mod tests {
 
     #[test]
     fn what_is_right_above_makes_an_island_dense_and_narrow_strips_with_it() {
-        let plan = SupportPlan::usual();
+        let plan = SupportPlan::of(&Settings::default());
         let island = rect(0.0, 0.0, 10.0, 6.0);
         let split_by = |x: f64| {
             let top = rect(-1.0, -1.0, x, 7.0);
@@ -262,7 +261,7 @@ mod tests {
 
     #[test]
     fn a_narrow_island_is_dense_only_near_to_what_is_above() {
-        let plan = SupportPlan::usual();
+        let plan = SupportPlan::of(&Settings::default());
         let wall = rect(0.0, 0.0, 100.0, 0.6);
         let top = rect(-1.0, -1.0, 5.0, 1.0);
         let [body, interface] = split(&wall, wall.bounds(), &[&top], &plan)

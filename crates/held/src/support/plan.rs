@@ -1,6 +1,6 @@
 //! What supports follow from.
 
-use crate::hang::HangPlan;
+use crate::overhangs::OverhangPlan;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_settings::{Settings, SupportStyle, Supports, Varying};
 
@@ -8,7 +8,7 @@ use isoslice_settings::{Settings, SupportStyle, Supports, Varying};
 #[derive(Clone, Debug)]
 pub struct SupportPlan {
     /// What tells which places hang.
-    pub hang: HangPlan,
+    pub overhangs: OverhangPlan,
     /// Where undersides are held whatever their angle (above 0), or left alone
     /// (below 0).
     pub wanted: Varying,
@@ -32,8 +32,6 @@ pub struct SupportPlan {
     pub gap_bottom: Mm,
     /// Height of the part's lowest point above the bed, mm.
     pub lift: Mm,
-    /// Greatest error of outlines, mm.
-    pub accuracy: Mm,
 }
 
 impl SupportPlan {
@@ -42,9 +40,9 @@ impl SupportPlan {
         let support = &settings.support;
         let width = settings.infill_width();
         SupportPlan {
-            hang: HangPlan {
+            overhangs: OverhangPlan {
                 by_skin: false,
-                ..HangPlan::of(settings)
+                ..OverhangPlan::of(settings)
             },
             wanted: support.where_.clone(),
             on_part: settings.supports == Supports::Auto,
@@ -57,24 +55,11 @@ impl SupportPlan {
             gap_top: support.z_gap,
             gap_bottom: support.z_gap_bottom,
             lift: settings.raft_height(),
-            accuracy: settings.accuracy,
         }
     }
 
     /// How far branches lean, mm aside per mm of height.
     pub(super) fn lean(&self) -> f64 {
         self.branch_angle.to_radians().tan()
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> SupportPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        SupportPlan::of(&settings)
-    }
-
-    #[cfg(test)]
-    pub(crate) fn usual() -> SupportPlan {
-        SupportPlan::with(|_| ())
     }
 }

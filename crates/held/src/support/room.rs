@@ -27,6 +27,7 @@ use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, difference, union, unite};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::opened;
 use isoslice_planar::{Area, Rect, Solid, edges};
 use rayon::prelude::*;
 
@@ -74,9 +75,13 @@ pub(super) struct Room<'a> {
     dead: Vec<Solid<'static>>,
 }
 
+fn solids(areas: Vec<Area>) -> Vec<Solid<'static>> {
+    areas.into_iter().map(Solid::new).collect()
+}
+
 /// What a support stands on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Foot {
+pub(super) enum StandsOn {
     /// The bed.
     Bed,
     /// Whatever is below.
@@ -92,8 +97,9 @@ impl<'a> Room<'a> {
     ) -> Room<'a> {
         // Each outline is beside several layers of supports.
         let beside = BESIDE + TOLERANCE + margin(plan);
-        let grown = |outline: &Area| offset(outline, beside, TOLERANCE);
-        let grown: Vec<Area> = parts.outlines.par_iter().map(grown).collect();
+        let outlines = parts.outlines.par_iter();
+        let grown: Vec<Area> =
+            outlines.map(|o| offset(o, beside, TOLERANCE)).collect();
         let tight: Vec<Area> = (0..count)
             .into_par_iter()
             .map(|j| thinned(tight(parts, j, &grown, plan)))
@@ -112,9 +118,6 @@ impl<'a> Room<'a> {
             }
         };
         let (closed, dead) = rayon::join(closed, dead);
-        let solids = |areas: Vec<Area>| {
-            areas.into_iter().map(Solid::new).collect::<Vec<_>>()
-        };
         Room {
             plan,
             tight: solids(tight),
@@ -158,7 +161,7 @@ impl<'a> Room<'a> {
     pub(super) fn has_place(
         &self,
         j: usize,
-        foot: Foot,
+        foot: StandsOn,
         at: DVec2,
         around: Mm,
     ) -> bool {
@@ -183,15 +186,19 @@ impl<'a> Room<'a> {
         let dead = self.dead.get(j).unwrap_or(&self.closed[j]);
         let free = difference(area, &near(dead));
         let to_bed = difference(&free, &near(&self.closed[j]));
-        // Rounding leaves slivers, which vanish in two offsets.
-        let to_part = offset(&difference(&free, &to_bed), -BESIDE, TOLERANCE);
-        let to_part = offset(&to_part, BESIDE, TOLERANCE);
+        // Rounding leaves slivers, which are left out.
+        let to_part = opened(&difference(&free, &to_bed), BESIDE, TOLERANCE);
         [to_bed, to_part]
     }
 
     /// Where in a box the middle of a branch that stands on `foot` has no
     /// place in layer `j`.
-    pub(super) fn blocked(&self, j: usize, foot: Foot, within: Rect) -> Area {
+    pub(super) fn blocked(
+        &self,
+        j: usize,
+        foot: StandsOn,
+        within: Rect,
+    ) -> Area {
         let all = &self.of(foot)[j];
         let grid = all.grid();
         if !grid.meets(within) && !grid.contains(within.min) {
@@ -203,7 +210,7 @@ impl<'a> Room<'a> {
 
     /// True if some of an area is no place for the middle of a branch that
     /// stands on `foot` in layer `j`.
-    pub(super) fn meets(&self, j: usize, foot: Foot, area: &Area) -> bool {
+    pub(super) fn meets(&self, j: usize, foot: StandsOn, area: &Area) -> bool {
         let mut firsts = area.rings.iter().filter_map(|ring| ring.first());
         let grid = self.of(foot)[j].grid();
         let Rect { min, max } = area.bounds();
@@ -227,7 +234,7 @@ impl<'a> Room<'a> {
     pub(super) fn is_clear(
         &self,
         j: usize,
-        foot: Foot,
+        foot: StandsOn,
         from: DVec2,
         to: DVec2,
     ) -> bool {
@@ -237,10 +244,10 @@ impl<'a> Room<'a> {
 
     /// By layer, what is no place for the middle of a branch that stands on
     /// `foot`.
-    fn of(&self, foot: Foot) -> &[Solid<'static>] {
+    fn of(&self, foot: StandsOn) -> &[Solid<'static>] {
         match foot {
-            Foot::Bed => &self.closed,
-            Foot::Part => &self.dead,
+            StandsOn::Bed => &self.closed,
+            StandsOn::Part => &self.dead,
         }
     }
 }
@@ -337,11 +344,12 @@ mod tests {
     use super::*;
     use crate::support::heights::Heights;
     use isoslice_planar::rect;
+    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
 
     #[test]
     fn a_branch_keeps_the_gap_from_walls_and_stays_out_of_thin_notches() {
-        let plan = SupportPlan::usual();
+        let plan = SupportPlan::of(&Settings::default());
         let heights = Heights::new(LayerSpan::stack(0.2, 4), &plan);
         // Two walls, and a slot of 1 mm between them.
         let walls = Area::from_iter([
@@ -360,7 +368,7 @@ mod tests {
         assert!((slot.content() - 2.0).abs() < 1e-3, "{}", slot.content());
         // What lies beside it, what reaches into it, what is in it, and what is
         // around it.
-        let meets = |area: &Area| room.meets(1, Foot::Bed, area);
+        let meets = |area: &Area| room.meets(1, StandsOn::Bed, area);
         let near = 10.0 + gap + margin(&plan);
         assert!(!meets(&rect(near + 0.05, -1.0, 13.0, 1.0)));
         assert!(meets(&rect(near - 0.05, -1.0, 13.0, 1.0)));

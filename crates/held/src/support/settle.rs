@@ -16,7 +16,7 @@
 //! may be right below a face of the part.
 
 use super::parts::Parts;
-use super::pieces::Piece;
+use super::pieces::SupportIsland;
 use super::plan::SupportPlan;
 use super::room::BESIDE;
 use super::slice::Slice;
@@ -26,6 +26,7 @@ use isoslice_base::units::Mm2;
 use isoslice_layer::cover::neighbour::Neighbour;
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::is_wider;
 use isoslice_planar::{Area, Rect, Ring};
 
 /// Least part of an island that has to rest on something: this share of the
@@ -33,7 +34,7 @@ use isoslice_planar::{Area, Rect, Ring};
 const REST: (f64, Mm2) = (0.1, 0.3);
 /// Least part of an island that has to be above the highest step of a slope if
 /// that step is to carry the island alone.
-const STEP: f64 = 1.0 / 3.0;
+const ON_HIGHEST_STEP: f64 = 1.0 / 3.0;
 /// Number of points at which two areas are compared.
 const POINTS: u32 = 24;
 /// Points are spread by these shares of a box from one to the next, so that no
@@ -43,13 +44,13 @@ const SPREAD: DVec2 = DVec2::new(0.754_877_666, 0.569_840_291);
 /// The supports of each layer: the islands that rest on something.
 pub(super) fn settled(
     parts: Parts<'_>,
-    mut layers: Vec<Vec<Piece>>,
+    mut layers: Vec<Vec<SupportIsland>>,
     plan: &SupportPlan,
 ) -> Vec<Slice> {
     let mut slices = Vec::with_capacity(layers.len());
     // The supports in the layer below. There is no such layer below the first
     // one that can have supports.
-    let mut below: Option<Vec<Piece>> = None;
+    let mut below: Option<Vec<SupportIsland>> = None;
     for j in 0..layers.len() {
         if isoslice_base::limits::is_stopped() {
             slices.push(Slice::default());
@@ -61,7 +62,7 @@ pub(super) fn settled(
             slices.push(slice);
             continue;
         }
-        let on_support = |piece: &Piece| {
+        let on_support = |piece: &SupportIsland| {
             below.as_ref().is_none_or(|below| {
                 let near =
                     below.iter().filter(|b| b.bounds.meets(piece.bounds));
@@ -70,7 +71,7 @@ pub(super) fn settled(
         };
         let close = parts.heights.stands_close(j);
         let close = close.map(|on| Neighbour::new(&parts.outlines[on]));
-        let apart = |piece: Piece| match &close {
+        let apart = |piece: SupportIsland| match &close {
             Some(on) if on_support(&piece) => without_close(piece, on),
             _ => vec![piece],
         };
@@ -108,7 +109,10 @@ pub(super) fn settled(
 
 /// A piece that rests on supports, parted from what lies over `close`, a layer of the
 /// part that is too near below for beads of the usual height.
-fn without_close(piece: Piece, close: &Neighbour<'_>) -> Vec<Piece> {
+fn without_close(
+    piece: SupportIsland,
+    close: &Neighbour<'_>,
+) -> Vec<SupportIsland> {
     let near = close.within(piece.bounds.grown(2.0 * BESIDE));
     if near.is_empty() {
         return vec![piece];
@@ -135,19 +139,19 @@ pub(super) fn stands(island: &Area, j: usize, parts: Parts<'_>) -> bool {
 /// if it stays whole: if nothing is to be left out, or the highest step is too
 /// little to stand on, or does not carry alone what lies on the island.
 fn on_step(
-    piece: &Piece,
+    piece: &SupportIsland,
     j: usize,
-    above: &[Piece],
+    above: &[SupportIsland],
     parts: Parts<'_>,
     plan: &SupportPlan,
-) -> Option<Piece> {
+) -> Option<SupportIsland> {
     let all = piece.all();
     let on = &parts.outlines[parts.heights.stands_on(j)?];
     let over = intersection(all, &unite(&crop(&on.rings, piece.bounds)));
-    let half = 0.5 * plan.hang.thinnest;
-    let wide = |island: &Area| !offset(island, -half, TOLERANCE).is_empty();
+    let thinnest = plan.overhangs.thinnest;
+    let wide = |island: &Area| is_wider(island, thinnest, TOLERANCE);
     let step: Area = over.islands().into_iter().filter(wide).collect();
-    if step.content() <= least(all).max(STEP * all.content()) {
+    if step.content() <= least(all).max(ON_HIGHEST_STEP * all.content()) {
         return None;
     }
     let above = above.iter().filter(|a| a.bounds.meets(piece.bounds));
@@ -217,6 +221,7 @@ mod tests {
     use isoslice_planar::rect;
     use isoslice_settings::Supports;
     use isoslice_settings::layers::LayerSpan;
+    use isoslice_settings::plan_with;
 
     #[test]
     fn an_island_rests_on_a_tenth_of_itself_or_a_third_of_a_square_millimetre()
@@ -243,7 +248,7 @@ mod tests {
 
     #[test]
     fn thin_beads_stand_on_the_part_beside_supports_that_go_on_down() {
-        let plan = SupportPlan::with(|s| s.supports = Supports::Auto);
+        let plan = plan_with(SupportPlan::of, |s| s.supports = Supports::Auto);
         // A block of three layers of 0.3 mm ends at x = 0. A support of 4 mm, half
         // over the block, begins in layer 4, 0.1 mm above it. The gap is 0.2 mm.
         let heights = Heights::new(LayerSpan::stack(0.3, 8), &plan);
@@ -270,7 +275,8 @@ mod tests {
         let beside = 4.0 * (2.0 - BESIDE);
         assert!((lower.area().content() - 8.0 - beside).abs() < 0.02);
         // Supports from the plate keep off the block.
-        let plate = SupportPlan::with(|s| s.supports = Supports::Plate);
+        let plate =
+            plan_with(SupportPlan::of, |s| s.supports = Supports::Plate);
         let lower = settled(parts, all, &plate)[4].area();
         assert!((lower.content() - beside).abs() < 0.01);
         assert!(upper.standing.is_empty() && upper.deeper == 0.0);
@@ -278,7 +284,7 @@ mod tests {
 
     #[test]
     fn the_lowest_layer_on_a_slope_is_above_the_highest_step_alone() {
-        let plan = SupportPlan::with(|s| s.supports = Supports::Auto);
+        let plan = plan_with(SupportPlan::of, |s| s.supports = Supports::Auto);
         let heights = Heights::new(LayerSpan::stack(0.2, 8), &plan);
         // Steps of 0.4 mm. A support in layer 4 stands on layer 2, which ends
         // at x = 0.
@@ -324,7 +330,8 @@ mod tests {
         near(&below(&rect(-0.6, -0.6, 0.6, 0.2)), [0.0, 0.96, 0.96]);
         // The post leans.
         near(&below(&rect(-0.7, -0.6, 0.5, 0.6)), [0.0, 0.72, 1.44]);
-        // What is right below a face would begin in the air.
+        // The face covers so much of the layer that the rest of it would begin
+        // in the air.
         near(&below(&rect(-0.6, -0.6, 0.3, 0.6)), [0.0, 1.44, 1.08]);
         // An island above lies beside the step, on what would be left out.
         near(&below(&rect(0.1, -0.6, 0.6, 0.6)), [0.0, 1.44, 0.6]);

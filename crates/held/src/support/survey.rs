@@ -9,9 +9,9 @@ use super::TOLERANCE;
 use super::need::Need;
 use super::plan::SupportPlan;
 use super::wish::{Wish, Wishes};
-use crate::hang::{HangPlan, Printed, Unheld, unheld};
+use crate::overhangs::{OverhangPlan, Printed, Unheld, unheld};
 use isoslice_base::units::Mm;
-use isoslice_model::vary::VaryError;
+use isoslice_model::expressions::QuantityError;
 use isoslice_planar::Area;
 use isoslice_planar::clip::difference;
 use isoslice_planar::simplify::simplify_area;
@@ -34,15 +34,15 @@ impl Asked<'_> {
         here: &Printed,
         below: &Printed,
         span: &LayerSpan,
-    ) -> Result<(Found, Area), VaryError> {
+    ) -> Result<(Found, Area), QuantityError> {
         let wish = match self.wishes {
             Some(wishes) => wishes.of(&here.area, &below.area, span)?,
             None => Wish::default(),
         };
         // Skin counts the raft's layers, too.
-        let number = span.index + self.plan.hang.raft_layers;
+        let number = span.index + self.plan.overhangs.raft_layers;
         let Unheld { must, thin } =
-            unheld(here, below, number, span.height(), &self.plan.hang);
+            unheld(here, below, number, span.height(), &self.plan.overhangs);
         let needs = !must.is_empty();
         let need = Need::new(must, &wish, span.height());
         let found = Found {
@@ -88,11 +88,11 @@ impl Survey {
     pub fn new<'l>(
         layers: impl Iterator<Item = (LayerSpan, &'l Area)>,
         asked: Asked<'_>,
-    ) -> Result<Survey, VaryError> {
+    ) -> Result<Survey, QuantityError> {
         let mut survey = Survey::default();
         for (span, outline) in layers {
             let (here, unprinted) =
-                Printed::new(outline, span.height(), &asked.plan.hang);
+                Printed::new(outline, span.height(), &asked.plan.overhangs);
             survey.outlines.push(thinned(here.area.clone()));
             survey.unprinted.push(unprinted);
             match &mut survey.ends {
@@ -120,7 +120,7 @@ impl Survey {
         &mut self,
         mut above: Survey,
         asked: Asked<'_>,
-    ) -> Result<(), VaryError> {
+    ) -> Result<(), QuantityError> {
         let Some((_, [_, last])) = &mut self.ends else {
             *self = above;
             return Ok(());
@@ -152,7 +152,7 @@ impl Survey {
 
 /// The outline of a layer of some height, as coarse as supports ask for,
 /// without what is not printed.
-pub fn coarse(outline: &Area, height: Mm, plan: &HangPlan) -> Area {
+pub fn coarse(outline: &Area, height: Mm, plan: &OverhangPlan) -> Area {
     let (printed, _) = Printed::new(outline, height, plan);
     thinned(printed.area)
 }

@@ -15,13 +15,14 @@ use super::branch::{Branch, POINT, Step, middle};
 use super::cells::{CELL, Cells};
 use super::parts::Parts;
 use super::plan::SupportPlan;
-use super::room::{Foot, Room, Size};
+use super::room::{Room, Size, StandsOn};
 use super::{SPECK, TOLERANCE};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::clusters::{Cluster, clusters};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::is_wider;
 use isoslice_planar::{Area, Rect, Ring, Solid, point_beside, signed_area};
 use isoslice_settings::SupportStyle;
 use rayon::prelude::*;
@@ -154,10 +155,14 @@ fn begun(
     let below = &parts.outlines[i - 1];
     let [to_bed, to_part] = cores(need, below, step);
     let mut new = Vec::new();
-    let mut add = |area: &Area, foot: Foot| {
+    let mut add = |area: &Area, foot: StandsOn| {
         for (cell, core) in pieces(area, cells, foot, step) {
             let near = || is_near(inside(&core), layer, parts, solids);
-            let foot = if anywhere && near() { Foot::Part } else { foot };
+            let foot = if anywhere && near() {
+                StandsOn::Part
+            } else {
+                foot
+            };
             new.push(Branch {
                 held: core.content(),
                 core,
@@ -168,9 +173,9 @@ fn begun(
             });
         }
     };
-    add(&to_bed, Foot::Bed);
+    add(&to_bed, StandsOn::Bed);
     if anywhere {
-        add(&to_part, Foot::Part);
+        add(&to_part, StandsOn::Part);
     }
     new
 }
@@ -200,10 +205,8 @@ fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
             intersection(&near, &around).is_empty()
         }
     };
-    let is_thin = |island: &Area| {
-        island.bounds().size().min_element() < 2.0 * size.beyond
-            || offset(island, -size.beyond, TOLERANCE).is_empty()
-    };
+    let is_thin =
+        |island: &Area| !is_wider(island, 2.0 * size.beyond, TOLERANCE);
     let islands = need.islands().into_iter();
     let points: Area = islands.filter(|i| is_thin(i) && begins(i)).collect();
     let whole = if lost.is_empty() {
@@ -224,7 +227,7 @@ fn cores(need: &Area, below: &Area, step: Step<'_>) -> [Area; 2] {
 fn pieces(
     area: &Area,
     cells: &Cells,
-    foot: Foot,
+    foot: StandsOn,
     step: Step<'_>,
 ) -> Vec<(Option<[u32; 2]>, Area)> {
     let in_cells = |area: &Area| {
@@ -374,7 +377,7 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
 fn gather(branches: &mut Vec<Branch>, step: Step<'_>) {
     let mut bounds: Vec<Rect> =
         branches.iter().map(|b| b.core.bounds()).collect();
-    let group = |b: &Branch| (b.cell, b.foot == Foot::Part);
+    let group = |b: &Branch| (b.cell, b.foot == StandsOn::Part);
     let mut order: Vec<usize> = (0..branches.len())
         .filter(|&k| !branches[k].is_column() && !branches[k].is_post())
         .collect();
@@ -452,11 +455,12 @@ mod tests {
     use super::*;
     use crate::support::heights::Heights;
     use isoslice_planar::rect;
+    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
 
     /// What [`gather`] makes of branches over empty layers.
     fn gathered(branches: Vec<Branch>) -> Vec<Branch> {
-        let plan = SupportPlan::usual();
+        let plan = SupportPlan::of(&Settings::default());
         let heights = Heights::new(LayerSpan::stack(0.2, 4), &plan);
         let none = vec![Area::EMPTY; 4];
         let parts = Parts::in_layers(&heights, &none, &none);
@@ -473,7 +477,7 @@ mod tests {
         branches
     }
 
-    fn branch(core: Area, cell: Option<[u32; 2]>, foot: Foot) -> Branch {
+    fn branch(core: Area, cell: Option<[u32; 2]>, foot: StandsOn) -> Branch {
         Branch {
             held: core.content(),
             core,
@@ -490,7 +494,7 @@ mod tests {
         let [a, b, c] = [0.0, 2.0, 4.0].map(|x| rect(x, 0.0, x + 3.0, 3.0));
         let of = |core: &Area, cell, foot| branch(core.clone(), cell, foot);
         let far = rect(20.0, 0.0, 23.0, 3.0);
-        let all = [&a, &far, &c, &b].map(|core| of(core, cell, Foot::Bed));
+        let all = [&a, &far, &c, &b].map(|core| of(core, cell, StandsOn::Bed));
         let found = gathered(all.to_vec());
         let mut sizes: Vec<[f64; 2]> = found
             .iter()
@@ -512,13 +516,13 @@ mod tests {
         let point = rect(1.5, 1.5, 1.6, 1.6);
         let cell = Some([1, 2]);
         let pair = |b: &Area, cell_of_b, foot| {
-            let a = branch(a.clone(), cell, Foot::Bed);
+            let a = branch(a.clone(), cell, StandsOn::Bed);
             gathered(vec![a, branch(b.clone(), cell_of_b, foot)]).len()
         };
-        assert_eq!(pair(&b, cell, Foot::Bed), 1);
-        assert_eq!(pair(&b, Some([2, 2]), Foot::Bed), 2);
-        assert_eq!(pair(&b, cell, Foot::Part), 2);
-        assert_eq!(pair(&b, None, Foot::Bed), 2);
-        assert_eq!(pair(&point, cell, Foot::Bed), 2);
+        assert_eq!(pair(&b, cell, StandsOn::Bed), 1);
+        assert_eq!(pair(&b, Some([2, 2]), StandsOn::Bed), 2);
+        assert_eq!(pair(&b, cell, StandsOn::Part), 2);
+        assert_eq!(pair(&b, None, StandsOn::Bed), 2);
+        assert_eq!(pair(&point, cell, StandsOn::Bed), 2);
     }
 }

@@ -12,7 +12,7 @@
 use super::plan::SupportPlan;
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_planar::clip::difference;
 use isoslice_planar::offset::offset;
 use isoslice_planar::zero::{Sampling, negative};
@@ -25,7 +25,7 @@ const KEY: &str = "support.where";
 /// A value nearer to 0 than this is neither positive nor negative.
 const ZERO: f64 = 1e-6;
 /// Distance of the lattice's nodes, as a share of a line's width.
-const STEP: f64 = 0.5;
+const NODE_STEP: f64 = 0.5;
 /// Borders may be off by this, mm.
 const CHORD: Mm = 0.02;
 /// Undersides stick out by more than so many times the outlines' accuracy.
@@ -62,7 +62,7 @@ impl<'a> Wishes<'a> {
     pub fn new(
         plan: &'a SupportPlan,
         around: &'a Surroundings<'a>,
-    ) -> Result<Option<Wishes<'a>>, VaryError> {
+    ) -> Result<Option<Wishes<'a>>, QuantityError> {
         if plan.wanted == Varying::Constant(0.0) {
             return Ok(None);
         }
@@ -83,11 +83,11 @@ impl<'a> Wishes<'a> {
         here: &Area,
         below: &Area,
         span: &LayerSpan,
-    ) -> Result<Wish, VaryError> {
+    ) -> Result<Wish, QuantityError> {
         if isoslice_base::limits::is_stopped() {
             return Ok(Wish::default());
         }
-        let slack = SURE * self.plan.accuracy;
+        let slack = SURE * self.plan.overhangs.walls.accuracy;
         let under = if below.is_empty() {
             here.clone()
         } else {
@@ -113,7 +113,7 @@ impl<'a> Wishes<'a> {
         let solid = measure.then(|| Solid::new(here.clone()));
         let solid = solid.as_ref().map(Solid::grid);
         let sampling = Sampling {
-            step: STEP * self.plan.width,
+            step: NODE_STEP * self.plan.width,
             chord: CHORD,
         };
         let mut places = Vec::new();
@@ -131,7 +131,7 @@ impl<'a> Wishes<'a> {
                 let first = out.len();
                 self.value.evaluate(&places, out)?;
                 out[first..].iter_mut().for_each(|v| *v = ZERO - sign * *v);
-                Ok::<(), VaryError>(())
+                Ok::<(), QuantityError>(())
             })
         };
         Ok(Wish {

@@ -2,7 +2,7 @@
 
 use super::cut::split_axis;
 use super::search::{Part, Search};
-use super::side::Side;
+use super::side::BoxSide;
 use super::{Bounds, BoundsError, FoundBounds};
 use crate::cell::Cell;
 use crate::program::Program;
@@ -88,7 +88,7 @@ impl Search<'_> {
             .min(1e-4)
             .max(far * 1e-13);
         let mut slack_mm: f64 = 0.0;
-        let sides = Side::all();
+        let sides = BoxSide::all();
         if let [part] = parts {
             for side in sides {
                 self.trim(side, &part.program, 0.5 * tolerance);
@@ -110,7 +110,7 @@ impl Search<'_> {
     /// within `tolerance`. Where a body cuts a lattice, that body alone proves
     /// the whole slab empty. Small cells would each have to be split where the
     /// lattice jumps.
-    fn trim(&mut self, side: Side, program: &Program, tolerance: f64) {
+    fn trim(&mut self, side: BoxSide, program: &Program, tolerance: f64) {
         let mut face = side.reach(&self.region);
         let mut inner = side.outward(side.inner_face(&self.region));
         if let Some(inside) = &self.inside {
@@ -137,7 +137,7 @@ impl Search<'_> {
     /// Finds how far the model reaches on one side.
     fn side(
         &mut self,
-        side: Side,
+        side: BoxSide,
         parts: &[Part],
         tolerance: f64,
         budget: u64,
@@ -234,8 +234,7 @@ impl Search<'_> {
             }
             let whole = c.cell;
             c.cell = c.program.contracted(&whole, &self.scratch);
-            // The part of the box that the jumps leave may be too thin to
-            // count.
+            // Contracting the box may leave a part too thin to count.
             let too_thin =
                 |i: usize| c.cell.width(i) < whole.width(i).min(thinnest);
             if (0..3).any(too_thin) {
@@ -293,7 +292,7 @@ impl Search<'_> {
     /// if it takes more work than `budget`.
     fn sample(
         &mut self,
-        side: Side,
+        side: BoxSide,
         boxes: impl Iterator<Item = (Cell, Rc<Program>)>,
         tolerance: f64,
         budget: u64,
@@ -335,7 +334,7 @@ impl Search<'_> {
     /// farther apart beyond, since a column may reach to the search's end.
     fn look_down(
         &mut self,
-        side: Side,
+        side: BoxSide,
         column: &Cell,
         program: &Program,
         tolerance: f64,
@@ -371,7 +370,7 @@ impl Search<'_> {
     /// where it was found, towards the highest point near by.
     fn creep(
         &mut self,
-        side: Side,
+        side: BoxSide,
         column: &Cell,
         program: &Program,
         mut p: [f64; 3],
@@ -412,7 +411,7 @@ impl Search<'_> {
     /// spend its budget on the corner where it begins.
     fn probe(
         &mut self,
-        side: Side,
+        side: BoxSide,
         program: &Program,
         tolerance: f64,
         budget: u64,
@@ -486,7 +485,7 @@ impl Search<'_> {
     /// Moves the known extent outwards from an inside point to a surface.
     fn climb(
         &mut self,
-        side: Side,
+        side: BoxSide,
         program: &Program,
         start: [f64; 3],
         reach: f64,
@@ -562,7 +561,7 @@ mod tests {
         };
         let program = flattened(&tree).unwrap();
         let mut search = Search::new(&options, &Cancel::NEVER).unwrap();
-        search.probe(Side::all()[0], &program, 1e-4, options.max_work);
+        search.probe(BoxSide::all()[0], &program, 1e-4, options.max_work);
         let found = search.inside.expect("a point inside").centre();
         assert!(program.value(found, &mut Scratch::default()) < 0.0);
     }

@@ -1,7 +1,7 @@
 //! The state of a search, and its coarse beginning: proofs over a grid narrow
 //! the region in which the field may be negative.
 
-use super::side::Side;
+use super::side::BoxSide;
 use super::undefined::{Undefined, undefined};
 use super::{Bounds, BoundsError, SearchOptions};
 use crate::cancel::Cancel;
@@ -127,11 +127,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The error if the ranges tell too little. The field may have no values at
-    /// all.
+    /// The error where the ranges do not tell how far the part reaches. A field
+    /// that has no values at all has an error of its own.
     pub(super) fn undecided(
         &mut self,
-        side: Side,
+        side: BoxSide,
         program: &Program,
     ) -> BoundsError {
         let searched = self.searched();
@@ -152,7 +152,7 @@ impl<'a> Search<'a> {
         if self.options.within.is_some() {
             return Ok(());
         }
-        for side in Side::all() {
+        for side in BoxSide::all() {
             let mut point = self.region.centre();
             point[side.axis] = side.outward(side.reach(&self.region));
             if point[side.axis].abs() >= self.options.limit_mm
@@ -226,7 +226,7 @@ impl<'a> Search<'a> {
             // A share that could not be taken off once is not tried again.
             let mut best = LEAVES.len();
             let centre = self.region.centre();
-            for side in Side::all() {
+            for side in BoxSide::all() {
                 if self.region.width(side.axis) <= 1e-6 {
                     continue;
                 }
@@ -338,7 +338,7 @@ impl<'a> Search<'a> {
         /// Share of the region's width that a slab has.
         const SLAB: f64 = 0.25;
         let mut shaved = false;
-        for side in Side::all() {
+        for side in BoxSide::all() {
             let width = self.region.width(side.axis);
             if width < LARGE {
                 continue;

@@ -4,14 +4,14 @@ use crate::cell::Cell;
 
 /// A side of a box.
 #[derive(Clone, Copy)]
-pub(super) struct Side {
+pub(super) struct BoxSide {
     /// Number of the axis: x, y or z.
     pub axis: usize,
     /// True for the upper end.
     pub up: bool,
 }
 
-impl Side {
+impl BoxSide {
     pub(super) fn all() -> [Self; 6] {
         std::array::from_fn(|i| Self {
             // z comes first: the part stands on that side.

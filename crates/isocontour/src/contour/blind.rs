@@ -63,7 +63,7 @@ const NOTHING: f32 = 1e-4;
 /// Greatest number of nodes of a leaf that are looked at. Each is asked for at six
 /// points, so 8 of them cost about half as much as the leaf's own 81 nodes. Where
 /// a face lies in the plane, they are spread over it.
-const MOST: usize = 8;
+const MOST_NODES: usize = 8;
 /// Distance of the points beside a node in its plane, in distances of the
 /// planes above and below ([`apart`]): up to there the field of a level face
 /// changes by roundings only, and less than from plane to plane. A surface that
@@ -81,7 +81,7 @@ const BESIDE: [[f32; 3]; 6] = [
     [0.0, 0.0, 1.0],
 ];
 
-/// The nodes of a leaf, at most [`MOST`] of them, whose values are next to
+/// The nodes of a leaf, at most [`MOST_NODES`] of them, whose values are next to
 /// nothing.
 fn suspects(values: &[f32]) -> impl Iterator<Item = usize> {
     let (mut least, mut most) = (f32::INFINITY, 0.0);
@@ -96,7 +96,9 @@ fn suspects(values: &[f32]) -> impl Iterator<Item = usize> {
     let small = move |v: &f32| v.abs() <= nothing;
     let count = values.iter().filter(|v| small(v)).count();
     let small = values.iter().enumerate().filter(move |(_, v)| small(v));
-    small.step_by(count.div_ceil(MOST).max(1)).map(|(k, _)| k)
+    small
+        .step_by(count.div_ceil(MOST_NODES).max(1))
+        .map(|(k, _)| k)
 }
 
 /// What a node with the value `f` says of its plane, given the field beside it.
@@ -164,8 +166,8 @@ mod tests {
 
     #[test]
     fn leaning_surfaces_through_a_node_are_not_blind() {
-        // Around a node on a surface that falls by `lean` along x and by 1
-        // along z.
+        // The values around a node of a field that rises by `lean` along x and
+        // by 1 along z.
         let beside = |lean: f32| BESIDE.map(|[x, _, z]| 1e-4 * (lean * x + z));
         for (lean, blind) in
             [(1.0, Blind::NOT), (0.02, Blind::NOT), (0.005, FACE)]
@@ -198,6 +200,6 @@ mod tests {
         leaf[7] = -1e-5;
         assert_eq!(suspects(&leaf).collect::<Vec<_>>(), [7]);
         leaf[..40].fill(0.0);
-        assert_eq!(suspects(&leaf).count(), MOST);
+        assert_eq!(suspects(&leaf).count(), MOST_NODES);
     }
 }

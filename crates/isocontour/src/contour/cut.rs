@@ -97,7 +97,7 @@ fn places(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<[f64; 2]> {
 }
 
 /// A ring's line from one crossing to the next.
-struct Piece {
+struct RingPiece {
     /// The crossing where the piece begins.
     from: usize,
     /// The piece that follows in the ring.
@@ -108,7 +108,7 @@ struct Piece {
 
 /// The rings' pieces, from the places of crossings in the order of rings, edges
 /// and places on the edges.
-fn pieces(rings: &[Joined], on: &[On], points: &[DVec2]) -> Vec<Piece> {
+fn pieces(rings: &[Joined], on: &[On], points: &[DVec2]) -> Vec<RingPiece> {
     let mut list = Vec::with_capacity(on.len());
     for same in on.chunk_by(|a, b| a.0 == b.0) {
         let ring = &rings[same[0].0];
@@ -124,7 +124,7 @@ fn pieces(rings: &[Joined], on: &[On], points: &[DVec2]) -> Vec<Piece> {
             for i in from.1 + 1..=from.1 + steps {
                 line.push(ring.points[i % count], ring.fixed[i % count]);
             }
-            list.push(Piece {
+            list.push(RingPiece {
                 from: from.3,
                 next: first + after,
                 line,
@@ -136,7 +136,7 @@ fn pieces(rings: &[Joined], on: &[On], points: &[DVec2]) -> Vec<Piece> {
 
 /// The closed loops that pieces make where they change partners at each
 /// crossing.
-fn loops(pieces: &[Piece], crossings: usize) -> Vec<Joined> {
+fn loops(pieces: &[RingPiece], crossings: usize) -> Vec<Joined> {
     // For each crossing, the sum of the numbers of the two pieces that begin
     // there. Less the number of one piece it is the number of the other.
     let mut begin = vec![0; crossings];

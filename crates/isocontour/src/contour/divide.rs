@@ -17,9 +17,7 @@
 use super::link::Crossing;
 use super::refine::{Bracket, refine};
 use super::samples::Samples;
-use super::trace::{
-    Chord, End, Look, Traced, Vertex, line, lines_cross, look, trace,
-};
+use super::trace::{Chord, End, Look, Vertex, line, lines_cross, look, trace};
 use crate::Length;
 use crate::cells::{CASES, JOINED_5, JOINED_10};
 use crate::field::{FieldError, Lattice, Sampler};
@@ -39,7 +37,7 @@ pub(super) struct Cell {
 }
 
 /// A piece of the outline in a divided cell.
-pub(super) struct Piece {
+pub(super) struct OutlinePiece {
     pub layer: usize,
     /// Vertices, counted within the batch of cells.
     pub from: u32,
@@ -52,7 +50,7 @@ pub(super) struct Piece {
 #[derive(Default)]
 pub(super) struct Divided {
     pub vertices: Vec<Vertex>,
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<OutlinePiece>,
     /// For each cell, the sides on which the lattice's edge was wrong: south,
     /// east, north, west.
     pub wrong: Vec<[bool; 4]>,
@@ -106,6 +104,27 @@ impl Patch {
 
     fn cell(&self, a: usize, b: usize) -> Rect {
         Rect::new(self.point(a, b), self.point(a + 1, b + 1))
+    }
+
+    /// Which corners of a part are inside, as a bit each, counter-clockwise from
+    /// the lower left one.
+    fn case(&self, a: usize, b: usize) -> usize {
+        let bit = |a, b| usize::from(self.inside[self.node(a, b)]);
+        bit(a, b)
+            | bit(a + 1, b) << 1
+            | bit(a + 1, b + 1) << 2
+            | bit(a, b + 1) << 3
+    }
+
+    /// The vertex on an edge of a part; the edges are the lower one, the right
+    /// one, the upper one and the left one.
+    fn vertex(&self, a: usize, b: usize, edge: u8) -> u32 {
+        self.slots[match edge {
+            0 => self.slot(a, b, 0),
+            1 => self.slot(a + 1, b, 1),
+            2 => self.slot(a, b + 1, 0),
+            _ => self.slot(a, b, 1),
+        }]
     }
 
     /// Distance of the patch's nodes.
@@ -358,68 +377,37 @@ fn connect(
     scratch: &mut Samples,
 ) -> Result<(), FieldError> {
     let parts = fineness.parts;
-    let case = |p: &Patch, a: usize, b: usize| {
-        let bit = |a, b| usize::from(p.inside[p.node(a, b)]);
-        bit(a, b)
-            | bit(a + 1, b) << 1
-            | bit(a + 1, b + 1) << 2
-            | bit(a, b + 1) << 3
-    };
-    let all = || (0..parts * parts).map(move |k| (k % parts, k / parts));
-    scratch.clear();
-    for (cell, p) in cells.iter().zip(patches) {
-        for (a, b) in all().filter(|&(a, b)| matches!(case(p, a, b), 5 | 10)) {
-            let r = p.cell(a, b);
-            scratch.push(r.centre(), z[cell.layer]);
-        }
-    }
-    let mut centres = Vec::new();
-    if !scratch.x.is_empty() {
-        let s = &mut *scratch;
-        sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
-        centres.extend(s.values.iter().map(|&f| f < 0.0));
-    }
-    let mut centres = centres.into_iter();
-    let mut chords: Vec<Chord> = Vec::new();
-    // For each chord its piece, and whether the chord before it is in the same
-    // cell.
-    let mut owners: Vec<(usize, bool)> = Vec::new();
+    let mut joined =
+        joined_saddles(cells, patches, z, parts, sampler, scratch)?.into_iter();
+    let mut chords = Chords::default();
     for (n, (cell, p)) in cells.iter().zip(patches).enumerate() {
         let in_vain = out.widths[n].is_some();
-        let first = chords.len();
+        let first = chords.all.len();
         let (mut count, mut against) = (0, 0);
-        for (a, b) in all() {
-            let case = case(p, a, b);
-            let mut list = CASES[case];
-            if matches!(case, 5 | 10) && centres.next() == Some(true) {
-                list = if case == 5 { JOINED_5 } else { JOINED_10 };
-            }
-            let vertex = |edge: u8| {
-                let slot = match edge {
-                    0 => p.slot(a, b, 0),
-                    1 => p.slot(a + 1, b, 1),
-                    2 => p.slot(a, b + 1, 0),
-                    _ => p.slot(a, b, 1),
-                };
-                p.slots[slot]
+        for (a, b) in places(parts) {
+            let case = p.case(a, b);
+            let list = match case {
+                5 if joined.next() == Some(true) => JOINED_5,
+                10 if joined.next() == Some(true) => JOINED_10,
+                _ => CASES[case],
             };
-            for (n, &(from, to)) in list.iter().enumerate() {
-                let (from, to) = (vertex(from), vertex(to));
+            for (n, &edges) in list.iter().enumerate() {
+                let [from, to] =
+                    <[u8; 2]>::from(edges).map(|edge| p.vertex(a, b, edge));
                 let ends = [from, to].map(|v| out.vertices[v as usize].end);
                 count += 1;
                 against += usize::from(is_against(ends[0], ends[1]));
                 let (near, far) = (fineness.tolerance, fineness.trusted);
                 // Both pieces of a saddle are followed, so that they can be
                 // compared.
-                if !in_vain
-                    && (list.len() > 1
-                        || !matches!(
-                            look(ends[0], ends[1], near, far),
-                            Look::Straight
-                        ))
-                {
-                    owners.push((out.pieces.len(), n > 0));
-                    chords.push(Chord {
+                let is_followed = list.len() > 1
+                    || !matches!(
+                        look(ends[0], ends[1], near, far),
+                        Look::Straight
+                    );
+                if !in_vain && is_followed {
+                    chords.owners.push((out.pieces.len(), n > 0));
+                    chords.all.push(Chord {
                         from: ends[0],
                         to: ends[1],
                         cell: p.cell(a, b),
@@ -429,7 +417,7 @@ fn connect(
                         z: z[cell.layer],
                     });
                 }
-                out.pieces.push(Piece {
+                out.pieces.push(OutlinePiece {
                     layer: cell.layer,
                     from,
                     to,
@@ -440,24 +428,80 @@ fn connect(
         if !in_vain && against >= AGAINST && 2 * against >= count {
             out.widths[n] = Some(p.step());
             chords.truncate(first);
-            owners.truncate(first);
         }
     }
-    let (near, far) = (fineness.tolerance, fineness.trusted);
-    let mut traced = trace(&chords, near, far, sampler, scratch)?;
-    for k in 1..chords.len() {
-        if owners[k].1 {
-            let of = |k: usize, t: &[Traced]| -> Vec<DVec2> {
-                line(&chords[k], &t[k]).collect()
-            };
-            if lines_cross(&of(k - 1, &traced), &of(k, &traced)) {
+    chords.follow(fineness, out, sampler, scratch)
+}
+
+/// The parts of a cell that has `parts` along each side.
+fn places(parts: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..parts * parts).map(move |k| (k % parts, k / parts))
+}
+
+/// For each saddle among the parts of the cells whether its middle is inside,
+/// which joins the insides of its two corners.
+fn joined_saddles(
+    cells: &[Cell],
+    patches: &[Patch],
+    z: &[f32],
+    parts: usize,
+    sampler: &mut dyn Sampler,
+    scratch: &mut Samples,
+) -> Result<Vec<bool>, FieldError> {
+    scratch.clear();
+    for (cell, p) in cells.iter().zip(patches) {
+        let is_saddle =
+            |&(a, b): &(usize, usize)| matches!(p.case(a, b), 5 | 10);
+        for (a, b) in places(parts).filter(is_saddle) {
+            scratch.push(p.cell(a, b).centre(), z[cell.layer]);
+        }
+    }
+    if scratch.x.is_empty() {
+        return Ok(Vec::new());
+    }
+    let s = &mut *scratch;
+    sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
+    Ok(s.values.iter().map(|&f| f < 0.0).collect())
+}
+
+/// Chords of pieces that have to be followed.
+#[derive(Default)]
+struct Chords {
+    all: Vec<Chord>,
+    /// For each chord its piece, and whether the chord before it is in the same
+    /// cell.
+    owners: Vec<(usize, bool)>,
+}
+
+impl Chords {
+    fn truncate(&mut self, count: usize) {
+        self.all.truncate(count);
+        self.owners.truncate(count);
+    }
+
+    /// Gives the pieces their points. Two in one cell that would cross get none.
+    fn follow(
+        self,
+        fineness: Fineness,
+        out: &mut Divided,
+        sampler: &mut dyn Sampler,
+        scratch: &mut Samples,
+    ) -> Result<(), FieldError> {
+        let Chords { all, owners } = self;
+        let (near, far) = (fineness.tolerance, fineness.trusted);
+        let mut traced = trace(&all, near, far, sampler, scratch)?;
+        for k in (1..all.len()).filter(|&k| owners[k].1) {
+            let [one, other] = [k - 1, k]
+                .map(|k| line(&all[k], &traced[k]).collect::<Vec<DVec2>>());
+            if lines_cross(&one, &other) {
                 traced[k - 1].points.clear();
                 traced[k].points.clear();
             }
         }
+        for ((piece, _), t) in owners.into_iter().zip(traced) {
+            let points = t.points.into_iter().map(|p| p.1);
+            out.pieces[piece].points = points.collect();
+        }
+        Ok(())
     }
-    for ((piece, _), t) in owners.into_iter().zip(traced) {
-        out.pieces[piece].points = t.points.into_iter().map(|p| p.1).collect();
-    }
-    Ok(())
 }

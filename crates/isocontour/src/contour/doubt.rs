@@ -31,7 +31,7 @@ const NEAR: f32 = 1.0;
 const FAR: f32 = 1.6;
 /// Greatest number of doubtful cells of a leaf that are looked into, where the
 /// lattice is as fine as the smallest feature. A field with more is noise.
-const MOST: usize = 16;
+const MOST_CELLS: usize = 16;
 
 /// A leaf's values.
 type Values = [f32; NODES * NODES];
@@ -264,7 +264,7 @@ pub(super) fn doubts(
     let mut many = Vec::new();
     if few {
         let of_leaf = found.chunk_by(|a, b| a.0 == b.0);
-        many.extend(of_leaf.filter(|f| f.len() > MOST).map(|f| f[0].0));
+        many.extend(of_leaf.filter(|f| f.len() > MOST_CELLS).map(|f| f[0].0));
         found.retain(|f| many.binary_search(&f.0).is_err());
     }
     Ok((found, many))

@@ -71,7 +71,7 @@ const LET_PASS: Content = 200.0;
 const SHARE: f64 = 0.1;
 /// Greatest area of leaves that are too fine. The rings that the nodes of such
 /// leaves make have to be filled and travelled to.
-const MOST: Content = 2000.0;
+const MOST_FINE_AREA: Content = 2000.0;
 /// How many cells a divided cell counts as: it costs as much as a quarter of a
 /// leaf.
 const CELL: f64 = 16.0;
@@ -235,7 +235,7 @@ impl Noise {
     ) -> Result<(), FieldError> {
         self.area += area;
         self.first.get_or_insert((at, width));
-        self.verdict(MOST)
+        self.verdict(MOST_FINE_AREA)
     }
 
     /// Judges the slab, once all leaves have been looked at.

@@ -198,8 +198,8 @@ impl Bracket {
     /// Takes in the field's value at the estimate and makes a new one.
     fn step(&mut self, f: f64, count: usize) {
         let end = if f < 0.0 { self.f_lo } else { self.f_hi };
-        // At a jump the estimate creeps along one side in tiny steps, but the
-        // field does not go down there.
+        // At a jump the estimate comes nearer in tiny steps from one side, but
+        // the field's value does not fall.
         let falls = f.abs() <= 0.25 * end.abs();
         if f < 0.0 {
             self.before = [self.lo, self.ends[0]];
@@ -247,8 +247,9 @@ pub(super) fn refine(
     sampler: &mut dyn Sampler,
     scratch: &mut Samples,
 ) -> Result<Vec<DVec2>, FieldError> {
-    // Beside places where the field is infinite it takes two points inside to
-    // tell how it rises, or one and its slope.
+    // If the field is infinite at the outer end of a bracket, it does not tell
+    // how the field rises. Two points inside would, and so does one with its
+    // slope.
     let one_sided: Vec<usize> = (0..brackets.len())
         .filter(|&i| brackets[i].is_one_sided())
         .collect();

@@ -210,8 +210,8 @@ pub(super) fn look(p: End, q: End, tolerance: Length, trusted: Length) -> Look {
 /// of pieces, each of which needs a hundred times the memory of a point.
 const AT_ONCE: usize = 256;
 
-/// Follows chords to within `tolerance`; gradients are believed along chords
-/// of up to `trusted`.
+/// Follows the outline beside chords to within `tolerance`. Along chords that are
+/// no longer than `trusted`, the gradients at the ends may tell its course.
 pub(super) fn trace(
     chords: &[Chord],
     tolerance: Length,

@@ -35,7 +35,7 @@ pub(super) struct Hoisted {
 const WORTHWHILE: u32 = 2;
 /// Greatest number of parts, of which the costliest come first. Each costs
 /// memory for every column, row or layer.
-const MOST: usize = 1000;
+const MOST_PARTS: usize = 1000;
 
 /// What is known of a node.
 #[derive(Clone, Copy)]
@@ -148,7 +148,7 @@ pub(super) fn hoist(ctx: &Context, root: Node) -> Hoisted {
         }
     }
     largest.sort_by_key(|(cost, _)| std::cmp::Reverse(*cost));
-    for (_, node) in largest.drain(MOST.min(largest.len())..) {
+    for (_, node) in largest.drain(MOST_PARTS.min(largest.len())..) {
         taken.remove(&node);
     }
     let parts = largest

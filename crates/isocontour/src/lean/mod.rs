@@ -118,10 +118,10 @@ const DONE_BINS: f64 = 2.0;
 /// Size below which a box is not cut across x or y.
 const THIN: Length = 0.02;
 /// Share of a bound that is slack.
-const SLACK: f64 = 0.04;
+const BOUND_SLACK: f64 = 0.04;
 /// How far above and below a level face it is asked what is solid, as a share
 /// of the height and of 1.
-const STEP: f64 = 1e-7;
+const OFF_FACE: f64 = 1e-7;
 /// Width of a cell at the border of two bodies that share a level face, up to
 /// which the cell's corners tell whether the face shows in it.
 const NARROW: Length = 0.1;
@@ -194,7 +194,7 @@ struct Search<'a> {
     /// along that border, and intervals are not rounded outwards.
     margin: Length,
     scratch: Scratch,
-    /// Memory for looks at other cells than the one that is looked at.
+    /// Memory for looking at other cells while one is being looked at.
     aside: Scratch,
 }
 
@@ -283,7 +283,7 @@ impl Search<'_> {
                 cancel.check()?;
             }
             let least = self.least_of(&open.cell);
-            if open.most <= least * (1.0 + SLACK) && !open.has_faces {
+            if open.most <= least * (1.0 + BOUND_SLACK) && !open.has_faces {
                 // No open cell is more level, so this cannot add up.
                 self.raise(open.cell.lo[2], open.cell.hi[2], open.most);
                 continue;
@@ -352,7 +352,7 @@ impl Search<'_> {
         if known.most <= self.least_of(cell) {
             return true;
         }
-        let close = known.most - known.least <= SLACK * known.most;
+        let close = known.most - known.least <= BOUND_SLACK * known.most;
         let level = known.least >= self.options.most;
         let thin = cell.width(2) <= DONE_BINS * self.options.bin;
         let done = thin && (close || level);
@@ -384,7 +384,7 @@ impl Search<'_> {
                 return true;
             }
             // The face is a part of f = 0 if f changes its sign there.
-            let step = STEP * (1.0 + z.abs());
+            let step = OFF_FACE * (1.0 + z.abs());
             let [below, at, above] = [z - step, z, z + step].map(|z| {
                 program.beside(surface, [x, y, z], &mut self.scratch)[0]
             });
@@ -405,7 +405,7 @@ impl Search<'_> {
     /// over a cell. That is proved only where both are inside. At the border a
     /// cell that is narrower than [`NARROW`] is judged by its corners.
     fn is_joint(&mut self, cell: &Cell, program: &Program, z: Length) -> bool {
-        let step = STEP * (1.0 + z.abs());
+        let step = OFF_FACE * (1.0 + z.abs());
         let sides = [z - step, z + step];
         let before = self.aside.work;
         let mut solid = sides.iter().all(|&z| {

@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 pub(crate) const BOXES: usize = 8;
 
 /// Greatest errors of exp and ln, as a share of the result, and of sin.
-const SLACK: f64 = 2e-9;
+const FUNCTION_ERROR: f64 = 2e-9;
 
 type Ends = [f64; BOXES];
 
@@ -93,8 +93,8 @@ impl Span {
     fn rising(self, f: impl Fn(f64) -> f64) -> Span {
         let (lo, hi) = (map(self.lo, &f), map(self.hi, &f));
         Span::sane(
-            map(lo, |v| v - SLACK * v.abs()),
-            map(hi, |v| v + SLACK * v.abs()),
+            map(lo, |v| v - FUNCTION_ERROR * v.abs()),
+            map(hi, |v| v + FUNCTION_ERROR * v.abs()),
         )
     }
 
@@ -209,14 +209,15 @@ impl Number for Span {
             let top = if reaches(FRAC_PI_2) {
                 1.0
             } else {
-                most(a, b) + SLACK
+                most(a, b) + FUNCTION_ERROR
             };
             let low = if reaches(-FRAC_PI_2) {
                 -1.0
             } else {
-                least(a, b) - SLACK
+                least(a, b) - FUNCTION_ERROR
             };
-            let known = (lo > -Turn::MOST) & (hi < Turn::MOST);
+            let known =
+                (lo > -Turn::GREATEST_ANGLE) & (hi < Turn::GREATEST_ANGLE);
             out.lo[k] = if known { low } else { f64::NAN };
             out.hi[k] = if known { top } else { f64::NAN };
         }

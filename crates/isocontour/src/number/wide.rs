@@ -73,7 +73,7 @@ impl Wide {
     #[inline(always)]
     fn turn(self, f: impl Fn(Turn) -> f64, rare: impl Fn(f32) -> f32) -> Wide {
         let mut out = self.map(|v| f(Turn::of(f64::from(v))) as f32);
-        let large = |v: &f32| f64::from(v.abs()) > Turn::MOST;
+        let large = |v: &f32| f64::from(v.abs()) > Turn::GREATEST_ANGLE;
         if self.0.iter().any(large) {
             for (o, v) in out.0.iter_mut().zip(self.0) {
                 if large(&v) {
@@ -98,7 +98,7 @@ pub(crate) struct Turn {
 
 impl Turn {
     /// Greatest angle that is reduced exactly enough.
-    pub(crate) const MOST: f64 = 1e8;
+    pub(crate) const GREATEST_ANGLE: f64 = 1e8;
     /// π/2 without its last bits, so that multiples of it are exact.
     const QUARTER: f64 = 1.570_796_310_901_641_8;
     /// The rest of π/2.

@@ -37,7 +37,7 @@ use crate::number::{binary, unary};
 use blend::Blend;
 use fidget::context::{BinaryOpcode, Context, Node, Op, UnaryOpcode};
 use fidget::var::Var;
-use piece::Piece;
+use piece::StepPiece;
 use slot::{FLAT, Slot, mixed, tightened};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -71,7 +71,7 @@ pub(super) struct Program {
     steps: Rc<[Step]>,
     /// The steps that stand for one of their pieces, in order. The program is
     /// then only about the points where this piece is the true one.
-    pieces: Vec<Piece>,
+    pieces: Vec<StepPiece>,
 }
 
 /// What is known of the field over a box.
@@ -278,7 +278,7 @@ impl Program {
             };
             v.push(value);
         }
-        for Piece { step, index } in &self.pieces {
+        for StepPiece { step, index } in &self.pieces {
             let step = &self.steps[*step as usize];
             let mut operands = step.operands().map(|o| v[o as usize]);
             let a = operands.next().unwrap_or(0.0);
@@ -451,7 +451,7 @@ impl Program {
         let at = self.pieces.partition_point(|p| p.step < step);
         let with = |index: f64| {
             let mut pieces = self.pieces.clone();
-            pieces.insert(at, Piece { step, index });
+            pieces.insert(at, StepPiece { step, index });
             Self {
                 steps: self.steps.clone(),
                 pieces,
@@ -467,7 +467,7 @@ impl Program {
         let s = &scratch.slots;
         let mut cell = *whole;
         if s.len() == self.steps.len() {
-            for Piece { step, index } in &self.pieces {
+            for StepPiece { step, index } in &self.pieces {
                 let step = &self.steps[*step as usize];
                 let [a, b] = slots_of(s, step);
                 piece::contract(step, *index, a, b, whole, &mut cell);

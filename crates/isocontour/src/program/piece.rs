@@ -33,7 +33,7 @@ const FIRST_SECTOR: f64 = 2.0;
 
 /// One piece of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Piece {
+pub(super) struct StepPiece {
     pub step: u32,
     /// Number of the piece among the step's pieces.
     pub index: f64,
@@ -81,10 +81,13 @@ fn sector(angle: f64) -> f64 {
 /// Limits between which all angles of a sector lie.
 fn angles(sector: f64) -> (f64, f64) {
     /// More than what rounding makes of a limit.
-    const SLACK: f64 = 1e-15;
+    const ROUNDED_ANGLE: f64 = 1e-15;
     let number = sector - FIRST_SECTOR;
     let angle = |number: f64| number * (TAU / SECTORS) - PI;
-    (angle(number) - SLACK, angle(number + 1.0) + SLACK)
+    (
+        angle(number) - ROUNDED_ANGLE,
+        angle(number + 1.0) + ROUNDED_ANGLE,
+    )
 }
 
 /// The piece in which a point's operands lie, where sectors do not count.

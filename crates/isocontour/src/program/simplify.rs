@@ -8,7 +8,7 @@
 //! down from the field to its operands, as the window of an alpha-beta search
 //! is.
 
-use super::piece::{Piece, pieces_of};
+use super::piece::{StepPiece, pieces_of};
 use super::slot::Slot;
 use super::{Program, Scratch, Step, slots_of};
 use crate::interval::Interval;
@@ -172,7 +172,7 @@ impl Program {
         if root as usize + 1 != steps.len() {
             steps.push(Step::Binary(BinaryOpcode::Max, root, root));
         }
-        let moved = |p: &Piece| Piece {
+        let moved = |p: &StepPiece| StepPiece {
             step: position[p.step as usize],
             index: p.index,
         };

@@ -20,7 +20,9 @@ impl Program {
         of: u32,
         s: &[Slot],
     ) -> Option<[Interval; 3]> {
-        const MOST: usize = 16;
+        /// Greatest number of terms. Each is compared with the highest one, and
+        /// soft minima of more parts are rare.
+        const MOST_TERMS: usize = 16;
         let mut terms: Vec<(u32, Interval)> = Vec::new();
         let mut todo = vec![of];
         while let Some(step) = todo.pop() {
@@ -35,7 +37,7 @@ impl Program {
                 }
                 _ => return None,
             }
-            if terms.len() + todo.len() > MOST {
+            if terms.len() + todo.len() > MOST_TERMS {
                 return None;
             }
         }

@@ -27,7 +27,7 @@ impl Program {
     pub(crate) fn surfaces(&self, scratch: &Scratch) -> Option<Vec<Surface>> {
         /// Greatest number of steps that are replaced by their operands. Shared
         /// steps are met many times.
-        const MOST: usize = 256;
+        const MOST_REPLACED: usize = 256;
         let s = &scratch.slots;
         if s.len() != self.steps.len() {
             return None;
@@ -37,7 +37,7 @@ impl Program {
         let mut seen = 0;
         while let Some((number, level)) = todo.pop() {
             seen += 1;
-            if seen > MOST {
+            if seen > MOST_REPLACED {
                 return None;
             }
             let slot = &s[number as usize];

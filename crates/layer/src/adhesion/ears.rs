@@ -25,7 +25,7 @@ const SIDES: u32 = 48;
 /// The loops that fill the ears of a part with this outline, from outside to
 /// inside, one ear after another.
 pub(super) fn ears(outline: &Area, height: Mm, plan: &BrimPlan) -> Vec<Ring> {
-    let radius = plan.ear_radius;
+    let radius = plan.strip;
     let disc = |middle: DVec2| -> Ring {
         let step = std::f64::consts::TAU / f64::from(SIDES);
         let corner = |k| DVec2::from_angle(f64::from(k) * step) * radius;
@@ -84,6 +84,7 @@ pub(super) fn corners(outline: &Area, angle: f64) -> Vec<DVec2> {
 mod tests {
     use super::*;
     use isoslice_planar::shapes::{disc, rect};
+    use isoslice_settings::plan_with;
 
     #[test]
     fn sharp_convex_corners_get_ears_and_others_none() {
@@ -109,8 +110,8 @@ mod tests {
 
     #[test]
     fn ears_fill_their_discs_outside_of_the_part() {
-        let plan = BrimPlan::with(|s| {
-            s.brim.ear_radius = 4.0;
+        let plan = plan_with(BrimPlan::of, |s| {
+            s.brim.width = 4.0;
             s.brim.gap = 0.1;
         });
         let part = rect(0.0, 0.0, 30.0, 20.0);
@@ -130,7 +131,7 @@ mod tests {
 
     #[test]
     fn ears_leave_holes_free() {
-        let plan = BrimPlan::with(|s| s.brim.ear_radius = 4.0);
+        let plan = plan_with(BrimPlan::of, |s| s.brim.width = 4.0);
         let solid = rect(0.0, 0.0, 30.0, 20.0);
         let mut part = solid.clone();
         // A hole lies within reach of a corner.

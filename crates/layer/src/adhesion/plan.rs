@@ -4,6 +4,7 @@ use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::Rect;
 use isoslice_planar::bead::spacing;
+use isoslice_settings::layers::LayerSpan;
 use isoslice_settings::{BrimPlace, DraftShield, Settings};
 
 /// The loops around a part.
@@ -11,6 +12,8 @@ use isoslice_settings::{BrimPlace, DraftShield, Settings};
 pub struct AdhesionPlan {
     /// The skirt.
     pub skirt: SkirtPlan,
+    /// What takes its place if a draft shield is asked for.
+    pub shield: ShieldPlan,
     /// The brim.
     pub brim: BrimPlan,
     /// What all of them stay on.
@@ -22,6 +25,14 @@ impl AdhesionPlan {
     pub fn of(settings: &Settings) -> AdhesionPlan {
         AdhesionPlan {
             skirt: SkirtPlan::of(settings),
+            shield: ShieldPlan {
+                height: settings.draft_shield.height(),
+                skirt: SkirtPlan {
+                    loops: 1,
+                    distance: settings.shield_distance(),
+                    ..SkirtPlan::of(settings)
+                },
+            },
             brim: BrimPlan::of(settings),
             bed: BedPlan::of(settings),
         }
@@ -58,22 +69,28 @@ impl SkirtPlan {
             step: spacing(width, width, settings.thickest_layer()),
         }
     }
+}
 
-    /// The draft shield that settings ask for, in so many layers.
-    pub fn of_shield(settings: &Settings, layers: usize) -> SkirtPlan {
+/// How much higher than the shield a layer may reach, mm: rounding.
+const ROUNDED: Mm = 1e-6;
+
+/// A draft shield.
+#[derive(Clone, Copy, Debug)]
+pub struct ShieldPlan {
+    /// Height up to which layers have the shield, mm.
+    height: Mm,
+    /// The loop, whose number of layers follows from the height.
+    skirt: SkirtPlan,
+}
+
+impl ShieldPlan {
+    /// The shield of a part with these layers.
+    pub fn among(&self, spans: &[LayerSpan]) -> SkirtPlan {
+        let has_shield = |span: &LayerSpan| span.top <= self.height + ROUNDED;
         SkirtPlan {
-            loops: 1,
-            layers,
-            distance: settings.shield_distance(),
-            ..SkirtPlan::of(settings)
+            layers: spans.partition_point(has_shield),
+            ..self.skirt
         }
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> SkirtPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        SkirtPlan::of(&settings)
     }
 }
 
@@ -82,12 +99,10 @@ impl SkirtPlan {
 pub struct BrimPlan {
     /// Where it is.
     pub place: BrimPlace,
-    /// Width of the strip that its loops fill, mm.
+    /// Width of the strip that its loops fill, or radius of ears, mm.
     pub strip: Mm,
     /// Gap between the part and the innermost loop, mm.
     pub gap: Mm,
-    /// Radius of ears, mm.
-    pub ear_radius: Mm,
     /// Corners sharper than this have ears.
     pub ear_angle: Degrees,
     /// Line width, mm.
@@ -104,7 +119,6 @@ impl BrimPlan {
             place: brim.place,
             strip: brim.width,
             gap: brim.gap,
-            ear_radius: brim.ear_radius,
             ear_angle: brim.ear_angle,
             width: settings.outer_wall_width(),
             reach: 0.0,
@@ -114,7 +128,7 @@ impl BrimPlan {
                 let depths = plan.depths(settings.first_layer_height());
                 depths.last().map_or(0.0, |d| d + 0.5 * plan.width)
             }
-            BrimPlace::Ears => brim.ear_radius,
+            BrimPlace::Ears => brim.width,
             BrimPlace::None | BrimPlace::Inner => 0.0,
         };
         BrimPlan { reach, ..plan }
@@ -127,13 +141,6 @@ impl BrimPlan {
         let loops = (self.strip / step).round().max(1.0) as u32;
         let nearest = self.gap + 0.5 * self.width;
         (0..loops).map(|i| nearest + step * f64::from(i)).collect()
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> BrimPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        BrimPlan::of(&settings)
     }
 }
 

@@ -8,7 +8,8 @@
 //!       └──────┘
 //! ```
 //!
-//! In: a layer's solid. Out: as much of it as tells what it covers of an area.
+//! In: a layer's solid. Out: the part of it in and around an area, as much as
+//! tells what of the area it covers.
 //! To look at all of its points for each of the areas would be quadratic,
 //! whether they are in many rings or in one.
 
@@ -54,8 +55,8 @@ impl<'a> Neighbour<'a> {
         }
     }
 
-    /// What the layer has around an area, enough to tell what it covers of
-    /// it.
+    /// The part of the layer in and around an area: as much as tells what of the
+    /// area the layer covers.
     pub fn near(&self, area: &Area) -> Area {
         if area.is_empty() {
             return Area::EMPTY;

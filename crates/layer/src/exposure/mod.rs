@@ -43,6 +43,7 @@ use isoslice_planar::clip::{
     crop, difference, intersection, not_covered_by_all, union, unite,
 };
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::{is_wider, opened, wide_parts};
 use isoslice_planar::{Area, BoxTree, Rect, Solid};
 use isoslice_settings::layers::LayerSpan;
 use rough::apart;
@@ -222,10 +223,9 @@ impl<'a> Exposure<'a> {
         let plan = &self.plan;
         let islands = roomy.islands();
         // Most of what is covered of a lattice is thin.
-        let half = 0.5 * plan.infill;
         let matters = |part: &Area| {
             part.content() >= plan.least
-                && !offset(part, -half, TOLERANCE).is_empty()
+                && is_wider(part, plan.infill, TOLERANCE)
         };
         let asked = Islands::new(&islands);
         let mut exposed = exposed(&asked, covers, matters);
@@ -314,9 +314,7 @@ impl<'a> Exposure<'a> {
         let all = asked.iter().flat_map(|island| &island.rings);
         let found = intersection(&all.cloned().collect(), &unite(&found));
         // What is thinner than a bead lies beside what holds the walls.
-        let half = 0.5 * walls.skin;
-        let wide = offset(&found, -half, TOLERANCE);
-        let found = intersection(&offset(&wide, half, TOLERANCE), &found);
+        let found = opened(&found, 0.5 * walls.skin, TOLERANCE);
         by_island(islands, found.islands())
     }
 }
@@ -458,7 +456,7 @@ fn hanging(
         }
     }
     // A gap that a bead's own width bridges needs no anchor.
-    let half = 0.5 * plan.bridge;
+    let half = 0.5 * plan.walls.skin;
     // `open` would not do: an offset would also shrink what it cuts off.
     let open = difference(&all, &near(&all, support.area()));
     let core = offset(&open, -half, TOLERANCE);
@@ -477,7 +475,7 @@ fn grown(part: &Area, hanging: &Area, plan: &ExposurePlan) -> Area {
     let all = offset(part, plan.overlap, TOLERANCE);
     match plan.anchor {
         Some(anchor) if !hanging.is_empty() => {
-            let reach = 0.5 * plan.bridge + anchor;
+            let reach = 0.5 * plan.walls.skin + anchor;
             union(&all, &offset(hanging, reach, TOLERANCE))
         }
         _ => all,
@@ -539,15 +537,8 @@ fn printable(area: &Area, lines: f64, plan: &ExposurePlan) -> Area {
         if island.content() < plan.least {
             continue;
         }
-        let core = offset(&island, -half, TOLERANCE);
-        if core.is_empty() {
-            continue;
-        }
-        // The core grows by more than the island was shrunk, and is cut to the
-        // island: so corners come back, and necks that are too narrow for a
-        // bead do not.
-        let back = offset(&core, 2.0 * half, TOLERANCE);
-        let whole = intersection(&island, &back);
+        // Corners are kept, and necks that are too narrow for a bead are not.
+        let whole = wide_parts(&island, half, TOLERANCE);
         let lost = island.content() - whole.content();
         if lost <= ROUNDING * island.perimeter() {
             wide.rings.extend(island.rings);
@@ -568,6 +559,7 @@ mod tests {
     use super::*;
     use isoslice_planar::rect;
     use isoslice_settings::Infill;
+    use isoslice_settings::{Settings, plan_with};
 
     /// Splits the fill of a layer that some more layers would have to cover
     /// from above, which are `beyond` the part.
@@ -596,7 +588,7 @@ mod tests {
 
     #[test]
     fn covered_areas_stay_sparse_and_open_ones_become_skin() {
-        let plan = ExposurePlan::with(|_| {});
+        let plan = ExposurePlan::of(&Settings::default());
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
         let f = split_under(&fill, &[&all, &all], &[&all], 0, plan);
@@ -612,7 +604,7 @@ mod tests {
     fn full_density_is_skin_but_for_a_shape_of_its_own() {
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let roomy = |shape: bool| {
-            let plan = ExposurePlan::with(|s| {
+            let plan = plan_with(ExposurePlan::of, |s| {
                 s.infill_density = 100.0.into();
                 if shape {
                     s.infill = Infill::Expression("x".into());
@@ -627,7 +619,7 @@ mod tests {
     #[test]
     fn a_layer_between_counts() {
         // Only the middle one of three layers above has a hole.
-        let plan = ExposurePlan::with(|_| {});
+        let plan = ExposurePlan::of(&Settings::default());
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
         let holed = difference(&all, &rect(5.0, 5.0, 10.0, 10.0));
@@ -655,7 +647,7 @@ mod tests {
     #[test]
     fn what_rises_stands_on_skin_as_far_as_its_walls_reach() {
         for walls in [1, 2, 5] {
-            let plan = ExposurePlan::with(|s| s.walls = walls);
+            let plan = plan_with(ExposurePlan::of, |s| s.walls = walls);
             let (_, depth) = plan.walls.depths(0.2);
             let reach = depth.max(plan.overlap);
             // The step may be in any of the layers whose skin reaches down here,
@@ -681,7 +673,10 @@ mod tests {
     fn skin_below_steep_slopes_does_not_grow_for_walls() {
         let slope = [0.2, 0.4, 0.6, 0.8];
         let is = [5, 1].map(|walls| {
-            sparse_below(&slope, ExposurePlan::with(|s| s.walls = walls))
+            sparse_below(
+                &slope,
+                plan_with(ExposurePlan::of, |s| s.walls = walls),
+            )
         });
         assert!((is[0] - is[1]).abs() < 1e-6, "{is:?}");
     }
@@ -689,7 +684,7 @@ mod tests {
     #[test]
     fn outlines_of_one_shape_are_no_slope() {
         // The layers above end here, and the outline of the last one is off.
-        let plan = ExposurePlan::with(|_| {});
+        let plan = ExposurePlan::of(&Settings::default());
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let sparse = |off: f64| {
             let outline = rect(-1.0, -1.0, 21.0, 21.0);
@@ -712,7 +707,7 @@ mod tests {
 
     #[test]
     fn slivers_of_sparse_area_become_skin() {
-        let plan = ExposurePlan::with(|_| {});
+        let plan = ExposurePlan::of(&Settings::default());
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         // This leaves a strip that is so wide once the skin has grown.
         let strip = |width: f64| {
@@ -734,7 +729,7 @@ mod tests {
 
     #[test]
     fn a_narrow_part_away_from_skin_stays_sparse() {
-        let plan = ExposurePlan::with(|_| {});
+        let plan = ExposurePlan::of(&Settings::default());
         // A square with skin in one half, and a rib of 1.5 lines beside the
         // other half.
         let rib = rect(20.0, 5.0, 30.0, 5.0 + 1.5 * plan.infill);

@@ -36,8 +36,6 @@ pub struct ExposurePlan {
     pub least: Mm2,
     /// How far skin reaches into the sparse infill beside it, mm.
     pub overlap: Mm,
-    /// Width of the lines of bridges, mm.
-    pub bridge: Mm,
     /// How far bridges reach onto what holds them, mm, if there are bridges.
     pub anchor: Option<Mm>,
 }
@@ -63,15 +61,7 @@ impl ExposurePlan {
             infill: settings.infill_width(),
             least: settings.skin_min_area,
             overlap: settings.skin_overlap(),
-            bridge: settings.skin_width(),
-            anchor: settings.bridges.then_some(settings.bridge_anchor),
+            anchor: settings.bridges().then_some(settings.bridge_anchor),
         }
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> ExposurePlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        ExposurePlan::of(&settings)
     }
 }

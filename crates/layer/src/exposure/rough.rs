@@ -37,13 +37,14 @@ mod tests {
     use crate::cover::open;
     use glam::DVec2;
     use isoslice_planar::shapes::disc;
+    use isoslice_settings::{Settings, plan_with};
 
     /// Places between the rough and the exact outline are where the rough one
     /// says, whoever is asked.
     #[test]
     fn rough_outlines_agree_with_themselves() {
         let exact = disc(10.0, 2000);
-        let rough = rough(&exact, &WallPlan::with(|_| {}));
+        let rough = rough(&exact, &WallPlan::of(&Settings::default()));
         assert!(rough.area().rings[0].len() < 200);
         let mut between = 0;
         for k in 0..4000 {
@@ -62,7 +63,7 @@ mod tests {
     /// lets their outlines be apart.
     #[test]
     fn equal_layers_without_walls_cover_one_another() {
-        let walls = WallPlan::with(|s| s.walls = 0);
+        let walls = plan_with(WallPlan::of, |s| s.walls = 0);
         let off = walls.accuracy;
         for [here, there] in [[off, -off], [-off, off]] {
             let fill = disc(10.0 + here, 300);

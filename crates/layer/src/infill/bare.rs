@@ -58,6 +58,7 @@ mod tests {
     use glam::DVec2;
     use isoslice_planar::bead::{Role, Stroke};
     use isoslice_planar::rect;
+    use isoslice_settings::plan_with;
 
     #[test]
     fn small_islands_without_a_line_of_infill_become_skin() {
@@ -76,7 +77,9 @@ mod tests {
             sparse: joined(&[crossed.clone(), bare.clone(), large.clone()]),
         };
         let filled = |density: f64| {
-            let plan = InfillPlan::with(|s| s.infill_density = density.into());
+            let plan = plan_with(InfillPlan::of, |s| {
+                s.infill_density = density.into()
+            });
             let mut areas = areas.clone();
             fill_bare(&mut areas, &infill, &plan);
             areas

@@ -15,7 +15,7 @@
 use super::families::threshold;
 use super::{Density, Layer, Pattern};
 use isoslice_planar::Area;
-use isoslice_planar::border::Piece;
+use isoslice_planar::border::LinePiece;
 use isoslice_planar::offset::offset;
 
 /// Offsets of the border.
@@ -25,7 +25,7 @@ pub(super) struct Concentric;
 const TOLERANCE: f64 = 0.02;
 
 impl Pattern for Concentric {
-    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<LinePiece> {
         let spacing = match layer.density {
             Density::Even(share) => layer.solid / share,
             Density::Graded(_) => layer.solid,
@@ -43,7 +43,7 @@ impl Pattern for Concentric {
             for ring in &area.rings {
                 match layer.density {
                     Density::Even(_) => {
-                        pieces.push(Piece::inner(ring.clone(), true))
+                        pieces.push(LinePiece::inner(ring.clone(), true))
                     }
                     Density::Graded(grading) => {
                         grading.above(ring, threshold(number), &mut pieces);

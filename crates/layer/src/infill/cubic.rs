@@ -12,14 +12,14 @@
 
 use super::families::{Family, lines};
 use super::{Layer, Pattern};
-use isoslice_planar::border::Piece;
+use isoslice_planar::border::LinePiece;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Three families that move with the height.
 pub(super) struct Cubic;
 
 impl Pattern for Cubic {
-    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<LinePiece> {
         // The normals point in three directions, 120° apart: moving all lines
         // along them by one length moves the cubes upwards.
         let families = [0.0, 120.0, 240.0].map(|turn| Family {

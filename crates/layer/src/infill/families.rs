@@ -21,7 +21,7 @@ use super::grading::Grading;
 use super::{Density, Layer};
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
-use isoslice_planar::border::Piece;
+use isoslice_planar::border::LinePiece;
 use isoslice_planar::hatch::{Lines, hatch_border};
 
 /// Parallel lines, all over the plane.
@@ -36,7 +36,7 @@ pub(super) struct Family {
 /// The pieces of a layer's families of lines, for any density. The families
 /// share the density evenly: at an even density the lines of each are
 /// `families.len()` times as far apart as those of one family alone would be.
-pub(super) fn lines(layer: &Layer<'_>, families: &[Family]) -> Vec<Piece> {
+pub(super) fn lines(layer: &Layer<'_>, families: &[Family]) -> Vec<LinePiece> {
     let densest = families.len() as f64 * layer.solid;
     let mut pieces = Vec::new();
     for family in families {
@@ -76,10 +76,10 @@ pub(super) fn threshold(row: i64) -> f64 {
 /// The parts of a line's piece where the share passes the line's threshold.
 fn thresholded(
     row: i64,
-    piece: Piece,
+    piece: LinePiece,
     layer: &Layer<'_>,
     grading: &Grading,
-    pieces: &mut Vec<Piece>,
+    pieces: &mut Vec<LinePiece>,
 ) {
     let limit = threshold(row);
     let [a, b] = piece.points[..] else { return };
@@ -89,7 +89,7 @@ fn thresholded(
     let mut start = (above(a) > 0.0).then_some((a, piece.from));
     let mut push = |from: (DVec2, _), to: (DVec2, _)| {
         if from.0.distance(to.0) >= layer.shortest {
-            pieces.push(Piece {
+            pieces.push(LinePiece {
                 points: vec![from.0, to.0],
                 closed: false,
                 from: from.1,

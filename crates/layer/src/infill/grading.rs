@@ -7,7 +7,7 @@
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
-use isoslice_planar::border::Piece;
+use isoslice_planar::border::LinePiece;
 
 /// The share of the plane to be filled, 0 to 1, over a layer's area.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ pub(super) struct Grading {
 }
 
 /// Distance of the lattice's nodes, mm; they are closer in small areas.
-const STEP: Mm = 1.0;
+const NODE_STEP: Mm = 1.0;
 /// Least and greatest number of nodes along the longer side of an area.
 const SIDE: (f64, f64) = (40.0, 1024.0);
 /// Least distance of the nodes, mm.
@@ -37,7 +37,7 @@ impl Grading {
     ) -> Result<Grading, E> {
         let extent = bounds.size();
         let side = extent.max_element();
-        let step = STEP.min(side / SIDE.0).max(FINEST).max(side / SIDE.1);
+        let step = NODE_STEP.min(side / SIDE.0).max(FINEST).max(side / SIDE.1);
         let size =
             [extent.x, extent.y].map(|side| (side / step).ceil() as usize + 2);
         let mut points = Vec::with_capacity(size[0] * size[1]);
@@ -100,7 +100,7 @@ impl Grading {
         &self,
         ring: &[DVec2],
         limit: f64,
-        pieces: &mut Vec<Piece>,
+        pieces: &mut Vec<LinePiece>,
     ) {
         // Points are added to the ring until they are close enough for the
         // share to be read at them.
@@ -114,7 +114,7 @@ impl Grading {
             points.iter().map(|&p| self.share(p) - limit).collect();
         let n = points.len();
         let Some(start) = over.iter().position(|&f| f <= 0.0) else {
-            return pieces.push(Piece::inner(points, true));
+            return pieces.push(LinePiece::inner(points, true));
         };
         let mut run: Vec<DVec2> = Vec::new();
         for k in start..start + n {
@@ -128,7 +128,7 @@ impl Grading {
             }
             run.push(points[i].lerp(points[j], f / (f - g)));
             if f > 0.0 {
-                pieces.push(Piece::inner(std::mem::take(&mut run), false));
+                pieces.push(LinePiece::inner(std::mem::take(&mut run), false));
             }
         }
     }

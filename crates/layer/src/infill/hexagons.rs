@@ -10,13 +10,13 @@
 use super::{Layer, Pattern};
 use glam::DVec2;
 use isoslice_planar::Rect;
-use isoslice_planar::border::{Cutter, Piece};
+use isoslice_planar::border::{Cutter, LinePiece};
 
 /// Hexagons.
 pub(super) struct Hexagons;
 
 impl Pattern for Hexagons {
-    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<LinePiece> {
         // With sides of length a, a zigzag is 4·a long for each 3·a of way, and
         // the next zigzag is a·sin 60° and half a bead on either side away.
         let pitch = 4.0 / 3.0 * layer.solid / layer.density.mean();

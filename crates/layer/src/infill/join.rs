@@ -16,12 +16,12 @@
 use super::pairing::{Way, pairs};
 use isoslice_base::sets::Sets;
 use isoslice_base::units::Mm;
-use isoslice_planar::border::{Border, Foot, Piece};
+use isoslice_planar::border::{Border, BorderPlace, LinePiece};
 
 /// An end of a piece on the border.
 #[derive(Clone, Copy, Debug)]
 struct End {
-    foot: Foot,
+    foot: BorderPlace,
     /// For a piece's first point, twice the piece's number; for its last point,
     /// one more.
     number: usize,
@@ -37,10 +37,10 @@ struct Link {
 
 /// The pieces, joined where the way along the border is at most `limit`.
 pub(super) fn join(
-    pieces: Vec<Piece>,
+    pieces: Vec<LinePiece>,
     border: &Border<'_>,
     limit: Mm,
-) -> Vec<Piece> {
+) -> Vec<LinePiece> {
     let ends = ends(&pieces);
     let mut links: Vec<Option<Link>> = vec![None; 2 * pieces.len()];
     // Which pieces are on one path.
@@ -70,7 +70,7 @@ pub(super) fn join(
 }
 
 /// The ends of pieces on the border, ring by ring and in the order along it.
-fn ends(pieces: &[Piece]) -> Vec<End> {
+fn ends(pieces: &[LinePiece]) -> Vec<End> {
     let mut ends: Vec<End> = Vec::with_capacity(2 * pieces.len());
     for (i, piece) in pieces.iter().enumerate() {
         let both = [(piece.from, 2 * i), (piece.to, 2 * i + 1)];
@@ -116,11 +116,12 @@ const MICROMETRES: f64 = 1e3;
 
 /// Follows the links from every end that has no link.
 fn walk(
-    pieces: Vec<Piece>,
+    pieces: Vec<LinePiece>,
     links: &[Option<Link>],
     border: &Border<'_>,
-) -> Vec<Piece> {
-    let mut pieces: Vec<Option<Piece>> = pieces.into_iter().map(Some).collect();
+) -> Vec<LinePiece> {
+    let mut pieces: Vec<Option<LinePiece>> =
+        pieces.into_iter().map(Some).collect();
     let mut joined = Vec::new();
     for start in 0..links.len() {
         if isoslice_base::limits::is_stopped() {
@@ -158,7 +159,7 @@ fn walk(
 }
 
 /// The piece with that end as its first point.
-fn take(pieces: &mut [Option<Piece>], end: usize) -> Option<Piece> {
+fn take(pieces: &mut [Option<LinePiece>], end: usize) -> Option<LinePiece> {
     let mut piece = pieces[end / 2].take()?;
     if end % 2 == 1 {
         piece.points.reverse();
@@ -175,14 +176,14 @@ mod tests {
     use isoslice_planar::shapes::square_ring;
     use isoslice_planar::{Area, path_length};
 
-    fn joined(area: &Area, angle: f64, limit: f64) -> (usize, Vec<Piece>) {
+    fn joined(area: &Area, angle: f64, limit: f64) -> (usize, Vec<LinePiece>) {
         let border = Border::new(area);
         let lines = Lines {
             angle,
             spacing: 2.0,
             phase: 0.5,
         };
-        let pieces: Vec<Piece> = hatch_border(&border, lines, 0.1)
+        let pieces: Vec<LinePiece> = hatch_border(&border, lines, 0.1)
             .into_iter()
             .map(|p| p.1)
             .collect();

@@ -43,10 +43,10 @@ use glam::DVec2;
 use grading::Grading;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_model::contour::{FieldError, remedy};
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_model::{ExpressionError, LoadError, Source, load, operations};
 use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
-use isoslice_planar::border::{Border, Piece};
+use isoslice_planar::border::{Border, LinePiece};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
@@ -142,7 +142,7 @@ trait Pattern: Send + Sync {
     /// makes and cuts straight lines; a
     /// [`Cutter`](isoslice_planar::border::Cutter) cuts any lines. The volume of
     /// the beads per area has to be `layer.density`, in the mean over layers.
-    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece>;
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<LinePiece>;
 
     /// False if the pattern must have one density everywhere.
     /// `infill_density` may then not be a formula.
@@ -192,11 +192,11 @@ pub enum InfillError {
     /// The density's text is not an expression, or the expression has no value
     /// somewhere.
     #[error(transparent)]
-    Density(#[from] VaryError),
+    Density(#[from] QuantityError),
 }
 
 /// What the infill is made of.
-enum Kind {
+enum InfillKind {
     Pattern(Box<dyn Pattern>),
     Shape(Shape),
 }
@@ -240,7 +240,7 @@ pub fn script_words(
 pub struct Infill<'a> {
     plan: InfillPlan,
     around: &'a Surroundings<'a>,
-    kind: Kind,
+    kind: InfillKind,
     density: Quantity,
     origin: DVec2,
 }
@@ -266,15 +266,17 @@ impl<'a> Infill<'a> {
                         pattern: word.word(),
                     });
                 }
-                Kind::Pattern(pattern)
+                InfillKind::Pattern(pattern)
             }
             isoslice_settings::Infill::Expression(text) => {
-                Kind::Shape(Shape::of_formula(text, &site, plan.width)?)
+                InfillKind::Shape(Shape::of_formula(text, &site, plan.width)?)
             }
             isoslice_settings::Infill::Script(path) => {
                 let source = Source::File(path.into());
                 let width = plan.width;
-                Kind::Shape(Shape::of_source(&source, path, &site, width)?)
+                InfillKind::Shape(Shape::of_source(
+                    &source, path, &site, width,
+                )?)
             }
         };
         Ok(Infill {
@@ -308,7 +310,7 @@ impl<'a> Infill<'a> {
         }
         let margin = width * (0.5 - plan.overlap / 100.0);
         let ends = offset(sparse, -margin, TOLERANCE);
-        if ends.is_empty() && matches!(self.kind, Kind::Pattern(_)) {
+        if ends.is_empty() && matches!(self.kind, InfillKind::Pattern(_)) {
             // No line fits in, and a density has no place to be asked for.
             return Ok(Vec::new());
         }
@@ -320,8 +322,8 @@ impl<'a> Infill<'a> {
         // The density setting does not apply to shapes: a shape's own function
         // gives its density.
         let even = match &self.kind {
-            Kind::Pattern(_) => self.density.constant(),
-            Kind::Shape(_) => Some(100.0),
+            InfillKind::Pattern(_) => self.density.constant(),
+            InfillKind::Shape(_) => Some(100.0),
         };
         let grading = match even {
             None => {
@@ -345,14 +347,14 @@ impl<'a> Infill<'a> {
         };
         let bead = |stroke| Bead::new(Role::SparseInfill, stroke, height);
         let (pieces, reach) = match &self.kind {
-            Kind::Pattern(pattern) => {
+            InfillKind::Pattern(pattern) => {
                 (pattern.pieces(&layer), pattern.reach(&layer))
             }
-            Kind::Shape(shape) if plan.solid => {
+            InfillKind::Shape(shape) if plan.solid => {
                 let lines = shape.solid(sparse, &layer, around, height, plan);
                 return Ok(lines?.into_iter().map(bead).collect());
             }
-            Kind::Shape(shape) => {
+            InfillKind::Shape(shape) => {
                 let lines = shape.lines(&layer, around, width)?;
                 (lines, SHAPE_REACH * width)
             }
@@ -371,7 +373,7 @@ impl<'a> Infill<'a> {
         bounds: Rect,
         z: Mm,
         around: Around<'_>,
-    ) -> Result<Grading, VaryError> {
+    ) -> Result<Grading, QuantityError> {
         let measure = self.density.uses_depth();
         Grading::new(bounds, |points, out| {
             let mut places = Vec::with_capacity(points.len());

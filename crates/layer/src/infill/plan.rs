@@ -2,7 +2,7 @@
 
 use crate::walls::ThinPlan;
 use isoslice_base::units::{Degrees, Mm, Percent};
-use isoslice_settings::{Infill, InfillMode, InfillPattern, Settings, Varying};
+use isoslice_settings::{Infill, InfillPattern, Settings, Varying};
 
 /// How infill is laid.
 #[derive(Clone, Debug)]
@@ -36,8 +36,8 @@ impl InfillPlan {
             width: settings.infill_width(),
             overlap: settings.infill_overlap,
             angle: settings.infill_angle,
-            solid: settings.infill_mode == InfillMode::Solid,
-            walls: settings.infill_walls,
+            solid: settings.infill_mode.walls().is_some(),
+            walls: settings.infill_mode.walls().unwrap_or(1),
             off_wall: 0.5 * settings.printer.nozzle_diameter,
             thin: ThinPlan::of(settings),
         }
@@ -61,12 +61,5 @@ impl InfillPlan {
     /// True if there are no lines. The density does not matter to a shape.
     pub(super) fn is_hollow(&self) -> bool {
         !self.is_own() && self.density.is(0.0)
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> InfillPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        InfillPlan::of(&settings)
     }
 }

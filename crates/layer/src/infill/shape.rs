@@ -19,10 +19,10 @@ use glam::DVec2;
 use isoslice_base::timings::Timings;
 use isoslice_base::units::Mm;
 use isoslice_model::contour::{Detail, Field, field, outlines};
-use isoslice_model::vary::{Surroundings, VaryError};
+use isoslice_model::expressions::{QuantityError, Surroundings};
 use isoslice_model::{Expression, Place, Source, load};
 use isoslice_planar::bead::Stroke;
-use isoslice_planar::border::{Cutter, Piece};
+use isoslice_planar::border::{Cutter, LinePiece};
 use isoslice_planar::clip::intersection;
 use isoslice_planar::clusters::clusters;
 use isoslice_planar::grid::EdgeGrid;
@@ -39,7 +39,7 @@ pub(super) enum Shape {
 }
 
 /// Distance of the lattice's nodes, as a share of the line's width.
-const STEP: f64 = 0.5;
+const NODE_STEP: f64 = 0.5;
 /// Greatest error of lines, mm. Nobody sees it.
 const CHORD: Mm = 0.05;
 /// How far a field's box reaches beyond the part's, mm. The sides that close
@@ -111,7 +111,7 @@ impl Shape {
         layer: &Layer<'_>,
         around: Around<'_>,
         width: Mm,
-    ) -> Result<Vec<Piece>, InfillError> {
+    ) -> Result<Vec<LinePiece>, InfillError> {
         let mut pieces = Vec::new();
         match self {
             Shape::Field(field) => {
@@ -147,7 +147,7 @@ impl Shape {
                         cutter.line(&points, closed);
                     }
                     // A cluster's lattice reaches into the next cluster's box.
-                    let own = |p: &Piece| {
+                    let own = |p: &LinePiece| {
                         p.points.first().is_some_and(|&p| cluster.has(p))
                     };
                     pieces.extend(cutter.finish().into_iter().filter(own));
@@ -227,7 +227,7 @@ fn formula(text: String) -> Source {
 fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
     let detail = Detail {
         accuracy: CHORD,
-        smallest: STEP * width,
+        smallest: NODE_STEP * width,
     };
     // These timings are dropped: the time belongs to the infill, not to the
     // part's outlines.
@@ -239,7 +239,7 @@ fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
 /// The lattice on which an expression that asks for d is sampled.
 fn sampling(width: Mm) -> Sampling {
     Sampling {
-        step: STEP * width,
+        step: NODE_STEP * width,
         chord: CHORD,
     }
 }
@@ -252,7 +252,7 @@ fn deep(
     z: Mm,
     places: &mut Vec<Place>,
     out: &mut Vec<f64>,
-) -> Result<(), VaryError> {
+) -> Result<(), QuantityError> {
     let Around {
         surroundings,
         solid,

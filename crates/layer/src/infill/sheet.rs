@@ -21,8 +21,8 @@ use super::{Density, Layer, Pattern};
 use glam::DVec2;
 use isocontour::level::{Curve, Lattice, thin, trace};
 use isoslice_base::units::Mm;
-use isoslice_planar::border::{Cutter, Piece};
-use isoslice_planar::clusters::clusters;
+use isoslice_planar::border::{Cutter, LinePiece};
+use isoslice_planar::clusters::{Cluster, clusters};
 use isoslice_planar::{Rect, path_length};
 use std::f64::consts::TAU;
 
@@ -83,7 +83,7 @@ const CHORD: (Mm, f64) = (0.05, 0.01);
 /// distance of its lines where they are densest.
 const FINE: f64 = 0.25;
 /// Greatest number of nodes of a lattice for a layer whose cells vary.
-const MOST: f64 = 2e6;
+const MOST_NODES: f64 = 2e6;
 /// Nodes along the side of a block. Where cells are large, the function is
 /// evaluated at the corners of blocks only, and interpolated between them.
 const BLOCK: usize = 4;
@@ -221,7 +221,7 @@ impl Sheet {
     }
 
     /// Copies of one cell's lines all over the area.
-    fn even(&self, layer: &Layer<'_>, share: f64) -> Vec<Piece> {
+    fn even(&self, layer: &Layer<'_>, share: f64) -> Vec<LinePiece> {
         let cell = self.length * layer.solid / share;
         let frame = layer.frame();
         let bounds = frame.bounds(layer.border.bounds());
@@ -283,117 +283,174 @@ impl Sheet {
         cutter.finish()
     }
 
-    /// Lines of cells whose size varies, over a lattice as wide as the area.
-    fn graded(&self, layer: &Layer<'_>, grading: &Grading) -> Vec<Piece> {
-        let frame = layer.frame();
-        let most = grading.most();
-        if most < LEAST {
+    /// Lines of cells whose size varies.
+    fn graded(&self, layer: &Layer<'_>, grading: &Grading) -> Vec<LinePiece> {
+        if grading.most() < LEAST {
             return Vec::new();
         }
-        let finest = self.length * layer.solid;
-        // Octaves count upwards from the finest cells. The area needs the
-        // octaves from `first` on.
-        let octave = |share: f64| -share.clamp(LEAST, 1.0).log2();
-        let first = octave(most).floor();
+        let octaves = Octaves::new(self.length * layer.solid, grading.most());
         let mut pieces = Vec::new();
         for cluster in clusters(layer.border.area()) {
             if isoslice_base::limits::is_stopped() {
                 break;
             }
-            let bounds = frame.bounds(cluster.bounds);
-            let extent = bounds.size();
-            let step = (FINE * layer.solid / most)
-                .max((extent.x * extent.y / MOST).sqrt());
-            let origin = (bounds.min / step).floor() * step;
-            let size = (bounds.max - origin) / step;
-            let lattice = Lattice {
-                origin,
-                step,
-                // The lattice has whole blocks.
-                size: [size.x, size.y]
-                    .map(|n| (n as usize + 2).div_ceil(BLOCK) * BLOCK + 1),
-                periodic: false,
-            };
-            let turns = |at: f64, k: f64| {
-                let wide = finest * 2.0_f64.powf(k + 1.0);
-                Turn::new(at / wide * TAU)
-            };
-            let levels = octave(LEAST) as usize + 1 - first as usize;
-            let table = |from: f64, count: usize| {
-                let places = (0..count).map(|i| from + i as f64 * step);
-                let places: Vec<f64> = places.collect();
-                (0..levels)
-                    .map(|k| {
-                        let k = first + k as f64;
-                        places.iter().map(|&at| turns(at, k)).collect()
-                    })
-                    .collect::<Vec<Vec<Turn>>>()
-            };
-            let xs = table(origin.x, lattice.size[0]);
-            let ys = table(origin.y, lattice.size[1]);
-            let zs: Vec<Turn> = (0..levels)
-                .map(|k| turns(layer.z, first + k as f64))
-                .collect();
-            let place = |share: f64| {
-                let at = octave(share);
-                let k = at.floor().clamp(first, first + (levels - 1) as f64);
-                ((k - first) as usize, self.coarse(at - k))
-            };
-            let share = |i: usize, j: usize| {
-                grading.share(frame.out(lattice.node(i, j)))
-            };
-            let value = |i: usize, j: usize| {
-                let (k, coarse) = place(share(i, j));
-                let (x, y, z) = (xs[k][i], ys[k][j], zs[k]);
-                self.mixture(coarse, Angles { x, y, z })
-            };
-            let around = cluster.bounds;
-            let fine = |i: usize, j: usize| {
-                let p = frame.out(lattice.node(i, j));
-                let reach = DVec2::splat(1.5 * BLOCK as f64 * step);
-                let near = Rect::new(p - reach, p + reach);
-                near.meets(around)
-                    && grading.share(p) > MANY * most
-                    && layer.border.touches(near)
-            };
-            let values = sample(lattice.size, &value, &fine);
-            let curves = trace(&lattice, &values, 1, &mut |points, out| {
-                out.extend(points.iter().map(|&q| {
-                    let (k, coarse) = place(grading.share(frame.out(q)));
-                    let x = turns(q.x, first + k as f64);
-                    let y = turns(q.y, first + k as f64);
-                    self.mixture(coarse, Angles { x, y, z: zs[k] })
-                }));
-            });
-            let mut cutter = Cutter::new(layer.border);
-            let tolerance = CHORD.0.min(CHORD.1 * finest / most);
-            for curve in curves {
-                let points: Vec<DVec2> =
-                    curve.points.iter().map(|&q| frame.out(q)).collect();
-                let empty = |p: &DVec2| grading.share(*p) < LEAST;
-                if curve.closed && !points.iter().any(empty) {
-                    let mut points = points;
-                    points.extend(points.first().copied());
-                    let mut points = thin(&points, tolerance);
-                    points.pop();
-                    cutter.line(&points, true);
-                    continue;
-                }
-                for part in points.split(empty) {
-                    cutter.line(&thin(part, tolerance), false);
-                }
-            }
+            let curves = self.curves(&cluster, layer, grading, &octaves);
+            let made = cut(curves, layer, grading, octaves.finest);
             // The cluster's lattice reaches into the next cluster's box.
-            let own =
-                |p: &Piece| p.points.first().is_some_and(|&p| cluster.has(p));
-            pieces.extend(cutter.finish().into_iter().filter(own));
+            let own = |p: &LinePiece| {
+                p.points.first().is_some_and(|&p| cluster.has(p))
+            };
+            pieces.extend(made.into_iter().filter(own));
         }
         pieces
+    }
+
+    /// The lines of cells whose size varies, over a lattice as wide as a part
+    /// of the area.
+    fn curves(
+        &self,
+        cluster: &Cluster,
+        layer: &Layer<'_>,
+        grading: &Grading,
+        octaves: &Octaves,
+    ) -> Vec<Curve> {
+        let (frame, most) = (layer.frame(), grading.most());
+        let lattice = lattice_over(
+            frame.bounds(cluster.bounds),
+            FINE * layer.solid / most,
+        );
+        let xs = octaves.along(lattice.origin.x, &lattice, lattice.size[0]);
+        let ys = octaves.along(lattice.origin.y, &lattice, lattice.size[1]);
+        let zs = octaves.along(layer.z, &lattice, 1);
+        let value = |i: usize, j: usize| {
+            let share = grading.share(frame.out(lattice.node(i, j)));
+            let (k, way) = octaves.place(share);
+            let (x, y, z) = (xs[k][i], ys[k][j], zs[k][0]);
+            self.mixture(self.coarse(way), Angles { x, y, z })
+        };
+        let fine = |i: usize, j: usize| {
+            let p = frame.out(lattice.node(i, j));
+            let reach = DVec2::splat(1.5 * BLOCK as f64 * lattice.step);
+            let near = Rect::new(p - reach, p + reach);
+            near.meets(cluster.bounds)
+                && grading.share(p) > MANY * most
+                && layer.border.touches(near)
+        };
+        let values = sample(lattice.size, &value, &fine);
+        trace(&lattice, &values, 1, &mut |points, out| {
+            out.extend(points.iter().map(|&q| {
+                let (k, way) = octaves.place(grading.share(frame.out(q)));
+                let (x, y) = (octaves.turn(q.x, k), octaves.turn(q.y, k));
+                self.mixture(self.coarse(way), Angles { x, y, z: zs[k][0] })
+            }));
+        })
+    }
+}
+
+/// The parts of curves that lie in a layer's area, where the density is not too
+/// low for any. The finest cells are `finest` wide.
+fn cut(
+    curves: Vec<Curve>,
+    layer: &Layer<'_>,
+    grading: &Grading,
+    finest: Mm,
+) -> Vec<LinePiece> {
+    let frame = layer.frame();
+    let mut cutter = Cutter::new(layer.border);
+    let tolerance = CHORD.0.min(CHORD.1 * finest / grading.most());
+    let empty = |p: &DVec2| grading.share(*p) < LEAST;
+    for curve in curves {
+        let mut points: Vec<DVec2> =
+            curve.points.iter().map(|&q| frame.out(q)).collect();
+        if curve.closed && !points.iter().any(empty) {
+            points.extend(points.first().copied());
+            let mut points = thin(&points, tolerance);
+            points.pop();
+            cutter.line(&points, true);
+            continue;
+        }
+        for part in points.split(empty) {
+            cutter.line(&thin(part, tolerance), false);
+        }
+    }
+    cutter.finish()
+}
+
+/// The octaves of cells' sizes that an area needs, counted upwards from the
+/// finest cells.
+struct Octaves {
+    /// Width of the cells of the density 1, mm.
+    finest: Mm,
+    /// The first octave that is needed.
+    first: f64,
+    /// How many are needed.
+    count: usize,
+}
+
+impl Octaves {
+    /// The octaves of an area whose greatest share is `most`.
+    fn new(finest: Mm, most: f64) -> Octaves {
+        let first = octave(most).floor();
+        Octaves {
+            finest,
+            first,
+            count: octave(LEAST) as usize + 1 - first as usize,
+        }
+    }
+
+    /// The octave of a share, counted from the first, and how far the share is
+    /// on the way to the next octave.
+    fn place(&self, share: f64) -> (usize, f64) {
+        let last = self.first + (self.count - 1) as f64;
+        let at = octave(share);
+        let k = at.floor().clamp(self.first, last);
+        ((k - self.first) as usize, at - k)
+    }
+
+    /// The angle of a coordinate in the coarser cells of an octave, counted from
+    /// the first.
+    fn turn(&self, at: Mm, k: usize) -> Turn {
+        let wide = self.finest * 2.0_f64.powf(self.first + k as f64 + 1.0);
+        Turn::new(at / wide * TAU)
+    }
+
+    /// By octave the angles of a lattice's first `count` coordinates along an
+    /// axis, which begin at `from`.
+    fn along(
+        &self,
+        from: Mm,
+        lattice: &Lattice,
+        count: usize,
+    ) -> Vec<Vec<Turn>> {
+        let at = |i: usize| from + i as f64 * lattice.step;
+        let of_octave = |k| (0..count).map(|i| self.turn(at(i), k)).collect();
+        (0..self.count).map(of_octave).collect()
+    }
+}
+
+/// Number of octaves by which the cells of a share are coarser than the finest.
+fn octave(share: f64) -> f64 {
+    -share.clamp(LEAST, 1.0).log2()
+}
+
+/// A lattice of whole blocks over a box. Its nodes are `step` apart, or more if
+/// there would be too many.
+fn lattice_over(bounds: Rect, step: Mm) -> Lattice {
+    let extent = bounds.size();
+    let step = step.max((extent.x * extent.y / MOST_NODES).sqrt());
+    let origin = (bounds.min / step).floor() * step;
+    let size = (bounds.max - origin) / step;
+    Lattice {
+        origin,
+        step,
+        size: [size.x, size.y]
+            .map(|n| (n as usize + 2).div_ceil(BLOCK) * BLOCK + 1),
+        periodic: false,
     }
 }
 
 impl Pattern for Sheet {
-    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<LinePiece> {
         match layer.density {
             Density::Even(share) => self.even(layer, share),
             Density::Graded(grading) => self.graded(layer, grading),

@@ -145,11 +145,12 @@ mod tests {
     use isoslice_planar::bead::{Role, Stroke};
     use isoslice_planar::shapes::{self, circle, moved};
     use isoslice_settings::{Infill, Varying};
+    use isoslice_settings::{Settings, plan_with};
 
     fn graded() -> InfillPlan {
         InfillPlan {
             density: Varying::Expression("9+d".into()),
-            ..InfillPlan::with(|_| {})
+            ..InfillPlan::of(&Settings::default())
         }
     }
 
@@ -193,13 +194,14 @@ mod tests {
         standing.forget();
         let kept = standing.kept(vec![alone], [&wall].into_iter());
         assert_eq!(kept.len(), 1);
-        assert!(Standing::new(&InfillPlan::with(|_| {})).is_none());
+        assert!(Standing::new(&InfillPlan::of(&Settings::default())).is_none());
     }
 
     #[test]
     fn a_dot_is_left_out_unless_it_touches_something() {
-        let own =
-            InfillPlan::with(|s| s.infill = Infill::Expression("x".into()));
+        let own = plan_with(InfillPlan::of, |s| {
+            s.infill = Infill::Expression("x".into())
+        });
         let line = bead(&[(0.0, 5.0), (20.0, 5.0)]);
         // On the line below: a ring, a short line and one that is longer.
         let ring = ring(5.0, 0.1);

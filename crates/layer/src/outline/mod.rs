@@ -13,11 +13,12 @@ pub use plan::OutlinePlan;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_model::vary::{Quantity, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError};
 use isoslice_model::{Model, Place};
 use isoslice_planar::bend::{Bend, bends};
 use isoslice_planar::clip::{difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::wide_parts;
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Solid, signed_area};
 use isoslice_settings::Varying;
@@ -45,7 +46,7 @@ impl Growth {
     pub fn new(
         compensation: &Varying<Mm>,
         model: &Model,
-    ) -> Result<Option<Growth>, VaryError> {
+    ) -> Result<Option<Growth>, QuantityError> {
         if compensation.constant().is_some() {
             return Ok(None);
         }
@@ -61,7 +62,7 @@ impl Growth {
         area: &Area,
         z: Mm,
         tolerance: Mm,
-    ) -> Result<Area, VaryError> {
+    ) -> Result<Area, QuantityError> {
         let (mut rings, mut most) = (Vec::new(), f64::NEG_INFINITY);
         let mut places = Vec::new();
         for ring in &area.rings {
@@ -189,7 +190,10 @@ impl<'a> Compensation<'a> {
     ///
     /// # Errors
     /// If an expression has no value somewhere.
-    pub fn squeezed(&self, outline: &Area) -> Result<Option<Area>, VaryError> {
+    pub fn squeezed(
+        &self,
+        outline: &Area,
+    ) -> Result<Option<Area>, QuantityError> {
         if self.draw_in == 0.0 {
             return Ok(None);
         }
@@ -207,7 +211,7 @@ impl<'a> Compensation<'a> {
         &self,
         outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
-    ) -> Result<Option<Area>, VaryError> {
+    ) -> Result<Option<Area>, QuantityError> {
         let grown = self.grown(outline, walls)?;
         if self.draw_in == 0.0 {
             return Ok(grown);
@@ -225,7 +229,7 @@ impl<'a> Compensation<'a> {
         &self,
         outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
-    ) -> Result<Option<Area>, VaryError> {
+    ) -> Result<Option<Area>, QuantityError> {
         let closed = self.closed(outline, walls);
         if matches!(self.grow, Grow::By(0.0)) {
             return Ok(closed);
@@ -278,12 +282,8 @@ impl<'a> Compensation<'a> {
     fn drawn_in(&self, area: &Area) -> Area {
         let inner = offset(area, -self.draw_in, self.plan.tolerance);
         let half = self.draw_in + 0.5 * self.plan.keep;
-        let core = offset(area, -half, self.plan.tolerance);
-        // The area that a disc of this size can reach, and a little more, so
-        // that corners and roundings do not count as thin.
-        let reached =
-            offset(&core, half + ROUNDING * half, self.plan.tolerance);
-        let thin = difference(area, &reached);
+        let wide = wide_parts(area, half, self.plan.tolerance);
+        let thin = difference(area, &wide);
         if thin.is_empty() {
             return inner;
         }
@@ -295,10 +295,6 @@ impl<'a> Compensation<'a> {
     }
 }
 
-/// By how much a disc is taken to be larger than it is: a right-angled corner
-/// sticks out of the disc in it by √2 − 1 of its radius.
-const ROUNDING: f64 = 0.5;
-
 /// Size of the cells in which edges are looked up, mm.
 const CELL: Mm = 1.0;
 
@@ -306,6 +302,7 @@ const CELL: Mm = 1.0;
 mod tests {
     use super::*;
     use isoslice_planar::{rect, shapes};
+    use isoslice_settings::{Settings, plan_with};
 
     fn span(index: usize) -> LayerSpan {
         LayerSpan {
@@ -316,7 +313,7 @@ mod tests {
     }
 
     fn usual() -> OutlinePlan {
-        OutlinePlan::with(|_| {})
+        OutlinePlan::of(&Settings::default())
     }
 
     fn disc(radius: f64) -> Area {
@@ -333,7 +330,7 @@ mod tests {
     }
 
     /// The outline that a formula for `xy_compensation` makes of an outline.
-    fn by_formula(text: &str, outline: &Area) -> Result<Area, VaryError> {
+    fn by_formula(text: &str, outline: &Area) -> Result<Area, QuantityError> {
         let value = Varying::Expression(text.to_owned());
         let growth = Growth {
             by: Quantity::of_outline("xy_compensation", &value)?,
@@ -437,7 +434,8 @@ mod tests {
         hole.reverse();
         ring.rings.push(hole);
         let content = |by: Mm| {
-            let plan = OutlinePlan::with(|s| s.xy_compensation = by.into());
+            let plan =
+                plan_with(OutlinePlan::of, |s| s.xy_compensation = by.into());
             Compensation::new(&span(9), plan, None)
                 .printed(&ring)
                 .content()
@@ -451,9 +449,11 @@ mod tests {
 
     #[test]
     fn the_foot_is_drawn_in_less_from_layer_to_layer() {
-        let plan = OutlinePlan::with(|s| {
-            s.elephant_foot = 0.3;
-            s.elephant_foot_layers = 3;
+        let plan = plan_with(OutlinePlan::of, |s| {
+            s.elephant_foot = isoslice_settings::ElephantFoot {
+                drawn: 0.3,
+                layers: 3,
+            };
         });
         let square = rect(0.0, 0.0, 20.0, 10.0);
         for (index, by) in [(0, 0.3), (1, 0.2), (2, 0.1)] {
@@ -468,7 +468,7 @@ mod tests {
 
     #[test]
     fn thin_places_keep_their_width() {
-        let plan = OutlinePlan::with(|s| s.elephant_foot = 0.3);
+        let plan = plan_with(OutlinePlan::of, |s| s.elephant_foot = 0.3.into());
         let c = Compensation::new(&span(0), plan, None);
         // A block with a fin of 0.8 mm.
         let block = rect(0.0, 0.0, 20.0, 20.0);
@@ -491,7 +491,7 @@ mod tests {
     #[test]
     fn slits_are_told_by_what_is_left_of_them() {
         let parts = |gap: f64, by: f64, closing: f64| {
-            let plan = OutlinePlan::with(|s| {
+            let plan = plan_with(OutlinePlan::of, |s| {
                 s.xy_compensation = by.into();
                 s.slit_closing = closing.into();
             });

@@ -29,17 +29,14 @@ impl OutlinePlan {
         OutlinePlan {
             slit: 2.0 * settings.slit_closing(),
             grow: settings.xy_compensation.constant().unwrap_or(0.0),
-            foot: if on_bed { settings.elephant_foot } else { 0.0 },
-            foot_layers: settings.elephant_foot_layers as usize,
+            foot: if on_bed {
+                settings.elephant_foot.drawn
+            } else {
+                0.0
+            },
+            foot_layers: settings.elephant_foot.layers as usize,
             keep: 2.0 * settings.outer_wall_width(),
             tolerance: 0.2 * settings.accuracy,
         }
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> OutlinePlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        OutlinePlan::of(&settings)
     }
 }

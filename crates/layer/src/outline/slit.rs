@@ -24,8 +24,9 @@ use isoslice_base::units::Mm;
 use isoslice_planar::clip::{union, unite};
 use isoslice_planar::nest::Nest;
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::is_wider;
 use isoslice_planar::simplify::simplify_area;
-use isoslice_planar::{Area, Ring, Solid, edges, path_length, signed_area};
+use isoslice_planar::{Area, Ring, Solid, edges, signed_area};
 
 /// Cosine of the angle between the directions of two edges, each with the
 /// area to its left, from which on they face each other.
@@ -34,8 +35,9 @@ const FACING: f64 = -0.866;
 /// Least length of a slit that gets wider, in multiples of the limit.
 const LENGTH: f64 = 4.0;
 
-/// By how many limits pieces of slits grow until those of one slit touch: each
-/// is turned a little against the next one.
+/// By how much the pieces of a slit grow so that they touch, in multiples of the
+/// limit. In a slit that bends each piece is turned a little against the next one,
+/// which leaves a gap between them.
 const GROWN: f64 = 0.25;
 
 /// Greatest overlap of edges that touch, due to rounding, mm.
@@ -155,11 +157,7 @@ fn between(
     let v = -u.perp();
     let at = |p: DVec2| DVec2::new((p - a).dot(u), (p - a).dot(v));
     let ([a1, b1], [a2, b2]) = ([at(a), at(b)], [at(d), at(c)]);
-    let side = |p: DVec2, q: DVec2, x: f64| {
-        let t = (x - p.x) / (q.x - p.x);
-        p.y + t * (q.y - p.y)
-    };
-    let gap = |x: f64| side(a2, b2, x) - side(a1, b1, x);
+    let gap = |x: f64| height(a2, b2, x) - height(a1, b1, x);
     let (mut low, mut high) = (a1.x.max(a2.x), b1.x.min(b2.x));
     let opens = gap(low).max(gap(high)) > width;
     // The gap is linear: each bound cuts off one end.
@@ -183,12 +181,18 @@ fn between(
     }
     let corner = |x: f64, y: f64| a + u * x + v * y;
     let piece = vec![
-        corner(low, side(a2, b2, low) + margin),
-        corner(high, side(a2, b2, high) + margin),
-        corner(high, side(a1, b1, high) - margin),
-        corner(low, side(a1, b1, low) - margin),
+        corner(low, height(a2, b2, low) + margin),
+        corner(high, height(a2, b2, high) + margin),
+        corner(high, height(a1, b1, high) - margin),
+        corner(low, height(a1, b1, low) - margin),
     ];
     Some((piece, opens))
+}
+
+/// The y of the line through two points at an x.
+fn height(p: DVec2, q: DVec2, x: f64) -> f64 {
+    let t = (x - p.x) / (q.x - p.x);
+    p.y + t * (q.y - p.y)
 }
 
 /// The area with its slits filled, as [`slits`] has found them.
@@ -220,14 +224,8 @@ pub(super) fn filled(
 /// True if a hole is nowhere wider than a slit, or hardly.
 fn narrow(hole: &[DVec2], width: Mm, tolerance: Mm) -> bool {
     let width = width + HARDLY * tolerance;
-    // A hole as narrow as a slit has no more content than a strip of the slit's
-    // width, half as long as the hole's border. Most holes have more.
-    if signed_area(hole).abs() > 0.5 * width * path_length(hole, true) {
-        return false;
-    }
     let inside: Ring = hole.iter().rev().copied().collect();
-    let inside = Area::from(inside);
-    offset(&inside, -0.5 * width, tolerance).is_empty()
+    !is_wider(&Area::from(inside), width, tolerance)
 }
 
 #[cfg(test)]

@@ -23,11 +23,4 @@ impl Resolution {
             arcs: settings.arcs(),
         }
     }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> Resolution {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        Resolution::of(&settings)
-    }
 }

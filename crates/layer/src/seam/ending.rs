@@ -255,7 +255,8 @@ fn inwards(bead: &Bead, plan: &EndingPlan, solid: &EdgeGrid) -> Option<DVec2> {
 /// Length of a path. Parts that are printed twice count twice.
 #[cfg(test)]
 fn printed(bead: &Bead) -> f64 {
-    let pieces = Resolution::with(|_| {}).pieces(bead.clone());
+    let pieces = Resolution::of(&isoslice_settings::Settings::default())
+        .pieces(bead.clone());
     pieces.iter().map(|p| p.area() * p.stroke.length()).sum()
 }
 
@@ -264,6 +265,7 @@ mod tests {
     use super::*;
     use isoslice_planar::Area;
     use isoslice_planar::shapes::square_ring;
+    use isoslice_settings::plan_with;
 
     fn wall(half: f64) -> Bead {
         Bead::new(
@@ -280,8 +282,8 @@ mod tests {
     }
 
     fn plan(scarf: f64, gap: f64, wipe: f64) -> EndingPlan {
-        EndingPlan::with(|s| {
-            s.seam_scarf = scarf;
+        plan_with(EndingPlan::of, |s| {
+            s.seam_scarf = scarf.into();
             s.seam_gap = gap;
             s.seam_wipe = wipe;
         })

@@ -4,6 +4,7 @@
 //! Corners that hang are left to those that lie over solid ground.
 
 use super::{BACK, Site, along};
+use crate::view::LayerFace;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::grid::{EdgeGrid, nearest_on};
@@ -26,23 +27,17 @@ const LOOKS: usize = 64;
 /// What holds a layer: the layer below, whose outline differs.
 #[derive(Clone, Copy)]
 pub struct Ground<'a> {
-    outline: &'a EdgeGrid,
-    below: &'a EdgeGrid,
-    height: Mm,
+    here: LayerFace<'a>,
+    below: LayerFace<'a>,
 }
 
 impl<'a> Ground<'a> {
-    /// The ground of a layer of this height.
-    pub fn new(
-        outline: &'a EdgeGrid,
-        below: &'a EdgeGrid,
-        height: Mm,
-    ) -> Ground<'a> {
-        Ground {
-            outline,
-            below,
-            height,
-        }
+    /// What holds a layer on the layer below; none if their outlines are equal,
+    /// or if there is nothing below.
+    pub fn of(here: LayerFace<'a>, below: LayerFace<'a>) -> Option<Ground<'a>> {
+        let (area, lower) = (here.outline.area(), below.outline.area());
+        let differs = !here.is_like(&below) && area != lower;
+        (differs && !lower.is_empty()).then_some(Ground { here, below })
     }
 
     /// How far the outline beside a point reaches beyond the layer below, as a
@@ -52,8 +47,9 @@ impl<'a> Ground<'a> {
             let away = grid.nearest(p).map_or(0.0, |near| near.1.distance(p));
             if grid.contains(p) { away } else { -away }
         };
-        let over = depth(self.outline) - depth(self.below);
-        (over / self.height).max(0.0)
+        let (here, below) = (self.here.outline.grid(), self.below.top.grid());
+        let over = depth(here) - depth(below);
+        (over / self.here.span.height()).max(0.0)
     }
 }
 

@@ -13,7 +13,7 @@ use glam::DVec2;
 use isoslice_base::units::Mm;
 
 /// Distance between the points that are tried first, mm.
-const STEP: Mm = 0.5;
+const TRIED_STEP: Mm = 0.5;
 /// Number of points that are tried between two earlier ones in each round.
 const FINER: usize = 16;
 /// Least distance of tried points, mm. Expressions are evaluated with 7 digits,
@@ -34,7 +34,7 @@ pub(super) fn lowest<E>(
     let curve = Curve::new(ring, accuracy);
     let mut places: Vec<f64> = Vec::new();
     for i in 0..ring.len() {
-        let count = (curve.edge(i) / STEP).ceil().clamp(2.0, 1e4);
+        let count = (curve.edge(i) / TRIED_STEP).ceil().clamp(2.0, 1e4);
         places.extend((0..count as usize).map(|k| i as f64 + k as f64 / count));
     }
     let n = ring.len() as f64;
@@ -107,8 +107,8 @@ impl Curve<'_> {
             (a * (lb / la) + b * (la / lb)).try_normalize()
         };
         let tangents: Vec<Option<DVec2>> = (0..n).map(tangent).collect();
-        // An edge within `accuracy` of a curve stands for no sharper bend than
-        // this.
+        // If a curve's tangent at an end of an edge is farther off the edge than
+        // this, mm, the curve is not within `accuracy` of the edge.
         let most = 6.0 * accuracy + 0.01;
         let end = |i: usize, vertex: usize| -> DVec2 {
             let own = edge(i);

@@ -36,7 +36,7 @@ pub use guide::Guide;
 use isoslice_base::random::{mix, share};
 use isoslice_base::units::Mm;
 use isoslice_model::Place;
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_planar::along::point_at;
 use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::path_length;
@@ -78,7 +78,7 @@ impl<'a> Seams<'a> {
         rule: &Varying<SeamRule>,
         accuracy: Mm,
         around: &'a Surroundings<'a>,
-    ) -> Result<Seams<'a>, VaryError> {
+    ) -> Result<Seams<'a>, QuantityError> {
         let expression = rule.expression().map(|text| {
             Quantity::new("seam", &Varying::Expression(text.to_owned()))
         });
@@ -105,7 +105,7 @@ impl<'a> Seams<'a> {
         &self,
         walls: &[Bead],
         layer: &LayerFace<'_>,
-    ) -> Result<Vec<Site>, VaryError> {
+    ) -> Result<Vec<Site>, QuantityError> {
         let own = |(number, wall): (usize, &Bead)| {
             let outer = wall.stroke.closed && wall.role == Role::OuterWall;
             if outer && wall.stroke.points.len() > 2 {
@@ -122,7 +122,7 @@ impl<'a> Seams<'a> {
         ring: &[DVec2],
         number: usize,
         layer: &LayerFace<'_>,
-    ) -> Result<Site, VaryError> {
+    ) -> Result<Site, QuantityError> {
         let at = match (&self.rule, &self.expression) {
             (Varying::Constant(SeamRule::Aligned), _) => {
                 return Ok(aligned(ring, self.accuracy));

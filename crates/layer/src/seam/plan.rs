@@ -27,20 +27,13 @@ impl EndingPlan {
     /// The plan that settings ask for.
     pub fn of(settings: &Settings) -> EndingPlan {
         EndingPlan {
-            scarf: settings.seam_scarf,
-            start: 0.01 * settings.seam_scarf_start,
+            scarf: settings.seam_scarf.length,
+            start: 0.01 * settings.seam_scarf.start,
             rises: settings.scarf_rises(),
             gap: settings.seam_gap,
             wipe: settings.seam_wipe,
             reversed: settings.overhang_reverse,
             resolution: Resolution::of(settings),
         }
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> EndingPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        EndingPlan::of(&settings)
     }
 }

@@ -1,5 +1,6 @@
 use super::follow::PULL;
 use super::*;
+use crate::view::LayerView;
 use isoslice_planar::shapes::ring;
 use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;

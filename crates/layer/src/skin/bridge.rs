@@ -28,7 +28,7 @@ use isoslice_planar::clip::{difference, intersection};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, Segment, hatch};
 use isoslice_planar::nest::Nest;
-use isoslice_planar::offset::offset;
+use isoslice_planar::opening::opened;
 use isoslice_planar::{Area, BoxTree, Ring, edges, point_beside, signed_area};
 use std::collections::BTreeSet;
 
@@ -66,12 +66,11 @@ pub(super) fn bridges(
     let hanging = difference(area, &below);
     // A gap no wider than a bead is bridged by any bead: no direction is
     // needed.
-    let core = offset(&hanging, -0.5 * width, TOLERANCE);
-    if core.is_empty() {
+    let gaps = opened(&hanging, 0.5 * width, TOLERANCE);
+    if gaps.is_empty() {
         return (Vec::new(), area.clone());
     }
     let grid = EdgeGrid::new(&below, width);
-    let gaps = intersection(&offset(&core, 0.5 * width, TOLERANCE), area);
     let reach = anchor.max(0.5 * width);
     let gaps = gaps.islands().into_iter().map(|gap| {
         let best = best_direction(&gap, &grid, width);

@@ -22,6 +22,7 @@ use isoslice_planar::clip::difference;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, hatch};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::{is_wider, opened};
 use isoslice_planar::{Area, Solid, edges};
 use isoslice_settings::SkinPattern;
 use std::cell::OnceCell;
@@ -36,8 +37,8 @@ const NESTED: f64 = 14.0;
 
 /// What the islands of a layer have in common.
 pub(super) struct Filler<'a> {
-    pub above: Side<'a>,
-    pub below: Side<'a>,
+    pub above: AdjacentLayer<'a>,
+    pub below: AdjacentLayer<'a>,
     /// The sparse infill beside the skin.
     pub sparse: Solid<'a>,
     pub on_bed: bool,
@@ -47,15 +48,15 @@ pub(super) struct Filler<'a> {
 }
 
 /// A layer next to this one, sorted by place when an island first asks.
-pub(super) struct Side<'a> {
+pub(super) struct AdjacentLayer<'a> {
     face: Option<LayerFace<'a>>,
     sorted: OnceCell<Neighbour<'a>>,
 }
 
-impl<'a> Side<'a> {
+impl<'a> AdjacentLayer<'a> {
     /// The neighbouring layer as an island's neighbour, if there is one.
-    pub(super) fn new(face: Option<&LayerFace<'a>>) -> Side<'a> {
-        Side {
+    pub(super) fn new(face: Option<&LayerFace<'a>>) -> AdjacentLayer<'a> {
+        AdjacentLayer {
             face: face.copied(),
             sorted: OnceCell::new(),
         }
@@ -114,7 +115,7 @@ impl Filler<'_> {
             None => return None,
         };
         let space = spacing(look.width, look.width, self.height);
-        if is_wider(island, NESTED * space)
+        if is_wider(island, NESTED * space, TOLERANCE)
             || !self.bridged(island, sides).0.is_empty()
         {
             return None;
@@ -124,7 +125,7 @@ impl Filler<'_> {
         // it.
         let hidden = sides.only().is_none_or(|r| r == Role::InternalSkin);
         let gap = hidden
-            && !is_wider(island, lay.limit)
+            && !is_wider(island, lay.limit, TOLERANCE)
             && self.is_between_walls(island);
         let role = |stroke: &Stroke| match sides.most(stroke) {
             Role::InternalSkin if gap => Role::GapFill,
@@ -232,10 +233,7 @@ impl Filler<'_> {
     /// narrower part goes with the part beside it.
     fn areas(&self, area: &Area, sides: Sides<'_>) -> Vec<(Area, Role)> {
         let half = 0.5 * self.plan.internal.width;
-        let wide = |area: &Area| {
-            let core = offset(area, -half, TOLERANCE);
-            offset(&core, half + TOLERANCE, TOLERANCE)
-        };
+        let wide = |area: &Area| opened(area, half, TOLERANCE);
         let mut rest = area.clone();
         let mut parts = Vec::new();
         let faces = [
@@ -303,7 +301,7 @@ impl Filler<'_> {
         paths: Vec<(i64, Stroke)>,
         border: Option<&EdgeGrid>,
     ) -> Fill {
-        let parallel = look.pattern == SkinPattern::Lines;
+        let parallel = look.pattern != SkinPattern::Concentric;
         let swept = match role {
             Role::TopSkin => parallel && self.plan.swept,
             Role::Ironing => true,
@@ -376,15 +374,6 @@ impl Filler<'_> {
     fn bead(&self, role: Role, stroke: Stroke) -> Bead {
         Bead::new(role, stroke, self.height)
     }
-}
-
-/// True if some place of an area is wider than `width`.
-fn is_wider(area: &Area, width: Mm) -> bool {
-    let half = 0.5 * width;
-    // An area that is all within `half` of its border has no more content than
-    // this, so the cheap comparison settles most wide areas.
-    area.content() > half * area.perimeter()
-        || !offset(area, -half, TOLERANCE).is_empty()
 }
 
 /// The border of an area, if some of the lines are beside each other.

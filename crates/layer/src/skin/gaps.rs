@@ -45,7 +45,8 @@ const TOUCH: Mm = 1e-4;
 /// A gap in what holds a layer.
 pub(super) struct Gap {
     area: Area,
-    /// The area's edges, once another gap near it has asked for them.
+    /// The edges of `area`. They are found when a gap nearby first asks for
+    /// them.
     edges: OnceCell<EdgeGrid>,
     /// How far its lines reach onto the land around it.
     reach: Mm,

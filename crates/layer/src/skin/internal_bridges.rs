@@ -44,6 +44,7 @@ use isoslice_planar::clip::{difference, intersection, union, unite};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, hatch};
 use isoslice_planar::offset::offset;
+use isoslice_planar::opening::{closed, opened};
 use isoslice_planar::{Area, Solid, signed_area};
 
 /// Tolerance of the offsets inside a part; nobody sees them.
@@ -70,7 +71,7 @@ const LEFT: f64 = 0.4;
 const BEYOND: Mm = 0.05;
 
 /// Distance of the places along a line that are tried for a hold, mm.
-const STEP: Mm = 0.1;
+const HOLD_STEP: Mm = 0.1;
 
 /// A bead of walls or of skin holds the end of a line whose middle is within this
 /// share of the line's width of the bead's own middle. Lines that lie side by side
@@ -308,8 +309,7 @@ fn on(
     };
     // Lines beside one another end at one line of infill: the strips between
     // them, thinner than a line, are no place for infill.
-    let taken = offset(&unite(&taken), 0.5 * space, TOLERANCE);
-    let taken = offset(&taken, -0.5 * space, TOLERANCE);
+    let taken = closed(&unite(&taken), 0.5 * space, TOLERANCE);
     let more = more(way);
     let lines = lines_of(&patches);
     let area = covered(&lines, 0.5 * space + TOLERANCE);
@@ -318,8 +318,7 @@ fn on(
     let meant = parts.into_iter().flat_map(|part| part.rings);
     let meant = unite(&meant.chain(taken.rings).collect());
     let left = difference(&meant, &area);
-    let left = offset(&left, -LEFT * width, TOLERANCE);
-    let left = offset(&left, LEFT * width, TOLERANCE);
+    let left = opened(&left, LEFT * width, TOLERANCE);
     let (held, left) = if on_bridges {
         (left, Area::EMPTY)
     } else {
@@ -535,13 +534,13 @@ impl<'a> Ground<'a> {
         let out = (p - inner).normalize_or_zero();
         let cut = self.crossed(p, inner).map(|t| t * length);
         let end = cut.unwrap_or(length);
-        let mut back = STEP;
+        let mut back = HOLD_STEP;
         while back < end {
             let at = p - back * out;
             if self.holds(at) {
                 return Some(at);
             }
-            back += STEP;
+            back += HOLD_STEP;
         }
         cut.map(|cut| p - cut * out)
     }
@@ -607,6 +606,7 @@ fn common_way(under: Under<'_>, angle: Degrees, width: Mm) -> Option<Mm> {
 mod tests {
     use super::*;
     use isoslice_planar::rect;
+    use isoslice_settings::Settings;
 
     /// What is left of the skin of a layer with skin in some places, over infill
     /// whose lines are at these x; and how many patches of bridges the layer has.
@@ -628,7 +628,7 @@ mod tests {
             lines: &lines,
             shell: &[],
         };
-        match bridged(over, under, &[], &SkinPlan::with(|_| {})) {
+        match bridged(over, under, &[], &SkinPlan::of(&Settings::default())) {
             Some(found) => {
                 assert!(found.left.is_empty());
                 (found.skin.content(), found.patches.len())

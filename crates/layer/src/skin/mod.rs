@@ -32,7 +32,7 @@ mod zigzag;
 
 use crate::cover::{Covered, Islands};
 use crate::view::{LayerFace, LayerView};
-use fill::{Filler, Side};
+use fill::{AdjacentLayer, Filler};
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::difference;
@@ -91,8 +91,8 @@ pub fn patches(
     let covers = side(above).into_iter().zip(side(below));
     let span = view.here.span;
     let filler = Filler {
-        above: Side::new(above),
-        below: Side::new(below),
+        above: AdjacentLayer::new(above),
+        below: AdjacentLayer::new(below),
         sparse: Solid::of(sparse, 1.0),
         on_bed: span.index == 0,
         angle: plan.directions[span.index % 2],
@@ -132,7 +132,8 @@ mod tests {
     use glam::DVec2;
     use isoslice_planar::bead::{Role, Stroke, spacing};
     use isoslice_planar::shapes::{disc, rect, square};
-    use isoslice_settings::SkinPattern;
+    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::{SkinPattern, SwitchOr};
 
     /// The skin of a layer between two others, if there are any.
     fn laid_between(
@@ -153,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_square_gets_a_ring_and_lines_that_turn() {
-        let plan = SkinPlan::with(|_| {});
+        let plan = SkinPlan::of(&Settings::default());
         let beside = [Some(&square(12.0)), None];
         for layer in [0, 1] {
             let patches =
@@ -180,7 +181,8 @@ mod tests {
         let (skin, sparse) = (square(8.0), square(10.0));
         let sparse = difference(&sparse, &skin);
         let half = |overlap: f64, sparse: &Area| {
-            let plan = SkinPlan::with(|s| s.skin_wall_overlap = overlap);
+            let plan =
+                plan_with(SkinPlan::of, |s| s.skin_wall_overlap = overlap);
             let all = laid_between(&skin, sparse, [None; 2], 0, &plan);
             let points = all[0].rings[0].stroke.points.iter();
             points.map(|p| p.x).fold(0.0, f64::max)
@@ -200,7 +202,7 @@ mod tests {
     fn wide_skin_leaves_half_of_a_narrow_wall() {
         let width = isoslice_settings::ByNozzle::Length;
         let reach = |overlap: f64| {
-            let plan = SkinPlan::with(|s| {
+            let plan = plan_with(SkinPlan::of, |s| {
                 s.walls = 1;
                 s.outer_wall_width = width(0.4);
                 s.skin_width = width(2.0);
@@ -219,7 +221,7 @@ mod tests {
         let space = spacing(0.45, 0.45, 0.2);
         let hole = disc(10.0 - 4.0 * space, 720);
         let area = difference(&disc(10.0, 720), &hole);
-        let plan = SkinPlan::with(|_| {});
+        let plan = SkinPlan::of(&Settings::default());
         let all = laid_between(&area, &Area::EMPTY, [None; 2], 0, &plan);
         assert_eq!(all.len(), 1);
         assert!(all[0].fills.is_empty());
@@ -259,11 +261,11 @@ mod tests {
 
     #[test]
     fn each_side_has_its_role_and_the_rest_is_internal() {
-        let base = SkinPlan::with(|s| s.bridges = false);
-        let wider = SkinPlan::with(|s| {
-            s.bridges = false;
+        let base = plan_with(SkinPlan::of, |s| s.bridge_max = 0.0);
+        let wider = plan_with(SkinPlan::of, |s| {
+            s.bridge_max = 0.0;
             s.top_skin_width = 0.5.into();
-            s.bottom_skin_pattern = SkinPattern::Concentric;
+            s.skin_pattern.bottom = SkinPattern::Concentric;
         });
         let rect = |x0: f64, x1: f64| {
             Area::from(
@@ -316,7 +318,7 @@ mod tests {
 
     #[test]
     fn a_roof_over_a_gap_is_a_bridge_but_not_on_the_bed() {
-        let plan = SkinPlan::with(|_| {});
+        let plan = SkinPlan::of(&Settings::default());
         let wide = square(12.0);
         let frame = difference(&wide, &square(5.0));
         let on = |below: Option<&Area>, layer: usize| {
@@ -333,7 +335,7 @@ mod tests {
 
     #[test]
     fn ironing_goes_over_tops_alone() {
-        let plan = SkinPlan::with(|s| s.ironing = true);
+        let plan = plan_with(SkinPlan::of, |s| s.ironing = SwitchOr::On);
         let [wide, half] = [square(12.0), square(4.0)];
         let beside = [Some(&wide), Some(&half)];
         let all = laid_between(&square(10.0), &Area::EMPTY, beside, 1, &plan);
@@ -358,7 +360,7 @@ mod tests {
         let open = [Some(&around), None];
         let beside = |width: f64, sparse: &Area, others| {
             let strip = rect(-5.0, -0.5 * width, 5.0, 0.5 * width);
-            let plan = SkinPlan::with(|_| {});
+            let plan = SkinPlan::of(&Settings::default());
             let all = laid_between(&strip, sparse, others, 1, &plan);
             let rings = all.iter().flat_map(|p| &p.rings);
             rings.map(|b| b.role).collect::<Vec<_>>()
@@ -380,7 +382,7 @@ mod tests {
 
     #[test]
     fn too_narrow_for_a_ring_is_left_out() {
-        let plan = SkinPlan::with(|_| {});
+        let plan = SkinPlan::of(&Settings::default());
         let speck = square(0.15);
         let all = laid_between(&speck, &Area::EMPTY, [None; 2], 0, &plan);
         assert!(all.is_empty());

@@ -3,7 +3,7 @@
 use crate::walls::ThinPlan;
 use isoslice_base::units::{Degrees, Mm, Percent};
 use isoslice_planar::bead::Role;
-use isoslice_settings::{Settings, SkinOrder, SkinPattern};
+use isoslice_settings::{Settings, SkinPattern};
 
 /// How one kind of skin is filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,22 +70,26 @@ impl SkinPlan {
         };
         let pressed = 0.01 * settings.skin_wall_overlap * skin;
         let density = settings.infill_density.constant();
+        let patterns = settings.skin_pattern;
         SkinPlan {
-            internal: look(settings.internal_skin_pattern, skin),
-            bottom: look(settings.bottom_skin_pattern, settings.skin_width()),
-            top: look(settings.top_skin_pattern, settings.top_skin_width()),
+            internal: look(patterns.internal, skin),
+            bottom: look(patterns.bottom, skin),
+            top: look(patterns.top, settings.top_skin_width()),
             thin: ThinPlan::of(settings),
             directions: [0, 1].map(|layer| settings.skin_direction(layer)),
             off_ring: settings.off_skin_ring(),
             // Skin may be wider than the wall. Half of the wall is left beside
             // it.
             into_walls: pressed.min(0.5 * wall),
-            swept: settings.top_skin_order == SkinOrder::Monotonic,
-            ironing: settings.ironing.then(|| settings.ironing_spacing()),
-            bridges: settings.bridges,
+            swept: patterns.top == SkinPattern::Lines,
+            ironing: settings
+                .ironing
+                .is_on()
+                .then(|| settings.ironing_spacing()),
+            bridges: settings.bridges(),
             anchor: settings.bridge_anchor,
             internal_bridges: InternalBridgePlan {
-                layers: settings.internal_bridges.count(),
+                layers: settings.internal_bridges.number(),
                 density: density.filter(|_| settings.infill_is_pattern()),
                 infill: settings.infill_width(),
                 beside_wall: 0.5 * (skin + inner),
@@ -100,12 +104,5 @@ impl SkinPlan {
             Role::BottomSkin => self.bottom,
             _ => self.internal,
         }
-    }
-
-    #[cfg(test)]
-    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> SkinPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        SkinPlan::of(&settings)
     }
 }

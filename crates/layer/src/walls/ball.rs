@@ -2,7 +2,7 @@
 //!
 //! In: an area's border. Out: for points all along the border, the largest ball
 //! that touches it there, if the ball also touches the opposite side and is not
-//! too large to matter: its centre is on the ridge. Of two sides that face each
+//! too large to matter: its centre is on the axis. Of two sides that face each
 //! other only one has balls. Where the border turns away from the area, balls
 //! touch the corner from all directions between its sides.
 //!
@@ -16,7 +16,7 @@ use isoslice_planar::grid::{EdgeGrid, nearest_on};
 use isoslice_planar::offset::Room;
 use isoslice_planar::{Solid, edges};
 
-/// A point of the ridge and the thickness there.
+/// A point of the axis and the thickness there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ball {
     pub centre: DVec2,
@@ -24,11 +24,11 @@ pub(super) struct Ball {
 }
 
 /// Distance of the balls along the border, mm: shorter edges get one each.
-pub(super) const STEP: Mm = 0.2;
-/// Accuracy along the border with which the end of a ridge is found, mm.
+pub(super) const BALL_STEP: Mm = 0.2;
+/// Accuracy along the border with which the end of an axis is found, mm.
 const END: Mm = 0.005;
-/// Accuracy of a ridge's end where the area becomes thicker than what matters,
-/// mm. It may be coarse, since the ridge is cut by its thickness there.
+/// Accuracy of an axis's end where the area becomes thicker than what matters,
+/// mm. It may be coarse, since the axis is cut by its thickness there.
 const THICK_END: Mm = 0.05;
 /// Turn of the border at a corner, and between balls that touch the corner.
 const FAN: f64 = 0.35;
@@ -38,7 +38,7 @@ const DEEP: Mm = 5e-4;
 const TOUCHING: Mm = 1e-5;
 
 /// The stretches of edges that balls from the other side touch. Balls that
-/// begin on such a stretch would only give the same ridge again.
+/// begin on such a stretch would only give the same axis again.
 struct Seen {
     /// Each edge's last entry in `stretches`; `NONE` for edges that have no
     /// entry.
@@ -183,7 +183,7 @@ impl<'a> Border<'a> {
                 let first = self.fan(a, number, normal, turn, &mut balls);
                 before = first.map(|g| (number, 0.0, Some(g)));
             }
-            let count = (length / STEP).ceil().clamp(1.0, 1e6);
+            let count = (length / BALL_STEP).ceil().clamp(1.0, 1e6);
             let place = |k: usize| (k as f64 + 0.5) / count * length;
             let count = count as usize;
             if self.seen.has_all((0..count).map(place), number) {
@@ -318,7 +318,7 @@ impl<'a> Border<'a> {
         /// Edges and length beyond which the two touch different parts of
         /// the border.
         const FEW: usize = 8;
-        const LONG: Mm = 5.0 * STEP;
+        const LONG: Mm = 5.0 * BALL_STEP;
         if !first.ball.near(&second.ball) {
             return;
         }
@@ -503,10 +503,11 @@ impl<'a> Border<'a> {
 }
 
 impl Ball {
-    /// True if the two balls can be neighbours on a ridge.
+    /// True if the two balls can be neighbours on an axis.
     pub(super) fn near(&self, other: &Ball) -> bool {
         let apart = self.centre.distance_squared(other.centre);
         apart
-            < (2.0 * STEP + 0.25 * self.thickness.min(other.thickness)).powi(2)
+            < (2.0 * BALL_STEP + 0.25 * self.thickness.min(other.thickness))
+                .powi(2)
     }
 }

@@ -8,12 +8,12 @@
 //!           ┃  ┃      too short to print there.
 //! ```
 //!
-//! In: a part of a ridge, the border, and where ridges end. Out: whether balls
+//! In: a part of an axis, the border, and where axes end. Out: whether balls
 //! along the part reach the border everywhere. In a corner balls do not reach
 //! the border everywhere, and where strips meet they leave what lies between to
-//! other ridges.
+//! other axes.
 
-use super::ridge::Ridge;
+use super::medial_axis::Axis;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::grid::{EdgeGrid, nearest_on};
@@ -23,9 +23,9 @@ use isoslice_planar::grid::{EdgeGrid, nearest_on};
 /// noise; 0.06 opens corners of letters).
 const OPEN: Mm = 0.03;
 
-/// True if balls along the part of a ridge fill the area beside it, up to the
-/// border `grid`, and no other ridge ends there, as one of `nodes`.
-pub(super) fn is_bend(part: &Ridge, grid: &EdgeGrid, nodes: &EdgeGrid) -> bool {
+/// True if balls along the part of an axis fill the area beside it, up to the
+/// border `grid`, and no other axis ends there, as one of `nodes`.
+pub(super) fn is_bend(part: &Axis, grid: &EdgeGrid, nodes: &EdgeGrid) -> bool {
     let reach = 0.5 * part.thickest() + 2.0 * OPEN;
     let mut is_free = true;
     for w in part.points.windows(2) {
@@ -43,7 +43,7 @@ pub(super) fn is_bend(part: &Ridge, grid: &EdgeGrid, nodes: &EdgeGrid) -> bool {
 
 /// True if a ball along the part reaches the place, or if the place lies beyond
 /// one of the part's ends, where other balls may reach it.
-fn is_reached(p: DVec2, part: &Ridge) -> bool {
+fn is_reached(p: DVec2, part: &Axis) -> bool {
     let n = part.points.len();
     let gaps = part.points.windows(2).enumerate().map(|(i, w)| {
         let q = nearest_on(p, w[0], w[1]);
@@ -68,6 +68,7 @@ mod tests {
     use super::*;
     use crate::walls::WallPlan;
     use isoslice_planar::Area;
+    use isoslice_settings::Settings;
     use std::f64::consts::{FRAC_PI_2, PI};
 
     /// A strip, `thick` mm, that turns by a right angle, with round borders that
@@ -91,7 +92,7 @@ mod tests {
     }
 
     fn strokes(area: &Area) -> (usize, usize) {
-        let w = walls(area, None, 0.2, &WallPlan::with(|_| {}));
+        let w = walls(area, None, 0.2, &WallPlan::of(&Settings::default()));
         (w.lines[0].len(), w.thin[0].len())
     }
 
@@ -100,7 +101,7 @@ mod tests {
         // The ball in the bend is 0.99 mm large.
         let bend = bent(0.75, 0.4, 0.6);
         assert_eq!(strokes(&bend), (0, 1));
-        let w = walls(&bend, None, 0.2, &WallPlan::with(|_| {}));
+        let w = walls(&bend, None, 0.2, &WallPlan::of(&Settings::default()));
         let widest = w.thin[0][0].widths.iter().copied().fold(0.0, f64::max);
         assert!(widest > 0.9, "{widest}");
     }
@@ -116,7 +117,7 @@ mod tests {
     #[test]
     fn balls_reach_all_of_a_strip_but_not_its_corner() {
         let at = |x: f64, y: f64| DVec2::new(x, y);
-        let part = |points: Vec<DVec2>| Ridge {
+        let part = |points: Vec<DVec2>| Axis {
             thickness: vec![0.8; points.len()],
             points,
             closed: false,

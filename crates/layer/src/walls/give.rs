@@ -15,8 +15,8 @@
 //! the lines, which keep their spacing from the wall outside except where they
 //! would become too narrow.
 
-use super::line::{RidgeIndex, moved};
-use super::ridge::Ridge;
+use super::line::{AxisIndex, moved};
+use super::medial_axis::Axis;
 use super::widen::{HIDDEN, Station};
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -41,11 +41,11 @@ pub(super) fn give_way(
     if wider.is_empty() || lines.is_empty() {
         return lines;
     }
-    let widest = wider.iter().map(Ridge::thickest).fold(0.0, f64::max);
+    let widest = wider.iter().map(Axis::thickest).fold(0.0, f64::max);
     let own = lines.iter().flat_map(|l| &l.widths).copied();
     let own = own.chain(lines.iter().map(|l| l.width)).fold(0.0, f64::max);
     let reach = spacing(widest, own, height);
-    let index = RidgeIndex::new(&wider, reach);
+    let index = AxisIndex::new(&wider, reach);
     // A line may lie between two walls that have grown, so that its left side
     // gives way after its right side.
     let narrowed = |line: Stroke, side: f64| {
@@ -82,15 +82,15 @@ pub(super) fn give_way(
 }
 
 /// The pieces of walls that are wider than `width`.
-fn wider(walls: &[Stroke], width: Mm) -> Vec<Ridge> {
-    let mut pieces: Vec<Ridge> = Vec::new();
+fn wider(walls: &[Stroke], width: Mm) -> Vec<Axis> {
+    let mut pieces: Vec<Axis> = Vec::new();
     for wall in walls {
         let mut goes_on = false;
         for (k, (a, b)) in wall.segments().enumerate() {
             let widths = [k, k + 1].map(|i| wall.width_at(i));
             let is_wider = widths.iter().any(|w| *w > width + OVERLAP);
             if is_wider && !goes_on {
-                pieces.push(Ridge {
+                pieces.push(Axis {
                     points: vec![a],
                     thickness: vec![widths[0]],
                     closed: false,

@@ -31,7 +31,7 @@ use isoslice_planar::bead::{Bead, Level, cross_section, height_of};
 /// share of the wall's width from layer to layer.
 const ASIDE: f64 = 0.25;
 /// Distance of the places at which a wall looks for the next one, mm.
-const STEP: Mm = 0.5;
+const LOOK_STEP: Mm = 0.5;
 /// A stretch of a wall that is shorter than this goes with what is beside it,
 /// mm.
 const SHORT: Mm = 1.0;
@@ -90,7 +90,7 @@ impl Interlock<'_> {
         let mut runs: Vec<(Mm, Joined)> = Vec::new();
         for (a, b) in bead.stroke.segments() {
             let edge = a.distance(b);
-            let count = (edge / STEP).ceil().max(1.0);
+            let count = (edge / LOOK_STEP).ceil().max(1.0);
             for i in 0..count as usize {
                 let middle = a.lerp(b, (i as f64 + 0.5) / count);
                 let joined = self.joined(middle, bead.stroke.width);
@@ -178,6 +178,7 @@ mod tests {
     use isoslice_planar::bead::{Role, Stroke};
     use isoslice_planar::shapes::{rect_ring, square_ring};
     use isoslice_planar::{Area, Solid};
+    use isoslice_settings::Settings;
 
     fn wall(half: Mm) -> Bead {
         let stroke = Stroke::new(square_ring(half), true, 0.45);
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_wall_is_half_a_layer_lower_where_it_goes_on() {
-        let resolution = Resolution::with(|_| {});
+        let resolution = Resolution::of(&Settings::default());
         let own = solid(square_ring(10.0));
         let plain = volume(&[wall(9.4)]);
         for (below, above, rise, height) in [
@@ -234,7 +235,7 @@ mod tests {
 
     #[test]
     fn a_wall_ends_at_a_ledge() {
-        let resolution = Resolution::with(|_| {});
+        let resolution = Resolution::of(&Settings::default());
         let own = solid(square_ring(10.0));
         // The layer above ends at x = 2; its other sides are those of this one.
         let upper = solid(rect_ring(-10.0, -10.0, 2.0, 10.0));

@@ -1,12 +1,12 @@
 //! Centre lines of walls, closed or cut open, of one width or of many.
 //!
-//! Two changes are made to the plain offsets of an outline. Where a ridge's
+//! Two changes are made to the plain offsets of an outline. Where an axis's
 //! bead takes a thin place, the wall's ring, whose two sides would run into
 //! each other there, is cut away. And where what is left between two walls is
 //! too thin for a bead of its own, the walls beside it become wider and move
 //! in, each taking half.
 
-use super::ridge::Ridge;
+use super::medial_axis::Axis;
 use super::widen::{SEEN, Station, across, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -14,8 +14,8 @@ use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::{Area, Rect, edges};
 
-/// Distance of the places at which a line near a ridge is looked at, mm.
-const STEP: Mm = 0.2;
+/// Distance of the places at which a line near an axis is looked at, mm.
+const LOOK_STEP: Mm = 0.2;
 /// Length from which a piece of a ring is laid, as a share of its width. Where
 /// three strips meet, short pieces are all that lies between their beads at the
 /// surface (measured on lattices: pieces longer than their width only leave a
@@ -28,42 +28,42 @@ const WIDEN_STEP: Mm = 0.1;
 /// Number of places on an edge that are looked at together. What is near to one
 /// of these places is near to the others as well.
 const STRETCH: usize = 16;
-/// Number of edges of a line that are looked at together at first. No ridge is
+/// Number of edges of a line that are looked at together at first. No axis is
 /// near to most of them.
 const GROUP: usize = 8;
-/// Least size of the cells in which ridges are looked up, mm.
+/// Least size of the cells in which axes are looked up, mm.
 const CELL: Mm = 0.8;
 /// Slack in distances that are equal but for rounding and thinning, mm.
-const SLACK: Mm = 0.05;
+const THINNED: Mm = 0.05;
 
-/// Ridges, sorted so that the nearest one is found quickly.
-pub(super) struct RidgeIndex<'a> {
-    ridges: &'a [Ridge],
+/// Axes, sorted so that the nearest one is found quickly.
+pub(super) struct AxisIndex<'a> {
+    axes: &'a [Axis],
     grid: EdgeGrid,
-    /// Ridge and segment of each of the grid's numbers.
+    /// Axis and segment of each of the grid's numbers.
     segments: Vec<(u32, u32)>,
 }
 
-impl<'a> RidgeIndex<'a> {
-    pub(super) fn new(ridges: &'a [Ridge], reach: Mm) -> Self {
-        let points = |r: &'a Ridge| {
+impl<'a> AxisIndex<'a> {
+    pub(super) fn new(axes: &'a [Axis], reach: Mm) -> Self {
+        let points = |r: &'a Axis| {
             let closing = if r.closed { 1 } else { 0 };
             r.points.iter().chain(r.points.iter().take(closing))
         };
         let mut segments = Vec::new();
-        for (i, r) in ridges.iter().enumerate() {
+        for (i, r) in axes.iter().enumerate() {
             let all = 0..points(r).count() as u32;
             segments.extend(all.map(|k| (i as u32, k)));
         }
-        let lines = ridges.iter().map(|r| points(r).copied());
-        RidgeIndex {
-            ridges,
+        let lines = axes.iter().map(|r| points(r).copied());
+        AxisIndex {
+            axes,
             grid: EdgeGrid::of_lines(lines, reach.max(CELL)),
             segments,
         }
     }
 
-    /// True if no ridge comes within `reach` of a group of edges, which begins
+    /// True if no axis comes within `reach` of a group of edges, which begins
     /// at the `k`th point. A line that is closed returns to its first point.
     fn group_clear(&self, points: &[DVec2], k: usize, reach: Mm) -> bool {
         let all = points.iter().skip(k).take(GROUP + 1);
@@ -72,8 +72,8 @@ impl<'a> RidgeIndex<'a> {
         !self.grid.meets(bounds.grown(reach))
     }
 
-    /// True if no ridge comes closer than `reach` to the segment from `a` to
-    /// `b`. `found` gets the ridges' segments that do, unless the `count`
+    /// True if no axis comes closer than `reach` to the segment from `a` to
+    /// `b`. `found` gets the axes' segments that do, unless the `count`
     /// places to be looked at on the segment are more than a stretch.
     fn clear_of(
         &self,
@@ -90,7 +90,7 @@ impl<'a> RidgeIndex<'a> {
         found.is_empty()
     }
 
-    /// Finds the ridges' segments that come closer than `reach` to the segment
+    /// Finds the axes' segments that come closer than `reach` to the segment
     /// from `a` to `b`, and a few that do not.
     fn beside(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
         found.clear();
@@ -98,7 +98,7 @@ impl<'a> RidgeIndex<'a> {
         self.grid.visit_box(lo, hi, |edge| note(edge, found));
     }
 
-    /// Finds the ridges' segments that come closer than `reach` to the segment
+    /// Finds the axes' segments that come closer than `reach` to the segment
     /// from `a` to `b`.
     fn around(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
         found.clear();
@@ -106,7 +106,7 @@ impl<'a> RidgeIndex<'a> {
             .visit_edges_near(a, b, reach, |edge| note(edge, found));
     }
 
-    /// Does what [`RidgeIndex::nearest`] does, but among some segments only.
+    /// Does what [`AxisIndex::nearest`] does, but among some segments only.
     pub(super) fn nearest_of(
         &self,
         segments: &[u32],
@@ -117,7 +117,7 @@ impl<'a> RidgeIndex<'a> {
         Some((q, self.thickness(edge, q)))
     }
 
-    /// Does what [`RidgeIndex::nearest_of`] does, but only among segments for
+    /// Does what [`AxisIndex::nearest_of`] does, but only among segments for
     /// whose nearest points `counts` is true.
     pub(super) fn nearest_where(
         &self,
@@ -138,7 +138,7 @@ impl<'a> RidgeIndex<'a> {
     /// The thickness at a place on a segment.
     fn thickness(&self, edge: usize, q: DVec2) -> Mm {
         let (i, k) = self.segments[edge];
-        let (r, k) = (&self.ridges[i as usize], k as usize);
+        let (r, k) = (&self.axes[i as usize], k as usize);
         let (a, b) = self.grid.edge(edge);
         let along = b - a;
         let t = (q - a).dot(along) / along.length_squared();
@@ -148,12 +148,12 @@ impl<'a> RidgeIndex<'a> {
         ta + t * (tb - ta)
     }
 
-    /// True if no ridge comes closer than `reach` to the segment.
+    /// True if no axis comes closer than `reach` to the segment.
     pub(super) fn clear(&self, a: DVec2, b: DVec2, reach: Mm) -> bool {
         self.grid.clear(a, b, reach)
     }
 
-    /// The nearest point of a ridge within `reach`, and the thickness there.
+    /// The nearest point of an axis within `reach`, and the thickness there.
     pub(super) fn nearest(&self, p: DVec2, reach: Mm) -> Option<(DVec2, Mm)> {
         let (edge, q) = self.grid.nearest_edge(p, reach)?;
         Some((q, self.thickness(edge, q)))
@@ -170,30 +170,30 @@ fn note(edge: usize, found: &mut Vec<u32>) {
 }
 
 /// The rings of an offset `depth` below an area's border as lines, without
-/// what runs along ridges of the area.
+/// what runs along axes of the area.
 pub(super) fn cut(
     rings: &Area,
-    ridges: &[Ridge],
+    axes: &[Axis],
     depth: Mm,
     width: Mm,
 ) -> Vec<Stroke> {
     let line = |points, closed| Stroke::new(points, closed, width);
-    if ridges.is_empty() {
+    if axes.is_empty() {
         return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
     }
-    let thickest = ridges.iter().map(Ridge::thickest).fold(0.0, f64::max);
-    let reach = 0.5 * thickest - depth + 2.0 * SLACK;
+    let thickest = axes.iter().map(Axis::thickest).fold(0.0, f64::max);
+    let reach = 0.5 * thickest - depth + 2.0 * THINNED;
     if reach <= 0.0 {
         return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
     }
-    let index = RidgeIndex::new(ridges, reach);
-    // True if no ridge is too near to a place. `near` are the segments that may
+    let index = AxisIndex::new(axes, reach);
+    // True if no axis is too near to a place. `near` are the segments that may
     // be.
     let free = |p: DVec2, near: &[u32]| {
         match index.nearest_of(near, p, reach) {
-            // The border is half the place's thickness away from the ridge, and
-            // the ring is `depth` nearer to the ridge than the border is.
-            Some((q, t)) => p.distance(q) > 0.5 * t - depth + SLACK,
+            // The border is half the place's thickness away from the axis, and
+            // the ring is `depth` nearer to the axis than the border is.
+            Some((q, t)) => p.distance(q) > 0.5 * t - depth + THINNED,
             None => true,
         }
     };
@@ -217,7 +217,7 @@ pub(super) fn cut(
                 all.push((a, true));
                 continue;
             }
-            let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
+            let count = (a.distance(b) / LOOK_STEP).ceil().clamp(1.0, 1e6);
             let place = |k: usize| match k as f64 / count {
                 t if t < 1.0 => a.lerp(b, t),
                 _ => b,
@@ -300,19 +300,19 @@ pub(super) fn cut(
 }
 
 /// Widens the lines beside slivers. `away` is the distance of the lines from
-/// the border of the area that has the slivers as its ridges.
+/// the border of the area that has the slivers as its axes.
 pub(super) fn absorb(
     lines: Vec<Stroke>,
-    slivers: &[Ridge],
+    slivers: &[Axis],
     away: Mm,
     tolerance: Mm,
 ) -> Vec<Stroke> {
     if slivers.is_empty() {
         return lines;
     }
-    let thickest = slivers.iter().map(Ridge::thickest).fold(0.0, f64::max);
-    let reach = away + 0.5 * thickest + SLACK;
-    let index = RidgeIndex::new(slivers, reach);
+    let thickest = slivers.iter().map(Axis::thickest).fold(0.0, f64::max);
+    let reach = away + 0.5 * thickest + THINNED;
+    let index = AxisIndex::new(slivers, reach);
     lines
         .into_iter()
         .map(|line| widen(line, &index, away, reach, tolerance))
@@ -321,7 +321,7 @@ pub(super) fn absorb(
 
 fn widen(
     line: Stroke,
-    index: &RidgeIndex<'_>,
+    index: &AxisIndex<'_>,
     away: Mm,
     reach: Mm,
     tolerance: Mm,
@@ -330,7 +330,7 @@ fn widen(
     moved(line, index, reach, tolerance, SEEN, |p, across, _, near| {
         let sliver = index
             .nearest_of(near, p, reach)
-            .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
+            .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + THINNED);
         let left = across.normalize_or_zero();
         Station {
             at: p,
@@ -345,12 +345,12 @@ fn widen(
     })
 }
 
-/// Moves the places of a line that ridges come near to. `station` gets a place,
-/// the way across the line there, the line's width, and the ridges' segments
+/// Moves the places of a line that axes come near to. `station` gets a place,
+/// the way across the line there, the line's width, and the axes' segments
 /// within `reach`. `slope` is the greatest change of the line's width along its way.
 pub(super) fn moved(
     line: Stroke,
-    index: &RidgeIndex<'_>,
+    index: &AxisIndex<'_>,
     reach: Mm,
     tolerance: Mm,
     slope: f64,
@@ -405,8 +405,8 @@ pub(super) fn moved(
 mod tests {
     use super::*;
 
-    fn ridge(points: &[(f64, f64)], thickness: f64) -> Ridge {
-        Ridge {
+    fn axis(points: &[(f64, f64)], thickness: f64) -> Axis {
+        Axis {
             points: points.iter().map(|&(x, y)| DVec2::new(x, y)).collect(),
             thickness: vec![thickness; points.len()],
             closed: false,
@@ -421,15 +421,15 @@ mod tests {
     }
 
     #[test]
-    fn rings_are_cut_where_a_ridge_runs() {
+    fn rings_are_cut_where_a_axis_runs() {
         // A ring of half width 0.1 at depth 0.2 in a strip 0.6 thick.
         let rings = rectangle(20.0, 0.1);
-        let half = ridge(&[(0.0, 0.0), (10.0, 0.0)], 0.6);
+        let half = axis(&[(0.0, 0.0), (10.0, 0.0)], 0.6);
         let lines = cut(&rings, &[half], 0.2, 0.45);
         assert_eq!(lines.len(), 1);
         assert!(!lines[0].closed);
         assert!((lines[0].length() - 20.2).abs() < 0.4);
-        let whole = ridge(&[(0.0, 0.0), (20.0, 0.0)], 0.6);
+        let whole = axis(&[(0.0, 0.0), (20.0, 0.0)], 0.6);
         assert!(cut(&rings, &[whole], 0.2, 0.45).is_empty());
         assert!(cut(&rings, &[], 0.2, 0.45)[0].closed);
     }
@@ -439,7 +439,7 @@ mod tests {
         let walls = rectangle(20.0, 0.3);
         let lines = cut(&walls, &[], 0.2, 0.45);
         // A sliver 0.2 thick in the middle: the walls are 0.2 from it.
-        let sliver = ridge(&[(5.0, 0.0), (15.0, 0.0)], 0.2);
+        let sliver = axis(&[(5.0, 0.0), (15.0, 0.0)], 0.2);
         let lines = absorb(lines, &[sliver], 0.2, 0.005);
         let line = &lines[0];
         assert!(line.closed);

@@ -11,33 +11,34 @@
 //! into skin and sparse infill. The lines then become beads ([`mod@beads`]).
 //!
 //! Where the part, or what the walls leave of it, is too thin for two walls
-//! side by side, one bead along its middle ([`ridge`]) takes their place, as
+//! side by side, one bead along its middle ([`medial_axis`]) takes their place, as
 //! wide as the place is thick. What is too thin even for that widens the walls
 //! beside it ([`mod@line`]), and so does an even strip that is too thin for a
 //! whole line ([`shared`]). Extruded area per area of part stays the same. How
-//! many beads lie side by side is decided along whole ridges ([`mod@thin`]), and
+//! many beads lie side by side is decided along whole axes ([`beading`]), and
 //! strokes go on in one another where they meet ([`stitching`]).
 
 mod ball;
+mod beading;
 mod beads;
 mod bend;
 mod give;
 mod interlock;
 pub mod line;
+pub mod medial_axis;
 mod overhang;
 pub mod patch;
 mod plan;
 mod pocket;
 mod reach;
-pub mod ridge;
 mod run;
 mod shared;
 mod stitching;
-mod thin;
 mod tip;
 mod tops;
 mod widen;
 
+use beading::Beadings;
 pub use beads::{beads, interlocked, rounded, thin};
 use bend::is_bend;
 use give::give_way;
@@ -50,15 +51,14 @@ use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Solid, signed_area};
 use line::{absorb, cut};
+use medial_axis::{Axis, axes};
 pub use overhang::Support;
 pub use plan::{ThinPlan, WallPlan};
 use pocket::Left;
 pub use reach::Reach;
-use ridge::{Ridge, ridges};
 use shared::Sharing;
 use std::collections::HashSet;
 use stitching::Space;
-use thin::Counts;
 
 /// Share of `accuracy` for the outline, and for an offset of it. A polygon's
 /// corners lie as far outside of a curve as the middles of its edges lie
@@ -183,11 +183,11 @@ pub struct Laid {
 
 /// Lays one wall along the border of an area.
 pub fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
-    let counts = Counts::new(&[lay], None);
+    let beadings = Beadings::new(&[lay], None);
     let solid = Solid::of(area, cell(area));
-    let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
-    let nodes = skeleton.ends(counts.limit());
-    let thin = skeleton.thin_places(&counts, &nodes);
+    let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
+    let nodes = skeleton.ends(beadings.limit());
+    let thin = skeleton.thin_places(&beadings, &nodes);
     let rings = skeleton.shrunk(lay.centre, tolerance);
     let beads = thin.beads(1, 0.0);
     Laid {
@@ -205,14 +205,14 @@ fn cell(area: &Area) -> Mm {
     (3.0 * area.perimeter() / edges.max(1) as f64).clamp(0.5, 1.0)
 }
 
-/// An area and its ridges, as far as they matter to some walls.
+/// An area and its axes, as far as they matter to some walls.
 ///
-/// An area that has shrunk by d keeps its ridges where it was thicker than 2·d,
-/// and is thinner there by 2·d. So the ridges of the outline serve for all
+/// An area that has shrunk by d keeps its axes where it was thicker than 2·d,
+/// and is thinner there by 2·d. So the axes of the outline serve for all
 /// walls.
 struct Skeleton<'a> {
     solid: &'a Solid<'a>,
-    ridges: Vec<Ridge>,
+    axes: Vec<Axis>,
     /// Distances by which the area's edges can move inwards.
     room: Room,
 }
@@ -220,26 +220,22 @@ struct Skeleton<'a> {
 impl<'a> Skeleton<'a> {
     fn new(solid: &'a Solid<'a>, limit: Mm, tolerance: Mm) -> Skeleton<'a> {
         let empty = solid.area().is_empty() || limit <= 0.0;
-        let (mut ridges, room) = if empty {
+        let (mut axes, room) = if empty {
             (Vec::new(), Room::default())
         } else {
-            ridges(solid, limit, tolerance)
+            axes(solid, limit, tolerance)
         };
-        // A post's ridge is a point.
-        ridges.retain(|r| r.length() > 0.25 * r.thickest());
-        Skeleton {
-            solid,
-            ridges,
-            room,
-        }
+        // A post's axis is a point.
+        axes.retain(|r| r.length() > 0.25 * r.thickest());
+        Skeleton { solid, axes, room }
     }
 
-    /// Where ridges end but not because the area grows thicker than `limit`:
+    /// Where axes end but not because the area grows thicker than `limit`:
     /// where strips meet, and at their tips.
     fn ends(&self, limit: Mm) -> EdgeGrid {
-        /// Share of the limit at which a ridge may end for it.
+        /// Share of the limit at which an axis may end for it.
         const THICK: f64 = 0.95;
-        let open = self.ridges.iter().filter(|r| !r.closed);
+        let open = self.axes.iter().filter(|r| !r.closed);
         let ends = open.flat_map(|r| {
             let all = || r.points.iter().zip(&r.thickness);
             all().next().into_iter().chain(all().next_back())
@@ -255,26 +251,26 @@ impl<'a> Skeleton<'a> {
         simplify_area(&shrunk, tolerance)
     }
 
-    /// The ridges where there are fewer beads than the walls have. `nodes` is
-    /// where ridges end.
-    fn thin_places(&self, counts: &Counts, nodes: &EdgeGrid) -> ThinPlaces {
-        let bends = |part: &Ridge| is_bend(part, self.solid.grid(), nodes);
-        let parts = self.ridges.iter().flat_map(|r| counts.split(r, &bends));
+    /// The axes where there are fewer beads than the walls have. `nodes` is
+    /// where axes end.
+    fn thin_places(&self, beadings: &Beadings, nodes: &EdgeGrid) -> ThinPlaces {
+        let bends = |part: &Axis| is_bend(part, self.solid.grid(), nodes);
+        let parts = self.axes.iter().flat_map(|r| beadings.split(r, &bends));
         ThinPlaces(parts.collect())
     }
 }
 
-/// Parts of an area's ridges, and how many beads lie side by side there.
-struct ThinPlaces(Vec<(usize, Ridge)>);
+/// Parts of an area's axes, and how many beads lie side by side there.
+struct ThinPlaces(Vec<(usize, Axis)>);
 
 impl ThinPlaces {
-    /// The parts of ridges with this number of beads, and the thickness that
+    /// The parts of axes with this number of beads, and the thickness that
     /// walls up to `depth` on both sides leave there.
-    fn beads(&self, number: usize, depth: Mm) -> Vec<Ridge> {
+    fn beads(&self, number: usize, depth: Mm) -> Vec<Axis> {
         let parts = self.0.iter().filter(|part| part.0 == number);
         parts
-            .map(|(_, ridge)| {
-                let mut left = ridge.clone();
+            .map(|(_, axis)| {
+                let mut left = axis.clone();
                 left.thickness.iter_mut().for_each(|t| *t -= 2.0 * depth);
                 left
             })
@@ -284,28 +280,28 @@ impl ThinPlaces {
     /// What walls up to `depth` on both sides leave where there are so many
     /// beads. The thickness is negative where walls overlap and have to become
     /// narrower. Slight overlaps are left out.
-    fn slivers(&self, number: usize, depth: Mm) -> Vec<Ridge> {
+    fn slivers(&self, number: usize, depth: Mm) -> Vec<Axis> {
         /// Walls may overlap by so much, mm.
         const OVERLAP: Mm = 0.03;
         let mut parts = self.beads(number, depth);
         self.make_way(&mut parts, number + 1);
         parts
             .into_iter()
-            .flat_map(|ridge| ridge.split_at(0.0))
+            .flat_map(|axis| axis.split_at(0.0))
             .filter(|part| part.thickest() > 0.0 || part.thinnest() < -OVERLAP)
             .collect()
     }
 
     /// Cuts slivers back where a bead goes on in the middle: the round end of
     /// that bead already fills a part of the sliver.
-    fn make_way(&self, slivers: &mut [Ridge], number: usize) {
+    fn make_way(&self, slivers: &mut [Axis], number: usize) {
         /// Length beyond the round end, mm, over which walls become wider.
         const MORE: Mm = 0.05;
         let beads = self.0.iter().filter(|part| part.0 == number);
         let ends: HashSet<[u64; 2]> = beads
-            .filter(|(_, ridge)| !ridge.closed)
-            .flat_map(|(_, ridge)| {
-                ridge.points.first().into_iter().chain(ridge.points.last())
+            .filter(|(_, axis)| !axis.closed)
+            .flat_map(|(_, axis)| {
+                axis.points.first().into_iter().chain(axis.points.last())
             })
             .map(|p| p.to_array().map(f64::to_bits))
             .collect();
@@ -363,7 +359,7 @@ pub fn prints(outline: &Area, height: Mm, plan: &WallPlan) -> bool {
 /// narrow tips, and wider beside pockets.
 ///
 /// Two walls at a time, and what they leave, are made from the same border: a
-/// grid of its edges and its ridges serve for all of them. For more of them
+/// grid of its edges and its axes serve for all of them. For more of them
 /// the search would have to look too far around.
 fn laid(
     outline: &Area,
@@ -407,7 +403,7 @@ fn laid(
         if let (1.., Some(begins)) = (first, pair.first_mut()) {
             *begins = begins.after(2.0 * tolerance);
         }
-        let counts = Counts::new(&pair, Some(lays[next]));
+        let beadings = Beadings::new(&pair, Some(lays[next]));
         let own;
         let solid = if first == 0 {
             &whole
@@ -415,9 +411,9 @@ fn laid(
             own = Solid::of(&area, cell(&area));
             &own
         };
-        let skeleton = Skeleton::new(solid, counts.limit(), accuracy);
-        let nodes = skeleton.ends(counts.limit());
-        let places = skeleton.thin_places(&counts, &nodes);
+        let skeleton = Skeleton::new(solid, beadings.limit(), accuracy);
+        let nodes = skeleton.ends(beadings.limit());
+        let places = skeleton.thin_places(&beadings, &nodes);
         // The border of the filled area is not seen, so it may be coarser.
         let left = if next == count { accuracy } else { tolerance };
         let depth = pair.iter().map(|lay| lay.inner).sum();
@@ -459,7 +455,7 @@ fn laid(
                 slivers.extend(sharing.shares(&strips));
             }
             let away = lay.inner - lay.centre;
-            // The ridges that the widths follow are found to a share of the
+            // The axes that the widths follow are found to a share of the
             // accuracy.
             let fine = 0.4 * accuracy;
             let walls = absorb(walls, &slivers, away, fine);
@@ -485,7 +481,7 @@ fn laid(
                 radius,
                 beads: &places.beads(2 * k + 3, depth),
                 nodes: &nodes,
-                around: 0.35 * counts.limit(),
+                around: 0.35 * beadings.limit(),
             };
             lines.push(if seen {
                 left.shared(walls, fine)
@@ -637,6 +633,7 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, plan: &WallPlan) -> Mm2 {
 mod tests {
     use super::*;
     use isoslice_planar::shapes;
+    use isoslice_settings::{Settings, plan_with};
     use std::f64::consts::PI;
 
     fn disc(r: f64) -> Area {
@@ -645,7 +642,7 @@ mod tests {
 
     #[test]
     fn walls_of_a_disc_are_concentric() {
-        let plan = WallPlan::with(|s| s.walls = 3);
+        let plan = plan_with(WallPlan::of, |s| s.walls = 3);
         let w = walls(&disc(10.0), None, 0.2, &plan);
         let s = spacing(0.45, 0.45, 0.2);
         for (k, lines) in w.lines.iter().enumerate() {
@@ -682,7 +679,12 @@ mod tests {
             let ring = [(0.0, 0.0), (50.0, 0.0), (50.0, width), (0.0, width)]
                 .map(|(x, y)| DVec2::new(x, y))
                 .to_vec();
-            walls(&Area::from(ring), None, 0.2, &WallPlan::with(|_| {}))
+            walls(
+                &Area::from(ring),
+                None,
+                0.2,
+                &WallPlan::of(&Settings::default()),
+            )
         };
         for i in 0..40 {
             let width = 0.3 + 0.04 * f64::from(i);
@@ -706,17 +708,17 @@ mod tests {
 
     #[test]
     fn walls_make_way_for_the_bead_that_begins_between_them() {
-        let plan = WallPlan::with(|_| {});
+        let plan = WallPlan::of(&Settings::default());
         let [outer, inner] = [0, 1].map(|k| plan.lay(k, 0.2));
-        let counts = Counts::new(&[outer, inner], Some(inner));
+        let beadings = Beadings::new(&[outer, inner], Some(inner));
         // A wedge from 0.9 to 1.5 mm: two walls, then a bead between them.
         let x = |i: usize| 0.5 * i as f64;
-        let ridge = Ridge {
+        let axis = Axis {
             points: (0..=60).map(|i| DVec2::X * x(i)).collect(),
             thickness: (0..=60).map(|i| 0.9 + 0.02 * x(i)).collect(),
             closed: false,
         };
-        let places = ThinPlaces(counts.split(&ridge, &|_| false));
+        let places = ThinPlaces(beadings.split(&axis, &|_| false));
         let depth = outer.inner;
         let begins = places.beads(3, depth)[0].points[0].x;
         let bead = places.beads(3, depth)[0].thickness[0];
@@ -731,7 +733,7 @@ mod tests {
     fn an_outline_is_printed_if_a_bead_or_skin_has_room() {
         let printed = |width: f64, walls: u32| {
             let strip = isoslice_planar::rect(0.0, 0.0, 5.0, width);
-            prints(&strip, 0.2, &WallPlan::with(|s| s.walls = walls))
+            prints(&strip, 0.2, &plan_with(WallPlan::of, |s| s.walls = walls))
         };
         assert_eq!([0.1, 0.3, 2.0].map(|w| printed(w, 2)), [false, true, true]);
         assert!(printed(0.3, 0));
@@ -739,7 +741,7 @@ mod tests {
 
     #[test]
     fn no_walls_leave_everything_to_the_fill() {
-        let plan = WallPlan::with(|s| s.walls = 0);
+        let plan = plan_with(WallPlan::of, |s| s.walls = 0);
         let w = walls(&disc(3.0), None, 0.2, &plan);
         assert!(w.lines.is_empty());
         assert_eq!(w.fill, disc(3.0));

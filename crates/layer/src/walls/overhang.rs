@@ -16,7 +16,7 @@
 
 use crate::walls::WallPlan;
 use glam::DVec2;
-use isoslice_base::units::{Mm, Percent};
+use isoslice_base::units::Mm;
 use isoslice_planar::Solid;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
@@ -51,13 +51,13 @@ const TOLERANCE: Mm = 0.01;
 impl<'a> Support<'a> {
     /// The solid of the layer below for the walls of a layer whose own solid
     /// is `own`; nothing if no wall is to be an overhang. A wall may reach beyond
-    /// the layer below by this `share` of its width.
+    /// the layer below by the plan's share of its width.
     pub fn new(
         below: &'a Solid<'_>,
         own: &'a Solid<'_>,
-        share: Percent,
         walls: &WallPlan,
     ) -> Option<Support<'a>> {
+        let share = walls.overhang_share;
         if share >= 100.0 {
             return None;
         }
@@ -113,7 +113,7 @@ impl<'a> Support<'a> {
 
     /// The parts of a bead, each of which hangs or does not. A bead without a
     /// length has no parts.
-    fn pieces(&self, bead: &Bead) -> Vec<Piece> {
+    fn pieces(&self, bead: &Bead) -> Vec<BeadPiece> {
         let stroke = &bead.stroke;
         let wall = usize::from(bead.role != Role::OuterWall);
         let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
@@ -142,7 +142,7 @@ impl<'a> Support<'a> {
         let mut ends = vec![0.0];
         ends.extend(cuts);
         ends.push(segments as f64);
-        let mut pieces: Vec<Piece> = Vec::new();
+        let mut pieces: Vec<BeadPiece> = Vec::new();
         for pair in ends.windows(2) {
             if pair[1] - pair[0] < 1e-9 {
                 continue;
@@ -151,7 +151,7 @@ impl<'a> Support<'a> {
             let (middle, width) = at(stroke, place);
             let width = width.unwrap_or(stroke.width);
             let wide = width > usual && self.leans(bead, place, width);
-            let piece = Piece {
+            let piece = BeadPiece {
                 from: pair[0],
                 to: pair[1],
                 hangs: !wide && !grid.contains(middle),
@@ -167,7 +167,7 @@ impl<'a> Support<'a> {
 
 /// A part of a bead, from one place to another, counted in segments.
 #[derive(Clone, Copy)]
-struct Piece {
+struct BeadPiece {
     from: f64,
     to: f64,
     hangs: bool,
@@ -177,7 +177,7 @@ struct Piece {
 }
 
 /// Adds a piece; it is joined to the last one if both hang, or neither does.
-fn add(pieces: &mut Vec<Piece>, piece: Piece) {
+fn add(pieces: &mut Vec<BeadPiece>, piece: BeadPiece) {
     match pieces.last_mut() {
         Some(last) if last.hangs == piece.hangs => {
             last.to = piece.to;
@@ -207,7 +207,7 @@ fn at(stroke: &Stroke, place: f64) -> (DVec2, Option<Mm>) {
 }
 
 /// The bead's part, with its points between the ends.
-fn part(bead: &Bead, piece: &Piece) -> Bead {
+fn part(bead: &Bead, piece: &BeadPiece) -> Bead {
     let own = &bead.stroke;
     let n = own.points.len();
     let (mut points, mut widths) = (Vec::new(), Vec::new());
@@ -252,7 +252,7 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
 }
 
 /// Length of the bead's part.
-fn length(stroke: &Stroke, piece: &Piece) -> Mm {
+fn length(stroke: &Stroke, piece: &BeadPiece) -> Mm {
     let n = stroke.points.len();
     let mut last = at(stroke, piece.from).0;
     let mut sum = 0.0;
@@ -266,8 +266,8 @@ fn length(stroke: &Stroke, piece: &Piece) -> Mm {
 
 /// Joins short pieces to the pieces beside them. A short held piece between two
 /// hanging ones hangs with them, and a short hanging piece does not count.
-fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
-    let length = |p: &Piece| length(&bead.stroke, p);
+fn join(mut pieces: Vec<BeadPiece>, bead: &Bead) -> Vec<BeadPiece> {
+    let length = |p: &BeadPiece| length(&bead.stroke, p);
     // Gaps between hanging pieces come first, so that a row of short hanging
     // pieces counts.
     for hangs in [false, true] {
@@ -280,7 +280,7 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
                 piece.hangs = !hangs;
             }
         }
-        let mut joined: Vec<Piece> = Vec::new();
+        let mut joined: Vec<BeadPiece> = Vec::new();
         for piece in pieces {
             add(&mut joined, piece);
         }
@@ -291,7 +291,7 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
 
 /// Lets pieces end at the bead's points that are near: a cut just beside such a
 /// point would cost a move of its own.
-fn snap(pieces: &mut [Piece], bead: &Bead) {
+fn snap(pieces: &mut [BeadPiece], bead: &Bead) {
     let near = SNAP * bead.stroke.width;
     for i in 1..pieces.len() {
         let (before, after) = (pieces[i - 1].from, pieces[i].to);
@@ -312,6 +312,7 @@ mod tests {
     use super::*;
     use isoslice_planar::Area;
     use isoslice_planar::shapes::rect_ring;
+    use isoslice_settings::plan_with;
 
     fn wall(points: Vec<DVec2>) -> Bead {
         Bead::new(Role::OuterWall, Stroke::new(points, true, 0.4), 0.2)
@@ -330,8 +331,11 @@ mod tests {
     ) -> Vec<Bead> {
         let solid = |ring| Solid::new(Area::from(ring));
         let (own, below) = (solid(own), solid(below));
-        let walls = WallPlan::with(|s| s.outer_wall_width = 0.4.into());
-        let support = Support::new(&below, &own, share, &walls);
+        let walls = plan_with(WallPlan::of, |s| {
+            s.outer_wall_width = 0.4.into();
+            s.overhang_share = share;
+        });
+        let support = Support::new(&below, &own, &walls);
         support.map_or(vec![bead.clone()], |s| s.cut(bead))
     }
 

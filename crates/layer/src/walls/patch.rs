@@ -12,9 +12,9 @@
 //! left for lines. Together they leave nothing open that is wider than the
 //! thinnest bead.
 
-use super::line::{RidgeIndex, absorb, cut};
-use super::ridge::Ridge;
-use super::thin::Counts;
+use super::beading::Beadings;
+use super::line::{AxisIndex, absorb, cut};
+use super::medial_axis::Axis;
 use super::{Lay, Skeleton, cell, joined, shrink};
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -31,23 +31,23 @@ pub struct Patch {
     /// The ring whole.
     pub whole: Area,
     /// The area inside the ring that these beads run through.
-    core: Vec<Ridge>,
+    core: Vec<Axis>,
 }
 
 /// Accuracy of the place at which a line has to end, mm.
 const END: Mm = 0.005;
 /// Distance of the places at which a line is looked at, mm.
-const STEP: Mm = 0.2;
+const LOOK_STEP: Mm = 0.2;
 /// Slack in distances that are equal but for rounding and thinning, mm.
-const SLACK: Mm = 0.02;
+const THINNED: Mm = 0.02;
 
 /// Lays the beads around a solid area.
 pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
-    let counts = Counts::new(&[plan, plan], None);
+    let beadings = Beadings::new(&[plan, plan], None);
     let solid = Solid::of(area, cell(area));
-    let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
-    let nodes = skeleton.ends(counts.limit());
-    let places = skeleton.thin_places(&counts, &nodes);
+    let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
+    let nodes = skeleton.ends(beadings.limit());
+    let places = skeleton.thin_places(&beadings, &nodes);
     let whole = skeleton.shrunk(plan.centre, tolerance);
     let single = places.beads(1, 0.0);
     let rings = cut(&whole, &single, plan.centre, plan.width);
@@ -79,18 +79,17 @@ impl Patch {
 
     /// Where lines are not under the beads in thin places.
     pub fn free(&self) -> Free<'_> {
-        let thickest =
-            self.core.iter().map(Ridge::thickest).fold(0.0, f64::max);
-        let reach = 0.5 * thickest + SLACK;
+        let thickest = self.core.iter().map(Axis::thickest).fold(0.0, f64::max);
+        let reach = 0.5 * thickest + THINNED;
         let index =
-            (!self.core.is_empty()).then(|| RidgeIndex::new(&self.core, reach));
+            (!self.core.is_empty()).then(|| AxisIndex::new(&self.core, reach));
         Free { index, reach }
     }
 }
 
 /// The places that the beads in thin places leave free.
 pub struct Free<'a> {
-    index: Option<RidgeIndex<'a>>,
+    index: Option<AxisIndex<'a>>,
     /// No bead reaches farther from its middle.
     reach: Mm,
 }
@@ -104,7 +103,7 @@ impl Free<'_> {
         };
         let reach = self.reach;
         let free = |p: DVec2| match index.nearest(p, reach) {
-            Some((q, t)) => p.distance(q) > 0.5 * t + SLACK,
+            Some((q, t)) => p.distance(q) > 0.5 * t + THINNED,
             None => true,
         };
         lines
@@ -123,7 +122,7 @@ impl Free<'_> {
 /// Rings inside one another that fill an area, the outermost first, and the
 /// beads of places too thin for them.
 pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
-    let mut counts = Counts::new(&[plan, plan], Some(plan));
+    let mut beadings = Beadings::new(&[plan, plan], Some(plan));
     let away = plan.inner - plan.centre;
     let mut area = area.clone();
     let mut strokes: Vec<Stroke> = Vec::new();
@@ -133,9 +132,9 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
         }
         // Two rings at a time, as walls.
         let solid = Solid::of(&area, cell(&area));
-        let skeleton = Skeleton::new(&solid, counts.limit(), tolerance);
-        let nodes = skeleton.ends(counts.limit());
-        let places = skeleton.thin_places(&counts, &nodes);
+        let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
+        let nodes = skeleton.ends(beadings.limit());
+        let places = skeleton.thin_places(&beadings, &nodes);
         let mut depth = 0.0;
         for k in 0..2 {
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
@@ -160,14 +159,14 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
             return strokes;
         }
         area = left;
-        counts = Counts::new(&[plan.after(tolerance), plan], Some(plan));
+        beadings = Beadings::new(&[plan.after(tolerance), plan], Some(plan));
     }
 }
 
 /// The ranges of the line from `a` to `b` that are free.
 fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
     let length = a.distance(b);
-    let count = (length / STEP).ceil().clamp(1.0, 1e6);
+    let count = (length / LOOK_STEP).ceil().clamp(1.0, 1e6);
     let mut from = (0.0, free(a));
     let mut start = from.1.then_some(0.0);
     let mut found = Vec::new();
@@ -200,18 +199,19 @@ mod tests {
     use super::*;
     use crate::walls::ThinPlan;
     use isoslice_planar::shapes::disc;
+    use isoslice_settings::Settings;
 
     fn strip(thickness: f64) -> Patch {
         let ring = [(0.0, 0.0), (20.0, 0.0), (20.0, 1.0), (0.0, 1.0)]
             .map(|(x, y)| DVec2::new(x, y * thickness))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::usual());
+        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
         patch(&Area::from(ring), plan, 0.01)
     }
 
     #[test]
     fn rings_fill_a_disc() {
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::usual());
+        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
         let area = disc(5.0, 400);
         let rings = concentric(&area, plan, 0.01);
         let space = 2.0 * plan.centre;
@@ -228,7 +228,7 @@ mod tests {
         let hole = [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)]
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::usual());
+        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
         let alone = Area::from(hole);
         assert!(concentric(&alone, plan, 0.01).len() < 9);
     }

@@ -3,7 +3,7 @@
 //! ```text
 //!     ┃  ┃ ┃  ┃        Where two walls lie side by side in each of some
 //!   ━━╯  ╰─╯  ╰━━      strips, they leave a pocket where the strips meet. It
-//!          ○           is too small for a bead of its own, and no ridge runs
+//!          ○           is too small for a bead of its own, and no axis runs
 //!   ━━╮  ╭─╮  ╭━━      through it. Each wall beside it becomes as much wider
 //!     ┃  ┃ ┃  ┃        as a ball is large that touches it from within.
 //! ```
@@ -12,8 +12,8 @@
 //! of the medial axis of what the wall leaves, so that walls on all sides of a
 //! pocket meet in its middle.
 
-use super::line::RidgeIndex;
-use super::ridge::Ridge;
+use super::line::AxisIndex;
+use super::medial_axis::Axis;
 use super::widen::{SEEN, Station, across, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -21,12 +21,12 @@ use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::EdgeGrid;
 
 /// Distance of the places at which a line is looked at, mm.
-const STEP: Mm = 0.08;
+const LOOK_STEP: Mm = 0.08;
 /// Pockets with smaller balls than this are left as they are, and so are walls
 /// that lack less, mm.
 const LEAST: Mm = 0.02;
 /// Slack in distances that are equal but for thinning, mm.
-const SLACK: Mm = 0.01;
+const THINNED: Mm = 0.01;
 /// Accuracy of the size of a ball, mm.
 const EXACT: Mm = 0.002;
 /// Greatest number of times that a ball shrinks.
@@ -46,9 +46,9 @@ pub(super) struct Left<'a> {
     pub width: Mm,
     /// Radius of the balls beside which another wall or skin is laid.
     pub radius: Mm,
-    /// The beads in thin places of this part, as its ridges.
-    pub beads: &'a [Ridge],
-    /// The ends of the area's ridges, which are wherever strips meet.
+    /// The beads in thin places of this part, as its axes.
+    pub beads: &'a [Axis],
+    /// The ends of the area's axes, which are wherever strips meet.
     pub nodes: &'a EdgeGrid,
     /// Greatest distance of a pocket from such an end.
     pub around: Mm,
@@ -61,7 +61,7 @@ impl Left<'_> {
         lines: Vec<Stroke>,
         tolerance: Mm,
     ) -> Vec<Stroke> {
-        let beads = RidgeIndex::new(self.beads, self.reach());
+        let beads = AxisIndex::new(self.beads, self.reach());
         lines
             .into_iter()
             .map(|line| self.filled(line, &beads, tolerance))
@@ -76,7 +76,7 @@ impl Left<'_> {
     fn filled(
         &self,
         line: Stroke,
-        beads: &RidgeIndex<'_>,
+        beads: &AxisIndex<'_>,
         tolerance: Mm,
     ) -> Stroke {
         if isoslice_base::limits::is_stopped() {
@@ -116,7 +116,7 @@ impl Left<'_> {
             if !near || self.is_thick(a, b, along.perp()) {
                 continue;
             }
-            let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
+            let count = (a.distance(b) / LOOK_STEP).ceil().clamp(1.0, 1e6);
             for i in 1..count as usize {
                 let t = i as f64 / count;
                 let (v, w) = (line.width_at(k), line.width_at(next));
@@ -142,7 +142,7 @@ impl Left<'_> {
         let up = inwards * (self.away + self.radius);
         // The wall's own border is no nearer than this.
         self.grid
-            .clear(a + up, b + up, self.depth + self.radius - SLACK)
+            .clear(a + up, b + up, self.depth + self.radius - THINNED)
     }
 
     /// The radius of the ball that touches what the wall leaves beside a place
@@ -151,10 +151,10 @@ impl Left<'_> {
         &self,
         p: DVec2,
         inwards: DVec2,
-        beads: &RidgeIndex<'_>,
+        beads: &AxisIndex<'_>,
     ) -> Option<Mm> {
         let fits = |p: DVec2, radius: Mm| {
-            let distance = self.depth + radius - SLACK;
+            let distance = self.depth + radius - THINNED;
             self.grid.nearest_edge(p, distance).is_none()
         };
         let base = p + self.away * inwards;
@@ -165,7 +165,7 @@ impl Left<'_> {
         // it (Ma, Bae and Choi 2012).
         let mut low = self.radius;
         for round in 0..ROUNDS {
-            let depth = self.depth - SLACK;
+            let depth = self.depth - THINNED;
             let centre = base + low * inwards;
             let Some((_, q)) = self.grid.nearest_edge(centre, depth + low)
             else {
@@ -195,6 +195,6 @@ impl Left<'_> {
             fits(centre + 0.6 * to, self.radius)
                 || fits(centre + 1.2 * to, self.radius)
         });
-        (!laid && !bead_near(centre, low)).then_some(low - 0.5 * SLACK)
+        (!laid && !bead_near(centre, low)).then_some(low - 0.5 * THINNED)
     }
 }

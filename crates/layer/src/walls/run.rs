@@ -1,9 +1,9 @@
-//! Balls in a row: what becomes a ridge.
+//! Balls in a row: what becomes an axis.
 //!
 //! In: the balls of a ring of the border, in order. Out: runs of neighbours,
 //! joined where one ends and another begins.
 
-use super::ball::{Ball, STEP};
+use super::ball::{BALL_STEP, Ball};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::grid::EdgeGrid;
@@ -94,7 +94,7 @@ pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
         };
         let meet = !run.closed
             && a.meets(&b, grid)
-            && run.length() > 8.0 * STEP
+            && run.length() > 8.0 * BALL_STEP
             && !ends.crosses((a.centre, b.centre));
         if meet {
             ends.add_link((a.centre, b.centre));
@@ -110,7 +110,9 @@ fn between(a: Ball, b: Ball, grid: &EdgeGrid) -> impl Iterator<Item = Ball> {
     let count = if a.close(&b) {
         1.0
     } else {
-        (a.centre.distance(b.centre) / STEP).ceil().clamp(1.0, 1e3)
+        (a.centre.distance(b.centre) / BALL_STEP)
+            .ceil()
+            .clamp(1.0, 1e3)
     };
     let far = a.thickness + b.thickness;
     (1..count as usize).map(move |k| {
@@ -229,7 +231,7 @@ impl Meeting {
     }
 
     /// True if the other run leads back where this one comes from: it has the
-    /// same ridge, seen from the other side.
+    /// same axis, seen from the other side.
     fn turns_back(&self, this: &Run, other: &Run) -> bool {
         /// Cosine of the turn.
         const BACK: f64 = -0.8;
@@ -243,19 +245,19 @@ impl Ball {
     /// Greatest distance between the end of a run and the beginning of the run
     /// that continues it.
     fn far(&self) -> Mm {
-        (1.5 * STEP).max(1.1 * self.thickness)
+        (1.5 * BALL_STEP).max(1.1 * self.thickness)
     }
 
     /// True if runs that end with these two are one.
     fn meets(&self, other: &Ball, grid: &EdgeGrid) -> bool {
         self.centre.distance_squared(other.centre) < self.far().powi(2)
-            && (self.thickness - other.thickness).abs() < 0.4 * STEP
+            && (self.thickness - other.thickness).abs() < 0.4 * BALL_STEP
             && self.leads_to(other, grid)
     }
 
     fn close(&self, other: &Ball) -> bool {
         let apart = self.centre.distance_squared(other.centre);
-        apart < (1.5 * STEP).powi(2)
+        apart < (1.5 * BALL_STEP).powi(2)
     }
 
     /// True if a bead from one to the other stays inside the border.
@@ -264,7 +266,7 @@ impl Ball {
         const OUT: Mm = 0.01;
         let apart = self.centre.distance_squared(other.centre);
         let radius = 0.25 * (self.thickness + other.thickness) - OUT;
-        apart < (0.5 * STEP).powi(2)
+        apart < (0.5 * BALL_STEP).powi(2)
             || radius <= 0.0
             || grid
                 .nearest_edge(self.centre.midpoint(other.centre), radius)
@@ -278,7 +280,7 @@ impl Run {
     fn inwards(&self, last: bool) -> DVec2 {
         let n = self.balls.len();
         let at = |k: usize| self.balls[if last { n - 1 - k } else { k }].centre;
-        let far = (0..n).find(|&k| at(k).distance(at(0)) > 0.5 * STEP);
+        let far = (0..n).find(|&k| at(k).distance(at(0)) > 0.5 * BALL_STEP);
         far.map_or(DVec2::ZERO, |k| (at(k) - at(0)).normalize_or_zero())
     }
 
@@ -337,7 +339,7 @@ fn behind<'a>(mut row: impl Iterator<Item = &'a Ball>, ball: &Ball) -> bool {
     };
     let away = ball.centre - first.centre;
     let back = second.centre - first.centre;
-    // Corners of more than a right angle are ridges, too.
+    // Corners of more than a right angle are axes, too.
     away.dot(back) > 0.5 * away.length() * back.length()
-        && away.length_squared() > (0.5 * STEP).powi(2)
+        && away.length_squared() > (0.5 * BALL_STEP).powi(2)
 }

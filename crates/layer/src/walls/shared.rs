@@ -15,17 +15,18 @@
 //! sides of it.
 //!
 //! In: the area that the walls leave, and how its lines are laid. Out: the
-//! strips that are shared, as closed ridges, and what is left without them.
+//! strips that are shared, as closed axes, and what is left without them.
 
 use super::Lay;
-use super::line::RidgeIndex;
-use super::ridge::{Ridge, ridges};
+use super::cell;
+use super::line::AxisIndex;
+use super::medial_axis::{Axis, axes};
 use super::widen::across;
-use super::{cell, shrink};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::clip::difference;
+use isoslice_planar::opening::is_wider;
 use isoslice_planar::{Area, Solid, edges};
 
 /// Length over which a strip has to be even, in lines.
@@ -44,12 +45,13 @@ const STAY: f64 = 1.12;
 /// Least thickness of a strip, in lines.
 const NOTHING: f64 = 0.1;
 /// Distance of the places at which a strip is looked at, in lines.
-const STEP: f64 = 0.5;
+const STRIP_STEP: f64 = 0.5;
 /// Distance of the places at which strips are looked for, in lines.
 const LOOK: f64 = 2.0;
-/// Least distance by which the area of a strip is larger than the strip on each
-/// side, mm: the borders of what is left are thinned.
-const SLACK: Mm = 0.02;
+/// How much farther than a strip reaches on each side its area is taken off, mm:
+/// the borders of what is left are thinned, and must not reach back into
+/// the strip.
+const THINNED: Mm = 0.02;
 /// Pieces of what is left are looked at if they are smaller than this, mm²:
 /// some are remains that no bead fits into.
 const SMALL: Mm2 = 1.0;
@@ -79,7 +81,7 @@ impl Sharing {
             taken: line.least,
             whole: line.inner.min(most),
             most,
-            slack: SLACK.max(tolerance),
+            slack: THINNED.max(tolerance),
         }
     }
 
@@ -95,7 +97,7 @@ impl Sharing {
     }
 
     /// The strips of an area that are shared.
-    pub(super) fn strips(&self, area: &Area, tolerance: Mm) -> Vec<Ridge> {
+    pub(super) fn strips(&self, area: &Area, tolerance: Mm) -> Vec<Axis> {
         if area.is_empty() || self.whole <= self.taken {
             return Vec::new();
         }
@@ -103,30 +105,30 @@ impl Sharing {
         if !self.may_have_strips(&solid) {
             return Vec::new();
         }
-        let (all, _) = ridges(&solid, self.corner(), tolerance);
+        let (all, _) = axes(&solid, self.corner(), tolerance);
         let (closed, open): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|ridge| ridge.closed);
-        let thick = |strip: &Ridge| strip.thickest() > self.taken;
+            all.into_iter().partition(|axis| axis.closed);
+        let thick = |strip: &Axis| strip.thickest() > self.taken;
         let shared = closed.into_iter().filter(|strip| {
             thick(strip) && self.is_even(strip) && !self.meets(strip, &open)
         });
         shared.collect()
     }
 
-    /// True if one of some open ridges ends at a strip: walls that share the strip
+    /// True if one of some open axes ends at a strip: walls that share the strip
     /// would leave a hole there.
-    fn meets(&self, strip: &Ridge, open: &[Ridge]) -> bool {
+    fn meets(&self, strip: &Axis, open: &[Axis]) -> bool {
         let strip = std::slice::from_ref(strip);
-        let index = RidgeIndex::new(strip, self.whole);
-        let ends = open.iter().flat_map(|ridge| {
-            ridge.points.first().into_iter().chain(ridge.points.last())
+        let index = AxisIndex::new(strip, self.whole);
+        let ends = open.iter().flat_map(|axis| {
+            axis.points.first().into_iter().chain(axis.points.last())
         });
         let mut ends = ends.copied();
         ends.any(|end| index.nearest(end, self.whole).is_some())
     }
 
     /// What the walls beside strips take in of them.
-    pub(super) fn shares(&self, strips: &[Ridge]) -> Vec<Ridge> {
+    pub(super) fn shares(&self, strips: &[Axis]) -> Vec<Axis> {
         let mut shares = strips.to_vec();
         let all = shares.iter_mut().flat_map(|s| &mut s.thickness);
         all.for_each(|t| *t = t.min(self.most));
@@ -134,7 +136,7 @@ impl Sharing {
     }
 
     /// False if some places along an area's border tell that it has no strips. The
-    /// area of a lattice has many ridges, which take long to find.
+    /// area of a lattice has many axes, which take long to find.
     fn may_have_strips(&self, solid: &Solid<'_>) -> bool {
         // A strip's first and last place may lie between two of these places.
         let long = (LONG - 2.0 * LOOK) * self.line;
@@ -188,9 +190,9 @@ impl Sharing {
         (self.slack..=most).contains(&t).then_some(t)
     }
 
-    /// True if a closed ridge is even all around, but for corners.
-    fn is_even(&self, ridge: &Ridge) -> bool {
-        let mut places = places(ridge, STEP * self.line);
+    /// True if a closed axis is even all around, but for corners.
+    fn is_even(&self, axis: &Axis) -> bool {
+        let mut places = places(axis, STRIP_STEP * self.line);
         self.mark(&mut places);
         let Some(first) = places.iter().position(|p| p.even) else {
             return false;
@@ -200,7 +202,7 @@ impl Sharing {
         let corners: Vec<_> = pieces.filter(|all| !all[0].even).collect();
         let least = EACH * self.line * corners.len() as f64;
         places.iter().any(|p| p.sure)
-            && ridge.length() >= least
+            && axis.length() >= least
             && corners.iter().all(|all| self.is_corner(all))
     }
 
@@ -237,22 +239,21 @@ impl Sharing {
     /// True if places between even ones are a corner that the walls can take in.
     fn is_corner(&self, places: &[Place]) -> bool {
         let steps = places.windows(2).map(|p| p[0].at.distance(p[1].at));
-        let length = steps.sum::<Mm>() + 2.0 * STEP * self.line;
+        let length = steps.sum::<Mm>() + 2.0 * STRIP_STEP * self.line;
         let range = NOTHING * self.line..=self.corner();
         length <= CORNER * self.line
             && places.iter().all(|p| range.contains(&p.thickness))
     }
 
     /// What is left of an area without its strips.
-    pub(super) fn without(&self, area: Area, strips: &[Ridge]) -> Area {
+    pub(super) fn without(&self, area: Area, strips: &[Axis]) -> Area {
         if strips.is_empty() {
             return area;
         }
         let taken = strips.iter().flat_map(|s| borders(s, self.slack));
         let taken = taken.collect();
         let prints = |part: &Area| {
-            part.content() > SMALL
-                || !shrink(part, 0.5 * self.taken, self.slack).is_empty()
+            part.content() > SMALL || is_wider(part, self.taken, self.slack)
         };
         let left = difference(&area, &taken).islands();
         let left = left.into_iter().filter(prints);
@@ -260,7 +261,7 @@ impl Sharing {
     }
 }
 
-/// A place on a ridge.
+/// A place on an axis.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     at: DVec2,
@@ -271,14 +272,14 @@ struct Place {
     sure: bool,
 }
 
-/// Places along a closed ridge that are no farther than `step` from each other.
-fn places(ridge: &Ridge, step: Mm) -> Vec<Place> {
-    let n = ridge.points.len();
+/// Places along a closed axis that are no farther than `step` from each other.
+fn places(axis: &Axis, step: Mm) -> Vec<Place> {
+    let n = axis.points.len();
     let mut places = Vec::new();
     for k in 0..n {
         let next = (k + 1) % n;
-        let (a, b) = (ridge.points[k], ridge.points[next]);
-        let (v, w) = (ridge.thickness[k], ridge.thickness[next]);
+        let (a, b) = (axis.points[k], axis.points[next]);
+        let (v, w) = (axis.thickness[k], axis.thickness[next]);
         let count = (a.distance(b) / step).ceil().clamp(1.0, 1e6);
         places.extend((0..count as usize).map(|i| {
             let t = i as f64 / count;
@@ -294,7 +295,7 @@ fn places(ridge: &Ridge, step: Mm) -> Vec<Place> {
 }
 
 /// The borders of a closed strip, `slack` beyond it.
-fn borders(strip: &Ridge, slack: Mm) -> [Vec<DVec2>; 2] {
+fn borders(strip: &Axis, slack: Mm) -> [Vec<DVec2>; 2] {
     let way = Stroke::new(strip.points.clone(), true, 0.0);
     let side = |sign: f64| -> Vec<DVec2> {
         let all = strip.points.iter().zip(&strip.thickness).enumerate();
@@ -314,6 +315,7 @@ mod tests {
     use isoslice_planar::bead::{cross_section, spacing};
     use isoslice_planar::clip::union;
     use isoslice_planar::shapes::{circle, rect};
+    use isoslice_settings::{Settings, plan_with};
     use std::f64::consts::{PI, TAU};
 
     const HEIGHT: Mm = 0.2;
@@ -335,7 +337,7 @@ mod tests {
     }
 
     fn laid(part: &Area) -> Walls {
-        walls(part, None, HEIGHT, &WallPlan::with(|_| {}))
+        walls(part, None, HEIGHT, &WallPlan::of(&Settings::default()))
     }
 
     /// Radius and width of the strokes at an angle, from inside.
@@ -373,7 +375,7 @@ mod tests {
             0 | 1 => 1.8 * WIDTH,
             2 => outer + least,
             3 => outer + limit,
-            // What a whole line does not fit into is shared.
+            // The walls share a rest that is too thin for a whole line.
             4 => outer + 3.0 * own,
             n if n % 2 == 1 => outer + (n - 3) as f64 * own + limit,
             n => outer + (n - 2) as f64 * own + least,
@@ -384,7 +386,8 @@ mod tests {
     /// fill it exactly.
     #[test]
     fn strips_of_known_thickness_are_filled() {
-        let plan = Lay::inside(WIDTH, HEIGHT, ThinPlan::usual());
+        let plan =
+            Lay::inside(WIDTH, HEIGHT, ThinPlan::of(&Settings::default()));
         for step in 0..=62 {
             let thick = 0.9 + 0.05 * f64::from(step);
             let walls = laid(&ring(|_| thick));
@@ -419,7 +422,8 @@ mod tests {
     /// The number of strokes all around a ring, and how often it changes.
     fn numbers(part: &Area) -> (Vec<usize>, usize) {
         let walls = laid(part);
-        let plan = Lay::inside(WIDTH, HEIGHT, ThinPlan::usual());
+        let plan =
+            Lay::inside(WIDTH, HEIGHT, ThinPlan::of(&Settings::default()));
         let fill = concentric(&walls.fill, plan, 0.005);
         let strokes: Vec<&Stroke> =
             all(&walls).into_iter().chain(&fill).collect();
@@ -454,11 +458,12 @@ mod tests {
 
     #[test]
     fn only_even_strips_are_shared() {
-        let plan = Lay::inside(WIDTH, HEIGHT, ThinPlan::usual());
+        let plan =
+            Lay::inside(WIDTH, HEIGHT, ThinPlan::of(&Settings::default()));
         let sharing = Sharing::new(&plan, &plan, 0.005);
         let strips = |part: &Area| sharing.strips(part, 0.005);
         let length = |part: &Area| -> f64 {
-            strips(part).iter().map(Ridge::length).sum()
+            strips(part).iter().map(Axis::length).sum()
         };
         // The whole of a ring; what is left of it is nothing.
         let even = ring(|_| 0.33);
@@ -516,10 +521,13 @@ mod tests {
     fn nothing_is_shared_where_walls_have_to_be_narrow_or_follow_faces() {
         let part = ring(|_| 2.0);
         let rest = |plan| walls(&part, None, HEIGHT, &plan).fill.content();
-        assert_eq!(rest(WallPlan::with(|_| {})), 0.0);
-        assert!(rest(WallPlan::with(|s| s.thin_max = 100.0)) > 50.0);
-        assert!(rest(WallPlan::with(|s| s.contour_z = 100.0.into())) > 50.0);
+        assert_eq!(rest(WallPlan::of(&Settings::default())), 0.0);
+        assert!(rest(plan_with(WallPlan::of, |s| s.thin_max = 100.0)) > 50.0);
+        assert!(
+            rest(plan_with(WallPlan::of, |s| s.contour_z = 100.0.into()))
+                > 50.0
+        );
         // One wall is seen.
-        assert!(rest(WallPlan::with(|s| s.walls = 1)) > 50.0);
+        assert!(rest(plan_with(WallPlan::of, |s| s.walls = 1)) > 50.0);
     }
 }

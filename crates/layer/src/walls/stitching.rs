@@ -59,7 +59,7 @@ const OWN: f64 = 3.0;
 /// shorter than this share of their width.
 const STUB: f64 = 0.15;
 /// Greatest overlap of an end with a stroke that is left alone, mm.
-const SLACK: Mm = 0.005;
+const OVERLAP_LEFT: Mm = 0.005;
 /// A stroke shorter than this many of its widths is a dab.
 const DAB: f64 = 2.0;
 /// A dab is left out if less than this share of it lies where no other bead does:
@@ -464,7 +464,7 @@ fn stop_short(
                 let place = line.place(&stroke, *taken);
                 let along = if end == 0 { *taken } else { length - *taken };
                 let over = over(&lines, place, along);
-                if over <= SLACK {
+                if over <= OVERLAP_LEFT {
                     break;
                 }
                 *taken += over;
@@ -793,7 +793,8 @@ mod tests {
         let (_, beads) =
             join(Vec::new(), vec![short, long.clone()], None, anywhere);
         assert_eq!(beads, [long]);
-        // Half of this one has a track of its own.
+        // This one leaves the other's way after half of its length, so that
+        // half stays.
         let half = line(&[(4.0, 0.05), (8.5, 0.05), (8.5, 6.0)], 0.5);
         let long = line(&[(0.0, 0.0), (9.0, 0.0), (20.0, 0.0)], 0.5);
         let (_, beads) = join(Vec::new(), vec![half, long], None, anywhere);

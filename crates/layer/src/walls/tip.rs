@@ -1,9 +1,9 @@
 //! The ends of beads in thin places, and thin places that are all end.
 //!
 //! ```text
-//!   ━━━━━━━━━━━━━━━━━━┓     A ridge ends where a ball of the strip's width
+//!   ━━━━━━━━━━━━━━━━━━┓     An axis ends where a ball of the strip's width
 //!                ╭  / ┃     reaches its end. A bead with a round end leaves
-//!   ┄┄┄┄┄┄┄┄┄┄┄┄┄│┄c  ┃     two corners open there; the ridge's branches
+//!   ┄┄┄┄┄┄┄┄┄┄┄┄┄│┄c  ┃     two corners open there; the axis's branches
 //!                ╰  \ ┃     lead into them. The bead follows one of them
 //!   ━━━━━━━━━━━━━━━━━━┛     until it is half as wide, and crosses over to
 //!                           the other.
@@ -14,13 +14,13 @@
 //! which the length up to c does not include.
 //!
 //! Where a strip ends in a point or a round tip, the bead goes on as far as the
-//! balls reach farther: a ridge ends where they touch two sides that are less
+//! balls reach farther: an axis ends where they touch two sides that are less
 //! than 120° apart, as it does not lead into corners.
 //!
-//! The ridge of a post is only a point. The post gets a ring at a quarter of
+//! The axis of a post is only a point. The post gets a ring at a quarter of
 //! its thickness, half its thickness wide, which has just its content.
 
-use super::ridge::Ridge;
+use super::medial_axis::Axis;
 use super::{Lay, shrink};
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -33,21 +33,21 @@ const OUT: Mm = 0.005;
 /// Distance up to which a ball is taken to touch the border, mm.
 const TOUCHING: Mm = 0.03;
 
-/// Leads ridges of what an area is `depth` below its border into the corners
+/// Leads axes of what an area is `depth` below its border into the corners
 /// and tips at their ends. `grid` holds the area's edges, and nothing leads to
 /// where it is thinner than `least`.
 pub(super) fn lead_to_ends(
-    ridges: Vec<Ridge>,
+    axes: Vec<Axis>,
     grid: &EdgeGrid,
     depth: Mm,
     least: Mm,
-) -> Vec<Ridge> {
-    let thickest = ridges.iter().map(Ridge::thickest).fold(0.0, f64::max);
-    let lines = ridges.iter().map(|r| r.points.iter().copied());
+) -> Vec<Axis> {
+    let thickest = axes.iter().map(Axis::thickest).fold(0.0, f64::max);
+    let lines = axes.iter().map(|r| r.points.iter().copied());
     let beside = EdgeGrid::of_lines(lines, thickest);
-    /// Share of the thickness: ridges that meet end nearer to each other.
+    /// Axes that meet end nearer to each other than this share of the thickness.
     const NEAR: f64 = 0.5;
-    // An end near to another ridge is no tip but part of a junction.
+    // An end near to another axis is no tip but part of a junction.
     let junction = |i: usize, end: Option<&DVec2>, t: Option<&Mm>| {
         let (Some(&end), Some(&t)) = (end, t) else {
             return true;
@@ -58,7 +58,7 @@ pub(super) fn lead_to_ends(
         });
         found
     };
-    let tips: Vec<[bool; 2]> = ridges
+    let tips: Vec<[bool; 2]> = axes
         .iter()
         .enumerate()
         .map(|(i, r)| {
@@ -67,67 +67,70 @@ pub(super) fn lead_to_ends(
                 .map(|(p, t)| !junction(i, p, t))
         })
         .collect();
-    ridges
-        .into_iter()
+    axes.into_iter()
         .zip(tips)
-        .map(|(ridge, tips)| lead(ridge, tips, &beside, grid, depth, least))
+        .map(|(axis, tips)| lead(axis, tips, &beside, grid, depth, least))
         .collect()
 }
 
-/// Leads a ridge into the corners at its ends, and where there are `tips`, at
-/// its first point and at its last one, into those. `lines` holds all ridges.
+/// Leads an axis into the corners at its ends, and where there are `tips`, at
+/// its first point and at its last one, into those. `lines` holds all axes.
 fn lead(
-    mut ridge: Ridge,
+    mut axis: Axis,
     tips: [bool; 2],
     lines: &EdgeGrid,
     grid: &EdgeGrid,
     depth: Mm,
     least: Mm,
-) -> Ridge {
-    if ridge.closed {
-        return ridge;
+) -> Axis {
+    if axis.closed {
+        return axis;
     }
     for is_tip in tips {
-        ridge.points.reverse();
-        ridge.thickness.reverse();
-        let square = corners(&ridge, grid, depth, least);
+        axis.points.reverse();
+        axis.thickness.reverse();
+        let square = corners(&axis, grid, depth, least);
         let more: Vec<(DVec2, Mm)> = match square[0] {
             Some(_) => square.into_iter().flatten().collect(),
-            None if is_tip => tip(&ridge, lines, grid, depth, least),
+            None if is_tip => tip(&axis, lines, grid, depth, least),
             None => Vec::new(),
         };
         for (p, t) in more {
-            ridge.points.push(p);
-            ridge.thickness.push(t);
+            axis.points.push(p);
+            axis.thickness.push(t);
         }
     }
-    ridge
+    axis
 }
 
-/// Where a ridge goes on into a point or a round tip behind its last point,
-/// and how thick it is there: no thinner than `least`, or than the ridge's last
-/// point if that is thinner still. `lines` holds all ridges.
+/// Where an axis goes on into a point or a round tip behind its last point,
+/// and how thick it is there: no thinner than `least`, or than the axis's last
+/// point if that is thinner still. `lines` holds all axes.
 fn tip(
-    ridge: &Ridge,
+    axis: &Axis,
     lines: &EdgeGrid,
     grid: &EdgeGrid,
     depth: Mm,
     least: Mm,
 ) -> Vec<(DVec2, Mm)> {
     /// Distance of the balls, mm.
-    const STEP: Mm = 0.04;
+    const BALL_STEP: Mm = 0.04;
     /// Length of the longest tip, as a share of the thickness where it begins:
     /// its sides are at least 60° apart.
     const LONG: f64 = 1.2;
     /// Least share of its way by which a ball reaches farther than the last.
     const GAIN: f64 = 0.05;
     let mut balls = Vec::new();
-    let (Some(&end), Some(&t)) = (ridge.points.last(), ridge.thickness.last())
+    let (Some(&end), Some(&t)) = (axis.points.last(), axis.thickness.last())
     else {
         return balls;
     };
     let far = 0.5 * t;
-    let back = ridge.points.iter().rev().find(|p| p.distance(end) > STEP);
+    let back = axis
+        .points
+        .iter()
+        .rev()
+        .find(|p| p.distance(end) > BALL_STEP);
     let Some(mut ahead) = back.and_then(|b| (end - *b).try_normalize()) else {
         return balls;
     };
@@ -138,8 +141,8 @@ fn tip(
     let (mut c, mut r) = (end, far);
     while c.distance(end) < LONG * t {
         // The middle between the sides is where a ball is largest.
-        let side = ahead.perp() * STEP;
-        let at = |share: f64| c + STEP * ahead + share * side;
+        let side = ahead.perp() * BALL_STEP;
+        let at = |share: f64| c + BALL_STEP * ahead + share * side;
         let (mut low, mut high) = (-1.0, 1.0);
         for _ in 0..8 {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
@@ -153,9 +156,9 @@ fn tip(
         let reach = radius(next).min(r);
         let way = next.distance(c);
         // A strip that becomes wider ends in a junction, not in a tip.
-        let widens = radius(next) > r + 0.1 * STEP;
+        let widens = radius(next) > r + 0.1 * BALL_STEP;
         let done = way + reach - r < GAIN * way;
-        // A ridge that has turned back there leads nowhere.
+        // An axis that has turned back there leads nowhere.
         let mut back = false;
         let away = 0.7 * next.distance(end);
         lines.visit_edges_near(next, next, away, |_| back = true);
@@ -177,21 +180,21 @@ fn tip(
     balls
 }
 
-/// Where a ridge goes on into the corners at its last point, and how thick
+/// Where an axis goes on into the corners at its last point, and how thick
 /// it is there.
 fn corners(
-    ridge: &Ridge,
+    axis: &Axis,
     grid: &EdgeGrid,
     depth: Mm,
     least: Mm,
 ) -> [Option<(DVec2, Mm)>; 2] {
-    let (Some(&c), Some(&t)) = (ridge.points.last(), ridge.thickness.last())
+    let (Some(&c), Some(&t)) = (axis.points.last(), axis.thickness.last())
     else {
         return [None; 2];
     };
     let r = 0.5 * t;
     let narrow = (0.5 * r).max(0.5 * least);
-    let back = ridge.points.iter().rev().find(|p| p.distance(c) > 0.5 * r);
+    let back = axis.points.iter().rev().find(|p| p.distance(c) > 0.5 * r);
     let (Some(&back), true) = (back, narrow < 0.85 * r) else {
         return [None; 2];
     };
@@ -200,7 +203,7 @@ fn corners(
         grid.nearest_edge(p, (radius + depth - OUT).max(0.0))
             .is_none()
     };
-    // The distance of the ridge's end from the area's own border.
+    // The distance of the axis's end from the area's own border.
     let whole = r + depth;
     let touch = |towards: DVec2| {
         let half = 0.5 * whole;
@@ -250,7 +253,7 @@ fn is_post(ring: &[DVec2], lay: Lay, least: Mm) -> bool {
 }
 
 /// Gives posts, islands about as long as they are wide that are too thin for
-/// a wall and have no ridge, a ring that fills them. The ring is no narrower
+/// a wall and have no axis, a ring that fills them. The ring is no narrower
 /// than `least`.
 pub(super) fn fill_posts(
     lines: &mut Vec<Stroke>,

@@ -18,13 +18,9 @@ use super::WallPlan;
 use crate::cover::near;
 use isoslice_base::units::Mm;
 use isoslice_planar::Area;
-use isoslice_planar::clip::{difference, intersection, union};
+use isoslice_planar::clip::{difference, union};
 use isoslice_planar::offset::offset;
-
-/// By how much a disc is taken to be larger than it is, when it tells what is
-/// wide: a right-angled corner sticks out of the disc in it by √2 − 1 of its
-/// radius.
-const ROUNDING: f64 = 0.5;
+use isoslice_planar::opening::wide_parts;
 
 /// A layer's area, divided.
 #[derive(Debug, PartialEq)]
@@ -52,13 +48,13 @@ pub(super) fn divided(
     let half = 0.5 * plan.outer;
     let covered = offset(&near(left, above), -half, tolerance);
     let open = difference(left, &covered);
-    let wide = wide(&open, plan.top_skin, tolerance);
+    let wide = wide_parts(&open, plan.top_skin, tolerance);
     if wide.is_empty() {
         return None;
     }
     let rest = difference(left, &wide);
     let half = 0.5 * plan.inner;
-    let rest = self::wide(&rest, half, tolerance);
+    let rest = wide_parts(&rest, half, tolerance);
     let top = difference(left, &rest);
     Some(Divided { top, rest })
 }
@@ -70,27 +66,17 @@ impl Divided {
     }
 }
 
-/// What of an area a disc of some radius reaches, and a little more, lest
-/// corners count as narrow.
-fn wide(area: &Area, radius: Mm, tolerance: Mm) -> Area {
-    let core = offset(area, -radius, tolerance);
-    if core.is_empty() {
-        return core;
-    }
-    let reached = offset(&core, radius * (1.0 + ROUNDING), tolerance);
-    intersection(area, &reached)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::DVec2;
     use isoslice_planar::rect;
+    use isoslice_settings::plan_with;
 
     const TOLERANCE: Mm = 0.002;
 
     fn plan() -> WallPlan {
-        WallPlan::with(|s| {
+        plan_with(WallPlan::of, |s| {
             s.outer_wall_width = 0.4.into();
             s.inner_wall_width = 0.5.into();
             s.top_skin_width = 0.5.into();

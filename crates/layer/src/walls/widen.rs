@@ -13,7 +13,7 @@
 //! Guarantees: the width changes by no more than a slope along the way, so that
 //! pieces of constant width can follow it; the line does not fold over.
 
-use super::ridge::Ridge;
+use super::medial_axis::Axis;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
@@ -100,8 +100,8 @@ pub(super) fn widened(
     bridge_gaps(&mut places);
     unfold(&mut places, closed);
     taper(&mut places, closed, slope);
-    // The line is thinned as a ridge is, with its width as a third coordinate.
-    let mut ridge = Ridge {
+    // The line is thinned as an axis is, with its width as a third coordinate.
+    let mut axis = Axis {
         points: places.iter().map(Station::moved).collect(),
         thickness: places.iter().map(Station::widened).collect(),
         closed,
@@ -109,10 +109,10 @@ pub(super) fn widened(
     if closed {
         // Thinning keeps both ends: with the first point there again, the
         // closing segment is thinned as well.
-        ridge.points.extend(ridge.points.first().copied());
-        ridge.thickness.extend(ridge.thickness.first().copied());
+        axis.points.extend(axis.points.first().copied());
+        axis.thickness.extend(axis.thickness.first().copied());
     }
-    let mut thin = ridge.thinned(tolerance);
+    let mut thin = axis.thinned(tolerance);
     if closed {
         thin.points.pop();
         thin.thickness.pop();

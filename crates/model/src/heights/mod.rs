@@ -1,15 +1,15 @@
 //! Layers whose heights follow the surface.
 //!
-//! In: a placed model and the settings. Out: the part's layers, and what their
+//! In: a placed model and a plan. Out: the part's layers, and what their
 //! heights amount to.
 //!
-//! With `layer_heights = "uniform"` these are the layers of [`plan()`].
+//! With `layer_heights = "uniform"` these are the layers of [`layers::plan()`].
 //! Otherwise a layer may be as high as its surface allows. On a surface with
 //! the unit normal n, layers of the height h make steps of h·|n_z|, measured
 //! across the surface (the cusp of Dolenc and Mäkelä, "Slicing procedures for
 //! layered manufacturing techniques", 1994). `isocontour::lean` bounds |n_z| on
 //! all of the surface at each height, so no layer makes a step greater than
-//! `step_error`, whether or not any sample lies there. An expression gives the
+//! the greatest step, whether or not any sample lies there. An expression gives the
 //! heights instead.
 //!
 //! A level face (|n_z| = 1) would ask for thin layers all around it, and still
@@ -22,23 +22,25 @@
 //! `layer_height_min`, where that is the only way to hit a level face.
 //!
 //! Not guaranteed: steps of the first layer, which has its own height. If
-//! `step_error` is less than `layer_height_min`, steps may be as great as the
+//! the greatest step is less than `layer_height_min`, steps may be as great as the
 //! latter; [`Steps`] says how great they are.
 
 mod limit;
+mod plan;
 mod stack;
 #[cfg(test)]
 mod tests;
 
-use crate::vary::{Quantity, VaryError};
+use crate::expressions::{Quantity, QuantityError};
 use crate::{Model, Place};
 use glam::DVec2;
 use isocontour::{Lean, LeanError, LeanOptions, lean};
 use isoslice_base::limits;
 use isoslice_base::units::Mm;
-use isoslice_settings::layers::{LayerSpan, MAX_LAYERS, PlanError, plan};
-use isoslice_settings::{LayerHeights, Settings, Varying};
+use isoslice_settings::layers::{self, LayerSpan, MAX_LAYERS, PlanError};
+use isoslice_settings::{LayerHeights, Varying};
 use limit::Limit;
+pub use plan::HeightPlan;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -91,7 +93,7 @@ pub enum HeightsError {
     Plan(#[from] PlanError),
     /// The expression has no value somewhere.
     #[error(transparent)]
-    Vary(#[from] VaryError),
+    Vary(#[from] QuantityError),
     /// The surface cannot be looked at.
     #[error("layer_heights: the surface cannot be looked at: {0}")]
     Lean(#[source] LeanError),
@@ -105,21 +107,18 @@ pub enum HeightsError {
 /// no value.
 pub fn heights(
     model: &Model,
-    settings: &Settings,
+    plan: &HeightPlan,
 ) -> Result<Heights, HeightsError> {
-    let raft = settings.raft_layers();
-    if raft > 0 {
-        let part = heights_above(model, settings)?;
-        return Ok(on_raft(part, raft, settings));
-    }
-    heights_above(model, settings)
+    let part = heights_above(model, plan)?;
+    Ok(match plan.raft_layers {
+        0 => part,
+        raft => on_raft(part, raft, plan),
+    })
 }
 
 /// The layers of the part on those of its raft.
-fn on_raft(part: Heights, raft: usize, settings: &Settings) -> Heights {
-    let top = |i: usize| {
-        settings.bed_layer_height() + i as f64 * settings.layer_height()
-    };
+fn on_raft(part: Heights, raft: usize, plan: &HeightPlan) -> Heights {
+    let top = |i: usize| plan.on_bed + i as f64 * plan.uniform;
     let of_raft = (0..raft).map(|index| LayerSpan {
         index,
         bottom: index.checked_sub(1).map_or(0.0, top),
@@ -138,14 +137,14 @@ fn on_raft(part: Heights, raft: usize, settings: &Settings) -> Heights {
 /// The layers of the part alone.
 fn heights_above(
     model: &Model,
-    settings: &Settings,
+    plan: &HeightPlan,
 ) -> Result<Heights, HeightsError> {
-    let base = settings.raft_height();
+    let (base, first) = (plan.raft_height, plan.first);
     let top = model.bounds.max.z + model.offset.z;
-    let first = settings.part_first_height();
-    let of_z = match &settings.layer_heights {
-        Varying::Constant(LayerHeights::Uniform) => {
-            let mut spans = plan(top - base, first, settings.layer_height())?;
+    let uniform = |top: Mm| layers::plan(top - base, first, plan.uniform);
+    let of_z = match &plan.heights {
+        LayerHeights::Uniform => {
+            let mut spans = uniform(top)?;
             if base > 0.0 {
                 for span in &mut spans {
                     span.bottom += base;
@@ -154,27 +153,26 @@ fn heights_above(
             }
             return Ok(Heights { spans, steps: None });
         }
-        Varying::Constant(LayerHeights::Adaptive) => None,
-        Varying::Expression(text) => {
+        LayerHeights::Adaptive(_) => None,
+        LayerHeights::Expression(text) => {
             let value = Varying::Expression(text.clone());
             Some(Quantity::level(KEY, &value)?)
         }
     };
-    let range = Range::new(settings);
     let height = top - base;
     if height < 0.5 * first {
         return Err(PlanError::TooFlat { height, first }.into());
     }
-    if (height - first) / range.most >= MAX_LAYERS as f64 {
-        let (count, layer) = ((height - first) / range.most, range.most);
+    if (height - first) / plan.most >= MAX_LAYERS as f64 {
+        let (count, layer) = ((height - first) / plan.most, plan.most);
         return Err(PlanError::TooMany { count, layer }.into());
     }
-    let lean = surface(model, settings, &range)?;
+    let lean = surface(model, plan)?;
     let lift = model.offset.z;
     let bottom = lean.bottom + lift;
     let faces: Vec<Mm> = lean.faces.iter().map(|z| z + lift).collect();
     let (borders, missed, top) =
-        borders([base, first + base], top, &faces, range.least);
+        borders([base, first + base], top, &faces, plan.least);
     let mut level = lean.most_level;
     let bin_of = |z: Mm| ((z - bottom) / lean.bin).max(0.0);
     for z in &missed {
@@ -187,17 +185,17 @@ fn heights_above(
         }
     }
     let bins = (0..level.len()).map(|k| match &of_z {
-        None => Ok(range.clamp(range.step / level[k])),
+        None => Ok(plan.clamp(plan.step / level[k])),
         Some(quantity) => {
             let ends = [0, 1].map(|e| bottom + (k + e) as f64 * lean.bin);
             let [a, b] = ends.map(|z| {
                 let at = DVec2::ZERO.extend(z);
                 quantity.at(Place { at, depth: 0.0 })
             });
-            Ok(range.clamp(a?.min(b?)))
+            Ok(plan.clamp(a?.min(b?)))
         }
     });
-    let bins: Vec<Mm> = bins.collect::<Result<_, VaryError>>()?;
+    let bins: Vec<Mm> = bins.collect::<Result<_, QuantityError>>()?;
     let limit = Limit::new(bottom, lean.bin, &bins);
     let tops = stack::stack(&borders, limit)?;
     let mut spans = vec![LayerSpan {
@@ -236,7 +234,7 @@ fn heights_above(
             .count(),
         missed_faces: missed.len(),
         unproved_mm: lean.unproved,
-        uniform_layers: plan(top - base, first, settings.layer_height())?.len(),
+        uniform_layers: uniform(top)?.len(),
     };
     Ok(Heights {
         spans,
@@ -244,50 +242,24 @@ fn heights_above(
     })
 }
 
-/// The bounds of what may be chosen.
-struct Range {
-    least: Mm,
-    most: Mm,
-    /// The greatest step.
-    step: Mm,
-}
-
-impl Range {
-    fn new(settings: &Settings) -> Range {
-        Range {
-            least: settings.layer_height_min(),
-            most: settings.layer_height_max(),
-            step: settings.step_error(),
-        }
-    }
-
-    fn clamp(&self, height: Mm) -> Mm {
-        height.max(self.least).min(self.most)
-    }
-}
-
 /// Looks at the model's surface.
-fn surface(
-    model: &Model,
-    settings: &Settings,
-    range: &Range,
-) -> Result<Lean, HeightsError> {
+fn surface(model: &Model, plan: &HeightPlan) -> Result<Lean, HeightsError> {
     /// Number of bins in the thinnest layer.
     const BINS: f64 = 8.0;
     /// Some seconds of one processor. Simple parts need 0.2 to 0.6 s.
     const MOST_WORK: u64 = 60_000_000;
     /// Number of pieces in which the part is looked at, on all threads.
     const PIECES: usize = 32;
-    let bin = range.least / BINS;
+    let bin = plan.least / BINS;
     let count = Lean::count(&model.bounds, bin);
     let piece = count.div_ceil(PIECES);
     let pieces = count.div_ceil(piece);
     let options = |i: usize| LeanOptions {
         bin,
         // A layer of the greatest height may be as level as this.
-        enough: (range.step / range.most).min(1.0),
-        most: (range.step / range.least).min(1.0),
-        tolerance: settings.accuracy,
+        enough: (plan.step / plan.most).min(1.0),
+        most: (plan.step / plan.least).min(1.0),
+        tolerance: plan.accuracy,
         bins: (i * piece, (i + 1) * piece),
         max_work: MOST_WORK / pieces as u64,
     };

@@ -2,41 +2,40 @@
 
 use super::*;
 use crate::Placement;
-use isoslice_settings::ByNozzle;
+use isoslice_settings::testing::settings;
 
 fn placed(formula: &str) -> Model {
     crate::placed(formula, &Placement::default())
 }
 
-fn adaptive() -> Settings {
-    Settings {
-        layer_heights: Varying::Constant(LayerHeights::Adaptive),
-        step_error: 0.1.into(),
-        ..Settings::default()
-    }
+fn asked(assignments: &[&str]) -> HeightPlan {
+    HeightPlan::of(&settings(assignments))
+}
+
+fn adaptive() -> HeightPlan {
+    asked(&["layer_heights=adaptive 0.1"])
 }
 
 /// Number of layers of one height that make steps as small on a surface as level
 /// as this.
 fn as_fine(found: &Heights, level: f64) -> f64 {
     let top = found.spans.last().unwrap().top;
-    plan(top, 0.2, 0.1 / level).unwrap().len() as f64
+    layers::plan(top, 0.2, 0.1 / level).unwrap().len() as f64
 }
 
 /// The layers of a part whose levelness at the height z above the bed is
 /// `level(z)`, after they have been judged.
 fn judged(
     formula: &str,
-    settings: &Settings,
+    plan: &HeightPlan,
     level: impl Fn(Mm) -> f64,
 ) -> Heights {
     let model = placed(formula);
-    let found = heights(&model, settings).unwrap();
+    let found = heights(&model, plan).unwrap();
     let top = model.bounds.size().z;
     let last = found.spans.last().unwrap();
     assert!((last.top - top).abs() < 1e-3, "{} {top}", last.top);
-    let (least, most) =
-        (settings.layer_height_min(), settings.layer_height_max());
+    let (least, most) = (plan.least, plan.most);
     for pair in found.spans.windows(2) {
         assert_eq!(pair[0].top, pair[1].bottom);
     }
@@ -51,7 +50,7 @@ fn judged(
             height * level(span.bottom + t * height)
         });
         let step = steps.fold(0.0, f64::max);
-        assert!(step <= settings.step_error() + 1e-9, "{span:?}: {step}");
+        assert!(step <= plan.step + 1e-9, "{span:?}: {step}");
     }
     found
 }
@@ -69,17 +68,14 @@ fn saves(found: &Heights) {
 /// height at z.
 fn near_the_least(
     found: &Heights,
-    settings: &Settings,
+    plan: &HeightPlan,
     level: impl Fn(Mm) -> f64,
 ) {
     const PARTS: usize = 100_000;
     let bottom = found.spans[0].top;
     let dz = (found.spans.last().unwrap().top - bottom) / PARTS as f64;
     let at = |k: usize| level(bottom + (k as f64 + 0.5) * dz);
-    let height = |level: f64| {
-        (settings.step_error() / level)
-            .clamp(settings.layer_height_min(), settings.layer_height_max())
-    };
+    let height = |level: f64| plan.clamp(plan.step / level);
     let least: f64 = (0..PARTS).map(|k| dz / height(at(k))).sum();
     let count = (found.spans.len() - 1) as f64;
     // A layer is as thin as its most level place asks for, and the last one may
@@ -180,29 +176,23 @@ fn layers_end_at_level_faces_and_stay_thick() {
 
 #[test]
 fn an_expression_gives_the_height() {
-    let settings = Settings {
-        layer_heights: Varying::Expression("0.1 + z / 100".into()),
-        ..Settings::default()
-    };
+    let rising = asked(&["layer_heights=expr: 0.1 + z / 100"]);
     let model = placed("max(sqrt(x^2 + y^2) - 6, abs(z - 10) - 10)");
-    let found = heights(&model, &settings).unwrap();
+    let found = heights(&model, &rising).unwrap();
     for span in &found.spans[1..] {
         let asked = 0.1 + 0.01 * span.bottom;
         assert!((span.height() / asked - 1.0).abs() < 0.05, "{span:?}");
     }
-    let bad = Settings {
-        layer_heights: Varying::Expression("x".into()),
-        ..Settings::default()
-    };
+    let bad = asked(&["layer_heights=expr: x"]);
     assert!(heights(&model, &bad).is_err());
 }
 
 #[test]
 fn uniform_layers_are_as_they_were() {
     let model = placed("sqrt(x^2 + y^2 + z^2) - 3");
-    let found = heights(&model, &Settings::default()).unwrap();
+    let found = heights(&model, &asked(&[])).unwrap();
     let top = model.bounds.max.z + model.offset.z;
-    assert_eq!(found.spans, plan(top, 0.2, 0.2).unwrap());
+    assert_eq!(found.spans, layers::plan(top, 0.2, 0.2).unwrap());
     assert_eq!(found.steps, None);
 }
 
@@ -211,16 +201,13 @@ fn uniform_layers_are_as_they_were() {
 #[test]
 fn by_default_there_are_no_more_layers_than_uniform_ones() {
     for (height, most) in [(0.1, 0.3), (0.2, 0.3), (0.05, 0.3), (0.32, 0.32)] {
-        let settings = Settings {
-            layer_height: height.into(),
-            step_error: ByNozzle::Auto,
-            ..adaptive()
-        };
-        assert_eq!(settings.layer_height_max(), most);
+        let layer_height = format!("layer_height={height}");
+        let plan = asked(&[&layer_height, "layer_heights=adaptive"]);
+        assert_eq!(plan.most, most);
         let dome = "max(sqrt(x^2 + y^2 + z^2) - 9.5, -z)";
-        let found = judged(dome, &settings, |z| z / 9.5);
+        let found = judged(dome, &plan, |z| z / 9.5);
         let steps = found.steps.unwrap();
-        let uniform = plan(9.5, 0.2, height).unwrap().len();
+        let uniform = layers::plan(9.5, 0.2, height).unwrap().len();
         assert_eq!(steps.uniform_layers, uniform);
         // The last layer may be one that the exact top takes.
         assert!(found.spans.len() <= uniform + 1, "{height}: {steps:?}");

@@ -242,8 +242,8 @@ pub(super) fn looks_like_openscad(text: &str) -> bool {
         ")linear_extrude(",
     ];
     // Nobody would read more of it.
-    const MOST: usize = 100_000;
-    let text = text.chars().take(MOST).collect::<String>();
+    const MOST_BYTES_READ: usize = 100_000;
+    let text = text.chars().take(MOST_BYTES_READ).collect::<String>();
     let without_blanks = |text: &str| -> String {
         text.chars().filter(|c| !c.is_whitespace()).collect()
     };

@@ -81,7 +81,8 @@ impl Reader {
     }
 }
 
-/// Makes the engine read powers so.
+/// Makes the engine read powers as in mathematics: the minus of `-x ** 2` belongs
+/// to the whole power.
 pub(super) fn add_powers(engine: &mut Engine) {
     let registered = engine.register_custom_operator(SIGNED_POWER, TIGHTER);
     debug_assert!(registered.is_ok(), "the operator's name is free");

@@ -46,7 +46,7 @@ impl Inside {
                 let hangs =
                     group.walls.first().is_some_and(|w| context.hangs(w));
                 inner_first |= hangs && plan.inner_first_at_overhangs;
-                let odd = !context.number.is_multiple_of(2);
+                let odd = !context.here.span.index.is_multiple_of(2);
                 if hangs && odd && plan.turns_overhangs {
                     group.walls.iter_mut().for_each(turn_round);
                 }

@@ -44,7 +44,7 @@ const SKINS: f64 = 0.5;
 /// stroke. The rest fills the corner where the wall ends.
 const CORNERS: f64 = 0.5;
 /// Slack in distances from the outline, mm.
-const SLACK: Mm = 0.03;
+const OFF_OUTLINE: Mm = 0.03;
 /// Number of rounds in which the lengths are found. They depend on each other.
 const ROUNDS: usize = 6;
 
@@ -164,7 +164,8 @@ impl Link {
             let near = solid.nearest_edge(p, inside);
             near.map_or(inside, |(_, q)| p.distance(q))
         };
-        let least = (depth(self.from).min(depth(self.to)) - SLACK).max(SLACK);
+        let least = (depth(self.from).min(depth(self.to)) - OFF_OUTLINE)
+            .max(OFF_OUTLINE);
         let mut free = true;
         solid.visit_edges_near(self.from, self.to, least, |_| free = false);
         free
@@ -287,6 +288,7 @@ fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
 mod tests {
     use super::*;
     use isoslice_planar::{Area, rect};
+    use isoslice_settings::{Settings, plan_with};
 
     const WIDTH: f64 = 0.45;
     const HEIGHT: f64 = 0.2;
@@ -307,7 +309,7 @@ mod tests {
     }
 
     fn linked_in(solid: &EdgeGrid, beads: &[Bead]) -> Vec<Bead> {
-        linked(beads.to_vec(), solid, &OrderPlan::with(|_| ()))
+        linked(beads.to_vec(), solid, &OrderPlan::of(&Settings::default()))
     }
 
     fn linked_inside(beads: &[Bead]) -> Vec<Bead> {
@@ -467,8 +469,8 @@ mod tests {
         assert_eq!(found[1].stroke.points[1], found[2].stroke.points[0]);
         // No way leads from a seam that is a gap or a scarf, nor to a seam.
         for (seam_gap, seam_scarf) in [(0.1, 0.0), (0.0, 5.0)] {
-            let apart = OrderPlan::with(|s| {
-                (s.seam_gap, s.seam_scarf) = (seam_gap, seam_scarf);
+            let apart = plan_with(OrderPlan::of, |s| {
+                (s.seam_gap, s.seam_scarf) = (seam_gap, seam_scarf.into());
             });
             assert_eq!(linked(both.to_vec(), &solid, &apart), both);
         }

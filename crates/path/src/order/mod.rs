@@ -42,8 +42,8 @@ use islands::{Island, grid_of, islands};
 use isoslice_base::units::Mm;
 use isoslice_layer::seam::{BACK, Below, Ground, Site, follow};
 use isoslice_layer::skin::Patch;
+use isoslice_layer::view::LayerFace;
 use isoslice_layer::walls::Support;
-use isoslice_planar::Area;
 use isoslice_planar::bead::{Bead, Role};
 pub use link::linked;
 pub use plan::OrderPlan;
@@ -89,14 +89,12 @@ const SEAM_REACH: Mm = 2.0;
 /// What is known of a layer besides its beads.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
-    /// The layer's number, from the bed.
-    pub number: usize,
+    /// The layer.
+    pub here: LayerFace<'a>,
     /// Where the head is likely to come from; nothing if that is not planned.
     pub from: Option<DVec2>,
     /// Where the seams are expected.
     pub seams: &'a [DVec2],
-    /// The layer's solid.
-    pub outline: &'a Area,
     /// What holds the layer's walls, unless all of them are held.
     pub support: Option<&'a Support<'a>>,
     /// What holds the layer, if its outline differs from that of the layer
@@ -136,7 +134,7 @@ pub fn order<'a>(
     let skirt = std::mem::take(&mut beads.skirt);
     let support = std::mem::take(&mut beads.support);
     let support_last = beads.support_last;
-    let outline = context.outline;
+    let outline = context.here.outline.area();
     let mut islands = islands(outline, beads);
     place_seams(&mut islands, context.seams, context.ground);
     islands.retain(|island| island_start(island).is_some());
@@ -189,7 +187,12 @@ impl Begun<'_> {
             }
             jobs::finish(bead, &mut at, &mut out);
         }
-        supports::print(self.support, context.outline, &mut at, &mut out);
+        supports::print(
+            self.support,
+            context.here.outline.area(),
+            &mut at,
+            &mut out,
+        );
         let first = self.last.first().and_then(|b| b.stroke.ends());
         let to = self.before.start().or(first.map(|ends| ends.0));
         let stops = stops_at(&self.islands);
@@ -295,7 +298,10 @@ fn island_start(island: &Island) -> Option<DVec2> {
 mod tests {
     use super::*;
     use isoslice_planar::bead::Stroke;
+    use isoslice_planar::{Area, Solid};
     use isoslice_settings::WallOrder;
+    use isoslice_settings::layers::LayerSpan;
+    use isoslice_settings::{Settings, plan_with};
     use jobs::Job;
 
     fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
@@ -319,18 +325,26 @@ mod tests {
         ])
     }
 
-    fn held(outline: &Area) -> Context<'_> {
+    fn held<'a>(outline: &'a Solid<'a>) -> Context<'a> {
         Context {
-            number: 1,
+            here: LayerFace {
+                span: LayerSpan {
+                    index: 1,
+                    bottom: 0.2,
+                    top: 0.4,
+                },
+                outline,
+                rough: outline,
+                top: outline,
+            },
             from: None,
             seams: &[],
-            outline,
             support: None,
             ground: None,
         }
     }
 
-    fn two_squares() -> (LayerBeads, Area) {
+    fn two_squares() -> (LayerBeads, Solid<'static>) {
         let beads = LayerBeads {
             walls: vec![
                 wall(Role::OuterWall, square(0.0, 4.0)),
@@ -341,7 +355,7 @@ mod tests {
             ..LayerBeads::default()
         };
         let outline = Area::from_iter([square(0.0, 4.2), square(20.0, 4.2)]);
-        (beads, outline)
+        (beads, Solid::new(outline))
     }
 
     #[test]
@@ -351,7 +365,7 @@ mod tests {
             from: Some(DVec2::new(30.0, 0.0)),
             ..held(&outline)
         };
-        let plan = OrderPlan::with(|_| ());
+        let plan = OrderPlan::of(&Settings::default());
         let out = order(beads, context, &plan).from(None);
         let side: Vec<bool> =
             out.iter().map(|b| b.stroke.points[0].x > 10.0).collect();
@@ -376,7 +390,7 @@ mod tests {
             seams: &[DVec2::new(1.2, -4.1)],
             ..held(&outline)
         };
-        let plan = OrderPlan::with(|_| ());
+        let plan = OrderPlan::of(&Settings::default());
         let out = order(beads, context, &plan).from(None);
         let starts: Vec<DVec2> = out
             .iter()
@@ -414,7 +428,7 @@ mod tests {
                 };
                 2
             ];
-            let plan = OrderPlan::with(|s| s.wall_order = wall_order);
+            let plan = plan_with(OrderPlan::of, |s| s.wall_order = wall_order);
             let out = order(beads, held(&outline), &plan).from(None);
             assert_eq!(out.len(), 6);
             let here = out.iter().filter(|b| b.stroke.points[0].x < 10.0);
@@ -437,8 +451,8 @@ mod tests {
         let order_of = |from: usize| -> Vec<f64> {
             let walls =
                 centres.map(|c| wall(Role::OuterWall, square(c.x, 4.0)));
-            let outline: Area =
-                centres.map(|c| square(c.x, 4.2)).into_iter().collect();
+            let outline = centres.map(|c| square(c.x, 4.2));
+            let outline = Solid::new(Area::from_iter(outline));
             let beads = LayerBeads {
                 walls: walls.to_vec(),
                 ..LayerBeads::default()
@@ -447,7 +461,7 @@ mod tests {
                 from: Some(centres[from]),
                 ..held(&outline)
             };
-            let plan = OrderPlan::with(|_| ());
+            let plan = OrderPlan::of(&Settings::default());
             let out = order(beads, context, &plan).from(None);
             out.iter().map(|b| b.stroke.points[0].x + 4.0).collect()
         };

@@ -32,15 +32,8 @@ impl OrderPlan {
             turns_overhangs: s.overhang_reverse,
             begins_anywhere: s.seam == Varying::Constant(SeamRule::Nearest),
             outer_width: s.outer_wall_width(),
-            whole_seams: s.seam_gap <= 0.0 && s.seam_scarf <= 0.0,
+            whole_seams: s.seam_gap <= 0.0 && s.seam_scarf.length <= 0.0,
             skin_meets_ring: s.skin_ring_gap <= 0.0,
         }
-    }
-
-    #[cfg(test)]
-    pub(super) fn with(change: impl FnOnce(&mut Settings)) -> OrderPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        OrderPlan::of(&settings)
     }
 }

@@ -60,7 +60,7 @@ use glam::{DVec2, DVec3};
 use isoslice_base::units::{
     MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, Seconds,
 };
-use isoslice_model::vary::VaryError;
+use isoslice_model::expressions::QuantityError;
 use isoslice_planar::arc;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::path_length;
@@ -168,7 +168,10 @@ impl<'a> Pacer<'a> {
     ///
     /// # Errors
     /// If a setting is an expression.
-    pub fn alone(&mut self, path: LayerPath) -> Result<PacedLayer, VaryError> {
+    pub fn alone(
+        &mut self,
+        path: LayerPath,
+    ) -> Result<PacedLayer, QuantityError> {
         let rater = Rater::constant(self.plan)?;
         let stretch = Stretch {
             place: Some(0),
@@ -189,7 +192,7 @@ impl<'a> Pacer<'a> {
         span: LayerSpan,
         stretches: Vec<Stretch<'a, '_>>,
         whole: &Rater<'a>,
-    ) -> Result<PacedLayer, VaryError> {
+    ) -> Result<PacedLayer, QuantityError> {
         let from_anywhere = self.xy.is_none();
         self.motion.clear();
         self.printed.clear();
@@ -293,7 +296,7 @@ impl<'a> Pacer<'a> {
         span: &LayerSpan,
         stretch: Stretch<'a, '_>,
         out: &mut Vec<PacedMove>,
-    ) -> Result<(), VaryError> {
+    ) -> Result<(), QuantityError> {
         let Stretch {
             moves, rater, site, ..
         } = stretch;

@@ -23,7 +23,7 @@ const TOGETHER: usize = 3;
 
 /// Speeds are steps of this share of what was asked for, so that they change
 /// seldom.
-const STEP: f64 = 0.1;
+const SPEED_STEP: f64 = 0.1;
 
 /// A bead with what is known of how it is printed.
 #[derive(Clone, Debug)]
@@ -139,7 +139,7 @@ pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> Vec<Rated> {
         let n = rated.lengths().count();
         let speed = |i: usize| match limit(done + i) / asked {
             share if share < 1.0 => {
-                asked * STEP * (share / STEP).floor().max(1.0)
+                asked * SPEED_STEP * (share / SPEED_STEP).floor().max(1.0)
             }
             _ => asked,
         };

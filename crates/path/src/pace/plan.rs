@@ -79,7 +79,7 @@ impl PacePlan {
                 (Role::InternalBridge, s.internal_bridge_flow),
                 (Role::Support, s.support.flow),
                 (Role::SupportInterface, s.support.interface_flow),
-                (Role::Ironing, s.ironing_flow),
+                (Role::Ironing, s.ironing_flow()),
             ],
             bead_width: s.bead_width.clone(),
             first_temperature: filament.first_layer_nozzle_temperature,
@@ -92,12 +92,12 @@ impl PacePlan {
             resolution: Resolution::of(s),
         }
     }
+}
 
-    #[cfg(test)]
-    pub(super) fn with(change: impl FnOnce(&mut Settings)) -> PacePlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        PacePlan::of(&settings)
+/// What the printer of the default settings can do.
+impl Default for Limits {
+    fn default() -> Limits {
+        limits(&Settings::default())
     }
 }
 

@@ -3,7 +3,7 @@
 //!
 //! In: a bead. Out: the bead, or pieces of it that follow each other without a
 //! break, each with its rates. A setting that is an expression is evaluated
-//! along the bead every `STEP`, and the bead is cut where the value changes
+//! along the bead every `EXPRESSION_STEP`, and the bead is cut where the value changes
 //! noticeably. Walls whose speed or fan depends on how far they reach beyond
 //! the layer below are cut in the same way.
 
@@ -11,7 +11,7 @@ use super::PacePlan;
 use glam::DVec2;
 use isoslice_base::units::{Celsius, Mm, MmPerSec, Percent};
 use isoslice_layer::walls::Reach;
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_model::{Model, Place};
 use isoslice_planar::bead::{Bead, Level, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
@@ -19,7 +19,7 @@ use isoslice_settings::layers::LayerSpan;
 use isoslice_settings::{Speed, Varying};
 
 /// Distance between the points of a bead at which expressions are evaluated.
-const STEP: Mm = 1.0;
+const EXPRESSION_STEP: Mm = 1.0;
 
 /// Share of itself by which a rate has to change for the bead to be cut.
 const CHANGE: f64 = 0.01;
@@ -36,7 +36,9 @@ const REACH_SHORT: Mm = 1.0;
 /// it, and of the fan's speed. Smaller steps do not show.
 const REACH_CHANGE: (f64, Percent) = (0.05, 5.0);
 
-/// What is known of the place of a layer's beads, in the model's coordinates.
+/// What is known of the place of a layer's beads, in the model's coordinates. It
+/// is no view of the layer, since moves get their speeds when the layers around
+/// theirs have been let go.
 #[derive(Clone, Copy, Default)]
 pub struct Site<'a> {
     /// The layer's outline, for settings that depend on the depth below it.
@@ -119,7 +121,7 @@ impl<'a> Rater<'a> {
         plan: &'a PacePlan,
         model: &Model,
         around: &'a Surroundings<'a>,
-    ) -> Result<Rater<'a>, VaryError> {
+    ) -> Result<Rater<'a>, QuantityError> {
         Self::with(plan, Some((around, model.offset.truncate())))
     }
 
@@ -128,14 +130,14 @@ impl<'a> Rater<'a> {
     ///
     /// # Errors
     /// If a setting is no valid expression.
-    pub fn constant(plan: &'a PacePlan) -> Result<Rater<'a>, VaryError> {
+    pub fn constant(plan: &'a PacePlan) -> Result<Rater<'a>, QuantityError> {
         Self::with(plan, None)
     }
 
     fn with(
         plan: &'a PacePlan,
         around: Option<(&'a Surroundings<'a>, DVec2)>,
-    ) -> Result<Rater<'a>, VaryError> {
+    ) -> Result<Rater<'a>, QuantityError> {
         let speeds: Vec<Quantity> = Role::ALL
             .iter()
             .map(|r| {
@@ -170,7 +172,10 @@ impl<'a> Rater<'a> {
     /// # Errors
     /// If an expression has no value there, or if plastic does not melt at the
     /// value, or the printer does not bear it.
-    pub fn temperature(&self, span: &LayerSpan) -> Result<Celsius, VaryError> {
+    pub fn temperature(
+        &self,
+        span: &LayerSpan,
+    ) -> Result<Celsius, QuantityError> {
         if span.index == 0 {
             return Ok(self.plan.first_temperature);
         }
@@ -207,7 +212,7 @@ impl<'a> Rater<'a> {
         bead: Bead,
         span: &LayerSpan,
         site: Site<'_>,
-    ) -> Result<Vec<(Bead, Rates)>, VaryError> {
+    ) -> Result<Vec<(Bead, Rates)>, QuantityError> {
         let by_reach = self.by_reach(&bead);
         let role = if by_reach.speed {
             bead.laid_as
@@ -266,7 +271,7 @@ impl<'a> Rater<'a> {
         shift: DVec2,
     ) -> (Vec<Step>, Vec<Percent>) {
         let Some(reach) = reach else {
-            return (steps(&piece.stroke, STEP), Vec::new());
+            return (steps(&piece.stroke, EXPRESSION_STEP), Vec::new());
         };
         let steps = steps(&piece.stroke, REACH_STEP);
         let placed = self.around.map_or(DVec2::ZERO, |around| around.1);
@@ -301,7 +306,7 @@ impl<'a> Rater<'a> {
         steps: &[Step],
         span: &LayerSpan,
         site: Site<'_>,
-    ) -> Result<Vec<Place>, VaryError> {
+    ) -> Result<Vec<Place>, QuantityError> {
         let mut places = Vec::with_capacity(steps.len());
         if let Some((around, offset)) = self.around {
             let offset = offset + site.shift;
@@ -514,6 +519,7 @@ fn part(bead: &Bead, steps: &[Step]) -> Bead {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use isoslice_settings::plan_with;
 
     fn bead(points: &[(f64, f64)], closed: bool) -> Bead {
         Bead::new(
@@ -531,11 +537,11 @@ mod tests {
     fn stretches_are_the_bead() {
         let square =
             bead(&[(0.0, 0.0), (3.5, 0.0), (3.5, 2.0), (0.0, 2.0)], true);
-        let steps = steps(&square.stroke, STEP);
+        let steps = steps(&square.stroke, EXPRESSION_STEP);
         assert_eq!(steps.len(), 4 + 2 + 4 + 2);
         assert!(steps.windows(2).all(|w| w[0].to == w[1].from));
         let longest = steps.iter().map(|s| s.from.distance(s.to));
-        assert!(longest.fold(0.0, f64::max) <= STEP);
+        assert!(longest.fold(0.0, f64::max) <= EXPRESSION_STEP);
         // Put together again, the bead has its corners and no other points.
         let whole = part(&square, &steps);
         assert_eq!(whole.stroke.points.len(), 5);
@@ -554,7 +560,7 @@ mod tests {
 
     #[test]
     fn constant_settings_leave_beads_whole() {
-        let plan = PacePlan::with(|s| {
+        let plan = plan_with(PacePlan::of, |s| {
             s.flow = Varying::Constant(90.0);
             s.bead_width = Varying::Constant(110.0);
         });

@@ -26,7 +26,7 @@ impl SpiralPlan {
     /// The plan that settings ask for.
     pub fn of(s: &Settings) -> SpiralPlan {
         SpiralPlan {
-            walls: s.spiral.count().unwrap_or(1),
+            walls: s.spiral.number().unwrap_or(1),
             widths: [s.outer_wall_width(), s.inner_wall_width()],
             growth: s.xy_compensation.constant().unwrap_or(0.0),
             accuracy: s.accuracy,

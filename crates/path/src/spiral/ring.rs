@@ -8,7 +8,7 @@ use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::nearest_on;
 
 /// Greatest distance of points whose way to the surface is looked for, mm.
-const STEP: Mm = 0.25;
+const SURFACE_STEP: Mm = 0.25;
 
 /// Sine of the angle from which a corner is kept as one.
 const CORNER: f64 = 0.1;
@@ -74,7 +74,7 @@ pub(super) fn points(ring: &[DVec2]) -> Vec<Point> {
             break;
         }
         let step = a.distance(b);
-        let count = (step / STEP).ceil().max(1.0);
+        let count = (step / SURFACE_STEP).ceil().max(1.0);
         for k in 1..count as usize {
             let t = k as f64 / count;
             points.push(Point {

@@ -37,11 +37,4 @@ impl TravelPlan {
             resolution: Resolution::of(s),
         }
     }
-
-    #[cfg(test)]
-    pub(super) fn with(change: impl FnOnce(&mut Settings)) -> TravelPlan {
-        let mut settings = Settings::default();
-        change(&mut settings);
-        TravelPlan::of(&settings)
-    }
 }

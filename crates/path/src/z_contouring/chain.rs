@@ -1,6 +1,6 @@
 //! Beads each of which begins where the one before ends, as one path.
 
-use super::profile::{Kind, Knot, thinned};
+use super::profile::{Knot, KnotKind, thinned};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_layer::seam::ending::Ended;
@@ -376,7 +376,9 @@ fn parts(knots: &[Knot]) -> Vec<(usize, usize, bool)> {
     let level = |k: &Knot| k.rise.abs() < 1e-9 && k.fill.abs() < 1e-9;
     let part = |w: &[Knot]| match w {
         [a, b] if level(a) && level(b) => Part::Level,
-        [a, b] if a.kind == Kind::Open && b.kind == Kind::Open => Part::Open,
+        [a, b] if a.kind == KnotKind::Open && b.kind == KnotKind::Open => {
+            Part::Open
+        }
         _ => Part::Way,
     };
     let mut parts: Vec<(usize, usize, Part)> = Vec::new();

@@ -64,13 +64,13 @@ use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Degrees, Mm, Mm2};
 use isoslice_layer::seam::ending::Ended;
 use isoslice_layer::view::{LayerFace, LayerView};
-use isoslice_model::vary::{Quantity, Surroundings, VaryError};
+use isoslice_model::expressions::{Quantity, QuantityError, Surroundings};
 use isoslice_model::{Model, Probe, ProbeError};
 use isoslice_planar::bead::{Bead, Role, cross_section, height_of};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_settings::Varying;
 use isoslice_settings::layers::LayerSpan;
-use profile::{Kind, Knot};
+use profile::{Knot, KnotKind};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use surface::{Facing, Spot, Window};
@@ -79,7 +79,7 @@ use surface::{Facing, Spot, Window};
 const FADE: Degrees = 10.0;
 
 /// Distance of places along a bead at which the surface is looked for, mm.
-const STEP: Mm = 0.1;
+const SURFACE_STEP: Mm = 0.1;
 
 /// Distance at which the slope of the surface is measured, mm.
 const BESIDE: Mm = 0.1;
@@ -96,7 +96,7 @@ const TOLERANCE: Mm = 0.0015;
 pub enum ZContouringError {
     /// The strength has no value somewhere.
     #[error(transparent)]
-    Strength(#[from] VaryError),
+    Strength(#[from] QuantityError),
     /// The field cannot be evaluated.
     #[error(transparent)]
     Probe(#[from] ProbeError),
@@ -312,7 +312,7 @@ impl<'a> ZContouring<'a> {
         };
         let parts: Vec<Ended> = beads.iter().flat_map(cut).collect();
         let chain = Chain::new(parts);
-        let stops = chain.stops(cover, STEP, height);
+        let stops = chain.stops(cover, SURFACE_STEP, height);
         let bounds = Bounds::new(site, facing, &self.plan);
         let Some(knots) = self.knots(&stops, site, &bounds)? else {
             return Ok(beads);
@@ -362,13 +362,13 @@ impl<'a> ZContouring<'a> {
         let mut knot = |stop: &Stop| {
             let mut knot = Knot {
                 at: stop.at,
-                kind: Kind::Covered,
+                kind: KnotKind::Covered,
                 rise: 0.0,
                 fill: 0.0,
                 corner: stop.corner,
             };
             if stop.open {
-                knot.kind = Kind::Bare;
+                knot.kind = KnotKind::Bare;
             }
             if !seen(&stop) {
                 return knot;
@@ -380,7 +380,7 @@ impl<'a> ZContouring<'a> {
                     .any(|p| site.is_under_support(p, bounds.facing));
                 let out = bounds.facing.sign() * (spot.height - face);
                 let rise = bounds.clamped(of_slope * out);
-                knot.kind = Kind::Open;
+                knot.kind = KnotKind::Open;
                 knot.rise = if kept { rise.min(0.0) } else { rise };
                 knot.fill = stop.bare.share * knot.rise;
                 level &= knot.rise.abs() < LEVEL;
@@ -396,7 +396,7 @@ impl<'a> ZContouring<'a> {
         &self,
         points: &[DVec2],
         span: &LayerSpan,
-    ) -> Result<Vec<f64>, VaryError> {
+    ) -> Result<Vec<f64>, QuantityError> {
         if let Some(strength) = self.strength.constant() {
             return Ok(vec![strength; points.len()]);
         }
@@ -457,8 +457,8 @@ impl Bounds {
         let height = site.span().height();
         let next = site.other(facing);
         let next = next.map_or(height, |next| next.span.height());
-        // What is higher than the nozzle's hole is wide would not touch what is
-        // below it.
+        // A bead that is higher than the nozzle's hole is wide would not touch
+        // what is below it.
         let room = (plan.nozzle - height).max(0.0);
         Bounds {
             facing,

@@ -9,7 +9,7 @@ use isoslice_base::units::Mm;
 
 /// What a knot knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum KnotKind {
     /// The knot lies open below the surface, which tells the height.
     Open,
     /// The knot lies open, but no height suits it: an edge, a cliff.
@@ -24,7 +24,7 @@ pub(super) struct Knot {
     /// Length of the path up to the place, mm.
     pub at: Mm,
     /// What the knot knows.
-    pub kind: Kind,
+    pub kind: KnotKind,
     /// Height of the nozzle above the layer's top, mm.
     pub rise: Mm,
     /// By how much the material is higher than the layer, as a mean over the
@@ -39,7 +39,7 @@ pub(super) struct Knot {
 const CLIFF: f64 = 0.75;
 
 /// Height by which knots may differ at any distance, mm.
-const SLACK: Mm = 0.002;
+const HEIGHT_SLACK: Mm = 0.002;
 
 /// Greatest slope with which a way over a gap begins and ends.
 const STEEPEST: f64 = 0.5;
@@ -55,7 +55,7 @@ const ALIKE: Mm = 1e-7;
 
 /// One side of a gap: its place, the height there, the slope and the fill.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct GapSide {
     at: Mm,
     rise: Mm,
     slope: f64,
@@ -65,7 +65,7 @@ struct Side {
 /// Gives all knots of a path that ends where it begins their heights. It has no
 /// jump and no bend there either.
 pub(super) fn filled_round(mut knots: Vec<Knot>, ramp: Mm) -> Vec<Knot> {
-    let open = |k: &Knot| k.kind == Kind::Open;
+    let open = |k: &Knot| k.kind == KnotKind::Open;
     let Some(first) = knots.iter().position(open) else {
         return filled(knots, ramp);
     };
@@ -109,12 +109,14 @@ pub(super) fn filled(mut knots: Vec<Knot>, ramp: Mm) -> Vec<Knot> {
     let mut out: Vec<Knot> = Vec::with_capacity(n);
     let mut i = 0;
     while i < n {
-        if knots[i].kind == Kind::Open {
+        if knots[i].kind == KnotKind::Open {
             out.push(knots[i]);
             i += 1;
             continue;
         }
-        let end = (i..n).find(|&k| knots[k].kind == Kind::Open).unwrap_or(n);
+        let end = (i..n)
+            .find(|&k| knots[k].kind == KnotKind::Open)
+            .unwrap_or(n);
         let before =
             i.checked_sub(1).map(|k| side(&knots, k, k.checked_sub(1)));
         let after = (end < n).then(|| {
@@ -167,12 +169,12 @@ pub(super) fn thinned(knots: &[Knot], tolerance: Mm) -> Vec<Knot> {
 /// Makes knots bare that are nearer to a cliff than `reach`, since no height suits
 /// them.
 fn bare_cliffs(knots: &mut [Knot], reach: Mm) {
-    let open = |k: &Knot| k.kind == Kind::Open;
+    let open = |k: &Knot| k.kind == KnotKind::Open;
     let cliffs: Vec<Mm> = knots
         .windows(2)
         .filter(|w| w.iter().all(open))
         .filter(|w| {
-            let most = CLIFF * (w[1].at - w[0].at) + SLACK;
+            let most = CLIFF * (w[1].at - w[0].at) + HEIGHT_SLACK;
             (w[1].rise - w[0].rise).abs() > most
         })
         .map(|w| 0.5 * (w[0].at + w[1].at))
@@ -181,21 +183,21 @@ fn bare_cliffs(knots: &mut [Knot], reach: Mm) {
         let from = knots.partition_point(|k| k.at < at - reach);
         let near = knots[from..].iter_mut();
         for knot in near.take_while(|k| k.at <= at + reach) {
-            if knot.kind == Kind::Open {
-                knot.kind = Kind::Bare;
+            if knot.kind == KnotKind::Open {
+                knot.kind = KnotKind::Bare;
             }
         }
     }
 }
 
 /// The side of a gap at knot `k`; `next` is the knot farther from the gap.
-fn side(knots: &[Knot], k: usize, next: Option<usize>) -> Side {
+fn side(knots: &[Knot], k: usize, next: Option<usize>) -> GapSide {
     let own = knots[k];
     let slope = next
         .map(|i| knots[i])
-        .filter(|other| other.kind == Kind::Open && other.at != own.at)
+        .filter(|other| other.kind == KnotKind::Open && other.at != own.at)
         .map_or(0.0, |other| (other.rise - own.rise) / (other.at - own.at));
-    Side {
+    GapSide {
         at: own.at,
         rise: own.rise,
         slope: slope.clamp(-STEEPEST, STEEPEST),
@@ -206,16 +208,16 @@ fn side(knots: &[Knot], k: usize, next: Option<usize>) -> Side {
 /// The knots of a gap, and some more, with their heights.
 fn gap(
     knots: &[Knot],
-    before: Option<Side>,
-    after: Option<Side>,
+    before: Option<GapSide>,
+    after: Option<GapSide>,
     ramp: Mm,
 ) -> Vec<Knot> {
-    let bare = knots.iter().all(|k| k.kind == Kind::Bare);
+    let bare = knots.iter().all(|k| k.kind == KnotKind::Bare);
     let narrow = match (before, after) {
         (Some(a), Some(b)) => b.at - a.at <= 2.0 * ramp,
         _ => false,
     };
-    let ground = |at: Mm| Side {
+    let ground = |at: Mm| GapSide {
         at,
         rise: 0.0,
         slope: 0.0,
@@ -227,8 +229,8 @@ fn gap(
         (_, Some(b)) if b.at - s < ramp => way(ground(b.at - ramp), b, s),
         _ => 0.0,
     };
-    let fade = |side: Option<Side>, s: Mm| {
-        let left = |side: Side| 1.0 - (s - side.at).abs() / (FADE * ramp);
+    let fade = |side: Option<GapSide>, s: Mm| {
+        let left = |side: GapSide| 1.0 - (s - side.at).abs() / (FADE * ramp);
         side.map_or(0.0, |side| side.fill * left(side).max(0.0))
     };
     let mut all = knots.to_vec();
@@ -251,7 +253,7 @@ fn gap(
             both.into_iter().flatten().filter(|s| *s > from && *s < to);
         all.extend(inside.map(|at| Knot {
             at,
-            kind: Kind::Covered,
+            kind: KnotKind::Covered,
             rise: 0.0,
             fill: 0.0,
             corner: false,
@@ -266,7 +268,7 @@ fn gap(
             fade(before, knot.at) + fade(after, knot.at)
         };
         if bare {
-            knot.kind = Kind::Bare;
+            knot.kind = KnotKind::Bare;
         }
     }
     all
@@ -274,7 +276,7 @@ fn gap(
 
 /// The height at `s` of the cubic from one side to another that has the slopes
 /// of both (Hermite's).
-fn way(a: Side, b: Side, s: Mm) -> Mm {
+fn way(a: GapSide, b: GapSide, s: Mm) -> Mm {
     let length = b.at - a.at;
     if length <= 0.0 {
         return b.rise;
@@ -291,7 +293,7 @@ fn way(a: Side, b: Side, s: Mm) -> Mm {
 mod tests {
     use super::*;
 
-    fn knot(at: Mm, kind: Kind, rise: Mm) -> Knot {
+    fn knot(at: Mm, kind: KnotKind, rise: Mm) -> Knot {
         Knot {
             at,
             kind,
@@ -306,12 +308,12 @@ mod tests {
     fn valley(end: Mm) -> Vec<Knot> {
         let mut knots: Vec<Knot> = (0..=20)
             .map(|i| 0.1 * f64::from(i))
-            .map(|s| knot(s, Kind::Open, 0.1 * (s - 1.0)))
+            .map(|s| knot(s, KnotKind::Open, 0.1 * (s - 1.0)))
             .collect();
-        knots.push(knot(0.5 * (2.0 + end), Kind::Covered, 9.0));
+        knots.push(knot(0.5 * (2.0 + end), KnotKind::Covered, 9.0));
         let back = knots[..21].iter().rev();
         let back: Vec<Knot> = back
-            .map(|k| knot(end + 2.0 - k.at, Kind::Open, k.rise))
+            .map(|k| knot(end + 2.0 - k.at, KnotKind::Open, k.rise))
             .collect();
         knots.extend(back);
         knots
@@ -332,7 +334,7 @@ mod tests {
             // beginning, and has 8 parts.
             let bend = slopes.windows(2).map(|w| (w[1] - w[0]).abs());
             assert!(bend.fold(0.0, f64::max) < 0.23, "{end} {slopes:?}");
-            let middle = knots.iter().find(|k| k.kind == Kind::Covered);
+            let middle = knots.iter().find(|k| k.kind == KnotKind::Covered);
             assert!(middle.unwrap().rise < 0.11);
             // What lies open keeps its heights.
             for k in knots.iter().filter(|k| k.at <= 2.0) {
@@ -350,10 +352,10 @@ mod tests {
     #[test]
     fn a_path_may_begin_and_end_under_cover() {
         let knots = vec![
-            knot(0.0, Kind::Covered, 7.0),
-            knot(0.2, Kind::Open, 0.1),
-            knot(0.3, Kind::Open, 0.1),
-            knot(2.0, Kind::Covered, 7.0),
+            knot(0.0, KnotKind::Covered, 7.0),
+            knot(0.2, KnotKind::Open, 0.1),
+            knot(0.3, KnotKind::Open, 0.1),
+            knot(2.0, KnotKind::Covered, 7.0),
         ];
         let knots = filled(knots, 0.4);
         assert_eq!(knots[0].at, 0.0);
@@ -376,11 +378,11 @@ mod tests {
             // The two ends of the valley are one place, at half of the way.
             let mut round: Vec<Knot> =
                 right.iter().map(|k| at(k, k.at - middle)).collect();
-            assert_eq!(round[0].kind, Kind::Covered);
+            assert_eq!(round[0].kind, KnotKind::Covered);
             round.extend(
                 left.iter().skip(1).map(|k| at(k, k.at + end - middle)),
             );
-            round.push(knot(end, Kind::Covered, 9.0));
+            round.push(knot(end, KnotKind::Covered, 9.0));
             let straight = filled(far, 0.45);
             let round = filled_round(round, 0.45);
             assert!(round.is_sorted_by(|a, b| a.at < b.at), "{round:?}");
@@ -398,9 +400,10 @@ mod tests {
             assert_eq!(ends[0].fill, ends[1].fill);
         }
         // The seam at a border that only one side knows of.
-        for (first, last) in
-            [(Kind::Open, Kind::Covered), (Kind::Covered, Kind::Open)]
-        {
+        for (first, last) in [
+            (KnotKind::Open, KnotKind::Covered),
+            (KnotKind::Covered, KnotKind::Open),
+        ] {
             let mut knots = valley(3.0);
             let end = knots.last().unwrap().at;
             let rise = knots[0].rise;
@@ -417,7 +420,7 @@ mod tests {
     fn a_cliff_becomes_a_slope_with_all_of_its_material() {
         let knots: Vec<Knot> = (0..40)
             .map(|i| 0.1 * f64::from(i))
-            .map(|s| knot(s, Kind::Open, if s < 2.0 { 0.0 } else { 0.1 }))
+            .map(|s| knot(s, KnotKind::Open, if s < 2.0 { 0.0 } else { 0.1 }))
             .collect();
         let knots = filled(knots, 0.45);
         let steepest = knots
@@ -432,7 +435,7 @@ mod tests {
         let height = |s: Mm| 0.1 * (0.8 * s).sin();
         let knots: Vec<Knot> = (0..=200)
             .map(|i| 0.05 * f64::from(i))
-            .map(|s| knot(s, Kind::Open, height(s)))
+            .map(|s| knot(s, KnotKind::Open, height(s)))
             .collect();
         let few = thinned(&knots, 0.0015);
         // A chord of length l is off by l²·0.8²·0.1/8: l is 0.43 mm where the
@@ -450,7 +453,7 @@ mod tests {
         }
         // Of a straight way only ends and corners stay.
         let mut line: Vec<Knot> = (0..=20)
-            .map(|i| knot(f64::from(i), Kind::Open, 0.01 * f64::from(i)))
+            .map(|i| knot(f64::from(i), KnotKind::Open, 0.01 * f64::from(i)))
             .collect();
         line[7].corner = true;
         let few: Vec<Mm> =

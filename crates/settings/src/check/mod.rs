@@ -240,7 +240,7 @@ fn klipper_retraction(s: &Settings) -> Result<(), Conflict> {
 /// Refuses what does not go with a raft, and warns of what makes little sense.
 fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
     /// Rounding of lengths, mm.
-    const SLACK: f64 = 1e-9;
+    const ROUNDED: f64 = 1e-9;
     /// Air that hardly parts anything, mm.
     const THIN_AIR: f64 = 0.05;
     if s.raft.layers == 0 {
@@ -264,7 +264,7 @@ fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
         ));
     }
     if let Some(gap) = s.raft.gap
-        && gap > s.raft_gap_most() + SLACK
+        && gap > s.raft_gap_most() + ROUNDED
     {
         return Err(conflict(
             [

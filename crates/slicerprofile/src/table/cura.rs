@@ -1,8 +1,9 @@
 //! Keys of Cura.
 
-use super::Kind::{Filament, Print, Printer};
+use super::PresetKind::{Filament, Print, Printer};
 use super::{As, CURA, FLOW, Make, Outcome, Row, Rule, make, patterns};
 use crate::given::Given;
+use crate::values::parse;
 use Rule::{Ignored, Lost, Made, To};
 
 const SEVERAL: &str = "isoslice prints with one extruder and one material";
@@ -201,7 +202,7 @@ pub(super) static ROWS: &[Row] = rows! {
         => To("infill", patterns::INFILL_OF_CURA);
     CURA Print: "infill_overlap" => To("infill_overlap", As::Percent);
     CURA Print: "top_bottom_pattern"
-        => To("bottom_skin_pattern", patterns::SKIN_OF_CURA);
+        => To("skin_pattern", patterns::SKIN_OF_CURA);
     CURA Print: "z_seam_type"
         => To(
             "seam",
@@ -225,8 +226,18 @@ pub(super) static ROWS: &[Row] = rows! {
             ]),
         );
     CURA Print: "xy_offset" => To("xy_compensation", As::Number);
-    CURA Print: "ironing_enabled" => To("ironing", As::Switch);
-    CURA Print: "ironing_flow" => To("ironing_flow", As::Percent);
+    CURA Print: "ironing_enabled", "ironing_flow"
+        => Made {
+            settings: &["ironing"],
+            how: "the flow if it is on",
+            make: Make(|given| match given.switch("ironing_enabled") {
+                Some(on) => {
+                    let value = make::ironed(given, on, &["ironing_flow"]);
+                    Outcome::of(vec![("ironing", value)])
+                }
+                None => Outcome::Nothing("whether to iron is not said".into()),
+            }),
+        };
     CURA Print: "ironing_line_spacing" => To("ironing_spacing", As::Positive);
     CURA Print: "speed_ironing" => To("speed.ironing", As::Positive);
     CURA Print: "speed_print", "speed_wall", "speed_wall_0", "speed_wall_x",
@@ -250,6 +261,14 @@ pub(super) static ROWS: &[Row] = rows! {
                   speed_wall is half of speed_print, speed_wall_x twice \
                   speed_wall",
             make: Make(speeds),
+        };
+    CURA Print: "wall_overhang_angle", "wall_overhang_speed_factor",
+        "wall_overhang_speed_factors"
+        => Made {
+            settings: &["speed.overhang"],
+            how: "shares of a wall's width from the angle on, with the \
+                  profile's layers and lines",
+            make: Make(overhang_speed),
         };
     CURA Print: "bridge_skin_speed" => To("speed.bridge", As::Positive);
     CURA Print: "speed_travel" => To("speed.travel", As::Positive);
@@ -474,7 +493,6 @@ pub(super) static ROWS: &[Row] = rows! {
         "adaptive_layer_height_variation",
         "adaptive_layer_height_variation_step",
         "adaptive_layer_height_threshold", "infill_enable_travel_optimization",
-        "wall_overhang_angle", "wall_overhang_speed_factor",
         "bridge_wall_coast", "bridge_wall_speed", "bridge_skin_speed_2",
         "bridge_skin_speed_3", "bridge_skin_density_2",
         "bridge_skin_density_3", "bridge_skin_material_flow_2",
@@ -489,6 +507,10 @@ pub(super) static ROWS: &[Row] = rows! {
         "acceleration_ironing", "acceleration_skirt_brim",
         "flow_rate_max_extrusion_offset"
         => Ignored("isoslice has rules of its own for it");
+    CURA Print: "infill_offset_x", "infill_offset_y"
+        => Lost(&["0", "0.0"],
+            "patterns are laid out from the middle of the part: write an \
+             infill of your own, with an x or y that is moved");
     CURA Print: "initial_layer_line_width_factor"
         => Lost(&["100", "100.0"],
             "lines have the width of their kind in the first layer, too");
@@ -717,6 +739,58 @@ fn speeds(given: &Given<'_>) -> Outcome {
             one("speed_support_interface").or(support.map(|v| v / 1.5)),
         ),
     ])
+}
+
+/// Walls that lean by more than an angle are slower by a factor, or by several in
+/// equal steps from that angle to 90°.
+fn overhang_speed(given: &Given<'_>) -> Outcome {
+    let list = given.values.first("wall_overhang_speed_factors");
+    let factors: Vec<f64> = match list {
+        Some(list) => {
+            let all = list.trim_matches(['[', ']']).split(',');
+            all.filter_map(parse).collect()
+        }
+        None => given
+            .number("wall_overhang_speed_factor")
+            .into_iter()
+            .collect(),
+    };
+    let angle = given.number("wall_overhang_angle").unwrap_or(90.0);
+    let slows = factors.iter().any(|factor| *factor < 100.0);
+    if !slows || !(0.0..90.0).contains(&angle) {
+        return Outcome::Nothing("overhangs are as fast as other walls".into());
+    }
+    let [outer, _] = wall_widths(given);
+    let (Some(width), Some(height)) = (outer, given.positive("layer_height"))
+    else {
+        return Outcome::Lost(
+            "the profile does not say how high layers and how wide lines are: \
+             set speed.overhang"
+                .into(),
+        );
+    };
+    let mut steps: Vec<String> = Vec::new();
+    let mut last = 0.0;
+    let mut before = 100.0;
+    for (i, factor) in factors.iter().enumerate() {
+        let part = i as f64 / factors.len() as f64;
+        let leans = angle + part * (90.0 - angle);
+        let reach = 100.0 * height * leans.to_radians().tan() / width;
+        let reach = (reach * 10.0).round() / 10.0;
+        // The speed changes at once, as it does in Cura.
+        let (from, to) = (reach.max(last + 0.1), reach.max(last + 0.1) + 0.1);
+        if to > 100.0 {
+            break;
+        }
+        let factor = factor.clamp(1.0, 100.0);
+        steps.push(format!("{from:.1}: {before}%, {to:.1}: {factor}%"));
+        (last, before) = (to, factor);
+    }
+    if steps.is_empty() {
+        let why = "no wall with these lines leans as far";
+        return Outcome::Nothing(why.into());
+    }
+    Outcome::of(vec![("speed.overhang", steps.join(", ").into())])
 }
 
 fn accelerations(given: &Given<'_>) -> Outcome {

@@ -1,6 +1,6 @@
 //! Keys of filaments.
 
-use super::Kind::Filament;
+use super::PresetKind::Filament;
 use super::{As, BOTH, Make, ORCA, PRUSA, Row, Rule, make};
 use Rule::{Ignored, Lost, Made, To};
 
@@ -91,17 +91,41 @@ pub(super) static ROWS: &[Row] = rows! {
                   of their own, that of layers",
             make: Make(make::overhang_fan),
         };
+    PRUSA Filament: "overhangs_fan_speed"
+        => Made {
+            settings: &["cooling.overhang_fan_speed"],
+            how: "-1 leaves it",
+            make: Make(|given| {
+                make::fan_unless_negative(
+                    given,
+                    &["overhangs_fan_speed"],
+                    "cooling.overhang_fan_speed",
+                )
+            }),
+        };
     BOTH Filament: "internal_bridge_fan_speed", "bridge_internal_fan_speed"
         => Made {
             settings: &["cooling.internal_bridge_fan_speed"],
             how: "-1 leaves it",
-            make: Make(make::internal_bridge_fan),
+            make: Make(|given| {
+                make::fan_unless_negative(
+                    given,
+                    &["internal_bridge_fan_speed", "bridge_internal_fan_speed"],
+                    "cooling.internal_bridge_fan_speed",
+                )
+            }),
         };
     BOTH Filament: "support_material_interface_fan_speed"
         => Made {
             settings: &["cooling.support_interface_fan_speed"],
             how: "-1 leaves it",
-            make: Make(make::support_interface_fan),
+            make: Make(|given| {
+                make::fan_unless_negative(
+                    given,
+                    &["support_material_interface_fan_speed"],
+                    "cooling.support_interface_fan_speed",
+                )
+            }),
         };
     BOTH Filament: "disable_fan_first_layers", "close_fan_the_first_x_layers"
         => To("cooling.fan_off_layers", As::Number);

@@ -1,7 +1,6 @@
 //! Settings that several keys decide together.
 
 use super::Outcome;
-use super::patterns::SKIN;
 use crate::Slicer;
 use crate::given::{Given, Value};
 use crate::values::{parse, share};
@@ -77,8 +76,8 @@ pub(super) fn bed(given: &Given<'_>) -> Outcome {
     ])
 }
 
-/// The name that the firmware of a Prusa printer has for it, as the start
-/// G-code checks it.
+/// The name by which the firmware of a Prusa printer knows the printer, from the
+/// line of the start G-code that checks it.
 fn model_checked(given: &Given<'_>) -> Option<String> {
     let start = given
         .values
@@ -570,19 +569,14 @@ pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
     Outcome::of(out)
 }
 
-pub(super) fn internal_bridge_fan(given: &Given<'_>) -> Outcome {
-    let keys = ["internal_bridge_fan_speed", "bridge_internal_fan_speed"];
-    let speed = number(given, &keys).filter(|v| *v >= 0.0);
-    let speed = speed.map(|v| ("cooling.internal_bridge_fan_speed", v.into()));
-    Outcome::of(speed.into_iter().collect())
-}
-
-pub(super) fn support_interface_fan(given: &Given<'_>) -> Outcome {
-    let speed = given.number("support_material_interface_fan_speed");
-    let speed = speed.filter(|v: &f64| *v >= 0.0);
-    let speed =
-        speed.map(|v| ("cooling.support_interface_fan_speed", v.into()));
-    Outcome::of(speed.into_iter().collect())
+/// The fan's speed at one kind of beads; less than 0 leaves it.
+pub(super) fn fan_unless_negative(
+    given: &Given<'_>,
+    keys: &[&str],
+    name: &'static str,
+) -> Outcome {
+    let speed = number(given, keys).filter(|v| *v >= 0.0);
+    Outcome::of(speed.map(|v| (name, v.into())).into_iter().collect())
 }
 
 /// The flows of supports, which OrcaSlicer uses only if flows are set one by
@@ -753,26 +747,23 @@ pub(super) fn overlap(given: &Given<'_>) -> Outcome {
     Outcome::of(vec![("infill_overlap", percent.clamp(0.0, 100.0).into())])
 }
 
-pub(super) fn top_pattern(given: &Given<'_>) -> Outcome {
-    let keys = [
-        "top_fill_pattern",
-        "top_surface_pattern",
-        "external_fill_pattern",
-    ];
-    let Some(key) = given.first_of(&keys) else {
-        return Outcome::of(Vec::new());
+/// A length, and a second number behind a word.
+fn pair(length: f64, word: &str, second: f64, unit: &str) -> Value {
+    let round = |x: f64| (x * 1e6).round() / 1e6;
+    let (length, second) = (round(length), round(second));
+    format!("{length} mm {word} {second}{unit}").into()
+}
+
+pub(super) fn elephant_foot(given: &Given<'_>) -> Outcome {
+    let Some(drawn) = given.number("elefant_foot_compensation") else {
+        return nothing("it leaves the choice to the slicer");
     };
-    let mut made = Outcome::to("top_skin_pattern", SKIN, given, key);
-    let word = given.values.first(key).unwrap_or("").to_ascii_lowercase();
-    let order = match word.as_str() {
-        "concentric" => None,
-        word if word.starts_with("monotonic") => Some("monotonic"),
-        _ => Some("nearest"),
+    let layers = given.positive("elefant_foot_compensation_layers");
+    let value = match layers.filter(|n| *n > 1.0) {
+        Some(layers) => pair(drawn, "over", layers, " layers"),
+        None => drawn.into(),
     };
-    if let Outcome::Set(all) | Outcome::Alike(all, _) = &mut made {
-        all.extend(order.map(|order| ("top_skin_order", order.into())));
-    }
-    made
+    Outcome::of(vec![("elephant_foot", value)])
 }
 
 pub(super) fn scarf(given: &Given<'_>) -> Outcome {
@@ -787,7 +778,6 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
     let Some(length) = length.filter(|l| on && *l > 0.0) else {
         return nothing("seams have no slope");
     };
-    let mut out = vec![("seam_scarf", length.into())];
     let start = ["seam_slope_start_height", "scarf_seam_start_height"]
         .iter()
         .find_map(|key| given.values.first(key));
@@ -800,8 +790,7 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
     // begin at 10 % of the layer's height, as low as isoslice advises.
     const BEGINNING: f64 = 10.0;
     let start = percent.map_or(BEGINNING, |p| p.clamp(0.0, 90.0));
-    out.push(("seam_scarf_start", start.into()));
-    Outcome::of(out)
+    Outcome::of(vec![("seam_scarf", pair(length, "from", start, "%"))])
 }
 
 pub(super) fn wall_order(given: &Given<'_>) -> Outcome {
@@ -828,6 +817,22 @@ pub(super) fn wall_order(given: &Given<'_>) -> Outcome {
     Outcome::of(vec![("wall_order", order.into())])
 }
 
+const IRONING_FLOW: [&str; 2] = ["ironing_flowrate", "ironing_flow"];
+
+/// Whether tops are ironed, or with how much material.
+pub(super) fn ironed(given: &Given<'_>, on: bool, flow: &[&str]) -> Value {
+    /// Least flow that isoslice takes, %.
+    const SHORTEST: f64 = 0.1;
+    let mut percent = flow.iter().filter_map(|key| {
+        let text = given.values.first(key)?;
+        share(text).or_else(|| parse(text))
+    });
+    match percent.next().filter(|_| on) {
+        Some(percent) => percent.max(SHORTEST).into(),
+        None => on.into(),
+    }
+}
+
 pub(super) fn ironing(given: &Given<'_>) -> Outcome {
     let word = given.values.first("ironing_type");
     let on = match given.switch("ironing") {
@@ -838,7 +843,7 @@ pub(super) fn ironing(given: &Given<'_>) -> Outcome {
         }
         None => word.is_some_and(|word| word != "no ironing"),
     };
-    Outcome::of(vec![("ironing", on.into())])
+    Outcome::of(vec![("ironing", ironed(given, on, &IRONING_FLOW))])
 }
 
 fn same_for(
@@ -985,14 +990,12 @@ pub(super) fn brim(given: &Given<'_>) -> Outcome {
         "outer_and_inner" => "both",
         _ => "outer",
     };
-    let mut out = vec![("brim.place", place.into())];
-    if place == "ears" {
-        out.push(("brim.ear_radius", width.into()));
-        if let Some(angle) = given.number("brim_ears_max_angle") {
-            out.push(("brim.ear_angle", angle.into()));
-        }
-    } else {
-        out.push(("brim.width", width.into()));
+    let mut out =
+        vec![("brim.place", place.into()), ("brim.width", width.into())];
+    if place == "ears"
+        && let Some(angle) = given.number("brim_ears_max_angle")
+    {
+        out.push(("brim.ear_angle", angle.into()));
     }
     Outcome::of(out)
 }
@@ -1030,13 +1033,16 @@ pub(super) fn support_angle(given: &Given<'_>) -> Outcome {
 }
 
 /// OrcaSlicer advises a very large length to those who want no bridge
-/// supported.
+/// supported, and 0 to those who want all of them supported.
 pub(super) fn bridge_max(given: &Given<'_>) -> Outcome {
-    const MOST: f64 = 1000.0;
+    /// What the setting takes, mm.
+    const SHORTEST: f64 = 0.1;
+    const LONGEST: f64 = 1000.0;
     match number(given, &["max_bridge_length"]) {
-        Some(length) if length >= 0.0 => {
-            Outcome::of(vec![("bridge_max", length.min(MOST).into())])
-        }
+        Some(length) if length >= 0.0 => Outcome::of(vec![(
+            "bridge_max",
+            length.clamp(SHORTEST, LONGEST).into(),
+        )]),
         _ => nothing("no length is given"),
     }
 }

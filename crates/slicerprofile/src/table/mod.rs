@@ -22,7 +22,7 @@ use crate::given::{Given, Value};
 
 /// The kind of a profile, or of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum PresetKind {
     /// A machine.
     Printer,
     /// A material.
@@ -31,22 +31,22 @@ pub enum Kind {
     Print,
 }
 
-impl Kind {
+impl PresetKind {
     /// The kind's word in bundles and on the command line.
     pub fn word(self) -> &'static str {
         match self {
-            Kind::Printer => "printer",
-            Kind::Filament => "filament",
-            Kind::Print => "print",
+            PresetKind::Printer => "printer",
+            PresetKind::Filament => "filament",
+            PresetKind::Print => "print",
         }
     }
 
     /// The kind of a word of any slicer.
-    pub(crate) fn of_word(word: &str) -> Option<Kind> {
+    pub(crate) fn of_word(word: &str) -> Option<PresetKind> {
         match word {
-            "printer" | "machine" => Some(Kind::Printer),
-            "filament" => Some(Kind::Filament),
-            "print" | "process" | "preset" => Some(Kind::Print),
+            "printer" | "machine" => Some(PresetKind::Printer),
+            "filament" => Some(PresetKind::Filament),
+            "print" | "process" | "preset" => Some(PresetKind::Print),
             _ => None,
         }
     }
@@ -58,7 +58,7 @@ pub struct Row {
     /// Slicers that have these keys.
     pub of: &'static [Slicer],
     /// The kind of the keys.
-    pub kind: Kind,
+    pub kind: PresetKind,
     /// The keys. If they become one setting, the first key that is there
     /// counts.
     pub keys: &'static [&'static str],
@@ -291,7 +291,7 @@ mod tests {
             (
                 Orca,
                 "brim_type=brim_ears; brim_width=6; brim_ears_max_angle=120",
-                "brim.ear_angle=120; brim.ear_radius=6; brim.place=ears".into(),
+                "brim.ear_angle=120; brim.place=ears; brim.width=6".into(),
             ),
             (
                 Prusa,
@@ -302,8 +302,8 @@ mod tests {
                 Orca,
                 "seam_slope_type=all; seam_slope_min_length=10; \
                  seam_slope_start_height=0.05; layer_height=0.2",
-                "layer_height=0.2; seam_scarf=10; \
-                 seam_scarf_start=25"
+                "layer_height=0.2; \
+                 seam_scarf=10 mm from 25%"
                     .into(),
             ),
             (
@@ -363,6 +363,81 @@ mod tests {
             // Switches and words of one slicer.
             (Prusa, "ironing_type=top", String::new()),
             (Orca, "ironing_type=top", "ironing=true".into()),
+            (
+                Orca,
+                "ironing_type=top; ironing_flow=15%",
+                "ironing=15".into(),
+            ),
+            (
+                Prusa,
+                "ironing=0; ironing_flowrate=15%",
+                "ironing=false".into(),
+            ),
+            (
+                Cura,
+                "ironing_enabled=True; ironing_flow=12",
+                "ironing=12".into(),
+            ),
+            (
+                Prusa,
+                "elefant_foot_compensation=0.2",
+                "elephant_foot=0.2".into(),
+            ),
+            (
+                Orca,
+                "elefant_foot_compensation=0.15; \
+                 elefant_foot_compensation_layers=3",
+                "elephant_foot=0.15 mm over 3 layers".into(),
+            ),
+            (
+                Prusa,
+                "top_fill_pattern=rectilinear; \
+                 bottom_fill_pattern=monotonic; \
+                 solid_fill_pattern=concentric",
+                "skin_pattern=top: unordered-lines, bottom: lines, \
+                 internal: concentric"
+                    .into(),
+            ),
+            // A pattern that isoslice does not have leaves the others.
+            (
+                Prusa,
+                "top_fill_pattern=hilbertcurve; \
+                 bottom_fill_pattern=concentric",
+                "skin_pattern=bottom: concentric".into(),
+            ),
+            (Orca, "max_bridge_length=0", "bridge_max=0.1".into()),
+            // SuperSlicer's.
+            (
+                Prusa,
+                "overhangs_speed=50%; bridge_speed=60; overhangs_reverse=1; \
+                 overhangs_fan_speed=80",
+                "cooling.overhang_fan_speed=80; overhang_reverse=true; \
+                 speed.bridge=60; speed.overhang=30"
+                    .into(),
+            ),
+            (Prusa, "overhangs_fan_speed=-1", String::new()),
+            (
+                Cura,
+                "layer_height=0.2; line_width=0.4; wall_overhang_angle=45; \
+                 wall_overhang_speed_factor=50",
+                "infill_width=0.4; inner_wall_width=0.4; layer_height=0.2; \
+                 outer_wall_width=0.4; skin_width=0.4; \
+                 speed.overhang=50.0: 100%, 50.1: 50%; top_skin_width=0.4"
+                    .into(),
+            ),
+            (
+                Cura,
+                "layer_height=0.2; wall_line_width_0=0.4; \
+                 wall_overhang_angle=45; wall_overhang_speed_factors=[80, 40]",
+                "layer_height=0.2; outer_wall_width=0.4; \
+                 speed.overhang=50.0: 100%, 50.1: 80%"
+                    .into(),
+            ),
+            (
+                Cura,
+                "wall_overhang_angle=90; wall_overhang_speed_factor=50",
+                String::new(),
+            ),
             (
                 Orca,
                 "small_perimeter_threshold=0",
@@ -433,6 +508,7 @@ mod tests {
                 "100",
             ),
             (Slicer::Cura, "coasting_enable", "True", "False"),
+            (Slicer::Cura, "infill_offset_x", "2", "0"),
         ] {
             let of = |value| translated(slicer, &format!("{key}={value}"));
             assert_eq!(of(on).lost.len(), 1, "{key}");
@@ -441,7 +517,7 @@ mod tests {
         let sandwich = "wall_sequence=inner-outer-inner wall";
         assert_eq!(translated(Slicer::Orca, sandwich).lost.len(), 1);
         let scarf = settings(Slicer::Orca, "seam_slope_type=external");
-        assert_eq!(scarf, "seam_scarf=20; seam_scarf_start=10");
+        assert_eq!(scarf, "seam_scarf=20 mm from 10%");
         for word in ["auto_brim", "painted"] {
             let profile = format!("brim_type={word}; brim_width=5");
             assert_eq!(translated(Slicer::Orca, &profile).lost.len(), 2);

@@ -69,27 +69,35 @@ pub(super) const INFILL_OF_CURA: As = As::Patterns {
     ],
 };
 
-/// Skin of PrusaSlicer and its kin.
-pub(super) const SKIN: As = As::Patterns {
-    same: &[
-        ("rectilinear", "lines"),
-        ("monotonic", "lines"),
-        ("monotonicline", "lines"),
-        ("monotoniclines", "lines"),
-        ("zig-zag", "lines"),
-        ("line", "lines"),
-        ("concentric", "concentric"),
-    ],
-    // The lines of isoslice turn with every layer.
-    like: &[("alignedrectilinear", "lines")],
-};
+/// Skin of PrusaSlicer and its kin that faces one way, and the word for lines in
+/// any order.
+macro_rules! skin {
+    ($face:literal, $unordered:literal) => {
+        As::Patterns {
+            same: &[
+                ("rectilinear", concat!($face, ": ", $unordered)),
+                ("monotonic", concat!($face, ": lines")),
+                ("monotonicline", concat!($face, ": lines")),
+                ("monotoniclines", concat!($face, ": lines")),
+                ("zig-zag", concat!($face, ": ", $unordered)),
+                ("line", concat!($face, ": ", $unordered)),
+                ("concentric", concat!($face, ": concentric")),
+            ],
+            // The lines of isoslice turn with every layer.
+            like: &[("alignedrectilinear", concat!($face, ": ", $unordered))],
+        }
+    };
+}
+pub(super) const TOP: As = skin!("top", "unordered-lines");
+pub(super) const BOTTOM: As = skin!("bottom", "lines");
+pub(super) const INTERNAL: As = skin!("internal", "lines");
 
 /// Skin of Cura.
 pub(super) const SKIN_OF_CURA: As = As::Patterns {
     same: &[
-        ("lines", "lines"),
-        ("zigzag", "lines"),
-        ("concentric", "concentric"),
+        ("lines", "bottom: lines"),
+        ("zigzag", "bottom: lines"),
+        ("concentric", "bottom: concentric"),
     ],
     like: &[],
 };
@@ -115,7 +123,9 @@ mod tests {
 
     #[test]
     fn a_word_is_the_same_or_only_like_it() {
-        for all in [INFILL, INFILL_OF_CURA, SKIN, SKIN_OF_CURA, INTERFACE] {
+        for all in
+            [INFILL, INFILL_OF_CURA, TOP, BOTTOM, SKIN_OF_CURA, INTERFACE]
+        {
             let As::Patterns { same, like } = all else {
                 panic!("{all:?} is no table of patterns");
             };

@@ -1,6 +1,6 @@
 //! Keys of kinds of print.
 
-use super::Kind::Print;
+use super::PresetKind::Print;
 use super::{As, BOTH, FLOW, Make, ORCA, PRUSA, Row, Rule, make, patterns};
 use Rule::{Ignored, Lost, Made, To};
 
@@ -80,16 +80,12 @@ pub(super) static ROWS: &[Row] = rows! {
         };
     BOTH Print: "top_fill_pattern", "top_surface_pattern",
         "external_fill_pattern"
-        => Made {
-            settings: &["top_skin_pattern", "top_skin_order"],
-            how: "concentric or lines; monotonic or not",
-            make: Make(make::top_pattern),
-        };
+        => To("skin_pattern", patterns::TOP);
     BOTH Print: "bottom_fill_pattern", "bottom_surface_pattern",
         "bottom_fill_patter"
-        => To("bottom_skin_pattern", patterns::SKIN);
+        => To("skin_pattern", patterns::BOTTOM);
     BOTH Print: "solid_fill_pattern", "internal_solid_infill_pattern"
-        => To("internal_skin_pattern", patterns::SKIN);
+        => To("skin_pattern", patterns::INTERNAL);
     BOTH Print: "solid_infill_below_area", "minimum_sparse_infill_area"
         => To("skin_min_area", As::Number);
     BOTH Print: "seam_position"
@@ -111,7 +107,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "scarf_seam_placement", "scarf_seam_length", "seam_slope_start_height",
         "scarf_seam_start_height"
         => Made {
-            settings: &["seam_scarf", "seam_scarf_start"],
+            settings: &["seam_scarf"],
             how: "the slope's length, if walls have one; heights become shares \
                   of the layer's",
             make: Make(make::scarf),
@@ -125,18 +121,19 @@ pub(super) static ROWS: &[Row] = rows! {
         };
     BOTH Print: "xy_size_compensation", "xy_contour_compensation"
         => To("xy_compensation", As::Number);
-    BOTH Print: "elefant_foot_compensation" => To("elephant_foot", As::Number);
-    BOTH Print: "elefant_foot_compensation_layers"
-        => To("elephant_foot_layers", As::Positive);
+    BOTH Print: "elefant_foot_compensation", "elefant_foot_compensation_layers"
+        => Made {
+            settings: &["elephant_foot"],
+            how: "with the number of layers",
+            make: Make(make::elephant_foot),
+        };
     BOTH Print: "slice_closing_radius" => To("slit_closing", As::Number);
-    BOTH Print: "ironing", "ironing_type"
+    BOTH Print: "ironing", "ironing_type", "ironing_flowrate", "ironing_flow"
         => Made {
             settings: &["ironing"],
-            how: "whichever tops it is for",
+            how: "whichever tops it is for; the flow if it is on",
             make: Make(make::ironing),
         };
-    BOTH Print: "ironing_flowrate", "ironing_flow"
-        => To("ironing_flow", As::Percent);
     BOTH Print: "ironing_spacing" => To("ironing_spacing", As::Width);
     BOTH Print: "ironing_speed" => To("speed.ironing", As::Amount);
     BOTH Print: "bridge_flow_ratio", "bridge_flow"
@@ -173,6 +170,7 @@ pub(super) static ROWS: &[Row] = rows! {
             how: "the circumference of that radius",
             make: Make(make::small_length),
         };
+    PRUSA Print: "overhangs_speed" => To("speed.overhang", As::Amount);
     BOTH Print: "enable_dynamic_overhang_speeds", "overhang_speed_0",
         "overhang_speed_1", "overhang_speed_2", "overhang_speed_3",
         "dynamic_overhang_speeds", "enable_overhang_speed",
@@ -235,7 +233,6 @@ pub(super) static ROWS: &[Row] = rows! {
                 "brim.place",
                 "brim.width",
                 "brim.ear_angle",
-                "brim.ear_radius",
             ],
             how: "the width is the radius of ears; a part on a raft has none; \
                   auto_brim and painted have no counterpart",
@@ -261,7 +258,7 @@ pub(super) static ROWS: &[Row] = rows! {
     ORCA Print: "max_bridge_length"
         => Made {
             settings: &["bridge_max"],
-            how: "1000 mm at most",
+            how: "0.1 to 1000 mm: bridges are printed in any case",
             make: Make(make::bridge_max),
         };
     BOTH Print: "support_material_xy_spacing", "support_object_xy_distance"
@@ -354,7 +351,8 @@ pub(super) static ROWS: &[Row] = rows! {
                   layers",
             make: Make(make::draft_shield),
         };
-    BOTH Print: "overhang_reverse" => To("overhang_reverse", As::Switch);
+    BOTH Print: "overhang_reverse", "overhangs_reverse"
+        => To("overhang_reverse", As::Switch);
     BOTH Print: "support_material_interface_pattern",
         "support_interface_pattern"
         => To("support.interface_pattern", patterns::INTERFACE);
@@ -495,8 +493,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "isoslice anchors bridges at both ends and says which are too \
                  long: bridge_anchor, bridge_max, internal_bridges",
         );
-    BOTH Print: "overhang_totally_speed", "overhangs_speed",
-        "overhangs_dynamic_speed", "overhangs_width", "overhangs_width_speed",
+    BOTH Print: "overhang_totally_speed", "overhangs_dynamic_speed", "overhangs_width", "overhangs_width_speed",
         "detect_overhang_wall_filter",
         "overhang_threshold_participating_cooling"
         => Ignored(

@@ -1,6 +1,6 @@
 //! Keys of printers.
 
-use super::Kind::Printer;
+use super::PresetKind::Printer;
 use super::{As, BOTH, Make, ORCA, PRUSA, Row, Rule, make};
 use Rule::{Ignored, Lost, Made, To};
 

@@ -65,8 +65,9 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// The tiles behind each other that begin with line `at`, nearest first.
-    /// Lines that are not `wanted` meet nothing.
+    /// Looks through a column of tiles that stand behind one another, the nearest
+    /// first. Its first line of sight is `at`. Lines that are not `wanted` meet
+    /// nothing.
     pub(super) fn column(
         &mut self,
         at: [usize; 2],
@@ -92,7 +93,8 @@ impl<'a> Eye<'a> {
         Ok(())
     }
 
-    /// The tiles behind each other that begin with line `at`, nearest first.
+    /// Looks through the tiles of a column, which stand behind one another, the
+    /// nearest first. The column's first line of sight is `at`.
     fn tiles(&mut self, at: [usize; 2]) -> Result<(), FieldError> {
         let sight = self.sight;
         let f = &sight.f;

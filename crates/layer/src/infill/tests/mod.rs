@@ -9,10 +9,11 @@ use super::*;
 use isoslice_model::{Model, Placement, placed};
 use isoslice_planar::shapes::square;
 use isoslice_settings::Varying;
+use isoslice_settings::{Settings, plan_with};
 
 /// A pattern of one density.
 fn even(pattern: InfillPattern, density: f64) -> InfillPlan {
-    InfillPlan::with(|s| {
+    plan_with(InfillPlan::of, |s| {
         s.infill_density = density.into();
         s.infill = isoslice_settings::Infill::Pattern(pattern);
     })
@@ -31,7 +32,7 @@ fn shape(text: &str, solid: bool) -> InfillPlan {
     InfillPlan {
         pattern: isoslice_settings::Infill::Expression(text.into()),
         solid,
-        ..InfillPlan::with(|_| {})
+        ..InfillPlan::of(&Settings::default())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Infill that is an expression or a script.
 
 use super::*;
+use isoslice_settings::Settings;
 
 #[test]
 fn an_expression_is_a_surface_or_a_solid() {
@@ -90,7 +91,7 @@ fn an_expression_may_ask_for_the_distance_from_the_surface() {
 fn script(path: String) -> InfillPlan {
     InfillPlan {
         pattern: isoslice_settings::Infill::Script(path),
-        ..InfillPlan::with(|_| {})
+        ..InfillPlan::of(&Settings::default())
     }
 }
 

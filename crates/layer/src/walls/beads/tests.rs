@@ -9,6 +9,7 @@ use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::shapes::circle;
+use isoslice_settings::{Settings, plan_with};
 use std::f64::consts::PI;
 
 const HEIGHT: f64 = 0.2;
@@ -30,10 +31,10 @@ struct Print {
 
 /// The walls of a part that is thin all over, as they are printed.
 fn print(part: &Area) -> Print {
-    let laid = walls(part, None, HEIGHT, &WallPlan::with(|_| {}));
+    let laid = walls(part, None, HEIGHT, &WallPlan::of(&Settings::default()));
     let pieces: Vec<Bead> = beads(&laid, HEIGHT)
         .into_iter()
-        .flat_map(|b| Resolution::with(|_| {}).pieces(b))
+        .flat_map(|b| Resolution::of(&Settings::default()).pieces(b))
         .collect();
     let bounds = part.bounds();
     let origin = bounds.min - 0.5;
@@ -405,7 +406,7 @@ fn walls_fill_the_pockets_between_them() {
 #[test]
 fn walls_of_two_widths_lie_a_spacing_apart() {
     const HALF: f64 = 15.0;
-    let plan = WallPlan::with(|s| {
+    let plan = plan_with(WallPlan::of, |s| {
         s.outer_wall_width = 0.45.into();
         s.inner_wall_width = 0.6.into();
         s.walls = 3;

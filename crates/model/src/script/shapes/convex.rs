@@ -50,7 +50,7 @@ pub(super) fn convex(
                 let k = tx * px + ty * py;
                 x.clone() * tx as f32 + y.clone() * ty as f32 - k as f32
             };
-            sides.push(Side {
+            sides.push(PolygonSide {
                 off: x.clone() * ty as f32
                     - y.clone() * tx as f32
                     - (ty * ax - tx * ay) as f32,
@@ -75,10 +75,11 @@ pub(super) fn convex(
     }
 }
 
-struct Side {
+struct PolygonSide {
     /// Distance from the side's line, positive on its right.
     off: Tree,
-    /// How far a foot lies before the side's beginning, and past its end.
+    /// How far a point lies before the side's beginning, and past its end, along
+    /// the side.
     before: Tree,
     after: Tree,
 }

@@ -29,7 +29,7 @@ use std::any::TypeId;
 
 /// What an argument is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum ArgumentKind {
     /// A length of more than 0, or another number of more than 0.
     Positive,
     /// A length that may be 0.
@@ -54,23 +54,25 @@ enum Kind {
     Points,
 }
 
-impl Kind {
+impl ArgumentKind {
     fn wanted(self) -> &'static str {
         match self {
-            Kind::Positive => "a number above 0",
-            Kind::Length => "a number of 0 or more",
-            Kind::Number => "a number",
-            Kind::Place => "a place such as [0, 0, 10]",
-            Kind::Spot => "a place in the plane such as [0, 10]",
-            Kind::Factors => {
+            ArgumentKind::Positive => "a number above 0",
+            ArgumentKind::Length => "a number of 0 or more",
+            ArgumentKind::Number => "a number",
+            ArgumentKind::Place => "a place such as [0, 0, 10]",
+            ArgumentKind::Spot => "a place in the plane such as [0, 10]",
+            ArgumentKind::Factors => {
                 "three numbers such as [1, 1, 2], none of them 0 \
                  (f.scale_uniform(2) takes one)"
             }
-            Kind::Axis => "an axis such as \"z\" or [1, 1, 0]",
-            Kind::Plane => "a plane such as \"yz\" or [1, 0, 0]",
-            Kind::Shape => "a shape",
-            Kind::Shapes => "shapes",
-            Kind::Points => "three places or more, [[0, 0], [10, 0], [0, 5]]",
+            ArgumentKind::Axis => "an axis such as \"z\" or [1, 1, 0]",
+            ArgumentKind::Plane => "a plane such as \"yz\" or [1, 0, 0]",
+            ArgumentKind::Shape => "a shape",
+            ArgumentKind::Shapes => "shapes",
+            ArgumentKind::Points => {
+                "three places or more, [[0, 0], [10, 0], [0, 5]]"
+            }
         }
     }
 }
@@ -90,7 +92,7 @@ enum Value {
 /// An argument.
 struct Argument {
     name: &'static str,
-    kind: Kind,
+    kind: ArgumentKind,
     /// The default of a number, which is that of each coordinate of a place.
     /// Axes default to z and planes to yz, if there is a number here.
     default: Option<f64>,
@@ -171,7 +173,7 @@ fn rows() -> impl Iterator<Item = &'static Row> {
 /// Makes the shapes known to scripts.
 pub(super) fn add_shapes(engine: &mut Engine, bodies: &Bodies) {
     for row in rows() {
-        let many = row.arguments.iter().any(|a| a.kind == Kind::Shapes);
+        let many = row.arguments.iter().any(|a| a.kind == ArgumentKind::Shapes);
         let most = if many {
             MOST_VALUES
         } else {
@@ -216,7 +218,10 @@ pub fn makes_body(name: &str, of_bodies: bool) -> bool {
 /// A call with an array, if this is an operation on any number of shapes.
 pub(super) fn of_array(name: &str) -> Option<String> {
     let row = rows().find(|row| row.name == name)?;
-    let many = row.arguments.iter().position(|a| a.kind == Kind::Shapes)?;
+    let many = row
+        .arguments
+        .iter()
+        .position(|a| a.kind == ArgumentKind::Shapes)?;
     Some(match many {
         0 => format!("{name}([a, b])"),
         _ => format!("{name}(a, [b, c])"),
@@ -288,7 +293,7 @@ impl Row {
     ) -> Result<(), String> {
         let mut all = self.arguments.iter().zip(values);
         let free = all.find(|(argument, value)| {
-            let free = value.is_none() || argument.kind == Kind::Shapes;
+            let free = value.is_none() || argument.kind == ArgumentKind::Shapes;
             free && may_be(argument.kind, given)
         });
         let Some((argument, value)) = free else {
@@ -317,9 +322,11 @@ impl Argument {
     fn default_value(&self) -> Option<Value> {
         let number = self.default?;
         Some(match self.kind {
-            Kind::Place | Kind::Spot => Value::Place(DVec3::splat(number)),
-            Kind::Axis => Value::Axis(Axis::Z),
-            Kind::Plane => Value::Plane(Plane::YZ),
+            ArgumentKind::Place | ArgumentKind::Spot => {
+                Value::Place(DVec3::splat(number))
+            }
+            ArgumentKind::Axis => Value::Axis(Axis::Z),
+            ArgumentKind::Plane => Value::Plane(Plane::YZ),
             _ => Value::Number(number),
         })
     }

@@ -1,6 +1,6 @@
 //! What a script's values stand for in a call of a shape.
 
-use super::{Kind, Value};
+use super::{ArgumentKind, Value};
 use crate::script::shape::{components, number, shape};
 use fidget::context::{Tree, TreeOp};
 use fidget::shapes::types::{Axis, Plane, Vec3};
@@ -10,39 +10,45 @@ use rhai::Dynamic;
 
 /// True if a value without a name is of this kind, whether or not it is
 /// allowed.
-pub(super) fn may_be(kind: Kind, value: &Dynamic) -> bool {
+pub(super) fn may_be(kind: ArgumentKind, value: &Dynamic) -> bool {
     let number = value.is_int() || value.is_float();
     match kind {
-        Kind::Shape => !number && shape(value).is_some(),
-        Kind::Shapes => value.is_array() || !number && shape(value).is_some(),
-        Kind::Place | Kind::Spot => place(value).is_some(),
+        ArgumentKind::Shape => !number && shape(value).is_some(),
+        ArgumentKind::Shapes => {
+            value.is_array() || !number && shape(value).is_some()
+        }
+        ArgumentKind::Place | ArgumentKind::Spot => place(value).is_some(),
         // A factor alone is a likely mistake, which has a message.
-        Kind::Factors => number || place(value).is_some(),
-        Kind::Axis => axis(value).is_some(),
-        Kind::Plane => plane(value).is_some(),
-        Kind::Points => value.is_array(),
-        Kind::Positive | Kind::Length | Kind::Number => number,
+        ArgumentKind::Factors => number || place(value).is_some(),
+        ArgumentKind::Axis => axis(value).is_some(),
+        ArgumentKind::Plane => plane(value).is_some(),
+        ArgumentKind::Points => value.is_array(),
+        ArgumentKind::Positive
+        | ArgumentKind::Length
+        | ArgumentKind::Number => number,
     }
 }
 
 /// The value as one of this kind, if it is allowed.
-pub(super) fn read(kind: Kind, value: &Dynamic) -> Option<Value> {
+pub(super) fn read(kind: ArgumentKind, value: &Dynamic) -> Option<Value> {
     let allowed = |of: fn(f64) -> bool| {
         let number = number(value).filter(|n| of(*n));
         number.map(Value::Number)
     };
     match kind {
-        Kind::Shape => shape(value).map(Value::Shape),
-        Kind::Shapes => shapes(value).map(Value::Shapes),
-        Kind::Place => place(value).map(Value::Place),
-        Kind::Spot => place(value).filter(|p| p.z == 0.0).map(Value::Place),
-        Kind::Factors => factors(value).map(Value::Place),
-        Kind::Axis => axis(value).map(Value::Axis),
-        Kind::Plane => plane(value).map(Value::Plane),
-        Kind::Points => points(value).map(Value::Points),
-        Kind::Positive => allowed(|n| n > 0.0),
-        Kind::Length => allowed(|n| n >= 0.0),
-        Kind::Number => allowed(|_| true),
+        ArgumentKind::Shape => shape(value).map(Value::Shape),
+        ArgumentKind::Shapes => shapes(value).map(Value::Shapes),
+        ArgumentKind::Place => place(value).map(Value::Place),
+        ArgumentKind::Spot => {
+            place(value).filter(|p| p.z == 0.0).map(Value::Place)
+        }
+        ArgumentKind::Factors => factors(value).map(Value::Place),
+        ArgumentKind::Axis => axis(value).map(Value::Axis),
+        ArgumentKind::Plane => plane(value).map(Value::Plane),
+        ArgumentKind::Points => points(value).map(Value::Points),
+        ArgumentKind::Positive => allowed(|n| n > 0.0),
+        ArgumentKind::Length => allowed(|n| n >= 0.0),
+        ArgumentKind::Number => allowed(|_| true),
     }
 }
 

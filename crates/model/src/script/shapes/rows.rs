@@ -2,7 +2,7 @@
 
 use super::convex::{area, convex, corner, polygon};
 use super::flush::flush;
-use super::{Argument, Given, Kind, Row};
+use super::{Argument, ArgumentKind, Given, Row};
 use crate::script::shape::union;
 use fidget::context::Tree;
 use fidget::shapes::Blend;
@@ -15,7 +15,7 @@ const MOST_CORNERS: usize = 1000;
 
 const fn argument(
     name: &'static str,
-    kind: Kind,
+    kind: ArgumentKind,
     default: Option<f64>,
 ) -> Argument {
     Argument {
@@ -26,30 +26,30 @@ const fn argument(
 }
 
 pub(super) const fn positive(name: &'static str) -> Argument {
-    argument(name, Kind::Positive, None)
+    argument(name, ArgumentKind::Positive, None)
 }
 
 const fn length(name: &'static str, default: Option<f64>) -> Argument {
-    argument(name, Kind::Length, default)
+    argument(name, ArgumentKind::Length, default)
 }
 
 pub(super) const fn number(
     name: &'static str,
     default: Option<f64>,
 ) -> Argument {
-    argument(name, Kind::Number, default)
+    argument(name, ArgumentKind::Number, default)
 }
 
 const fn place(name: &'static str) -> Argument {
-    argument(name, Kind::Place, None)
+    argument(name, ArgumentKind::Place, None)
 }
 
 const fn shape(name: &'static str) -> Argument {
-    argument(name, Kind::Shape, None)
+    argument(name, ArgumentKind::Shape, None)
 }
 
-const POINTS: Argument = argument("points", Kind::Points, None);
-const CENTER: Argument = argument("center", Kind::Place, Some(0.0));
+const POINTS: Argument = argument("points", ArgumentKind::Points, None);
+const CENTER: Argument = argument("center", ArgumentKind::Place, Some(0.0));
 
 macro_rules! rows {
     ($($name:literal ($($argument:expr),*) $example:literal
@@ -186,8 +186,8 @@ pub(super) const ROWS: &[Row] = rows![
                 - g.number(1) as f32)
         };
     "rounded_rectangle" (
-        argument("lower", Kind::Spot, None),
-        argument("upper", Kind::Spot, None), length("edge", None))
+        argument("lower", ArgumentKind::Spot, None),
+        argument("upper", ArgumentKind::Spot, None), length("edge", None))
         "rounded_rectangle(#{lower: [0, 0], upper: [30, 20], edge: 2})"
         |g| {
             let (lower, upper) = (g.place(0), g.place(1));

@@ -8,7 +8,7 @@
 //! ```
 
 use super::rings::Mark;
-use super::{Comb, KEPT, SLACK, Stop, stops_length};
+use super::{BEFORE_PULLING_TIGHT, Comb, KEPT, Stop, stops_length};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::path_length;
@@ -35,8 +35,8 @@ const SHARES: [f64; 3] = [1.0, 0.6, 0.3];
 
 /// The hull of a stretch of a ring beside a straight way.
 struct Hull {
-    /// The hull's points in coordinates along the way and to the stretch's
-    /// side.
+    /// The hull's points. Their x runs along the straight way, and their y to the
+    /// side on which the stretch lies.
     points: Vec<DVec2>,
     along: DVec2,
     aside: DVec2,
@@ -151,7 +151,7 @@ impl Comb<'_> {
         let mut best: Option<(Mm, Hull)> = None;
         for (ahead, length) in sides {
             let worse = best.is_some() && length > ROUND_ABOUT * sides[0].1;
-            if worse || length > SLACK * longest {
+            if worse || length > BEFORE_PULLING_TIGHT * longest {
                 break;
             }
             let stretch = self.stretch(pair[0], pair[1], ahead);

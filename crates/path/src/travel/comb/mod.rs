@@ -69,7 +69,7 @@ const SPACING: f64 = 0.7;
 
 /// How many times longer than the longest way allowed a way along rings may be.
 /// Pulling it tight does not shorten it by more.
-const SLACK: f64 = 2.0;
+const BEFORE_PULLING_TIGHT: f64 = 2.0;
 
 /// Greatest number of times that a way is pulled tight.
 const ROUNDS: usize = 4;
@@ -123,7 +123,7 @@ impl<'a> Comb<'a> {
             .chunks_exact(2)
             .map(|pair| self.ring_way(pair[0], pair[1]).abs())
             .sum();
-        if along > SLACK * longest {
+        if along > BEFORE_PULLING_TIGHT * longest {
             return None;
         }
         let around = |spacing: Mm| {

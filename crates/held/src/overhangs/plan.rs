@@ -1,0 +1,65 @@
+//! What tells which places hang.
+
+use isoslice_base::units::{Degrees, Mm};
+use isoslice_layer::walls::WallPlan;
+use isoslice_settings::Settings;
+
+/// How far layers hold what is above them.
+#[derive(Clone, Copy, Debug)]
+pub struct OverhangPlan {
+    /// A face that leans by up to this from the vertical holds itself.
+    pub angle: Degrees,
+    /// True if skin over a gap turns so that its lines bridge the gap.
+    pub bridges: bool,
+    /// True if lines of skin that run across a gap count as bridges where `bridge_max`
+    /// is 0. They sag, so supports do not count them.
+    pub by_skin: bool,
+    /// Greatest length of a bridge, mm.
+    pub bridge_max: Mm,
+    /// Directions of skin's lines in even and in odd layers.
+    pub directions: [Degrees; 2],
+    /// The walls.
+    pub walls: WallPlan,
+    /// Width of the thinnest line, mm.
+    pub thinnest: Mm,
+    /// Height of the thickest layers above the first, mm.
+    pub thickest_layer: Mm,
+    /// Number of the raft's layers.
+    pub raft_layers: usize,
+}
+
+/// Longest lines of skin across a gap that count as bridges where there are none,
+/// mm: as long as bridges are by default.
+const SKIN_SPAN: Mm = 10.0;
+
+impl OverhangPlan {
+    /// The plan that settings ask for.
+    pub fn of(settings: &Settings) -> OverhangPlan {
+        OverhangPlan {
+            angle: settings.support.angle,
+            bridges: settings.bridges(),
+            by_skin: true,
+            bridge_max: if settings.bridges() {
+                settings.bridge_max
+            } else {
+                SKIN_SPAN
+            },
+            directions: [0, 1].map(|layer| settings.skin_direction(layer)),
+            walls: WallPlan::of(settings),
+            thinnest: settings.thinnest_line(),
+            thickest_layer: settings.thickest_layer(),
+            raft_layers: settings.raft_layers(),
+        }
+    }
+
+    /// How far a layer of a height sticks out along a face that leans by just the
+    /// angle.
+    pub(super) fn slope(&self, height: Mm) -> Mm {
+        height * self.angle.to_radians().tan()
+    }
+
+    /// Direction of the skin's lines in a layer.
+    pub(super) fn direction(&self, layer: usize) -> Degrees {
+        self.directions[layer % 2]
+    }
+}
