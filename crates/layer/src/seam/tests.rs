@@ -155,9 +155,10 @@ fn of_corners_alike_those_over_the_ground_are_taken() {
     let here = moved(DVec2::ZERO);
     let seam = |lean: DVec2, below: Option<usize>| {
         let under = moved(-0.2 * lean);
-        let ground = Ground::new(here.grid(), under.grid(), 0.2);
+        let view = LayerView::of(1, &here, &[], &[&under]);
+        let ground = Ground::of(view.here, view.below[0]);
         let below = below.map(|corner| Below::lower(square[corner], 1, 0.0));
-        let at = follow(&site, &square, below, Some(ground)).unwrap();
+        let at = follow(&site, &square, below, ground).unwrap();
         square.iter().position(|p| p.distance(at) < 1e-9).unwrap()
     };
     // The rearmost one is to the right, if nothing hangs there.
