@@ -15,6 +15,7 @@ use isoslice_layer::walls::Interlock;
 use isoslice_path::travel::{Ground, Move, connect};
 use isoslice_path::z_contouring::Site;
 use isoslice_planar::Solid;
+use isoslice_planar::bead::Plane;
 
 impl PartPaths<'_> {
     /// Makes the path of a layer. `from` is where the layer below ends, if it
@@ -134,7 +135,7 @@ impl PartPaths<'_> {
         if rise != 0.0 {
             let all = beads.iter_mut().map(|ended| &mut ended.bead);
             for bead in all.filter(|bead| bead.role.is_support()) {
-                bead.plane = rise;
+                bead.plane = Plane::Supports(rise);
                 bead.stroke.rise_by(rise);
             }
         }

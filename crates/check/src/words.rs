@@ -81,6 +81,7 @@ const HARMLESS: &str = "
     M971 M972 M973 M974 M975 M976 M977 M978 M980 M980.3 M981 M982 M982.2
     M982.4 M982.5 M983 M983.1 M983.3 M984 M985 M986 M990 M991 M1002 M1003
     M1004 M1005 M1006 M1007 M1010 M1011 M201.2
+    G40 G94 M602 M912 M929 M998
     T255 T1000 T1001 T1100 T65279 T65535
 ";
 
@@ -109,7 +110,7 @@ const RECALL: &str = "sets places and modes back to what was saved before, \
                       which the check does not follow";
 const LOGIC: &str = "makes what follows depend on what only the printer knows";
 
-// Rows: a command, perhaps when the row applies, and the effect.
+// Rows: commands, perhaps when the row applies, and the effect.
 macro_rules! rows {
     ($($($part:expr),+ => $effect:expr;)*) => {
         &[$(($($part,)+ $effect)),*]
@@ -121,57 +122,25 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "G6", Always => Harms(UNSEEN);
     "G10", Has(b"L") => Harms(ZERO);
     "G26", Always => Warns("prints a pattern of the firmware's own");
-    "G29", Always => Disturbs(PROBES);
+    "G29 G30 G32 G33 G34 G35 G76 G80 M48", Always => Disturbs(PROBES);
     "G29.1", Beyond(b"Z", -1.0, 1.0) => Harms(ZERO);
-    "G30", Always => Disturbs(PROBES);
-    "G32", Always => Disturbs(PROBES);
-    "G33", Always => Disturbs(PROBES);
-    "G34", Always => Disturbs(PROBES);
-    "G35", Always => Disturbs(PROBES);
-    "G38", Always => Warns(UNSEEN);
-    "G38.2", Always => Warns(UNSEEN);
-    "G38.3", Always => Warns(UNSEEN);
-    "G38.4", Always => Warns(UNSEEN);
-    "G38.5", Always => Warns(UNSEEN);
-    "G40", Always => Effect::None;
-    "G42", Always => Warns(UNSEEN);
-    "G55", Always => Harms(ZERO);
-    "G56", Always => Harms(ZERO);
-    "G57", Always => Harms(ZERO);
-    "G58", Always => Harms(ZERO);
-    "G59", Always => Harms(ZERO);
-    "G59.1", Always => Harms(ZERO);
-    "G59.2", Always => Harms(ZERO);
-    "G59.3", Always => Harms(ZERO);
-    "G61", Always => Warns(UNSEEN);
+    "G38 G38.2 G38.3 G38.4 G38.5 G42 G61 G380 G383 M585", Always
+        => Warns(UNSEEN);
+    "G55 G56 G57 G58 G59 G59.1 G59.2 G59.3 M428", Always => Harms(ZERO);
     "G68", Always => Harms("turns every move after it about a point");
-    "G76", Always => Disturbs(PROBES);
-    "G80", Always => Disturbs(PROBES);
     "G92", Has(b"XYZ") => Disturbs(ZERO);
     "G92", Lacks(b"E") => Disturbs(ZERO);
-    "G92.1", Always => Warns(ZERO);
+    "G92.1 M212", Always => Warns(ZERO);
     "G93", Always => Harms("makes every F a time and not a speed");
-    "G94", Always => Effect::None;
     "G95", Always => Harms("makes every F a share of a turn");
-    "G380", Always => Warns(UNSEEN);
-    "G383", Always => Warns(UNSEEN);
-    "M0", Always => Warns(WAITS);
-    "M1", Always => Warns(WAITS);
-    "M3", Always => Warns("turns a spindle or a laser on");
-    "M4", Always => Warns("turns a spindle or a laser on");
-    "M23", Always => Harms(FILES);
+    "M0 M1 M25 M125 M226 M600 M601", Always => Warns(WAITS);
+    "M3 M4", Always => Warns("turns a spindle or a laser on");
+    "M23 M26 M28 M29 M30 M32 M472 M559 M560", Always => Harms(FILES);
     "M24", Always => Warns("starts a file on the printer, or this one again");
-    "M25", Always => Warns(WAITS);
-    "M26", Always => Harms(FILES);
-    "M28", Always => Harms(FILES);
-    "M29", Always => Harms(FILES);
-    "M30", Always => Harms(FILES);
-    "M32", Always => Harms(FILES);
-    "M33", Always => Warns(FILES);
+    "M33 M470 M471 M928", Always => Warns(FILES);
     "M37", Always => Harms("makes the printer simulate and not print");
     "M42", Always => Warns("switches a pin, and the check cannot know of what");
     "M43", Always => Warns("switches pins, and the check cannot know of what");
-    "M48", Always => Disturbs(PROBES);
     "M81", Always => Disturbs("turns the printer off");
     "M92", Has(b"XYZ") => Harms(STEPS);
     "M92", Always => Warns(STEPS);
@@ -182,16 +151,11 @@ const ROWS: &[(&str, When, Effect)] = rows! {
         => Warns("turns end stops on, or saves the state of the machine");
     "M121", Always
         => Warns("turns end stops off, or sets the machine's state back");
-    "M125", Always => Warns(WAITS);
     "M143", Always
         => Warns("changes the greatest temperature that the printer allows");
     "M149", Has(b"FK") => Harms("makes temperatures Fahrenheit or Kelvin");
-    "M163", Always => Warns("changes what is mixed");
-    "M164", Always => Warns("changes what is mixed");
-    "M165", Always => Warns("changes what is mixed");
-    "M166", Always => Warns("changes what is mixed");
-    "M201", Beyond(b"XYZE", 1.0, 200_000.0) => Warns(ABSURD);
-    "M202", Beyond(b"XYZE", 1.0, 200_000.0) => Warns(ABSURD);
+    "M163 M164 M165 M166", Always => Warns("changes what is mixed");
+    "M201 M202", Beyond(b"XYZE", 1.0, 200_000.0) => Warns(ABSURD);
     "M203", Beyond(b"XYZE", 0.1, 200_000.0) => Warns(ABSURD);
     "M204", Beyond(b"SPRT", 1.0, 200_000.0) => Warns(ABSURD);
     "M205", Beyond(b"XYZE", 0.0, 200.0) => Warns(ABSURD);
@@ -205,7 +169,6 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M210", Always => Warns("changes the speed of homing");
     "M211", Is(b'S', 0.0) => Warns(FREE);
     "M211", Has(b"XYZ") => Warns(FREE);
-    "M212", Always => Warns(ZERO);
     "M218", Beyond(b"XY", -100.0, 100.0)
         => Harms("moves a tool farther than tools are apart");
     "M218", Beyond(b"Z", -5.0, 5.0)
@@ -215,96 +178,55 @@ const ROWS: &[(&str, When, Effect)] = rows! {
         => Warns("has a share of the speed beyond 10 to 300 %");
     "M221", Beyond(b"S", 50.0, 200.0)
         => Warns("has a share of the flow beyond 50 to 200 %");
-    "M226", Always => Warns(WAITS);
     "M260", Always => Warns("talks to other devices");
     "M290", Beyond(b"ZS", -1.0, 1.0) => Harms(ZERO);
-    "M301", Always => Warns(CONTROL);
+    "M301 M304 M305 M306 M307 M308 M309", Always => Warns(CONTROL);
     "M302", Always => Warns("lets cold filament be pushed");
     "M303", Always => Harms("tunes a heater, in the middle of a file");
-    "M304", Always => Warns(CONTROL);
-    "M305", Always => Warns(CONTROL);
-    "M306", Always => Warns(CONTROL);
-    "M307", Always => Warns(CONTROL);
-    "M308", Always => Warns(CONTROL);
-    "M309", Always => Warns(CONTROL);
     "M350", Always
-        => Warns(
-            "changes the motors' microsteps, and with it lengths in some \
-             firmware"
-        );
+        => Warns("changes the motors' microsteps, and with it lengths in some \
+                  firmware");
     "M410", Always => Harms("stops all motors at once");
-    "M420", Always => Disturbs(LEVEL);
+    "M420 M561", Always => Disturbs(LEVEL);
     "M421", Always => Warns("changes the measured bed");
     "M425", Always => Warns("changes the backlash that is made up for");
-    "M428", Always => Harms(ZERO);
     "M452", Always => Warns("makes the printer a laser");
     "M453", Always => Warns("makes the printer a mill");
-    "M470", Always => Warns(FILES);
-    "M471", Always => Warns(FILES);
-    "M472", Always => Harms(FILES);
     "M500", Always => Warns(MEMORY);
     "M501", Always
         => Warns("reads the settings back from the printer's memory");
     "M502", Always
         => Harms("resets the printer's settings: steps, offsets, limits");
     "M524", Always => Harms("ends the print");
-    "M553", Always => Warns(NO_PRINT);
-    "M554", Always => Warns(NO_PRINT);
+    "M553 M554 M587 M588 M589", Always => Warns(NO_PRINT);
     "M555", Always => Warns("changes what the printer takes commands for");
-    "M556", Always => Warns(SHAPE);
+    "M556 M665 M666 M852", Always => Warns(SHAPE);
     "M558", Always => Warns("changes the probe");
-    "M559", Always => Harms(FILES);
-    "M560", Always => Harms(FILES);
-    "M561", Always => Disturbs(LEVEL);
     "M562", Always => Warns("resets a heater's fault");
     "M563", Always => Warns("defines a tool anew");
     "M564", Is(b'S', 0.0) => Warns(FREE);
     "M564", Is(b'H', 0.0) => Warns("lets axes move that were not homed");
     "M566", Beyond(b"XYZE", 0.0, 12_000.0) => Warns(ABSURD);
     "M569", Has(b"P") => Harms(MOTORS);
-    "M569", Always => Effect::None;
     "M570", Always => Warns("changes when a heater's fault is noticed");
     "M574", Always => Warns("changes the end stops");
     "M579", Always => Harms(STEPS);
-    "M581", Always => Warns(LOGIC);
-    "M582", Always => Warns(LOGIC);
+    "M581 M582 M703", Always => Warns(LOGIC);
     "M584", Always => Harms(MOTORS);
-    "M585", Always => Warns(UNSEEN);
-    "M587", Always => Warns(NO_PRINT);
-    "M588", Always => Warns(NO_PRINT);
-    "M589", Always => Warns(NO_PRINT);
     "M592", Always => Warns("makes the feed another at speed");
-    "M600", Always => Warns(WAITS);
-    "M601", Always => Warns(WAITS);
-    "M602", Always => Effect::None;
     "M605", Beyond(b"S", 0.0, 1.0) => Warns("makes two heads print the same");
-    "M605", Always => Effect::None;
-    "M665", Always => Warns(SHAPE);
-    "M666", Always => Warns(SHAPE);
-    "M667", Always => Harms(SHAPE);
-    "M669", Always => Harms(SHAPE);
+    "M667 M669", Always => Harms(SHAPE);
     "M701", Always => Warns("loads filament in the firmware's own way");
     "M702", Always => Warns("unloads filament in the firmware's own way");
-    "M703", Always => Warns(LOGIC);
     "M851", Beyond(b"Z", -10.0, 10.0)
         => Harms("changes how high the nozzle is over the bed");
     "M851", Has(b"XYZ") => Warns("changes how high the nozzle is over the bed");
-    "M852", Always => Warns(SHAPE);
     "M900", Beyond(b"KL", 0.0, 200.0) => Warns(ABSURD);
     "M906", Beyond(b"XYZE", 0.0, 3000.0) => Harms(MOTORS);
     "M906", Always => Warns(MOTORS);
-    "M907", Always => Warns(MOTORS);
-    "M908", Always => Warns(MOTORS);
-    "M909", Always => Warns(MOTORS);
-    "M912", Always => Effect::None;
-    "M913", Always => Warns(MOTORS);
-    "M914", Always => Warns(MOTORS);
-    "M915", Always => Warns(MOTORS);
-    "M928", Always => Warns(FILES);
-    "M929", Always => Effect::None;
+    "M907 M908 M909 M913 M914 M915", Always => Warns(MOTORS);
     "M950", Always => Warns("defines pins, heaters or fans anew");
     "M997", Always => Harms("replaces the printer's firmware");
-    "M998", Always => Effect::None;
     "M999", Always
         => Harms("restarts the printer, or goes on after its emergency stop");
 };
@@ -323,66 +245,38 @@ const HARMLESS_NAMES: &str = "
     SET_RETRACTION SET_SERVO SET_SMOOTH_TIME SET_TEMPERATURE_FAN_TARGET
     SET_VELOCITY_LIMIT STATUS TEMPERATURE_WAIT TIMELAPSE_TAKE_FRAME
     TURN_OFF_HEATERS BREAK CONTINUE T? TX TC
+    DUMP_TMC GLOBAL RESUME SKIP VAR
 ";
 
 /// The effects of the other commands that are names.
 const NAMES: &[(&str, Effect)] = rows! {
-    "@PAUSE" => Warns(WAITS);
-    "ABORT" => Harms("ends the print");
-    "AXIS_TWIST_COMPENSATION_CALIBRATE" => Warns(UNSEEN);
-    "BED_MESH_CALIBRATE" => Disturbs(PROBES);
-    "BED_MESH_CLEAR" => Disturbs(LEVEL);
-    "BED_MESH_PROFILE" => Disturbs(LEVEL);
-    "BED_SCREWS_ADJUST" => Warns(WAITS);
-    "BED_TILT_CALIBRATE" => Disturbs(PROBES);
-    "CANCEL_PRINT" => Harms("ends the print");
-    "DELTA_CALIBRATE" => Disturbs(PROBES);
-    "DUMP_TMC" => Effect::None;
-    "ELIF" => Warns(LOGIC);
-    "ELSE" => Warns(LOGIC);
-    "FIRMWARE_RESTART" => Harms("restarts the printer");
+    "@PAUSE BED_SCREWS_ADJUST MANUAL_PROBE PAUSE PROBE_CALIBRATE \
+     Z_ENDSTOP_CALIBRATE" => Warns(WAITS);
+    "ABORT CANCEL_PRINT" => Harms("ends the print");
+    "AXIS_TWIST_COMPENSATION_CALIBRATE MANUAL_STEPPER" => Warns(UNSEEN);
+    "BED_MESH_CALIBRATE BED_TILT_CALIBRATE DELTA_CALIBRATE PROBE \
+     PROBE_ACCURACY QUAD_GANTRY_LEVEL SCREWS_TILT_CALCULATE Z_TILT_ADJUST"
+        => Disturbs(PROBES);
+    "BED_MESH_CLEAR BED_MESH_PROFILE" => Disturbs(LEVEL);
+    "ELIF ELSE IF SET UPDATE_DELAYED_GCODE WHILE" => Warns(LOGIC);
+    "FIRMWARE_RESTART RESTART" => Harms("restarts the printer");
     "FORCE_MOVE" => Harms("moves a motor without the printer's knowing where");
-    "GLOBAL" => Effect::None;
-    "IF" => Warns(LOGIC);
-    "INIT_TMC" => Warns(MOTORS);
-    "MANUAL_PROBE" => Warns(WAITS);
-    "MANUAL_STEPPER" => Warns(UNSEEN);
-    "PAUSE" => Warns(WAITS);
+    "INIT_TMC SET_TMC_CURRENT SET_TMC_FIELD" => Warns(MOTORS);
     "PID_CALIBRATE" => Harms("tunes a heater, in the middle of a file");
-    "PROBE" => Disturbs(PROBES);
-    "PROBE_ACCURACY" => Disturbs(PROBES);
-    "PROBE_CALIBRATE" => Warns(WAITS);
-    "QUAD_GANTRY_LEVEL" => Disturbs(PROBES);
-    "RESTART" => Harms("restarts the printer");
     "RESTORE_GCODE_STATE" => Warns(RECALL);
-    "RESUME" => Effect::None;
     "SAVE_CONFIG" => Harms("writes the printer's settings and restarts it");
-    "SCREWS_TILT_CALCULATE" => Disturbs(PROBES);
-    "SDCARD_PRINT_FILE" => Harms(FILES);
-    "SDCARD_RESET_FILE" => Harms(FILES);
-    "SET" => Warns(LOGIC);
+    "SDCARD_PRINT_FILE SDCARD_RESET_FILE" => Harms(FILES);
     "SET_DUAL_CARRIAGE" => Warns("takes another carriage");
-    "SET_EXTRUDER_ROTATION_DISTANCE" => Harms(STEPS);
-    "SET_EXTRUDER_STEP_DISTANCE" => Harms(STEPS);
+    "SET_EXTRUDER_ROTATION_DISTANCE SET_EXTRUDER_STEP_DISTANCE" => Harms(STEPS);
     "SET_KINEMATIC_POSITION"
         => Harms("tells the printer that the head is elsewhere");
     "SET_PIN" => Warns("switches a pin, and the check cannot know of what");
-    "SET_SKEW" => Warns(SHAPE);
+    "SET_SKEW SKEW_PROFILE" => Warns(SHAPE);
     "SET_STEPPER_ENABLE" => Warns("turns motors on or off");
-    "SET_TMC_CURRENT" => Warns(MOTORS);
-    "SET_TMC_FIELD" => Warns(MOTORS);
-    "SKEW_PROFILE" => Warns(SHAPE);
-    "SKIP" => Effect::None;
     "STEPPER_BUZZ" => Harms(NO_PRINT);
     "SYNC_EXTRUDER_MOTION" => Warns("joins extruders to one another");
     "TUNING_TOWER" => Warns("changes a setting of the printer's by height");
-    "UPDATE_DELAYED_GCODE" => Warns(LOGIC);
-    "VAR" => Effect::None;
-    "WHILE" => Warns(LOGIC);
-    "Z_ENDSTOP_CALIBRATE" => Warns(WAITS);
-    "Z_OFFSET_APPLY_ENDSTOP" => Warns(MEMORY);
-    "Z_OFFSET_APPLY_PROBE" => Warns(MEMORY);
-    "Z_TILT_ADJUST" => Disturbs(PROBES);
+    "Z_OFFSET_APPLY_ENDSTOP Z_OFFSET_APPLY_PROBE" => Warns(MEMORY);
 };
 
 type Rows = Vec<(When, Effect)>;
@@ -393,8 +287,8 @@ static TABLE: LazyLock<BTreeMap<(u8, u32), Rows>> = LazyLock::new(|| {
     for key in HARMLESS.split_whitespace().filter_map(key) {
         table.entry(key).or_default();
     }
-    for (name, when, effect) in ROWS {
-        if let Some(key) = key(name) {
+    for (names, when, effect) in ROWS {
+        for key in names.split_whitespace().filter_map(key) {
             table.entry(key).or_default().push((*when, *effect));
         }
     }
@@ -430,13 +324,10 @@ pub(super) fn of_name(named: &Named) -> Option<Effect> {
             Effect::None
         });
     }
-    if let Some((_, effect)) = NAMES.iter().find(|(name, _)| named.is(name)) {
-        return Some(*effect);
-    }
-    HARMLESS_NAMES
-        .split_ascii_whitespace()
-        .any(|name| named.is(name))
-        .then_some(Effect::None)
+    let among = |names: &str| names.split_whitespace().any(|n| named.is(n));
+    let row = NAMES.iter().find(|(names, _)| among(names));
+    let effect = row.map(|(_, effect)| *effect);
+    effect.or_else(|| among(HARMLESS_NAMES).then_some(Effect::None))
 }
 
 /// A command as it is written: `M104.1`.
@@ -461,14 +352,20 @@ mod tests {
             assert!(written == name || name.starts_with("M620.1"), "{name}");
         }
         let mut last_of = BTreeMap::new();
-        for (i, (name, when, _)) in ROWS.iter().enumerate() {
-            let key = key(name).unwrap();
-            let before = last_of.insert(key, (i, matches!(when, Always)));
-            // Rows of a command stand together, and none follows a row that
-            // always applies.
-            assert!(before.is_none_or(|b| b == (i - 1, false)), "{name}");
+        for (i, (names, when, _)) in ROWS.iter().enumerate() {
+            for name in names.split_whitespace() {
+                let always = matches!(when, Always);
+                let before = last_of.insert(key(name).unwrap(), (i, always));
+                // Rows of a command stand together, and none follows a row
+                // that always applies.
+                assert!(before.is_none_or(|b| b == (i - 1, false)), "{name}");
+            }
         }
-        let names: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
-        assert!(names.is_sorted() && names.iter().all(|n| !n.is_empty()));
+        let names =
+            NAMES.iter().flat_map(|(names, _)| names.split_whitespace());
+        let all: Vec<&str> =
+            names.chain(HARMLESS_NAMES.split_whitespace()).collect();
+        let apart: std::collections::BTreeSet<_> = all.iter().collect();
+        assert_eq!(apart.len(), all.len());
     }
 }

@@ -68,7 +68,7 @@ impl<W: Write> Writer<'_, W> {
                 self.supports |= bead.role.is_support();
             }
             if let PacedMove::Print { bead, .. } = step
-                && (bead.plane - self.plane).abs() > MICRON
+                && (bead.plane.of_supports() - self.plane).abs() > MICRON
             {
                 self.plane_comments(bead)?;
             }
@@ -172,7 +172,10 @@ impl<W: Write> Writer<'_, W> {
             PacedMove::Print { bead, .. } => Some(bead),
             _ => None,
         });
-        match printed.next().filter(|bead| bead.plane != 0.0) {
+        match printed
+            .next()
+            .filter(|bead| bead.plane.of_supports() != 0.0)
+        {
             Some(bead) => self.plane_comments(bead),
             None => self.height_comments(layer.span.height()),
         }
@@ -181,7 +184,7 @@ impl<W: Write> Writer<'_, W> {
     /// Writes the comments before a bead that lies at another height than those
     /// before it in its layer. Viewers show such beads as a layer of their own.
     fn plane_comments(&mut self, bead: &Bead) -> Result<(), WriteError> {
-        self.plane = bead.plane;
+        self.plane = bead.plane.of_supports();
         self.height_comments(bead.height)
     }
 

@@ -145,7 +145,7 @@ impl<'a> WriterPlan<'a> {
     pub(super) fn with(
         change: impl FnOnce(&mut Settings),
     ) -> WriterPlan<'static> {
-        isoslice_settings::plan_with(
+        isoslice_settings::testing::plan_with(
             |s| WriterPlan::of(Box::leak(Box::new(s.clone()))),
             change,
         )

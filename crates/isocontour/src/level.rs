@@ -9,6 +9,7 @@
 
 use crate::Length;
 use crate::cells::{CASES, JOINED_5, JOINED_10};
+use crate::plane::simplify::keep_farthest;
 use glam::DVec2;
 
 /// Where the function is sampled.
@@ -233,16 +234,10 @@ fn zeros(
 }
 
 /// The points of a line without those that are within `tolerance` of the chords
-/// between the others (Ramer 1972, Douglas and Peucker 1973). The ends stay.
+/// between the others. The ends stay.
 pub fn thin(points: &[DVec2], tolerance: Length) -> Vec<DVec2> {
-    let Some(last) = points.len().checked_sub(1).filter(|&n| n > 1) else {
-        return points.to_vec();
-    };
-    let mut out = vec![points[0]];
-    // Ends of the pieces that are still to be looked at, the nearest on top.
-    let mut stack = vec![last];
-    let mut from = 0;
-    while let Some(&to) = stack.last() {
+    let mut keep = vec![false; points.len()];
+    keep_farthest(&mut keep, |from, to| {
         let chord = points[to] - points[from];
         let length = chord.length();
         let off = |p: DVec2| {
@@ -255,19 +250,12 @@ pub fn thin(points: &[DVec2], tolerance: Length) -> Vec<DVec2> {
                 d.length()
             }
         };
-        let farthest = (from + 1..to)
-            .map(|k| (off(points[k]), k))
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        match farthest {
-            Some((d, k)) if d > tolerance => stack.push(k),
-            _ => {
-                out.push(points[to]);
-                stack.pop();
-                from = to;
-            }
-        }
-    }
-    out
+        let all = (from + 1..to).map(|k| (off(points[k]), k));
+        let farthest = all.max_by(|a, b| a.0.total_cmp(&b.0));
+        farthest.filter(|f| f.0 > tolerance).map(|f| f.1)
+    });
+    let all = points.iter().zip(keep);
+    all.filter(|p| p.1).map(|p| *p.0).collect()
 }
 
 #[cfg(test)]

@@ -276,7 +276,7 @@ mod tests {
     use isoslice_planar::bead::spacing;
     use isoslice_planar::grid::EdgeGrid;
     use isoslice_planar::shapes::rect;
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
 
     #[test]
     fn the_skirt_keeps_its_distance() {
@@ -333,9 +333,7 @@ mod tests {
     #[test]
     fn the_brim_is_where_it_should_be() {
         let frame = frame();
-        assert!(
-            brim(&frame, 0.2, &BrimPlan::of(&Settings::default())).is_empty()
-        );
+        assert!(brim(&frame, 0.2, &usual_plan(BrimPlan::of)).is_empty());
         let step = spacing(0.45, 0.45, 0.2);
         let grid = EdgeGrid::new(&frame, 1.0);
         let count = |place: BrimPlace, width: Mm| {

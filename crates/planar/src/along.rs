@@ -52,10 +52,36 @@ pub fn parted(
     [part, rest]
 }
 
+/// Two places on the way from one place to another, no farther apart than
+/// `exact`, between which an answer changes. `same` is true where the answer is
+/// that at the beginning; it is false at the end.
+pub fn change(
+    mut from: DVec2,
+    mut to: DVec2,
+    exact: Mm,
+    same: impl Fn(DVec2) -> bool,
+) -> [DVec2; 2] {
+    while from.distance(to) > exact {
+        let middle = from.midpoint(to);
+        if same(middle) {
+            from = middle
+        } else {
+            to = middle
+        }
+    }
+    [from, to]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::path_length;
+
+    #[test]
+    fn a_change_is_found_where_it_is() {
+        let [p, q] = change(DVec2::ZERO, DVec2::X, 0.01, |p| p.x < 0.3);
+        assert!(p.x < 0.3 && q.x >= 0.3 && q.x - p.x <= 0.01, "{p} {q}");
+    }
 
     #[test]
     fn the_parts_of_a_line_meet_at_the_length() {

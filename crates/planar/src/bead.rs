@@ -354,11 +354,31 @@ pub struct Bead {
     /// Length of the closed wall of which this is all, or a piece; infinite for
     /// other beads.
     pub ring: Mm,
-    /// True for a wall that is to lie half a layer lower.
-    pub sunk: bool,
-    /// Height above the layer's top of the plane to which the bead belongs:
-    /// supports have planes of their own. Its points may be higher or lower.
-    pub plane: Mm,
+    /// The plane to which it belongs. Its points may be higher or lower.
+    pub plane: Plane,
+}
+
+/// A plane in which beads of a layer lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Plane {
+    /// The layer's own.
+    #[default]
+    Layer,
+    /// Half a layer lower: that of every other inner wall, if walls interlock.
+    HalfLower,
+    /// One of the supports', whose top is so far above the layer's, mm.
+    Supports(Mm),
+}
+
+impl Plane {
+    /// How far the supports to which it belongs are above the layer; 0 for other
+    /// planes.
+    pub fn of_supports(self) -> Mm {
+        match self {
+            Plane::Supports(above) => above,
+            Plane::Layer | Plane::HalfLower => 0.0,
+        }
+    }
 }
 
 impl Bead {
@@ -370,8 +390,7 @@ impl Bead {
             height,
             laid_as: role,
             ring: f64::INFINITY,
-            sunk: false,
-            plane: 0.0,
+            plane: Plane::Layer,
         }
     }
 

@@ -46,6 +46,7 @@ mod error;
 mod firmware;
 mod foreign;
 mod gone;
+mod idle;
 mod infill;
 mod layer_heights;
 pub mod layers;
@@ -107,15 +108,3 @@ pub use words::{
     InfillPattern, PlateSequence, SeamRule, SkinPattern, SkinWhere,
     SupportStyle, Supports, WallOffset, WallOrder,
 };
-
-/// What the usual settings with a change resolve to, for tests of what follows
-/// from settings.
-#[doc(hidden)]
-pub fn plan_with<P>(
-    of: impl FnOnce(&Settings) -> P,
-    change: impl FnOnce(&mut Settings),
-) -> P {
-    let mut settings = Settings::default();
-    change(&mut settings);
-    of(&settings)
-}

@@ -4,10 +4,11 @@
 //!
 //! ```text
 //! /// Description.
-//! name: Type = default, in least..=greatest;
+//! name: Type = default, in least..=greatest, idle reason | reason;
 //! ```
 //!
-//! and the unit is the type's. The structs, the names in files and on the
+//! and the unit is the type's. The reasons of `idle` are those for which the
+//! setting may have no effect. The structs, the names in files and on the
 //! command line, reading and writing all follow from the rows by the macro in
 //! `table`.
 
@@ -26,9 +27,11 @@ table::settings! {
         ["Layers"]
         /// Height of every layer above the first; auto is 50% of the nozzle's
         /// diameter.
-        layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0,
+            idle own_heights;
         /// Height of the first layer; auto is 50% of the nozzle's diameter.
-        first_layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        first_layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0,
+            idle on_a_raft;
         /// How high the layers above the first are: uniform, as layer_height
         /// says, or adaptive, each as high as the steps on the surface allow.
         /// These are at most layer_height, measured across the surface, or the
@@ -40,10 +43,12 @@ table::settings! {
         /// Least height of layers that are not uniform. A layer that ends at a
         /// level face may be half as high. auto is 20% of the nozzle's
         /// diameter, or layer_height if that is less.
-        layer_height_min: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        layer_height_min: ByNozzle = ByNozzle::Auto, in 0.02..=2.0,
+            idle uniform;
         /// Greatest height of layers that are not uniform; auto is 75% of the
         /// nozzle's diameter, or layer_height if that is more.
-        layer_height_max: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        layer_height_max: ByNozzle = ByNozzle::Auto, in 0.02..=2.0,
+            idle uniform;
 
         ["Outlines"]
         /// Greatest distance between an outline and the true surface.
@@ -64,11 +69,12 @@ table::settings! {
 
         ["Walls"]
         /// Number of walls around each island and hole.
-        walls: u32 = 2, in 0..=1000;
+        walls: u32 = 2, in 0..=1000, idle above_flat_layers;
         /// Number of walls around top skin, whose lines reach up to them. The
         /// other walls go around what the next layer covers. auto is as many
         /// as walls.
-        top_walls: Option<u32> = None, in 1..=1000;
+        top_walls: Option<u32> = None, in 1..=1000,
+            idle above_flat_layers | no_fewer_walls | interlocked | walls_of_the_field;
         /// Whether to print the part as a vase: bottom_layers flat layers,
         /// and above them one wall that climbs without a break, without
         /// infill, top skin, seams and retractions. A number is that of walls
@@ -90,11 +96,13 @@ table::settings! {
         /// Whether every other inner wall lies half a layer lower than its layer,
         /// so that the walls interlock and the part does not split so easily
         /// between layers.
-        walls_interlocked: bool = false;
+        walls_interlocked: bool = false,
+            idle nothing_to_interlock | contoured | too_high_to_interlock | in_a_vase;
         /// Which walls of an island are printed first: inner ones, the outer one,
         /// or the outer one unless it hangs over by more than overhang_share,
         /// so that each wall is laid beside one that holds it.
-        wall_order: WallOrder = WallOrder::InnerFirst;
+        wall_order: WallOrder = WallOrder::InnerFirst,
+            idle no_overhangs | order_in_a_vase;
         /// How walls are offset: by distance in the layer's plane, right for
         /// every field, or by the field's own value, right only where the
         /// field is that distance.
@@ -109,12 +117,13 @@ table::settings! {
         /// number of layers, as in "0.2 mm over 3 layers", each is drawn in less
         /// than the one below.
         elephant_foot: ElephantFoot =
-            ElephantFoot { drawn: 0.0, layers: 1 }, in 0.0..=2.0;
+            ElephantFoot { drawn: 0.0, layers: 1 }, in 0.0..=2.0,
+            idle on_a_raft;
         /// Where outer walls begin and end; an expression puts each wall's seam
         /// where its value is least.
         seam: Varying<SeamRule> = Varying::Constant(SeamRule::Aligned);
         /// How far before its beginning an outer wall ends.
-        seam_gap: Mm = 0.0, in 0.0..=5.0;
+        seam_gap: Mm = 0.0, in 0.0..=5.0, idle no_end_of_a_scarf;
         /// Length over which the flow of an outer wall grows at its beginning,
         /// and over which its end overlaps the beginning with shrinking flow; 0
         /// for a plain seam. No bead of a wall at least 1.8 times as wide as
@@ -123,7 +132,8 @@ table::settings! {
         /// flow, and the end of the wall fills what is left above. Above 90%
         /// scarfs stay level, as those of the first layer do.
         seam_scarf: Scarf =
-            Scarf { length: 0.0, start: 100.0 }, in 0.0..=200.0;
+            Scarf { length: 0.0, start: 100.0 }, in 0.0..=200.0,
+            idle no_scarf_in_a_vase | level_scarf;
         /// How far the nozzle moves inwards, without printing, from the end
         /// of an outer wall before it goes elsewhere.
         seam_wipe: Mm = 0.3, in 0.0..=5.0;
@@ -135,7 +145,7 @@ table::settings! {
         /// Number of solid layers below each upward face, or their least
         /// thickness, such as "0.8 mm"; auto is a thickness of 200% of the
         /// nozzle's diameter.
-        top_layers: Shell = Shell::AUTO, in 0..=50_000;
+        top_layers: Shell = Shell::AUTO, in 0..=50_000, idle above_flat_layers;
         /// Number of solid layers above each downward face, or their least
         /// thickness, such as "0.6 mm"; auto is a thickness of 150% of the
         /// nozzle's diameter.
@@ -167,7 +177,7 @@ table::settings! {
         /// How far skin reaches into the walls around it, as a share of
         /// skin_width, at most half of the wall. 0 lays the ring beside the
         /// wall, which leaves no pit; more than 10% lays too much there.
-        skin_wall_overlap: Percent = 0.0, in 0.0..=50.0;
+        skin_wall_overlap: Percent = 0.0, in 0.0..=50.0, idle no_wall_beside;
         /// Pieces of sparse area smaller than this are filled solid, as
         /// skin. So are pieces that are narrower than two lines, and small ones
         /// in which no line of infill would lie.
@@ -177,21 +187,24 @@ table::settings! {
         /// Whether to go over each top once more, with next to no material,
         /// to make it smooth. A number is that material's share of what would
         /// fill the layer; true is 10%.
-        ironing: SwitchOr<Percent> = SwitchOr::Off, in 0.1..=100.0;
+        ironing: SwitchOr<Percent> = SwitchOr::Off, in 0.1..=100.0,
+            idle no_tops | above_flat_layers;
         /// Distance between the lines of ironing; auto is 25% of the nozzle's
         /// diameter.
         ironing_spacing: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// How much walls, skin and ironing that lie open follow the surface
         /// above them: 0 leaves the layers' steps, with 100 the nozzle runs on
         /// the surface itself.
-        contour_z: Varying<Percent> = Varying::Constant(0.0), in 0.0..=100.0;
+        contour_z: Varying<Percent> = Varying::Constant(0.0), in 0.0..=100.0,
+            idle in_a_vase;
         /// Angle from the level up to which faces get all of contour_z; it
         /// fades over the next 10°.
-        contour_z_angle: Degrees = 15.0, in 0.0..=35.0;
+        contour_z_angle: Degrees = 15.0, in 0.0..=35.0,
+            idle nozzle_too_flat | steps_stay;
         /// Whether undersides over supports and bridges follow the surface below
         /// them, as far as contour_z says: the nozzle stays at the layer's top,
         /// and the material goes as deep as the surface.
-        contour_z_below: bool = false;
+        contour_z_below: bool = false, idle steps_stay;
 
         ["Bridges and overhangs"]
         /// How far a bridge's lines reach onto what holds them.
@@ -210,9 +223,11 @@ table::settings! {
         /// is that of such layers, each across the one below; true is 2 where
         /// infill_density is below 10%, else 1. If the density is an expression,
         /// the distance between the infill's lines decides.
-        internal_bridges: SwitchOr<u32> = SwitchOr::On, in 1..=10;
+        internal_bridges: SwitchOr<u32> = SwitchOr::On, in 1..=10,
+            idle unheld_ends | in_a_vase;
         /// Material of internal bridges, as a share of what skin would get.
-        internal_bridge_flow: Percent = 100.0, in 10.0..=300.0;
+        internal_bridge_flow: Percent = 100.0, in 10.0..=300.0,
+            idle no_internal_bridges | unheld_internal_bridges;
         /// Share of its width by which a wall may hang over the layer below
         /// before it is printed as an overhang; with 100 no wall is.
         overhang_share: Percent = 50.0, in 0.0..=100.0;
@@ -220,38 +235,42 @@ table::settings! {
         /// are printed the other way round on every other layer, so that what
         /// the cooling plastic pulls at does not add up. Walls that interlock
         /// keep their direction.
-        overhang_reverse: bool = false;
+        overhang_reverse: bool = false, idle no_overhangs | in_a_vase;
 
         ["Supports"]
         /// Whether to print supports under what nothing else holds: nowhere,
         /// wherever they are needed (auto), or only where they stand on the
         /// bed (plate).
-        supports: Supports = Supports::Off;
+        supports: Supports = Supports::Off, idle in_a_vase;
 
         ["Draughts"]
         /// Whether a wall, one line thick, stands around the part and its
         /// supports and keeps draughts off: off, full, or up to a height above
         /// the bed. It takes the skirt's place.
-        draft_shield: DraftShield = DraftShield::Off, in 0.1..=10_000.0;
+        draft_shield: DraftShield = DraftShield::Off, in 0.1..=10_000.0,
+            idle shield_too_low;
 
         ["Sparse infill"]
         /// Share of the inside that is printed; 0 leaves it hollow. Infill
         /// that is an expression is as dense as the expression makes it.
         infill_density: Varying<Percent> = Varying::Constant(15.0),
-            in 0.0..=100.0;
+            in 0.0..=100.0, idle above_flat_layers | dense_by_expression;
         /// Pattern of the sparse infill. An expression, or the path of a
         /// script, is a pattern of your own: beads where it is zero, or a shape
         /// that is negative inside (infill_mode).
-        infill: Infill = Infill::Pattern(InfillPattern::Rectilinear);
+        infill: Infill = Infill::Pattern(InfillPattern::Rectilinear),
+            idle above_flat_layers;
         /// What an expression of infill is: a surface to lay beads on, or a
         /// solid to print like a part of its own, with one wall, or with the
         /// number of walls written here.
-        infill_mode: InfillMode = InfillMode::Surface, in 0..=1000;
+        infill_mode: InfillMode = InfillMode::Surface, in 0..=1000,
+            idle infill_of_a_pattern;
         /// Line width of sparse infill; auto is 112.5% of the nozzle's
         /// diameter.
         infill_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Direction of infill lines, counter-clockwise from the x axis.
-        infill_angle: Degrees = 45.0, in -360.0..=360.0;
+        infill_angle: Degrees = 45.0, in -360.0..=360.0,
+            idle turned_by_expression;
         /// How far sparse infill reaches into the wall or skin around it, as
         /// a share of its line width; skin has skin_wall_overlap.
         infill_overlap: Percent = 25.0, in 0.0..=100.0;
@@ -270,7 +289,8 @@ table::settings! {
     fuzzy: FuzzySkin {
         /// Greatest distance by which an outer wall is moved outwards or
         /// inwards; 0 leaves it smooth.
-        thickness: Varying<Mm> = Varying::Constant(0.0), in 0.0..=5.0;
+        thickness: Varying<Mm> = Varying::Constant(0.0), in 0.0..=5.0,
+            idle above_flat_layers;
         /// Size of the bumps.
         grain: Mm = 0.8, in 0.1..=100.0;
         /// Whether the walls of holes are fuzzy, too.
@@ -285,9 +305,10 @@ table::settings! {
         /// positive, under every face, whatever its angle; where it is
         /// negative, under none; where it is 0, by the angle. z is the height
         /// of the underside above the bed. A number holds everywhere.
-        where_: Varying = Varying::Constant(0.0), in -10.0..=10.0;
+        where_: Varying = Varying::Constant(0.0), in -10.0..=10.0,
+            idle no_supports;
         /// What supports look like below their dense tops.
-        style: SupportStyle = SupportStyle::Auto;
+        style: SupportStyle = SupportStyle::Auto, idle no_supports;
         /// Distance between supports and the part beside them.
         xy_gap: Mm = 0.35, in 0.0..=10.0;
         /// Gap between a support and the underside above it, whatever the
@@ -306,23 +327,24 @@ table::settings! {
         /// the distance between their lines, from middle to middle, such as
         /// "0.8 mm".
         interface_density: LineDensity = LineDensity::Share(95.0),
-            in 10.0..=100.0;
+            in 10.0..=100.0, idle no_dense_layers;
         /// Pattern of the dense layers at the top of a support: concentric
         /// rings, or lines, towards infill_angle or the angle written here on
         /// even layers, counter-clockwise from the x axis, and turned by a right
         /// angle on odd ones.
         interface_pattern: InterfacePattern = InterfacePattern::Lines,
-            in -360.0..=360.0;
+            in -360.0..=360.0, idle no_dense_layers;
         /// Whether the top of a support is level in each layer, or follows the
         /// underside above it; contour_z_below gives that underside no steps.
-        interface_shape: InterfaceShape = InterfaceShape::Flat;
+        interface_shape: InterfaceShape = InterfaceShape::Flat,
+            idle no_supports;
         /// Material extruded for supports, and for the first layer of a raft, as
         /// a share of their beads' volume; multiplies flow.
-        flow: Percent = 100.0, in 10.0..=300.0;
+        flow: Percent = 100.0, in 10.0..=300.0, idle nothing_below;
         /// Material extruded for the dense layers at the top of a support, and
         /// for the solid layers of a raft, as a share of their beads' volume;
         /// multiplies flow.
-        interface_flow: Percent = 100.0, in 10.0..=300.0;
+        interface_flow: Percent = 100.0, in 10.0..=300.0, idle nothing_below;
     }
     /// Layers between the bed and the part, which come off after the print.
     raft: Raft {
@@ -331,10 +353,10 @@ table::settings! {
         layers: u32 = 0, in 0..=100;
         /// Air between the raft and the part. auto is 0.2 mm, or the nozzle's
         /// diameter less layer_height if that is less.
-        gap: Option<Mm> = None, in 0.0..=2.0;
+        gap: Option<Mm> = None, in 0.0..=2.0, idle no_raft;
         /// How far the raft reaches beyond the first layer of the part and of
         /// its supports.
-        expansion: Mm = 3.0, in 0.0..=100.0;
+        expansion: Mm = 3.0, in 0.0..=100.0, idle no_raft;
     }
     /// Speeds of the nozzle.
     speed: Speed {
@@ -370,7 +392,7 @@ table::settings! {
             in 0.1..=2000.0;
         /// Speed of internal bridges.
         internal_bridge: Varying<MmPerSec> = Varying::Constant(40.0),
-            in 0.1..=2000.0;
+            in 0.1..=2000.0, idle no_internal_bridges | unheld_internal_bridges;
         /// Speed of walls that hang over the layer below by more than
         /// overhang_share, or speeds by the share of a wall's width that reaches
         /// beyond that layer. Between steps the speed changes evenly, from the
@@ -388,7 +410,7 @@ table::settings! {
         /// Speed of the skirt and the brim.
         skirt: MmPerSec = 30.0, in 0.1..=2000.0;
         /// Greatest printing speed on the first layer.
-        first_layer: MmPerSec = 20.0, in 0.1..=2000.0;
+        first_layer: MmPerSec = 20.0, in 0.1..=2000.0, idle faster_than_all;
         /// Speed of moves that do not print.
         travel: MmPerSec = 150.0, in 0.1..=2000.0;
     }
@@ -458,7 +480,7 @@ table::settings! {
         max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
         /// Length of filament pushed forward beyond what was pulled back, to
         /// make up for what oozed; negative for less.
-        extra_prime: Mm = 0.0, in -5.0..=5.0;
+        extra_prime: Mm = 0.0, in -5.0..=5.0, idle no_retraction;
         /// How far the nozzle goes on along the bead just printed while it
         /// retracts: round a closed one, back along an open one; 0 for no
         /// wiping.
@@ -467,7 +489,7 @@ table::settings! {
         /// done during the wipe.
         before_wipe: Percent = 0.0, in 0.0..=100.0;
         /// How far the nozzle is lifted during a retracted travel.
-        z_hop: Mm = 0.0, in 0.0..=10.0;
+        z_hop: Mm = 0.0, in 0.0..=10.0, idle no_retraction;
         /// Which retracted travels are lifted.
         z_hop_when: HopWhen = HopWhen::Crossing;
         /// Whether the firmware retracts (G10 and G11). The start of the file
@@ -477,12 +499,12 @@ table::settings! {
     /// Loops around the part that start the flow before the part does.
     skirt: Skirt {
         /// Number of loops; 0 for no skirt.
-        loops: u32 = 1, in 0..=1000;
+        loops: u32 = 1, in 0..=1000, idle shielded;
         /// Gap between the part, or its brim, and the innermost loop or the
         /// draft shield; auto is 6 mm, and 10 mm for a draft shield.
         distance: Option<Mm> = None, in 0.0..=1000.0;
         /// Number of layers, from the bed, that have a skirt.
-        layers: u32 = 1, in 0..=50_000;
+        layers: u32 = 1, in 0..=50_000, idle shielded;
     }
     /// Several parts on one plate.
     plate: PlateSettings {
@@ -504,7 +526,7 @@ table::settings! {
         /// easier the brim comes off.
         gap: Mm = 0.1, in 0.0..=20.0;
         /// Corners of the first layer that are sharper than this get ears.
-        ear_angle: Degrees = 125.0, in 0.0..=180.0;
+        ear_angle: Degrees = 125.0, in 0.0..=180.0, idle no_ears;
     }
     /// Fan, and slowing down for small layers.
     cooling: Cooling {
@@ -515,11 +537,13 @@ table::settings! {
         bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Speed of the part's fan while internal bridges are printed; auto is
         /// bridge_fan_speed.
-        internal_bridge_fan_speed: Option<Percent> = None, in 0.0..=100.0;
+        internal_bridge_fan_speed: Option<Percent> = None, in 0.0..=100.0,
+            idle no_internal_bridges | unheld_internal_bridges;
         /// Speed of the part's fan while the dense layers at the top of
         /// supports, and the solid layers of a raft, are printed: the faster
         /// the fan, the less they stick to the part. auto is fan_speed.
-        support_interface_fan_speed: Option<Percent> = None, in 0.0..=100.0;
+        support_interface_fan_speed: Option<Percent> = None, in 0.0..=100.0,
+            idle nothing_below;
         /// Speed of the part's fan while overhanging walls are printed, or
         /// speeds by the share of a wall's width that reaches beyond the layer
         /// below. Between steps the speed changes evenly, from fan_speed at 0%
@@ -531,18 +555,19 @@ table::settings! {
         /// Number of the first layer, from the bed, whose fan runs at full
         /// speed; from fan_off_layers up to it the fan comes up in even steps.
         /// 0 for no steps.
-        full_fan_layer: u32 = 0, in 0..=50_000;
+        full_fan_layer: u32 = 0, in 0..=50_000, idle fan_still_off;
         /// Speed of the part's fan on layers that take only min_layer_time, if
         /// it is more than fan_speed; layers that take less than
         /// long_layer_time get a speed in between. auto is fan_speed.
         short_layer_fan_speed: Option<Percent> = None, in 0.0..=100.0;
         /// A layer that takes this long or longer has fan_speed.
-        long_layer_time: Seconds = 30.0, in 0.0..=3600.0;
+        long_layer_time: Seconds = 30.0, in 0.0..=3600.0,
+            idle no_layers_between;
         /// Least time of a layer; a layer that would take less is printed
         /// slower.
         min_layer_time: Seconds = 8.0, in 0.0..=3600.0;
         /// Least speed to which min_layer_time slows beads down.
-        min_speed: MmPerSec = 10.0, in 0.1..=2000.0;
+        min_speed: MmPerSec = 10.0, in 0.1..=2000.0, idle no_slowing;
     }
     /// The material.
     filament: Filament {
@@ -680,7 +705,7 @@ table::settings! {
         /// Whether the start sets the printer's accelerations and its speed
         /// through corners. If false, these only count for the estimate of the
         /// time.
-        set_limits: bool = true;
+        set_limits: bool = true, idle limits_of_the_printer;
         /// Whether layers tell how far the print has come, and the minutes left
         /// (M73); auto does so for Marlin, Prusa's and Bambu Lab's firmware. Only
         /// files of a whole part can tell.

@@ -6,6 +6,7 @@
 //! setting.
 
 use super::Settings;
+use super::idle::Reason;
 use super::rows::{GROUPS, KEYS};
 use super::value::{Measure, Range, Raw, Value, ValueKind};
 
@@ -23,6 +24,8 @@ pub struct Key {
     pub(super) doc: &'static str,
     pub(super) field: fn(&Settings) -> &dyn Value,
     pub(super) field_mut: fn(&mut Settings) -> &mut dyn Value,
+    /// What may deprive the setting of its effect.
+    pub(super) idle: &'static [Reason],
 }
 
 impl Key {
@@ -434,7 +437,8 @@ macro_rules! settings {
                 $(
                     $(#[doc = $doc:literal])+
                     $field:ident : $ty:ident $(<$inner:ident>)? = $default:expr
-                        $(, in $min:literal ..= $max:literal)?;
+                        $(, in $min:literal ..= $max:literal)?
+                        $(, idle $($idle:ident)|+)?;
                 )+
             )+
         }
@@ -446,7 +450,8 @@ macro_rules! settings {
                     $gfield:ident : $gty:ident $(<$ginner:ident>)?
                         = $gdefault:expr
                         $(, in $gmin:literal ..= $gmax:literal
-                            $($gzero:ident)?)?;
+                            $($gzero:ident)?)?
+                        $(, idle $($gidle:ident)|+)?;
                 )+
             }
         )+
@@ -506,6 +511,7 @@ macro_rules! settings {
                 doc: concat!($($doc, "\n"),+),
                 field: |settings| &settings.$field,
                 field_mut: |settings| &mut settings.$field,
+                idle: &[$($($crate::idle::$idle),+)?],
             },)+)+
             $($($crate::Key {
                 name: concat!(
@@ -519,6 +525,7 @@ macro_rules! settings {
                 doc: concat!($($gdoc, "\n"),+),
                 field: |settings| &settings.$group.$gfield,
                 field_mut: |settings| &mut settings.$group.$gfield,
+                idle: &[$($($crate::idle::$gidle),+)?],
             },)+)+
         ];
     };

@@ -1,4 +1,4 @@
-//! Settings for the tests of other crates.
+//! Settings, and the plans that follow from them, for the tests of other crates.
 
 use super::{Builder, Settings};
 
@@ -11,4 +11,19 @@ pub fn settings(assignments: &[&str]) -> Settings {
         builder.set(assignment).unwrap();
     }
     builder.settings().clone()
+}
+
+/// What the default settings resolve to.
+pub fn usual_plan<P>(of: impl FnOnce(&Settings) -> P) -> P {
+    plan_with(of, |_| ())
+}
+
+/// What the default settings with a change resolve to.
+pub fn plan_with<P>(
+    of: impl FnOnce(&Settings) -> P,
+    change: impl FnOnce(&mut Settings),
+) -> P {
+    let mut settings = Settings::default();
+    change(&mut settings);
+    of(&settings)
 }

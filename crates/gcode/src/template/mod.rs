@@ -16,8 +16,6 @@ mod depth;
 mod engine;
 mod error;
 mod foreign;
-#[cfg(test)]
-mod imported;
 mod line_ends;
 mod pieces;
 #[cfg(test)]

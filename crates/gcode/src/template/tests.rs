@@ -1,3 +1,5 @@
+mod imported;
+
 use super::*;
 use glam::DVec3;
 use isoslice_settings::testing::settings;

@@ -150,10 +150,11 @@ impl Foot {
 mod tests {
     use super::*;
     use isoslice_planar::shapes::{circle, rect};
-    use isoslice_settings::{BrimPlace, Settings, plan_with};
+    use isoslice_settings::BrimPlace;
+    use isoslice_settings::testing::{plan_with, usual_plan};
 
     fn usual() -> BrimPlan {
-        BrimPlan::of(&Settings::default())
+        usual_plan(BrimPlan::of)
     }
 
     fn holds(outline: &Area) -> Mm {

@@ -176,10 +176,10 @@ mod tests {
     use super::*;
     use glam::DVec2;
     use isoslice_planar::{Ring, rect};
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     fn both(here: &Area, below: &Area) -> [Area; 2] {
-        let plan = OverhangPlan::of(&Settings::default());
+        let plan = usual_plan(OverhangPlan::of);
         let printed = |area: &Area| Printed::new(area, 0.2, &plan).0;
         let Unheld { must, thin } =
             unheld(&printed(here), &printed(below), 1, 0.2, &plan);
@@ -195,7 +195,7 @@ mod tests {
     fn a_ledge_needs_support_beyond_what_the_layer_below_holds() {
         let below = rect(0.0, 0.0, 10.0, 10.0);
         let area = of(&rect(0.0, 0.0, 30.0, 10.0), &below);
-        let held = held(0.2, &OverhangPlan::of(&Settings::default()));
+        let held = held(0.2, &usual_plan(OverhangPlan::of));
         let exact = 10.0 * (20.0 - held);
         assert!((area.content() - exact).abs() < 0.1, "{}", area.content());
         // 0.28 mm in a layer of 0.2 mm: 54.5°.
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn a_slope_needs_support_by_its_angle_whatever_the_layer_height() {
-        let plan = OverhangPlan::of(&Settings::default());
+        let plan = usual_plan(OverhangPlan::of);
         let below = rect(0.0, 0.0, 10.0, 10.0);
         for height in [0.05, 0.1, 0.2, 0.3, 0.6] {
             let needs = |angle: f64| {
@@ -236,7 +236,7 @@ mod tests {
         // In the middle of a plate lines run from side to side.
         assert!(over(&slit(0.0)).is_empty());
         // Beside its edge walls run along the slit.
-        let held = held(0.2, &OverhangPlan::of(&Settings::default()));
+        let held = held(0.2, &usual_plan(OverhangPlan::of));
         let exact = (1.0 - 2.0 * held) * (14.0 - 2.0 * held);
         let found = over(&slit(8.7)).content();
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
@@ -261,7 +261,7 @@ mod tests {
             union(&blocks, &Area::from(all))
         };
         let (here, below) = (neck(1.5), neck(1.0));
-        let held = held(0.2, &OverhangPlan::of(&Settings::default()));
+        let held = held(0.2, &usual_plan(OverhangPlan::of));
         let exact = difference(&here, &offset(&below, held, 1e-3)).content();
         let found = of(&here, &below).content();
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
@@ -281,7 +281,7 @@ mod tests {
             difference(&plate, &unite(&Area::from(ring)))
         };
         let (here, below) = (slot(0.6), slot(0.0));
-        let held = held(0.2, &OverhangPlan::of(&Settings::default()));
+        let held = held(0.2, &usual_plan(OverhangPlan::of));
         let exact = difference(&here, &offset(&below, held, 1e-3)).content();
         let found = of(&here, &below).content();
         assert!(exact > 0.05, "{exact}");
@@ -296,7 +296,7 @@ mod tests {
         let strip = rect(0.0, 0.0, 10.5, 10.0);
         let post = rect(9.0, -2.0, 10.4, -0.2);
         let (here, below) = (union(&strip, &post), union(&plate, &post));
-        let held = held(0.2, &OverhangPlan::of(&Settings::default()));
+        let held = held(0.2, &usual_plan(OverhangPlan::of));
         let found = of(&here, &below).content();
         let exact = (0.5 - held) * (10.0 - held);
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
@@ -308,7 +308,7 @@ mod tests {
         let plate = rect(0.0, 0.0, 10.0, 10.0);
         let spike =
             |half: f64| union(&plate, &rect(9.0, 5.0 - half, 14.0, 5.0 + half));
-        let held = held(0.2, &OverhangPlan::of(&Settings::default()));
+        let held = held(0.2, &usual_plan(OverhangPlan::of));
         let [need, unprinted] = both(&spike(0.1), &plate);
         assert!(need.is_empty(), "{need:?}");
         let exact = 0.2 * (4.0 - held);

@@ -143,11 +143,11 @@ mod tests {
     use super::*;
     use isoslice_planar::clip::union;
     use isoslice_planar::rect;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     /// What is left of `need` in the middle one of some layers.
     fn left(need: &Area, outlines: &[Area]) -> Area {
-        let plan = OverhangPlan::of(&Settings::default());
+        let plan = usual_plan(OverhangPlan::of);
         let spans = LayerSpan::stack(0.2, outlines.len());
         let middle = outlines.len() / 2;
         let outlines: Vec<_> = outlines.iter().map(Neighbour::new).collect();

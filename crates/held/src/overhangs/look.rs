@@ -433,7 +433,7 @@ fn under_lids(
 mod tests {
     use super::*;
     use isoslice_planar::shapes::rect;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     #[test]
     fn a_bridge_is_held_wherever_its_ring_begins() {
@@ -450,7 +450,7 @@ mod tests {
             [&here, &below],
             5,
             [0.2; 2],
-            &OverhangPlan::of(&Settings::default()),
+            &usual_plan(OverhangPlan::of),
         );
         let said: Vec<Said> = look
             .rim

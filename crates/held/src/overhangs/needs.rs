@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use isoslice_planar::clip::{difference, union};
     use isoslice_planar::rect;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     fn told(needs: &[Area], outlines: &[Area]) -> Vec<Unsupported> {
         let spans = LayerSpan::stack(0.2, outlines.len());
@@ -144,7 +144,7 @@ mod tests {
             far: &[],
         };
         let place = |p: DVec2, span: &LayerSpan| p.extend(span.bottom);
-        needs.places(&OverhangPlan::of(&Settings::default()), place)
+        needs.places(&usual_plan(OverhangPlan::of), place)
     }
 
     #[test]

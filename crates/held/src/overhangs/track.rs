@@ -284,11 +284,11 @@ mod tests {
     use super::*;
     use isoslice_planar::clip::{difference, union};
     use isoslice_planar::{Area, Solid, rect};
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     #[test]
     fn what_begins_in_a_cavity_is_told_apart() {
-        let plan = OverhangPlan::of(&Settings::default());
+        let plan = usual_plan(OverhangPlan::of);
         let plate = rect(0.0, 0.0, 60.0, 20.0);
         let below = difference(&plate, &rect(5.0, 5.0, 55.0, 14.0));
         let counts = |ball: &Area| {

@@ -115,15 +115,14 @@ fn off_the_bed(foot: Foot, height: Mm) -> String {
 mod tests {
     use super::*;
     use glam::DVec3;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     /// A ball in a closed cavity, and slivers elsewhere that need no word.
     #[test]
     fn no_island_is_told_twice() {
         let mut hanging = Hanging::default();
         let told = |hanging: &Hanging| {
-            let all =
-                hanging.warnings(30.0, &OverhangPlan::of(&Settings::default()));
+            let all = hanging.warnings(30.0, &usual_plan(OverhangPlan::of));
             all.iter().map(|w| w.contains("cavity")).collect::<Vec<_>>()
         };
         hanging.add_where(true, 12.0, DVec3::new(1.0, 2.0, 3.0));

@@ -255,7 +255,7 @@ mod tests {
     use isoslice_planar::rect;
     use isoslice_settings::Supports;
     use isoslice_settings::layers::LayerSpan;
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
 
     fn spans(count: usize) -> Vec<LayerSpan> {
         LayerSpan::stack(0.2, count)
@@ -332,10 +332,7 @@ mod tests {
         let spans = spans(140);
         let outlines = body(x, &spans);
         let plan = plan(&outlines, Supports::Auto);
-        let held = crate::overhangs::held(
-            0.2,
-            &OverhangPlan::of(&Settings::default()),
-        );
+        let held = crate::overhangs::held(0.2, &usual_plan(OverhangPlan::of));
         let leans = spans.windows(2).filter_map(|pair| {
             let [below, here] = [0, 1].map(|k| x(pair[k].sample_z()));
             (here - below > held).then_some(here)
@@ -346,7 +343,7 @@ mod tests {
         let layers = layers.filter(|area| !area.is_empty());
         let wide = layers.map(|area| area.bounds().max.x).fold(0.0, f64::max);
         let beyond = wide - needs;
-        let half = 0.5 * SupportPlan::of(&Settings::default()).width;
+        let half = 0.5 * usual_plan(SupportPlan::of).width;
         assert!((0.0..half + 0.05).contains(&beyond), "{beyond}");
     }
 
@@ -358,9 +355,7 @@ mod tests {
             let here = rect(from, -9.0, to, 9.0);
             intersection(&top, &here).bounds().max.y - 6.0
         };
-        let size = super::super::room::Size::new(&SupportPlan::of(
-            &Settings::default(),
-        ));
+        let size = super::super::room::Size::new(&usual_plan(SupportPlan::of));
         let [near, far] = [beyond(4.4, 4.8), beyond(12.0, 20.0)];
         assert!((near - size.post).abs() < 0.05, "{near}");
         assert!((far - size.beyond).abs() < 0.05, "{far}");
@@ -612,7 +607,7 @@ mod tests {
         let outlines: Vec<Area> = (0..64).map(of).collect();
         let plan = plan(&outlines, Supports::Auto);
         assert_eq!(plan.unheld.area, 0.0);
-        let gap = SupportPlan::of(&Settings::default()).xy_gap;
+        let gap = usual_plan(SupportPlan::of).xy_gap;
         // The post has a foot in the lowest layers.
         for j in 6..40 {
             let post = all(&plan, j);

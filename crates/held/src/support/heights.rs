@@ -216,7 +216,7 @@ impl Heights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use isoslice_settings::plan_with;
+    use isoslice_settings::testing::plan_with;
 
     /// Layers of 0.2 mm on a first one of 0.3 mm, or of some heights.
     fn layers(heights: impl IntoIterator<Item = Mm>) -> Vec<LayerSpan> {

@@ -77,12 +77,12 @@ mod tests {
     use crate::support::heights::Heights;
     use isoslice_base::units::Mm2;
     use isoslice_planar::rect;
-    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
+    use isoslice_settings::testing::usual_plan;
 
     /// Content of the pads below a stack of layers, all of which need a support.
     fn pad(height: Mm, outlines: &[Area]) -> f64 {
-        let plan = SupportPlan::of(&Settings::default());
+        let plan = usual_plan(SupportPlan::of);
         let spans = LayerSpan::stack(height, outlines.len());
         let heights = Heights::new(spans, &plan);
         let parts = Parts::in_layers(&heights, outlines, &[]);
@@ -91,7 +91,7 @@ mod tests {
 
     /// Content of what lies within reach of the pad of a rectangle.
     fn around(wide: Mm, high: Mm) -> Mm2 {
-        let beyond = Size::new(&SupportPlan::of(&Settings::default())).post;
+        let beyond = Size::new(&usual_plan(SupportPlan::of)).post;
         let round = std::f64::consts::PI * beyond * beyond;
         wide * high + 2.0 * (wide + high) * beyond + round
     }
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_pad_keeps_away_from_what_else_is_near_to_the_bed() {
-        let plan = SupportPlan::of(&Settings::default());
+        let plan = usual_plan(SupportPlan::of);
         let edge = rect(0.0, 0.0, 10.0, 0.4);
         // The space between the edge and what is beside it, and half a pad.
         let rest = |space: Mm| {

@@ -206,14 +206,11 @@ fn joined(islands: impl Iterator<Item = Area>) -> Area {
 mod tests {
     use super::*;
     use isoslice_planar::rect;
-    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
+    use isoslice_settings::testing::usual_plan;
 
     fn heights() -> Heights {
-        Heights::new(
-            LayerSpan::stack(0.2, 6),
-            &SupportPlan::of(&Settings::default()),
-        )
+        Heights::new(LayerSpan::stack(0.2, 6), &usual_plan(SupportPlan::of))
     }
 
     #[test]
@@ -226,7 +223,7 @@ mod tests {
         let parts = Parts::in_layers(&heights, &none, &ends);
         let areas = vec![rect(-3.0, -3.0, 3.0, 3.0); 6];
         let no_pads = Area::EMPTY;
-        let plan = SupportPlan::of(&Settings::default());
+        let plan = usual_plan(SupportPlan::of);
         let found = pieces(parts, &none, areas, &no_pads, &plan);
         let content =
             |j: usize| found[j].iter().map(|p| p.all().content()).sum::<f64>();
@@ -238,7 +235,7 @@ mod tests {
 
     #[test]
     fn what_is_right_above_makes_an_island_dense_and_narrow_strips_with_it() {
-        let plan = SupportPlan::of(&Settings::default());
+        let plan = usual_plan(SupportPlan::of);
         let island = rect(0.0, 0.0, 10.0, 6.0);
         let split_by = |x: f64| {
             let top = rect(-1.0, -1.0, x, 7.0);
@@ -261,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_narrow_island_is_dense_only_near_to_what_is_above() {
-        let plan = SupportPlan::of(&Settings::default());
+        let plan = usual_plan(SupportPlan::of);
         let wall = rect(0.0, 0.0, 100.0, 0.6);
         let top = rect(-1.0, -1.0, 5.0, 1.0);
         let [body, interface] = split(&wall, wall.bounds(), &[&top], &plan)

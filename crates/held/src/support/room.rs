@@ -344,12 +344,12 @@ mod tests {
     use super::*;
     use crate::support::heights::Heights;
     use isoslice_planar::rect;
-    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
+    use isoslice_settings::testing::usual_plan;
 
     #[test]
     fn a_branch_keeps_the_gap_from_walls_and_stays_out_of_thin_notches() {
-        let plan = SupportPlan::of(&Settings::default());
+        let plan = usual_plan(SupportPlan::of);
         let heights = Heights::new(LayerSpan::stack(0.2, 4), &plan);
         // Two walls, and a slot of 1 mm between them.
         let walls = Area::from_iter([

@@ -221,7 +221,7 @@ mod tests {
     use isoslice_planar::rect;
     use isoslice_settings::Supports;
     use isoslice_settings::layers::LayerSpan;
-    use isoslice_settings::plan_with;
+    use isoslice_settings::testing::plan_with;
 
     #[test]
     fn an_island_rests_on_a_tenth_of_itself_or_a_third_of_a_square_millimetre()

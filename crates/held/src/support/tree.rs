@@ -455,12 +455,12 @@ mod tests {
     use super::*;
     use crate::support::heights::Heights;
     use isoslice_planar::rect;
-    use isoslice_settings::Settings;
     use isoslice_settings::layers::LayerSpan;
+    use isoslice_settings::testing::usual_plan;
 
     /// What [`gather`] makes of branches over empty layers.
     fn gathered(branches: Vec<Branch>) -> Vec<Branch> {
-        let plan = SupportPlan::of(&Settings::default());
+        let plan = usual_plan(SupportPlan::of);
         let heights = Heights::new(LayerSpan::stack(0.2, 4), &plan);
         let none = vec![Area::EMPTY; 4];
         let parts = Parts::in_layers(&heights, &none, &none);

@@ -89,6 +89,28 @@ pub fn simplify_but(
     out
 }
 
+/// Notes which points of a line stay, so that all others are near enough to the
+/// lines between these (Ramer 1972, Douglas and Peucker 1973). `farthest` gives
+/// the point that must stay between two that do, if there is one. What is noted
+/// already stays, and so do both ends.
+pub fn keep_farthest(
+    keep: &mut [bool],
+    farthest: impl Fn(usize, usize) -> Option<usize>,
+) {
+    if let [first, .., last] = keep {
+        (*first, *last) = (true, true);
+    }
+    let kept: Vec<usize> = (0..keep.len()).filter(|&i| keep[i]).collect();
+    let pairs = kept.iter().copied().zip(kept.iter().copied().skip(1));
+    let mut spans: Vec<(usize, usize)> = pairs.collect();
+    while let Some((from, to)) = spans.pop() {
+        if let Some(k) = farthest(from, to) {
+            keep[k] = true;
+            spans.extend([(from, k), (k, to)]);
+        }
+    }
+}
+
 /// A path with as few points as the tolerance permits, each with the number of
 /// the input's point for which it stands. An open path keeps its ends. A closed
 /// path does not repeat its first point, neither here nor in the result, and

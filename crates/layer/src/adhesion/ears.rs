@@ -84,7 +84,7 @@ pub(super) fn corners(outline: &Area, angle: f64) -> Vec<DVec2> {
 mod tests {
     use super::*;
     use isoslice_planar::shapes::{disc, rect};
-    use isoslice_settings::plan_with;
+    use isoslice_settings::testing::plan_with;
 
     #[test]
     fn sharp_convex_corners_get_ears_and_others_none() {

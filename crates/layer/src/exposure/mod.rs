@@ -559,7 +559,7 @@ mod tests {
     use super::*;
     use isoslice_planar::rect;
     use isoslice_settings::Infill;
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
 
     /// Splits the fill of a layer that some more layers would have to cover
     /// from above, which are `beyond` the part.
@@ -588,7 +588,7 @@ mod tests {
 
     #[test]
     fn covered_areas_stay_sparse_and_open_ones_become_skin() {
-        let plan = ExposurePlan::of(&Settings::default());
+        let plan = usual_plan(ExposurePlan::of);
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
         let f = split_under(&fill, &[&all, &all], &[&all], 0, plan);
@@ -619,7 +619,7 @@ mod tests {
     #[test]
     fn a_layer_between_counts() {
         // Only the middle one of three layers above has a hole.
-        let plan = ExposurePlan::of(&Settings::default());
+        let plan = usual_plan(ExposurePlan::of);
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
         let holed = difference(&all, &rect(5.0, 5.0, 10.0, 10.0));
@@ -684,7 +684,7 @@ mod tests {
     #[test]
     fn outlines_of_one_shape_are_no_slope() {
         // The layers above end here, and the outline of the last one is off.
-        let plan = ExposurePlan::of(&Settings::default());
+        let plan = usual_plan(ExposurePlan::of);
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let sparse = |off: f64| {
             let outline = rect(-1.0, -1.0, 21.0, 21.0);
@@ -707,7 +707,7 @@ mod tests {
 
     #[test]
     fn slivers_of_sparse_area_become_skin() {
-        let plan = ExposurePlan::of(&Settings::default());
+        let plan = usual_plan(ExposurePlan::of);
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         // This leaves a strip that is so wide once the skin has grown.
         let strip = |width: f64| {
@@ -729,7 +729,7 @@ mod tests {
 
     #[test]
     fn a_narrow_part_away_from_skin_stays_sparse() {
-        let plan = ExposurePlan::of(&Settings::default());
+        let plan = usual_plan(ExposurePlan::of);
         // A square with skin in one half, and a rib of 1.5 lines beside the
         // other half.
         let rib = rect(20.0, 5.0, 30.0, 5.0 + 1.5 * plan.infill);

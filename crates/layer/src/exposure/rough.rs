@@ -37,14 +37,14 @@ mod tests {
     use crate::cover::open;
     use glam::DVec2;
     use isoslice_planar::shapes::disc;
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
 
     /// Places between the rough and the exact outline are where the rough one
     /// says, whoever is asked.
     #[test]
     fn rough_outlines_agree_with_themselves() {
         let exact = disc(10.0, 2000);
-        let rough = rough(&exact, &WallPlan::of(&Settings::default()));
+        let rough = rough(&exact, &usual_plan(WallPlan::of));
         assert!(rough.area().rings[0].len() < 200);
         let mut between = 0;
         for k in 0..4000 {

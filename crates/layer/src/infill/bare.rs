@@ -58,7 +58,7 @@ mod tests {
     use glam::DVec2;
     use isoslice_planar::bead::{Role, Stroke};
     use isoslice_planar::rect;
-    use isoslice_settings::plan_with;
+    use isoslice_settings::testing::plan_with;
 
     #[test]
     fn small_islands_without_a_line_of_infill_become_skin() {

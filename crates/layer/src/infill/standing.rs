@@ -144,13 +144,13 @@ mod tests {
     use isoslice_planar::Ring;
     use isoslice_planar::bead::{Role, Stroke};
     use isoslice_planar::shapes::{self, circle, moved};
+    use isoslice_settings::testing::{plan_with, usual_plan};
     use isoslice_settings::{Infill, Varying};
-    use isoslice_settings::{Settings, plan_with};
 
     fn graded() -> InfillPlan {
         InfillPlan {
             density: Varying::Expression("9+d".into()),
-            ..InfillPlan::of(&Settings::default())
+            ..usual_plan(InfillPlan::of)
         }
     }
 
@@ -194,7 +194,7 @@ mod tests {
         standing.forget();
         let kept = standing.kept(vec![alone], [&wall].into_iter());
         assert_eq!(kept.len(), 1);
-        assert!(Standing::new(&InfillPlan::of(&Settings::default())).is_none());
+        assert!(Standing::new(&usual_plan(InfillPlan::of)).is_none());
     }
 
     #[test]

@@ -302,7 +302,7 @@ const CELL: Mm = 1.0;
 mod tests {
     use super::*;
     use isoslice_planar::{rect, shapes};
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
 
     fn span(index: usize) -> LayerSpan {
         LayerSpan {
@@ -313,7 +313,7 @@ mod tests {
     }
 
     fn usual() -> OutlinePlan {
-        OutlinePlan::of(&Settings::default())
+        usual_plan(OutlinePlan::of)
     }
 
     fn disc(radius: f64) -> Area {

@@ -186,7 +186,7 @@ mod tests {
     use super::*;
     use isoslice_planar::grid::nearest_on;
     use isoslice_planar::shapes::circle;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     fn off(from: &[DVec2], to: &Stroke) -> Mm {
         let distance = |p: &DVec2| {
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn what_shows_is_thinned_less() {
-        let meant = Resolution::of(&Settings::default());
+        let meant = usual_plan(Resolution::of);
         let points = arc(10.0, 2000);
         let mut counts = Vec::new();
         for role in [Role::OuterWall, Role::GapFill] {
@@ -233,7 +233,7 @@ mod tests {
         let meant = |x: Mm| 0.4 + 0.04 * x.min(5.0);
         let mut stroke = Stroke::new(points, false, 0.5);
         stroke.widths = stroke.points.iter().map(|p| meant(p.x)).collect();
-        Resolution::of(&Settings::default()).thin(&mut stroke, Role::GapFill);
+        usual_plan(Resolution::of).thin(&mut stroke, Role::GapFill);
         assert!((3..=4).contains(&stroke.points.len()), "{stroke:?}");
         assert_eq!(stroke.widths.len(), stroke.points.len());
         for (p, w) in stroke.points.iter().zip(&stroke.widths) {
@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn a_path_does_not_go_zigzag_where_its_width_varies_a_little() {
-        let meant = Resolution::of(&Settings::default());
+        let meant = usual_plan(Resolution::of);
         // The places and widths that two noisy edges give: 2 µm to either side.
         let noise = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let at = |i: usize| DVec2::new(0.07 * i as f64, 0.002 * noise(i));
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn closed_strokes_stay_closed_and_nothing_vanishes() {
-        let meant = Resolution::of(&Settings::default());
+        let meant = usual_plan(Resolution::of);
         let ring = circle(3.0, 400);
         let mut stroke = Stroke::new(ring.clone(), true, 0.45);
         meant.thin(&mut stroke, Role::InnerWall);

@@ -255,8 +255,8 @@ fn inwards(bead: &Bead, plan: &EndingPlan, solid: &EdgeGrid) -> Option<DVec2> {
 /// Length of a path. Parts that are printed twice count twice.
 #[cfg(test)]
 fn printed(bead: &Bead) -> f64 {
-    let pieces = Resolution::of(&isoslice_settings::Settings::default())
-        .pieces(bead.clone());
+    let usual = isoslice_settings::testing::usual_plan(Resolution::of);
+    let pieces = usual.pieces(bead.clone());
     pieces.iter().map(|p| p.area() * p.stroke.length()).sum()
 }
 
@@ -265,7 +265,7 @@ mod tests {
     use super::*;
     use isoslice_planar::Area;
     use isoslice_planar::shapes::square_ring;
-    use isoslice_settings::plan_with;
+    use isoslice_settings::testing::plan_with;
 
     fn wall(half: f64) -> Bead {
         Bead::new(

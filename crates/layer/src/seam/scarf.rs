@@ -121,7 +121,7 @@ fn levelled(
 mod tests {
     use super::*;
     use isoslice_planar::bead::Role;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     /// A loop of 40 mm laid open, for which a straight line stands: its last 10
     /// mm lie over its first ones.
@@ -170,7 +170,7 @@ mod tests {
                 round: 40.0,
                 start,
             };
-            let resolution = Resolution::of(&Settings::default());
+            let resolution = usual_plan(Resolution::of);
             let beads = risen(&line(50.0 - gap, &[]), scarf, resolution);
             let last = beads.len() - 1;
             let area = cross_section(0.45, 0.2);
@@ -213,7 +213,7 @@ mod tests {
             round: 40.0,
             start: 0.1,
         };
-        let resolution = Resolution::of(&Settings::default());
+        let resolution = usual_plan(Resolution::of);
         let beads = risen(&whole, scarf, resolution);
         // Beads that leave the plane have one width.
         assert!(

@@ -606,7 +606,7 @@ fn common_way(under: Under<'_>, angle: Degrees, width: Mm) -> Option<Mm> {
 mod tests {
     use super::*;
     use isoslice_planar::rect;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     /// What is left of the skin of a layer with skin in some places, over infill
     /// whose lines are at these x; and how many patches of bridges the layer has.
@@ -628,7 +628,7 @@ mod tests {
             lines: &lines,
             shell: &[],
         };
-        match bridged(over, under, &[], &SkinPlan::of(&Settings::default())) {
+        match bridged(over, under, &[], &usual_plan(SkinPlan::of)) {
             Some(found) => {
                 assert!(found.left.is_empty());
                 (found.skin.content(), found.patches.len())

@@ -132,7 +132,7 @@ mod tests {
     use glam::DVec2;
     use isoslice_planar::bead::{Role, Stroke, spacing};
     use isoslice_planar::shapes::{disc, rect, square};
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
     use isoslice_settings::{SkinPattern, SwitchOr};
 
     /// The skin of a layer between two others, if there are any.
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_square_gets_a_ring_and_lines_that_turn() {
-        let plan = SkinPlan::of(&Settings::default());
+        let plan = usual_plan(SkinPlan::of);
         let beside = [Some(&square(12.0)), None];
         for layer in [0, 1] {
             let patches =
@@ -221,7 +221,7 @@ mod tests {
         let space = spacing(0.45, 0.45, 0.2);
         let hole = disc(10.0 - 4.0 * space, 720);
         let area = difference(&disc(10.0, 720), &hole);
-        let plan = SkinPlan::of(&Settings::default());
+        let plan = usual_plan(SkinPlan::of);
         let all = laid_between(&area, &Area::EMPTY, [None; 2], 0, &plan);
         assert_eq!(all.len(), 1);
         assert!(all[0].fills.is_empty());
@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn a_roof_over_a_gap_is_a_bridge_but_not_on_the_bed() {
-        let plan = SkinPlan::of(&Settings::default());
+        let plan = usual_plan(SkinPlan::of);
         let wide = square(12.0);
         let frame = difference(&wide, &square(5.0));
         let on = |below: Option<&Area>, layer: usize| {
@@ -360,7 +360,7 @@ mod tests {
         let open = [Some(&around), None];
         let beside = |width: f64, sparse: &Area, others| {
             let strip = rect(-5.0, -0.5 * width, 5.0, 0.5 * width);
-            let plan = SkinPlan::of(&Settings::default());
+            let plan = usual_plan(SkinPlan::of);
             let all = laid_between(&strip, sparse, others, 1, &plan);
             let rings = all.iter().flat_map(|p| &p.rings);
             rings.map(|b| b.role).collect::<Vec<_>>()
@@ -382,7 +382,7 @@ mod tests {
 
     #[test]
     fn too_narrow_for_a_ring_is_left_out() {
-        let plan = SkinPlan::of(&Settings::default());
+        let plan = usual_plan(SkinPlan::of);
         let speck = square(0.15);
         let all = laid_between(&speck, &Area::EMPTY, [None; 2], 0, &plan);
         assert!(all.is_empty());

@@ -268,12 +268,12 @@ mod tests {
     use super::*;
     use crate::walls::WallPlan;
     use glam::DVec2;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     /// Two walls, and skin inside them.
     fn beadings() -> Beadings {
         let [outer, inner] =
-            [0, 1].map(|k| WallPlan::of(&Settings::default()).lay(k, 0.2));
+            [0, 1].map(|k| usual_plan(WallPlan::of).lay(k, 0.2));
         Beadings::new(&[outer, inner], Some(inner))
     }
 

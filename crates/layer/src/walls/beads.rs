@@ -5,7 +5,7 @@ use crate::resolution::Resolution;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::arc;
-use isoslice_planar::bead::{Bead, Role, Stroke};
+use isoslice_planar::bead::{Bead, Plane, Role, Stroke};
 use std::iter;
 
 /// The walls' lines as beads, the outer wall's first. A part too thin for walls
@@ -30,7 +30,7 @@ pub fn interlocked(walls: &Walls, height: Mm) -> Vec<Bead> {
     for (k, lines) in walls.lines.iter().enumerate() {
         let of_wall = &mut all[counted..counted + lines.len()];
         for bead in of_wall.iter_mut().filter(|_| k % 2 == 1) {
-            bead.sunk = true;
+            bead.plane = Plane::HalfLower;
         }
         counted += lines.len();
     }

@@ -68,7 +68,7 @@ mod tests {
     use super::*;
     use crate::walls::WallPlan;
     use isoslice_planar::Area;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
     use std::f64::consts::{FRAC_PI_2, PI};
 
     /// A strip, `thick` mm, that turns by a right angle, with round borders that
@@ -92,7 +92,7 @@ mod tests {
     }
 
     fn strokes(area: &Area) -> (usize, usize) {
-        let w = walls(area, None, 0.2, &WallPlan::of(&Settings::default()));
+        let w = walls(area, None, 0.2, &usual_plan(WallPlan::of));
         (w.lines[0].len(), w.thin[0].len())
     }
 
@@ -101,7 +101,7 @@ mod tests {
         // The ball in the bend is 0.99 mm large.
         let bend = bent(0.75, 0.4, 0.6);
         assert_eq!(strokes(&bend), (0, 1));
-        let w = walls(&bend, None, 0.2, &WallPlan::of(&Settings::default()));
+        let w = walls(&bend, None, 0.2, &usual_plan(WallPlan::of));
         let widest = w.thin[0][0].widths.iter().copied().fold(0.0, f64::max);
         assert!(widest > 0.9, "{widest}");
     }

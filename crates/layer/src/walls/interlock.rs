@@ -25,7 +25,7 @@ use crate::resolution::Resolution;
 use crate::view::{LayerFace, LayerView};
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_planar::bead::{Bead, Level, cross_section, height_of};
+use isoslice_planar::bead::{Bead, Level, Plane, cross_section, height_of};
 
 /// Greatest lean of a face at which a wall goes on in the next layer, as a
 /// share of the wall's width from layer to layer.
@@ -49,7 +49,7 @@ struct Joined {
 impl Interlock<'_> {
     /// A wall in its place; other beads stay as they are.
     pub fn placed(&self, bead: Bead, resolution: Resolution) -> Vec<Bead> {
-        if !bead.sunk
+        if bead.plane != Plane::HalfLower
             || bead.stroke.points.len() < 2
             || isoslice_base::limits::is_stopped()
         {
@@ -178,12 +178,12 @@ mod tests {
     use isoslice_planar::bead::{Role, Stroke};
     use isoslice_planar::shapes::{rect_ring, square_ring};
     use isoslice_planar::{Area, Solid};
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     fn wall(half: Mm) -> Bead {
         let stroke = Stroke::new(square_ring(half), true, 0.45);
         let mut bead = Bead::new(Role::InnerWall, stroke, 0.2);
-        bead.sunk = true;
+        bead.plane = Plane::HalfLower;
         bead
     }
 
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_wall_is_half_a_layer_lower_where_it_goes_on() {
-        let resolution = Resolution::of(&Settings::default());
+        let resolution = usual_plan(Resolution::of);
         let own = solid(square_ring(10.0));
         let plain = volume(&[wall(9.4)]);
         for (below, above, rise, height) in [
@@ -228,14 +228,14 @@ mod tests {
             assert!((share - height / 0.2).abs() < 1e-9, "{share}");
             // Others stay.
             let mut other = wall(9.4);
-            other.sunk = false;
+            other.plane = Plane::Layer;
             assert_eq!(interlock.placed(other.clone(), resolution), [other]);
         }
     }
 
     #[test]
     fn a_wall_ends_at_a_ledge() {
-        let resolution = Resolution::of(&Settings::default());
+        let resolution = usual_plan(Resolution::of);
         let own = solid(square_ring(10.0));
         // The layer above ends at x = 2; its other sides are those of this one.
         let upper = solid(rect_ring(-10.0, -10.0, 2.0, 10.0));

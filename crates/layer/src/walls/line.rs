@@ -10,6 +10,7 @@ use super::medial_axis::Axis;
 use super::widen::{SEEN, Station, across, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
+use isoslice_planar::along::change;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::{Area, Rect, edges};
@@ -252,15 +253,8 @@ pub(super) fn cut(
                     let to = (place(k), free(place(k)));
                     if on != to.1 {
                         changes = true;
-                        let (mut p, mut q) = (from.0, to.0);
-                        while p.distance(q) > END {
-                            let middle = p.midpoint(q);
-                            if free(middle) == on {
-                                p = middle
-                            } else {
-                                q = middle
-                            }
-                        }
+                        let same = |p: DVec2| free(p) == on;
+                        let [p, q] = change(from.0, to.0, END, same);
                         // A line ends or begins at the point that is free.
                         all.push((if on { p } else { q }, to.1));
                     }

@@ -23,6 +23,7 @@ use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::Room;
+use isoslice_planar::simplify::keep_farthest;
 use isoslice_planar::{Solid, path_length};
 
 /// A line along the middle of a thin place.
@@ -84,13 +85,8 @@ impl Axis {
             return self.clone();
         }
         let at = |i: usize| self.points[i].extend(0.5 * self.thickness[i]);
-        let Some(last) = self.points.len().checked_sub(1) else {
-            return self.clone();
-        };
         let mut keep = vec![false; self.points.len()];
-        (keep[0], keep[last]) = (true, true);
-        let mut todo = vec![(0, last)];
-        while let Some((i, j)) = todo.pop() {
+        keep_farthest(&mut keep, |i, j| {
             let (a, b) = (at(i), at(j));
             let along = b - a;
             let length = along.length_squared();
@@ -111,22 +107,14 @@ impl Axis {
                     worst = (off, Some(k));
                 }
             }
-            if let Some(k) = worst.1 {
-                keep[k] = true;
-                todo.extend([(i, k), (k, j)]);
-            }
-        }
-        let count = keep.iter().filter(|k| **k).count();
-        let mut thin = Axis {
-            points: Vec::with_capacity(count),
-            thickness: Vec::with_capacity(count),
+            worst.1
+        });
+        let kept = || (0..keep.len()).filter(|&i| keep[i]);
+        Axis {
+            points: kept().map(|i| self.points[i]).collect(),
+            thickness: kept().map(|i| self.thickness[i]).collect(),
             closed: self.closed,
-        };
-        for i in (0..=last).filter(|&i| keep[i]) {
-            thin.points.push(self.points[i]);
-            thin.thickness.push(self.thickness[i]);
         }
-        thin
     }
 
     /// The axis cut where its thickness passes `limit`: each part is above

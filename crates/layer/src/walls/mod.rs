@@ -633,7 +633,7 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, plan: &WallPlan) -> Mm2 {
 mod tests {
     use super::*;
     use isoslice_planar::shapes;
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
     use std::f64::consts::PI;
 
     fn disc(r: f64) -> Area {
@@ -679,12 +679,7 @@ mod tests {
             let ring = [(0.0, 0.0), (50.0, 0.0), (50.0, width), (0.0, width)]
                 .map(|(x, y)| DVec2::new(x, y))
                 .to_vec();
-            walls(
-                &Area::from(ring),
-                None,
-                0.2,
-                &WallPlan::of(&Settings::default()),
-            )
+            walls(&Area::from(ring), None, 0.2, &usual_plan(WallPlan::of))
         };
         for i in 0..40 {
             let width = 0.3 + 0.04 * f64::from(i);
@@ -708,7 +703,7 @@ mod tests {
 
     #[test]
     fn walls_make_way_for_the_bead_that_begins_between_them() {
-        let plan = WallPlan::of(&Settings::default());
+        let plan = usual_plan(WallPlan::of);
         let [outer, inner] = [0, 1].map(|k| plan.lay(k, 0.2));
         let beadings = Beadings::new(&[outer, inner], Some(inner));
         // A wedge from 0.9 to 1.5 mm: two walls, then a bead between them.

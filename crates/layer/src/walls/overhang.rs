@@ -312,7 +312,7 @@ mod tests {
     use super::*;
     use isoslice_planar::Area;
     use isoslice_planar::shapes::rect_ring;
-    use isoslice_settings::plan_with;
+    use isoslice_settings::testing::plan_with;
 
     fn wall(points: Vec<DVec2>) -> Bead {
         Bead::new(Role::OuterWall, Stroke::new(points, true, 0.4), 0.2)

@@ -18,6 +18,7 @@ use super::medial_axis::Axis;
 use super::{Lay, Skeleton, cell, joined, shrink};
 use glam::DVec2;
 use isoslice_base::units::Mm;
+use isoslice_planar::along::change;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::{Area, Solid};
 
@@ -174,15 +175,10 @@ fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
         let t = k as f64 / count;
         let to = (t, free(a.lerp(b, t)));
         if from.1 != to.1 {
-            let (mut low, mut high) = (from.0, to.0);
-            while (high - low) * length > END {
-                let middle = 0.5 * (low + high);
-                if free(a.lerp(b, middle)) == from.1 {
-                    low = middle
-                } else {
-                    high = middle
-                }
-            }
+            let ends = [from.0, to.0].map(|t| a.lerp(b, t));
+            let same = |p: DVec2| free(p) == from.1;
+            let [low, high] = change(ends[0], ends[1], END, same)
+                .map(|p| p.distance(a) / length);
             match start.take() {
                 Some(start) => found.push((start, low)),
                 None => start = Some(high),
@@ -199,19 +195,19 @@ mod tests {
     use super::*;
     use crate::walls::ThinPlan;
     use isoslice_planar::shapes::disc;
-    use isoslice_settings::Settings;
+    use isoslice_settings::testing::usual_plan;
 
     fn strip(thickness: f64) -> Patch {
         let ring = [(0.0, 0.0), (20.0, 0.0), (20.0, 1.0), (0.0, 1.0)]
             .map(|(x, y)| DVec2::new(x, y * thickness))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
+        let plan = Lay::inside(0.45, 0.2, usual_plan(ThinPlan::of));
         patch(&Area::from(ring), plan, 0.01)
     }
 
     #[test]
     fn rings_fill_a_disc() {
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
+        let plan = Lay::inside(0.45, 0.2, usual_plan(ThinPlan::of));
         let area = disc(5.0, 400);
         let rings = concentric(&area, plan, 0.01);
         let space = 2.0 * plan.centre;
@@ -228,7 +224,7 @@ mod tests {
         let hole = [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)]
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
-        let plan = Lay::inside(0.45, 0.2, ThinPlan::of(&Settings::default()));
+        let plan = Lay::inside(0.45, 0.2, usual_plan(ThinPlan::of));
         let alone = Area::from(hole);
         assert!(concentric(&alone, plan, 0.01).len() < 9);
     }

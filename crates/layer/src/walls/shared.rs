@@ -315,7 +315,7 @@ mod tests {
     use isoslice_planar::bead::{cross_section, spacing};
     use isoslice_planar::clip::union;
     use isoslice_planar::shapes::{circle, rect};
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
     use std::f64::consts::{PI, TAU};
 
     const HEIGHT: Mm = 0.2;
@@ -337,7 +337,7 @@ mod tests {
     }
 
     fn laid(part: &Area) -> Walls {
-        walls(part, None, HEIGHT, &WallPlan::of(&Settings::default()))
+        walls(part, None, HEIGHT, &usual_plan(WallPlan::of))
     }
 
     /// Radius and width of the strokes at an angle, from inside.
@@ -386,8 +386,7 @@ mod tests {
     /// fill it exactly.
     #[test]
     fn strips_of_known_thickness_are_filled() {
-        let plan =
-            Lay::inside(WIDTH, HEIGHT, ThinPlan::of(&Settings::default()));
+        let plan = Lay::inside(WIDTH, HEIGHT, usual_plan(ThinPlan::of));
         for step in 0..=62 {
             let thick = 0.9 + 0.05 * f64::from(step);
             let walls = laid(&ring(|_| thick));
@@ -422,8 +421,7 @@ mod tests {
     /// The number of strokes all around a ring, and how often it changes.
     fn numbers(part: &Area) -> (Vec<usize>, usize) {
         let walls = laid(part);
-        let plan =
-            Lay::inside(WIDTH, HEIGHT, ThinPlan::of(&Settings::default()));
+        let plan = Lay::inside(WIDTH, HEIGHT, usual_plan(ThinPlan::of));
         let fill = concentric(&walls.fill, plan, 0.005);
         let strokes: Vec<&Stroke> =
             all(&walls).into_iter().chain(&fill).collect();
@@ -458,8 +456,7 @@ mod tests {
 
     #[test]
     fn only_even_strips_are_shared() {
-        let plan =
-            Lay::inside(WIDTH, HEIGHT, ThinPlan::of(&Settings::default()));
+        let plan = Lay::inside(WIDTH, HEIGHT, usual_plan(ThinPlan::of));
         let sharing = Sharing::new(&plan, &plan, 0.005);
         let strips = |part: &Area| sharing.strips(part, 0.005);
         let length = |part: &Area| -> f64 {
@@ -521,7 +518,7 @@ mod tests {
     fn nothing_is_shared_where_walls_have_to_be_narrow_or_follow_faces() {
         let part = ring(|_| 2.0);
         let rest = |plan| walls(&part, None, HEIGHT, &plan).fill.content();
-        assert_eq!(rest(WallPlan::of(&Settings::default())), 0.0);
+        assert_eq!(rest(usual_plan(WallPlan::of)), 0.0);
         assert!(rest(plan_with(WallPlan::of, |s| s.thin_max = 100.0)) > 50.0);
         assert!(
             rest(plan_with(WallPlan::of, |s| s.contour_z = 100.0.into()))

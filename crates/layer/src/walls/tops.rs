@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use glam::DVec2;
     use isoslice_planar::rect;
-    use isoslice_settings::plan_with;
+    use isoslice_settings::testing::plan_with;
 
     const TOLERANCE: Mm = 0.002;
 

@@ -8,7 +8,7 @@ use super::tour::{Stop, tour};
 use super::{Context, OrderPlan, SEAM_REACH, sweep};
 use glam::DVec2;
 use isoslice_layer::skin::{Fill, Patch};
-use isoslice_planar::bead::{Bead, Role};
+use isoslice_planar::bead::{Bead, Plane, Role};
 use isoslice_planar::signed_area;
 
 /// What is printed of an island, in its order.
@@ -16,7 +16,7 @@ use isoslice_planar::signed_area;
 pub(super) struct Inside {
     /// Walls that lie lower than the layer. The nozzle is low while it prints these:
     /// nothing may be beside them yet.
-    sunk: Vec<Job>,
+    low: Vec<Job>,
     /// Walls, gaps and infill, each with its stage.
     jobs: Vec<(u32, Job)>,
     skin: Vec<Patch>,
@@ -39,8 +39,9 @@ impl Inside {
         let away_stage = stage(plan.inner_first);
         for mut group in island.loops {
             group.walls.iter_mut().for_each(orient);
-            let low = group.walls.extract_if(.., |wall| wall.sunk);
-            inside.sunk.extend(low.map(Job::of));
+            let is_low = |wall: &mut Bead| wall.plane == Plane::HalfLower;
+            let walls = group.walls.extract_if(.., is_low);
+            inside.low.extend(walls.map(Job::of));
             let mut inner_first = plan.inner_first;
             if plan.inner_first_at_overhangs || plan.turns_overhangs {
                 let hangs =
@@ -74,7 +75,7 @@ impl Inside {
     /// Where printing is likely to start.
     pub(super) fn start(&self) -> Option<DVec2> {
         let first = self.jobs.iter().min_by_key(|job| job.0);
-        let first = self.sunk.first().or(first.map(|job| &job.1))?;
+        let first = self.low.first().or(first.map(|job| &job.1))?;
         Some(first.ends()?.0)
     }
 
@@ -94,7 +95,7 @@ impl Inside {
             Vec::new()
         };
         let last = Inside {
-            sunk: Vec::new(),
+            low: Vec::new(),
             jobs,
             skin: std::mem::take(&mut self.skin),
         };
@@ -111,8 +112,8 @@ impl Inside {
         to: Option<DVec2>,
         out: &mut Vec<Bead>,
     ) {
-        let sunk = self.sunk.into_iter().map(|job| (0, job)).collect();
-        print(sunk, at, None, out);
+        let low = self.low.into_iter().map(|job| (0, job)).collect();
+        print(low, at, None, out);
         let (jobs, skin) = (self.jobs, self.skin);
         if skin.is_empty() {
             return print(jobs, at, to, out);

@@ -16,7 +16,7 @@
 use super::{OrderPlan, jobs};
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_planar::bead::{Bead, Role, Stroke, narrowest, spacing};
+use isoslice_planar::bead::{Bead, Plane, Role, Stroke, narrowest, spacing};
 use isoslice_planar::grid::EdgeGrid;
 use std::cell::OnceCell;
 
@@ -251,7 +251,7 @@ fn may_go_on(before: &Bead, after: &Bead, plan: &OrderPlan) -> bool {
     let may = hides(before) && (hides(after) || open(after))
         || open(before) && hides(after)
         || seam && after.role == Role::GapFill;
-    may && !(before.sunk || after.sunk)
+    may && [before, after].iter().all(|b| b.plane != Plane::HalfLower)
 }
 
 /// Role of the first of two beads that does not show.
@@ -288,7 +288,7 @@ fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
 mod tests {
     use super::*;
     use isoslice_planar::{Area, rect};
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
 
     const WIDTH: f64 = 0.45;
     const HEIGHT: f64 = 0.2;
@@ -309,7 +309,7 @@ mod tests {
     }
 
     fn linked_in(solid: &EdgeGrid, beads: &[Bead]) -> Vec<Bead> {
-        linked(beads.to_vec(), solid, &OrderPlan::of(&Settings::default()))
+        linked(beads.to_vec(), solid, &usual_plan(OrderPlan::of))
     }
 
     fn linked_inside(beads: &[Bead]) -> Vec<Bead> {

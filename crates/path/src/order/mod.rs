@@ -301,7 +301,7 @@ mod tests {
     use isoslice_planar::{Area, Solid};
     use isoslice_settings::WallOrder;
     use isoslice_settings::layers::LayerSpan;
-    use isoslice_settings::{Settings, plan_with};
+    use isoslice_settings::testing::{plan_with, usual_plan};
     use jobs::Job;
 
     fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
@@ -365,7 +365,7 @@ mod tests {
             from: Some(DVec2::new(30.0, 0.0)),
             ..held(&outline)
         };
-        let plan = OrderPlan::of(&Settings::default());
+        let plan = usual_plan(OrderPlan::of);
         let out = order(beads, context, &plan).from(None);
         let side: Vec<bool> =
             out.iter().map(|b| b.stroke.points[0].x > 10.0).collect();
@@ -390,7 +390,7 @@ mod tests {
             seams: &[DVec2::new(1.2, -4.1)],
             ..held(&outline)
         };
-        let plan = OrderPlan::of(&Settings::default());
+        let plan = usual_plan(OrderPlan::of);
         let out = order(beads, context, &plan).from(None);
         let starts: Vec<DVec2> = out
             .iter()
@@ -461,7 +461,7 @@ mod tests {
                 from: Some(centres[from]),
                 ..held(&outline)
             };
-            let plan = OrderPlan::of(&Settings::default());
+            let plan = usual_plan(OrderPlan::of);
             let out = order(beads, context, &plan).from(None);
             out.iter().map(|b| b.stroke.points[0].x + 4.0).collect()
         };

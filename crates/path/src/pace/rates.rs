@@ -519,7 +519,7 @@ fn part(bead: &Bead, steps: &[Step]) -> Bead {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use isoslice_settings::plan_with;
+    use isoslice_settings::testing::plan_with;
 
     fn bead(points: &[(f64, f64)], closed: bool) -> Bead {
         Bead::new(

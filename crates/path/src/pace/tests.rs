@@ -4,8 +4,8 @@ use super::slowing::LAYER_TIME_TOLERANCE;
 use super::*;
 use crate::travel::LayerPath;
 use isoslice_planar::bead::{Level, Role, Stroke, cross_section};
+use isoslice_settings::testing::{plan_with, usual_plan};
 use isoslice_settings::{Flavour, Varying};
-use isoslice_settings::{Settings, plan_with};
 
 impl<'a> Pacer<'a> {
     fn paced(&mut self, path: LayerPath) -> PacedLayer {
@@ -72,7 +72,7 @@ fn speeds(layer: &PacedLayer) -> Vec<f64> {
 
 #[test]
 fn roles_first_layer_and_flow_set_the_speed() {
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.cooling.min_layer_time = 0.0;
     let beads = || {
         vec![
@@ -101,7 +101,7 @@ fn roles_first_layer_and_flow_set_the_speed() {
 
 #[test]
 fn walls_round_small_things_are_slower() {
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.cooling.min_layer_time = 0.0;
     let of = |s: &PacePlan, small| {
         // A wall that is cut open is still a small wall.
@@ -120,7 +120,7 @@ fn walls_round_small_things_are_slower() {
 
 #[test]
 fn roles_have_their_accelerations() {
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.cooling.min_layer_time = 0.0;
     let roles = [
         Role::OuterWall,
@@ -274,7 +274,7 @@ fn a_short_layer_is_slowed_to_the_minimum_time() {
 /// first. Outer walls keep theirs until that is as low as it may be.
 #[test]
 fn the_fastest_give_way_first_and_outer_walls_last() {
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.cooling.min_speed = 8.0;
     let beads = [
         (Role::OuterWall, 40.0),
@@ -324,7 +324,7 @@ fn lost_time_has_one_cause_at_final_speeds() {
         assert!(whole < l.time, "{whole} {}", l.time);
         (all, l.sums.slowed)
     };
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.cooling.min_layer_time = 0.0;
     s.max_moves = 200.0;
     // 19.9 mm at 0.1 mm * 200/s, a step of a tenth of 80 mm/s down.
@@ -348,7 +348,7 @@ fn lost_time_has_one_cause_at_final_speeds() {
 
 #[test]
 fn slowing_ends_at_the_floor() {
-    let s = PacePlan::of(&Settings::default());
+    let s = usual_plan(PacePlan::of);
     let mut pacer = Pacer::new(&s);
     let l = pacer.paced(layer(
         1,
@@ -363,7 +363,7 @@ fn slowing_ends_at_the_floor() {
 
 #[test]
 fn a_speed_below_the_floor_is_not_raised() {
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.speed.outer_wall = Varying::Constant(6.0);
     let mut pacer = Pacer::new(&s);
     let l = pacer.paced(layer(1, vec![square(Role::OuterWall, 4.0)]));
@@ -372,7 +372,7 @@ fn a_speed_below_the_floor_is_not_raised() {
 
 #[test]
 fn travels_are_not_slowed() {
-    let s = PacePlan::of(&Settings::default());
+    let s = usual_plan(PacePlan::of);
     let mut pacer = Pacer::new(&s);
     let l = pacer.paced(layer(1, vec![square(Role::OuterWall, 4.0)]));
     for m in &l.moves {
@@ -385,7 +385,7 @@ fn travels_are_not_slowed() {
 /// The machine's z and retraction along the moves, checked at each step.
 #[test]
 fn retractions_pair_and_z_is_right() {
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.retract.z_hop = 0.4;
     let mut pacer = Pacer::new(&s);
     let (mut z, mut retracted) = (f64::NAN, false);
@@ -449,7 +449,7 @@ fn between(plan: &PacePlan, travel: Travel) -> Vec<PacedMove> {
 
 #[test]
 fn filament_goes_back_and_forth_as_set() {
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.retract.length = 1.2;
     s.retract.speed = 40.0;
     s.retract.prime_speed = 25.0;
@@ -472,7 +472,7 @@ fn filament_goes_back_and_forth_as_set() {
 
 #[test]
 fn a_wipe_takes_the_rest_of_the_retraction() {
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.retract.before_wipe = 25.0;
     let wipe = |length: f64| Travel {
         wipe: vec![DVec2::new(50.0 + length, 50.0)],
@@ -507,7 +507,7 @@ fn a_wipe_takes_the_rest_of_the_retraction() {
 
 #[test]
 fn z_rises_before_an_unretracted_travel() {
-    let s = PacePlan::of(&Settings::default());
+    let s = usual_plan(PacePlan::of);
     let mut pacer = Pacer::new(&s);
     pacer.paced(layer(0, vec![square(Role::OuterWall, 10.0)]));
     let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
@@ -525,7 +525,7 @@ fn z_rises_before_an_unretracted_travel() {
 /// goes on without a stop.
 #[test]
 fn beads_that_meet_but_for_rounding_are_one_way() {
-    let s = PacePlan::of(&Settings::default());
+    let s = usual_plan(PacePlan::of);
     let rising = |from: f64, to: f64| {
         let points = [from, to].map(|x| DVec2::new(x, 5.0)).to_vec();
         let mut stroke = Stroke::new(points, false, 0.45);
@@ -550,7 +550,7 @@ fn beads_that_meet_but_for_rounding_are_one_way() {
 
 #[test]
 fn a_hop_stays_inside_the_machine() {
-    let mut s = PacePlan::of(&Settings::default());
+    let mut s = usual_plan(PacePlan::of);
     s.retract.z_hop = 1.0;
     s.height = 0.5;
     let mut pacer = Pacer::new(&s);
@@ -564,7 +564,7 @@ fn a_hop_stays_inside_the_machine() {
 
 #[test]
 fn a_missing_travel_is_made_up_for() {
-    let s = PacePlan::of(&Settings::default());
+    let s = usual_plan(PacePlan::of);
     let mut pacer = Pacer::new(&s);
     let mut path = layer(0, vec![square(Role::OuterWall, 10.0)]);
     path.moves.remove(0);
@@ -577,7 +577,7 @@ fn a_missing_travel_is_made_up_for() {
 
 #[test]
 fn an_empty_layer_takes_no_time() {
-    let s = PacePlan::of(&Settings::default());
+    let s = usual_plan(PacePlan::of);
     let l = Pacer::new(&s).paced(layer(0, vec![]));
     assert_eq!((l.moves.len(), l.time), (0, 0.0));
 }

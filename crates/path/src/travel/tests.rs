@@ -5,7 +5,7 @@ use isoslice_planar::Area;
 use isoslice_planar::bead::Role;
 use isoslice_planar::bead::{Stroke, spacing};
 use isoslice_planar::shapes::rect;
-use isoslice_settings::Settings;
+use isoslice_settings::testing::usual_plan;
 use isoslice_settings::{Combing, Hidden, HopWhen};
 
 const SPAN: LayerSpan = LayerSpan {
@@ -50,7 +50,7 @@ impl Part {
             above: None,
             walls: Vec::new(),
             border: border(2.0),
-            plan: TravelPlan::of(&Settings::default()),
+            plan: usual_plan(TravelPlan::of),
         };
         for &[x0, y0, x1, y1] in outlines {
             part.outline.rings.extend(rect(x0, y0, x1, y1).rings);

@@ -6,6 +6,7 @@
 //! one height to the other, without a jump and without a bend of its way.
 
 use isoslice_base::units::Mm;
+use isoslice_planar::simplify::keep_farthest;
 
 /// What a knot knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,16 +134,7 @@ pub(super) fn filled(mut knots: Vec<Knot>, ramp: Mm) -> Vec<Knot> {
 /// `tolerance`, the fills to twice of it. Corners stay.
 pub(super) fn thinned(knots: &[Knot], tolerance: Mm) -> Vec<Knot> {
     let mut keep: Vec<bool> = knots.iter().map(|k| k.corner).collect();
-    if let (Some(first), Some(_)) = (keep.first_mut(), knots.last()) {
-        *first = true;
-        let last = keep.len() - 1;
-        keep[last] = true;
-    }
-    let kept: Vec<usize> = (0..keep.len()).filter(|&i| keep[i]).collect();
-    let mut spans: Vec<(usize, usize)> =
-        kept.windows(2).map(|w| (w[0], w[1])).collect();
-    // As D. H. Douglas and T. K. Peucker thin lines (1973).
-    while let Some((from, to)) = spans.pop() {
+    keep_farthest(&mut keep, |from, to| {
         let (a, b) = (knots[from], knots[to]);
         let length = (b.at - a.at).max(f64::MIN_POSITIVE);
         let off = |k: &Knot| {
@@ -151,17 +143,12 @@ pub(super) fn thinned(knots: &[Knot], tolerance: Mm) -> Vec<Knot> {
             let fill = a.fill + t * (b.fill - a.fill);
             (k.rise - rise).abs().max(0.5 * (k.fill - fill).abs())
         };
-        let inside = || (from + 1..to).map(|i| (i, off(&knots[i])));
-        let worst = inside().map(|k| k.1).fold(0.0, f64::max);
-        if worst <= tolerance {
-            continue;
-        }
+        let mut inside = (from + 1..to).map(|i| (i, off(&knots[i])));
+        let worst = inside.clone().map(|k| k.1).fold(0.0, f64::max);
         // Of several that are as far off, the first one, whatever the rounding.
-        if let Some((i, _)) = inside().find(|k| k.1 >= worst - ALIKE) {
-            keep[i] = true;
-            spans.extend([(from, i), (i, to)]);
-        }
-    }
+        let first = inside.find(|k| k.1 >= worst - ALIKE);
+        first.filter(|_| worst > tolerance).map(|k| k.0)
+    });
     let all = knots.iter().zip(keep);
     all.filter(|k| k.1).map(|k| *k.0).collect()
 }

@@ -6,17 +6,16 @@
 
 mod beads;
 mod heat;
-mod idle;
 mod speeds;
 
 pub(super) use speeds::{flow_note, speed_note};
 
 use super::error::GivenPlaces;
 use super::firmware::Retraction;
+use super::idle::without_effect;
 use super::{BrimPlace, DraftShield, Settings, WallOffset};
 use beads::{heights, sampling, shares, widths};
 use heat::temperatures;
-use idle::without_effect;
 use speeds::too_fast;
 
 /// Settings that cannot be printed with.
@@ -359,6 +358,6 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
 }
 
 /// A number with 3 decimals, for messages.
-fn round(x: f64) -> f64 {
+pub(super) fn round(x: f64) -> f64 {
     (x * 1000.0).round() / 1000.0
 }

@@ -122,15 +122,10 @@ pub(super) fn clearances(given: &Given<'_>) -> Outcome {
     ];
     let radius = radii.iter().filter_map(number).reduce(f64::max);
     let height = heights.iter().filter_map(number).reduce(f64::min);
-    let made = [
+    Outcome::known([
         ("printer.head_clearance_radius", radius),
         ("printer.gantry_height", height),
-    ];
-    let made = made.into_iter();
-    Outcome::of(
-        made.filter_map(|(key, value)| Some((key, value?.into())))
-            .collect(),
-    )
+    ])
 }
 
 pub(super) fn flavour(given: &Given<'_>) -> Outcome {
@@ -151,17 +146,17 @@ pub(super) fn flavour(given: &Given<'_>) -> Outcome {
             ));
         }
     };
-    Outcome::of(vec![("gcode.flavour", ours.into())])
+    Outcome::set("gcode.flavour", ours)
 }
 
 pub(super) fn model(given: &Given<'_>) -> Outcome {
     if let Some(name) = model_checked(given).filter(|_| is_prusas(given)) {
-        return Outcome::of(vec![("printer.model", name.into())]);
+        return Outcome::set("printer.model", name);
     }
     if let Some(name) = given.values.first("printer_model")
         && is_bambus(given)
     {
-        return Outcome::of(vec![("printer.model", name.into())]);
+        return Outcome::set("printer.model", name);
     }
     nothing("the printer checks no model")
 }
@@ -189,26 +184,19 @@ pub(super) fn layer(given: &Given<'_>) -> Outcome {
     if texts.is_empty() {
         return nothing("isoslice writes such marks itself");
     }
-    Outcome::of(vec![("gcode.layer", texts.join("\n").into())])
+    Outcome::set("gcode.layer", texts.join("\n"))
 }
 
 pub(super) fn accelerations(given: &Given<'_>) -> Outcome {
     let axes = ["machine_max_acceleration_x", "machine_max_acceleration_y"];
-    let axes = least(given, &axes).unwrap_or(f64::INFINITY);
-    let mut out = Vec::new();
+    let axes = least(given, &axes);
     let printing = given.positive("machine_max_acceleration_extruding");
     let travel = given.positive("machine_max_acceleration_travel");
-    let both = [
-        ("printer.acceleration", printing),
-        ("printer.travel_acceleration", travel.or(printing)),
-    ];
-    for (name, limit) in both {
-        let limit = limit.unwrap_or(f64::INFINITY).min(axes);
-        if limit.is_finite() {
-            out.push((name, limit.into()));
-        }
-    }
-    Outcome::of(out)
+    let limit = |of: Option<f64>| of.into_iter().chain(axes).reduce(f64::min);
+    Outcome::known([
+        ("printer.acceleration", limit(printing)),
+        ("printer.travel_acceleration", limit(travel.or(printing))),
+    ])
 }
 
 pub(super) fn max_speed(given: &Given<'_>) -> Outcome {
@@ -236,9 +224,7 @@ pub(super) fn corner(given: &Given<'_>) -> Outcome {
         }
         _ => jerk,
     };
-    let speed =
-        speed.map(|v| ("printer.square_corner_velocity", Value::from(v)));
-    Outcome::of(speed.into_iter().collect())
+    Outcome::known([("printer.square_corner_velocity", speed)])
 }
 
 pub(super) fn thumbnails(given: &Given<'_>) -> Outcome {
@@ -276,20 +262,13 @@ pub(super) fn thumbnails(given: &Given<'_>) -> Outcome {
             None => nothing("there are no pictures"),
         };
     }
-    Outcome::of(vec![("gcode.thumbnails", sizes.join(", ").into())])
+    Outcome::set("gcode.thumbnails", sizes.join(", "))
 }
 
 fn two_speeds(given: &Given<'_>, back: &[&str], forward: &[&str]) -> Outcome {
     let back = number(given, back).filter(|v| *v > 0.0);
     let forward = number(given, forward).filter(|v| *v > 0.0).or(back);
-    let mut out = Vec::new();
-    if let Some(v) = back {
-        out.push(("retract.speed", v.into()));
-    }
-    if let Some(v) = forward {
-        out.push(("retract.prime_speed", v.into()));
-    }
-    Outcome::of(out)
+    Outcome::known([("retract.speed", back), ("retract.prime_speed", forward)])
 }
 
 pub(super) fn retract_speeds(given: &Given<'_>) -> Outcome {
@@ -311,8 +290,7 @@ pub(super) fn filament_retract_speeds(given: &Given<'_>) -> Outcome {
 fn hop(given: &Given<'_>, lift: &[&str], ramps: &str, most: &str) -> Outcome {
     let ramped = given.positive(most).filter(|_| given.on(ramps));
     let lift = ramped.or(number(given, lift));
-    let lift = lift.map(|z| ("retract.z_hop", z.into()));
-    Outcome::of(lift.into_iter().collect())
+    Outcome::known([("retract.z_hop", lift)])
 }
 
 pub(super) fn z_hop(given: &Given<'_>) -> Outcome {
@@ -340,7 +318,7 @@ fn wiping(given: &Given<'_>, wipe: &str, distance: &str) -> Outcome {
         Some(false) => 0.0,
         None => return nothing("whether to wipe is not said"),
     };
-    Outcome::of(vec![("retract.wipe", length.into())])
+    Outcome::set("retract.wipe", length)
 }
 
 pub(super) fn wipe(given: &Given<'_>) -> Outcome {
@@ -356,7 +334,7 @@ pub(super) fn max_flow(given: &Given<'_>) -> Outcome {
         return nothing("it has no value");
     };
     let flow = if flow > 0.0 { flow } else { NO_LIMIT };
-    Outcome::of(vec![("filament.max_flow", flow.into())])
+    Outcome::set("filament.max_flow", flow)
 }
 
 pub(super) fn nozzle_temperatures(given: &Given<'_>) -> Outcome {
@@ -367,14 +345,10 @@ pub(super) fn nozzle_temperatures(given: &Given<'_>) -> Outcome {
         "nozzle_temperature_initial_layer",
         "nozzle_temperature_intial_layer",
     ]);
-    let mut out = Vec::new();
-    if let Some(t) = above.or(first) {
-        out.push(("filament.nozzle_temperature", t.into()));
-    }
-    if let Some(t) = first.or(above) {
-        out.push(("filament.first_layer_nozzle_temperature", t.into()));
-    }
-    Outcome::of(out)
+    Outcome::known([
+        ("filament.nozzle_temperature", above.or(first)),
+        ("filament.first_layer_nozzle_temperature", first.or(above)),
+    ])
 }
 
 /// The plates of OrcaSlicer: names in its lists, and the keys of their
@@ -391,21 +365,17 @@ const PLATES: [(&str, &str); 7] = [
 ];
 
 pub(super) fn bed_temperatures(given: &Given<'_>) -> Outcome {
-    let mut out = Vec::new();
-    let mut both = |above: Option<f64>, first: Option<f64>| {
-        if let Some(t) = above.or(first) {
-            out.push(("filament.bed_temperature", t.into()));
-        }
-        if let Some(t) = first.or(above) {
-            out.push(("filament.first_layer_bed_temperature", t.into()));
-        }
+    let both = |above: Option<f64>, first: Option<f64>| {
+        Outcome::known([
+            ("filament.bed_temperature", above.or(first)),
+            ("filament.first_layer_bed_temperature", first.or(above)),
+        ])
     };
     if given.slicer == Slicer::Prusa {
-        both(
+        return both(
             given.number("bed_temperature"),
             given.number("first_layer_bed_temperature"),
         );
-        return Outcome::of(out);
     }
     let named = ["curr_bed_type", "default_bed_type", "bed_type"]
         .iter()
@@ -423,11 +393,9 @@ pub(super) fn bed_temperatures(given: &Given<'_>) -> Outcome {
     let keys: Vec<&str> = keys.filter(usable).collect();
     let Some(key) = keys.first() else {
         // No plate has to be heated.
-        both(Some(0.0), Some(0.0));
-        return Outcome::of(out);
+        return both(Some(0.0), Some(0.0));
     };
-    both(given.number(key), first_of(key));
-    Outcome::of(out)
+    both(given.number(key), first_of(key))
 }
 
 pub(super) fn advance(given: &Given<'_>) -> Outcome {
@@ -435,9 +403,7 @@ pub(super) fn advance(given: &Given<'_>) -> Outcome {
         given.switch("enable_pressure_advance"),
         given.number("pressure_advance"),
     ) {
-        (Some(true), Some(k)) => {
-            Outcome::of(vec![("filament.pressure_advance", k.into())])
-        }
+        (Some(true), Some(k)) => Outcome::set("filament.pressure_advance", k),
         _ => nothing("it is off: the printer keeps its own"),
     }
 }
@@ -470,7 +436,7 @@ pub(super) fn filament_start(given: &Given<'_>) -> Outcome {
     match commands(text.unwrap_or("")).as_slice() {
         [] => nothing("it has no commands"),
         [only] if let Some(k) = advance_of(only) => {
-            Outcome::of(vec![("filament.pressure_advance", k.into())])
+            Outcome::set("filament.pressure_advance", k)
         }
         _ => lost(
             "isoslice has one start template, the printer's: add to gcode.start \
@@ -505,25 +471,19 @@ pub(super) fn fan(given: &Given<'_>) -> Outcome {
     let most = number(given, &["max_fan_speed", "fan_max_speed"]);
     let time =
         number(given, &["fan_below_layer_time", "fan_cooling_layer_time"]);
-    let mut out = Vec::new();
-    if let Some(speed) = layers_fan(given) {
-        out.push(("cooling.fan_speed", speed.into()));
-    }
     // Without automatic cooling the fan of short layers is that of other
     // layers.
-    if let Some(most) = most.filter(|_| !given.off("cooling")) {
-        out.push(("cooling.short_layer_fan_speed", most.into()));
-    }
-    if let Some(time) = time {
-        out.push(("cooling.long_layer_time", time.into()));
-    }
-    Outcome::of(out)
+    let most = most.filter(|_| !given.off("cooling"));
+    Outcome::known([
+        ("cooling.fan_speed", layers_fan(given)),
+        ("cooling.short_layer_fan_speed", most),
+        ("cooling.long_layer_time", time),
+    ])
 }
 
 /// The fan of bridges and overhangs. Internal bridges have the fan of bridges,
 /// unless the profile gives them one of their own, in a later row.
 pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
-    let mut out = Vec::new();
     let percent = |key: &str| given.number(key).filter(|v: &f64| *v >= 0.0);
     if given.slicer == Slicer::Prusa {
         let bridge = percent("bridge_fan_speed");
@@ -541,32 +501,25 @@ pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
         .filter_map(step)
         .collect();
         let on = given.on("enable_dynamic_fan_speeds") && !steps.is_empty();
-        if let Some(v) = bridge {
-            out.push(("cooling.bridge_fan_speed", v.into()));
-            out.push(("cooling.internal_bridge_fan_speed", v.into()));
-        }
         // Without steps overhanging walls are printed like bridges.
-        let overhang = if on {
-            Some(steps.join(", ").into())
-        } else {
-            bridge.map(Value::from)
-        };
-        if let Some(v) = overhang {
-            out.push(("cooling.overhang_fan_speed", v));
-        }
-        return Outcome::of(out);
+        let bridge = bridge.map(Value::from);
+        let overhang = on.then(|| steps.join(", ").into());
+        return Outcome::known([
+            ("cooling.bridge_fan_speed", bridge.clone()),
+            ("cooling.internal_bridge_fan_speed", bridge.clone()),
+            ("cooling.overhang_fan_speed", overhang.or(bridge)),
+        ]);
     }
     let speed = if given.off("enable_overhang_bridge_fan") {
         layers_fan(given)
     } else {
         percent("overhang_fan_speed")
     };
-    if let Some(speed) = speed {
-        out.push(("cooling.bridge_fan_speed", speed.into()));
-        out.push(("cooling.overhang_fan_speed", speed.into()));
-        out.push(("cooling.internal_bridge_fan_speed", speed.into()));
-    }
-    Outcome::of(out)
+    Outcome::known([
+        ("cooling.bridge_fan_speed", speed),
+        ("cooling.overhang_fan_speed", speed),
+        ("cooling.internal_bridge_fan_speed", speed),
+    ])
 }
 
 /// The fan's speed at one kind of beads; less than 0 leaves it.
@@ -576,34 +529,30 @@ pub(super) fn fan_unless_negative(
     name: &'static str,
 ) -> Outcome {
     let speed = number(given, keys).filter(|v| *v >= 0.0);
-    Outcome::of(speed.map(|v| (name, v.into())).into_iter().collect())
+    Outcome::known([(name, speed)])
 }
 
 /// The flows of supports, which OrcaSlicer uses only if flows are set one by
 /// one.
 pub(super) fn support_flow(given: &Given<'_>) -> Outcome {
-    let mut out = Vec::new();
-    if given.on("set_other_flow_ratios") {
-        for (key, setting) in [
-            ("support_flow_ratio", "support.flow"),
-            ("support_interface_flow_ratio", "support.interface_flow"),
-        ] {
-            if let Some(ratio) = given.number(key) {
-                out.push((setting, (100.0 * ratio).into()));
-            }
-        }
-    }
-    Outcome::of(out)
+    let one_by_one = given.on("set_other_flow_ratios");
+    let flow = |key| Some(100.0 * given.number(key).filter(|_| one_by_one)?);
+    Outcome::known([
+        ("support.flow", flow("support_flow_ratio")),
+        (
+            "support.interface_flow",
+            flow("support_interface_flow_ratio"),
+        ),
+    ])
 }
 
 pub(super) fn min_layer_time(given: &Given<'_>) -> Outcome {
     let keys = ["slowdown_below_layer_time", "slow_down_layer_time"];
     if given.off("slow_down_for_layer_cooling") || given.off("cooling") {
-        return Outcome::of(vec![("cooling.min_layer_time", 0.0.into())]);
+        return Outcome::set("cooling.min_layer_time", 0.0);
     }
     let time = number(given, &keys);
-    let time = time.map(|t| ("cooling.min_layer_time", t.into()));
-    Outcome::of(time.into_iter().collect())
+    Outcome::known([("cooling.min_layer_time", time)])
 }
 
 /// The width of lines of one kind, or of all lines; none if the slicer chooses.
@@ -673,18 +622,18 @@ fn shell(
     thickness: &[&str],
     name: &'static str,
 ) -> Outcome {
-    let thick = |t: f64| Outcome::of(vec![(name, format!("{t} mm").into())]);
+    let thick = |t: f64| Outcome::set(name, format!("{t} mm"));
     let layers = number(given, layers);
     let thickness = number(given, thickness).filter(|t| *t > 0.0);
     let height = given.positive("layer_height");
     match (layers, thickness) {
-        (Some(0.0), _) => Outcome::of(vec![(name, 0.0.into())]),
+        (Some(0.0), _) => Outcome::set(name, 0.0),
         (Some(n), Some(t)) if height.is_none_or(|h| n * h < t - 1e-9) => {
             // Without a number of layers the profile is for layers of many
             // heights, for which the thickness counts.
             thick(t)
         }
-        (Some(n), _) => Outcome::of(vec![(name, n.into())]),
+        (Some(n), _) => Outcome::set(name, n),
         (None, Some(t)) => thick(t),
         (None, None) => nothing("it leaves the choice to the slicer"),
     }
@@ -744,7 +693,7 @@ pub(super) fn overlap(given: &Given<'_>) -> Outcome {
         }
         (None, None) => return lost(format!("{text} is not a number")),
     };
-    Outcome::of(vec![("infill_overlap", percent.clamp(0.0, 100.0).into())])
+    Outcome::set("infill_overlap", percent.clamp(0.0, 100.0))
 }
 
 /// A length, and a second number behind a word.
@@ -763,7 +712,7 @@ pub(super) fn elephant_foot(given: &Given<'_>) -> Outcome {
         Some(layers) => pair(drawn, "over", layers, " layers"),
         None => drawn.into(),
     };
-    Outcome::of(vec![("elephant_foot", value)])
+    Outcome::set("elephant_foot", value)
 }
 
 pub(super) fn scarf(given: &Given<'_>) -> Outcome {
@@ -814,7 +763,7 @@ pub(super) fn wall_order(given: &Given<'_>) -> Outcome {
         }
     };
     let order = if outer { "outer-first" } else { "inner-first" };
-    Outcome::of(vec![("wall_order", order.into())])
+    Outcome::set("wall_order", order)
 }
 
 const IRONING_FLOW: [&str; 2] = ["ironing_flowrate", "ironing_flow"];
@@ -843,7 +792,7 @@ pub(super) fn ironing(given: &Given<'_>) -> Outcome {
         }
         None => word.is_some_and(|word| word != "no ironing"),
     };
-    Outcome::of(vec![("ironing", ironed(given, on, &IRONING_FLOW))])
+    Outcome::set("ironing", ironed(given, on, &IRONING_FLOW))
 }
 
 fn same_for(
@@ -890,7 +839,7 @@ pub(super) fn small_length(given: &Given<'_>) -> Outcome {
     });
     let length = length.or(given.number("small_perimeter_max_length"));
     match length.filter(|l| *l >= 0.0) {
-        Some(l) => Outcome::of(vec![("speed.small_wall_length", l.into())]),
+        Some(l) => Outcome::set("speed.small_wall_length", l),
         None => nothing("it leaves the choice to the slicer"),
     }
 }
@@ -936,21 +885,18 @@ pub(super) fn overhang_speed(given: &Given<'_>) -> Outcome {
     if steps.is_empty() {
         return nothing("it leaves the choice to the slicer");
     }
-    Outcome::of(vec![("speed.overhang", steps.join(", ").into())])
+    Outcome::set("speed.overhang", steps.join(", "))
 }
 
 pub(super) fn raft(given: &Given<'_>) -> Outcome {
     let Some(layers) = given.positive("raft_layers") else {
         return nothing("there is no raft");
     };
-    let mut out = vec![("raft.layers", layers.into())];
-    if let Some(gap) = given.number("raft_contact_distance") {
-        out.push(("raft.gap", gap.into()));
-    }
-    if let Some(expansion) = given.number("raft_expansion") {
-        out.push(("raft.expansion", expansion.into()));
-    }
-    Outcome::of(out)
+    Outcome::known([
+        ("raft.layers", Some(layers)),
+        ("raft.gap", given.number("raft_contact_distance")),
+        ("raft.expansion", given.number("raft_expansion")),
+    ])
 }
 
 pub(super) fn draft_shield(given: &Given<'_>) -> Outcome {
@@ -970,7 +916,7 @@ pub(super) fn draft_shield(given: &Given<'_>) -> Outcome {
 pub(super) fn brim(given: &Given<'_>) -> Outcome {
     let width = given.number("brim_width").unwrap_or(0.0);
     let word = given.values.first("brim_type").unwrap_or("outer_only");
-    let none = || Outcome::of(vec![("brim.place", "none".into())]);
+    let none = || Outcome::set("brim.place", "none");
     if given.positive("raft_layers").is_some() {
         return none();
     }
@@ -1019,14 +965,14 @@ pub(super) fn supports(given: &Given<'_>) -> Outcome {
         (true, true) => "plate",
         (true, false) => "auto",
     };
-    Outcome::of(vec![("supports", word.into())])
+    Outcome::set("supports", word)
 }
 
 pub(super) fn support_angle(given: &Given<'_>) -> Outcome {
     let keys = ["support_material_threshold", "support_threshold_angle"];
     match number(given, &keys) {
         Some(angle) if angle > 0.0 && angle <= 90.0 => {
-            Outcome::of(vec![("support.angle", (90.0 - angle).into())])
+            Outcome::set("support.angle", 90.0 - angle)
         }
         _ => nothing("it leaves the choice to the slicer"),
     }
@@ -1039,10 +985,9 @@ pub(super) fn bridge_max(given: &Given<'_>) -> Outcome {
     const SHORTEST: f64 = 0.1;
     const LONGEST: f64 = 1000.0;
     match number(given, &["max_bridge_length"]) {
-        Some(length) if length >= 0.0 => Outcome::of(vec![(
-            "bridge_max",
-            length.clamp(SHORTEST, LONGEST).into(),
-        )]),
+        Some(length) if length >= 0.0 => {
+            Outcome::set("bridge_max", length.clamp(SHORTEST, LONGEST))
+        }
         _ => nothing("no length is given"),
     }
 }
@@ -1101,17 +1046,13 @@ pub(super) fn fuzzy(given: &Given<'_>) -> Outcome {
     if matches!(word, "none" | "disabled_fuzzy" | "0") {
         return nothing("walls are smooth");
     }
-    let mut out = Vec::new();
-    if let Some(t) = given.positive("fuzzy_skin_thickness") {
-        out.push(("fuzzy.thickness", t.into()));
-    }
+    let thickness = given.positive("fuzzy_skin_thickness");
     let grain = ["fuzzy_skin_point_dist", "fuzzy_skin_point_distance"];
-    if let Some(grain) = number(given, &grain).filter(|g| *g > 0.0) {
-        out.push(("fuzzy.grain", grain.into()));
-    }
-    out.push((
-        "fuzzy.holes",
-        matches!(word, "all" | "allwalls" | "hole").into(),
-    ));
-    Outcome::of(out)
+    let grain = number(given, &grain).filter(|g| *g > 0.0);
+    let holes = matches!(word, "all" | "allwalls" | "hole");
+    Outcome::known([
+        ("fuzzy.thickness", thickness.map(Value::from)),
+        ("fuzzy.grain", grain.map(Value::from)),
+        ("fuzzy.holes", Some(holes.into())),
+    ])
 }

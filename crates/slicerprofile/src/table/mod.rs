@@ -1,11 +1,11 @@
 //! The table of what every key of the other slicers means. Both the translation
 //! and the documentation follow from it.
 
-/// Rows, each of which says whose keys and of which kind they are, the keys,
-/// and what they become.
+/// Rows, by whose keys and of which kind they are: the keys, and what they
+/// become.
 macro_rules! rows {
-    ($($of:ident $kind:ident: $($key:literal),+ => $rule:expr;)*) => {
-        &[$(Row { of: $of, kind: $kind, keys: &[$($key),+], rule: $rule }),*]
+    ($($of:ident $kind:ident { $($($key:literal),+ => $rule:expr;)* })*) => {
+        &[$($(Row { of: $of, kind: $kind, keys: &[$($key),+], rule: $rule }),*),*]
     };
 }
 
@@ -96,6 +96,21 @@ impl std::fmt::Debug for Make {
     }
 }
 
+/// Settings that depend on all keys of a row, and how they are made, in a
+/// sentence.
+const fn made(
+    make: fn(&Given<'_>) -> Outcome,
+    settings: &'static [&'static str],
+    how: &'static str,
+) -> Rule {
+    let make = Make(make);
+    Rule::Made {
+        settings,
+        how,
+        make,
+    }
+}
+
 /// What became of the keys of a row.
 pub(crate) enum Outcome {
     /// Settings.
@@ -118,6 +133,19 @@ impl Outcome {
         } else {
             Outcome::Set(settings)
         }
+    }
+
+    /// One setting.
+    pub(crate) fn set(name: &'static str, value: impl Into<Value>) -> Outcome {
+        Outcome::Set(vec![(name, value.into())])
+    }
+
+    /// Those settings that have a value.
+    pub(crate) fn known<V: Into<Value>>(
+        all: impl IntoIterator<Item = (&'static str, Option<V>)>,
+    ) -> Outcome {
+        let all = all.into_iter();
+        Outcome::of(all.filter_map(|(k, v)| Some((k, v?.into()))).collect())
     }
 
     /// One setting, from one key.

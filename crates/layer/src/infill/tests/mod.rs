@@ -9,7 +9,7 @@ use super::*;
 use isoslice_model::{Model, Placement, placed};
 use isoslice_planar::shapes::square;
 use isoslice_settings::Varying;
-use isoslice_settings::{Settings, plan_with};
+use isoslice_settings::testing::{plan_with, usual_plan};
 
 /// A pattern of one density.
 fn even(pattern: InfillPattern, density: f64) -> InfillPlan {
@@ -32,7 +32,7 @@ fn shape(text: &str, solid: bool) -> InfillPlan {
     InfillPlan {
         pattern: isoslice_settings::Infill::Expression(text.into()),
         solid,
-        ..InfillPlan::of(&Settings::default())
+        ..usual_plan(InfillPlan::of)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Infill that is an expression or a script.
 
 use super::*;
-use isoslice_settings::Settings;
+use isoslice_settings::testing::usual_plan;
 
 #[test]
 fn an_expression_is_a_surface_or_a_solid() {
@@ -91,7 +91,7 @@ fn an_expression_may_ask_for_the_distance_from_the_surface() {
 fn script(path: String) -> InfillPlan {
     InfillPlan {
         pattern: isoslice_settings::Infill::Script(path),
-        ..InfillPlan::of(&Settings::default())
+        ..usual_plan(InfillPlan::of)
     }
 }
 

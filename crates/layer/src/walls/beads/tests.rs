@@ -9,7 +9,7 @@ use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::shapes::circle;
-use isoslice_settings::{Settings, plan_with};
+use isoslice_settings::testing::{plan_with, usual_plan};
 use std::f64::consts::PI;
 
 const HEIGHT: f64 = 0.2;
@@ -31,10 +31,10 @@ struct Print {
 
 /// The walls of a part that is thin all over, as they are printed.
 fn print(part: &Area) -> Print {
-    let laid = walls(part, None, HEIGHT, &WallPlan::of(&Settings::default()));
+    let laid = walls(part, None, HEIGHT, &usual_plan(WallPlan::of));
     let pieces: Vec<Bead> = beads(&laid, HEIGHT)
         .into_iter()
-        .flat_map(|b| Resolution::of(&Settings::default()).pieces(b))
+        .flat_map(|b| usual_plan(Resolution::of).pieces(b))
         .collect();
     let bounds = part.bounds();
     let origin = bounds.min - 0.5;

@@ -1,6 +1,5 @@
 //! Templates of other slicers, translated as imports do it and filled in.
 
-use super::tests::header;
 use super::*;
 use isoslice_settings::testing::settings;
 use slicerprofile::{Place, foreign_names, translated};
