@@ -58,7 +58,7 @@ fn assert_same_in_ranges(plate: &Plate, cuts: &[usize]) {
     assert!((filament - length).abs() < 1e-9 * length);
 }
 
-/// Settings coarse enough to be quick, with several slabs of layers.
+/// Coarse settings, which are quick, with several slabs of layers.
 const COARSE: [&str; 3] =
     ["sample_spacing=0.6", "accuracy=0.05", "retract.z_hop=0.3"];
 
