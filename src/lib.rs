@@ -158,10 +158,23 @@ pub mod files {
 
 /// Heights of layers that follow the surface.
 pub mod heights {
+    use super::{Model, Settings};
+    use isoslice_model::heights::HeightPlan;
     #[doc(inline)]
-    pub use isoslice_model::heights::{HeightPlan, Heights, HeightsError};
-    #[doc(inline)]
-    pub use isoslice_model::heights::{Steps, heights};
+    pub use isoslice_model::heights::{Heights, HeightsError, Steps};
+
+    /// The layers of a placed model, those of its raft included. With a raft the
+    /// model has to be raised ([`Model::raised`]).
+    ///
+    /// # Errors
+    /// If there are no layers, or too many, or an expression for their heights
+    /// has no value.
+    pub fn heights(
+        model: &Model,
+        settings: &Settings,
+    ) -> Result<Heights, HeightsError> {
+        isoslice_model::heights::heights(model, &HeightPlan::of(settings))
+    }
 }
 
 /// The layers that a part is cut into.

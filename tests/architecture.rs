@@ -180,14 +180,7 @@ const KNOWING: &[&str] = &[
 
 /// Files in which a case of an enum, or a struct of another crate, has the
 /// name.
-const NAMESAKES: &[&str] = &[
-    "benches/through-mesh/mesh.rs",
-    "crates/gcode/src/join/error.rs",
-    "src/cli/import/mod.rs",
-    "src/cli/import/own.rs",
-    "src/cli/mod.rs",
-    "src/plate/error.rs",
-];
+const NAMESAKES: &[&str] = &["benches/through-mesh/mesh.rs", "src/cli/mod.rs"];
 
 /// Crates that only some modules of the root package may name.
 const CONFINED: &[Confined] = &[

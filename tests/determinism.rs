@@ -14,7 +14,7 @@ mod common;
 
 use isoslice::pipeline::{self, Options};
 
-/// Settings so coarse that all examples take seconds, with everything that
+/// The settings are so coarse that all examples take seconds, with everything that
 /// passes from layer to layer.
 const COARSE: [&str; 6] = [
     "sample_spacing=0.8",

@@ -68,7 +68,8 @@ fn beginning(
     alike.map(candidate).collect()
 }
 
-/// Settings, as `--set` takes them, and their words behind the equals sign.
+/// The keys of settings, as `--set` takes them, and their words behind the equals
+/// sign.
 pub(super) fn settings(typed: &OsStr) -> Vec<CompletionCandidate> {
     let text = typed.to_string_lossy();
     let words = |key: &Key| {

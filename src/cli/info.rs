@@ -7,7 +7,7 @@ use super::{plain, print_json, terminal};
 use anyhow::Context;
 use clap::Args;
 use glam::DVec3;
-use isoslice::heights::{HeightPlan, Heights, Steps, heights};
+use isoslice::heights::{Heights, Steps, heights};
 use isoslice::model::{Bounds, Model, Parameter};
 use isoslice::{OverhangKind, Survey, Unsupported, survey};
 use serde::Serialize;
@@ -123,8 +123,7 @@ impl<'a> Json<'a> {
     ) -> anyhow::Result<Self> {
         let corners = |b: Bounds| [b.min.to_array(), b.max.to_array()];
         let raised = model.raised(settings.raft_height());
-        let Heights { spans, steps } =
-            heights(&raised, &HeightPlan::of(settings))?;
+        let Heights { spans, steps } = heights(&raised, settings)?;
         Ok(Json {
             model: &model.name,
             size_mm: model.bounds.size().to_array(),
@@ -330,7 +329,7 @@ fn describe(
 ) -> anyhow::Result<String> {
     let size = model.bounds.size();
     let raised = model.raised(settings.raft_height());
-    let Heights { spans, steps } = heights(&raised, &HeightPlan::of(settings))?;
+    let Heights { spans, steps } = heights(&raised, settings)?;
     let layers = spans.len();
     let mut text = String::new();
     writeln!(text, "{}", plain::line(&model.name))?;

@@ -1,6 +1,6 @@
 //! Reads the arguments, and explains unknown ones.
 //!
-//! Settings are no options. If someone writes one as an option, or uses another
+//! A setting is no option. If someone writes one as an option, or uses another
 //! slicer's word, the message says what to write.
 
 use super::{Cli, plain};

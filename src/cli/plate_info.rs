@@ -7,7 +7,7 @@ use super::limits::watched;
 use super::plates::{self, PlateArgs};
 use super::{plain, print_json, terminal};
 use anyhow::Context;
-use isoslice::heights::{HeightPlan, heights};
+use isoslice::heights::heights;
 use isoslice::plate::{Part, Plate};
 use isoslice::{Survey, survey};
 use serde::Serialize;
@@ -146,7 +146,7 @@ impl<'a> PartJson<'a> {
     fn new(part: &'a Part) -> anyhow::Result<Self> {
         let model = &part.model;
         let raised = model.raised(part.settings.raft_height());
-        let layers = heights(&raised, &HeightPlan::of(&part.settings))
+        let layers = heights(&raised, &part.settings)
             .with_context(|| model.name.clone())?;
         let bounds = model.printed_bounds();
         let middle = bounds.centre().truncate();

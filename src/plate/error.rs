@@ -215,9 +215,9 @@ pub enum PlateError {
         /// What is wrong.
         error: Box<PlateError>,
     },
-    /// Settings in a plate file are wrong.
+    /// The settings in a plate file are wrong.
     #[error(transparent)]
-    Settings(#[from] SettingsError),
+    BadSettings(#[from] SettingsError),
 }
 
 impl PlateError {

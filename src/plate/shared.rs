@@ -18,7 +18,7 @@ const GROUPS: [&str; 10] = [
     "plate",
 ];
 
-/// Settings outside of groups that all parts of a layer share, and the speed
+/// The settings outside of groups that all parts of a layer share, and the speed
 /// between parts.
 const SINGLE: [&str; 7] = [
     "layer_height",

@@ -335,7 +335,7 @@ pub struct Report {
     pub layers: Vec<Layer>,
 }
 
-/// Settings in a [`Report`].
+/// The settings in a [`Report`].
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "these are the settings of the same names")]
 pub struct Used {

@@ -6,7 +6,7 @@ use crate::common::{
 use glam::DVec2;
 use isoslice::pipeline::Summary;
 
-/// Settings coarse enough to be quick.
+/// Coarse settings, which are quick.
 const COARSE: [&str; 4] = [
     "sample_spacing=0.3",
     "accuracy=0.02",

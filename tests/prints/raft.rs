@@ -9,7 +9,7 @@ use glam::DVec2;
 use isoslice::pipeline::{self, Options, SliceError, Summary};
 use isoslice::settings::Builder;
 
-/// Settings coarse enough to be quick.
+/// Coarse settings, which are quick.
 const COARSE: [&str; 3] =
     ["sample_spacing=0.3", "accuracy=0.02", "layer_height=0.2"];
 /// A block of 20 mm with a hole, 6 mm high.

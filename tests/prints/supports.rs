@@ -8,7 +8,7 @@ use glam::DVec2;
 use isoslice::pipeline::{self, Options, SliceError, Summary};
 use std::collections::BTreeMap;
 
-/// Settings coarse enough to be quick.
+/// Coarse settings, which are quick.
 const COARSE: [&str; 3] =
     ["sample_spacing=0.3", "accuracy=0.02", "layer_height=0.2"];
 /// A stem of 8 mm, and from 10 mm on arms of 20 mm on both sides.

@@ -502,7 +502,7 @@ fn a_file_of_isoslice_s_own_is_read_back_whole() {
     let own = ["--printer", "own", "--filament", "own", "--preset", "own"];
     let own = [&own[..], &["--profiles", "mine"]].concat();
     assert_eq!(slice(&own, "c.gcode"), before);
-    // Settings of earlier versions are not lost without a word.
+    // The settings of earlier versions are not lost without a word.
     let now = "; isoslice walls = 4\n";
     let old = "; isoslice top_thickness = 1.6\n\
                ; isoslice speed.small_perimeter = 9\n";

@@ -1,4 +1,4 @@
-//! Settings that are expressions, from the settings' text to the G-code.
+//! Expressions of settings, from the settings' text to the G-code.
 
 use crate::common::{
     Layer, Move, MoveKind, OUTER_WALL, formula, parse, settings, slice,

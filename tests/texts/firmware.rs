@@ -8,7 +8,7 @@ use glam::DVec2;
 use isoslice::plate::Plate;
 use std::collections::BTreeSet;
 
-/// Settings coarse enough to be quick, with all that a firmware can be told.
+/// Coarse settings, which are quick, with all that a firmware can be told.
 const ALL: [&str; 11] = [
     "sample_spacing=0.6",
     "accuracy=0.05",

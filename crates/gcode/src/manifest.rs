@@ -142,7 +142,7 @@ pub(super) struct FootManifest {
 /// What head and foot are made of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Print {
-    /// Settings that are not as by default, as TOML.
+    /// The settings that are not as by default, as TOML.
     pub settings: String,
     pub model_name: String,
     pub part_min: [Mm; 3],

@@ -217,7 +217,7 @@ pub(crate) fn parameters(
     given.iter().map(one).collect()
 }
 
-/// Settings, as `--set key=value` on the command line has them. Groups may be
+/// Assignments as `--set key=value` on the command line has them. Groups may be
 /// dictionaries.
 pub(crate) fn assignments(
     given: &Bound<'_, PyDict>,

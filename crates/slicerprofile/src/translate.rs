@@ -149,7 +149,7 @@ impl Translation {
     }
 }
 
-/// Settings that are lists of parts, each from a row of the table.
+/// The settings that are lists of parts, each from a row of the table.
 const OF_PARTS: [&str; 1] = ["skin_pattern"];
 
 impl Setting {

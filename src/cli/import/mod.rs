@@ -76,7 +76,7 @@ pub(super) struct ImportArgs {
 pub(super) fn run(args: &ImportArgs) -> anyhow::Result<()> {
     let own = own::read(&args.file)?;
     let has_few = matches!(own, Some(Own::Nothing));
-    let mut import = if let Some(Own::Settings(settings)) = own {
+    let mut import = if let Some(Own::Given(settings)) = own {
         if args.list {
             return plain::print("It holds one profile, without a choice.\n");
         }

@@ -15,7 +15,7 @@ pub(super) const MAKER: &str = "isoslice";
 /// What a file of isoslice's own has.
 pub(super) enum Own {
     /// The settings that differ from the defaults.
-    Settings(Translation),
+    Given(Translation),
     /// None of them: an older version wrote the file, or one without comments.
     Nothing,
 }
@@ -31,7 +31,7 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
         let text = std::fs::read_to_string(file)
             .with_context(|| file.display().to_string())?;
         let table = text.parse().with_context(|| file.display().to_string())?;
-        return Ok(Some(Own::Settings(translation(table))));
+        return Ok(Some(Own::Given(translation(table))));
     }
     if !["gcode", "gco", "g"].contains(&&*ending) {
         return Ok(None);
@@ -45,7 +45,7 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
     let table: toml::Table = settings.parse().with_context(|| {
         format!("{}: its settings are damaged", file.display())
     })?;
-    Ok(Some(Own::Settings(translation(table))))
+    Ok(Some(Own::Given(translation(table))))
 }
 
 /// Settings as an import has them.

@@ -18,7 +18,7 @@ pub(super) struct Choice {
     pub profiles: BTreeMap<String, Option<String>>,
     /// Parameters of the script.
     pub define: BTreeMap<String, String>,
-    /// Settings.
+    /// Values of settings, by their keys.
     pub set: BTreeMap<String, String>,
 }
 

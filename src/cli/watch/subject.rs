@@ -17,7 +17,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Settings, and the plate file, if one is shown.
+/// The settings, and the plate file, if one is shown.
 pub(super) struct Read {
     /// The settings; those of the whole plate, for a plate file.
     pub gathered: Gathered,

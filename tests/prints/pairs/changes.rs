@@ -46,7 +46,7 @@ impl Plain {
     }
 }
 
-/// Settings for thick layers. Firmwares differ in the moves that they take a
+/// The settings of thick layers. Firmwares differ in the moves that they take a
 /// second, hence the number.
 const BASE: &[&str] = &[
     "layer_height=0.3",

@@ -6,7 +6,7 @@ pub struct Feature {
     /// The part. It is sound at the places where it is cut.
     pub part: &'static str,
     pub set: &'static [&'static str],
-    /// Settings for the part turned by a right angle, if they are others than
+    /// The settings for the part turned by a right angle, if they are others than
     /// those of all parts. None if the feature has a direction of its own.
     pub turned: Option<&'static [&'static str]>,
 }

@@ -7,8 +7,8 @@ use super::info::Info;
 use isoslice_base::units::Mm;
 use std::io::{Read, Seek, SeekFrom};
 
-/// How much is read at each end, bytes. Settings take up to 60 kB, and pictures
-/// may come before them.
+/// How much is read at each end, bytes. The settings take up to 60 kB, and
+/// pictures may come before them.
 const ENDS: u64 = 1 << 18;
 
 /// The diameter of the filament that a text file was made for, if it says so. The

@@ -98,7 +98,7 @@ pub enum JoinError {
     },
     /// The settings in a file do not read back.
     #[error("the settings in {} cannot be used", .0.display())]
-    Settings(PathBuf, #[source] Box<SettingsError>),
+    BadSettings(PathBuf, #[source] Box<SettingsError>),
     /// A template cannot be filled in.
     #[error(transparent)]
     Template(#[from] TemplateError),

@@ -36,7 +36,7 @@ impl RangeFile {
         match read {
             Ok((settings, _)) => Ok(settings),
             Err(error) => {
-                Err(JoinError::Settings(self.path.clone(), error.into()))
+                Err(JoinError::BadSettings(self.path.clone(), error.into()))
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Settings that differ from place to place.
+//! The values of settings that differ from place to place.
 //!
 //! In: settings, some of which are expressions, and the model. Out: each such
 //! setting as a [`Quantity`], whose value is asked for at many points at a

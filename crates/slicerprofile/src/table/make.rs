@@ -1,4 +1,4 @@
-//! Settings that several keys decide together.
+//! The settings that several keys decide together.
 
 use super::Outcome;
 use crate::Slicer;

@@ -71,7 +71,7 @@ pub struct Row {
 pub enum Rule {
     /// A setting, by a conversion.
     To(&'static str, As),
-    /// Settings that depend on all keys of the row.
+    /// Several settings that depend on all keys of the row.
     Made {
         /// The settings.
         settings: &'static [&'static str],
@@ -113,10 +113,10 @@ const fn made(
 
 /// What became of the keys of a row.
 pub(crate) enum Outcome {
-    /// Settings.
+    /// They set these settings.
     Set(Vec<(&'static str, Value)>),
-    /// Settings that have a pattern of isoslice instead of one that isoslice does
-    /// not have, and the pattern.
+    /// They set these settings to a pattern of isoslice instead of one that isoslice
+    /// does not have, which is named.
     Alike(Vec<(&'static str, Value)>, &'static str),
     /// Nothing is needed; the reason.
     Nothing(String),
@@ -125,7 +125,7 @@ pub(crate) enum Outcome {
 }
 
 impl Outcome {
-    /// Settings, or the reason for none.
+    /// The settings, or the reason for none.
     pub(crate) fn of(settings: Vec<(&'static str, Value)>) -> Outcome {
         if settings.is_empty() {
             let why = "it leaves the choice to the slicer";
