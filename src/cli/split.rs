@@ -36,7 +36,7 @@ pub(super) struct SplitArgs {
     settings: SettingsSource,
 
     /// Number of ranges. There are fewer if the part has not enough layers: a
-    /// range begins with layer 1, 129, 257 and so on
+    /// range begins with layer 1, 33, 65 and so on
     #[arg(
         long,
         value_name = "N",
@@ -73,7 +73,7 @@ fn divide(args: &SplitArgs) -> anyhow::Result<()> {
         let count = shares.last().map_or(0, |share| share.layers.end);
         terminal::warn(&[format!(
             "{} has {count} layers, which make {} {}, not {parts}: a range \
-             begins with layer 1, 129, 257 and so on",
+             begins with layer 1, 33, 65 and so on",
             plate.name,
             shares.len(),
             if shares.len() == 1 { "range" } else { "ranges" }

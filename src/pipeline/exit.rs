@@ -1,25 +1,23 @@
-//! The stages that run in order for the whole plate: from filled layers to the
-//! text.
+//! What runs in order for the whole plate: from paths to the text.
 //!
-//! In: layers of all parts from below. Out: their G-code. Four steps follow each
-//! other: the order of the beads (`part`), paths (`ways`), speeds (`pacing`),
-//! and the text. On a machine with many processors each has a thread of its
-//! own, so that the slowest step alone bounds how fast layers can be written,
-//! and not the sum of all. What one layer passes to the next is forgotten at the
-//! beginning of every block.
+//! In: layers of all parts from below. Out: their G-code. Three steps follow each
+//! other: the sums, speeds (`pacing`), and the text. On a machine with many
+//! processors each has a thread of its own, so that the slowest step alone bounds
+//! how fast layers can be written, and not the sum of all.
 
 use super::ahead::{Made, Threads};
 use super::job::Job;
-use super::layer::{Filled, OnPlate, Restart};
+use super::layer::OnPlate;
 use super::pacing::Pacing;
-use super::part::{Ordered, PartOrder};
-use super::ways::{PartDone, PartTravel, Passed};
-use super::{BLOCK, Options, SliceError};
+use super::part::Passed;
+use super::sums::{PartDone, PartSums};
+use super::supply::plate::Laid;
+use super::{Options, SliceError};
 use crate::report;
 use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::timings::{Stage, Timings};
-use isoslice_base::units::{Mm, Mm3};
+use isoslice_base::units::Mm3;
 use isoslice_gcode::{Totals, Writer};
 use isoslice_path::pace::{PacedLayer, PacedMove, Sums};
 use isoslice_planar::bead::Role;
@@ -28,15 +26,14 @@ use std::ops::Range;
 
 /// The stages that run in order.
 pub(super) struct Exit<'a, 'w> {
-    parts: Vec<PartOrder<'a>>,
-    ways: Ways<'a>,
-    pacing: Pacing<'a>,
+    counts: Counts<'a>,
+    pub pacing: Pacing<'a>,
     text: Text<'a, 'w>,
 }
 
-/// The paths of all parts.
-struct Ways<'a> {
-    parts: Vec<PartTravel<'a>>,
+/// The sums of all parts.
+struct Counts<'a> {
+    parts: Vec<PartSums<'a>>,
     figures: report::RunFigures,
     options: &'a Options<'a>,
 }
@@ -72,20 +69,18 @@ pub(super) struct Done {
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
-    /// An exit for writing a job. The layers of the same block before the job's
-    /// have to be given, too.
+    /// An exit for writing a job. The layer below the job's first one has to be
+    /// given, too.
     pub(super) fn new(
         job: &'a Job<'a>,
-        parts: Vec<(PartOrder<'a>, PartTravel<'a>)>,
+        parts: Vec<PartSums<'a>>,
         pacing: Pacing<'a>,
         options: &'a Options<'a>,
         writer: Writer<'a, &'w mut dyn io::Write>,
     ) -> Self {
-        let (parts, ways) = parts.into_iter().unzip();
         Exit {
-            parts,
-            ways: Ways {
-                parts: ways,
+            counts: Counts {
+                parts,
                 figures: report::RunFigures::default(),
                 options,
             },
@@ -109,48 +104,30 @@ impl<'a, 'w> Exit<'a, 'w> {
     /// The error of the lowest layer that has one.
     pub(super) fn layers<'s>(
         &'s mut self,
-        layers: impl Iterator<Item = Made<OnPlate<Filled>>> + Send + 's,
+        layers: impl Iterator<Item = Made<OnPlate<Laid>>> + Send + 's,
         threads: &Threads<'s, '_>,
         apart: bool,
     ) -> Result<(), SliceError> {
         let Exit {
-            parts,
-            ways,
+            counts,
             pacing,
             text,
         } = self;
-        let ordered = layers.map(|layer| in_order(parts, layer?));
-        let ordered = threads.ahead(apart, "order", ordered)?;
-        let passed =
-            ordered.map(|layer| layer?.after(|k, part| ways.pass(k, part)));
-        let passed = threads.ahead(apart, "travel", passed)?;
-        let paced = passed.map(|layer| paced(pacing, &layer?));
+        let paced = layers.map(|layer| {
+            let layer = layer?.after(|k, laid| Ok(counts.add(k, laid)))?;
+            pacing.layer(layer.span, &|part| layer.part(part))
+        });
         for layer in threads.ahead(apart, "pace", paced)? {
-            let (restart, layer) = layer?;
-            let span = layer.span;
-            if let Some(Restart { head }) = restart {
-                text.writer.restart(head.map(|p| p.extend(span.bottom)))?;
-            }
-            let written = text.layers.contains(&span.index);
+            let layer = layer?;
+            let written = text.layers.contains(&layer.span.index);
             text.layer(&layer, written)?;
         }
         Ok(())
     }
 
-    /// Makes the path of a part's next layer.
-    pub(super) fn pass(
-        &mut self,
-        part: usize,
-        filled: Filled,
-    ) -> Result<Passed, SliceError> {
-        let ordered = self.parts[part].layer(filled);
-        self.ways.pass(part, ordered)
-    }
-
-    /// Begins with the part in a place, which is finished before the next one
-    /// begins. The one before was as high as `below`.
-    pub(super) fn begin(&mut self, place: usize, below: Mm) {
-        self.pacing.begin(place, below);
+    /// Counts what there is in a part's next layer, and returns its path.
+    pub(super) fn count(&mut self, part: usize, laid: Laid) -> Passed {
+        self.counts.add(part, laid)
     }
 
     /// Prints the next layer of the part whose turn it is.
@@ -166,61 +143,27 @@ impl<'a, 'w> Exit<'a, 'w> {
 
     /// Ends the file.
     pub(super) fn finish(self) -> Result<Done, SliceError> {
-        let parts = self.parts.into_iter().zip(self.ways.parts);
+        let Counts { parts, figures, .. } = self.counts;
         let text = self.text;
         Ok(Done {
-            parts: parts.map(|(order, ways)| ways.finish(order)).collect(),
+            parts: parts.into_iter().map(PartSums::finish).collect(),
             sums: text.sums,
             extruded: text.extruded,
             warnings: self.pacing.warnings,
             totals: text.writer.finish()?,
-            figures: self.ways.figures,
+            figures,
         })
     }
 }
 
-/// Puts the beads of each part in a layer in order.
-fn in_order(
-    parts: &mut [PartOrder<'_>],
-    mut layer: OnPlate<Filled>,
-) -> Made<OnPlate<Ordered>> {
-    let span = layer.span;
-    if span.index > 0 && span.index.is_multiple_of(BLOCK) {
-        let heads = parts.iter_mut().map(|part| part.restart(&span));
-        let heads: Vec<Option<DVec2>> = heads.collect();
-        let head = match *heads {
-            [head] => head,
-            _ => None,
-        };
-        layer.restart = Some(Restart { head });
-    }
-    layer.after(|k, filled| Ok(parts[k].layer(filled)))
-}
-
-/// Gives the moves of a layer their speeds.
-fn paced(
-    pacing: &mut Pacing<'_>,
-    layer: &OnPlate<Passed>,
-) -> Made<(Option<Restart>, PacedLayer)> {
-    if let Some(Restart { head }) = layer.restart {
-        pacing.restart(head, &layer.span);
-    }
-    let paced = pacing.layer(layer.span, &|part| layer.part(part))?;
-    Ok((layer.restart, paced))
-}
-
-impl Ways<'_> {
-    /// Makes the path of a part's next layer.
-    fn pass(
-        &mut self,
-        part: usize,
-        ordered: Ordered,
-    ) -> Result<Passed, SliceError> {
-        let figures = ordered.filled.figures.as_ref();
-        if let Some(figures) = figures {
-            self.figures.add(figures, self.options.report);
+impl Counts<'_> {
+    /// Counts what there is in a part's next layer, and returns its path.
+    fn add(&mut self, part: usize, (passed, mut counted): Laid) -> Passed {
+        if let Some(figures) = counted.figures.take() {
+            self.figures.add(&figures, self.options.report);
         }
-        self.parts[part].layer(ordered)
+        self.parts[part].add(counted);
+        passed
     }
 }
 

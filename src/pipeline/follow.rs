@@ -1,6 +1,5 @@
 //! Follows what hangs in a part from layer to layer.
 
-use super::BLOCK;
 use super::layer::Layer;
 use glam::DVec2;
 use isoslice_held::overhangs::{LayerOverhang, OverhangPlan, Tracker};
@@ -34,9 +33,7 @@ impl Follow<'_> {
             }
             None => tracker.same(span.height(), written, self.plan),
         }
-        // The tracker restarts with every block, and ends with the part.
-        let next = span.index + 1;
-        if next.is_multiple_of(BLOCK) || next == self.count {
+        if span.index + 1 == self.count {
             tracker.restart(written, self.plan);
         }
     }

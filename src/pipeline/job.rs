@@ -122,18 +122,20 @@ impl<'a> Planned<'a> {
         self.stages.plan_supports(pool, self.spans, around, room)
     }
 
-    /// Plans what needs all of the part at once, for a run that makes the layers
-    /// from `first` on. `base` is what the part's stages were made of.
+    /// Plans what needs all of the part at once. `base` is what the part's stages
+    /// were made of. A `glimpse` of one layer needs nothing of other layers.
     fn plan(
         &mut self,
         base: &'a Base<'a>,
-        first: usize,
+        glimpse: bool,
         pool: &ThreadPool,
     ) -> Result<(), SliceError> {
         let (part, spans) = (self.part, self.spans);
         let settings = &part.settings;
         self.stages.plan_spiral(pool, spans)?;
-        self.stages.plan_guide(pool, spans, first)?;
+        if !glimpse {
+            self.stages.plan_course(pool, spans)?;
+        }
         self.plan_supports(base, pool)?;
         let stages = &mut self.stages;
         stages.plan_raft(spans, &base.around, part.room())?;
@@ -189,14 +191,8 @@ impl<'a> Job<'a> {
         };
         let layers = options.indices(spans)?;
         let turns = plate.turns();
-        // Parts that are printed one by one are made whole, and a glimpse is
-        // not printed.
-        let first = match (&turns, options.glimpse) {
-            (None, None) => options.extent(layers.clone()).made.start,
-            _ => 0,
-        };
         for (planned, base) in parts.iter_mut().zip(bases) {
-            let made = planned.plan(base, first, pool);
+            let made = planned.plan(base, options.glimpse.is_some(), pool);
             made.map_err(|e| plate.named(base.part, e))?;
         }
         let count = match &turns {

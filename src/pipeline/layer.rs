@@ -4,11 +4,10 @@ use super::SliceError;
 use super::ahead::Made;
 use super::supported::Top;
 use crate::report::LayerFigures;
-use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_held::overhangs::LayerOverhang;
 use isoslice_layer::exposure::FillAreas;
-use isoslice_layer::seam::{Ground, Guide};
+use isoslice_layer::seam::Ground;
 use isoslice_layer::view::{LayerFace, LayerView};
 use isoslice_layer::walls::Walls;
 use isoslice_path::order::LayerBeads;
@@ -141,21 +140,6 @@ impl Layer {
         Ground::of(self.face(), below.face())
     }
 
-    /// Lets a guide look at the layer, which `ground` holds. The layer `above`
-    /// matters for the part's first layer.
-    pub(super) fn guide(
-        &self,
-        guide: &mut Guide,
-        ground: Option<Ground<'_>>,
-        above: Option<&Layer>,
-    ) {
-        let above = above.filter(|_| guide.is_first(self.span.index));
-        if let Some(above) = above {
-            guide.look(&above.span, &above.outline, above.ground(self));
-        }
-        guide.look(&self.span, &self.outline, ground);
-    }
-
     /// Shares with the layer below whatever equals it.
     pub(super) fn share(&mut self, below: &Layer) {
         if below.area() == self.area() {
@@ -223,16 +207,7 @@ impl Filled {
 /// part that is in it, with the part's number.
 pub(super) struct OnPlate<T> {
     pub span: LayerSpan,
-    /// If a block begins.
-    pub restart: Option<Restart>,
     pub parts: Vec<(usize, T)>,
-}
-
-/// The beginning of a block, where all is forgotten that layers pass on.
-#[derive(Clone, Copy)]
-pub(super) struct Restart {
-    /// Where the head is, on the bed, if every run knows that.
-    pub head: Option<DVec2>,
 }
 
 impl<T> OnPlate<T> {
@@ -245,7 +220,6 @@ impl<T> OnPlate<T> {
         let parts = parts.map(|(k, part)| Ok((k, step(k, part)?)));
         Ok(OnPlate {
             span: self.span,
-            restart: self.restart,
             parts: parts.collect::<Result<_, SliceError>>()?,
         })
     }

@@ -1,25 +1,25 @@
 //! The stages, over a window of layers that moves up the part.
 //!
 //! ```text
-//!   slabs of layers, in parallel     layers, in parallel      in order
-//!   field → contour              ──► walls, skin, infill  ──► order, travel,
-//!                                    (needs neighbours)       pace, G-code
+//!   what runs through the part: layers' heights, supports, seams, ends of layers
+//!      ▼
+//!   slabs of layers, in parallel     layers, in parallel           in order
+//!   field → contour              ──► walls, skin, infill,     ──►  pace, G-code
+//!                                    order, travel
 //! ```
 //!
-//! While some layers are ordered and written, the next ones are made. From a few
-//! threads on, each of the ordered stages works ahead of the next one as well.
-//! Only the window is kept, and nothing of what has been written, so memory does
-//! not grow with the part's height. A part with supports is an exception: they are
-//! planned from the top down, and their plan has coarse areas for all layers.
-//! The result does not depend on the number of threads: every layer is computed
-//! in one way whoever does it, and everything that passes from layer to layer
-//! (the head's place, seams, filament) does so in the ordered stages.
+//! While some layers are written, the next ones are made. Only the window is kept,
+//! and nothing of what has been written, so memory does not grow with the part's
+//! height. A part with supports is an exception: they are planned from the top down,
+//! and their plan has coarse areas for all layers. The result does not depend on the
+//! number of threads: every layer is computed in one way whoever does it.
 //!
-//! A layer's text does not depend on which layers a run is asked for, either.
-//! What passes from layer to layer is forgotten at the beginning of every block
-//! of slabs. So a run that begins in the middle of a part gets to the right
-//! state if it rehearses the layers of one block at most. Parts too large for
-//! one machine are sliced in ranges of layers whose texts are then joined.
+//! A layer's text does not depend on which layers a run is asked for, either. A
+//! layer depends on the outlines around it, on what was planned before any layer was
+//! made, and on where the layer below ends, but not on how that was printed. The
+//! exceptions are internal bridges and infill that may stand on nothing: `lower` in
+//! `supply` says on what they depend. So parts too large for one machine are sliced
+//! in ranges of layers whose texts are then joined.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -38,7 +38,8 @@
 //! | `standing` | the supports of a plate, for its picture |
 //! | `sound` | notices early that next to nothing can be printed |
 //! | `supply` | runs `stages` for a window of layers, with internal bridges, ahead of those that are written |
-//! | `part`, `ways` | what is done in order for each part |
+//! | `part`, `ways` | from the beads of a layer of a part to their order and to its path |
+//! | `sums` | what is counted of each part, in order |
 //! | `follow` | follows what hangs from layer to layer |
 //! | `hanging` | tells what hangs when no bead is laid |
 //! | `pacing` | what is done in order for all parts, up to the speeds of moves |
@@ -73,6 +74,7 @@ mod stages;
 mod standing;
 mod start;
 mod summary;
+mod sums;
 mod supply;
 mod supported;
 mod tally;
@@ -81,14 +83,8 @@ mod write;
 
 pub use error::SliceError;
 pub use hanging::{Survey, survey};
-use isocontour::SLAB;
 pub use options::Options;
 pub use run::{slice, slice_plate};
 pub use split::{Share, split};
 pub use standing::supports;
 pub use summary::{PartSummary, Summary};
-
-/// Number of layers whose seams and travels depend on each other. At a block's
-/// beginning seams may jump, and there is a travel from anywhere, so blocks
-/// should be few. A run of a range has to rehearse up to a whole block.
-const BLOCK: usize = 4 * SLAB;

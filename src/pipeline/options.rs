@@ -1,6 +1,5 @@
 //! What a caller may ask of a run.
 
-use super::BLOCK;
 use isoslice_base::units::Mm;
 use isoslice_gcode::Format;
 use isoslice_settings::layers::{LayerRange, LayerSpan, PlanError, layer_at};
@@ -71,17 +70,13 @@ impl Options<'_> {
     /// What a run makes to write these layers.
     pub(super) fn extent(&self, layers: Range<usize>) -> Extent {
         let glimpse = self.glimpse.is_some();
-        let first = if glimpse {
-            layers.start
-        } else {
-            // The layers of a block depend on those below them in the block.
-            layers.start - layers.start % BLOCK
-        };
+        // A layer goes on from where the layer below ends, and the order of that
+        // depends on where the one below it ends.
+        let below = if glimpse { 0 } else { 2 };
         Extent {
-            made: first..layers.end,
+            made: layers.start.saturating_sub(below)..layers.end,
             layers,
             glimpse,
-            blocks: true,
         }
     }
 }
@@ -91,14 +86,10 @@ impl Options<'_> {
 pub(super) struct Extent {
     /// The layers to be written.
     pub layers: Range<usize>,
-    /// The layers to be made: those to be written, and those before them on
-    /// which their seams and ways depend.
+    /// The layers to be made: those to be written, and two below them.
     pub made: Range<usize>,
     /// True if a single layer is made to be looked at.
     pub glimpse: bool,
-    /// True if blocks of layers pass nothing on to the next block, so that a
-    /// run may begin with any of them.
-    pub blocks: bool,
 }
 
 impl Extent {
@@ -108,7 +99,6 @@ impl Extent {
             layers: 0..count,
             made: 0..count,
             glimpse: false,
-            blocks: false,
         }
     }
 }

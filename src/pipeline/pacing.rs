@@ -2,22 +2,21 @@
 //! moves with their speeds.
 //!
 //! In: layers of all parts from below, as paths. Out: their moves with their
-//! speeds, and pictures. The parts of a layer are printed one after the other,
-//! on a short way that begins where the layer below has ended. A part that
-//! stands in several places has one path, which is moved to each place. What
-//! one layer passes to the next is forgotten at the beginning of every block:
-//! see [`Pacing::restart`].
+//! speeds, and pictures. The parts of a layer are printed one after the other, on
+//! a short way through their places, and those of the next layer on the same way
+//! back. A part that stands in several places has one path, which is moved to each
+//! place. A layer knows nothing of those below it but where the last one has ended.
 
+use super::SliceError;
 use super::job::{Base, Job};
-use super::ways::Passed;
-use super::{BLOCK, SliceError};
+use super::part::Passed;
 use crate::plate::Plate;
 use glam::DVec2;
 use isoslice_base::limits;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::{BedPlan, Skirt, keep_on_bed};
-use isoslice_path::order::{begin_near, in_turn};
+use isoslice_path::order::{begin_near, course};
 use isoslice_path::pace::rates::{Rater, Site};
 use isoslice_path::pace::{PacePlan, PacedLayer, Pacer, Stretch};
 use isoslice_path::travel::{
@@ -69,11 +68,14 @@ pub(super) struct Pacing<'a> {
     /// For each place on the plate the part that stands there, and how far it
     /// is from where the model was placed.
     places: Vec<(usize, DVec2)>,
+    /// The places, in the order in which every second layer visits them. The
+    /// others visit them the other way round.
+    course: Vec<usize>,
     /// The skirt round several parts; a single part has its own.
     skirt: Option<Skirt>,
-    /// The place printed last; none if that is forgotten.
+    /// The place printed last, and where the head is on the bed; none if the layer
+    /// before has printed nothing.
     last: Option<usize>,
-    /// Where the head is, on the bed; none if that is forgotten.
     at: Option<DVec2>,
     pacer: Pacer<'a>,
     /// The layers to be written.
@@ -101,11 +103,17 @@ impl<'a> Pacing<'a> {
         pictures: Option<Pictures>,
     ) -> Self {
         let settings = &job.plate.settings;
+        let places = job.plate.shifts();
+        let stands = |&(part, shift): &(usize, DVec2)| {
+            job.parts[part].part.model.offset.truncate() + shift
+        };
+        let stands: Vec<DVec2> = places.iter().map(stands).collect();
         Pacing {
             settings,
             pictures,
             rates,
-            places: job.plate.shifts(),
+            places,
+            course: course(&stands),
             skirt,
             last: None,
             at: None,
@@ -143,6 +151,8 @@ impl<'a> Pacing<'a> {
     {
         let stretches = self.stretches(&span, passed);
         limits::go_on()?;
+        let prints = |step: &Move| matches!(step, Move::Print(_));
+        let empty = !stretches.iter().any(|s| s.moves.iter().any(prints));
         let written = self.turn.is_some() || self.layers.contains(&span.index);
         if written && let Some(pictures) = &self.pictures {
             let moves = stretches.iter().flat_map(|s| s.moves.clone());
@@ -159,6 +169,11 @@ impl<'a> Pacing<'a> {
         })?;
         paced.before = self.before;
         self.next += 1;
+        if empty && self.turn.is_none() {
+            // A run that begins with the next layer knows no more than that.
+            (self.last, self.at) = (None, None);
+            self.pacer.forget(span.top);
+        }
         Ok(paced)
     }
 
@@ -184,25 +199,28 @@ impl<'a> Pacing<'a> {
         // The head does not go to places where nothing is printed. A single
         // part's moves are taken as they are.
         let alone = self.places.len() == 1;
+        let mut course = self.course.clone();
+        if !span.index.is_multiple_of(2) {
+            course.reverse();
+        }
         let mut there = Vec::new();
-        let mut ways = Vec::new();
-        for (place, &(part, shift)) in self.places.iter().enumerate() {
+        for place in course {
+            let (part, shift) = self.places[place];
             if self.turn.is_some_and(|turn| turn != place) {
                 continue;
             }
             let Some(passed) = passed(part) else {
                 continue;
             };
-            match passed.path.ends() {
-                Some((from, to)) => ways.push((from + shift, to + shift)),
-                None if alone => ways.push((DVec2::ZERO, DVec2::ZERO)),
+            let ends = match passed.path.ends() {
+                Some((from, to)) => [from + shift, to + shift],
+                None if alone => [DVec2::ZERO; 2],
                 None => continue,
-            }
-            there.push((place, part, shift, passed));
+            };
+            there.push((place, part, shift, passed, ends));
         }
         let hop = self.settings.retract.z_hop > 0.0;
-        for k in in_turn(&ways, self.at) {
-            let (place, part, shift, passed) = there[k];
+        for (place, part, shift, passed, [from, to]) in there {
             let mut moves = passed.path.moved(shift);
             // A part goes on where it ended, but not if another part was
             // printed last.
@@ -214,13 +232,13 @@ impl<'a> Pacing<'a> {
                 let prints = |step: &Move| matches!(step, Move::Print(_));
                 let first = moves.iter().position(prints).unwrap_or(0);
                 let travel = match self.clear.take() {
-                    Some(clear) => over_parts(ways[k].0, clear),
-                    None => between_parts(ways[k].0, hop),
+                    Some(clear) => over_parts(from, clear),
+                    None => between_parts(from, hop),
                 };
                 moves.splice(..first, [Move::Travel(travel)]);
             }
             if !alone {
-                self.at = Some(ways[k].1);
+                self.at = Some(to);
                 self.last = Some(place);
             }
             stretches.push(Stretch {
@@ -253,7 +271,7 @@ impl<'a> Pacing<'a> {
                 continue;
             };
             let travel = match (self.at, moves.is_empty()) {
-                (None, _) => Travel::straight(to, span.index >= BLOCK),
+                (None, _) => Travel::straight(to, span.index > 0),
                 (Some(_), true) => between_parts(to, hop),
                 // From loop to loop the way is a line's width.
                 (Some(_), false) => Travel::straight(to, false),
@@ -264,14 +282,5 @@ impl<'a> Pacing<'a> {
             self.last = None;
         }
         (!moves.is_empty()).then_some(moves)
-    }
-
-    /// Forgets what the layers below have passed on, so that what follows
-    /// depends on nothing but the plate. This costs a travel from wherever the
-    /// head is, unless that is known: `head` is on the bed.
-    pub(super) fn restart(&mut self, head: Option<DVec2>, span: &LayerSpan) {
-        self.last = None;
-        self.at = None;
-        self.pacer.restart(head, span.bottom);
     }
 }

@@ -1,15 +1,14 @@
 //! Divides a part's layers into ranges of about equal cost.
 //!
 //! In: a plate, and how many ranges are wanted. Out: the ranges. A range begins
-//! with a block of layers, since in the middle of a block it would have to repeat
-//! the work on the block's lower layers.
+//! with a slab of layers, whose outlines are found together.
 //!
 //! ```text
-//!   outlines of 32 layers  ──►  cost of each block  ──►  ranges
+//!   outlines of 32 layers  ──►  cost of each slab  ──►  ranges
 //! ```
 //!
 //! Guaranteed: each layer is in one range, and no other ranges of as many
-//! blocks have a smaller sum of squares of their costs. Not guaranteed: that
+//! slabs have a smaller sum of squares of their costs. Not guaranteed: that
 //! the cost is the time. It is the length of the outlines of a few layers, and
 //! of the lines in them.
 
@@ -17,8 +16,9 @@ use super::job::{Base, Planned};
 use super::layer::Layer;
 use super::stages::{ALL_LAYERS, Stages};
 use super::start::{layers_of, pool};
-use super::{BLOCK, Options, SliceError};
+use super::{Options, SliceError};
 use crate::plate::{Part, Plate};
+use isocontour::SLAB;
 use isoslice_base::limits;
 use isoslice_base::units::Mm;
 use isoslice_planar::Area;
@@ -42,7 +42,7 @@ pub struct Share {
 }
 
 /// Divides the layers of a plate into `parts` ranges, or fewer if there are not
-/// enough blocks of layers. It uses `threads` threads, or as many as the
+/// enough slabs of layers. It uses `threads` threads, or as many as the
 /// machine has.
 ///
 /// # Errors
@@ -72,15 +72,14 @@ pub fn split(
         }
     }
     limits::go_on()?;
-    let blocks: Vec<f64> =
-        costs.chunks(BLOCK).map(|b| b.iter().sum()).collect();
-    let all: f64 = blocks.iter().sum();
-    let share = |blocks_of: Range<usize>| Share {
-        cost: blocks[blocks_of.clone()].iter().sum::<f64>() / all,
-        layers: BLOCK * blocks_of.start
-            ..(BLOCK * blocks_of.end).min(costs.len()),
+    let slabs: Vec<f64> =
+        costs.chunks(SLAB).map(|slab| slab.iter().sum()).collect();
+    let all: f64 = slabs.iter().sum();
+    let share = |some: Range<usize>| Share {
+        cost: slabs[some.clone()].iter().sum::<f64>() / all,
+        layers: SLAB * some.start..(SLAB * some.end).min(costs.len()),
     };
-    Ok(divided(&blocks, parts).into_iter().map(share).collect())
+    Ok(divided(&slabs, parts).into_iter().map(share).collect())
 }
 
 /// The cost of each layer of a part that prints, in some unit.
@@ -130,13 +129,13 @@ fn lines_in(area: &Area, settings: &Settings) -> Mm {
     (1.0 + walls) * area.perimeter() + infill
 }
 
-/// Divides blocks into ranges, so that the sum of squares of their costs is
+/// Divides slabs into ranges, so that the sum of squares of their costs is
 /// least.
-fn divided(blocks: &[f64], parts: usize) -> Vec<Range<usize>> {
-    let count = blocks.len();
+fn divided(slabs: &[f64], parts: usize) -> Vec<Range<usize>> {
+    let count = slabs.len();
     let parts = parts.min(count);
     let mut below = vec![0.0];
-    for cost in blocks {
+    for cost in slabs {
         below.push(below.last().copied().unwrap_or(0.0) + cost);
     }
     let square = |from: usize, to: usize| {

@@ -2,7 +2,7 @@
 
 use super::exit::Done;
 use super::job::{Job, Planned};
-use super::ways::PartDone;
+use super::sums::PartDone;
 use crate::plate::{Part, Plate};
 use crate::report::{Figures, Report, RoleSum};
 use glam::{DVec2, DVec3};

@@ -4,19 +4,18 @@
 use super::ahead::with_threads;
 use super::exit::Exit;
 use super::head::header;
-use super::job::{Base, Job, Planned, Run};
+use super::job::{Base, Job, Run};
 use super::options::Extent;
 use super::pacing::{Pacing, Rates};
-use super::part::PartOrder;
+use super::part::{PartPaths, Passed};
 use super::skirt::skirt_round;
+use super::sums::PartSums;
 use super::supply::plate::Supplies;
-use super::ways::{PartTravel, Passed};
 use super::{SliceError, Summary};
 use crate::report::{Report, RunFigures};
 use isoslice_base::units::Mm3;
 use isoslice_gcode::{Writer, WriterPlan};
 use isoslice_path::pace::PacePlan;
-use isoslice_path::z_contouring::ZContouring;
 use isoslice_planar::Rect;
 use isoslice_preview::Pictures;
 use rayon::ThreadPool;
@@ -55,14 +54,23 @@ pub(super) fn write(
     let writer = Writer::new(out, plan, &header, copy)?;
     let mut warnings = told_of_writing(&job, writer.warnings());
     warnings.extend(no_picture);
-    let parts = exits(&job, &bases, pool)?;
+    let parts = job.parts.iter().zip(&bases);
+    let parts =
+        parts.map(|(part, base)| PartPaths::new(&job, part, base, pool));
+    let parts: Vec<PartPaths<'_>> = parts.collect::<Result<_, SliceError>>()?;
+    let sums = parts.iter().map(|paths| {
+        let layers = match job.turns {
+            Some(_) => 0..paths.planned.spans.len(),
+            None => job.extent.layers.clone(),
+        };
+        PartSums::new(paths.planned, layers)
+    });
     let pacing = Pacing::new(&job, &rates, skirt, pictures);
-    let mut exit = Exit::new(&job, parts, pacing, run.options, writer);
+    let mut exit = Exit::new(&job, sums.collect(), pacing, run.options, writer);
     match &job.turns {
-        Some(turns) => one_by_one(&mut exit, turns, &job, pool)?,
+        Some(turns) => one_by_one(&mut exit, turns, &job, &parts, pool)?,
         None => {
-            let parts = job.parts.iter().map(|p| (&p.stages, p.spans));
-            let supplies = Supplies::new(parts, pool, &job.extent);
+            let supplies = Supplies::new(&parts, pool, &job.extent)?;
             let apart = pool.current_num_threads() >= APART;
             with_threads(|threads| {
                 exit.layers(supplies.ahead(pool, threads)?, threads, apart)
@@ -122,39 +130,13 @@ fn told_of_writing(job: &Job<'_>, of_writer: &[String]) -> Vec<String> {
     all
 }
 
-/// The stages of each part that run in order.
-fn exits<'a>(
-    job: &'a Job<'a>,
-    bases: &'a [Base<'a>],
-    pool: &'a ThreadPool,
-) -> Result<Vec<(PartOrder<'a>, PartTravel<'a>)>, SliceError> {
-    let exit = |(planned, base): (&'a Planned<'a>, &'a Base<'a>)| {
-        let Planned { part, spans, .. } = *planned;
-        let z_contouring =
-            [ZContouring::new, ZContouring::of_supports].map(|z_contouring| {
-                let timings = &planned.stages.timings;
-                let plan = planned.stages.plans.z_contouring.clone();
-                z_contouring(&part.model, plan, &base.around, pool, timings)
-                    .map_err(|e| job.plate.named(part, e.into()))
-            });
-        let [z_contouring, under] = z_contouring;
-        let z_contouring = [z_contouring?, under?];
-        let layers = match job.turns {
-            Some(_) => 0..spans.len(),
-            None => job.extent.layers.clone(),
-        };
-        let order = PartOrder::new(planned, layers.clone());
-        Ok((order, PartTravel::new(planned, layers, z_contouring)))
-    };
-    job.parts.iter().zip(bases).map(exit).collect()
-}
-
 /// Prints parts one by one, in the order of `turns`. Parts in several places
 /// are sliced once: the paths of all of their layers are kept.
 fn one_by_one(
     exit: &mut Exit<'_, '_>,
     turns: &[usize],
     job: &Job<'_>,
+    parts: &[PartPaths<'_>],
     pool: &ThreadPool,
 ) -> Result<(), SliceError> {
     let shifts = job.plate.shifts();
@@ -166,16 +148,18 @@ fn one_by_one(
             continue;
         };
         let part = of_place(first);
-        let Planned { stages, spans, .. } = &job.parts[part];
-        exit.begin(first, below);
+        let paths = &parts[part];
+        let spans = paths.planned.spans;
+        exit.pacing.begin(first, below);
         below = spans.last().map_or(0.0, |span| span.top);
         let mut kept: Vec<Passed> = Vec::new();
         let extent = Extent::of_all(spans.len());
-        let supplies = Supplies::new([(stages, *spans)], pool, &extent);
+        let paths = std::slice::from_ref(paths);
+        let supplies = Supplies::new(paths, pool, &extent)?;
         with_threads(|threads| {
             for layer in supplies.ahead(pool, threads)? {
-                for (_, filled) in layer?.parts {
-                    let passed = exit.pass(part, filled)?;
+                for (_, laid) in layer?.parts {
+                    let passed = exit.count(part, laid);
                     exit.print_turn(part, &passed)?;
                     if !copies.is_empty() {
                         kept.push(passed);
@@ -185,7 +169,7 @@ fn one_by_one(
             Ok(())
         })?;
         for &place in copies {
-            exit.begin(place, below);
+            exit.pacing.begin(place, below);
             for passed in &kept {
                 exit.print_turn(part, passed)?;
             }

@@ -217,15 +217,14 @@ fn a_pillar_is_too_high_for_its_foot_and_a_brim_helps() {
 
 #[test]
 fn ranges_of_layers_tell_what_hangs_in_them() {
-    // Two blocks of layers, with a slope across their border.
+    // A range counts a slope from its first layer on.
     let slope = wall(60.0).replace("abs(z - 10) - 10", "abs(z - 15) - 15");
     let whole = run(&slope, &[], "..", 2).hanging.leans;
     let ranges = ["1..40", "41..128", "129..135", "136.."];
     let parts = ranges.map(|layers| run(&slope, &[], layers, 1).hanging.leans);
     let area: f64 = parts.iter().map(|sum| sum.area).sum();
-    near(area, whole.area, 1e-9);
-    let reach = parts.iter().map(|sum| sum.reach).fold(0.0, f64::max);
-    assert_eq!(reach, whole.reach);
+    near(area, whole.area, 0.02 * whole.area);
+    assert!(parts.iter().all(|sum| sum.reach <= whole.reach));
     assert_eq!(parts[0].first, whole.first);
     assert_eq!(run(&slope, &[], "..", 1).hanging.leans, whole);
 }

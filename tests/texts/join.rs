@@ -215,7 +215,7 @@ fn half_written_and_changed_files_are_refused() {
 }
 
 #[test]
-fn ranges_begin_with_blocks_and_have_every_layer() {
+fn ranges_begin_with_slabs_and_have_every_layer() {
     let settings = settings(&["sample_spacing=0.6", "layer_height=0.05"]);
     // This part is wide below and thin above.
     let part = "max(sqrt(x^2 + y^2) - 20 + 0.45*z, max(-z, z - 40))";
@@ -226,9 +226,9 @@ fn ranges_begin_with_blocks_and_have_every_layer() {
     assert_eq!(shares[0].layers.start, 0);
     for pair in shares.windows(2) {
         assert_eq!(pair[0].layers.end, pair[1].layers.start);
-        assert_eq!(pair[1].layers.start % 128, 0);
+        assert_eq!(pair[1].layers.start % 32, 0);
         // Layers above are smaller, so there are more of them.
-        assert!(pair[0].layers.len() < pair[1].layers.len() + 128);
+        assert!(pair[0].layers.len() < pair[1].layers.len() + 32);
     }
     // 40 mm, with a first layer of 0.2 mm.
     assert_eq!(shares[2].layers.end, 797);
@@ -237,8 +237,8 @@ fn ranges_begin_with_blocks_and_have_every_layer() {
     assert!(shares[0].layers.len() < 300);
     assert!(shares.iter().all(|share| share.cost < 0.5));
     assert_eq!(shares, split(&plate, 3, Some(1)).unwrap());
-    // There are 7 blocks.
-    assert_eq!(split(&plate, 20, Some(2)).unwrap().len(), 7);
+    // There are 25 slabs.
+    assert_eq!(split(&plate, 40, Some(2)).unwrap().len(), 25);
 }
 
 /// The commands are those of docs/large-parts.md.
@@ -266,11 +266,11 @@ fn on_the_command_line() {
         (String::from_utf8(out.stdout).unwrap(), error)
     };
     let (ranges, warning) = of("split", &["--parts", "8"]);
-    assert_eq!(ranges, "1..128\n129..140\n");
-    assert!(warning.contains("which make 2 ranges, not 8"), "{warning}");
+    assert_eq!(ranges, "1..32\n33..64\n65..96\n97..128\n129..140\n");
+    assert!(warning.contains("which make 5 ranges, not 8"), "{warning}");
     let (json, _) = of("split", &["--parts", "2", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!(json["ranges"][1]["first_layer"], 129);
+    assert_eq!(json["ranges"][1]["first_layer"], 65);
     of("slice", &["-o", "whole.gcode"]);
     for (k, range) in ranges.lines().enumerate() {
         let name = format!("part.{k}.gcode");
@@ -285,11 +285,12 @@ fn on_the_command_line() {
             + &String::from_utf8_lossy(&out.stderr);
         (out.status.code(), text)
     };
-    let files = ["part.1.gcode", "part.0.gcode"];
+    let files = [4, 1, 0, 2, 3].map(|k| format!("part.{k}.gcode"));
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
     let (code, text) = join(&[&files[..], &["-o", "joined.gcode"]].concat());
     assert_eq!(code, Some(0), "{text}");
     assert!(
-        text.starts_with("joined.gcode: 140 layers of 2 files"),
+        text.starts_with("joined.gcode: 140 layers of 5 files"),
         "{text}"
     );
     let read = |name: &str| fs::read(folder.join(name)).unwrap();
@@ -304,7 +305,7 @@ fn on_the_command_line() {
     let (code, text) = join(&["part.0.gcode", "-o", "new.gcode"]);
     assert_eq!(code, Some(1), "{text}");
     assert!(
-        text.contains("layers 129 to 140 of 140 are missing"),
+        text.contains("layers 33 to 140 of 140 are missing"),
         "{text}"
     );
     assert!(!folder.join("new.gcode").exists());

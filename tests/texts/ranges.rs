@@ -153,9 +153,28 @@ fn more_layers_of_internal_bridges() {
             let model = common::formula(&part, &settings);
             assert_same_in_ranges(
                 &Plate::of(&model, &settings),
-                &[40, 128, 129, 130],
+                &[40, 62, 63, 64, 65, 128, 130],
             );
         }
+    }
+}
+
+/// A dome has skin over its infill in every layer, so that no layer is independent
+/// of the bridges below it. Cubes whose corners are blended have infill whose beads
+/// stand on those below them.
+#[test]
+fn what_lies_on_the_layers_below() {
+    let dome = "max(sqrt(x^2 + y^2 + z^2) - 14, -z)";
+    let cuts = [2, 30, 63, 64, 65, 90, 100];
+    for more in [
+        &["infill_density=12"][..],
+        &["infill_density=expr: 10 + d"],
+        &["infill=expr: sqrt(x^2 + y^2 + (z - 5)^2) - 4"],
+    ] {
+        let all = [&COARSE[..], &["layer_height=0.12"], more].concat();
+        let settings = common::settings(&all);
+        let model = common::formula(dome, &settings);
+        assert_same_in_ranges(&Plate::of(&model, &settings), &cuts);
     }
 }
 
@@ -166,14 +185,13 @@ fn several_bodies() {
 
 #[test]
 fn a_lattice() {
-    // Smaller, but still of more than 128 layers, the length of a block.
+    // Smaller, but still of more than four slabs of layers.
     let mut small = common::example("lattice-part");
     small.define("radius", "13");
     check_with(&small, "0.17", &[45]);
 }
 
-/// Layers without anything in them, before the part and between its pieces;
-/// the second piece begins in the middle of a block, the third with one.
+/// Layers without anything in them, before the part and between its pieces.
 #[test]
 fn islands_in_the_air() {
     for flavour in ["gcode.flavour=marlin", "gcode.flavour=klipper"] {

@@ -8,6 +8,7 @@
 //! | [`encoding`] | reads text from bytes |
 //! | [`stopwatch`] | measures the processor time of a thread |
 //! | [`limits`] | bounds the time, the work and the memory of a run, and stops it |
+//! | [`named!`] | declares an enum whose values have names |
 //! | [`files`] | reads files within limits, and writes them whole or not at all |
 //! | [`timings`] | adds up the time of each stage |
 //!
@@ -21,6 +22,7 @@
 pub mod encoding;
 pub mod files;
 pub mod limits;
+mod named;
 pub mod random;
 pub mod sets;
 pub mod stopwatch;

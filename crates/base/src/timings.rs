@@ -5,6 +5,7 @@
 //! waiting counts. Work that a stage gives to other threads is timed there.
 
 use crate::limits;
+use crate::named;
 use crate::stopwatch::Stopwatch;
 use crate::units::Seconds;
 use cpu_time::ThreadTime;
@@ -29,84 +30,42 @@ pub fn of_pool<T: Send>(
     (made, times.map(|(after, before)| after - before).sum())
 }
 
-/// A stage of the pipeline, with its name in reports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Heights of layers that follow the surface.
-    Heights,
-    /// Pictures for the file's head.
-    Picture,
-    /// Proofs and samples of the field.
-    Field,
-    /// Outlines from samples.
-    Contour,
-    /// Offsets of the outlines.
-    Walls,
-    /// Exposure and the beads of the skin.
-    Skin,
-    /// Sparse infill.
-    Infill,
-    /// What hangs.
-    Hang,
-    /// The plan of supports, and their beads.
-    Support,
-    /// Order and seams.
-    Order,
-    /// Beads on the surface above or below them.
-    ZContouring,
-    /// Travels.
-    Travel,
-    /// Speeds and print time.
-    Pace,
-    /// The text.
-    Gcode,
-    /// Accuracy of the layers, for the summary or the report.
-    Report,
-    /// The check of the text.
-    Check,
-}
-
-impl Stage {
-    /// All stages, in the order of the pipeline.
-    pub const ALL: [Stage; 16] = [
-        Stage::Heights,
-        Stage::Picture,
-        Stage::Field,
-        Stage::Contour,
-        Stage::Walls,
-        Stage::Skin,
-        Stage::Infill,
-        Stage::Hang,
-        Stage::Support,
-        Stage::Order,
-        Stage::ZContouring,
-        Stage::Travel,
-        Stage::Pace,
-        Stage::Gcode,
-        Stage::Report,
-        Stage::Check,
-    ];
-
-    /// Name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Stage::Heights => "heights",
-            Stage::Picture => "picture",
-            Stage::Field => "field",
-            Stage::Contour => "contour",
-            Stage::Walls => "walls",
-            Stage::Skin => "skin",
-            Stage::Infill => "infill",
-            Stage::Hang => "hanging",
-            Stage::Support => "support",
-            Stage::Order => "order",
-            Stage::ZContouring => "contour_z",
-            Stage::Travel => "travel",
-            Stage::Pace => "pace",
-            Stage::Gcode => "gcode",
-            Stage::Report => "report",
-            Stage::Check => "check",
-        }
+named! {
+    /// A stage of the pipeline, with its name in reports.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Stage {
+        /// Heights of layers that follow the surface.
+        Heights = "heights",
+        /// Pictures for the file's head.
+        Picture = "picture",
+        /// Proofs and samples of the field.
+        Field = "field",
+        /// Outlines from samples.
+        Contour = "contour",
+        /// Offsets of the outlines.
+        Walls = "walls",
+        /// Exposure and the beads of the skin.
+        Skin = "skin",
+        /// Sparse infill.
+        Infill = "infill",
+        /// What hangs.
+        Hang = "hanging",
+        /// The plan of supports, and their beads.
+        Support = "support",
+        /// Order and seams.
+        Order = "order",
+        /// Beads on the surface above or below them.
+        ZContouring = "contour_z",
+        /// Travels.
+        Travel = "travel",
+        /// Speeds and print time.
+        Pace = "pace",
+        /// The text.
+        Gcode = "gcode",
+        /// Accuracy of the layers, for the summary or the report.
+        Report = "report",
+        /// The check of the text.
+        Check = "check",
     }
 }
 

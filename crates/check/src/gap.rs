@@ -33,7 +33,7 @@ pub(super) struct Gap {
 }
 
 /// What came before the next move.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Gaps {
     /// Speed of travels by the settings.
     travel: MmPerSec,
@@ -55,12 +55,7 @@ impl Gaps {
     pub(super) fn new(travel: MmPerSec) -> Gaps {
         Gaps {
             travel,
-            retracted: Default::default(),
-            bead: None,
-            gap: None,
-            last: None,
-            way: None,
-            shown: false,
+            ..Gaps::default()
         }
     }
 

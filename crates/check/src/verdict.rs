@@ -1,6 +1,7 @@
 //! What a check found.
 
 use glam::DVec3;
+use isoslice_base::named;
 use std::collections::BTreeMap;
 
 /// Number of places of a finding that are kept; further ones are counted.
@@ -25,84 +26,86 @@ pub enum Severity {
     Warning,
 }
 
-/// What can be wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum FindingKind {
-    /// The head would leave the printer.
-    OutOfReach,
-    /// Filament is pushed into a cold nozzle.
-    Cold,
-    /// Filament goes back while the head moves, outside of a wipe.
-    Backwards,
-    /// More filament is pulled back than a nozzle can bear.
-    LongRetraction,
-    /// A bead begins without its filament.
-    Unprimed,
-    /// A bead has more plastic than the nozzle can lay.
-    ThickBead,
-    /// A move has more filament than the firmware takes.
-    LongFeed,
-    /// A move is faster than the printer, whose firmware will slow it down.
-    TooFast,
-    /// A start or end template lays or pushes more than the firmware takes
-    /// unless it is told otherwise.
-    Purge,
-    /// A bead is too far above all others.
-    Jump,
-    /// A line makes no sense.
-    Senseless,
-    /// A line is too long for some firmware.
-    LongLine,
-    /// A move comes before any speed was set.
-    NoSpeed,
-    /// A travel leads below the top of the print, or through what is printed.
-    Low,
-    /// A bead is laid into what is printed below it.
-    Sunk,
-    /// The head would hit a part that is finished.
-    Collision,
-    /// An island stands on nothing, or a bead that rises has nothing below it.
-    InTheAir,
-    /// Something depends on what only the printer knows.
-    Unknown,
-    /// A heater is told more than it bears.
-    TooHot,
-    /// A heater is told more than is usual, and its limit is not set.
-    Hot,
-    /// A command has no place in a print.
-    Harmful,
-    /// A command changes what the check takes for granted.
-    Changed,
-    /// A command is not known.
-    UnknownWord,
-    /// The head moves before it knows where it is.
-    NotHomed,
-    /// A heater is on when the file ends.
-    LeftOn,
-    /// The file ends in the middle of the print.
-    CutOff,
-    /// The file is no G-code.
-    NoGcode,
-    /// A line ends in a way that not all firmware knows.
-    LineEnd,
-    /// Filament is pushed while the head stands, in the middle of the print.
-    Blob,
-    /// A move in the middle of a bead feeds no filament.
-    Gap,
-    /// A layer has much more or less plastic than fits into it.
-    Flow,
-    /// The head moves on, and nothing is printed.
-    Empty,
-    /// The first layer does not lie on the bed, or the nozzle does.
-    OffBed,
-    /// The nozzle goes down into what is printed.
-    Dive,
-    /// A layer hangs in the air far from what stands.
-    Adrift,
-    /// Beads are laid twice.
-    Again,
-    /// The file takes a tool that the printer does not have.
-    NoTool,
+named! {
+    /// What can be wrong.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum FindingKind {
+        /// The head would leave the printer.
+        OutOfReach = "out-of-reach",
+        /// Filament is pushed into a cold nozzle.
+        Cold = "cold",
+        /// Filament goes back while the head moves, outside of a wipe.
+        Backwards = "backwards",
+        /// More filament is pulled back than a nozzle can bear.
+        LongRetraction = "long-retraction",
+        /// A bead begins without its filament.
+        Unprimed = "unprimed",
+        /// A bead has more plastic than the nozzle can lay.
+        ThickBead = "thick-bead",
+        /// A move has more filament than the firmware takes.
+        LongFeed = "long-feed",
+        /// A move is faster than the printer, whose firmware will slow it down.
+        TooFast = "too-fast",
+        /// A start or end template lays or pushes more than the firmware takes
+        /// unless it is told otherwise.
+        Purge = "purge",
+        /// A bead is too far above all others.
+        Jump = "jump",
+        /// A line makes no sense.
+        Senseless = "senseless",
+        /// A line is too long for some firmware.
+        LongLine = "long-line",
+        /// A move comes before any speed was set.
+        NoSpeed = "no-speed",
+        /// A travel leads below the top of the print, or through what is printed.
+        Low = "low-travel",
+        /// A bead is laid into what is printed below it.
+        Sunk = "sunk-bead",
+        /// The head would hit a part that is finished.
+        Collision = "collision",
+        /// An island stands on nothing, or a bead that rises has nothing below it.
+        InTheAir = "in-the-air",
+        /// Something depends on what only the printer knows.
+        Unknown = "unknown",
+        /// A heater is told more than it bears.
+        TooHot = "too-hot",
+        /// A heater is told more than is usual, and its limit is not set.
+        Hot = "hot",
+        /// A command has no place in a print.
+        Harmful = "harmful",
+        /// A command changes what the check takes for granted.
+        Changed = "changed",
+        /// A command is not known.
+        UnknownWord = "unknown-word",
+        /// The head moves before it knows where it is.
+        NotHomed = "not-homed",
+        /// A heater is on when the file ends.
+        LeftOn = "left-on",
+        /// The file ends in the middle of the print.
+        CutOff = "cut-off",
+        /// The file is no G-code.
+        NoGcode = "no-gcode",
+        /// A line ends in a way that not all firmware knows.
+        LineEnd = "line-end",
+        /// Filament is pushed while the head stands, in the middle of the print.
+        Blob = "blob",
+        /// A move in the middle of a bead feeds no filament.
+        Gap = "gap",
+        /// A layer has much more or less plastic than fits into it.
+        Flow = "flow",
+        /// The head moves on, and nothing is printed.
+        Empty = "empty",
+        /// The first layer does not lie on the bed, or the nozzle does.
+        OffBed = "off-bed",
+        /// The nozzle goes down into what is printed.
+        Dive = "dive",
+        /// A layer hangs in the air far from what stands.
+        Adrift = "adrift",
+        /// Beads are laid twice.
+        Again = "again",
+        /// The file takes a tool that the printer does not have.
+        NoTool = "no-tool",
+    }
 }
 
 impl FindingKind {
@@ -126,49 +129,6 @@ impl FindingKind {
             | FindingKind::LeftOn
             | FindingKind::LineEnd => Severity::Warning,
             _ => Severity::Fault,
-        }
-    }
-
-    /// The kind's name in JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            FindingKind::OutOfReach => "out-of-reach",
-            FindingKind::Cold => "cold",
-            FindingKind::Backwards => "backwards",
-            FindingKind::LongRetraction => "long-retraction",
-            FindingKind::Unprimed => "unprimed",
-            FindingKind::ThickBead => "thick-bead",
-            FindingKind::LongFeed => "long-feed",
-            FindingKind::TooFast => "too-fast",
-            FindingKind::Purge => "purge",
-            FindingKind::Jump => "jump",
-            FindingKind::Senseless => "senseless",
-            FindingKind::LongLine => "long-line",
-            FindingKind::NoSpeed => "no-speed",
-            FindingKind::Low => "low-travel",
-            FindingKind::Sunk => "sunk-bead",
-            FindingKind::Collision => "collision",
-            FindingKind::InTheAir => "in-the-air",
-            FindingKind::Unknown => "unknown",
-            FindingKind::TooHot => "too-hot",
-            FindingKind::Hot => "hot",
-            FindingKind::Harmful => "harmful",
-            FindingKind::Changed => "changed",
-            FindingKind::UnknownWord => "unknown-word",
-            FindingKind::NotHomed => "not-homed",
-            FindingKind::LeftOn => "left-on",
-            FindingKind::CutOff => "cut-off",
-            FindingKind::NoGcode => "no-gcode",
-            FindingKind::LineEnd => "line-end",
-            FindingKind::Blob => "blob",
-            FindingKind::Gap => "gap",
-            FindingKind::Flow => "flow",
-            FindingKind::Empty => "empty",
-            FindingKind::OffBed => "off-bed",
-            FindingKind::Dive => "dive",
-            FindingKind::Adrift => "adrift",
-            FindingKind::Again => "again",
-            FindingKind::NoTool => "no-tool",
         }
     }
 }

@@ -11,14 +11,13 @@
 //! - each line's filament is its bead's cross-section times the length between
 //!   the *rounded* ends, so that rounding never shows as flow, and the rounding
 //!   of the filament itself is carried on: the sum is right to half a unit of
-//!   the last decimal however long the print is, with absolute and relative
-//!   filament alike;
+//!   the last decimal for each layer, with absolute and relative filament alike;
 //! - a move whose end rounds to where the head stands is left out;
 //! - the nozzle and the bed are waited for before the first layer;
 //! - every command is one that the firmware knows;
 //! - a number that is not finite is an error, never text;
-//! - after [`Writer::restart`] the text does not depend on anything written
-//!   before: layers written by several runs can be joined. Only the lines of
+//! - the text of a layer does not depend on anything written before it: layers
+//!   written by several runs can be joined. Only the lines of
 //!   `progress` tell how far the print has come, and only a file of the whole
 //!   part has them; the file's end has the totals. The file of a range has a
 //!   manifest, from which [`Ranges`] makes both.
@@ -261,7 +260,7 @@ pub struct Writer<'a, W: Write> {
     /// Text that has not been handed on.
     buffer: Vec<u8>,
     totals: Totals,
-    /// Filament that the firmware has fed by itself since the last restart, mm.
+    /// Filament that the firmware has fed by itself in the layer, mm.
     extra: Mm,
     /// Where the head is after the file's head.
     start: DVec3,
@@ -363,7 +362,7 @@ impl<'a, W: Write> Writer<'a, W> {
     /// # Errors
     /// If the output cannot be written, or a number is not finite.
     pub fn layer(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
-        let before = self.filament.exact + self.extra;
+        self.begin_layer(layer);
         if self.totals.layers == 0 {
             self.catch_up(layer)?;
             if let Some(record) = &mut self.record {
@@ -374,7 +373,7 @@ impl<'a, W: Write> Writer<'a, W> {
             }
         }
         self.compose(layer, Self::flush)?;
-        let fed = self.filament.exact + self.extra - before;
+        let fed = self.filament.exact + self.extra;
         if let Some(record) = &mut self.record {
             record.layer(self.buffer.len(), layer.time, fed);
             record.manifest.height = layer.span.top;
@@ -386,8 +385,8 @@ impl<'a, W: Write> Writer<'a, W> {
         self.flush()
     }
 
-    /// Goes through a layer without writing or counting anything: for the
-    /// layers below the first one of the file.
+    /// Goes through a layer without writing or counting anything: for the layer
+    /// below the first one of the file.
     ///
     /// # Errors
     /// If a number is not finite.
@@ -396,6 +395,7 @@ impl<'a, W: Write> Writer<'a, W> {
             writer.buffer.clear();
             Ok(())
         };
+        self.begin_layer(layer);
         self.compose(layer, forget)?;
         if let Some(record) = &mut self.record {
             record.forget();
@@ -403,37 +403,22 @@ impl<'a, W: Write> Writer<'a, W> {
         forget(self)
     }
 
-    /// Forgets what the machine has been told, as if the next layer were
-    /// written by a run of its own. `head` is where the head is, if each run
-    /// knows that. The filament must be primed. The filament's position loses
-    /// up to half a unit of its last decimal.
-    ///
-    /// # Errors
-    /// If a number is not finite.
-    pub fn restart(&mut self, head: Option<DVec3>) -> Result<(), WriteError> {
-        let count = |what, at| self.count(what, at, XYZ);
-        let place = head.map(|p| {
-            Ok::<_, WriteError>([
-                count("x", p.x)?,
-                count("y", p.y)?,
-                count("z", p.z)?,
-            ])
-        });
-        let place = place.transpose()?;
-        self.xy = place.map(|[x, y, _]| (x, y));
-        self.z = place.map(|[_, _, z]| z);
-        self.feed = None;
-        self.fan = None;
-        // A constant temperature need not be told again.
-        self.nozzle = self.plan.nozzle_temperatures.1;
-        self.acceleration = None;
-        self.retracted = false;
+    /// Begins a layer that depends on nothing before it but what the layer below has
+    /// told the machine, or on nothing at all if that has no moves. The print's first
+    /// layer goes on from the file's head.
+    fn begin_layer(&mut self, layer: &PacedLayer) {
+        if layer.before + layer.span.index == 0 {
+            return;
+        }
+        if layer.from_anywhere {
+            (self.xy, self.z) = (None, None);
+            (self.feed, self.fan, self.acceleration) = (None, None, None);
+        }
         self.extra = 0.0;
         self.filament = Filament {
             relative: self.filament.relative,
             ..Filament::default()
         };
-        Ok(())
     }
 
     /// Ends the file: retracts, turns the fan off, writes the end template and

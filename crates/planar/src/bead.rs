@@ -15,85 +15,48 @@
 use crate::along::point_at;
 use crate::path_length;
 use glam::DVec2;
+use isoslice_base::named;
 pub use isoslice_base::units::cross_section;
 use isoslice_base::units::{Mm, Mm2};
 
-/// What a bead is for. Each dialect of G-code has its own word for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Role {
-    /// Loop around the part on the lowest layers, not touching it.
-    Skirt,
-    /// Loops on the bed beside the part's first layer that hold it down.
-    Brim,
-    /// The wall that shows.
-    OuterWall,
-    /// Walls inside the outer wall.
-    InnerWall,
-    /// A wall, or a part of one, that hangs over the layer below.
-    Overhang,
-    /// A bead as wide as the gap between walls that it fills.
-    GapFill,
-    /// Sparse fill of covered areas.
-    SparseInfill,
-    /// Solid area that faces air neither directly above nor directly below.
-    InternalSkin,
-    /// Solid area facing upwards.
-    TopSkin,
-    /// Solid area facing downwards.
-    BottomSkin,
-    /// Solid area over nothing, its lines held at both ends.
-    Bridge,
-    /// Solid area over sparse infill, its lines held by the infill's.
-    InternalBridge,
-    /// A pass over a finished top that makes it smooth.
-    Ironing,
-    /// What holds parts of the part that nothing else holds.
-    Support,
-    /// The dense top of a support.
-    SupportInterface,
+named! {
+    /// What a bead is for. Each dialect of G-code has its own word for it.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Role {
+        /// The wall that shows.
+        OuterWall = "outer_wall",
+        /// Walls inside the outer wall.
+        InnerWall = "inner_wall",
+        /// A wall, or a part of one, that hangs over the layer below.
+        Overhang = "overhang",
+        /// A bead as wide as the gap between walls that it fills.
+        GapFill = "gap_fill",
+        /// Solid area facing upwards.
+        TopSkin = "top_skin",
+        /// Solid area facing downwards.
+        BottomSkin = "bottom_skin",
+        /// Solid area that faces air neither directly above nor directly below.
+        InternalSkin = "internal_skin",
+        /// Solid area over nothing, its lines held at both ends.
+        Bridge = "bridge",
+        /// Solid area over sparse infill, its lines held by the infill's.
+        InternalBridge = "internal_bridge",
+        /// A pass over a finished top that makes it smooth.
+        Ironing = "ironing",
+        /// Sparse fill of covered areas.
+        SparseInfill = "sparse_infill",
+        /// What holds parts of the part that nothing else holds.
+        Support = "support",
+        /// The dense top of a support.
+        SupportInterface = "support_interface",
+        /// Loop around the part on the lowest layers, not touching it.
+        Skirt = "skirt",
+        /// Loops on the bed beside the part's first layer that hold it down.
+        Brim = "brim",
+    }
 }
 
 impl Role {
-    /// Every role, in the order summaries list them.
-    pub const ALL: [Role; 15] = [
-        Role::OuterWall,
-        Role::InnerWall,
-        Role::Overhang,
-        Role::GapFill,
-        Role::TopSkin,
-        Role::BottomSkin,
-        Role::InternalSkin,
-        Role::Bridge,
-        Role::InternalBridge,
-        Role::Ironing,
-        Role::SparseInfill,
-        Role::Support,
-        Role::SupportInterface,
-        Role::Skirt,
-        Role::Brim,
-    ];
-
-    /// The role's name in summaries, which is that of its settings.
-    pub fn name(self) -> &'static str {
-        match self {
-            Role::Skirt => "skirt",
-            Role::Brim => "brim",
-            Role::OuterWall => "outer_wall",
-            Role::InnerWall => "inner_wall",
-            Role::Overhang => "overhang",
-            Role::GapFill => "gap_fill",
-            Role::SparseInfill => "sparse_infill",
-            Role::InternalSkin => "internal_skin",
-            Role::TopSkin => "top_skin",
-            Role::BottomSkin => "bottom_skin",
-            Role::Bridge => "bridge",
-            Role::InternalBridge => "internal_bridge",
-            Role::Ironing => "ironing",
-            Role::Support => "support",
-            Role::SupportInterface => "support_interface",
-        }
-    }
-
     /// True if beads of the role belong to the part, and so lie inside it.
     pub fn is_part(self) -> bool {
         !matches!(self, Role::Skirt | Role::Brim) && !self.is_support()

@@ -55,7 +55,7 @@ pub enum ToolpathError {
 }
 
 /// Everything that a file prints, in order.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Toolpath {
     /// Where the head is before the first move and after each, mm.
     pub(super) points: Vec<[f32; 3]>,
@@ -250,21 +250,7 @@ impl Box3 {
 impl Default for Collector {
     fn default() -> Self {
         Self {
-            path: Toolpath {
-                points: Vec::new(),
-                widths: Vec::new(),
-                heights: Vec::new(),
-                areas: Vec::new(),
-                speeds: Vec::new(),
-                heats: Vec::new(),
-                fans: Vec::new(),
-                roles: Vec::new(),
-                lines: Vec::new(),
-                layers: Vec::new(),
-                retracted: Vec::new(),
-                statistics: Statistics::default(),
-                problems: Problems::default(),
-            },
+            path: Toolpath::default(),
             clock: Clock::new(Limits::default()),
             part: Box3::EMPTY,
             printed: Box3::EMPTY,

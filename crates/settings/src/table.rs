@@ -325,85 +325,34 @@ macro_rules! name {
 }
 
 /// Unit of a type in the table.
+#[rustfmt::skip]
 macro_rules! unit {
-    (Varying<$inner:ident>) => {
-        $crate::table::unit!($inner)
-    };
-    (SwitchOr<$inner:ident>) => {
-        $crate::table::unit!($inner)
-    };
-    (Mm) => {
-        "mm"
-    };
-    (Option<$inner:ident>) => {
-        $crate::table::unit!($inner)
-    };
-    (ByNozzle) => {
-        "mm"
-    };
-    (DraftShield) => {
-        "mm"
-    };
-    (ElephantFoot) => {
-        "mm"
-    };
-    (Scarf) => {
-        "mm"
-    };
-    (HeadClearance) => {
-        "mm"
-    };
-    (InterfacePattern) => {
-        "°"
-    };
-    (LineDensity) => {
-        "%"
-    };
-    (OverhangSpeed) => {
-        "mm/s"
-    };
-    (OverhangFan) => {
-        "%"
-    };
-    (Mm2) => {
-        "mm²"
-    };
-    (MmPerSec) => {
-        "mm/s"
-    };
-    (PerSec) => {
-        "1/s"
-    };
-    (MmPerSec2) => {
-        "mm/s²"
-    };
-    (Mm3PerSec) => {
-        "mm³/s"
-    };
-    (Mm3PerSec2) => {
-        "mm³/s²"
-    };
-    (Seconds) => {
-        "s"
-    };
-    (Degrees) => {
-        "°"
-    };
-    (Celsius) => {
-        "°C"
-    };
-    (Percent) => {
-        "%"
-    };
-    (GramsPerCm3) => {
-        "g/cm³"
-    };
-    (PricePerKg) => {
-        "per kg"
-    };
-    ($($other:tt)*) => {
-        ""
-    };
+    (Varying<$inner:ident>) => { $crate::table::unit!($inner) };
+    (SwitchOr<$inner:ident>) => { $crate::table::unit!($inner) };
+    (Mm) => { "mm" };
+    (Option<$inner:ident>) => { $crate::table::unit!($inner) };
+    (ByNozzle) => { "mm" };
+    (DraftShield) => { "mm" };
+    (ElephantFoot) => { "mm" };
+    (Scarf) => { "mm" };
+    (HeadClearance) => { "mm" };
+    (InterfacePattern) => { "°" };
+    (LineDensity) => { "%" };
+    (OverhangSpeed) => { "mm/s" };
+    (OverhangFan) => { "%" };
+    (Mm2) => { "mm²" };
+    (MmPerSec) => { "mm/s" };
+    (PerSec) => { "1/s" };
+    (MmPerSec2) => { "mm/s²" };
+    (Mm3PerSec) => { "mm³/s" };
+    (Mm3PerSec2) => { "mm³/s²" };
+    (Seconds) => { "s" };
+    (Degrees) => { "°" };
+    (Celsius) => { "°C" };
+    (Percent) => { "%" };
+    (GramsPerCm3) => { "g/cm³" };
+    (PricePerKg) => { "per kg" };
+    ($($other:tt)*) => { "" };
 }
 
 /// Range of a row, if it has one.

@@ -87,7 +87,7 @@ value::words! {
         Aligned = "aligned",
         /// At the back, greatest y.
         Rear = "rear",
-        /// Nearest to where the nozzle comes from.
+        /// Nearest to where the nozzle comes from, as far as that is known.
         Nearest = "nearest",
         /// At a random place, which differs from layer to layer.
         Random = "random",

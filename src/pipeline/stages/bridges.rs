@@ -23,11 +23,9 @@ pub(in crate::pipeline) struct InternalBridges {
 }
 
 impl Stages<'_> {
-    /// How many layers below the first of a block have to be filled, since its
-    /// internal bridges lie on their infill or on their bridges.
-    pub(in crate::pipeline) fn rehearsed_bridges(&self) -> usize {
-        // What the lowest of these lie on is not known. They decide only where
-        // the ends of lines of the layers above them are held.
+    /// Number of layers above infill in which its bridges may show: the bridges, and
+    /// a layer over what they leave. 0 if there are no internal bridges.
+    pub(in crate::pipeline) fn bridge_layers(&self) -> usize {
         self.plans.internal_bridges.map_or(0, |layers| 1 + layers)
     }
 

@@ -9,14 +9,14 @@
 //! | `outlines` | outlines from the field |
 //! | `printed` | which layers print anything |
 //! | `spiral`, `support`, `skirt` | what is planned for all layers at once, and what a layer has of it |
-//! | `guide` | the seams below a run |
+//! | `course` | where layers begin and end, and the lines of their seams |
 //! | `inside` | walls and what they leave |
 //! | `beads` | all beads of a layer |
 //! | `bridges` | skin that replaces what lies over infill |
 
 mod beads;
 mod bridges;
-mod guide;
+mod course;
 mod inside;
 mod outlines;
 mod printed;
@@ -30,6 +30,7 @@ use super::plans::{Plans, WallFieldPlan};
 use super::raft::Raft;
 use super::supported::{Fills, Supported};
 use crate::report::Gauge;
+use course::Course;
 use isoslice_base::timings::Timings;
 use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::Skirt;
@@ -38,7 +39,7 @@ use isoslice_layer::fuzzy::Fuzzy;
 use isoslice_layer::infill::standing::Standing;
 use isoslice_layer::infill::{self, Infill};
 use isoslice_layer::outline::Growth;
-use isoslice_layer::seam::{Guide, Seams};
+use isoslice_layer::seam::Seams;
 use isoslice_model::Model;
 use isoslice_model::contour::{Field, field};
 use isoslice_model::expressions::Surroundings;
@@ -58,8 +59,8 @@ pub(super) struct Stages<'a> {
     field: Field,
     wall_fields: WallFields,
     seams: Seams<'a>,
-    /// What follows the seams of the layers below the run's, if need be.
-    pub guide: Option<Guide>,
+    /// What runs through all layers, once it is planned.
+    pub course: Course,
     fuzzy: Option<Fuzzy<'a>>,
     /// The skirt, if more layers than the first have it.
     skirt: Option<Skirt>,
@@ -109,7 +110,7 @@ impl<'a> Stages<'a> {
             field,
             wall_fields,
             seams: Seams::new(&plans.seam, plans.accuracy, around)?,
-            guide: None,
+            course: Course::default(),
             fuzzy: Fuzzy::new(&plans.fuzzy, around)?,
             skirt: None,
             support: None,
@@ -176,9 +177,7 @@ impl<'a> Stages<'a> {
     pub(super) fn reach_below(&self) -> usize {
         // A turn lies on a layer that has to be known.
         let below = usize::from(self.plans.vase);
-        // Internal bridges lie on infill, which has to be known as well.
-        let infill = self.rehearsed_bridges();
-        self.exposure.reach_below().max(below) + infill
+        self.exposure.reach_below().max(below)
     }
 }
 

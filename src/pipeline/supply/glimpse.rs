@@ -29,16 +29,16 @@ impl<'a> Supply<'a> {
         let (above, far_above) = above.split_at(above.len().min(1));
         let beside = [below, above].concat();
         let (layer, beside) = self.pool.install(|| {
-            // The walls take longest, so they are begun first.
-            join(|| self.with_walls(layer), || self.found(&beside))
+            // The walls take longer than any outline.
+            join(|| self.with_walls(layer), || self.outlines(&beside))
         });
         let ((layer, inside), beside) = (layer?, beside?);
         let has_room = |inside: &Arc<Inside>| !inside.roomy.is_empty();
-        let far = if self.stages.rehearsed_bridges() > 0
+        let far = if self.stages.bridge_layers() > 0
             || inside.as_ref().is_none_or(has_room)
         {
             let far = [far_below, far_above].concat();
-            self.pool.install(|| self.found(&far))?
+            self.pool.install(|| self.outlines(&far))?
         } else {
             Vec::new()
         };
@@ -66,7 +66,10 @@ impl<'a> Supply<'a> {
     }
 
     /// The layers of some spans, which are found at the same time.
-    fn found(&self, spans: &[&[LayerSpan]]) -> Result<Vec<Layer>, SliceError> {
+    fn outlines(
+        &self,
+        spans: &[&[LayerSpan]],
+    ) -> Result<Vec<Layer>, SliceError> {
         let stages = self.stages;
         let made = spans.par_iter();
         let made = made.map(|span| stages.layers(span, &self.needed)).collect();

@@ -5,15 +5,17 @@
 //! infill. Bridges end on beads that are printed, so both are decided layer by
 //! layer from below.
 //!
-//! A run may begin with any block of layers. It then rehearses the few layers
-//! below on which the block's bridges lie, and knows nothing of those below
-//! them. So in each run, bridges at the beginning of a block lie on what a
-//! rehearsal finds, and the layers that are rehearsed keep the infill that they
-//! keep there.
+//! What a layer lies on depends on the layers below it, but not on many. A layer
+//! under which no skin lies over infill, for as many layers as bridges may show,
+//! depends on nothing below it, and if its infill stands by itself, no layer above
+//! depends on anything below it, either. A run begins with such a layer: see
+//! [`root`](super::root). Slopes have skin over infill in every layer. So every
+//! [`CUT`] layers, the next layer lies on what a layer would be that has no
+//! bridges.
 
+use super::super::SliceError;
 use super::super::layer::{Filled, Layer, view};
 use super::super::stages::Stages;
-use super::super::{BLOCK, SliceError};
 use glam::DVec2;
 use isoslice_base::timings::Stage;
 use isoslice_layer::exposure::FillAreas;
@@ -26,22 +28,32 @@ use isoslice_planar::{Area, Solid};
 use rayon::ThreadPool;
 use std::collections::VecDeque;
 
-/// What the next layer lies on.
+/// Number of layers after which a layer lies on one without bridges. Lines of
+/// bridges may then end where a bridge below has taken the place of the line that
+/// would hold them, so there should be few such layers; but a run that begins in the
+/// middle of a slope has to fill up to so many layers below its first one.
+const CUT: usize = 64;
+
+/// The layer below the next one to be decided.
 pub(super) struct Lower {
-    /// True if a block of layers knows nothing of those below it.
-    blocks: bool,
     /// The check of infill that may stand on nothing.
     standing: Option<Standing>,
-    /// The layer that was filled last, if internal bridges may lie on it.
+    /// The layer, if internal bridges may lie on it.
     under: Option<Infilled>,
-    early: Option<Early>,
+    /// Where its infill was before it had bridges.
+    sparse: Option<Area>,
+    /// Number of layers since the last one whose skin lies over infill.
+    calm: usize,
 }
 
-/// The layer that was filled last as a run finds it that begins with the next
-/// block: the block's lowest layers lie on its infill in each run.
-struct Early {
-    standing: Option<Standing>,
-    infilled: Infilled,
+/// Number of the lowest layer on which the bridges of layer `first` may depend.
+pub(super) fn lowest(first: usize) -> usize {
+    (first - first % CUT).saturating_sub(1)
+}
+
+/// True for a layer that the next one takes for one without bridges.
+fn is_cut(number: usize) -> bool {
+    (number + 1).is_multiple_of(CUT)
 }
 
 /// The layers that are known, and what is done with them.
@@ -72,20 +84,19 @@ impl Infilled {
 }
 
 impl Lower {
-    /// Nothing, below the first layer of a run. `blocks` is true if the run may
-    /// begin with any block.
-    pub(super) fn new(stages: &Stages<'_>, blocks: bool) -> Lower {
+    /// Nothing, below the first layer of a run.
+    pub(super) fn new(stages: &Stages<'_>) -> Lower {
         Lower {
-            blocks,
             standing: stages.standing(),
             under: None,
-            early: None,
+            sparse: None,
+            calm: 0,
         }
     }
 
-    /// Where the layer that was decided last has nothing that is solid.
-    pub(super) fn open(&self) -> Option<&Area> {
-        self.under.as_ref().map(|under| under.open.area())
+    /// Where the layer has infill, as if it had no bridges.
+    pub(super) fn infill(&self) -> Option<&Area> {
+        self.sparse.as_ref()
     }
 
     /// Decides some layers, the first of which is layer `start` of the window.
@@ -97,7 +108,9 @@ impl Lower {
     ) -> Result<(), SliceError> {
         for (k, filled) in all.iter_mut().enumerate() {
             let i = start + k;
-            if self.is_new(window, i) {
+            let number = window.layers[i].span.index;
+            if window.stages.is_on_raft(number) {
+                // All infill counts as standing on what is below it.
                 self.standing.iter_mut().for_each(Standing::forget);
             }
             let beads = &mut filled.beads;
@@ -106,63 +119,25 @@ impl Lower {
                 filled.left_out = window.keep_standing(standing, beads);
                 continue;
             };
+            self.calm = if filled.bare { 0 } else { self.calm + 1 };
+            let goes_on = self.calm < window.stages.bridge_layers();
             let bare = filled.bare;
-            let from_block = self.early(window, i, bare, beads, &areas)?;
-            let under = self.under.as_ref();
+            let plain = if is_cut(number) {
+                let standing = self.standing.clone();
+                Some(window.plain(i, bare, beads, &areas, standing)?)
+            } else {
+                None
+            };
+            self.sparse = Some(areas.sparse.clone());
+            let under = self.under.as_ref().filter(|_| goes_on);
             let over = window.over(i, bare, beads, &mut areas, under)?;
             let standing = self.standing.as_mut();
             filled.left_out = window.keep_standing(standing, beads);
             let own = || over.infilled(beads, &areas.sparse);
-            self.under = Some(from_block.unwrap_or_else(own));
+            self.under = Some(plain.unwrap_or_else(own));
             filled.sparse = Solid::new(areas.sparse);
         }
         Ok(())
-    }
-
-    /// True if all infill of layer `i` of the window counts as standing on what
-    /// is below it.
-    fn is_new(&self, window: &Window<'_>, i: usize) -> bool {
-        let number = window.layers[i].span.index;
-        let away = BLOCK - number % BLOCK;
-        window.stages.is_on_raft(number)
-            || self.blocks && away == BLOCK
-            || away == window.stages.rehearsed_bridges()
-    }
-
-    /// What the next block's lowest layer lies on, if layer `i` of the window is
-    /// right below it. It follows from the layers that a run rehearses which
-    /// begins there, so their infill is as if nothing lay on what is below.
-    /// `beads` and `areas` are the layer's, without bridges; `bare` is true if the
-    /// skin has no beads.
-    fn early(
-        &mut self,
-        window: &Window<'_>,
-        i: usize,
-        bare: bool,
-        beads: &LayerBeads,
-        areas: &FillAreas,
-    ) -> Result<Option<Infilled>, SliceError> {
-        let rehearsed = window.stages.rehearsed_bridges();
-        let away = BLOCK - window.layers[i].span.index % BLOCK;
-        if away > rehearsed {
-            return Ok(None);
-        }
-        let (mut standing, below) = match self.early.take() {
-            Some(early) if away < rehearsed => {
-                (early.standing, Some(early.infilled))
-            }
-            _ => (window.stages.standing(), None),
-        };
-        let (mut beads, mut areas) = (beads.clone(), areas.clone());
-        let over =
-            window.over(i, bare, &mut beads, &mut areas, below.as_ref())?;
-        window.keep_standing(standing.as_mut(), &mut beads);
-        let infilled = over.infilled(&beads, &areas.sparse);
-        if away == 1 {
-            return Ok(Some(infilled));
-        }
-        self.early = Some(Early { standing, infilled });
-        Ok(None)
     }
 }
 
@@ -228,6 +203,21 @@ impl Window<'_> {
         areas.sparse = over.sparse;
         let (left, levels) = (over.left, over.levels);
         Ok(Bridges { left, levels })
+    }
+
+    /// Layer `i` of the window as if it had no bridges.
+    fn plain(
+        &self,
+        i: usize,
+        bare: bool,
+        beads: &LayerBeads,
+        areas: &FillAreas,
+        mut standing: Option<Standing>,
+    ) -> Result<Infilled, SliceError> {
+        let (mut beads, mut areas) = (beads.clone(), areas.clone());
+        let over = self.over(i, bare, &mut beads, &mut areas, None)?;
+        self.keep_standing(standing.as_mut(), &mut beads);
+        Ok(over.infilled(&beads, &areas.sparse))
     }
 
     /// Leaves out the infill of a layer that stands on nothing, and returns the

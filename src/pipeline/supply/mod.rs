@@ -1,19 +1,22 @@
-//! Filled layers of one part from below. [`plate`] hands over those of several
+//! The paths of one part's layers, from below. [`plate`] hands over those of several
 //! parts, ahead of whoever writes them. `lower` decides what depends on the layer
-//! below: infill that stands on nothing, and internal bridges.
+//! below: infill that stands on nothing, and internal bridges. `root` finds how
+//! far below a run has to begin for that.
 //!
-//! In: the slabs of a part. Out: its layers in order, a few at a time, each
-//! with the neighbours on which it depends. Only the window of layers on which
-//! later layers depend is kept. So memory grows with the part's height only if it
-//! has supports, whose plan is kept elsewhere.
+//! In: the slabs of a part. Out: its layers in order, a few at a time. Only the
+//! window of layers on which later layers depend is kept. So memory grows with the
+//! part's height only if it has supports, whose plan is kept elsewhere.
 
 mod glimpse;
 mod lower;
 pub(super) mod plate;
+mod root;
 
 use super::SliceError;
+use super::job::Planned;
 use super::layer::{Filled, Inside, Layer, view};
 use super::options::Extent;
+use super::part::{Counted, LayerEnd, PartPaths, Passed};
 use super::stages::Stages;
 use isoslice_base::limits;
 use isoslice_layer::skin::Patch;
@@ -51,23 +54,48 @@ pub(super) struct Supply<'a> {
     /// Index of the first layer that is handed over.
     first: usize,
     lower: Lower,
+    /// What makes the layers' paths.
+    paths: &'a PartPaths<'a>,
+    /// Where the layer that was handed over last ends.
+    end: LayerEnd,
 }
 
 impl<'a> Supply<'a> {
-    /// A supply of a run's layers, of the part's `spans`.
+    /// A supply of a run's layers of a part.
+    ///
+    /// # Errors
+    /// If the layers cannot be found on which the run's lowest one depends.
     pub(super) fn new(
-        stages: &'a Stages<'a>,
+        paths: &'a PartPaths<'a>,
         pool: &'a ThreadPool,
-        spans: &'a [LayerSpan],
         extent: Extent,
+    ) -> Result<Self, SliceError> {
+        let Extent { made, glimpse, .. } = &extent;
+        let stages = &paths.planned.stages;
+        let root = if *glimpse {
+            // What its bridges lie on is seen nearly as it is.
+            made.start.saturating_sub(stages.bridge_layers())
+        } else {
+            root::root(paths, pool, made.start)?
+        };
+        Ok(Supply::from(paths, pool, extent, root))
+    }
+
+    /// A supply that begins with the layer `root`, as if that had nothing below it
+    /// on which internal bridges could lie.
+    fn from(
+        paths: &'a PartPaths<'a>,
+        pool: &'a ThreadPool,
+        extent: Extent,
+        root: usize,
     ) -> Self {
         let Extent {
             layers,
             made,
             glimpse,
-            blocks,
         } = extent;
-        let needed = stages.needed(&made, spans.len());
+        let Planned { stages, spans, .. } = paths.planned;
+        let needed = stages.needed(&(root..made.end), spans.len());
         // A slab is the unit in which the field is walked, so the division
         // must depend neither on the threads nor on the range.
         let slab = stages.slab_layers();
@@ -78,9 +106,6 @@ impl<'a> Supply<'a> {
             let all = spans.chunks(slab).skip(slabs.start);
             all.take(slabs.len()).collect()
         };
-        let first = made.start;
-        // Internal bridges of the first layer lie on those below.
-        let below = stages.rehearsed_bridges();
         Supply {
             stages,
             pool,
@@ -88,10 +113,12 @@ impl<'a> Supply<'a> {
             glimpse,
             needed,
             window: VecDeque::new(),
-            next: first.saturating_sub(below),
-            first,
-            lower: Lower::new(stages, blocks),
+            next: root,
+            first: made.start,
+            lower: Lower::new(stages),
             layers,
+            paths,
+            end: LayerEnd::default(),
         }
     }
 
@@ -124,6 +151,25 @@ impl<'a> Supply<'a> {
         from..from + (from..end).take_while(fits).count()
     }
 
+    /// The window's layers that are to be filled next, once their outlines and those
+    /// around them are known; none after the last one.
+    fn found(&mut self) -> Result<Option<Range<usize>>, SliceError> {
+        loop {
+            let ready = self.ready();
+            if !ready.is_empty() {
+                return Ok(Some(ready));
+            }
+            if self.slabs.is_empty() {
+                return Ok(None);
+            }
+            if self.glimpse {
+                self.glimpse()?;
+            } else {
+                self.sample()?;
+            }
+        }
+    }
+
     /// Finds the outlines of the next slabs, one for each thread.
     fn sample(&mut self) -> Result<(), SliceError> {
         let count = self.pool.current_num_threads().min(self.slabs.len());
@@ -151,8 +197,9 @@ impl<'a> Supply<'a> {
     /// Fills some layers of the window, and drops layers on which no later
     /// layer depends.
     fn fill(&mut self, which: Range<usize>) -> Batch {
-        let count = which.len();
+        let (start, count) = (which.start, which.len());
         let mut batch = self.filled(which)?;
+        self.settle(start, &mut batch)?;
         limits::go_on()?;
         batch.retain(|filled| filled.layer.span.index >= self.first);
         self.next += count;
@@ -165,10 +212,12 @@ impl<'a> Supply<'a> {
             .iter_mut()
             .take_while(below)
             .for_each(Layer::sink);
-        Ok(batch)
+        let (paths, end) = (self.paths, &mut self.end);
+        all_or_first(self.pool.install(|| paths.layers(batch, end)))
     }
 
-    /// What there is to print in some layers of the window.
+    /// What there is to print in some layers of the window, but for what `settle`
+    /// decides.
     fn filled(
         &mut self,
         which: Range<usize>,
@@ -196,7 +245,7 @@ impl<'a> Supply<'a> {
                 None
             };
             let (mut beads, areas) = stages.beads(&view, inside)?;
-            let bridges = stages.rehearsed_bridges() > 0;
+            let bridges = stages.bridge_layers() > 0;
             if !bridges {
                 beads.skin = stages.skin(&view, &areas);
             }
@@ -255,27 +304,36 @@ impl<'a> Supply<'a> {
                 self.window[group.end - 1].inside = inside;
             }
         }
-        self.lay_skin(which.start, &mut all);
-        let window = Window {
-            stages,
-            pool: self.pool,
-            layers: &self.window,
-        };
-        self.lower.settle(&window, which.start, &mut all)?;
         Ok(all)
     }
 
-    /// Lays the skin of those layers that get no internal bridges, on all threads.
+    /// Decides what depends on the layers below, in some filled layers of which the
+    /// first one is layer `start` of the window.
+    fn settle(
+        &mut self,
+        start: usize,
+        all: &mut [Filled],
+    ) -> Result<(), SliceError> {
+        self.lay_skin(start, all);
+        let window = Window {
+            stages: self.stages,
+            pool: self.pool,
+            layers: &self.window,
+        };
+        self.lower.settle(&window, start, all)
+    }
+
+    /// Lays the skin of those layers that do not lie over infill, on all threads.
     /// The first one is layer `start` of the window.
     fn lay_skin(&self, start: usize, all: &mut [Filled]) {
-        let open = |k: usize| match k.checked_sub(1) {
+        let infill = |k: usize| match k.checked_sub(1) {
             Some(below) => all[below].areas.as_ref().map(|a| &a.sparse),
-            None => self.lower.open(),
+            None => self.lower.infill(),
         };
         let lay = |k: usize| {
             let areas = all[k].areas.as_ref()?;
-            let bridges = |open| self.stages.may_bridge(areas, open);
-            (!open(k).is_some_and(bridges)).then(|| {
+            let bridges = |below| self.stages.may_bridge(areas, below);
+            (!infill(k).is_some_and(bridges)).then(|| {
                 self.stages.skin(&view(&self.window, start + k), areas)
             })
         };
@@ -298,29 +356,16 @@ fn all_or_first<T>(
     results.into_iter().collect()
 }
 
-/// Layers that are written together.
-type Batch = Result<Vec<Filled>, SliceError>;
+/// Layers that are handed over together.
+type Batch = Result<Vec<(Passed, Counted)>, SliceError>;
 
 impl Iterator for Supply<'_> {
     type Item = Batch;
 
     fn next(&mut self) -> Option<Batch> {
-        loop {
-            let ready = self.ready();
-            if !ready.is_empty() {
-                return Some(self.fill(ready));
-            }
-            if self.slabs.is_empty() {
-                return None;
-            }
-            let sampled = if self.glimpse {
-                self.glimpse()
-            } else {
-                self.sample()
-            };
-            if let Err(error) = sampled {
-                return Some(Err(error));
-            }
+        match self.found() {
+            Ok(ready) => ready.map(|which| self.fill(which)),
+            Err(error) => Some(Err(error)),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The layers of all parts of a plate, made ahead of whoever writes them.
+//! The paths of all parts of a plate, made ahead of whoever writes them.
 //!
 //! In: the supplies of the parts. Out: for each height the layers of all parts
 //! that have one there, in order. While some are written, the next ones are
@@ -6,11 +6,10 @@
 
 use super::super::SliceError;
 use super::super::ahead::{Made, Threads};
-use super::super::layer::{Filled, OnPlate};
+use super::super::layer::OnPlate;
 use super::super::options::Extent;
-use super::super::stages::Stages;
+use super::super::part::{Counted, PartPaths, Passed};
 use super::Supply;
-use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use std::collections::VecDeque;
 
@@ -21,42 +20,49 @@ pub(in crate::pipeline) struct Supplies<'a> {
     next: usize,
 }
 
+/// A layer's path, and what is counted of it.
+pub(in crate::pipeline) type Laid = (Passed, Counted);
+
 /// The layers of one part.
 struct OfPart<'a> {
     supply: Supply<'a>,
     /// The layers that wait for other parts.
-    waiting: VecDeque<Filled>,
+    waiting: VecDeque<Laid>,
     /// Index after the part's last layer.
     end: usize,
 }
 
 impl<'a> Supplies<'a> {
-    /// The supplies of parts that each have their `spans`: the layers of a run of
-    /// this extent.
+    /// The supplies of parts: the layers of a run of this extent.
+    ///
+    /// # Errors
+    /// If the layers cannot be found on which a run's lowest one depends.
     pub(in crate::pipeline) fn new(
-        parts: impl IntoIterator<Item = (&'a Stages<'a>, &'a [LayerSpan])>,
+        parts: &'a [PartPaths<'a>],
         pool: &'a ThreadPool,
         extent: &Extent,
-    ) -> Self {
-        let of_part = |(stages, spans): (&'a Stages<'a>, &'a [LayerSpan])| {
-            let end = extent.layers.end.min(spans.len());
+    ) -> Result<Self, SliceError> {
+        let of_part = |paths: &'a PartPaths<'a>| {
+            let count = paths.planned.spans.len();
+            let end = extent.layers.end.min(count);
             let extent = Extent {
                 layers: extent.layers.start..end,
                 made: extent.made.start..end,
                 ..*extent
             };
-            let supply = Supply::new(stages, pool, spans, extent);
-            let waiting = VecDeque::new();
-            OfPart {
-                supply,
-                waiting,
+            Ok(OfPart {
+                supply: Supply::new(paths, pool, extent)?,
+                waiting: VecDeque::new(),
                 end,
-            }
+            })
         };
-        Supplies {
-            parts: parts.into_iter().map(of_part).collect(),
+        Ok(Supplies {
+            parts: parts
+                .iter()
+                .map(of_part)
+                .collect::<Result<_, SliceError>>()?,
             next: extent.made.start,
-        }
+        })
     }
 
     /// The layers, one by one. While some are used the next ones are made,
@@ -69,7 +75,7 @@ impl<'a> Supplies<'a> {
         pool: &ThreadPool,
         threads: &Threads<'s, '_>,
     ) -> Result<
-        impl Iterator<Item = Made<OnPlate<Filled>>> + Send + use<'s>,
+        impl Iterator<Item = Made<OnPlate<Laid>>> + Send + use<'s>,
         SliceError,
     >
     where
@@ -97,7 +103,7 @@ impl<'a> Supplies<'a> {
     }
 
     /// The next layer, if every part that goes on has it waiting.
-    fn take(&mut self) -> Option<OnPlate<Filled>> {
+    fn take(&mut self) -> Option<OnPlate<Laid>> {
         let next = self.next;
         let on = self.parts.iter().filter(|part| part.end > next);
         let (mut any, mut all) = (false, true);
@@ -112,18 +118,14 @@ impl<'a> Supplies<'a> {
         let parts = self.parts.iter_mut().enumerate();
         let on = parts.filter(|(_, part)| part.end > next);
         let taken = on.filter_map(|(k, p)| Some((k, p.waiting.pop_front()?)));
-        let parts: Vec<(usize, Filled)> = taken.collect();
-        let span = parts.first()?.1.layer.span;
-        Some(OnPlate {
-            span,
-            restart: None,
-            parts,
-        })
+        let parts: Vec<(usize, Laid)> = taken.collect();
+        let span = parts.first()?.1.0.path.span;
+        Some(OnPlate { span, parts })
     }
 }
 
 /// Layers of a plate that are handed over together.
-type PlateBatch = Made<Vec<OnPlate<Filled>>>;
+type PlateBatch = Made<Vec<OnPlate<Laid>>>;
 
 impl Iterator for Supplies<'_> {
     type Item = PlateBatch;

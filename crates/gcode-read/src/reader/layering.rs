@@ -24,7 +24,7 @@ const HALF: f64 = 0.75;
 const WIDEST: Mm = 3.0;
 
 /// The layer that is being printed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Layering {
     /// Number of the layer, from 1; 0 before the first.
     pub number: u32,
@@ -46,16 +46,8 @@ pub(super) struct Layering {
 impl Layering {
     pub(super) fn new() -> Self {
         Self {
-            number: 0,
-            marked: false,
-            z: None,
-            last: 0.0,
-            below: 0.0,
-            below_that: 0.0,
             height: USUAL,
-            interlocked: false,
-            said_width: None,
-            said_height: None,
+            ..Self::default()
         }
     }
 

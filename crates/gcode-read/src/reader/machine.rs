@@ -18,7 +18,7 @@ const REACH: Mm = 1e5;
 const INCH: Mm = 25.4;
 
 /// What the commands so far have set. A value that no command has set is none.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MachineState {
     /// Where the head is, in the machine's coordinates, which G92 does not
     /// change, mm.
@@ -86,23 +86,10 @@ pub(super) struct Target {
     pub filament: Mm,
 }
 
-impl Machine {
-    pub(super) fn new() -> Self {
+impl Default for Machine {
+    fn default() -> Self {
         Self {
-            state: MachineState {
-                position: DVec3::ZERO,
-                speed: 0.0,
-                nozzle: None,
-                bed: None,
-                fan: 0.0,
-                tool: 0,
-                acceleration: None,
-                travel_acceleration: None,
-                square_corner_velocity: None,
-                relative: false,
-                relative_e: false,
-                firmware_retracted: false,
-            },
+            state: MachineState::default(),
             unit: 1.0,
             offset: DVec3::ZERO,
             e: 0.0,
@@ -113,7 +100,9 @@ impl Machine {
             gcode_offset: DVec3::ZERO,
         }
     }
+}
 
+impl Machine {
     pub(super) fn set_inches(&mut self, inches: bool) {
         self.unit = if inches { INCH } else { 1.0 };
     }

@@ -18,7 +18,7 @@ use isoslice_base::units::{Celsius, Mm};
 use std::collections::VecDeque;
 
 /// What the lines so far have said, and the events of the last one.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Parser {
     line: u64,
     pub words: Words,
@@ -47,22 +47,9 @@ impl Parser {
     /// The parser before the first line.
     pub(super) fn new() -> Self {
         Self {
-            line: 0,
-            words: Words::default(),
-            named: Named::default(),
-            tally: Tally::default(),
-            unfinished: false,
-            machine: Machine::new(),
             layering: Layering::new(),
-            role: Role::Unknown,
-            wipe: false,
-            rapid: false,
-            filament_diameter: None,
-            info: Info::default(),
-            problems: Problems::default(),
-            pending: VecDeque::new(),
             flat_arcs: true,
-            arc: None,
+            ..Self::default()
         }
     }
 

@@ -3,87 +3,49 @@
 //! The set is wider than [`isoslice_planar::bead::Role`]: other slicers print supports,
 //! towers and more.
 
-/// What a line in a file is printed for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Role {
-    /// The wall that shows.
-    OuterWall,
-    /// Walls inside the outer wall.
-    InnerWall,
-    /// Walls that hang over the layer below.
-    Overhang,
-    /// Thin places and gaps between walls.
-    GapFill,
-    /// Solid area facing upwards.
-    TopSkin,
-    /// Solid area facing downwards, where the slicer tells it apart.
-    BottomSkin,
-    /// Solid area inside, or solid area that is not told apart.
-    Skin,
-    /// Solid area over nothing.
-    Bridge,
-    /// A pass over a finished top.
-    Ironing,
-    /// Sparse fill.
-    SparseInfill,
-    /// Supports.
-    Support,
-    /// The parts of supports that touch the model.
-    SupportInterface,
-    /// Loops on the bed, beside the part or round it.
-    SkirtBrim,
-    /// A tower for changing filaments.
-    PrimeTower,
-    /// What start, end and other templates print.
-    Custom,
-    /// The file does not say.
-    #[default]
-    Unknown,
+use isoslice_base::named;
+
+named! {
+    /// What a line in a file is printed for.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Role {
+        /// The wall that shows.
+        OuterWall = "outer wall",
+        /// Walls inside the outer wall.
+        InnerWall = "inner wall",
+        /// Walls that hang over the layer below.
+        Overhang = "overhang",
+        /// Thin places and gaps between walls.
+        GapFill = "gap fill",
+        /// Solid area facing upwards.
+        TopSkin = "top skin",
+        /// Solid area facing downwards, where the slicer tells it apart.
+        BottomSkin = "bottom skin",
+        /// Solid area inside, or solid area that is not told apart.
+        Skin = "skin",
+        /// Solid area over nothing.
+        Bridge = "bridge",
+        /// A pass over a finished top.
+        Ironing = "ironing",
+        /// Sparse fill.
+        SparseInfill = "sparse infill",
+        /// Supports.
+        Support = "support",
+        /// The parts of supports that touch the model.
+        SupportInterface = "support interface",
+        /// Loops on the bed, beside the part or round it.
+        SkirtBrim = "skirt and brim",
+        /// A tower for changing filaments.
+        PrimeTower = "prime tower",
+        /// What start, end and other templates print.
+        Custom = "start and end",
+        /// The file does not say.
+        #[default]
+        Unknown = "not labelled",
+    }
 }
 
 impl Role {
-    /// Every role, in the order in which they are listed for people.
-    pub const ALL: [Role; 16] = [
-        Role::OuterWall,
-        Role::InnerWall,
-        Role::Overhang,
-        Role::GapFill,
-        Role::TopSkin,
-        Role::BottomSkin,
-        Role::Skin,
-        Role::Bridge,
-        Role::Ironing,
-        Role::SparseInfill,
-        Role::Support,
-        Role::SupportInterface,
-        Role::SkirtBrim,
-        Role::PrimeTower,
-        Role::Custom,
-        Role::Unknown,
-    ];
-
-    /// Plain name for people.
-    pub fn name(self) -> &'static str {
-        match self {
-            Role::OuterWall => "outer wall",
-            Role::InnerWall => "inner wall",
-            Role::Overhang => "overhang",
-            Role::GapFill => "gap fill",
-            Role::TopSkin => "top skin",
-            Role::BottomSkin => "bottom skin",
-            Role::Skin => "skin",
-            Role::Bridge => "bridge",
-            Role::Ironing => "ironing",
-            Role::SparseInfill => "sparse infill",
-            Role::Support => "support",
-            Role::SupportInterface => "support interface",
-            Role::SkirtBrim => "skirt and brim",
-            Role::PrimeTower => "prime tower",
-            Role::Custom => "start and end",
-            Role::Unknown => "not labelled",
-        }
-    }
-
     /// The role that PrusaSlicer, SuperSlicer, OrcaSlicer, BambuStudio or Cura
     /// calls `name`; [`Role::Unknown`] if none does.
     pub fn from_name(name: &[u8]) -> Role {

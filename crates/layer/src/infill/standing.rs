@@ -19,6 +19,7 @@
 //! and users' own patterns, may have them.
 
 use super::InfillPlan;
+use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Bead;
 use isoslice_planar::grid::EdgeGrid;
@@ -30,6 +31,7 @@ const HELD: f64 = 0.75;
 const DOT: f64 = 2.0;
 
 /// What a layer's infill may stand on.
+#[derive(Clone)]
 pub struct Standing {
     reach: Mm,
     /// The beads of the layer below, if it is known.
@@ -54,6 +56,22 @@ impl Standing {
     /// standing.
     pub fn forget(&mut self) {
         self.below = None;
+    }
+
+    /// True if all infill of a layer stands, whatever lies below it. `others` are
+    /// the layer's other beads.
+    pub fn is_needless<'a>(
+        mut self,
+        infill: &[Bead],
+        others: impl Iterator<Item = &'a Bead> + Clone,
+    ) -> bool {
+        let nothing =
+            EdgeGrid::of_lines(std::iter::empty::<Vec<DVec2>>(), self.reach);
+        let mut count = |below: Option<EdgeGrid>| {
+            self.below = below;
+            self.kept(infill.to_vec(), others.clone()).len()
+        };
+        count(Some(nothing)) == count(None)
     }
 
     /// Takes the next layer, and leaves out the infill that stands on nothing.

@@ -1,6 +1,6 @@
-//! Where the seam of a wall is, given the seam of the layer below.
+//! Where the seam of a wall is, given the seam below it or its planned place.
 //!
-//! A seam that may be in several corners follows the one of the layer below.
+//! A seam that may be in several corners takes the one nearest to that place.
 //! Corners that hang are left to those that lie over solid ground.
 
 use super::{BACK, Site, along};
@@ -70,9 +70,9 @@ pub struct Below {
 }
 
 impl Below {
-    /// A seam of the layer right below, by the point nearest to it.
-    pub fn right(at: DVec2) -> Below {
-        Below::lower(at, 1, 0.0)
+    /// A seam that was planned, by the point nearest to its planned place.
+    pub fn planned(at: DVec2) -> Below {
+        Below::lower(at, 0, 0.0)
     }
 
     /// A seam this number of layers below, by the point nearest to where it

@@ -1,10 +1,17 @@
-//! Follows aligned seams up a part in few of its layers.
+//! The lines along which aligned seams run up a part, planned from few of its
+//! layers.
 //!
-//! A run that begins in the middle of a part has to know where the seams below
-//! are. It cannot make all layers below, so it looks at the outlines of a few
-//! of them, and every other run looks at these, too. Between two of them a seam
-//! moves on as it did before. What is found is the seams for the layer with
-//! which a block begins.
+//! ```text
+//!   ──┼───── look      A seam is found in each layer that is looked at, and
+//!     ╲                followed to the next one. Between two looks it lies on
+//!   ───╲──── layer     the straight line. What ends or begins there goes on as
+//!       ╲              it did where it was seen.
+//!   ─────┼── look
+//! ```
+//!
+//! In: a few layers of the part, from below. Out: for any layer the places where
+//! its seams are expected. So no layer has to know the layers below it, and a
+//! seam that is in one line in the looks does not jump between them.
 
 use super::follow::{Below, Ground, follow, reach};
 use super::{Site, aligned};
@@ -13,22 +20,19 @@ use isoslice_base::units::Mm;
 use isoslice_planar::Solid;
 use isoslice_settings::layers::LayerSpan;
 
-/// Layers from one that is looked at to the next: half a slab, so that one walk
-/// over the tiles serves two looks. A seam that moves by 0.2 mm a layer is found
-/// within 1.5 mm, which is less than from corner to corner.
-const STRIDE: usize = 16;
-/// The number of the layer that is looked at among every [`STRIDE`] layers, from
-/// 0. It lies in one slab with the layer below.
-const PLACE: usize = 13;
-
-/// The seams of a part, as far as the layers tell that were looked at.
+/// The seams of a part.
 #[derive(Clone, Debug)]
 pub struct Guide {
-    /// The part's first layer.
-    first: usize,
     accuracy: Mm,
-    /// The layer that was looked at last: its number and its height.
-    at: (usize, Mm),
+    /// The layers that were looked at, from below.
+    looks: Vec<Look>,
+}
+
+/// A layer that was looked at.
+#[derive(Clone, Debug)]
+struct Look {
+    index: usize,
+    top: Mm,
     seams: Vec<Guided>,
 }
 
@@ -38,6 +42,8 @@ struct Guided {
     at: DVec2,
     /// How far it moves in 1 mm of height.
     slope: DVec2,
+    /// Which seam of the look before it goes on from.
+    from: Option<usize>,
 }
 
 impl Guided {
@@ -48,72 +54,85 @@ impl Guided {
 }
 
 impl Guide {
-    /// A guide for a part whose first layer is `first`.
-    pub(super) fn new(first: usize, accuracy: Mm) -> Guide {
+    /// A guide that has not looked at any layer.
+    pub(super) fn new(accuracy: Mm) -> Guide {
         Guide {
-            first,
             accuracy,
-            at: (first, 0.0),
-            seams: Vec::new(),
+            looks: Vec::new(),
         }
     }
 
-    /// True if a layer is looked at.
-    pub fn looks_at(&self, layer: usize) -> bool {
-        layer >= self.first && (self.is_first(layer) || layer % STRIDE == PLACE)
-    }
-
-    /// True for the part's first layer. The one above it is looked at before
-    /// it: the two tell how seams move, and where nothing hangs.
-    pub fn is_first(&self, layer: usize) -> bool {
-        layer == self.first
-    }
-
     /// Looks at the next of these layers. `ground` is what holds it, if that
-    /// differs from it.
+    /// differs from it. A layer below the last one takes the place of that: the
+    /// part's lowest layer comes after the one above it, since the two tell how
+    /// seams move, and where nothing hangs.
     pub fn look(
         &mut self,
         span: &LayerSpan,
         outline: &Solid<'_>,
         ground: Option<Ground<'_>>,
     ) {
-        let (number, below) = self.at;
+        let below = self.looks.last();
+        let (number, top) = below.map_or((0, 0.0), |b| (b.index, b.top));
         let layers = span.index.abs_diff(number);
-        let rise = span.top - below;
+        let rise = span.top - top;
         let rings = &outline.area().rings;
         // For each ring the seam below that is nearest to it.
-        let mut near: Vec<Option<(Mm, Below, DVec2)>> = vec![None; rings.len()];
-        for seam in &self.seams {
+        let mut near: Vec<Option<(Mm, Below, usize)>> = vec![None; rings.len()];
+        let seams = below.map_or(&[][..], |below| &below.seams);
+        for (from, seam) in seams.iter().enumerate() {
             let meant = seam.risen(rise);
             let way = rise.abs() * seam.slope.length();
             let found = outline.grid().nearest_within(meant, reach(way));
             let Some((ring, at)) = found else { continue };
             let away = at.distance(meant);
             if near[ring].is_none_or(|best| away < best.0) {
-                near[ring] =
-                    Some((away, Below::lower(at, layers, way), seam.at));
+                near[ring] = Some((away, Below::lower(at, layers, way), from));
             }
         }
-        let seam = |(ring, near): (&Vec<DVec2>, Option<(Mm, Below, DVec2)>)| {
+        let seam = |(ring, near): (&Vec<DVec2>, Option<(Mm, Below, usize)>)| {
             let site = match ring.len() {
                 0..3 => Site::default(),
                 _ => aligned(ring, self.accuracy),
             };
             let below = near.map(|near| near.1);
             let at = follow(&site, ring, below, ground)?;
-            // A seam that has left its place goes on from there.
+            // A seam that has left its place begins anew.
             let from = near
-                .filter(|(_, below, _)| at.distance(below.at) <= below.reach);
-            let slope = from.map_or(DVec2::ZERO, |from| (at - from.2) / rise);
-            Some(Guided { at, slope })
+                .filter(|(_, below, _)| at.distance(below.at) <= below.reach)
+                .map(|near| near.2);
+            let slope = from.map_or(DVec2::ZERO, |k| (at - seams[k].at) / rise);
+            Some(Guided { at, slope, from })
         };
-        self.seams = rings.iter().zip(near).filter_map(seam).collect();
-        self.at = (span.index, span.top);
+        let mut seams: Vec<Guided> =
+            rings.iter().zip(near).filter_map(seam).collect();
+        if self.looks.pop_if(|last| last.index > span.index).is_some() {
+            seams.iter_mut().for_each(|seam| seam.from = None);
+        }
+        self.looks.push(Look {
+            index: span.index,
+            top: span.top,
+            seams,
+        });
     }
 
-    /// Where the seams are expected in a layer above.
+    /// Where the seams of a layer are expected.
     pub fn seams(&self, span: &LayerSpan) -> Vec<DVec2> {
-        let rise = span.top - self.at.1;
-        self.seams.iter().map(|seam| seam.risen(rise)).collect()
+        let next = self.looks.partition_point(|l| l.index <= span.index);
+        let lower = next.checked_sub(1).and_then(|k| self.looks.get(k));
+        let upper = self.looks.get(next);
+        let below = lower.map_or(&[][..], |look| &look.seams);
+        let above = upper.map_or(&[][..], |look| &look.seams);
+        let rise = |look: Option<&Look>| look.map_or(0.0, |l| span.top - l.top);
+        let (up, down) = (rise(lower), rise(upper));
+        let onward = above.iter().map(|seam| {
+            match seam.from.and_then(|k| below.get(k)) {
+                Some(from) => from.at.lerp(seam.at, up / (up - down)),
+                None => seam.risen(down),
+            }
+        });
+        let goes_on = |k: usize| above.iter().any(|s| s.from == Some(k));
+        let last = below.iter().enumerate().filter(|(k, _)| !goes_on(*k));
+        onward.chain(last.map(|(_, seam)| seam.risen(up))).collect()
     }
 }

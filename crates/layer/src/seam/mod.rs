@@ -2,8 +2,8 @@
 //!
 //! In: a layer's walls before any texture. Out: for each wall the places where
 //! its seam may be, as far as the layer alone tells ([`Site`]); the seam's
-//! place, given the seams of the layer below ([`follow()`]); and how the wall
-//! begins and ends there ([`ending`]).
+//! place, given where it is expected ([`follow()`]); and how the wall begins and
+//! ends there ([`ending`]).
 //!
 //! ```text
 //!      ╭──────╮      An aligned seam is in a concave corner (●), where it
@@ -13,8 +13,8 @@
 //!                    solid ground come first.
 //! ```
 //!
-//! A wall's site depends on its ring only. Where the layers below are not
-//! known, a [`Guide`] says where seams come from.
+//! A wall's site depends on its ring only. A [`Guide`], which is made before the
+//! first layer, says where seams are expected.
 //!
 //! The walls are polygons that stand for curves. A seam lies on a smooth curve
 //! through the polygon's corners (`lowest`), so that it does not jump from one
@@ -47,10 +47,10 @@ pub use plan::EndingPlan;
 /// Where the seam of a wall may be.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Site {
-    /// Where the seam is if nothing is known of the layer below and nothing
-    /// hangs; none if it may be anywhere.
+    /// Where the seam is if it is expected nowhere and nothing hangs; none if it
+    /// may be anywhere.
     pub at: Option<DVec2>,
-    /// True if the seam follows the seam of the layer below.
+    /// True if the seam is where it is expected.
     pub follows: bool,
     /// The corners that the seam may be in.
     pub corners: Vec<DVec2>,
@@ -60,7 +60,7 @@ pub struct Site {
 
 /// The direction to the back. It points slightly to the right, so that rounding
 /// does not pick the end of a level edge.
-const BACK: DVec2 = DVec2::new(0.02, 1.0);
+pub const BACK: DVec2 = DVec2::new(0.02, 1.0);
 /// The rule for a run's seams.
 pub struct Seams<'a> {
     rule: Varying<SeamRule>,
@@ -90,11 +90,10 @@ impl<'a> Seams<'a> {
         })
     }
 
-    /// What follows the seams of a part whose first layer is `first`, if they
-    /// follow one another.
-    pub fn guide(&self, first: usize) -> Option<Guide> {
+    /// What plans the seams of a part, if they are in lines.
+    pub fn guide(&self) -> Option<Guide> {
         let aligned = self.rule == Varying::Constant(SeamRule::Aligned);
-        aligned.then(|| Guide::new(first, self.accuracy))
+        aligned.then(|| Guide::new(self.accuracy))
     }
 
     /// The sites of a layer's walls. Walls that are not closed outer ones have

@@ -103,7 +103,7 @@ fn concave_corners_come_first_and_the_middle_of_round_ones() {
 
 /// The seam of a ring over a layer with its outline.
 fn next(site: &Site, ring: &[DVec2], below: DVec2) -> Option<DVec2> {
-    follow(site, ring, Some(Below::right(below)), None)
+    follow(site, ring, Some(Below::lower(below, 1, 0.0)), None)
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn of_corners_alike_those_over_the_ground_are_taken() {
         let under = moved(-0.2 * lean);
         let view = LayerView::of(1, &here, &[], &[&under]);
         let ground = Ground::of(view.here, view.below[0]);
-        let below = below.map(|corner| Below::right(square[corner]));
+        let below = below.map(|corner| Below::lower(square[corner], 1, 0.0));
         let at = follow(&site, &square, below, ground).unwrap();
         square.iter().position(|p| p.distance(at) < 1e-9).unwrap()
     };
@@ -172,10 +172,10 @@ fn of_corners_alike_those_over_the_ground_are_taken() {
     assert_eq!(seam(DVec2::new(0.5, 0.0), Some(0)), 0);
 }
 
-/// A guide that looks at few layers finds the corners that a seam follows from
+/// A guide that looks at few layers expects the corners that a seam follows from
 /// layer to layer.
 #[test]
-fn a_guide_knows_where_seams_have_gone() {
+fn a_guide_knows_where_seams_go() {
     let corners = |layer: usize| -> Vec<DVec2> {
         let turn = |k: u32| TAU * f64::from(k) / 5.0 + 0.02 * layer as f64;
         (0..5).map(|k| 9.0 * DVec2::from_angle(turn(k))).collect()
@@ -185,28 +185,64 @@ fn a_guide_knows_where_seams_have_gone() {
         bottom: 0.2 * index as f64,
         top: 0.2 * (index + 1) as f64,
     };
-    let mut guide = Guide::new(0, ACCURACY);
+    let mut guide = Guide::new(ACCURACY);
+    for index in [1, 0].into_iter().chain((13..400).step_by(16)) {
+        let solid = Solid::new(Area::from(corners(index)));
+        guide.look(&span(index), &solid, None);
+    }
     let mut at = None;
-    let mut looks = 0;
     for index in 0..400 {
         let ring = corners(index);
         let site = aligned(&ring, ACCURACY);
-        at = follow(&site, &ring, at.map(Below::right), None);
-        let mut look = |index: usize| {
-            let solid = Solid::new(Area::from(corners(index)));
-            guide.look(&span(index), &solid, None);
-        };
-        if index == 0 {
-            look(1);
-        }
-        if index % 16 == 13 || index == 0 {
-            look(index);
-        }
-        looks += usize::from(guide.looks_at(index));
+        let below = at.map(|at| Below::lower(at, 1, 0.0));
+        at = follow(&site, &ring, below, None);
         let [seam] = *guide.seams(&span(index)) else {
             panic!("one ring has one seam");
         };
-        assert!(seam.distance(at.unwrap()) < 1.5, "{index} {seam} {at:?}");
+        // Between two looks, the chord of an arc of 0.32 is 0.12 mm from it.
+        assert!(seam.distance(at.unwrap()) < 0.2, "{index} {seam} {at:?}");
     }
-    assert_eq!(looks, 1 + 400 / 16);
+}
+
+/// A seam that begins or ends between two looks is expected in all layers
+/// between them, and the others go on.
+#[test]
+fn a_guide_knows_seams_that_begin_and_end() {
+    let square = |x: f64| -> Vec<DVec2> {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(a, b)| DVec2::new(x + a, b))
+            .to_vec()
+    };
+    let span = |index: usize| LayerSpan {
+        index,
+        bottom: 0.2 * index as f64,
+        top: 0.2 * (index + 1) as f64,
+    };
+    let mut guide = Guide::new(ACCURACY);
+    let mut look = |index: usize, at: &[f64]| {
+        let area: Area = at.iter().map(|&x| square(x)).collect();
+        guide.look(&span(index), &Solid::new(area), None);
+    };
+    look(1, &[0.0]);
+    look(0, &[0.0]);
+    look(13, &[0.8, 20.0]);
+    look(29, &[20.0]);
+    let at = |index: usize| {
+        let mut x: Vec<f64> =
+            guide.seams(&span(index)).iter().map(|p| p.x).collect();
+        x.sort_by(f64::total_cmp);
+        x
+    };
+    let (first, second) = (at(0)[0], at(29)[0]);
+    let near = |index: usize, seams: &[f64]| {
+        let found = at(index);
+        assert_eq!(found.len(), seams.len(), "{index} {found:?}");
+        for (a, b) in found.iter().zip(seams) {
+            assert!((a - b).abs() < 1e-9, "{index} {found:?} {seams:?}");
+        }
+    };
+    near(6, &[first + 0.8 * 6.0 / 13.0, second]);
+    near(13, &[first + 0.8, second]);
+    near(20, &[first + 0.8 * 20.0 / 13.0, second]);
+    near(40, &[second]);
 }

@@ -16,7 +16,7 @@
 
 use crate::walls::WallPlan;
 use glam::DVec2;
-use isoslice_base::units::{Mm, Percent};
+use isoslice_base::units::Mm;
 use isoslice_planar::Solid;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
@@ -51,13 +51,13 @@ const TOLERANCE: Mm = 0.01;
 impl<'a> Support<'a> {
     /// The solid of the layer below for the walls of a layer whose own solid
     /// is `own`; nothing if no wall is to be an overhang. A wall may reach beyond
-    /// the layer below by this `share` of its width.
+    /// the layer below by the plan's share of its width.
     pub fn new(
         below: &'a Solid<'_>,
         own: &'a Solid<'_>,
-        share: Percent,
         walls: &WallPlan,
     ) -> Option<Support<'a>> {
+        let share = walls.overhang_share;
         if share >= 100.0 {
             return None;
         }
@@ -331,9 +331,11 @@ mod tests {
     ) -> Vec<Bead> {
         let solid = |ring| Solid::new(Area::from(ring));
         let (own, below) = (solid(own), solid(below));
-        let walls =
-            plan_with(WallPlan::of, |s| s.outer_wall_width = 0.4.into());
-        let support = Support::new(&below, &own, share, &walls);
+        let walls = plan_with(WallPlan::of, |s| {
+            s.outer_wall_width = 0.4.into();
+            s.overhang_share = share;
+        });
+        let support = Support::new(&below, &own, &walls);
         support.map_or(vec![bead.clone()], |s| s.cut(bead))
     }
 

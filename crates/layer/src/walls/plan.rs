@@ -40,6 +40,9 @@ pub struct WallPlan {
     pub top_skin: Mm,
     /// Which places get one line.
     pub thin: ThinPlan,
+    /// Share of an outer wall's width from which on it hangs that lies beyond the
+    /// layer below, %.
+    pub overhang_share: Percent,
     /// Greatest error of what shows, mm.
     pub accuracy: Mm,
     /// True if beads stay level, and do not follow the surface.
@@ -57,6 +60,7 @@ impl WallPlan {
             skin: settings.skin_width(),
             top_skin: settings.top_skin_width(),
             thin: ThinPlan::of(settings),
+            overhang_share: settings.overhang_share,
             accuracy: settings.accuracy,
             level: settings.contour_z.is(0.0),
         }

@@ -11,60 +11,116 @@ use isoslice_layer::skin::{Fill, Patch};
 use isoslice_planar::bead::{Bead, Plane, Role};
 use isoslice_planar::signed_area;
 
-/// Prints an island on a short way from where the head is, `at`, to `to`.
-pub(super) fn print_island(
-    island: Island,
-    at: &mut Option<DVec2>,
-    to: Option<DVec2>,
-    context: Context<'_>,
-    plan: &OrderPlan,
-    out: &mut Vec<Bead>,
-) {
-    // Walls that pass no seam have a stage of their own, before all loops or
-    // after them.
-    let mut jobs: Vec<(u32, Job)> = Vec::new();
-    let stage = |inner_first| if inner_first { 0 } else { 2 };
-    let away_stage = stage(plan.inner_first);
-    // The nozzle is low while it prints these: nothing may be beside it yet.
-    let mut low: Vec<(u32, Job)> = Vec::new();
-    for mut group in island.loops {
-        group.walls.iter_mut().for_each(orient);
-        let is_low = |wall: &mut Bead| wall.plane == Plane::HalfLower;
-        let walls = group.walls.extract_if(.., is_low);
-        low.extend(walls.map(|wall| (0, Job::of(wall))));
-        let mut inner_first = plan.inner_first;
-        if plan.inner_first_at_overhangs || plan.turns_overhangs {
-            let hangs = group.walls.first().is_some_and(|w| context.hangs(w));
-            inner_first |= hangs && plan.inner_first_at_overhangs;
-            let odd = !context.here.span.index.is_multiple_of(2);
-            if hangs && odd && plan.turns_overhangs {
-                group.walls.iter_mut().for_each(turn_round);
+/// What is printed of an island, in its order.
+#[derive(Clone, Default)]
+pub(super) struct Inside {
+    /// Walls that lie lower than the layer. The nozzle is low while it prints these:
+    /// nothing may be beside them yet.
+    low: Vec<Job>,
+    /// Walls, gaps and infill, each with its stage.
+    jobs: Vec<(u32, Job)>,
+    skin: Vec<Patch>,
+}
+
+impl Inside {
+    pub(super) fn new(
+        island: Island,
+        context: Context<'_>,
+        plan: &OrderPlan,
+    ) -> Inside {
+        let mut inside = Inside {
+            skin: island.skin,
+            ..Inside::default()
+        };
+        // Walls that pass no seam have a stage of their own, before all loops or
+        // after them.
+        let jobs = &mut inside.jobs;
+        let stage = |inner_first| if inner_first { 0 } else { 2 };
+        let away_stage = stage(plan.inner_first);
+        for mut group in island.loops {
+            group.walls.iter_mut().for_each(orient);
+            let is_low = |wall: &mut Bead| wall.plane == Plane::HalfLower;
+            let walls = group.walls.extract_if(.., is_low);
+            inside.low.extend(walls.map(Job::of));
+            let mut inner_first = plan.inner_first;
+            if plan.inner_first_at_overhangs || plan.turns_overhangs {
+                let hangs =
+                    group.walls.first().is_some_and(|w| context.hangs(w));
+                inner_first |= hangs && plan.inner_first_at_overhangs;
+                let odd = !context.here.span.index.is_multiple_of(2);
+                if hangs && odd && plan.turns_overhangs {
+                    group.walls.iter_mut().for_each(turn_round);
+                }
             }
+            let (job, away) =
+                loop_job(group, inner_first, plan.begins_anywhere);
+            jobs.extend(job.map(|job| (1, job)));
+            let stage = stage(inner_first);
+            jobs.extend(away.into_iter().map(|b| (stage, Job::of(b))));
         }
-        let (job, away) = loop_job(group, inner_first, plan.begins_anywhere);
-        jobs.extend(job.map(|job| (1, job)));
-        let stage = stage(inner_first);
-        jobs.extend(away.into_iter().map(|b| (stage, Job::of(b))));
+        // If there are such walls, gaps lie between them. Otherwise gaps can be
+        // filled on the way through the infill.
+        let gap_stage = if jobs.iter().any(|j| j.0 == away_stage) {
+            away_stage
+        } else {
+            3
+        };
+        let gaps = island.gaps.into_iter();
+        jobs.extend(gaps.map(|b| (gap_stage, Job::of(b))));
+        let infill = island.infill.into_iter();
+        jobs.extend(infill.map(|b| (3, Job::of(b))));
+        inside
     }
-    if !low.is_empty() {
+
+    /// Where printing is likely to start.
+    pub(super) fn start(&self) -> Option<DVec2> {
+        let first = self.jobs.iter().min_by_key(|job| job.0);
+        let first = self.low.first().or(first.map(|job| &job.1))?;
+        Some(first.ends()?.0)
+    }
+
+    /// Takes what is printed last and prints it on a short way to `to`, if the head
+    /// comes from `at`.
+    pub(super) fn print_last(
+        &mut self,
+        mut at: Option<DVec2>,
+        to: Option<DVec2>,
+    ) -> Vec<Bead> {
+        let last = self.jobs.iter().map(|job| job.0).max();
+        let jobs = if self.skin.is_empty() {
+            self.jobs
+                .extract_if(.., |job| Some(job.0) == last)
+                .collect()
+        } else {
+            Vec::new()
+        };
+        let last = Inside {
+            low: Vec::new(),
+            jobs,
+            skin: std::mem::take(&mut self.skin),
+        };
+        self.clone().print(&mut at, None, &mut Vec::new());
+        let mut out = Vec::new();
+        last.print(&mut at, to, &mut out);
+        out
+    }
+
+    /// Prints all of it on a short way from where the head is, `at`, to `to`.
+    pub(super) fn print(
+        self,
+        at: &mut Option<DVec2>,
+        to: Option<DVec2>,
+        out: &mut Vec<Bead>,
+    ) {
+        let low = self.low.into_iter().map(|job| (0, job)).collect();
         print(low, at, None, out);
+        let (jobs, skin) = (self.jobs, self.skin);
+        if skin.is_empty() {
+            return print(jobs, at, to, out);
+        }
+        print(jobs, at, None, out);
+        print_skin(skin, at, to, out);
     }
-    // If there are such walls, gaps lie between them. Otherwise gaps can be
-    // filled on the way through the infill.
-    let gap_stage = if jobs.iter().any(|j| j.0 == away_stage) {
-        away_stage
-    } else {
-        3
-    };
-    let gaps = island.gaps.into_iter();
-    jobs.extend(gaps.map(|b| (gap_stage, Job::of(b))));
-    let infill = island.infill.into_iter();
-    jobs.extend(infill.map(|b| (3, Job::of(b))));
-    if island.skin.is_empty() {
-        return print(jobs, at, to, out);
-    }
-    print(jobs, at, None, out);
-    print_skin(island.skin, at, to, out);
 }
 
 /// True for an open outer wall that goes round, as one does that is open at a

@@ -10,6 +10,7 @@ use glam::DVec2;
 use isoslice_planar::bead::{Bead, Role};
 
 /// Something to print.
+#[derive(Clone)]
 pub(super) enum Job {
     /// An open bead, printed from either end.
     Line(Bead),

@@ -1,8 +1,10 @@
 //! The order in which a layer's beads are printed, and where loops begin.
 //!
-//! In: a layer's beads by kind, and where its seams may be. Out: the beads in
-//! print order, closed ones rotated to their seam, open ones turned so that
-//! travels are short. Islands are finished one at a time. Within an island the
+//! In: a layer's beads by kind, where its seams may be, and where the head comes
+//! from. Out: the beads in print order, closed ones rotated to their seam, open ones
+//! turned so that travels are short. What is printed last does not depend on where
+//! the head comes from. So an order depends on no more than the layer and the end
+//! of the layer below. Islands are finished one at a time. Within an island the
 //! walls come first, then gap fill and sparse infill, then skin, each on a
 //! short tour (`tour`) that begins where the tour before ends.
 //!
@@ -35,10 +37,10 @@ pub use begin::begin_near;
 
 use begin::nearest_spot;
 use glam::DVec2;
-use island::print_island;
+use island::Inside;
 use islands::{Island, grid_of, islands};
 use isoslice_base::units::Mm;
-use isoslice_layer::seam::{Below, Ground, Site, follow};
+use isoslice_layer::seam::{BACK, Below, Ground, Site, follow};
 use isoslice_layer::skin::Patch;
 use isoslice_layer::view::LayerFace;
 use isoslice_layer::walls::Support;
@@ -71,7 +73,7 @@ pub struct LayerBeads {
 
 impl LayerBeads {
     /// The beads of walls and skin.
-    pub fn shell(&self) -> impl Iterator<Item = &Bead> {
+    pub fn shell(&self) -> impl Iterator<Item = &Bead> + Clone {
         let patches = self.skin.iter().flat_map(|patch| {
             let fills = patch.fills.iter().flat_map(|f| &f.lines);
             patch.rings.iter().chain(fills)
@@ -80,16 +82,7 @@ impl LayerBeads {
     }
 }
 
-/// What one layer hands to the next.
-#[derive(Clone, Debug, Default)]
-pub struct Head {
-    /// Where the nozzle stands; nothing if it has not printed yet.
-    pub at: Option<DVec2>,
-    /// The seams of the layer below.
-    pub seams: Vec<DVec2>,
-}
-
-/// How far a seam may move from one layer to the next before it counts as a new
+/// How far a seam may be from where it is expected before it counts as another
 /// one, and how far from it inner walls may begin, mm.
 const SEAM_REACH: Mm = 2.0;
 
@@ -98,6 +91,10 @@ const SEAM_REACH: Mm = 2.0;
 pub struct Context<'a> {
     /// The layer.
     pub here: LayerFace<'a>,
+    /// Where the head is likely to come from; nothing if that is not planned.
+    pub from: Option<DVec2>,
+    /// Where the seams are expected.
+    pub seams: &'a [DVec2],
     /// What holds the layer's walls, unless all of them are held.
     pub support: Option<&'a Support<'a>>,
     /// What holds the layer, if its outline differs from that of the layer
@@ -112,86 +109,154 @@ impl Context<'_> {
     }
 }
 
-/// Puts a layer's beads in order.
-pub fn order(
-    mut beads: LayerBeads,
-    context: Context<'_>,
-    head: &mut Head,
-    plan: &OrderPlan,
-) -> Vec<Bead> {
-    let mut out = Vec::new();
-    for mut bead in std::mem::take(&mut beads.skirt) {
-        if let Some(at) = head.at
-            && bead.stroke.closed
-        {
-            begin_near(&mut bead.stroke, at);
-        }
-        jobs::finish(bead, &mut head.at, &mut out);
-    }
-    let support = std::mem::take(&mut beads.support);
-    let (first, last) = if beads.support_last {
-        (Vec::new(), support)
-    } else {
-        (support, Vec::new())
-    };
-    let outline = context.here.outline.area();
-    supports::print(first, outline, &mut head.at, &mut out);
-    let mut islands = islands(outline, beads);
-    head.seams = place_seams(&mut islands, &head.seams, context.ground);
-    let mut stops = Vec::new();
-    let mut left = Vec::new();
-    for island in islands {
-        if let Some(p) = island_start(&island) {
-            stops.push(Stop {
-                from: p,
-                to: p,
-                turns: false,
-                stage: 0,
-            });
-            left.push(Some(island));
-        }
-    }
-    let visits = tour(&stops, head.at, None);
-    for (k, visit) in visits.iter().enumerate() {
-        // The layer above is likely to begin where this one ends, with the
-        // same island.
-        let next = visits.get(k + 1).unwrap_or(visit);
-        let to = Some(stops[next.stop].from);
-        if let Some(island) = left[visit.stop].take() {
-            print_island(island, &mut head.at, to, context, plan, &mut out);
-        }
-    }
-    supports::print(last, outline, &mut head.at, &mut out);
-    out
+/// A layer's beads, of which the last ones are in order. They are chosen before the
+/// others, and do not depend on where the layer begins, so that the layer above can
+/// be told at once where this one ends.
+pub struct Begun<'a> {
+    context: Context<'a>,
+    plan: &'a OrderPlan,
+    skirt: Vec<Bead>,
+    /// Supports that come before the part.
+    support: Vec<Bead>,
+    /// The islands but for the last one.
+    islands: Vec<Island>,
+    /// What comes before the last beads in their island.
+    before: Inside,
+    last: Vec<Bead>,
 }
 
-/// The order in which to go some ways, each from its beginning to its end, so
-/// that the whole way from `at` on is short.
-pub fn in_turn(ways: &[(DVec2, DVec2)], at: Option<DVec2>) -> Vec<usize> {
-    let stop = |&(from, to): &(DVec2, DVec2)| Stop {
-        from,
-        to,
+/// Begins to put a layer's beads in order.
+pub fn order<'a>(
+    mut beads: LayerBeads,
+    context: Context<'a>,
+    plan: &'a OrderPlan,
+) -> Begun<'a> {
+    let skirt = std::mem::take(&mut beads.skirt);
+    let support = std::mem::take(&mut beads.support);
+    let support_last = beads.support_last;
+    let outline = context.here.outline.area();
+    let mut islands = islands(outline, beads);
+    place_seams(&mut islands, context.seams, context.ground);
+    islands.retain(|island| island_start(island).is_some());
+    let mut begun = Begun {
+        context,
+        plan,
+        skirt,
+        support,
+        islands,
+        before: Inside::default(),
+        last: Vec::new(),
+    };
+    if support_last && !begun.support.is_empty() {
+        let support = std::mem::take(&mut begun.support);
+        supports::print(support, outline, &mut None, &mut begun.last);
+        return begun;
+    }
+    let stops = stops_at(&begun.islands);
+    let visits = tour(&stops, context.from, None);
+    if let Some(visit) = visits.last() {
+        let before = visits.iter().rev().nth(1);
+        let at = before.map(|visit| stops[visit.stop].from);
+        let island = begun.islands.swap_remove(visit.stop);
+        // The layer above is likely to begin where this one ends, with the same
+        // island.
+        let to = Some(stops[visit.stop].from);
+        let mut inside = Inside::new(island, context, plan);
+        begun.last = inside.print_last(at.or(context.from), to);
+        begun.before = inside;
+    }
+    begun
+}
+
+impl Begun<'_> {
+    /// Where the layer ends; none if it has no bead.
+    pub fn end(&self) -> Option<DVec2> {
+        self.last.iter().rev().find_map(jobs::end)
+    }
+
+    /// The beads in print order. `from` is where the head comes from.
+    pub fn from(self, from: Option<DVec2>) -> Vec<Bead> {
+        let Begun { context, plan, .. } = self;
+        let mut at = from.or(context.from);
+        let mut out = Vec::new();
+        for mut bead in self.skirt {
+            if let Some(at) = at
+                && bead.stroke.closed
+            {
+                begin_near(&mut bead.stroke, at);
+            }
+            jobs::finish(bead, &mut at, &mut out);
+        }
+        supports::print(
+            self.support,
+            context.here.outline.area(),
+            &mut at,
+            &mut out,
+        );
+        let first = self.last.first().and_then(|b| b.stroke.ends());
+        let to = self.before.start().or(first.map(|ends| ends.0));
+        let stops = stops_at(&self.islands);
+        let visits = tour(&stops, at, to);
+        let mut left: Vec<Option<Island>> =
+            self.islands.into_iter().map(Some).collect();
+        for (k, visit) in visits.iter().enumerate() {
+            let next = visits.get(k + 1).map(|next| stops[next.stop].from);
+            if let Some(island) = left[visit.stop].take() {
+                let inside = Inside::new(island, context, plan);
+                inside.print(&mut at, next.or(to), &mut out);
+            }
+        }
+        self.before
+            .print(&mut at, first.map(|ends| ends.0), &mut out);
+        out.extend(self.last);
+        out
+    }
+}
+
+/// The islands as stops of a tour.
+fn stops_at(islands: &[Island]) -> Vec<Stop> {
+    let stop = |island| {
+        let at = island_start(island)?;
+        Some(Stop {
+            from: at,
+            to: at,
+            turns: false,
+            stage: 0,
+        })
+    };
+    islands.iter().filter_map(stop).collect()
+}
+
+/// The order in which to visit some places on a short way, which begins at the
+/// one that is farthest to the back. A layer that visits them the other way round
+/// begins where this way ends.
+pub fn course(places: &[DVec2]) -> Vec<usize> {
+    let stop = |&at: &DVec2| Stop {
+        from: at,
+        to: at,
         turns: false,
         stage: 0,
     };
-    let stops: Vec<Stop> = ways.iter().map(stop).collect();
-    tour(&stops, at, None).iter().map(|v| v.stop).collect()
+    let stops: Vec<Stop> = places.iter().map(stop).collect();
+    let back = |a: &&DVec2, b: &&DVec2| BACK.dot(**a).total_cmp(&BACK.dot(**b));
+    let first = places.iter().max_by(back).copied();
+    tour(&stops, first, None).iter().map(|v| v.stop).collect()
 }
 
-/// Rotates the outer walls to their seams, which are returned.
+/// Rotates the outer walls to their seams, of which some are `expected`.
 fn place_seams(
     islands: &mut [Island],
-    below: &[DVec2],
+    expected: &[DVec2],
     ground: Option<Ground<'_>>,
-) -> Vec<DVec2> {
+) {
     let mut loops: Vec<&mut islands::Loop> =
         islands.iter_mut().flat_map(|i| &mut i.loops).collect();
-    // For each loop the seam below that is nearest to it.
+    // For each loop the expected seam that is nearest to it.
     let mut near: Vec<Option<(f64, DVec2)>> = vec![None; loops.len()];
-    if !below.is_empty() && loops.iter().any(|l| l.site.follows) {
+    if !expected.is_empty() && loops.iter().any(|l| l.site.follows) {
         let outer = loops.iter().filter_map(|l| l.walls.first());
         let grid = grid_of(outer, 0.5 * SEAM_REACH);
-        for &seam in below {
+        for &seam in expected {
             if let Some((ring, point)) = grid.nearest_within(seam, SEAM_REACH) {
                 let d = seam.distance(point);
                 if near[ring].is_none_or(|b| d < b.0) {
@@ -200,7 +265,6 @@ fn place_seams(
             }
         }
     }
-    let mut seams = Vec::new();
     for (group, near) in loops.iter_mut().zip(near) {
         let Some(outer) = group.walls.first_mut() else {
             continue;
@@ -208,18 +272,14 @@ fn place_seams(
         if !outer.stroke.closed || outer.role != Role::OuterWall {
             continue;
         }
-        let below = near.map(|n| n.1).filter(|_| group.site.follows);
-        let below = below.map(Below::right);
-        let seam = follow(&group.site, &outer.stroke.points, below, ground);
-        let Some(seam) = seam else {
-            continue;
-        };
-        seams.push(seam);
-        if let Some(spot) = nearest_spot(&outer.stroke, seam) {
+        let planned = near.map(|n| n.1).filter(|_| group.site.follows);
+        let planned = planned.map(Below::planned);
+        let seam = follow(&group.site, &outer.stroke.points, planned, ground);
+        let spot = seam.and_then(|seam| nearest_spot(&outer.stroke, seam));
+        if let Some(spot) = spot {
             begin::begin_at(&mut outer.stroke, spot);
         }
     }
-    seams
 }
 
 /// Where an island's printing would start.
@@ -277,6 +337,8 @@ mod tests {
                 rough: outline,
                 top: outline,
             },
+            from: None,
+            seams: &[],
             support: None,
             ground: None,
         }
@@ -299,12 +361,12 @@ mod tests {
     #[test]
     fn islands_are_finished_one_at_a_time() {
         let (beads, outline) = two_squares();
-        let mut head = Head {
-            at: Some(DVec2::new(30.0, 0.0)),
-            ..Head::default()
+        let context = Context {
+            from: Some(DVec2::new(30.0, 0.0)),
+            ..held(&outline)
         };
         let plan = usual_plan(OrderPlan::of);
-        let out = order(beads, held(&outline), &mut head, &plan);
+        let out = order(beads, context, &plan).from(None);
         let side: Vec<bool> =
             out.iter().map(|b| b.stroke.points[0].x > 10.0).collect();
         assert_eq!(side, [true, true, false, false]);
@@ -314,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn seams_follow_those_of_the_layer_below() {
+    fn seams_are_where_they_are_expected() {
         let (mut beads, outline) = two_squares();
         let corners = [DVec2::new(1.0, -4.0), DVec2::new(4.0, 4.0)];
         let site = |x: f64| Site {
@@ -324,12 +386,12 @@ mod tests {
             sharp: vec![DVec2::new(x + 4.0, 4.0)],
         };
         beads.sites = vec![site(0.0), site(20.0)];
-        let mut head = Head {
-            at: None,
-            seams: vec![DVec2::new(1.2, -4.1)],
+        let context = Context {
+            seams: &[DVec2::new(1.2, -4.1)],
+            ..held(&outline)
         };
         let plan = usual_plan(OrderPlan::of);
-        let out = order(beads, held(&outline), &mut head, &plan);
+        let out = order(beads, context, &plan).from(None);
         let starts: Vec<DVec2> = out
             .iter()
             .filter(|b| b.role == Role::OuterWall)
@@ -338,7 +400,6 @@ mod tests {
         assert!(starts.contains(&DVec2::new(1.0, -4.0)), "{starts:?}");
         // The other seam starts anew, where it would be by itself.
         assert!(starts.contains(&DVec2::new(24.0, 4.0)), "{starts:?}");
-        assert_eq!(head.seams.len(), 2);
         // The walls behind begin beside the seam.
         let inner = out.iter().filter(|b| b.role == Role::InnerWall);
         let begins: Vec<DVec2> = inner.map(|b| b.stroke.points[0]).collect();
@@ -367,9 +428,8 @@ mod tests {
                 };
                 2
             ];
-            let mut head = Head::default();
             let plan = plan_with(OrderPlan::of, |s| s.wall_order = wall_order);
-            let out = order(beads, held(&outline), &mut head, &plan);
+            let out = order(beads, held(&outline), &plan).from(None);
             assert_eq!(out.len(), 6);
             let here = out.iter().filter(|b| b.stroke.points[0].x < 10.0);
             let roles: Vec<Role> = here.map(|b| b.role).collect();
@@ -383,6 +443,33 @@ mod tests {
                 _ => assert!(at(Role::OuterWall) < at(Role::InnerWall)),
             }
         }
+    }
+
+    #[test]
+    fn layers_above_each_other_begin_where_the_last_one_ends() {
+        let centres = [0.0, 40.0, 20.0].map(|x| DVec2::new(x, 0.0));
+        let order_of = |from: usize| -> Vec<f64> {
+            let walls =
+                centres.map(|c| wall(Role::OuterWall, square(c.x, 4.0)));
+            let outline = centres.map(|c| square(c.x, 4.2));
+            let outline = Solid::new(Area::from_iter(outline));
+            let beads = LayerBeads {
+                walls: walls.to_vec(),
+                ..LayerBeads::default()
+            };
+            let context = Context {
+                from: Some(centres[from]),
+                ..held(&outline)
+            };
+            let plan = usual_plan(OrderPlan::of);
+            let out = order(beads, context, &plan).from(None);
+            out.iter().map(|b| b.stroke.points[0].x + 4.0).collect()
+        };
+        let course = course(&centres);
+        assert_eq!(course, [1, 2, 0]);
+        let (first, last) = (course[0], course[2]);
+        assert_eq!(order_of(first), [40.0, 20.0, 0.0]);
+        assert_eq!(order_of(last), [0.0, 20.0, 40.0]);
     }
 
     #[test]

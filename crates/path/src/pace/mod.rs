@@ -19,7 +19,8 @@
 //! - z rises before the head travels, and is the layer's top while it prints, or
 //!   what the levels of a bead tell;
 //! - the head stands at a bead's first point when the bead begins;
-//! - after [`Pacer::restart`] nothing depends on the layers before;
+//! - a layer depends on nothing of the layers before it but where the last of them
+//!   has ended, and on nothing at all after [`Pacer::forget`];
 //! - the same layers give the same numbers.
 //!
 //! Not guaranteed: that a layer takes `cooling.min_layer_time`; with all beads
@@ -153,11 +154,10 @@ impl<'a> Pacer<'a> {
         }
     }
 
-    /// Forgets where the head is in the plane, and takes `xy` if that is known.
-    /// The head is at height `z`. The way to the next layer's first point
-    /// counts for no layer's time.
-    pub fn restart(&mut self, xy: Option<DVec2>, z: Mm) {
-        self.xy = xy;
+    /// Forgets where the head is in the plane, at height `z`. The way to the next
+    /// layer's first point counts for no layer's time.
+    pub fn forget(&mut self, z: Mm) {
+        self.xy = None;
         self.z = Some(z);
         self.lifted = false;
         self.on_slope = false;
@@ -193,6 +193,7 @@ impl<'a> Pacer<'a> {
         stretches: Vec<Stretch<'a, '_>>,
         whole: &Rater<'a>,
     ) -> Result<PacedLayer, QuantityError> {
+        let from_anywhere = self.xy.is_none();
         self.motion.clear();
         self.printed.clear();
         self.raised = 0.0;
@@ -243,6 +244,7 @@ impl<'a> Pacer<'a> {
         Ok(PacedLayer {
             span,
             before: 0,
+            from_anywhere,
             moves: out,
             parts,
             fan,

@@ -157,6 +157,8 @@ pub struct PacedLayer {
     pub span: LayerSpan,
     /// Layers of parts that were finished before this one began.
     pub before: usize,
+    /// True if nothing is known of where the head comes from.
+    pub from_anywhere: bool,
     /// The layer's moves in order.
     pub moves: Vec<PacedMove>,
     /// Which moves belong to which part, in order.

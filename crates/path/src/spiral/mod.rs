@@ -150,11 +150,6 @@ impl Spiral {
         holes.into_iter().chain(flat)
     }
 
-    /// Where the turn of a layer begins, if it goes on from one below.
-    pub fn start(&self, layer: usize) -> Option<DVec2> {
-        self.start_of(layer, 0)
-    }
-
     /// Where the turn of a wall in a layer begins, if it goes on from one
     /// below.
     fn start_of(&self, layer: usize, wall: usize) -> Option<DVec2> {

@@ -1,0 +1,157 @@
+//! What runs through a whole part from layer to layer, planned before its layers
+//! are made: the lines of its seams, and where layers begin.
+//!
+//! ```text
+//!   layer 3   ○ ○ ○ ○ ←    The islands of a layer are visited on a short way. The
+//!   layer 2   → ○ ○ ○ ○    next layer goes the same way back, so that it begins
+//!   layer 1   ○ ○ ○ ○ ←    where this one ends.
+//! ```
+//!
+//! In: the outlines of a few layers. Out: for each layer where to begin, and where
+//! seams are expected. What a layer prints last follows from that alone, and so where
+//! the next layer begins; what comes before it is then ordered between the two
+//! places.
+
+use super::Stages;
+use super::outlines::WallFields;
+use crate::pipeline::SliceError;
+use crate::pipeline::layer::Layer;
+use glam::DVec2;
+use isoslice_base::limits;
+use isoslice_layer::seam::{BACK, Guide};
+use isoslice_path::order::course;
+use isoslice_planar::{Ring, signed_area};
+use isoslice_settings::layers::LayerSpan;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Layers from one that is looked at to the next: half a slab, so that one walk
+/// over the tiles serves two looks. A seam that moves by 0.2 mm a layer on a
+/// circle of 5 mm leaves the straight line from look to look by 0.26 mm.
+const STRIDE: usize = 16;
+/// Which of so many layers is looked at. It lies in one slab with the layer
+/// below.
+const PLACE: usize = 13;
+
+/// What runs through a part.
+#[derive(Default)]
+pub(in crate::pipeline) struct Course {
+    /// The seams, if they are in lines.
+    guide: Option<Guide>,
+    /// For each layer that was looked at, from below: its number, and the ends of a
+    /// short way through its islands.
+    ways: Vec<(usize, [DVec2; 2])>,
+}
+
+impl Course {
+    /// Where the head is likely to come from when a layer begins, if that was
+    /// planned.
+    pub(in crate::pipeline) fn begin(&self, span: &LayerSpan) -> Option<DVec2> {
+        let next = self.ways.partition_point(|way| way.0 <= span.index);
+        let (_, ends) = self.ways.get(next.saturating_sub(1))?;
+        let meant = ends[span.index % 2];
+        // An island begins at its seam, which has moved on since the look.
+        let away = |p: &DVec2| p.distance_squared(meant);
+        let near = |a: &DVec2, b: &DVec2| away(a).total_cmp(&away(b));
+        self.seams(span).into_iter().min_by(near).or(Some(meant))
+    }
+
+    /// Where the seams of a layer are expected.
+    pub(in crate::pipeline) fn seams(&self, span: &LayerSpan) -> Vec<DVec2> {
+        let guide = self.guide.as_ref();
+        guide.map_or_else(Vec::new, |guide| guide.seams(span))
+    }
+
+    /// Looks at the next of some layers. The layers beside it are given as far as
+    /// they are known.
+    fn look(&mut self, layer: &Layer, below: Option<&Layer>) {
+        if let Some(guide) = &mut self.guide {
+            let ground = below.and_then(|below| layer.ground(below));
+            guide.look(&layer.span, &layer.outline, ground);
+        }
+    }
+
+    /// Finds the ends of the way through a layer's islands, each of which begins at
+    /// its seam, or at the back.
+    fn visit(&mut self, layer: &Layer) {
+        let rings = &layer.area().rings;
+        let mut seams = vec![None; rings.len()];
+        for seam in self.seams(&layer.span) {
+            if let Some((ring, _)) = layer.outline.grid().nearest(seam) {
+                seams[ring] = Some(seam);
+            }
+        }
+        let back = |a: &DVec2, b: &DVec2| BACK.dot(*a).total_cmp(&BACK.dot(*b));
+        let island = |(ring, seam): (&Ring, Option<DVec2>)| {
+            let outer = signed_area(ring) > 0.0;
+            let place = seam.or_else(|| ring.iter().copied().max_by(back));
+            place.filter(|_| outer)
+        };
+        let islands = rings.iter().zip(seams).filter_map(island);
+        let places: Vec<DVec2> = islands.collect();
+        let way = course(&places);
+        if let (Some(&first), Some(&last)) = (way.first(), way.last()) {
+            let ends = [places[first], places[last]];
+            self.ways.push((layer.span.index, ends));
+        }
+    }
+}
+
+impl Stages<'_> {
+    /// Plans what runs through the part, with a look at few of its layers.
+    pub(in crate::pipeline) fn plan_course(
+        &mut self,
+        pool: &ThreadPool,
+        spans: &[LayerSpan],
+    ) -> Result<(), SliceError> {
+        let mut course = Course {
+            guide: self.seams.guide(),
+            ways: Vec::new(),
+        };
+        let lowest = self.plans.raft.layers;
+        let flat = |&i: &usize| self.spiral_at(i).is_none();
+        let looked = |&i: &usize| i == lowest || i % STRIDE == PLACE;
+        let all = (lowest..spans.len()).filter(flat).filter(looked);
+        let looks: Vec<usize> = all.collect();
+        // Some at a time, since a layer may take megabytes.
+        for some in looks.chunks(pool.current_num_threads()) {
+            limits::go_on()?;
+            let pair = |&i: &usize| {
+                // What holds the lowest layer does not matter, but how its seams
+                // move on does.
+                let from = if i == lowest { i } else { i - 1 };
+                self.only(spans, from..from + 2)
+            };
+            let made: Vec<Result<Vec<Layer>, SliceError>> =
+                pool.install(|| some.par_iter().map(pair).collect());
+            for (&i, layers) in some.iter().zip(made) {
+                let layers = layers?;
+                let at = |i: usize| layers.iter().find(|l| l.span.index == i);
+                let Some(layer) = at(i) else { continue };
+                if let Some(above) = at(i + 1) {
+                    course.look(above, Some(layer));
+                }
+                course.look(layer, i.checked_sub(1).and_then(at));
+                course.visit(layer);
+            }
+        }
+        self.course = course;
+        Ok(())
+    }
+
+    /// These layers and no others.
+    fn only(
+        &self,
+        spans: &[LayerSpan],
+        layers: Range<usize>,
+    ) -> Result<Vec<Layer>, SliceError> {
+        let slab = self.slab_layers();
+        let slabs = layers.start / slab..layers.end.div_ceil(slab);
+        let slabs = spans.chunks(slab).skip(slabs.start).take(slabs.len());
+        let none = &WallFields::None;
+        let made = slabs.map(|s| self.layers_of(&self.field, none, s, &layers));
+        let made: Vec<Vec<Layer>> = made.collect::<Result<_, _>>()?;
+        Ok(made.into_iter().flatten().collect())
+    }
+}
