@@ -45,6 +45,8 @@ const ORDER: &[(&str, Steps)] = &[
             &["sets", "random"],
             // Every reader of text files needs `encoding`.
             &["encoding"],
+            // Several name the values of their enums.
+            &["named"],
             // Both `limits` and `timings` need the processor time of a thread.
             &["stopwatch"],
             // Any loop may ask whether it is to go on.
@@ -166,11 +168,6 @@ const KNOWING: &[&str] = &[
     "src/pipeline/hanging.rs",
     "src/pipeline/run.rs",
     "src/plate/mod.rs",
-    // The order of a part's layers.
-    "src/pipeline/pacing.rs",
-    "src/pipeline/part.rs",
-    "src/pipeline/split.rs",
-    "src/pipeline/ways.rs",
     // Tests of the settings, and what gives all other tests theirs.
     "tests/common/mod.rs",
     "tests/texts/hostile.rs",

@@ -23,7 +23,6 @@ use isoslice_path::travel::{
     LayerPath, Move, Travel, between_parts, over_parts,
 };
 use isoslice_preview::Pictures;
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 use std::ops::Range;
 
@@ -61,8 +60,9 @@ impl<'a> Rates<'a> {
 
 /// The stages that give a plate's moves their speeds.
 pub(super) struct Pacing<'a> {
-    /// The settings of the whole plate.
-    settings: &'a Settings,
+    /// The bed of the whole plate, and whether travels may hop.
+    bed: BedPlan,
+    hops: bool,
     pictures: Option<Pictures>,
     rates: &'a Rates<'a>,
     /// For each place on the plate the part that stands there, and how far it
@@ -109,7 +109,8 @@ impl<'a> Pacing<'a> {
         };
         let stands: Vec<DVec2> = places.iter().map(stands).collect();
         Pacing {
-            settings,
+            bed: BedPlan::of(settings),
+            hops: settings.retract.z_hop > 0.0,
             pictures,
             rates,
             places,
@@ -219,7 +220,7 @@ impl<'a> Pacing<'a> {
             };
             there.push((place, part, shift, passed, ends));
         }
-        let hop = self.settings.retract.z_hop > 0.0;
+        let hop = self.hops;
         for (place, part, shift, passed, [from, to]) in there {
             let mut moves = passed.path.moved(shift);
             // A part goes on where it ended, but not if another part was
@@ -256,12 +257,11 @@ impl<'a> Pacing<'a> {
         // A finished part would be in the way of another's skirt.
         let skirt = self.skirt.as_ref().filter(|_| self.before == 0)?;
         let mut loops = skirt.beads(span.index, span.height());
-        let bed = BedPlan::of(self.settings);
-        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, bed);
+        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, self.bed);
         if span.index == 0 {
             self.warnings.extend(off_bed);
         }
-        let hop = self.settings.retract.z_hop > 0.0;
+        let hop = self.hops;
         let mut moves = Vec::new();
         for mut bead in loops {
             if let Some(at) = self.at {

@@ -14,6 +14,7 @@
 
 use super::job::{Base, Planned};
 use super::layer::Layer;
+use super::plans::Plans;
 use super::stages::{ALL_LAYERS, Stages};
 use super::start::{layers_of, pool};
 use super::{Options, SliceError};
@@ -22,7 +23,6 @@ use isocontour::SLAB;
 use isoslice_base::limits;
 use isoslice_base::units::Mm;
 use isoslice_planar::Area;
-use isoslice_settings::Settings;
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -91,14 +91,13 @@ fn costs_of(
     let base = Base::new(part, spans);
     let planned = base.stages(&(0..1), &Options::default(), pool)?;
     let Planned { stages, spans, .. } = &planned;
-    let settings = &part.settings;
     let count = spans.len();
     let looks = LOOKS.min(count);
     // These layers are in the middles of equal pieces of the height.
     let at = |k: usize| (2 * k + 1) * count / (2 * looks);
     let look = |k: usize| {
         limits::go_on()?;
-        cost(stages, &spans[at(k)], settings)
+        cost(stages, &spans[at(k)])
     };
     let found: Result<Vec<f64>, SliceError> =
         pool.install(|| (0..looks).into_par_iter().map(look).collect());
@@ -110,22 +109,18 @@ fn costs_of(
 
 /// The cost of a layer: the length of its outline, for the contour, and the
 /// length of its lines.
-fn cost(
-    stages: &Stages<'_>,
-    span: &LayerSpan,
-    settings: &Settings,
-) -> Result<f64, SliceError> {
+fn cost(stages: &Stages<'_>, span: &LayerSpan) -> Result<f64, SliceError> {
     let layers = stages.layers(&[*span], &ALL_LAYERS)?;
     // Any layer costs something.
-    let of_layer = |layer: &Layer| lines_in(layer.area(), settings);
+    let of_layer = |layer: &Layer| lines_in(layer.area(), stages.plans);
     Ok(1.0 + layers.iter().map(of_layer).sum::<f64>())
 }
 
 /// The lengths of an area's outline and of the lines in the area.
-fn lines_in(area: &Area, settings: &Settings) -> Mm {
-    let walls = f64::from(settings.walls);
-    let density = settings.infill_density.constant().unwrap_or(100.0) / 100.0;
-    let infill = density * area.content().max(0.0) / settings.infill_width();
+fn lines_in(area: &Area, plans: &Plans) -> Mm {
+    let walls = plans.walls.count as f64;
+    let density = plans.infill.density.constant().unwrap_or(100.0) / 100.0;
+    let infill = density * area.content().max(0.0) / plans.infill.width;
     (1.0 + walls) * area.perimeter() + infill
 }
 
