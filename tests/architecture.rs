@@ -168,9 +168,7 @@ const KNOWING: &[&str] = &[
     "src/plate/mod.rs",
     // The order of a part's layers.
     "src/pipeline/pacing.rs",
-    "src/pipeline/part.rs",
     "src/pipeline/split.rs",
-    "src/pipeline/ways.rs",
     // Tests of the settings, and what gives all other tests theirs.
     "tests/common/mod.rs",
     "tests/texts/hostile.rs",
