@@ -1,10 +1,10 @@
 //! Why settings that were asked for have no effect. Each row of the table names
 //! the reasons that may deprive its setting of it.
 
-use super::check::round;
+use super::value::round;
 use super::{
-    BrimPlace, ByNozzle, DraftShield, InfillMode, Key, LayerHeights, Settings,
-    Supports, Varying, WallOrder, keys,
+    BrimPlace, ByNozzle, DraftShield, InfillMode, LayerHeights, Settings,
+    Supports, Varying, WallOrder,
 };
 
 /// A reason for a setting's having no effect: the rest of the sentence that
@@ -14,22 +14,6 @@ pub(super) type Reason = fn(&Settings, &str) -> Option<String>;
 
 /// Heights that differ by less than this count as equal, mm.
 const ROUNDED: f64 = 1e-6;
-
-/// Warns of settings that were given and have no effect.
-pub(super) fn without_effect(
-    s: &Settings,
-    given: &dyn Fn(&str) -> bool,
-    warnings: &mut Vec<String>,
-) {
-    let told = |key: &'static Key| {
-        let value = key.get(s);
-        let rest = move |reason: &Reason| reason(s, value.trim_matches('"'));
-        let rest = key.idle.iter().filter_map(rest);
-        rest.map(|rest| format!("{}{rest}", key.name))
-    };
-    let given = keys().iter().filter(|key| given(key.name));
-    warnings.extend(given.flat_map(told));
-}
 
 /// Declares reasons.
 macro_rules! reasons {

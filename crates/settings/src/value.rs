@@ -224,6 +224,11 @@ fn in_range(value: f64, measure: Measure) -> Result<f64, Refused> {
     }
 }
 
+/// A number with 3 decimals, for messages.
+pub(super) fn round(x: f64) -> f64 {
+    (x * 1000.0).round() / 1000.0
+}
+
 /// A number, or another choice, that may differ from place to place.
 ///
 /// Settings keep an expression as text; the crate `isoslice-model` knows what it means.

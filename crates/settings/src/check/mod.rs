@@ -12,8 +12,10 @@ pub(super) use speeds::{flow_note, speed_note};
 
 use super::error::GivenPlaces;
 use super::firmware::Retraction;
-use super::idle::without_effect;
+use super::idle::Reason;
+use super::value::round;
 use super::{BrimPlace, DraftShield, Settings, WallOffset};
+use super::{Key, keys};
 use beads::{heights, sampling, shares, widths};
 use heat::temperatures;
 use speeds::too_fast;
@@ -357,7 +359,18 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
     Ok(())
 }
 
-/// A number with 3 decimals, for messages.
-pub(super) fn round(x: f64) -> f64 {
-    (x * 1000.0).round() / 1000.0
+/// Warns of settings that were given and have no effect.
+fn without_effect(
+    s: &Settings,
+    given: &dyn Fn(&str) -> bool,
+    warnings: &mut Vec<String>,
+) {
+    let told = |key: &'static Key| {
+        let value = key.get(s);
+        let rest = move |reason: &Reason| reason(s, value.trim_matches('"'));
+        let rest = key.idle.iter().filter_map(rest);
+        rest.map(|rest| format!("{}{rest}", key.name))
+    };
+    let given = keys().iter().filter(|key| given(key.name));
+    warnings.extend(given.flat_map(told));
 }
