@@ -186,7 +186,6 @@ fn content(area: f64) -> String {
 }
 
 /// The lines of the summary, each with a title.
-#[derive(Default)]
 struct Rows {
     text: String,
     last: &'static str,
@@ -303,11 +302,14 @@ fn describe_parts(summary: &Summary, rows: &mut Rows) {
 /// The summary for people.
 pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
-    let mut rows = Rows::default();
-    rows.text = if is_stream(sums.output) {
+    let head = if is_stream(sums.output) {
         format!("{} (on standard output)\n", plain::line(&sums.plate.name))
     } else {
         format!("{}\n", plain::value(sums.output.display()))
+    };
+    let mut rows = Rows {
+        text: head,
+        last: "",
     };
     rows.add("size", dimensions(summary.size));
     let (layers, count) = (&summary.layers, summary.layer_count);
