@@ -26,12 +26,11 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Layers from one that is looked at to the next: half a slab, so that one walk
-/// over the tiles serves two looks. A seam that moves by 0.2 mm a layer on a
-/// circle of 5 mm leaves the straight line from look to look by 0.26 mm.
+/// Layers from one that is looked at to the next. A seam that moves by 0.2 mm a
+/// layer on a circle of 5 mm leaves the straight line from look to look by 0.26 mm.
 const STRIDE: usize = 16;
-/// Which of so many layers is looked at. It lies in one slab with the layer
-/// below.
+/// Which of so many layers is looked at: one in the middle, so that the highest look
+/// is near the top.
 const PLACE: usize = 13;
 
 /// What runs through a part.
@@ -140,18 +139,16 @@ impl Stages<'_> {
         Ok(())
     }
 
-    /// These layers and no others.
+    /// These layers and no others. They are a slab of their own, which costs less
+    /// than the whole slab that they are in.
     fn only(
         &self,
         spans: &[LayerSpan],
         layers: Range<usize>,
     ) -> Result<Vec<Layer>, SliceError> {
-        let slab = self.slab_layers();
-        let slabs = layers.start / slab..layers.end.div_ceil(slab);
-        let slabs = spans.chunks(slab).skip(slabs.start).take(slabs.len());
         let none = &WallFields::None;
-        let made = slabs.map(|s| self.layers_of(&self.field, none, s, &layers));
-        let made: Vec<Vec<Layer>> = made.collect::<Result<_, _>>()?;
-        Ok(made.into_iter().flatten().collect())
+        let slab = spans.get(layers.start..layers.end.min(spans.len()));
+        let slab = slab.unwrap_or_default();
+        self.layers_of(&self.field, none, slab, &layers)
     }
 }
