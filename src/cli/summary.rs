@@ -11,7 +11,7 @@ use isoslice::pipeline::{PartSummary, Summary};
 use isoslice::{Hanging, Plate, RoleSum, Sum};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 use std::path::Path;
 use std::time::Duration;
 
@@ -185,24 +185,35 @@ fn content(area: f64) -> String {
     }
 }
 
+/// The lines of the summary, each with a title.
+struct Rows {
+    text: String,
+    last: &'static str,
+}
+
+impl Rows {
+    /// Adds a line. Of lines of one title that follow one another only the first
+    /// has it.
+    fn add(&mut self, title: &'static str, what: impl Display) {
+        let shown = if title == self.last { "" } else { title };
+        self.last = title;
+        self.text.push_str(&format!("  {shown:<11} {what}\n"));
+    }
+}
+
+/// A place, as lines of the summary name it.
+fn place(p: DVec3) -> String {
+    format!("x = {:.1}, y = {:.1}, z = {:.2} mm", p.x, p.y, p.z)
+}
+
 /// The lines of the summary about what hangs.
-fn describe_hanging(
-    hanging: &Hanging,
-    text: &mut String,
-) -> Result<(), std::fmt::Error> {
-    let mut title = "  hanging     ";
-    let mut line = |sum: &Sum, what: String| -> Result<(), std::fmt::Error> {
-        let Some(p) = sum.first else { return Ok(()) };
-        let title = std::mem::replace(&mut title, "              ");
-        writeln!(
-            text,
-            "{title}{} mm² {what}, the first at x = {:.1}, y = {:.1}, \
-             z = {:.2} mm",
-            content(sum.area),
-            p.x,
-            p.y,
-            p.z
-        )
+fn describe_hanging(hanging: &Hanging, rows: &mut Rows) {
+    let mut line = |sum: &Sum, what: String| {
+        if let Some(first) = sum.first.map(place) {
+            let area = content(sum.area);
+            let line = format!("{area} mm² {what}, the first at {first}");
+            rows.add("hanging", line);
+        }
     };
     let Hanging {
         begins,
@@ -216,14 +227,12 @@ fn describe_hanging(
     };
     let count = of(begins.count, "island");
     let verb = if begins.count == 1 { "begins" } else { "begin" };
-    line(begins, format!("in {count} that {verb} on nothing"))?;
+    line(begins, format!("in {count} that {verb} on nothing"));
     let reach = leans.reach;
-    line(leans, format!("lean too far, by up to {reach:.1} mm"))?;
+    line(leans, format!("lean too far, by up to {reach:.1} mm"));
     let (count, span) = (of(bridges.count, "bridge"), bridges.reach);
-    line(
-        bridges,
-        format!("in {count} too long, of up to {span:.1} mm"),
-    )?;
+    let what = format!("in {count} too long, of up to {span:.1} mm");
+    line(bridges, what);
     if let Some(foot) = hanging.foot {
         let good = if foot.holds_nothing() {
             "less than 1".to_owned()
@@ -231,20 +240,14 @@ fn describe_hanging(
             format!("{:.0}", foot.holds)
         };
         let area = content(foot.area);
-        writeln!(
-            text,
-            "  foot        {area} mm², good for a height of {good} mm"
-        )?;
+        let line = format!("{area} mm², good for a height of {good} mm");
+        rows.add("foot", line);
     }
-    Ok(())
 }
 
 /// The lines of the summary about what makes the print take longer than at the
 /// speeds that the settings ask for.
-fn describe_lost(
-    sums: &Sums<'_>,
-    text: &mut String,
-) -> Result<(), std::fmt::Error> {
+fn describe_lost(sums: &Sums<'_>, rows: &mut Rows) {
     /// Share of the print's time from which a cause is worth a line.
     const SHARE: f64 = 0.05;
     let summary = sums.summary;
@@ -264,16 +267,13 @@ fn describe_lost(
             "acceleration (printer.acceleration)".to_owned(),
         ),
     ];
-    let mut title = "  of it lost  ";
     for (cause, what) in causes {
         let lost = summary.time_lost.get(cause).copied().unwrap_or(0.0);
         if lost > SHARE * summary.time {
-            let title = std::mem::replace(&mut title, "              ");
             let share = 100.0 * lost / summary.time;
-            writeln!(text, "{title}{share:.0} % to {what}")?;
+            rows.add("of it lost", format!("{share:.0} % to {what}"));
         }
     }
-    Ok(())
 }
 
 /// The number of islands that begin in the air, and where the first of them
@@ -286,145 +286,120 @@ fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
 }
 
 /// The lines of the summary about the parts, if there are several.
-fn describe_parts(
-    summary: &Summary,
-    text: &mut String,
-) -> Result<(), std::fmt::Error> {
+fn describe_parts(summary: &Summary, rows: &mut Rows) {
     if summary.parts.iter().map(|part| part.copies).sum::<usize>() < 2 {
-        return Ok(());
+        return;
     }
-    let mut title = "  parts       ";
     for part in &summary.parts {
-        let title = std::mem::replace(&mut title, "              ");
         let metres = part.filament_length / 1000.0;
-        let name = plain::line(&part.name);
+        let (copies, name) = (part.copies, plain::line(&part.name));
         let size = dimensions(part.size);
-        writeln!(
-            text,
-            "{title}{} × {name}, {size}, {metres:.2} m each",
-            part.copies
-        )?;
+        let line = format!("{copies} × {name}, {size}, {metres:.2} m each");
+        rows.add("parts", line);
     }
-    Ok(())
 }
 
 /// The summary for people.
 pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
-    let mut text = String::new();
-    if is_stream(sums.output) {
-        writeln!(
-            text,
-            "{} (on standard output)",
-            plain::line(&sums.plate.name)
-        )?
+    let head = if is_stream(sums.output) {
+        format!("{} (on standard output)\n", plain::line(&sums.plate.name))
     } else {
-        writeln!(text, "{}", plain::value(sums.output.display()))?
-    }
-    writeln!(text, "  size        {}", dimensions(summary.size))?;
+        format!("{}\n", plain::value(sums.output.display()))
+    };
+    let mut rows = Rows {
+        text: head,
+        last: "",
+    };
+    rows.add("size", dimensions(summary.size));
     let (layers, count) = (&summary.layers, summary.layer_count);
-    if *layers == (0..count) {
-        write!(text, "  layers      {count}")?
+    let which = if *layers == (0..count) {
+        count.to_string()
     } else {
-        write!(
-            text,
-            "  layers      {} to {} of {count}",
-            layers.start + 1,
-            layers.end
-        )?
-    }
-    match summary.raft_layers {
-        0 => writeln!(text)?,
-        n => writeln!(text, ", the lowest {n} of them the raft's")?,
-    }
+        format!("{} to {} of {count}", layers.start + 1, layers.end)
+    };
+    let raft = match summary.raft_layers {
+        0 => String::new(),
+        n => format!(", the lowest {n} of them the raft's"),
+    };
+    rows.add("layers", which + &raft);
     if let Some(steps) = &summary.steps {
-        describe_steps(steps, count, &mut text)?;
+        describe_steps(steps, count, &mut rows.text)?;
     }
-    describe_parts(summary, &mut text)?;
-    writeln!(text, "  print time  {}", human_time(summary.time))?;
-    describe_lost(sums, &mut text)?;
-    write!(
-        text,
-        "  filament    {:.2} m, {:.1} g",
-        summary.filament_length / 1000.0,
-        summary.filament_mass_g
-    )?;
-    match sums.cost() {
-        Some(cost) => writeln!(
-            text,
+    describe_parts(summary, &mut rows);
+    rows.add("print time", human_time(summary.time));
+    describe_lost(sums, &mut rows);
+    let (metres, grams) =
+        (summary.filament_length / 1000.0, summary.filament_mass_g);
+    let cost = sums.cost().map(|cost| {
+        format!(
             ", {cost:.2} at {} per kg",
             sums.plate.settings.filament_cost()
-        )?,
-        None => writeln!(text)?,
-    }
+        )
+    });
+    let cost = cost.unwrap_or_default();
+    rows.add("filament", format!("{metres:.2} m, {grams:.1} g{cost}"));
     if summary.support_length > 0.0 {
         let metres = summary.support_length / 1000.0;
         let of = ["support", "support_interface"];
         let of_roles = of.iter().filter_map(|role| summary.roles.get(role));
-        let time: f64 = of_roles.map(|sum| sum.time_s).sum();
+        let time = human_time(of_roles.map(|sum| sum.time_s).sum());
         // A raft counts as a support.
         let any = sums.plate.settings.has_supports();
         let (title, with) = match (summary.raft_layers, any) {
-            (0, _) => ("supports    ", ""),
-            (_, true) => ("supports    ", ", the raft included"),
-            (_, false) => ("raft        ", ""),
+            (0, _) => ("supports", ""),
+            (_, true) => ("supports", ", the raft included"),
+            (_, false) => ("raft", ""),
         };
-        writeln!(
-            text,
-            "  {title}{metres:.2} m of that filament, {} of the time{with}",
-            human_time(time)
-        )?;
+        let line =
+            format!("{metres:.2} m of that filament, {time} of the time{with}");
+        rows.add(title, line);
     }
     let p99 =
         |f: Option<Figures>| f.map(|f| format!("{:.1} µm", f.p99.max(0.1)));
     if let Some(outline) = p99(summary.outline_error) {
-        write!(text, "  accuracy    outline within {outline}")?;
-        if let Some(walls) = p99(summary.wall_error) {
-            write!(text, ", outer wall within {walls}")?;
-        }
-        writeln!(text, " (99 % of the points measured)")?;
+        let walls = p99(summary.wall_error);
+        let walls = walls.map(|w| format!(", outer wall within {w}"));
+        let walls = walls.unwrap_or_default();
+        let of = "99 % of the points measured";
+        rows.add(
+            "accuracy",
+            format!("outline within {outline}{walls} ({of})"),
+        );
     }
     if summary.dropped_rings > 0 {
-        writeln!(
-            text,
-            "  left out    {} islands and holes smaller than a quarter of a \
-             line's width",
-            summary.dropped_rings
-        )?;
+        let small =
+            "islands and holes smaller than a quarter of a line's width";
+        rows.add("left out", format!("{} {small}", summary.dropped_rings));
     }
     // Rounding leaves smaller areas at sharp corners.
     if summary.unfilled_area >= 1.0 {
-        writeln!(
-            text,
-            "  gaps        {:.1} mm² too thin for a line, of {:.0} mm² in \
-             all layers",
-            summary.unfilled_area, summary.solid_area
-        )?;
+        let (gaps, all) = (summary.unfilled_area, summary.solid_area);
+        let line = format!(
+            "{gaps:.1} mm² too thin for a line, of {all:.0} mm² in all layers"
+        );
+        rows.add("gaps", line);
     }
-    describe_hanging(&summary.hanging, &mut text)?;
+    describe_hanging(&summary.hanging, &mut rows);
     if let Some(verdict) = &summary.verdict {
         let moves = verdict.moves;
-        writeln!(text, "  checked     {moves} moves, safe for this printer")?;
+        rows.add("checked", format!("{moves} moves, safe for this printer"));
         // If the lines above tell of islands that begin on nothing, these have
         // been counted. Others are tips and bits of infill.
         if let Some((count, first)) = in_the_air(verdict)
             && summary.hanging.begins.is_none()
         {
-            writeln!(
-                text,
-                "  in the air  {count} {}, the first at x = {:.1}, y = {:.1}, \
-                 z = {:.2} mm",
-                match count {
-                    1 => "island begins on nothing",
-                    _ => "islands begin on nothing",
-                },
-                first.x,
-                first.y,
-                first.z
-            )?;
+            let begin = match count {
+                1 => "island begins on nothing",
+                _ => "islands begin on nothing",
+            };
+            let first = place(first);
+            let line = format!("{count} {begin}, the first at {first}");
+            rows.add("in the air", line);
         }
     }
-    writeln!(text, "  took        {:.1} s", sums.took.as_secs_f64())?;
+    rows.add("took", format!("{:.1} s", sums.took.as_secs_f64()));
+    let mut text = rows.text;
     for (stage, seconds) in sums.timings.iter().flatten() {
         writeln!(text, "    {stage:<9} {seconds:8.2} s")?;
     }
