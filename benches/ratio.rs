@@ -95,7 +95,7 @@ fn whole(
 /// these takes less than its time; all other work is divided evenly.
 fn on_paper(stages: &[&str], times: &[f64]) {
     const THREADS: f64 = 16.0;
-    let ordered = ["order", "travel", "pace", "gcode", "check"];
+    let ordered = ["pace", "gcode", "check"];
     let steps = stages.iter().zip(times);
     let steps = steps.filter(|(stage, _)| ordered.contains(stage));
     let whole: f64 = times.iter().sum();

@@ -116,7 +116,8 @@ impl Guide {
         });
     }
 
-    /// Where the seams of a layer are expected.
+    /// Where the seams of a layer are expected: first those that go on farther up,
+    /// then those that end.
     pub fn seams(&self, span: &LayerSpan) -> Vec<DVec2> {
         let next = self.looks.partition_point(|l| l.index <= span.index);
         let lower = next.checked_sub(1).and_then(|k| self.looks.get(k));

@@ -86,6 +86,11 @@ impl LayerBeads {
 /// one, and how far from it inner walls may begin, mm.
 const SEAM_REACH: Mm = 2.0;
 
+/// An expected seam takes the place of one before it only if it is nearer to a loop
+/// by more than this, mm. Where a line of seams ends, another one that begins there
+/// may be as near.
+const AS_NEAR: Mm = 0.1;
+
 /// What is known of a layer besides its beads.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
@@ -93,7 +98,7 @@ pub struct Context<'a> {
     pub here: LayerFace<'a>,
     /// Where the head is likely to come from; nothing if that is not planned.
     pub from: Option<DVec2>,
-    /// Where the seams are expected.
+    /// Where the seams are expected; those that go on farther up come first.
     pub seams: &'a [DVec2],
     /// What holds the layer's walls, unless all of them are held.
     pub support: Option<&'a Support<'a>>,
@@ -259,7 +264,7 @@ fn place_seams(
         for &seam in expected {
             if let Some((ring, point)) = grid.nearest_within(seam, SEAM_REACH) {
                 let d = seam.distance(point);
-                if near[ring].is_none_or(|b| d < b.0) {
+                if near[ring].is_none_or(|b| d < b.0 - AS_NEAR) {
                     near[ring] = Some((d, point));
                 }
             }
