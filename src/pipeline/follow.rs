@@ -34,7 +34,7 @@ impl Follow<'_> {
             None => tracker.same(span.height(), written, self.plan),
         }
         if span.index + 1 == self.count {
-            tracker.restart(written, self.plan);
+            tracker.end(written, self.plan);
         }
     }
 }
