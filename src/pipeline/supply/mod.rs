@@ -1,5 +1,5 @@
 //! The paths of one part's layers, from below. [`plate`] hands over those of several
-//! parts, ahead of whoever writes them. `lower` decides what depends on the layer
+//! parts, ahead of whoever writes them. `fill` lays beads. `lower` decides what depends on the layer
 //! below: infill that stands on nothing, and internal bridges. `root` finds how
 //! far below a run has to begin for that.
 //!
