@@ -274,7 +274,10 @@ impl<'a> Pacing<'a> {
         let hop = self.hops;
         let mut moves = Vec::new();
         for mut bead in loops {
-            if let Some(at) = self.at {
+            // Above a layer that has the skirt alone it begins where it is laid
+            // out, not near the end of any layer below.
+            let near = self.last.is_some() || !moves.is_empty();
+            if let Some(at) = self.at.filter(|_| near) {
                 begin_near(&mut bead.stroke, at);
             }
             let Some(&to) = bead.stroke.points.first() else {

@@ -96,6 +96,18 @@ fn totals_in_templates() {
     assert!(text.contains("\nM117 \""), "{}", &text[text.len() - 900..]);
 }
 
+/// Between two pieces of a part only the shield is printed, in several layers.
+#[test]
+fn a_draft_shield_beside_nothing() {
+    let settings =
+        settings(&["draft_shield=full", "sample_spacing=0.6", "walls=1"]);
+    let pieces = "max(sqrt(x^2 + y^2) - 6, \
+                  min(abs(z - 9.5) - 9.5, abs(z - 24.5) - 3.5))";
+    let all = [wanted("pieces", pieces, 2, &settings)];
+    let plate = Plate::new("both", &all, &settings).unwrap();
+    assert_joins(&plate, Format::Text);
+}
+
 #[test]
 fn plates_of_several_parts() {
     let settings = settings(&[
