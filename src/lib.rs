@@ -68,12 +68,13 @@
 //! for many layers at a time. [`timings`] measures the stages, [`limits`] stops
 //! them when they take too much time or memory, [`files`] reads files,
 //! [`encoding`] reads text from bytes, [`units`] names units, [`sets`] joins
-//! what belongs together, and [`random`] makes numbers that look random.
+//! what belongs together, [`named!`] names the values of enums, and [`random`] makes
+//! numbers that look random.
 //!
 //! The program around this library is the command line, `src/cli`. The crate
 //! `slicerprofile` reads profiles of other slicers for it. `CONTRIBUTING.md`
 //! says which files a new pattern of infill, a flavour of G-code, a kind of
-//! number, a setting or a profile takes.
+//! number, a setting, a step between stages or a profile takes.
 //!
 //! # A ball
 //!
@@ -115,6 +116,7 @@
 //! [`gcode`]: isoslice_gcode
 //! [`overhangs`]: isoslice_held::overhangs
 //! [`infill`]: isoslice_layer::infill
+//! [`named!`]: isoslice_base::named
 //! [`order`]: isoslice_path::order
 //! [`outline`]: isoslice_layer::outline
 //! [`pace`]: isoslice_path::pace

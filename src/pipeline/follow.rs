@@ -33,8 +33,8 @@ impl Follow<'_> {
             }
             None => tracker.same(span.height(), written, self.plan),
         }
-        if span.index + 1 == self.count {
-            tracker.restart(written, self.plan);
+        if span.index + 1 == self.count && written {
+            tracker.end(self.plan);
         }
     }
 }

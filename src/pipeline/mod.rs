@@ -35,6 +35,7 @@
 //! | `stages` | what can be done for many layers at a time |
 //! | `raft` | layers between the bed and the part |
 //! | `supported` | the supports of a part, layer by layer |
+//! | `posts` | walls of supports that many of their islands share |
 //! | `standing` | the supports of a plate, for its picture |
 //! | `sound` | notices early that next to nothing can be printed |
 //! | `supply` | runs `stages` for a window of layers, with internal bridges, ahead of those that are written |

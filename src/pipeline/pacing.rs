@@ -18,12 +18,13 @@ use isoslice_base::units::Mm;
 use isoslice_layer::adhesion::{BedPlan, Skirt, keep_on_bed};
 use isoslice_path::order::{begin_near, course};
 use isoslice_path::pace::rates::{Rater, Site};
-use isoslice_path::pace::{PacePlan, PacedLayer, Pacer, Stretch};
+use isoslice_path::pace::{PacePlan, PacedLayer, Pacer, RatedStretch, Stretch};
 use isoslice_path::travel::{
     LayerPath, Move, Travel, between_parts, over_parts,
 };
 use isoslice_preview::Pictures;
 use isoslice_settings::layers::LayerSpan;
+use rayon::ThreadPool;
 use std::ops::Range;
 
 /// Rates of the parts, and of what belongs to no part.
@@ -89,6 +90,7 @@ pub(super) struct Pacing<'a> {
     before: usize,
     finished: Mm,
     clear: Option<Mm>,
+    pool: &'a ThreadPool,
     timings: &'a Timings,
     /// What the user should know.
     pub warnings: Vec<String>,
@@ -101,6 +103,7 @@ impl<'a> Pacing<'a> {
         rates: &'a Rates<'a>,
         skirt: Option<Skirt>,
         pictures: Option<Pictures>,
+        pool: &'a ThreadPool,
     ) -> Self {
         let settings = &job.plate.settings;
         let places = job.plate.shifts();
@@ -125,6 +128,7 @@ impl<'a> Pacing<'a> {
             before: 0,
             finished: 0.0,
             clear: None,
+            pool,
             timings: job.stopwatch(),
             warnings: Vec::new(),
         }
@@ -165,8 +169,14 @@ impl<'a> Pacing<'a> {
                 SliceError::Picture(pictures.folder().to_owned(), e)
             })?;
         }
-        let mut paced = self.timings.time(Stage::Pace, || {
-            self.pacer.layer(span, stretches, &self.rates.plate)
+        let timings = self.timings;
+        let rated = |stretch: Stretch<'a, 'p>| stretch.rated(&span, timings);
+        let stretches = stretches.into_iter();
+        let rated: Result<Vec<RatedStretch<'a>>, _> =
+            self.pool.install(|| stretches.map(rated).collect());
+        let rated = rated?;
+        let mut paced = timings.time(Stage::Pace, || {
+            self.pacer.layer(span, rated, &self.rates.plate)
         })?;
         paced.before = self.before;
         self.next += 1;

@@ -65,7 +65,7 @@ pub(super) fn write(
         };
         PartSums::new(paths.planned, layers)
     });
-    let pacing = Pacing::new(&job, &rates, skirt, pictures);
+    let pacing = Pacing::new(&job, &rates, skirt, pictures, pool);
     let mut exit = Exit::new(&job, sums.collect(), pacing, run.options, writer);
     match &job.turns {
         Some(turns) => one_by_one(&mut exit, turns, &job, &parts, pool)?,

@@ -501,6 +501,7 @@ fn unwise_settings_are_warned_of() {
                 &["internal_bridges=false", "internal_bridge_flow=90"],
                 &["internal_bridges=true", "walls=0"],
                 &["skin_wall_overlap=10", "walls=0"],
+                &["skin_pattern=bottom: unordered-lines"],
                 &["layer_heights=adaptive 0.1", "layer_height=0.15"],
                 &["layer_height_min=0.1"],
                 &["seam_scarf=10 from 20%", "contour_z=100"],

@@ -58,6 +58,8 @@ named! {
         ZContouring = "contour_z",
         /// Travels.
         Travel = "travel",
+        /// Rates and arcs of beads.
+        Rates = "rates",
         /// Speeds and print time.
         Pace = "pace",
         /// The text.

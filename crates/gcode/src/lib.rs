@@ -29,7 +29,7 @@
 //! | `flavour` | what differs between firmwares |
 //! | `name` | the format, by the file's name |
 //! | `comments` | the words that viewers and hosts read |
-//! | `ends` | the file's head and foot; `facts`, what the foot says |
+//! | `ends` | the file's head and foot; `facts`, `own`, what the foot says |
 //! | `sink` | text, or the binary form of it |
 //! | `layer` | what a layer's text consists of |
 //! | `plan` | what is needed of the settings |

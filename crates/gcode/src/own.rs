@@ -1,7 +1,7 @@
 //! The settings that a file was sliced with, in its tail.
 //!
-//! In: the writer's plan. Out: a comment for each one that differs from its default, from
-//! which [`settings_in_gcode`] makes text that reads back as equal settings.
+//! In: the writer's plan. Out: a comment for each one that differs from its default,
+//! from which [`settings_in_gcode`] makes text that reads back as equal settings.
 //! What parts of a plate have of their own is not among them.
 
 use super::plan::WriterPlan;

@@ -11,7 +11,7 @@
 //! | `vm` | reads fidget's text |
 //! | `formula` | reads one formula |
 //! | `functions`, `term` | what scripts, formulas and Python call by name |
-//! | `param` | parameters of scripts, `-D name=value` |
+//! | `param` | parameters of scripts, `-D name=value`; `value`, `allowed`, what they may be |
 //! | `placement` | scale, rotation and place, by the box that [`isocontour::find_bounds`] finds |
 //! | `together` | makes one model of several |
 //! | `written` | writes a model as words |

@@ -19,6 +19,10 @@
 //! | [`clusters`] | puts islands whose boxes meet together |
 //! | [`grid`] | answers which edges are near a place; [`places`] counts along rings |
 //! | [`nest`] | tells which ring is around a point |
+//! | `box_tree` | tells which boxes meet a box |
+//! | `hull` | draws the convex ring around points |
+//! | `curve` | finds the curve that a polygon stands for |
+//! | `solid` | is an area that can be asked what is where |
 //! | [`bead`] | has the cross-section of a line, and its role |
 //! | [`shapes`] | makes rings and areas for tests |
 //!

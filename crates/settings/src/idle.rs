@@ -4,7 +4,7 @@
 use super::value::round;
 use super::{
     BrimPlace, ByNozzle, DraftShield, InfillMode, LayerHeights, Settings,
-    Supports, Varying, WallOrder,
+    SkinPattern, Supports, Varying, WallOrder,
 };
 
 /// A reason for a setting's having no effect: the rest of the sentence that
@@ -102,6 +102,9 @@ reasons! {
     // Skin.
     no_tops if s.ironing.is_on() && s.top_layers() == 0 =>
         " has no effect without solid tops; set top_layers to more than 0";
+    swept_above_only if unordered_below(s) =>
+        " = {value} has no effect on skin that does not face upwards, whose lines \
+         are never swept; write lines there";
     no_wall_beside if s.skin_wall_overlap > 0.0 && s.walls == 0 =>
         " has no effect, since walls = 0 leaves none to reach into; set walls to \
          1 or more";
@@ -221,6 +224,14 @@ fn interlocking(s: &Settings) -> bool {
 /// True if a scarf is to rise.
 fn rising(s: &Settings) -> bool {
     s.seam_scarf.length > 0.0 && s.seam_scarf.start < 100.0
+}
+
+/// True if lines that are never swept are to be unordered, but not those of tops.
+fn unordered_below(s: &Settings) -> bool {
+    let of = &s.skin_pattern;
+    let [top, rest @ ..] = [of.top, of.bottom, of.internal]
+        .map(|pattern| pattern == SkinPattern::UnorderedLines);
+    !top && rest.contains(&true)
 }
 
 /// True if no wall holds the ends of internal bridges.

@@ -99,8 +99,8 @@ const PAIR: &str =
 pairs! {
     /// How the first layers are drawn in.
     ElephantFoot is ValueKind::NumberOrText(
-        "0 to 2 mm, or with the number of layers, such as \"0.2 mm over 3 \
-         layers\"",
+        "0 to 2 mm, or with the number of layers, 1 to 1000, such as \"0.2 mm \
+         over 3 layers\"",
         &[Form::Like("\"0.2 mm over 3 layers\"", PAIR)],
     );
         /// How much the first layer is drawn in on all sides.
@@ -133,8 +133,8 @@ pairs! {
 or_auto!(
     HeadClearance,
     ValueKind::NumberOrText(
-        "auto, 1 to 500 mm, or with the height at which the head begins, such \
-         as \"45 mm above 7 mm\"",
+        "auto, 1 to 500 mm, or with the height at which the head begins, 0 to \
+         500 mm, such as \"45 mm above 7 mm\"",
         &[Form::Auto, Form::Like("\"45 mm above 7 mm\"", PAIR)],
     )
 );

@@ -162,7 +162,8 @@ table::settings! {
         /// that faces upwards (top) or downwards (bottom), or that the layers
         /// above and below cover (internal), may have patterns of their own, as
         /// in "top: concentric, bottom: lines"; those left out have lines.
-        skin_pattern: SkinPatterns = SkinPatterns::default();
+        skin_pattern: SkinPatterns = SkinPatterns::default(),
+            idle swept_above_only;
         /// Direction of skin lines on even layers, counter-clockwise from
         /// the x axis; odd layers are turned by a right angle. Even and odd
         /// layers change places where lines would run along those of rectilinear

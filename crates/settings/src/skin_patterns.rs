@@ -2,6 +2,7 @@
 
 use super::SkinPattern;
 use super::value::{Form, Measure, Raw, Refused, Value, ValueKind};
+use std::collections::BTreeSet;
 
 /// The patterns of skin, by which way it faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,9 +50,11 @@ impl Value for SkinPatterns {
             pattern.assign(raw, measure)?;
             patterns = SkinPatterns::all(pattern);
         } else {
+            let mut faces = BTreeSet::new();
             for part in text.split(',') {
                 let (face, word) = part.split_once(':').ok_or(Refused::Type)?;
                 let pattern = patterns.of_face(face.trim());
+                let pattern = pattern.filter(|_| faces.insert(face.trim()));
                 let pattern = pattern.ok_or(Refused::Type)?;
                 pattern.assign(Raw::Word(word.trim()), measure)?;
             }
@@ -106,6 +109,7 @@ mod tests {
             ),
             ("bottom: lines", Some("\"lines\"")),
             ("side: lines", None),
+            ("top: concentric, top: lines", None),
             ("top: waves", None),
             ("top: lines, concentric", None),
         ] {

@@ -48,7 +48,7 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
     Ok(Some(Own::Given(translation(table))))
 }
 
-/// Settings as an import has them.
+/// The settings as an import has them.
 fn translation(table: toml::Table) -> Translation {
     let mut all = Translation::default();
     let now = |(name, value): (String, _)| (name_now(&name).to_owned(), value);

@@ -48,7 +48,7 @@ impl<'a> Supply<'a> {
         self.append(all);
         let of_glimpse =
             |layer: &&mut Layer| self.layers.contains(&layer.span.index);
-        if let Some(layer) = self.window.iter_mut().find(of_glimpse) {
+        if let Some(layer) = self.outlines.iter_mut().find(of_glimpse) {
             layer.inside = inside;
         }
         Ok(())

@@ -1,5 +1,5 @@
 //! The paths of one part's layers, from below. [`plate`] hands over those of several
-//! parts, ahead of whoever writes them. `lower` decides what depends on the layer
+//! parts, ahead of whoever writes them. `fill` lays beads. `lower` decides what depends on the layer
 //! below: infill that stands on nothing, and internal bridges. `root` finds how
 //! far below a run has to begin for that.
 //!
@@ -7,6 +7,7 @@
 //! window of layers on which later layers depend is kept. So memory grows with the
 //! part's height only if it has supports, whose plan is kept elsewhere.
 
+mod fill;
 mod glimpse;
 mod lower;
 pub(super) mod plate;
@@ -14,20 +15,18 @@ mod root;
 
 use super::SliceError;
 use super::job::Planned;
-use super::layer::{Filled, Inside, Layer, view};
+use super::layer::{Filled, Layer, view};
 use super::options::Extent;
 use super::part::{Counted, LayerEnd, PartPaths, Passed};
 use super::stages::Stages;
 use isoslice_base::limits;
 use isoslice_layer::skin::Patch;
-use isoslice_planar::Solid;
 use isoslice_settings::layers::LayerSpan;
 use lower::{Lower, Window};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// Number of points of the outlines of layers that are filled together. Then
 /// the layers are handed over, since their beads take several times the memory
@@ -48,7 +47,7 @@ pub(super) struct Supply<'a> {
     /// The layers to be written.
     layers: Range<usize>,
     /// Layers on which later layers depend.
-    window: VecDeque<Layer>,
+    outlines: VecDeque<Layer>,
     /// Index of the layer that is filled next.
     next: usize,
     /// Index of the first layer that is handed over.
@@ -112,7 +111,7 @@ impl<'a> Supply<'a> {
             slabs,
             glimpse,
             needed,
-            window: VecDeque::new(),
+            outlines: VecDeque::new(),
             next: root,
             first: made.start,
             lower: Lower::new(stages),
@@ -131,16 +130,16 @@ impl<'a> Supply<'a> {
         } else {
             self.stages.reach_above()
         };
-        let Some(first) = self.window.front().map(|s| s.span.index) else {
+        let Some(first) = self.outlines.front().map(|s| s.span.index) else {
             return 0..0;
         };
         let from = self.next - first;
-        let end = self.window.len().saturating_sub(hidden);
+        let end = self.outlines.len().saturating_sub(hidden);
         let end = end.min(self.layers.end.saturating_sub(first));
         let mut points = 0;
         let fits = |&i: &usize| {
             let before = points;
-            points += self.window[i]
+            points += self.outlines[i]
                 .area()
                 .rings
                 .iter()
@@ -187,10 +186,10 @@ impl<'a> Supply<'a> {
     fn append(&mut self, layers: impl IntoIterator<Item = Layer>) {
         for mut layer in layers {
             // Layers also share where one slab ends and the next begins.
-            if let Some(below) = self.window.back() {
+            if let Some(below) = self.outlines.back() {
                 layer.share(below);
             }
-            self.window.push_back(layer);
+            self.outlines.push_back(layer);
         }
     }
 
@@ -204,11 +203,11 @@ impl<'a> Supply<'a> {
         batch.retain(|filled| filled.layer.span.index >= self.first);
         self.next += count;
         let keep = self.next.saturating_sub(self.stages.reach_below());
-        while self.window.front().is_some_and(|s| s.span.index < keep) {
-            self.window.pop_front();
+        while self.outlines.front().is_some_and(|s| s.span.index < keep) {
+            self.outlines.pop_front();
         }
         let below = |layer: &&mut Layer| layer.span.index + 1 < self.next;
-        self.window
+        self.outlines
             .iter_mut()
             .take_while(below)
             .for_each(Layer::sink);
@@ -222,89 +221,30 @@ impl<'a> Supply<'a> {
         &mut self,
         which: Range<usize>,
     ) -> Result<Vec<Filled>, SliceError> {
-        let (stages, layers) = (self.stages, &self.window);
-        // Layers with equal outlines are filled together.
-        let mut groups: Vec<Range<usize>> = Vec::new();
-        for i in which.clone() {
-            match groups.last_mut() {
-                Some(group) if layers[i].same(&layers[i - 1]) => {
-                    group.end = i + 1;
-                }
-                _ => groups.push(i..i + 1),
-            }
-        }
-        let view = |i: usize| view(layers, i);
-        let fill = |i: usize, inside: &Inside| {
-            let index = layers[i].span.index;
-            let view = view(i);
-            let below = i.checked_sub(1);
-            let figures = if self.layers.contains(&index) {
-                let k = index - self.layers.start;
-                stages.figures(&layers[i], &inside.walls, k)?
-            } else {
-                None
-            };
-            let (mut beads, areas) = stages.beads(&view, inside)?;
-            let bridges = stages.bridge_layers() > 0;
-            if !bridges {
-                beads.skin = stages.skin(&view, &areas);
-            }
-            Ok(Filled {
-                layer: layers[i].without_inside(),
-                below: below.map(|k| layers[k].without_inside()),
-                above: layers.get(i + 1).map(Layer::without_inside),
-                beads,
-                bare: bridges,
-                left_out: 0,
-                areas: bridges.then(|| areas.clone()),
-                sparse: Solid::new(areas.sparse),
-                support_top: stages.support_top(&layers[i].span),
-                under_support: stages
-                    .on_which_supports_stand(&layers[i].span)
-                    .map(Solid::new),
-                held: stages.held_by_support(index).map(Solid::new),
-                look: stages.look(&view),
-                gap: inside.walls.gap,
-                figures,
-            })
-        };
-        let own = |i: usize| stages.inside(&layers[i], &view(i));
-        let fill_group = |group: &Range<usize>| {
-            let first = group.start;
-            let below = first
-                .checked_sub(1)
-                .map(|k| &layers[k])
-                .filter(|below| layers[first].same(below));
-            let known = [Some(&layers[first]), below].into_iter().flatten();
-            let known = known.filter_map(|layer| layer.inside.clone()).next();
-            // The highest of several equal layers may be a top.
-            let highest = view(group.end - 1);
-            let alike = group.end - usize::from(stages.divides(&highest));
-            let inside = known.or_else(|| {
-                let alike = first < alike;
-                alike.then(|| Arc::new(own(first)))
-            });
-            let filled = group.clone().into_par_iter();
-            let filled = filled.map(|i| match &inside {
-                Some(inside) if i < alike => fill(i, inside),
-                _ => fill(i, &own(i)),
-            });
-            Ok((all_or_first(filled.collect())?, inside))
-        };
-        let done = self
-            .pool
-            .install(|| groups.par_iter().map(fill_group).collect());
+        let window = self.window();
+        let groups = window.alike(which);
+        let fill =
+            |group: &Range<usize>| window.fill_group(group, &self.layers);
+        let done = self.pool.install(|| groups.par_iter().map(fill).collect());
         let mut all = Vec::new();
         for (group, (filled, inside)) in groups.iter().zip(all_or_first(done)?)
         {
             all.extend(filled);
-            let last = &self.window[group.end - 1];
+            let last = &self.outlines[group.end - 1];
             let again = |above: &Layer| above.same(last);
-            if self.window.get(group.end).is_none_or(again) {
-                self.window[group.end - 1].inside = inside;
+            if self.outlines.get(group.end).is_none_or(again) {
+                self.outlines[group.end - 1].inside = inside;
             }
         }
         Ok(all)
+    }
+
+    fn window(&self) -> Window<'_> {
+        Window {
+            stages: self.stages,
+            pool: self.pool,
+            layers: &self.outlines,
+        }
     }
 
     /// Decides what depends on the layers below, in some filled layers of which the
@@ -318,7 +258,7 @@ impl<'a> Supply<'a> {
         let window = Window {
             stages: self.stages,
             pool: self.pool,
-            layers: &self.window,
+            layers: &self.outlines,
         };
         self.lower.settle(&window, start, all)
     }
@@ -334,7 +274,7 @@ impl<'a> Supply<'a> {
             let areas = all[k].areas.as_ref()?;
             let bridges = |below| self.stages.may_bridge(areas, below);
             (!infill(k).is_some_and(bridges)).then(|| {
-                self.stages.skin(&view(&self.window, start + k), areas)
+                self.stages.skin(&view(&self.outlines, start + k), areas)
             })
         };
         let laid: Vec<Option<Vec<Patch>>> = self

@@ -38,11 +38,10 @@
 //!
 //! Whether the whole part stands firmly is another matter: [`foot`].
 //!
-//! Not guaranteed: that a reach is counted in full if it adds up over more
-//! layers than the pipeline takes in one block, because what a run of a range
-//! reports about a layer must not depend on every layer below it. The material
-//! is unknown, too: the plan says how far a bridge or a slope holds. A face that
-//! sticks out by a tenth of a layer's height more is held as well (2° at 55°).
+//! Not guaranteed: that a run of a range of layers counts a reach in full that adds
+//! up from below the range. What the range begins with counts as held. The
+//! material is unknown, too: the plan says how far a bridge or a slope holds. A face
+//! that sticks out by a tenth of a layer's height more is held as well (2° at 55°).
 
 mod across;
 pub mod foot;

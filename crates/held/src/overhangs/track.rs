@@ -70,15 +70,11 @@ impl Tracker {
         self.far.take().unwrap_or_default()
     }
 
-    /// Forgets all layers so far: what follows counts as held. With `count`,
-    /// islands that have not met anything yet are counted.
-    pub fn restart(&mut self, count: bool, plan: &OverhangPlan) {
+    /// Tells that no layer follows: islands that have not met anything count.
+    pub fn end(&mut self, plan: &OverhangPlan) {
         let limits = Limits::new(plan.thickest_layer, plan);
         let begins = self.tips.rest(limits);
-        if count {
-            self.count(begins);
-        }
-        self.rim.clear();
+        self.count(begins);
     }
 
     /// Takes the next layer, `here`. With `count` it counts what hangs in the
@@ -297,7 +293,7 @@ mod tests {
             let look = LayerOverhang::new([&here, &below], 5, [0.2; 2], &plan);
             let mut tracker = Tracker::default();
             tracker.layer(&look, here.grid(), true, |p| p.extend(1.0));
-            tracker.restart(true, &plan);
+            tracker.end(&plan);
             let sums = tracker.finish();
             [sums.begins, sums.in_cavity, sums.in_the_open].map(|s| s.count)
         };

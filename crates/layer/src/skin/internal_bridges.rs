@@ -26,8 +26,8 @@
 //! held is left out, and the next layer lies over its place, with bridges unless
 //! it is seen. A place over infill in which no line at all can be held stays skin,
 //! whatever else the layer has. So does what hangs in the air, and what a bridge
-//! beside it is anchored on. The lowest layer of a block lies on what a
-//! rehearsal of the layer below finds.
+//! beside it is anchored on. The layer below is what the caller says, which need not
+//! be what is printed.
 
 use super::SkinPlan;
 use super::bridge::shared;

@@ -1,6 +1,8 @@
 //! Speeds, cooling and time: how fast each move of a layer is run.
 //!
-//! In: the [`Stretch`]es of each layer, in print order. Out: a [`PacedLayer`]
+//! In: the [`Stretch`]es of each layer, in print order. [`Stretch::rated`] tells how
+//! fast their beads may be, on any thread, and [`Pacer`] how fast they are, layer by
+//! layer. Out: a [`PacedLayer`]
 //! for each: the moves with their speeds and, between them, every step that the
 //! machine needs: retractions, primings and moves of z.
 //!
@@ -44,32 +46,35 @@ mod moves;
 mod plan;
 pub mod rates;
 mod slowing;
+mod stretch;
 
 pub use plan::{PacePlan, limits};
+pub use stretch::{RatedStretch, Stretch};
 
 pub use moves::Amount;
 pub use moves::Cause;
 pub use moves::{OfPart, PacedLayer, PacedMove, Sums};
 
 use crate::travel::LayerPath;
-use crate::travel::{Move, Travel};
-use bounds::{acceleration, print_speed, speed_limit};
+use crate::travel::Travel;
+use bounds::acceleration;
 use fan::fan_speed;
 use flow_smoothing::smoothed;
 use glam::{DVec2, DVec3};
+use isoslice_base::timings::Timings;
 use isoslice_base::units::{
     MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, Seconds,
 };
 use isoslice_model::expressions::QuantityError;
-use isoslice_planar::arc;
-use isoslice_planar::bead::{Bead, Role, Stroke};
+use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::path_length;
 use isoslice_settings::layers::LayerSpan;
 use motion::{Limits, Motion};
 use move_rate::{Rated, slowed};
-use rates::{Rater, Rates, Site};
+use rates::{Rater, Site};
 use slowing::{Slowing, slow_down};
 use std::ops::Range;
+use stretch::Step;
 
 /// Height above the first layer at which the head comes from where the start
 /// template left it, mm. It clears what start templates leave on the bed.
@@ -85,20 +90,6 @@ const SAME_HEIGHT: Mm = 0.1 * MICRON;
 /// Speed of a wipe as a share of that of travels. It is slower because it
 /// touches what has just been printed.
 const WIPE_SPEED: f64 = 0.8;
-
-/// Moves of a layer that belong together: those of a part, or of what stands
-/// round all parts.
-pub struct Stretch<'a, 'r> {
-    /// Which of the plate's places the part has; none if the stretch is no
-    /// part.
-    pub place: Option<usize>,
-    /// The moves, in print coordinates.
-    pub moves: Vec<Move>,
-    /// The rates of the stretch's beads. The rater's plan holds for the stretch.
-    pub rater: &'r Rater<'a>,
-    /// Where the part is.
-    pub site: Site<'r>,
-}
 
 /// Gives speeds to one layer after another. Between two layers it knows where
 /// the head stands.
@@ -179,7 +170,8 @@ impl<'a> Pacer<'a> {
             rater: &rater,
             site: Site::default(),
         };
-        self.layer(path.span, vec![stretch], &rater)
+        let rated = stretch.rated(&path.span, &Timings::default())?;
+        self.layer(path.span, vec![rated], &rater)
     }
 
     /// Gives the next layer its speeds. Layers must come in print order.
@@ -190,7 +182,7 @@ impl<'a> Pacer<'a> {
     pub fn layer(
         &mut self,
         span: LayerSpan,
-        stretches: Vec<Stretch<'a, '_>>,
+        stretches: Vec<RatedStretch<'a>>,
         whole: &Rater<'a>,
     ) -> Result<PacedLayer, QuantityError> {
         let from_anywhere = self.xy.is_none();
@@ -199,12 +191,12 @@ impl<'a> Pacer<'a> {
         self.raised = 0.0;
         let mut fan = whole.fan(&span).unwrap_or(f64::NAN);
         self.fan = fan;
-        let count: usize = stretches.iter().map(|s| s.moves.len()).sum();
+        let count: usize = stretches.iter().map(|s| s.steps.len()).sum();
         let mut out = Vec::with_capacity(count + 8);
         let mut parts = Vec::with_capacity(stretches.len());
         for stretch in stretches {
             let (place, first) = (stretch.place, out.len());
-            self.stretch(&span, stretch, &mut out)?;
+            self.stretch(&span, stretch, &mut out);
             let moves = first..out.len();
             parts.push(OfPart { place, moves });
         }
@@ -294,41 +286,25 @@ impl<'a> Pacer<'a> {
     fn stretch(
         &mut self,
         span: &LayerSpan,
-        stretch: Stretch<'a, '_>,
+        stretch: RatedStretch<'a>,
         out: &mut Vec<PacedMove>,
-    ) -> Result<(), QuantityError> {
-        let Stretch {
-            moves, rater, site, ..
-        } = stretch;
-        self.plan = rater.plan;
+    ) {
+        self.plan = stretch.plan;
         // Beads that follow each other without a travel.
         let mut chain = Vec::new();
-        for step in moves {
+        for step in stretch.steps {
             if isoslice_base::limits::is_stopped() {
                 break;
             }
             match step {
-                Move::Travel(travel) => {
+                Step::Travel(travel) => {
                     self.print_all(span, &mut chain, out);
                     self.travel(span, travel, out);
                 }
-                Move::Print(bead) => {
-                    let limit = speed_limit(&bead, span, self.plan);
-                    let pieces = rater.pieces(bead, span, site)?;
-                    for (piece, mut rates) in pieces {
-                        rates.speed = rates.speed.min(limit);
-                        let [wanted, speed] =
-                            print_speed(self.plan, &piece, &rates);
-                        rates.speed = wanted;
-                        let mut rated = self.with_arcs(piece, rates);
-                        rated.slow(speed, Cause::Flow);
-                        chain.push(rated);
-                    }
-                }
+                Step::Print(mut pieces) => chain.append(&mut pieces),
             }
         }
         self.print_all(span, &mut chain, out);
-        Ok(())
     }
 
     fn travel(
@@ -386,27 +362,6 @@ impl<'a> Pacer<'a> {
             self.go(to, speed, acceleration, 0.0, false);
         }
         out.push(PacedMove::Travel { points, speed });
-    }
-
-    /// The bead with arcs, if there are to be any.
-    fn with_arcs(&self, bead: Bead, rates: Rates) -> Rated {
-        let mut rated = Rated {
-            bead,
-            turns: Vec::new(),
-            wanted: rates.speed,
-            by: None,
-            rates,
-        };
-        // An arc is flat.
-        if self.plan.resolution.arcs && rated.bead.stroke.levels.is_empty() {
-            let bead = &mut rated.bead;
-            let path: Vec<DVec2> = bead.stroke.path().collect();
-            let tolerance = self.plan.resolution.arc_tolerance(bead.role);
-            let (points, turns) = arc::fit(&path, tolerance);
-            bead.stroke = Stroke::new(points, false, bead.stroke.width);
-            rated.turns = turns;
-        }
-        rated
     }
 
     /// Prints beads that follow each other without a travel.

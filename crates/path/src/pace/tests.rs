@@ -3,6 +3,7 @@
 use super::slowing::LAYER_TIME_TOLERANCE;
 use super::*;
 use crate::travel::LayerPath;
+use crate::travel::Move;
 use isoslice_planar::bead::{Level, Role, Stroke, cross_section};
 use isoslice_settings::testing::{plan_with, usual_plan};
 use isoslice_settings::{Flavour, Varying};

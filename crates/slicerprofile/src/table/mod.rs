@@ -96,7 +96,7 @@ impl std::fmt::Debug for Make {
     }
 }
 
-/// Settings that depend on all keys of a row, and how they are made, in a
+/// The settings that depend on all keys of a row, and how they are made, in a
 /// sentence.
 const fn made(
     make: fn(&Given<'_>) -> Outcome,

@@ -25,9 +25,10 @@ pub(super) type Refused = String;
 /// Greatest depth of nested expressions.
 const DEEPEST: usize = 32;
 
-/// Greatest length of an expression in a table. Each expression is written
-/// several times, so tables in tables would grow without bounds.
-const LONGEST_IN_TABLE: usize = 100;
+/// Greatest length of an expression that is written several times: in a table, or
+/// before a pattern of several words. Tables in tables and patterns after patterns
+/// would grow without bounds.
+const LONGEST_REPEATED: usize = 100;
 
 /// Indices that name the only extruder.
 const FIRST_TOOL: [&str; 6] = [
@@ -316,7 +317,7 @@ impl<'a> Parser<'a> {
 
     fn in_table(&mut self) -> Result<String, Refused> {
         let (text, _) = self.choice()?;
-        if text.len() > LONGEST_IN_TABLE {
+        if text.len() > LONGEST_REPEATED {
             return Err("an expression in interpolate_table is too long".into());
         }
         Ok(text)
@@ -479,7 +480,13 @@ fn looks_like(text: &str, pattern: &str) -> Result<String, Refused> {
     let bare = words.strip_prefix('(').and_then(|w| w.strip_suffix(')'));
     let plain = |c: char| c.is_ascii_alphanumeric() || " _-".contains(c);
     let mut alternatives = Vec::new();
-    for word in bare.unwrap_or(words).split('|') {
+    let words = bare.unwrap_or(words);
+    if words.contains('|') && text.len() > LONGEST_REPEATED {
+        return Err(
+            "what is before a pattern of several words is too long".into()
+        );
+    }
+    for word in words.split('|') {
         if word.is_empty() || !word.chars().all(plain) {
             return refused();
         }
@@ -496,5 +503,29 @@ fn wider(a: NumberKind, b: NumberKind) -> NumberKind {
         (NumberKind::Whole, NumberKind::Whole) => NumberKind::Whole,
         (NumberKind::Other, _) | (_, NumberKind::Other) => NumberKind::Other,
         _ => NumberKind::Number,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn expressions_do_not_grow_without_bounds() {
+        let names = Names {
+            place: Place::Start,
+            own: &|_| false,
+        };
+        let one = translated("printer_model =~ /(A|B)/", names).unwrap();
+        let expected = "(printer.model == \"A\" or printer.model == \"B\")";
+        assert_eq!(one, expected);
+        let patterns = |count| {
+            let end = "=~ /A|B/)".repeat(count);
+            let begin = "(".repeat(count);
+            translated(&format!("{begin}printer_model {end}"), names)
+        };
+        assert!(patterns(2).is_ok());
+        let error = patterns(12).unwrap_err();
+        assert!(error.contains("too long"), "{error}");
     }
 }
