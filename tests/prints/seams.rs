@@ -123,6 +123,20 @@ fn seams_follow_corners_that_wind_about_the_axis() {
     }
 }
 
+/// Where a wall hangs about as much as lets a seam leave its place, seams do not
+/// go to and fro from layer to layer.
+#[test]
+fn seams_stay_on_walls_that_lean_a_little() {
+    let star = "max(sqrt(x^2 + y^2) - 8 - 1.5*sin(5*atan2(y, x) + z/3), \
+                abs(z - 12) - 12)";
+    let seams = only_begins(&layers(star, &[]));
+    assert_eq!(seams.len(), 120);
+    for (i, pair) in seams.windows(2).enumerate() {
+        let way = pair[0].distance(pair[1]);
+        assert!(way < 1.0, "layer {i}: {way} at {pair:?}");
+    }
+}
+
 /// Of equal places, those that hang are left to those over solid ground.
 #[test]
 fn seams_lie_over_solid_ground() {

@@ -21,6 +21,10 @@ const ALIKE: f64 = 0.1;
 /// A seam leaves a place whose overhang is greater by this than another's: 17°.
 /// This is more than [`ALIKE`], so that seams do not go to and fro.
 const STEEPER: f64 = 0.3;
+/// The same for a seam that was planned: 45°. The look from which it comes has left
+/// places that are steeper by [`STEEPER`], and each layer decides for itself. So
+/// where the overhang is about that great, seams would go to and fro.
+const MUCH_STEEPER: f64 = 1.0;
 /// Number of places of a ring without corners that are looked at.
 const LOOKS: usize = 64;
 
@@ -67,12 +71,17 @@ pub struct Below {
     pub reach: Mm,
     /// By how much the seam goes back to its own place.
     pub pull: Mm,
+    /// It leaves a place whose overhang is greater by this than another's.
+    steeper: f64,
 }
 
 impl Below {
     /// A seam that was planned, by the point nearest to its planned place.
     pub fn planned(at: DVec2) -> Below {
-        Below::lower(at, 0, 0.0)
+        Below {
+            steeper: MUCH_STEEPER,
+            ..Below::lower(at, 0, 0.0)
+        }
     }
 
     /// A seam this number of layers below, by the point nearest to where it
@@ -82,6 +91,7 @@ impl Below {
             at,
             reach: reach(way),
             pull: layers as f64 * PULL,
+            steeper: STEEPER,
         }
     }
 }
@@ -107,13 +117,13 @@ pub fn follow(
     };
     if site.corners.is_empty() {
         let own = own(site, ring, ground)?;
-        return if steeper(below.at, own, ground) {
+        return if steeper(below.at, own, below.steeper, ground) {
             Some(own)
         } else {
             toward(ring, below.at, own, below.pull)
         };
     }
-    let held = held(&site.corners, ground, STEEPER);
+    let held = held(&site.corners, ground, below.steeper);
     let near = held.map(|c| (c.distance(below.at), c));
     let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
     match nearest {
@@ -122,12 +132,12 @@ pub fn follow(
     }
 }
 
-/// True if the layer hangs so much more at `p` than at `q` that a seam leaves
-/// `p`.
-fn steeper(p: DVec2, q: DVec2, ground: Option<Ground<'_>>) -> bool {
+/// True if the overhang at `p` is greater by `more` than that at `q`, and than
+/// none.
+fn steeper(p: DVec2, q: DVec2, more: f64, ground: Option<Ground<'_>>) -> bool {
     ground.is_some_and(|ground| {
         let at = ground.overhang(p);
-        at > STEEPER && at > ground.overhang(q) + STEEPER
+        at > more && at > ground.overhang(q) + more
     })
 }
 
@@ -170,7 +180,11 @@ fn own(
     });
     let around: Vec<DVec2> = around.collect();
     let nearest = held(&around, ground, ALIKE).next();
-    Some(nearest.filter(|p| steeper(at, *p, ground)).unwrap_or(at))
+    Some(
+        nearest
+            .filter(|p| steeper(at, *p, STEEPER, ground))
+            .unwrap_or(at),
+    )
 }
 
 /// The length along a ring at which it passes a point, and the ring's length.

@@ -116,8 +116,8 @@ impl Guide {
         });
     }
 
-    /// Where the seams of a layer are expected: first those that go on farther up,
-    /// then those that end.
+    /// Where the seams of a layer are expected: first those that are in one line
+    /// below and above, then those that end, and last those that begin.
     pub fn seams(&self, span: &LayerSpan) -> Vec<DVec2> {
         let next = self.looks.partition_point(|l| l.index <= span.index);
         let lower = next.checked_sub(1).and_then(|k| self.looks.get(k));
@@ -126,14 +126,15 @@ impl Guide {
         let above = upper.map_or(&[][..], |look| &look.seams);
         let rise = |look: Option<&Look>| look.map_or(0.0, |l| span.top - l.top);
         let (up, down) = (rise(lower), rise(upper));
-        let onward = above.iter().map(|seam| {
-            match seam.from.and_then(|k| below.get(k)) {
-                Some(from) => from.at.lerp(seam.at, up / (up - down)),
-                None => seam.risen(down),
-            }
+        let onward = above.iter().filter_map(|seam| {
+            let from = below.get(seam.from?)?;
+            Some(from.at.lerp(seam.at, up / (up - down)))
         });
         let goes_on = |k: usize| above.iter().any(|s| s.from == Some(k));
         let last = below.iter().enumerate().filter(|(k, _)| !goes_on(*k));
-        onward.chain(last.map(|(_, seam)| seam.risen(up))).collect()
+        let last = last.map(|(_, seam)| seam.risen(up));
+        let begun = above.iter().filter(|seam| seam.from.is_none());
+        let begun = begun.map(|seam| seam.risen(down));
+        onward.chain(last).chain(begun).collect()
     }
 }

@@ -225,7 +225,7 @@ fn a_guide_knows_seams_that_begin_and_end() {
     };
     look(1, &[0.0]);
     look(0, &[0.0]);
-    look(13, &[0.8, 20.0]);
+    look(13, &[20.0, 0.8]);
     look(29, &[20.0]);
     let at = |index: usize| {
         let mut x: Vec<f64> =
@@ -234,6 +234,11 @@ fn a_guide_knows_seams_that_begin_and_end() {
         x
     };
     let (first, second) = (at(0)[0], at(29)[0]);
+    // One that goes on from look to look comes first, one that begins last.
+    for (index, beyond) in [(6, true), (20, false)] {
+        let seams = guide.seams(&span(index));
+        assert_eq!(seams[1].x > 10.0, beyond, "{index} {seams:?}");
+    }
     let near = |index: usize, seams: &[f64]| {
         let found = at(index);
         assert_eq!(found.len(), seams.len(), "{index} {found:?}");

@@ -86,11 +86,6 @@ impl LayerBeads {
 /// one, and how far from it inner walls may begin, mm.
 const SEAM_REACH: Mm = 2.0;
 
-/// An expected seam takes the place of one before it only if it is nearer to a loop
-/// by more than this, mm. Where a line of seams ends, another one that begins there
-/// may be as near.
-const AS_NEAR: Mm = 0.1;
-
 /// What is known of a layer besides its beads.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
@@ -98,7 +93,7 @@ pub struct Context<'a> {
     pub here: LayerFace<'a>,
     /// Where the head is likely to come from; nothing if that is not planned.
     pub from: Option<DVec2>,
-    /// Where the seams are expected; those that go on farther up come first.
+    /// Where the seams are expected. Of several of one loop the first one counts.
     pub seams: &'a [DVec2],
     /// What holds the layer's walls, unless all of them are held.
     pub support: Option<&'a Support<'a>>,
@@ -256,17 +251,14 @@ fn place_seams(
 ) {
     let mut loops: Vec<&mut islands::Loop> =
         islands.iter_mut().flat_map(|i| &mut i.loops).collect();
-    // For each loop the expected seam that is nearest to it.
-    let mut near: Vec<Option<(f64, DVec2)>> = vec![None; loops.len()];
+    // For each loop the place of the first seam that is expected on it.
+    let mut near: Vec<Option<DVec2>> = vec![None; loops.len()];
     if !expected.is_empty() && loops.iter().any(|l| l.site.follows) {
         let outer = loops.iter().filter_map(|l| l.walls.first());
         let grid = grid_of(outer, 0.5 * SEAM_REACH);
         for &seam in expected {
             if let Some((ring, point)) = grid.nearest_within(seam, SEAM_REACH) {
-                let d = seam.distance(point);
-                if near[ring].is_none_or(|b| d < b.0 - AS_NEAR) {
-                    near[ring] = Some((d, point));
-                }
+                near[ring].get_or_insert(point);
             }
         }
     }
@@ -277,7 +269,7 @@ fn place_seams(
         if !outer.stroke.closed || outer.role != Role::OuterWall {
             continue;
         }
-        let planned = near.map(|n| n.1).filter(|_| group.site.follows);
+        let planned = near.filter(|_| group.site.follows);
         let planned = planned.map(Below::planned);
         let seam = follow(&group.site, &outer.stroke.points, planned, ground);
         let spot = seam.and_then(|seam| nearest_spot(&outer.stroke, seam));
@@ -392,7 +384,8 @@ mod tests {
         };
         beads.sites = vec![site(0.0), site(20.0)];
         let context = Context {
-            seams: &[DVec2::new(1.2, -4.1)],
+            // The second one is nearer to the same loop, and comes too late.
+            seams: &[DVec2::new(1.2, -4.1), DVec2::new(4.0, 4.0)],
             ..held(&outline)
         };
         let plan = usual_plan(OrderPlan::of);
