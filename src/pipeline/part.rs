@@ -268,7 +268,7 @@ impl<'a> PartPaths<'a> {
         let layer = &filled.layer;
         let context = order::Context {
             here: layer.face(),
-            from: self.planned.stages.course.begin(&layer.span),
+            from: self.planned.stages.course.begin(layer),
             seams: &around.seams,
             support: around.support.as_ref(),
             ground: around.ground,

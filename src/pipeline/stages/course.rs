@@ -18,6 +18,7 @@ use crate::pipeline::SliceError;
 use crate::pipeline::layer::Layer;
 use glam::DVec2;
 use isoslice_base::limits;
+use isoslice_base::units::Mm;
 use isoslice_layer::seam::{BACK, Guide};
 use isoslice_path::order::course;
 use isoslice_planar::{Ring, signed_area};
@@ -33,6 +34,10 @@ const STRIDE: usize = 16;
 /// is near the top.
 const PLACE: usize = 13;
 
+/// Distance from a planned place up to which an island counts as the one that was
+/// seen there, mm: a wall that leans by 45° moves by 3 mm from look to look.
+const ISLAND_MOVES: Mm = 3.0;
+
 /// What runs through a part.
 #[derive(Default)]
 pub(in crate::pipeline) struct Course {
@@ -46,14 +51,36 @@ pub(in crate::pipeline) struct Course {
 impl Course {
     /// Where the head is likely to come from when a layer begins, if that was
     /// planned.
-    pub(in crate::pipeline) fn begin(&self, span: &LayerSpan) -> Option<DVec2> {
-        let next = self.ways.partition_point(|way| way.0 <= span.index);
-        let (_, ends) = self.ways.get(next.saturating_sub(1))?;
-        let meant = ends[span.index % 2];
+    pub(in crate::pipeline) fn begin(&self, layer: &Layer) -> Option<DVec2> {
+        let span = &layer.span;
+        let meant = self.ends_in(layer)?[span.index % 2];
         // An island begins at its seam, which has moved on since the look.
         let away = |p: &DVec2| p.distance_squared(meant);
         let near = |a: &DVec2, b: &DVec2| away(a).total_cmp(&away(b));
         self.seams(span).into_iter().min_by(near).or(Some(meant))
+    }
+
+    /// The ends of a short way through the islands of a layer: those that the look
+    /// below has found, or, if these are not in the layer or near each other, those
+    /// of the look above. An island may begin or end between two looks.
+    fn ends_in(&self, layer: &Layer) -> Option<[DVec2; 2]> {
+        let next = self.ways.partition_point(|way| way.0 <= layer.span.index);
+        let below = next.checked_sub(1).and_then(|k| self.ways.get(k));
+        let grid = layer.outline.grid();
+        let there = |p: DVec2| grid.nearest_within(p, ISLAND_MOVES).is_some();
+        let reach = |[a, b]: [DVec2; 2]| match there(a) && there(b) {
+            true => a.distance(b),
+            false => -1.0,
+        };
+        let farther = |best: [DVec2; 2], other: [DVec2; 2]| {
+            if reach(other) > reach(best) + ISLAND_MOVES {
+                other
+            } else {
+                best
+            }
+        };
+        let looks = below.into_iter().chain(self.ways.get(next));
+        looks.map(|way| way.1).reduce(farther)
     }
 
     /// Where the seams of a layer are expected.
