@@ -68,9 +68,12 @@ impl Course {
         let below = next.checked_sub(1).and_then(|k| self.ways.get(k));
         let grid = layer.outline.grid();
         let there = |p: DVec2| grid.nearest_within(p, ISLAND_MOVES).is_some();
-        let reach = |[a, b]: [DVec2; 2]| match there(a) && there(b) {
-            true => a.distance(b),
-            false => -1.0,
+        let reach = |[a, b]: [DVec2; 2]| {
+            if there(a) && there(b) {
+                a.distance(b)
+            } else {
+                -1.0
+            }
         };
         let farther = |best: [DVec2; 2], other: [DVec2; 2]| {
             if reach(other) > reach(best) + ISLAND_MOVES {
