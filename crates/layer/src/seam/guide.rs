@@ -42,7 +42,7 @@ struct Guided {
     at: DVec2,
     /// How far it moves in 1 mm of height.
     slope: DVec2,
-    /// Which seam of the look before it goes on from.
+    /// The seam of the look before that this one continues, if there is one.
     from: Option<usize>,
 }
 
