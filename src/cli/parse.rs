@@ -215,8 +215,11 @@ fn tip(given: &str, value: Option<&str>) -> Option<String> {
             }
         })
         .collect();
-    (!named.is_empty())
-        .then(|| format!("it is a setting: write {}", named.join(" or ")))
+    if named.is_empty() {
+        let instead = isoslice_settings::instead(&setting)?;
+        return Some(format!("it was a setting: {instead}"));
+    }
+    Some(format!("it is a setting: write {}", named.join(" or ")))
 }
 
 #[cfg(test)]
@@ -232,6 +235,8 @@ mod tests {
         assert!(tip("--bed-temperature").contains("filament.bed_temperature"));
         assert!(tip("--retract-length").contains("retract.length=0.8"));
         assert!(tip("--temperature").contains("nozzle_temperature"));
+        assert!(tip("--step-error").contains("layer_heights, such as"));
+        assert!(tip("--head-clearance-height=7").contains("45 mm above"));
         assert!(tip("--repotr").is_empty());
         let told = |words: &str| {
             let all = words.split(' ').map(str::to_owned);

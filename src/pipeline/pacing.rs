@@ -181,7 +181,8 @@ impl<'a> Pacing<'a> {
         paced.before = self.before;
         self.next += 1;
         if empty && self.turn.is_none() {
-            // A run that begins with the next layer knows no more than that.
+            // A run that begins with the next layer does not know where the head
+            // was either.
             (self.last, self.at) = (None, None);
             self.pacer.forget(span.top);
         }

@@ -47,7 +47,7 @@ pub(super) struct PartPaths<'a> {
 /// Where a layer ends; none if that is not known, or if it has no bead.
 #[derive(Clone, Copy, Default)]
 pub(super) struct LayerEnd {
-    /// Where its order has it end, which is told before the order is known.
+    /// Where the layer is to end. That is known before the order of its beads is.
     planned: Option<DVec2>,
     /// Where its last bead ends.
     at: Option<DVec2>,

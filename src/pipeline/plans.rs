@@ -123,11 +123,11 @@ impl Plans {
 /// Which offsets of the expression the walls follow.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum WallFieldPlan {
-    /// None: walls follow the outline.
+    /// Walls follow the outline.
     None,
-    /// Those for layers of this height, mm.
+    /// Walls follow offsets for layers of this height, mm.
     Alike(Mm),
-    /// Those for each layer's own height.
+    /// Walls follow offsets for each layer's own height.
     ByHeight,
 }
 
@@ -169,9 +169,9 @@ pub(super) struct SupportFillPlan {
     pub density: Percent,
     /// How dense the layers below the part are.
     pub interface_density: LineDensity,
-    /// How the lines of these layers run.
+    /// How the lines of the layers below the part run.
     pub interface_pattern: InfillPattern,
-    /// Direction of these lines; none for the infill's.
+    /// Direction of the lines of the layers below the part; none for the infill's.
     pub interface_angle: Option<Degrees>,
     /// Distance of lines that lie side by side, mm.
     pub side_by_side: Mm,

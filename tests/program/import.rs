@@ -408,7 +408,7 @@ fn a_template_that_is_not_understood_is_kept_as_a_comment() {
         start_gcode = G28\\nG1 X{random(1,5)}\nend_gcode = M84\n";
     let dir = folder(&[("p.ini", config)]);
     let text = output(dir.path(), &["profiles", "import", "p.ini"]);
-    assert!(text.contains("it was left out"), "{text}");
+    assert!(text.contains("as a comment only"), "{text}");
     assert!(text.contains("the function random"), "{text}");
     let path = dir.path().join("profiles/printers/p.toml");
     let text = fs::read_to_string(path).unwrap();
@@ -444,6 +444,37 @@ fn a_start_of_another_slicer_is_translated_once() {
     assert_has(&ours, &lines);
     let gcode = output(dir.path(), &slice("--preset", "ours.toml"));
     assert_has(&gcode, &["G28", "M109 S215", "G29"]);
+}
+
+/// What an import cannot take over from a settings file is told, and so is what is
+/// wrong with the file.
+#[test]
+fn settings_files_lose_nothing_without_a_word() {
+    let given = "inherits = \"mine\"\nwalls = [3]\nskin_width = 0.5\n";
+    let long = format!("walls = 3 # {}", "x".repeat(2 << 20));
+    let dir = folder(&[
+        ("given.toml", given),
+        ("wrong.toml", "walls = 3\nskin_width = \n"),
+        ("long.toml", &long),
+    ]);
+    let import = |file| ["profiles", "import", file, "-o", "new.toml"];
+    let has = |said: &str, parts: &[&str]| {
+        for part in parts {
+            assert!(said.contains(part), "{part} is missing in\n{said}");
+        }
+    };
+    let said = output(dir.path(), &import("given.toml"));
+    has(
+        &said,
+        &["inherits = \"mine\": write it into the new profile"],
+    );
+    has(&said, &["walls = [3]: write 0 to 1000"]);
+    let said = refused(dir.path(), &import("wrong.toml"));
+    has(&said, &["wrong.toml:2", "`skin_width =`"]);
+    let said = refused(dir.path(), &import("long.toml"));
+    has(&said, &["cannot read long.toml", "1 MB"]);
+    let said = refused(dir.path(), &import("none.toml"));
+    has(&said, &["cannot read none.toml", "check its name"]);
 }
 
 #[test]

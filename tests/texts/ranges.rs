@@ -185,7 +185,7 @@ fn several_bodies() {
 
 #[test]
 fn a_lattice() {
-    // Smaller, but still of more than four slabs of layers.
+    // The example is made smaller, but still has more than four slabs of layers.
     let mut small = common::example("lattice-part");
     small.define("radius", "13");
     check_with(&small, "0.17", &[45]);

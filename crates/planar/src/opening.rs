@@ -16,8 +16,8 @@ pub fn opened(area: &Area, radius: Mm, tolerance: Mm) -> Area {
 /// What of an area is as wide as discs of some radius, with the corners beside
 /// them.
 pub fn wide_parts(area: &Area, radius: Mm, tolerance: Mm) -> Area {
-    /// So much larger is the disc that covers the corners: a right-angled one
-    /// sticks out of the disc in it by √2 − 1 of its radius.
+    /// Radius of the disc that covers the corners, in multiples of `radius`. A
+    /// right-angled corner sticks out of the disc in it by √2 − 1 of its radius.
     const CORNERS: f64 = 1.5;
     reached(area, radius, CORNERS * radius, tolerance)
 }

@@ -66,8 +66,8 @@ const GONE: &[(&str, &str)] = &[
     ),
     (
         "seam_scarf_rise",
-        "write the height at which the scarf begins in seam_scarf if it was \
-         true, such as \"20 mm from 10%\"",
+        "write in seam_scarf from which height scarfs rise, such as \"20 mm from \
+         10%\"",
     ),
     (
         "seam_scarf_start",

@@ -189,7 +189,7 @@ reasons! {
         " = {value} s is not more than cooling.min_layer_time = {} s, so there \
          is nothing between short and long layers; raise it",
         s.cooling.min_layer_time;
-    no_retraction if s.retract.length == 0.0 && value != "0" =>
+    no_retraction if s.retract.length == 0.0 && value.parse() != Ok(0.0) =>
         " = {value} mm has no effect, since retract.length = 0 turns retraction \
          off; give it a length, 0.8 mm say";
     limits_of_the_printer if !s.gcode.set_limits && s.acceleration.by_role() =>
@@ -254,4 +254,22 @@ fn fastest(s: &Settings) -> f64 {
     all.into_iter()
         .map(|speed| Varying::constant(speed).unwrap_or(f64::INFINITY))
         .fold(speed.skirt, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Builder;
+
+    #[test]
+    fn minus_zero_asks_for_nothing() {
+        let warnings = |hop: &str| {
+            let mut builder = Builder::new();
+            builder.set("retract.length=0").unwrap();
+            builder.set(&format!("retract.z_hop={hop}")).unwrap();
+            let (_, warnings) = builder.finish().unwrap();
+            let of_hop = |w: &&String| w.contains("retract.z_hop");
+            warnings.iter().filter(of_hop).count()
+        };
+        assert_eq!([warnings("0.4"), warnings("0"), warnings("-0")], [1, 0, 0]);
+    }
 }

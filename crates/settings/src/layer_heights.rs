@@ -1,6 +1,7 @@
 //! How high layers are.
 
 use super::by_nozzle::ByNozzle;
+use super::pair::without;
 use super::value::{
     Form, Measure, Range, Raw, Refused, Value, ValueKind, formula,
     formula_to_toml,
@@ -9,7 +10,7 @@ use super::value::{
 /// The heights of the layers above the first.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LayerHeights {
-    /// All are alike.
+    /// All layers above the first are alike.
     Uniform,
     /// As high as this greatest step on the surface allows.
     Adaptive(ByNozzle),
@@ -19,7 +20,7 @@ pub enum LayerHeights {
 
 const ADAPTIVE: &str = "adaptive";
 
-/// A step on the surface.
+/// Steps on the surface that may be asked for.
 const STEP_ERROR: Measure = Measure {
     unit: "mm",
     range: Some(Range {
@@ -42,7 +43,9 @@ impl Value for LayerHeights {
             (None, Raw::Text(text) | Raw::Word(text)) => {
                 let step = text.strip_prefix(ADAPTIVE).ok_or(Refused::Type)?;
                 let mut auto = ByNozzle::Auto;
-                let step = step.trim().trim_end_matches("mm").trim_end();
+                let step = without("mm", step)
+                    .filter(|step| !step.ends_with('%'))
+                    .unwrap_or(step.trim());
                 if !step.is_empty() {
                     auto.assign(Raw::Word(step), STEP_ERROR)?;
                 }
@@ -75,7 +78,7 @@ impl Value for LayerHeights {
             &["uniform", ADAPTIVE],
             &[
                 Form::Like(
-                    "\"adaptive 0.1 mm\"",
+                    "\"adaptive 0.1 mm\" with 0.001 to 2 mm",
                     "^adaptive\\s*[0-9.eE+-]+\\s*(mm|%)?$",
                 ),
                 Form::Expression,
@@ -99,6 +102,8 @@ mod tests {
             ("adaptive 25%", Some("\"adaptive 25%\"")),
             ("expr: 0.1 + z/50", Some("\"expr: 0.1 + z/50\"")),
             ("adaptive 3 mm", None),
+            ("adaptive 0.1 mmmm", None),
+            ("adaptive 25% mm", None),
             ("adaptive 0%", None),
             ("adaptive x", None),
             ("0.2", None),

@@ -40,7 +40,6 @@
 
 mod by_nozzle;
 mod check;
-
 mod derived;
 mod error;
 mod firmware;
@@ -58,7 +57,6 @@ mod read;
 mod rows;
 mod schema;
 mod shell;
-
 mod shipped;
 mod sizes;
 mod skin_patterns;

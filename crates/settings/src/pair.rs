@@ -6,8 +6,8 @@ use super::value::{
 };
 use isoslice_base::units::{Mm, Percent};
 
-/// The number of a number with its unit.
-fn without<'a>(unit: &str, text: &'a str) -> Option<&'a str> {
+/// The number in a text that ends in this unit.
+pub(super) fn without<'a>(unit: &str, text: &'a str) -> Option<&'a str> {
     Some(text.trim().strip_suffix(unit)?.trim_end())
 }
 
@@ -101,7 +101,7 @@ pairs! {
     ElephantFoot is ValueKind::NumberOrText(
         "0 to 2 mm, or with the number of layers, 1 to 1000, such as \"0.2 mm \
          over 3 layers\"",
-        &[Form::Like("\"0.2 mm over 3 layers\"", PAIR)],
+        &[Form::Length, Form::Like("\"0.2 mm over 3 layers\"", PAIR)],
     );
         /// How much the first layer is drawn in on all sides.
         drawn: Mm,
@@ -113,12 +113,12 @@ pairs! {
     Scarf is ValueKind::NumberOrText(
         "0 to 200 mm, or with the height at which it begins, 0 to 100% of its \
          layer's, such as \"20 mm from 10%\"",
-        &[Form::Like("\"20 mm from 10%\"", PAIR)],
+        &[Form::Length, Form::Like("\"20 mm from 10%\"", PAIR)],
     );
         /// Length over which the flow grows and shrinks.
         length: Mm,
         "from"
-        /// Height at which it begins, as a share of its layer's.
+        /// Height at which the scarf begins, as a share of its layer's height.
         start: Percent = 100.0 "%", in 0.0..=100.0;
 
     /// The room that the printer's head needs around the nozzle.
@@ -126,7 +126,8 @@ pairs! {
         /// Radius of the circle around the nozzle that holds the head.
         radius: Mm,
         "above"
-        /// Height above the nozzle's tip up to which there is but the nozzle.
+        /// Height above the nozzle's tip up to which there is nothing but the
+        /// nozzle.
         free_below: Mm = 0.0 "mm", in 0.0..=500.0;
 }
 
@@ -135,13 +136,25 @@ or_auto!(
     ValueKind::NumberOrText(
         "auto, 1 to 500 mm, or with the height at which the head begins, 0 to \
          500 mm, such as \"45 mm above 7 mm\"",
-        &[Form::Auto, Form::Like("\"45 mm above 7 mm\"", PAIR)],
+        &[
+            Form::Auto,
+            Form::Length,
+            Form::Like("\"45 mm above 7 mm\"", PAIR)
+        ],
     )
 );
 
 #[cfg(test)]
 mod tests {
     use crate::{Builder, keys};
+
+    #[test]
+    fn completions_know_auto() {
+        for name in ["printer.head_clearance_radius", "top_layers"] {
+            let key = keys().iter().find(|key| key.name == name).unwrap();
+            assert_eq!(key.some_words(), ["auto"], "{name}");
+        }
+    }
 
     #[test]
     fn pairs_are_read_written_and_refused() {

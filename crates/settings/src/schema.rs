@@ -248,6 +248,7 @@ mod tests {
             ),
             ("[speed]\nouter_wall = 30", "[speed]\nouter_wal = 30"),
             ("spiral = 2", "spiral = \"on\""),
+            ("seam_scarf = \"20 mm\"", "seam_scarf = \"20 m\""),
             ("bridge_flow = \"90%\"", "bridge_flow = \"90\""),
         ] {
             assert!(check(good), "{good}");

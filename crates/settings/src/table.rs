@@ -8,7 +8,7 @@
 use super::Settings;
 use super::idle::Reason;
 use super::rows::{GROUPS, KEYS};
-use super::value::{Measure, Range, Raw, Value, ValueKind};
+use super::value::{Form, Measure, Range, Raw, Value, ValueKind};
 
 /// One row of the table: a setting's name and all that is known about it.
 #[derive(Debug)]
@@ -152,6 +152,12 @@ impl Key {
     /// assigned as well.
     pub fn some_words(&self) -> &'static [&'static str] {
         match self.kind() {
+            ValueKind::NumberOrText(_, forms)
+            | ValueKind::WholeOrText(_, forms)
+                if forms.contains(&Form::Auto) =>
+            {
+                &["auto"]
+            }
             ValueKind::WordOrText(words, _)
             | ValueKind::WordOrNumber(words)
             | ValueKind::WordOrWhole(words) => words,
@@ -279,7 +285,7 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
 /// as possible. They are in the table's order, and of the group that `name`
 /// has, if it has one.
 pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
-    // They stand in one sentence.
+    // A message has these names in one sentence.
     const MOST_NAMES: usize = 4;
     let name = name.to_lowercase().replace('-', "_");
     let (group, name) = name.split_once('.').unwrap_or(("", &name));

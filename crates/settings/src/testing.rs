@@ -2,9 +2,9 @@
 
 use super::{Builder, Settings};
 
-#[allow(clippy::unwrap_used, reason = "it serves tests, which may unwrap")]
 /// The default settings with assignments as `--set` takes them. Combinations
 /// that cannot be printed are allowed.
+#[allow(clippy::unwrap_used, reason = "it serves tests, which may unwrap")]
 pub fn settings(assignments: &[&str]) -> Settings {
     let mut builder = Builder::new();
     for assignment in assignments {

@@ -395,7 +395,7 @@ mod tests {
             (format!("{{{}", all("text[")), false),
             (format!("{{{}", all("text=~/")), false),
         ] {
-            // Waiting for the processor is no work.
+            // Other programs may hold this one up, so its own time counts.
             let started = cpu_time::ThreadTime::now();
             let filled = fill(&template, &values, &|_| false);
             let start = &template[..16];

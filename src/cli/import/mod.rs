@@ -313,9 +313,7 @@ impl Import {
         if let Value::Text(text) = &setting.value {
             self.kept.push((setting.kind, setting.name, text.clone()));
         }
-        let what = format!(
-            "it was left out, and stands in the profile as a comment: {why}"
-        );
+        let what = format!("it stands in the profile as a comment only: {why}");
         (setting, what)
     }
 

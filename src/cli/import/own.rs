@@ -1,9 +1,11 @@
 //! Files of isoslice's own: G-code, which has the settings that it was sliced
 //! with, and settings files, whose templates may be another slicer's.
 
-use anyhow::Context;
-use isoslice::settings::keys;
+use anyhow::{Context, bail};
+use isoslice::files::read_text;
+use isoslice::settings::{Builder, keys};
 use isoslice::settings_in_gcode;
+use isoslice_base::files::MAX_SETTINGS_BYTES;
 use isoslice_settings::{instead, name_now};
 use slicerprofile::{Left, PresetKind, Setting, Translation, Value, both_ends};
 use std::collections::BTreeMap;
@@ -28,9 +30,14 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
     let ending = file.extension().and_then(|e| e.to_str());
     let ending = ending.unwrap_or_default().to_ascii_lowercase();
     if ending == "toml" {
-        let text = std::fs::read_to_string(file)
-            .with_context(|| file.display().to_string())?;
-        let table = text.parse().with_context(|| file.display().to_string())?;
+        let name = file.display().to_string();
+        let text = read_text(file, MAX_SETTINGS_BYTES)
+            .with_context(|| format!("cannot read {name}, check its name"))?;
+        let Ok(table) = text.parse::<toml::Table>() else {
+            // This error names the line and the remedy.
+            Builder::new().toml(&name, &text)?;
+            bail!("{name} is no settings file");
+        };
         return Ok(Some(Own::Given(translation(table))));
     }
     if !["gcode", "gco", "g"].contains(&&*ending) {
@@ -58,13 +65,14 @@ fn translation(table: toml::Table) -> Translation {
     given.remove("description");
     for key in keys() {
         let (group, _) = key.name.split_once('.').unwrap_or(("", key.name));
-        let value = match given.remove(key.name) {
-            Some(toml::Value::Integer(x)) => Value::Number(x as f64),
-            Some(toml::Value::Float(x)) => Value::Number(x),
-            Some(toml::Value::Boolean(yes)) => Value::Switch(yes),
-            Some(toml::Value::String(text)) => Value::Text(text),
+        let value = match given.get(key.name) {
+            Some(toml::Value::Integer(x)) => Value::Number(*x as f64),
+            Some(toml::Value::Float(x)) => Value::Number(*x),
+            Some(toml::Value::Boolean(yes)) => Value::Switch(*yes),
+            Some(toml::Value::String(text)) => Value::Text(text.clone()),
             _ => continue,
         };
+        given.remove(key.name);
         all.mapped += 1;
         all.settings.push(Setting {
             kind: match group {
@@ -78,16 +86,25 @@ fn translation(table: toml::Table) -> Translation {
         });
     }
     // An earlier version wrote the file, or somebody changed it.
-    all.lost.extend(given.into_iter().map(|(key, value)| {
-        Left {
-            why: instead(&key)
-                .unwrap_or("there is no such setting")
-                .to_owned(),
-            value: value.to_string(),
-            key,
-        }
+    all.lost.extend(given.into_iter().map(|(key, value)| Left {
+        why: why_lost(&key),
+        value: value.to_string(),
+        key,
     }));
     all
+}
+
+/// Why a key of a file has no counterpart, or what to write instead.
+fn why_lost(key: &str) -> String {
+    if key == "inherits" {
+        return "write it into the new profile, too".to_owned();
+    }
+    if let Some(known) = keys().iter().find(|known| known.name == key) {
+        return format!("write {}", known.allowed());
+    }
+    instead(key)
+        .unwrap_or("there is no such setting")
+        .to_owned()
 }
 
 /// The values of a table and of the groups in it, by their whole names.

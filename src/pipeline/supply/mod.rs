@@ -72,7 +72,8 @@ impl<'a> Supply<'a> {
         let Extent { made, glimpse, .. } = &extent;
         let stages = &paths.planned.stages;
         let root = if *glimpse {
-            // What its bridges lie on is seen nearly as it is.
+            // These layers are made as if no bridges were below them. That is
+            // near enough for a look at one layer.
             made.start.saturating_sub(stages.bridge_layers())
         } else {
             root::root(paths, pool, made.start)?

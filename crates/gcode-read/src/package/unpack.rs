@@ -18,8 +18,9 @@ const LARGEST: u64 = 1 << 31;
 /// Greatest number of entries. Plates have a dozen, and a few for each model.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Greatest ratio of the text's length to its packed one, beyond [`ALWAYS_UNPACKED`]: a
-/// few megabytes must not become gigabytes that take minutes to read.
+/// Greatest ratio of the text's length to its packed one, beyond
+/// [`ALWAYS_UNPACKED`]: a few megabytes must not become gigabytes that take minutes
+/// to read.
 const LIKELY: u64 = 64;
 /// A text that is no longer than this is unpacked whatever the ratio, bytes.
 const ALWAYS_UNPACKED: u64 = 1 << 24;

@@ -16,9 +16,8 @@
 //! nothing is none.
 //!
 //! What sticks out by up to two lines hangs without harm, and no warning names it.
-//! But where
-//! supports are asked for, the underside of such a lip is better with a support, and
-//! `isoslice info --supports` lists it.
+//! But where supports are asked for, the underside of such a lip is better with a
+//! support, and `isoslice info --supports` lists it.
 
 use super::held::held;
 use super::plan::OverhangPlan;

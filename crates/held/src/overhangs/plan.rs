@@ -28,8 +28,8 @@ pub struct OverhangPlan {
     pub raft_layers: usize,
 }
 
-/// Longest lines of skin across a gap that count as bridges where there are none,
-/// mm: as long as bridges are by default.
+/// Longest lines of skin across a gap that count as bridges if `bridge_max` is 0,
+/// mm. It is the default of `bridge_max`.
 const SKIN_SPAN: Mm = 10.0;
 
 impl OverhangPlan {

@@ -12,7 +12,7 @@ use isoslice_settings::{BrimPlace, DraftShield, Settings};
 pub struct AdhesionPlan {
     /// The skirt.
     pub skirt: SkirtPlan,
-    /// What takes its place if a draft shield is asked for.
+    /// What is printed instead of the skirt if a draft shield is asked for.
     pub shield: ShieldPlan,
     /// The brim.
     pub brim: BrimPlan,

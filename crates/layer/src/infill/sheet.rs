@@ -383,7 +383,7 @@ struct Octaves {
     finest: Mm,
     /// The first octave that is needed.
     first: f64,
-    /// How many are needed.
+    /// Number of octaves that are needed.
     count: usize,
 }
 

@@ -21,7 +21,8 @@ const ALIKE: f64 = 0.1;
 /// A seam leaves a place whose overhang is greater by this than another's: 17°.
 /// This is more than [`ALIKE`], so that seams do not go to and fro.
 const STEEPER: f64 = 0.3;
-/// The same for a seam that was planned: 45°. The look from which it comes has left
+/// A planned seam leaves a place whose overhang is greater by this than another's:
+/// 45°. The look from which the seam comes has left
 /// places that are steeper by [`STEEPER`], and each layer decides for itself. So
 /// where the overhang is about that great, seams would go to and fro.
 const MUCH_STEEPER: f64 = 1.0;
@@ -71,12 +72,12 @@ pub struct Below {
     pub reach: Mm,
     /// By how much the seam goes back to its own place.
     pub pull: Mm,
-    /// It leaves a place whose overhang is greater by this than another's.
+    /// The seam leaves a place whose overhang is greater by this than another's.
     steeper: f64,
 }
 
 impl Below {
-    /// A seam that was planned, by the point nearest to its planned place.
+    /// A seam that was planned at the place `at`.
     pub fn planned(at: DVec2) -> Below {
         Below {
             steeper: MUCH_STEEPER,

@@ -233,7 +233,8 @@ impl<'a> Skeleton<'a> {
     /// Where axes end but not because the area grows thicker than `limit`:
     /// where strips meet, and at their tips.
     fn ends(&self, limit: Mm) -> EdgeGrid {
-        /// Share of the limit at which an axis may end for it.
+        /// Share of the limit from which on an axis may end because the area grows
+        /// thicker.
         const THICK: f64 = 0.95;
         let open = self.axes.iter().filter(|r| !r.closed);
         let ends = open.flat_map(|r| {

@@ -185,8 +185,9 @@ impl DepthMap {
                 }
             }
         }
-        // Every point of the surface reaches every node by a way that is monotonic along each
-        // axis, so 8 sweeps are enough, one for each direction.
+        // Every point of the surface reaches every node by a way that is
+        // monotonic along each axis, so 8 sweeps are enough, one for each
+        // direction.
         for direction in 0..8 {
             let back = |axis: usize| direction >> axis & 1 == 1;
             let order = |axis: usize| {

@@ -93,7 +93,8 @@ pub struct Context<'a> {
     pub here: LayerFace<'a>,
     /// Where the head is likely to come from; nothing if that is not planned.
     pub from: Option<DVec2>,
-    /// Where the seams are expected. Of several of one loop the first one counts.
+    /// Where the seams are expected. If several are on one loop, the first
+    /// one counts.
     pub seams: &'a [DVec2],
     /// What holds the layer's walls, unless all of them are held.
     pub support: Option<&'a Support<'a>>,
@@ -381,7 +382,8 @@ mod tests {
         };
         beads.sites = vec![site(0.0), site(20.0)];
         let context = Context {
-            // The second one is nearer to the same loop, and comes too late.
+            // Both are expected on the same loop. The second one is nearer to it,
+            // and does not count.
             seams: &[DVec2::new(1.2, -4.1), DVec2::new(4.0, 4.0)],
             ..held(&outline)
         };

@@ -771,13 +771,13 @@ const IRONING_FLOW: [&str; 2] = ["ironing_flowrate", "ironing_flow"];
 /// Whether tops are ironed, or with how much material.
 pub(super) fn ironed(given: &Given<'_>, on: bool, flow: &[&str]) -> Value {
     /// Least flow that isoslice takes, %.
-    const SHORTEST: f64 = 0.1;
+    const LEAST: f64 = 0.1;
     let mut percent = flow.iter().filter_map(|key| {
         let text = given.values.first(key)?;
         share(text).or_else(|| parse(text))
     });
     match percent.next().filter(|_| on) {
-        Some(percent) => percent.max(SHORTEST).into(),
+        Some(percent) => percent.max(LEAST).into(),
         None => on.into(),
     }
 }

@@ -1,8 +1,8 @@
 //! The table of what every key of the other slicers means. Both the translation
 //! and the documentation follow from it.
 
-/// Rows, by whose keys and of which kind they are: the keys, and what they
-/// become.
+/// Declares rows in groups of one slicer's keys of one kind. A row has some keys,
+/// and what they become.
 macro_rules! rows {
     ($($of:ident $kind:ident { $($($key:literal),+ => $rule:expr;)* })*) => {
         &[$($(Row { of: $of, kind: $kind, keys: &[$($key),+], rule: $rule }),*),*]

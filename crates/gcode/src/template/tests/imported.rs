@@ -220,7 +220,7 @@ fn all_that_is_translated_can_be_filled_in() {
     }
 }
 
-/// A print does not translate: it says how.
+/// A print does not translate placeholders. Its error says what does.
 #[test]
 fn placeholders_of_other_slicers_are_mistakes_in_a_print() {
     let s = settings(&[]);
