@@ -260,7 +260,9 @@ fn a_guide_knows_seams_that_begin_and_end() {
 #[test]
 fn a_jump_is_no_slope() {
     let plate = |x: f64| -> Vec<DVec2> {
-        [(-4.0, -3.0), (4.0, -3.0), (x, 3.0), (-x, 3.0)].map(DVec2::from).into()
+        [(-4.0, -3.0), (4.0, -3.0), (x, 3.0), (-x, 3.0)]
+            .map(DVec2::from)
+            .into()
     };
     let span = |index: usize| LayerSpan {
         index,
