@@ -23,6 +23,11 @@ const NARROW: f64 = 1.25;
 const WIDE: f64 = 1.12;
 /// Share of their nominal thickness down to which two walls go on side by side.
 const SQUEEZE: f64 = 0.75;
+/// Least thickness between two walls, as a share of a bead's width, from which on
+/// a bead of its own lies there. Up to it both walls are wider by half of it.
+const BETWEEN: f64 = 0.8;
+/// Longest bead that is left out between two walls and a loop, mm.
+const TAIL: Mm = 4.0;
 /// Factor by which the sliver between two walls goes on thicker than its bound.
 const WIDEN: f64 = 1.25;
 /// Parts shorter than this take the number of a neighbour, if its beads can
@@ -32,6 +37,8 @@ const SHORT: Mm = 4.0;
 /// has room for two beads, but only over a short length. Of two beads there, one
 /// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
+/// Longest bulge between two walls, as a share of it.
+const PAIR_LENGTH: f64 = 2.0;
 /// Longest bulge, as a share of its greatest width.
 const BULGE_LENGTH: f64 = 1.1;
 /// Longest bulge of a bead that lies between no others. Nothing is laid twice
@@ -53,6 +60,8 @@ struct Beading {
     bulge: Mm,
     /// Thickness that the walls outside of the innermost bead or pair take.
     taken: Mm,
+    /// Thickness at which the ring of the innermost wall closes.
+    closes: Mm,
 }
 
 /// Tells whether a bead along a part of an axis leaves nothing open beside it.
@@ -76,17 +85,19 @@ impl Beadings {
         // Narrowest place that the walls so far can be squeezed into.
         let mut squeezed = 0.0;
         for wall in walls.iter().copied().chain(inside) {
-            let least = depth + wall.least;
-            let sliver = if depth > 0.0 {
-                WIDEN * wall.least
+            let share = if depth > 0.0 {
+                wall.least.max(BETWEEN * wall.width)
             } else {
                 wall.least
             };
+            let least = depth + share;
+            let sliver = if depth > 0.0 { WIDEN * share } else { share };
             beadings.push(Beading {
                 upto: least,
                 range: (squeezed, depth + sliver),
-                bulge: depth + sliver,
+                bulge: depth + 2.0 * (wall.centre + super::DOT),
                 taken: depth,
+                closes: 0.0,
             });
             let wide = wall.limit * WIDE;
             beadings.push(Beading {
@@ -94,6 +105,7 @@ impl Beadings {
                 range: (depth + wall.least / NARROW, depth + wide),
                 bulge: depth + BULGE * wide,
                 taken: depth,
+                closes: depth + 2.0 * wall.centre,
             });
             squeezed = depth + SQUEEZE * 2.0 * wall.inner;
             depth += 2.0 * wall.inner;
@@ -138,7 +150,11 @@ impl Beadings {
     ) -> bool {
         self.beadings.get(number).is_some_and(|c| {
             let inside = c.taken > 0.0;
-            let most = if inside { BULGE_LENGTH } else { BEND_LENGTH };
+            let most = match (number % 2, inside) {
+                (0, _) => PAIR_LENGTH,
+                (_, true) => BULGE_LENGTH,
+                (_, false) => BEND_LENGTH,
+            };
             let longest = most * (c.bulge - c.taken);
             let bulges = between
                 && axis.length() < longest
@@ -187,10 +203,12 @@ impl Beadings {
                 .unwrap_or(0);
             all.rotate_left(longest);
         }
+        all = self.without_tails(all, axis.closed);
         for round in (0..ROUNDS).rev() {
             let short = SHORT / f64::from(1 << round);
             all = self.merged(all, short, axis.closed, bends);
         }
+        all = self.without_tails(all, axis.closed);
         for (number, part) in &mut all {
             // A bead needs some length, or it is but a widening of the walls.
             let single = *number % 2 == 1 && *number < few;
@@ -210,6 +228,51 @@ impl Beadings {
         all
     }
 
+    /// The parts without beads that would lead from between two walls into a loop
+    /// of the next ones, and are short. The loop is closed there, and the walls
+    /// around it are wider where it ends.
+    fn without_tails(
+        &self,
+        parts: Vec<(usize, Axis)>,
+        closed: bool,
+    ) -> Vec<(usize, Axis)> {
+        let n = parts.len();
+        let around = |k: usize| parts.get(k).map(|part| part.0);
+        let beside: Vec<_> = (0..n)
+            .map(|k| {
+                let wrap = |k: usize| if closed { Some(k % n) } else { Some(k) };
+                let before = if k == 0 && !closed {
+                    None
+                } else {
+                    wrap(k + n - 1).and_then(|k| around(k % n))
+                };
+                (before, wrap(k + 1).and_then(around))
+            })
+            .collect();
+        let mut left: Vec<(usize, Axis)> = Vec::with_capacity(n);
+        let mut add = |number: usize, part: Axis| match left.last_mut() {
+            Some((last, whole)) if *last == number => whole.append(part),
+            _ => left.push((number, part)),
+        };
+        for ((number, part), (before, after)) in parts.into_iter().zip(beside) {
+            let ends = |k: Option<usize>| k.is_none_or(|k| k + 1 == number);
+            let up = Some(number + 1);
+            let between =
+                (ends(before) && after == up) || (before == up && ends(after));
+            let tail = number % 2 == 1 && number > 1 && between && part.length() < TAIL;
+            if !tail {
+                add(number, part);
+                continue;
+            }
+            let closes = self.beadings[number].closes;
+            for piece in part.split_at(closes) {
+                let thick = piece.middle_thickness() > closes;
+                add(if thick { number + 1 } else { number - 1 }, piece);
+            }
+        }
+        left
+    }
+
     /// Lets parts shorter than `short` take the number of a neighbour, if it
     /// fits, and joins neighbours of one number.
     fn merged(
@@ -227,17 +290,18 @@ impl Beadings {
             let after = rest.peek().map(|p| p.0).or(first);
             if part.length() < short && Some(number) != before {
                 let same = before == after;
-                let fits = |n: &usize| self.fits(*n, &part, same, bends);
+                let ends = before.is_none() || after.is_none();
+                let between = same || ends;
+                let fits = |n: &usize| {
+                    self.fits(*n, &part, same || ends && n % 2 == 0, bends)
+                };
                 // Where the numbers of both neighbours fit, the one nearer to
                 // this number is taken.
                 let mut beside: Vec<usize> =
                     before.into_iter().chain(after).filter(fits).collect();
                 beside.sort_by_key(|n| n.abs_diff(number));
                 if let Some(&n) = beside.first()
-                    && (same
-                        || before.is_none()
-                        || after.is_none()
-                        || part.length() < 0.25 * SHORT)
+                    && (between || part.length() < 0.25 * SHORT)
                 {
                     number = n;
                 }

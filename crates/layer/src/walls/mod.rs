@@ -49,7 +49,7 @@ use isoslice_planar::bead::{Stroke, spacing};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
-use isoslice_planar::{Area, Solid, signed_area};
+use isoslice_planar::{Area, Solid, path_length, signed_area};
 use line::{absorb, cut};
 use medial_axis::{Axis, axes};
 pub use overhang::Support;
@@ -71,6 +71,10 @@ pub const OFFSET_SHARE: f64 = 0.3;
 
 /// Half of a width, mm, that no bead in a joint reaches.
 const JOINT: Mm = 20.0;
+
+/// Greatest radius of a ball in a ring that is but a dot, mm: the walls around it
+/// take its place.
+const DOT: Mm = 0.06;
 
 /// A layer's walls and the area inside them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -434,7 +438,10 @@ fn laid(
         for (k, lay) in pair.iter().enumerate() {
             // Only the outer wall is seen.
             let outer = lines.is_empty();
-            let rings = skeleton.shrunk(depth + lay.centre, tolerance);
+            let mut rings = skeleton.shrunk(depth + lay.centre, tolerance);
+            if !outer {
+                rings.rings.retain(|ring| !is_dot(ring));
+            }
             let beads = places.beads(2 * k + 1, depth);
             let mut walls = cut(&rings, &beads, lay.centre, lay.width);
             let [least, post] = if outer && seen {
@@ -471,7 +478,7 @@ fn laid(
             // Inside the last wall, beads of skin fill what the thinnest of
             // them fits into.
             let radius = match pair.get(k + 1) {
-                Some(wall) => wall.centre + accuracy,
+                Some(wall) => wall.centre + DOT,
                 None => 0.5 * lays[next].least,
             };
             let left = Left {
@@ -480,7 +487,9 @@ fn laid(
                 away,
                 width: lay.width,
                 radius,
-                beads: &places.beads(2 * k + 3, depth),
+                beads: &[2 * k + 3, 2 * k + 4]
+                    .map(|number| places.beads(number, depth))
+                    .concat(),
                 nodes: &nodes,
                 around: 0.35 * beadings.limit(),
             };
@@ -567,6 +576,14 @@ fn joined(
     // A bead of another wall reaches into this area by half of `extra`.
     let overlap = (!dabs).then_some(2.0 * extra);
     stitching::join(lines, thin, overlap, room)
+}
+
+/// True if a ring is shorter than a dab of a bead is worth a travel.
+fn is_dot(ring: &[DVec2]) -> bool {
+    let area = signed_area(ring);
+    area > 0.0
+        && path_length(ring, true) < 12.0 * DOT
+        && offset(&Area::from(ring.to_vec()), -DOT, 0.1 * DOT).is_empty()
 }
 
 /// Walls whose centre lines are outlines of the expression offset by their
