@@ -26,6 +26,10 @@ const SQUEEZE: f64 = 0.75;
 /// Least thickness between two walls, as a share of a bead's width, from which on
 /// a bead of its own lies there. Up to it both walls are wider by half of it.
 const BETWEEN: f64 = 0.8;
+/// Longest tip that two walls lead into, mm.
+const TIP: Mm = 1.0;
+/// Change of the thickness along such a tip.
+const TAPER: f64 = 0.5;
 /// Longest bead that is left out between two walls and a loop, mm.
 const TAIL: Mm = 4.0;
 /// Factor by which the sliver between two walls goes on thicker than its bound.
@@ -37,8 +41,8 @@ const SHORT: Mm = 4.0;
 /// has room for two beads, but only over a short length. Of two beads there, one
 /// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
-/// Longest bulge between two walls, as a share of it.
-const PAIR_LENGTH: f64 = 2.0;
+/// Longest bulge between two walls, mm.
+const PAIR_LENGTH: Mm = 3.0;
 /// Longest bulge, as a share of its greatest width.
 const BULGE_LENGTH: f64 = 1.1;
 /// Longest bulge of a bead that lies between no others. Nothing is laid twice
@@ -150,12 +154,12 @@ impl Beadings {
     ) -> bool {
         self.beadings.get(number).is_some_and(|c| {
             let inside = c.taken > 0.0;
-            let most = match (number % 2, inside) {
+            let thick = c.bulge - c.taken;
+            let longest = match (number % 2, inside) {
                 (0, _) => PAIR_LENGTH,
-                (_, true) => BULGE_LENGTH,
-                (_, false) => BEND_LENGTH,
+                (_, true) => BULGE_LENGTH * thick,
+                (_, false) => BEND_LENGTH * thick,
             };
-            let longest = most * (c.bulge - c.taken);
             let bulges = between
                 && axis.length() < longest
                 && axis.thickest() <= c.bulge
@@ -208,7 +212,6 @@ impl Beadings {
             let short = SHORT / f64::from(1 << round);
             all = self.merged(all, short, axis.closed, bends);
         }
-        all = self.without_tails(all, axis.closed);
         for (number, part) in &mut all {
             // A bead needs some length, or it is but a widening of the walls.
             let single = *number % 2 == 1 && *number < few;
@@ -259,7 +262,13 @@ impl Beadings {
             let up = Some(number + 1);
             let between =
                 (ends(before) && after == up) || (before == up && ends(after));
-            let tail = number % 2 == 1 && number > 1 && between && part.length() < TAIL;
+            let tapers = part.thickest() - part.thinnest() > TAPER * part.length();
+            let short = if number > 1 {
+                part.length() < TAIL
+            } else {
+                part.length() < TIP && tapers
+            };
+            let tail = number % 2 == 1 && between && short;
             if !tail {
                 add(number, part);
                 continue;

@@ -443,7 +443,11 @@ fn laid(
                 rings.rings.retain(|ring| !is_dot(ring));
             }
             let beads = places.beads(2 * k + 1, depth);
-            let mut walls = cut(&rings, &beads, lay.centre, lay.width);
+            // Where walls bulge, no ring fits between them, however thick the place.
+            let mut full = places.beads(2 * k, depth);
+            full.retain(|axis| axis.thickest() > 2.0 * lay.centre);
+            full.extend_from_slice(&beads);
+            let mut walls = cut(&rings, &full, lay.centre, lay.width);
             let [least, post] = if outer && seen {
                 [lay.tips(height), lay.posts(height)]
             } else {
