@@ -88,8 +88,10 @@ impl Beadings {
         let mut depth = 0.0;
         // Narrowest place that the walls so far can be squeezed into.
         let mut squeezed = 0.0;
-        for wall in walls.iter().copied().chain(inside) {
-            let share = if depth > 0.0 {
+        let all = walls.iter().copied().chain(inside);
+        for (k, wall) in all.enumerate() {
+            // Skin fills what it can.
+            let share = if (1..walls.len()).contains(&k) {
                 wall.least.max(BETWEEN * wall.width)
             } else {
                 wall.least
@@ -375,8 +377,8 @@ mod tests {
         let one = &parts[1].1;
         assert!((one.thinnest() - 0.27).abs() < 1e-6);
         assert!((one.thickest() - 0.81).abs() < 1e-6);
-        // Two walls and the least bead between them: 2·0.428 + 0.227.
-        assert!((parts[3].1.thinnest() - 1.084).abs() < 1e-3);
+        // Two walls and the least bead between them: 2·0.428 + 0.8·0.45.
+        assert!((parts[3].1.thinnest() - 1.217).abs() < 1e-3);
         // Where a bead fits inside four walls, skin takes over.
         assert!((parts[4].1.thickest() - 1.898).abs() < 1e-3);
     }

@@ -74,7 +74,7 @@ const JOINT: Mm = 20.0;
 
 /// Greatest radius of a ball in a ring that is but a dot, mm: the walls around it
 /// take its place.
-const DOT: Mm = 0.06;
+const DOT: Mm = 0.03;
 
 /// A layer's walls and the area inside them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -282,6 +282,15 @@ impl ThinPlaces {
             .collect()
     }
 
+    /// The `k`th wall's rings without what runs where fewer walls are: along a
+    /// bead, or between walls that bulge, however thick the place is.
+    fn cut(&self, rings: &Area, k: usize, depth: Mm, lay: &Lay) -> Vec<Stroke> {
+        let mut full = self.beads(2 * k, depth);
+        full.retain(|axis| axis.thickest() > 2.0 * lay.centre);
+        full.extend(self.beads(2 * k + 1, depth));
+        cut(rings, &full, lay.centre, lay.width)
+    }
+
     /// What walls up to `depth` on both sides leave where there are so many
     /// beads. The thickness is negative where walls overlap and have to become
     /// narrower. Slight overlaps are left out.
@@ -443,11 +452,7 @@ fn laid(
                 rings.rings.retain(|ring| !is_dot(ring));
             }
             let beads = places.beads(2 * k + 1, depth);
-            // Where walls bulge, no ring fits between them, however thick the place.
-            let mut full = places.beads(2 * k, depth);
-            full.retain(|axis| axis.thickest() > 2.0 * lay.centre);
-            full.extend_from_slice(&beads);
-            let mut walls = cut(&rings, &full, lay.centre, lay.width);
+            let mut walls = places.cut(&rings, k, depth, lay);
             let [least, post] = if outer && seen {
                 [lay.tips(height), lay.posts(height)]
             } else {

@@ -258,7 +258,7 @@ fn crosses_and_junctions_are_covered() {
             let p = print(&part);
             let name = format!("{name} {t:.2} mm");
             faults.check(p.open < 0.01, "open", &name, &p);
-            faults.check(p.hole < 0.06, "hole", &name, &p);
+            faults.check(p.hole < 0.065, "hole", &name, &p);
             faults.check(p.out < 0.02, "out", &name, &p);
         }
     }
@@ -398,7 +398,8 @@ fn walls_fill_the_pockets_between_them() {
         let part = Area::from(points);
         let p = print(&part);
         let name = format!("{angle:.2}");
-        faults.check(p.hole < 0.05, "hole", &name, &p);
+        // A bead of its own would be a dab, which costs two travels.
+        faults.check(p.hole < 0.085, "hole", &name, &p);
         faults.check(p.volume < 1.04, "volume", &name, &p);
     }
 }
