@@ -24,14 +24,18 @@ const WIDE: f64 = 1.12;
 /// Share of their nominal thickness down to which two walls go on side by side.
 const SQUEEZE: f64 = 0.75;
 /// Least thickness between two walls, as a share of a bead's width, from which on
-/// a bead of its own lies there. Up to it both walls are wider by half of it.
+/// a bead of its own lies there. Up to it both walls are wider by half of it: a
+/// bead of 0.4 mm beside walls of 0.45 mm, and walls of at most 0.63 mm.
 const BETWEEN: f64 = 0.8;
-/// Longest tip that two walls lead into, mm.
-const TIP: Mm = 1.0;
-/// Change of the thickness along such a tip.
-const TAPER: f64 = 0.5;
-/// Longest bead that is left out between two walls and a loop, mm.
+/// Longest single bead that gives way to the end of a loop, mm. It would be a stroke
+/// more for each end of a loop; the walls around are wider over that length.
 const TAIL: Mm = 4.0;
+/// Longest tip, from where two beads fit, that two walls lead into, mm: that of a
+/// corner of 30°. A sharper one has a bead of its own, which reaches farther.
+const TIP: Mm = 1.0;
+/// Least change of the thickness along such a tip: twice the tangent of half of
+/// 30°, less a little for tips that are rounded.
+const TAPER: f64 = 0.5;
 /// Factor by which the sliver between two walls goes on thicker than its bound.
 const WIDEN: f64 = 1.25;
 /// Parts shorter than this take the number of a neighbour, if its beads can
@@ -41,7 +45,7 @@ const SHORT: Mm = 4.0;
 /// has room for two beads, but only over a short length. Of two beads there, one
 /// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
-/// Longest bulge between two walls, mm.
+/// Longest bulge of two walls, mm, whose lines are wider there by up to half.
 const PAIR_LENGTH: Mm = 3.0;
 /// Longest bulge, as a share of its greatest width.
 const BULGE_LENGTH: f64 = 1.1;
@@ -233,45 +237,28 @@ impl Beadings {
         all
     }
 
-    /// The parts without beads that would lead from between two walls into a loop
-    /// of the next ones, and are short. The loop is closed there, and the walls
-    /// around it are wider where it ends.
+    /// The parts with loops that close where a short bead would lead to them: from
+    /// a tip, or from between the walls around.
     fn without_tails(
         &self,
         parts: Vec<(usize, Axis)>,
         closed: bool,
     ) -> Vec<(usize, Axis)> {
         let n = parts.len();
-        let around = |k: usize| parts.get(k).map(|part| part.0);
-        let beside: Vec<_> = (0..n)
-            .map(|k| {
-                let wrap = |k: usize| if closed { Some(k % n) } else { Some(k) };
-                let before = if k == 0 && !closed {
-                    None
-                } else {
-                    wrap(k + n - 1).and_then(|k| around(k % n))
-                };
-                (before, wrap(k + 1).and_then(around))
-            })
-            .collect();
+        let number = |k: usize| parts.get(k).map(|part| part.0);
+        let around = |k: usize| {
+            let before = k.checked_sub(1).or(closed.then_some(n - 1));
+            let after = if closed { (k + 1) % n } else { k + 1 };
+            [before.and_then(number), number(after)]
+        };
+        let beside: Vec<_> = (0..n).map(around).collect();
         let mut left: Vec<(usize, Axis)> = Vec::with_capacity(n);
         let mut add = |number: usize, part: Axis| match left.last_mut() {
             Some((last, whole)) if *last == number => whole.append(part),
             _ => left.push((number, part)),
         };
-        for ((number, part), (before, after)) in parts.into_iter().zip(beside) {
-            let ends = |k: Option<usize>| k.is_none_or(|k| k + 1 == number);
-            let up = Some(number + 1);
-            let between =
-                (ends(before) && after == up) || (before == up && ends(after));
-            let tapers = part.thickest() - part.thinnest() > TAPER * part.length();
-            let short = if number > 1 {
-                part.length() < TAIL
-            } else {
-                part.length() < TIP && tapers
-            };
-            let tail = number % 2 == 1 && between && short;
-            if !tail {
+        for ((number, part), beside) in parts.into_iter().zip(beside) {
+            if !is_tail(number, &part, beside) {
                 add(number, part);
                 continue;
             }
@@ -304,7 +291,12 @@ impl Beadings {
                 let ends = before.is_none() || after.is_none();
                 let between = same || ends;
                 let fits = |n: &usize| {
-                    self.fits(*n, &part, same || ends && n % 2 == 0, bends)
+                    self.fits(
+                        *n,
+                        &part,
+                        same || ends && n.is_multiple_of(2),
+                        bends,
+                    )
                 };
                 // Where the numbers of both neighbours fit, the one nearer to
                 // this number is taken.
@@ -336,6 +328,24 @@ impl Beadings {
         }
         merged
     }
+}
+
+/// True if a part is a short bead, or the tip of one, between walls that have a
+/// loop on one side of it. `beside` are the numbers of the parts around it.
+fn is_tail(number: usize, part: &Axis, beside: [Option<usize>; 2]) -> bool {
+    let loops = |k: Option<usize>| k == Some(number + 1);
+    let ends = |k: Option<usize>| k.is_none_or(|k| k + 1 == number);
+    let length = part.length();
+    let short = if number > 1 {
+        length < TAIL
+    } else {
+        // A tooth as thin as a bead has no room for two.
+        length < TIP && part.thickest() - part.thinnest() > TAPER * length
+    };
+    let [before, after] = beside;
+    number % 2 == 1
+        && short
+        && (loops(before) && ends(after) || ends(before) && loops(after))
 }
 
 #[cfg(test)]

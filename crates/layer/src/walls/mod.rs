@@ -72,8 +72,8 @@ pub const OFFSET_SHARE: f64 = 0.3;
 /// Half of a width, mm, that no bead in a joint reaches.
 const JOINT: Mm = 20.0;
 
-/// Greatest radius of a ball in a ring that is but a dot, mm: the walls around it
-/// take its place.
+/// Greatest radius of a ball in a ring that is but a dot, mm. The walls around it take
+/// its place. What larger rings leave open, walls cannot fill around a corner.
 const DOT: Mm = 0.03;
 
 /// A layer's walls and the area inside them.
@@ -587,7 +587,7 @@ fn joined(
     stitching::join(lines, thin, overlap, room)
 }
 
-/// True if a ring is shorter than a dab of a bead is worth a travel.
+/// True if a ring is a dot, which is not worth a travel.
 fn is_dot(ring: &[DVec2]) -> bool {
     let area = signed_area(ring);
     area > 0.0
