@@ -1,9 +1,9 @@
 //! What runs in order for the whole plate: from paths to the text.
 //!
-//! In: layers of all parts from below. Out: their G-code. Three steps follow each
-//! other: the sums, speeds (`pacing`), and the text. On a machine with many
-//! processors each has a thread of its own, so that the slowest step alone bounds
-//! how fast layers can be written, and not the sum of all.
+//! In: layers of all parts from below. Out: their G-code. First come the sums and
+//! speeds (`pacing`), and then the text. On a machine with many processors the speeds
+//! have a thread of their own, so that the slower of the two bounds how fast layers
+//! can be written, and not their sum.
 
 use super::ahead::{Made, Threads};
 use super::job::Job;
@@ -69,8 +69,8 @@ pub(super) struct Done {
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
-    /// An exit for writing a job. The layer below the job's first one has to be
-    /// given, too.
+    /// An exit for writing a job. It takes all layers that the job makes, of which
+    /// the lowest ones may not be written.
     pub(super) fn new(
         job: &'a Job<'a>,
         parts: Vec<PartSums<'a>>,

@@ -269,7 +269,7 @@ impl<'a> Pacing<'a> {
         let skirt = self.skirt.as_ref().filter(|_| self.before == 0)?;
         let mut loops = skirt.beads(span.index, span.height());
         let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, self.bed);
-        if span.index == 0 {
+        if span.index == 0 && self.layers.contains(&0) {
             self.warnings.extend(off_bed);
         }
         let hop = self.hops;

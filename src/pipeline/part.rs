@@ -1,9 +1,9 @@
 //! From the beads of a layer of a part to their order, and on to paths.
 //!
 //! In: filled layers of a part. Out: their paths, as if the part stood alone where
-//! its model was placed. A layer's order depends on no other layer's, and its path
-//! on nothing of the layer below but where that ends. So layers can be worked on
-//! in any order, on any number of threads. `ways` makes paths of beads in order.
+//! its model was placed. Where a layer ends depends on no other layer, and the rest of
+//! it on nothing of the layers below but where the last one ends. So layers are worked
+//! on in any order, on any number of threads. `ways` makes paths of beads in order.
 
 use super::SliceError;
 use super::job::{Base, Job, Planned};
@@ -44,15 +44,6 @@ pub(super) struct PartPaths<'a> {
     pub(super) timings: &'a Timings,
 }
 
-/// A layer of a part whose beads are in order.
-pub(super) struct Ordered {
-    pub beads: Vec<Ended>,
-    /// The layer, without its beads.
-    pub filled: Filled,
-    /// What the user should know.
-    pub warnings: Vec<String>,
-}
-
 /// Where a layer ends; none if that is not known, or if it has no bead.
 #[derive(Clone, Copy, Default)]
 pub(super) struct LayerEnd {
@@ -62,14 +53,36 @@ pub(super) struct LayerEnd {
     at: Option<DVec2>,
 }
 
-/// What of the layers around a layer matters for its order.
-struct Around<'f> {
+/// A layer whose end is known.
+struct Beginning<'f> {
+    filled: &'f Filled,
     /// What holds the layer's walls, unless all of them are held.
     support: Option<Support<'f>>,
     ground: Option<Ground<'f>>,
-    /// Where the seams are expected.
+    /// Where the head is likely to come from, and where the seams are expected.
+    from: Option<DVec2>,
     seams: Vec<DVec2>,
+    /// The beads, but for the turns of a climbing wall.
+    begun: Begun,
+    turns: Vec<Bead>,
+    warnings: Vec<String>,
 }
+
+impl Beginning<'_> {
+    fn context(&self) -> order::Context<'_> {
+        order::Context {
+            here: self.filled.layer.face(),
+            from: self.from,
+            seams: &self.seams,
+            support: self.support.as_ref(),
+            ground: self.ground,
+        }
+    }
+}
+
+/// The beads of a layer in their order, with the ends of its walls, and what the
+/// user should know.
+type Ordered = (Vec<Ended>, Vec<String>);
 
 /// A layer of a part whose path is known.
 pub(super) struct Passed {
@@ -179,50 +192,29 @@ impl<'a> PartPaths<'a> {
         mut batch: Vec<Filled>,
         below: &mut LayerEnd,
     ) -> Vec<Result<(Passed, Counted), SliceError>> {
-        let take = |filled: &mut Filled| {
-            let mut beads = std::mem::take(&mut filled.beads);
-            let index = filled.layer.span.index;
-            let warnings = self.keep_on_bed(&mut beads.skirt, index);
-            let turns = std::mem::take(&mut beads.turns);
-            (beads, turns, warnings)
+        let take = |filled: &mut Filled| std::mem::take(&mut filled.beads);
+        let beads: Vec<LayerBeads> = batch.iter_mut().map(take).collect();
+        let all = batch.par_iter().zip(beads);
+        let begun: Vec<Beginning<'_>> = all
+            .map(|(filled, beads)| self.begin(filled, beads))
+            .collect();
+        let from = |layer: &Beginning<'_>| {
+            std::mem::replace(&mut below.planned, layer.begun.end())
         };
-        let taken: Vec<_> = batch.iter_mut().map(take).collect();
-        let all = batch.par_iter().zip(&taken);
-        let around = all.map(|(filled, (_, turns, _))| {
-            self.around(filled, !turns.is_empty())
-        });
-        let around: Vec<Around<'_>> = around.collect();
-        let all = batch.par_iter().zip(&around).zip(taken);
-        let begun = all.map(|((filled, around), (beads, turns, warnings))| {
-            (self.begin(filled, around, beads), turns, warnings)
-        });
-        let begun: Vec<_> = begun.collect();
-        let from =
-            |end: Option<DVec2>| std::mem::replace(&mut below.planned, end);
-        let from: Vec<_> = begun.iter().map(|b| b.0.end()).map(from).collect();
-        let all = batch.par_iter().zip(&around);
-        let all = all.zip(begun).zip(from);
-        let ended = all.map(|(((filled, around), begun), from)| {
-            let (begun, turns, warnings) = begun;
-            (self.end(filled, around, begun, turns, from), warnings)
-        });
-        let ended: Vec<(Vec<Ended>, Vec<String>)> = ended.collect();
-        drop(around);
-        let from = |(beads, _): &(Vec<Ended>, _)| {
+        let from: Vec<Option<DVec2>> = begun.iter().map(from).collect();
+        let all = begun.into_par_iter().zip(from);
+        let ordered: Vec<Ordered> =
+            all.map(|(layer, from)| self.finish(layer, from)).collect();
+        let from = |(beads, _): &Ordered| {
             let end = beads.last().and_then(Ended::end);
             std::mem::replace(&mut below.at, end)
         };
-        let from: Vec<Option<DVec2>> = ended.iter().map(from).collect();
-        let all = batch.into_par_iter().zip(ended).zip(from);
-        let passed = all.map(|((filled, (beads, warnings)), from)| {
-            let ordered = Ordered {
-                beads,
-                filled,
-                warnings,
-            };
-            self.path(ordered, from)
-        });
-        passed.collect()
+        let from: Vec<Option<DVec2>> = ordered.iter().map(from).collect();
+        let all = batch.into_par_iter().zip(ordered).zip(from);
+        all.map(|((filled, (beads, warnings)), from)| {
+            self.path(filled, beads, warnings, from)
+        })
+        .collect()
     }
 
     /// True for the part's first layer, which nothing holds but the bed or a raft.
@@ -242,63 +234,60 @@ impl<'a> PartPaths<'a> {
         below.map(Layer::top)
     }
 
-    /// What is around a layer. A layer that `climbs` leans on the turn below.
-    fn around<'f>(&self, filled: &'f Filled, climbs: bool) -> Around<'f> {
-        let layer = &filled.layer;
-        let below = filled.below.as_ref();
-        let below = below.filter(|_| !climbs && !self.is_first(filled));
-        let support = self.timings.time(Stage::Travel, || {
-            let below = self.stands_on(filled).filter(|_| !climbs)?;
-            Support::new(below, &layer.outline, &self.plans.walls)
-        });
-        Around {
-            support,
-            ground: below.and_then(|below| layer.ground(below)),
-            seams: self.planned.stages.course.seams(&layer.span),
-        }
-    }
-
     /// Puts the last beads of a layer in order.
     fn begin<'f>(
-        &'f self,
+        &self,
         filled: &'f Filled,
-        around: &'f Around<'f>,
-        beads: LayerBeads,
-    ) -> Begun<'f> {
+        mut beads: LayerBeads,
+    ) -> Beginning<'f> {
         let layer = &filled.layer;
-        let context = order::Context {
-            here: layer.face(),
-            from: self.planned.stages.course.begin(layer),
-            seams: &around.seams,
-            support: around.support.as_ref(),
-            ground: around.ground,
+        let warnings = self.keep_on_bed(&mut beads.skirt, layer.span.index);
+        let turns = std::mem::take(&mut beads.turns);
+        // A climbing wall leans on the turn below.
+        let held = turns.is_empty() && !self.is_first(filled);
+        let below = filled.below.as_ref().filter(|_| held);
+        let support = self.timings.time(Stage::Travel, || {
+            let below = self.stands_on(filled).filter(|_| held)?;
+            Support::new(below, &layer.outline, &self.plans.walls)
+        });
+        let course = &self.planned.stages.course;
+        let mut begun = Beginning {
+            filled,
+            support,
+            ground: below.and_then(|below| layer.ground(below)),
+            from: course.begin(layer),
+            seams: course.seams(&layer.span),
+            begun: Begun::default(),
+            turns,
+            warnings,
         };
-        self.timings
-            .time(Stage::Order, || order(beads, context, &self.plans.order))
+        let plan = &self.plans.order;
+        begun.begun = self
+            .timings
+            .time(Stage::Order, || order(beads, begun.context(), plan));
+        begun
     }
 
     /// Puts all beads of a layer in order, and gives its walls their ends. `from` is
     /// where the layer below ends.
-    fn end(
-        &self,
-        filled: &Filled,
-        around: &Around<'_>,
-        begun: Begun<'_>,
-        turns: Vec<Bead>,
-        from: Option<DVec2>,
-    ) -> Vec<Ended> {
-        let solid = filled.layer.outline.grid();
+    fn finish(&self, mut layer: Beginning<'_>, from: Option<DVec2>) -> Ordered {
+        let solid = layer.filled.layer.outline.grid();
+        let begun = std::mem::take(&mut layer.begun);
         let ended = self.timings.time(Stage::Order, || {
-            let beads = linked(begun.from(from), solid, &self.plans.order);
-            let first = self.is_first(filled);
+            let plan = &self.plans.order;
+            let beads = begun.finish(from, layer.context(), plan);
+            let beads = linked(beads, solid, plan);
+            let first = self.is_first(layer.filled);
             let mut ended = endings(beads, solid, first, &self.plans.ending);
+            let turns = std::mem::take(&mut layer.turns);
             ended.extend(turns.into_iter().map(Ended::from));
             ended
         });
-        self.timings.time(Stage::Travel, || match &around.support {
+        let beads = self.timings.time(Stage::Travel, || match &layer.support {
             Some(support) => cut(ended, support),
             None => ended,
-        })
+        });
+        (beads, layer.warnings)
     }
 
     /// Leaves out what of a layer's skirt is not on the bed. A loop that leaves

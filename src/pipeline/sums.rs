@@ -79,7 +79,6 @@ impl<'a> PartSums<'a> {
         let layer = &counted.layer;
         let index = layer.span.index;
         let written = self.layers.contains(&index);
-        self.warnings.extend(counted.warnings);
         let first = self.part.places.first().map_or(DVec2::ZERO, |p| p.shift);
         let follow = Follow {
             offset: self.part.model.offset.truncate() + first,
@@ -94,6 +93,7 @@ impl<'a> PartSums<'a> {
         if !written {
             return;
         }
+        self.warnings.extend(counted.warnings);
         if index == 0 && self.raft_layers == 0 {
             let none = Area::EMPTY;
             let pads = self.pads.unwrap_or(&none);

@@ -5,7 +5,8 @@
 //! is counted of it.
 
 use super::SliceError;
-use super::part::{Counted, Ordered, PartPaths, Passed};
+use super::layer::Filled;
+use super::part::{Counted, PartPaths, Passed};
 use super::supported::Top;
 use glam::DVec2;
 use isoslice_base::timings::Stage;
@@ -18,18 +19,15 @@ use isoslice_planar::Solid;
 use isoslice_planar::bead::Plane;
 
 impl PartPaths<'_> {
-    /// Makes the path of a layer. `from` is where the layer below ends, if it
-    /// prints anything.
+    /// Makes the path of a layer whose `beads` are in order. `warnings` are those of
+    /// its order. `from` is where the layer below ends, if it prints anything.
     pub(super) fn path(
         &self,
-        ordered: Ordered,
+        mut filled: Filled,
+        beads: Vec<Ended>,
+        warnings: Vec<String>,
         from: Option<DVec2>,
     ) -> Result<(Passed, Counted), SliceError> {
-        let Ordered {
-            beads,
-            mut filled,
-            warnings,
-        } = ordered;
         let view = filled.view();
         let span = filled.layer.span;
         let beads = if self.plans.interlocked {

@@ -92,13 +92,15 @@ impl Course {
         guide.map_or_else(Vec::new, |guide| guide.seams(span))
     }
 
-    /// Looks at the next of some layers. The layers beside it are given as far as
-    /// they are known.
+    /// Looks at the next of some layers, with the layer right below it, if there is
+    /// one.
     fn look(&mut self, layer: &Layer, below: Option<&Layer>) {
         if let Some(guide) = &mut self.guide {
             let ground = below.and_then(|below| layer.ground(below));
-            guide.look(&layer.span, &layer.outline, ground);
+            let below = below.map(|below| (&below.span, &*below.outline));
+            guide.look(&layer.span, &layer.outline, below, ground);
         }
+        self.visit(layer);
     }
 
     /// Finds the ends of the way through a layer's islands, each of which begins at
@@ -138,31 +140,25 @@ impl Stages<'_> {
             guide: self.seams.guide(),
             ways: Vec::new(),
         };
+        // The lowest layer tells nothing of how seams move, nor of what hangs.
         let lowest = self.plans.raft.layers;
+        let first = (lowest + 1).min(spans.len().saturating_sub(1));
         let flat = |&i: &usize| self.spiral_at(i).is_none();
-        let looked = |&i: &usize| i == lowest || i % STRIDE == PLACE;
-        let all = (lowest..spans.len()).filter(flat).filter(looked);
+        let looked = |&i: &usize| i == first || i % STRIDE == PLACE;
+        let all = (first..spans.len()).filter(looked).filter(flat);
         let looks: Vec<usize> = all.collect();
         // Some at a time, since a layer may take megabytes.
         for some in looks.chunks(pool.current_num_threads()) {
             limits::go_on()?;
             let pair = |&i: &usize| {
-                // What holds the lowest layer does not matter, but how its seams
-                // move on does.
-                let from = if i == lowest { i } else { i - 1 };
-                self.only(spans, from..from + 2)
+                self.only(spans, i.saturating_sub(1).max(lowest)..i + 1)
             };
             let made: Vec<Result<Vec<Layer>, SliceError>> =
                 pool.install(|| some.par_iter().map(pair).collect());
-            for (&i, layers) in some.iter().zip(made) {
-                let layers = layers?;
-                let at = |i: usize| layers.iter().find(|l| l.span.index == i);
-                let Some(layer) = at(i) else { continue };
-                if let Some(above) = at(i + 1) {
-                    course.look(above, Some(layer));
+            for layers in made {
+                if let [below @ .., layer] = &*layers? {
+                    course.look(layer, below.first());
                 }
-                course.look(layer, i.checked_sub(1).and_then(at));
-                course.visit(layer);
             }
         }
         self.course = course;

@@ -1,7 +1,7 @@
 //! The paths of one part's layers, from below. [`plate`] hands over those of several
-//! parts, ahead of whoever writes them. `fill` lays beads. `lower` decides what
-//! depends on the layer below: infill that stands on nothing, and internal bridges.
-//! `root` finds how far below a run has to begin for that.
+//! parts, ahead of whoever writes them. `fill` lays beads. `lower` decides what depends
+//! on the layer below: infill that stands on nothing, and internal bridges. `root`
+//! finds how far below a run has to begin for that.
 //!
 //! In: the slabs of a part. Out: its layers in order, a few at a time. Only the
 //! window of layers on which later layers depend is kept. So memory grows with the

@@ -1,9 +1,8 @@
 //! The layer with which a run begins that writes only some layers.
 //!
-//! In: the lowest layer that is written, or the one below it. Out: the highest layer
-//! at or below it that lies on nothing on which more than its outline and the
-//! outlines around it have an influence. What runs find in the layers above does not
-//! depend on which of them finds it. `lower` says why.
+//! In: the lowest layer whose path a run makes. Out: the highest layer, this one or one
+//! below it, whose beads follow from the outlines around it alone. From there on every
+//! run finds the same. `lower` says why.
 
 use super::super::SliceError;
 use super::super::layer::Filled;

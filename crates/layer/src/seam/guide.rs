@@ -20,6 +20,10 @@ use isoslice_base::units::Mm;
 use isoslice_planar::Solid;
 use isoslice_settings::layers::LayerSpan;
 
+/// How far a seam may move in 1 mm of height, mm, to be on an even way: 63° from the
+/// upright. What moves faster has jumped, to a corner that begins in the layer.
+const STEEPEST: f64 = 2.0;
+
 /// The seams of a part.
 #[derive(Clone, Debug)]
 pub struct Guide {
@@ -62,27 +66,27 @@ impl Guide {
         }
     }
 
-    /// Looks at the next of these layers. `ground` is what holds it, if that
-    /// differs from it. A layer below the last one takes the place of that: the
-    /// part's lowest layer comes after the one above it, since the two tell how
-    /// seams move, and where nothing hangs.
+    /// Looks at the next layer, with what is right below it. `ground` is what holds
+    /// it, if that differs from it.
     pub fn look(
         &mut self,
         span: &LayerSpan,
         outline: &Solid<'_>,
+        below: Option<(&LayerSpan, &Solid<'_>)>,
         ground: Option<Ground<'_>>,
     ) {
-        let below = self.looks.last();
-        let (number, top) = below.map_or((0, 0.0), |b| (b.index, b.top));
+        let last = self.looks.last();
+        let (number, top) =
+            last.map_or((0, 0.0), |last| (last.index, last.top));
         let layers = span.index.abs_diff(number);
         let rise = span.top - top;
         let rings = &outline.area().rings;
-        // For each ring the seam below that is nearest to it.
+        // For each ring the seam of the last look that is nearest to it.
         let mut near: Vec<Option<(Mm, Below, usize)>> = vec![None; rings.len()];
-        let seams = below.map_or(&[][..], |below| &below.seams);
+        let seams = last.map_or(&[][..], |last| &last.seams);
         for (from, seam) in seams.iter().enumerate() {
             let meant = seam.risen(rise);
-            let way = rise.abs() * seam.slope.length();
+            let way = rise * seam.slope.length();
             let found = outline.grid().nearest_within(meant, reach(way));
             let Some((ring, at)) = found else { continue };
             let away = at.distance(meant);
@@ -91,29 +95,47 @@ impl Guide {
             }
         }
         let seam = |(ring, near): (&Vec<DVec2>, Option<(Mm, Below, usize)>)| {
-            let site = match ring.len() {
-                0..3 => Site::default(),
-                _ => aligned(ring, self.accuracy),
-            };
-            let below = near.map(|near| near.1);
-            let at = follow(&site, ring, below, ground)?;
+            let lower = near.map(|near| near.1);
+            let at = follow(&self.site(ring), ring, lower, ground)?;
             // A seam that has left its place begins anew.
             let from = near
-                .filter(|(_, below, _)| at.distance(below.at) <= below.reach)
+                .filter(|(_, lower, _)| at.distance(lower.at) <= lower.reach)
                 .map(|near| near.2);
-            let slope = from.map_or(DVec2::ZERO, |k| (at - seams[k].at) / rise);
+            let slope = below.and_then(|below| self.slope(at, span, below));
+            let slope = slope.unwrap_or_default();
             Some(Guided { at, slope, from })
         };
-        let mut seams: Vec<Guided> =
-            rings.iter().zip(near).filter_map(seam).collect();
-        if self.looks.pop_if(|last| last.index > span.index).is_some() {
-            seams.iter_mut().for_each(|seam| seam.from = None);
-        }
+        let seams = rings.iter().zip(near).filter_map(seam).collect();
         self.looks.push(Look {
             index: span.index,
             top: span.top,
             seams,
         });
+    }
+
+    fn site(&self, ring: &[DVec2]) -> Site {
+        match ring.len() {
+            0..3 => Site::default(),
+            _ => aligned(ring, self.accuracy),
+        }
+    }
+
+    /// How far the seam at a point moves in 1 mm of height, by the layer right below;
+    /// none if it has not moved on evenly from there.
+    fn slope(
+        &self,
+        at: DVec2,
+        span: &LayerSpan,
+        (lower, outline): (&LayerSpan, &Solid<'_>),
+    ) -> Option<DVec2> {
+        let rise = span.top - lower.top;
+        let reach = STEEPEST * rise;
+        let (ring, nearest) = outline.grid().nearest_within(at, reach)?;
+        let corners = self.site(&outline.area().rings[ring]).corners;
+        let away = |p: &DVec2| p.distance(at);
+        let corner = |a: &DVec2, b: &DVec2| away(a).total_cmp(&away(b));
+        let from = corners.into_iter().min_by(corner).unwrap_or(nearest);
+        (away(&from) <= reach).then(|| (at - from) / rise)
     }
 
     /// Where the seams of a layer are expected: first those that are in one line

@@ -186,9 +186,11 @@ fn a_guide_knows_where_seams_go() {
         top: 0.2 * (index + 1) as f64,
     };
     let mut guide = Guide::new(ACCURACY);
-    for index in [1, 0].into_iter().chain((13..400).step_by(16)) {
-        let solid = Solid::new(Area::from(corners(index)));
-        guide.look(&span(index), &solid, None);
+    for index in [1].into_iter().chain((13..400).step_by(16)) {
+        let [below, here] = [index - 1, index]
+            .map(|index| Solid::new(Area::from(corners(index))));
+        let below = Some((&span(index - 1), &below));
+        guide.look(&span(index), &here, below, None);
     }
     let mut at = None;
     for index in 0..400 {
@@ -221,9 +223,11 @@ fn a_guide_knows_seams_that_begin_and_end() {
     let mut guide = Guide::new(ACCURACY);
     let mut look = |index: usize, at: &[f64]| {
         let area: Area = at.iter().map(|&x| square(x)).collect();
-        guide.look(&span(index), &Solid::new(area), None);
+        let here = Solid::new(area);
+        let below = index.checked_sub(1).map(span);
+        let below = below.as_ref().map(|below| (below, &here));
+        guide.look(&span(index), &here, below, None);
     };
-    look(1, &[0.0]);
     look(0, &[0.0]);
     look(13, &[20.0, 0.8]);
     look(29, &[20.0]);
@@ -248,6 +252,31 @@ fn a_guide_knows_seams_that_begin_and_end() {
     };
     near(6, &[first + 0.8 * 6.0 / 13.0, second]);
     near(13, &[first + 0.8, second]);
-    near(20, &[first + 0.8 * 20.0 / 13.0, second]);
+    near(20, &[first + 0.8, second]);
     near(40, &[second]);
+}
+
+/// A corner that has jumped since the layer below does not make its seam lean.
+#[test]
+fn a_jump_is_no_slope() {
+    let plate = |x: f64| -> Vec<DVec2> {
+        [(-4.0, -3.0), (4.0, -3.0), (x, 3.0), (-x, 3.0)]
+            .map(DVec2::from)
+            .into()
+    };
+    let span = |index: usize| LayerSpan {
+        index,
+        bottom: 0.1 * index as f64,
+        top: 0.1 * (index + 1) as f64,
+    };
+    // Two layers of a wall that leans by 45°, and two with a step between them.
+    for (x, lower, moved) in [(4.0, 4.1, 2.0_f64), (4.0, 5.0, 0.0)] {
+        let mut guide = Guide::new(ACCURACY);
+        let [here, below] =
+            [x, lower].map(|x| Solid::new(Area::from(plate(x))));
+        guide.look(&span(13), &here, Some((&span(12), &below)), None);
+        let [at, up] = [13, 33].map(|index| guide.seams(&span(index))[0]);
+        let inward = DVec2::new(-moved * at.x.signum(), 0.0);
+        assert!((up - at).distance(inward) < 1e-9, "{at} {up}");
+    }
 }

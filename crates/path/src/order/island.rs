@@ -99,6 +99,8 @@ impl Inside {
             jobs,
             skin: std::mem::take(&mut self.skin),
         };
+        // The others are put in order once more when it is known where the head
+        // comes from. Where they end now is a good guess of where they will end.
         self.clone().print(&mut at, None, &mut Vec::new());
         let mut out = Vec::new();
         last.print(&mut at, to, &mut out);

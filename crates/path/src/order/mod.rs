@@ -113,9 +113,8 @@ impl Context<'_> {
 /// A layer's beads, of which the last ones are in order. They are chosen before the
 /// others, and do not depend on where the layer begins, so that the layer above can
 /// be told at once where this one ends.
-pub struct Begun<'a> {
-    context: Context<'a>,
-    plan: &'a OrderPlan,
+#[derive(Default)]
+pub struct Begun {
     skirt: Vec<Bead>,
     /// Supports that come before the part.
     support: Vec<Bead>,
@@ -127,57 +126,59 @@ pub struct Begun<'a> {
 }
 
 /// Begins to put a layer's beads in order.
-pub fn order<'a>(
+pub fn order(
     mut beads: LayerBeads,
-    context: Context<'a>,
-    plan: &'a OrderPlan,
-) -> Begun<'a> {
+    context: Context<'_>,
+    plan: &OrderPlan,
+) -> Begun {
     let skirt = std::mem::take(&mut beads.skirt);
-    let support = std::mem::take(&mut beads.support);
+    let mut support = std::mem::take(&mut beads.support);
     let support_last = beads.support_last;
     let outline = context.here.outline.area();
     let mut islands = islands(outline, beads);
     place_seams(&mut islands, context.seams, context.ground);
     islands.retain(|island| island_start(island).is_some());
-    let mut begun = Begun {
-        context,
-        plan,
+    let mut before = Inside::default();
+    let mut last = Vec::new();
+    if support_last && !support.is_empty() {
+        let support = std::mem::take(&mut support);
+        supports::print(support, outline, &mut None, &mut last);
+    } else {
+        let stops = stops_at(&islands);
+        let visits = tour(&stops, context.from, None);
+        if let [ways @ .., visit] = &*visits {
+            let at = ways.last().map(|visit| stops[visit.stop].from);
+            // The layer above is likely to begin where this one ends, with the
+            // same island.
+            let to = Some(stops[visit.stop].from);
+            let island = islands.swap_remove(visit.stop);
+            before = Inside::new(island, context, plan);
+            last = before.print_last(at.or(context.from), to);
+        }
+    }
+    Begun {
         skirt,
         support,
         islands,
-        before: Inside::default(),
-        last: Vec::new(),
-    };
-    if support_last && !begun.support.is_empty() {
-        let support = std::mem::take(&mut begun.support);
-        supports::print(support, outline, &mut None, &mut begun.last);
-        return begun;
+        before,
+        last,
     }
-    let stops = stops_at(&begun.islands);
-    let visits = tour(&stops, context.from, None);
-    if let Some(visit) = visits.last() {
-        let before = visits.iter().rev().nth(1);
-        let at = before.map(|visit| stops[visit.stop].from);
-        let island = begun.islands.swap_remove(visit.stop);
-        // The layer above is likely to begin where this one ends, with the same
-        // island.
-        let to = Some(stops[visit.stop].from);
-        let mut inside = Inside::new(island, context, plan);
-        begun.last = inside.print_last(at.or(context.from), to);
-        begun.before = inside;
-    }
-    begun
 }
 
-impl Begun<'_> {
+impl Begun {
     /// Where the layer ends; none if it has no bead.
     pub fn end(&self) -> Option<DVec2> {
         self.last.iter().rev().find_map(jobs::end)
     }
 
-    /// The beads in print order. `from` is where the head comes from.
-    pub fn from(self, from: Option<DVec2>) -> Vec<Bead> {
-        let Begun { context, plan, .. } = self;
+    /// The beads in print order. `from` is where the head comes from; `context` and
+    /// `plan` are those with which the order was begun.
+    pub fn finish(
+        self,
+        from: Option<DVec2>,
+        context: Context<'_>,
+        plan: &OrderPlan,
+    ) -> Vec<Bead> {
         let mut at = from.or(context.from);
         let mut out = Vec::new();
         for mut bead in self.skirt {
@@ -188,14 +189,11 @@ impl Begun<'_> {
             }
             jobs::finish(bead, &mut at, &mut out);
         }
-        supports::print(
-            self.support,
-            context.here.outline.area(),
-            &mut at,
-            &mut out,
-        );
-        let first = self.last.first().and_then(|b| b.stroke.ends());
-        let to = self.before.start().or(first.map(|ends| ends.0));
+        let outline = context.here.outline.area();
+        supports::print(self.support, outline, &mut at, &mut out);
+        let last = self.last.first().and_then(|b| b.stroke.ends());
+        let last = last.map(|ends| ends.0);
+        let to = self.before.start().or(last);
         let stops = stops_at(&self.islands);
         let visits = tour(&stops, at, to);
         let mut left: Vec<Option<Island>> =
@@ -207,8 +205,7 @@ impl Begun<'_> {
                 inside.print(&mut at, next.or(to), &mut out);
             }
         }
-        self.before
-            .print(&mut at, first.map(|ends| ends.0), &mut out);
+        self.before.print(&mut at, last, &mut out);
         out.extend(self.last);
         out
     }
@@ -364,7 +361,7 @@ mod tests {
             ..held(&outline)
         };
         let plan = usual_plan(OrderPlan::of);
-        let out = order(beads, context, &plan).from(None);
+        let out = order(beads, context, &plan).finish(None, context, &plan);
         let side: Vec<bool> =
             out.iter().map(|b| b.stroke.points[0].x > 10.0).collect();
         assert_eq!(side, [true, true, false, false]);
@@ -391,7 +388,7 @@ mod tests {
             ..held(&outline)
         };
         let plan = usual_plan(OrderPlan::of);
-        let out = order(beads, context, &plan).from(None);
+        let out = order(beads, context, &plan).finish(None, context, &plan);
         let starts: Vec<DVec2> = out
             .iter()
             .filter(|b| b.role == Role::OuterWall)
@@ -429,7 +426,8 @@ mod tests {
                 2
             ];
             let plan = plan_with(OrderPlan::of, |s| s.wall_order = wall_order);
-            let out = order(beads, held(&outline), &plan).from(None);
+            let context = held(&outline);
+            let out = order(beads, context, &plan).finish(None, context, &plan);
             assert_eq!(out.len(), 6);
             let here = out.iter().filter(|b| b.stroke.points[0].x < 10.0);
             let roles: Vec<Role> = here.map(|b| b.role).collect();
@@ -462,7 +460,7 @@ mod tests {
                 ..held(&outline)
             };
             let plan = usual_plan(OrderPlan::of);
-            let out = order(beads, context, &plan).from(None);
+            let out = order(beads, context, &plan).finish(None, context, &plan);
             out.iter().map(|b| b.stroke.points[0].x + 4.0).collect()
         };
         let course = course(&centres);

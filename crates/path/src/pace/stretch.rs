@@ -62,18 +62,24 @@ impl<'a> Stretch<'a, '_> {
         timings: &Timings,
     ) -> Result<RatedStretch<'a>, QuantityError> {
         let moves = std::mem::take(&mut self.moves);
-        let some = moves.into_par_iter().with_min_len(SOME);
         let step = |step: Move| match step {
             Move::Travel(travel) => Ok(Step::Travel(travel)),
-            Move::Print(bead) => Ok(Step::Print(
-                timings.time(Stage::Rates, || self.pieces(bead, span))?,
-            )),
+            Move::Print(bead) => Ok(Step::Print(self.pieces(bead, span)?)),
         };
-        let steps: Vec<Result<Step, QuantityError>> = some.map(step).collect();
+        let steps = |some: Vec<Move>| -> Vec<Result<Step, QuantityError>> {
+            timings.time(Stage::Rates, || some.into_iter().map(step).collect())
+        };
+        let steps: Vec<_> = moves
+            .into_par_iter()
+            .chunks(SOME)
+            .flat_map_iter(steps)
+            .collect();
+        // The error is that of the first move that has one.
+        let steps = steps.into_iter().collect::<Result<_, _>>()?;
         Ok(RatedStretch {
             place: self.place,
             plan: self.rater.plan,
-            steps: steps.into_iter().collect::<Result<_, _>>()?,
+            steps,
         })
     }
 
