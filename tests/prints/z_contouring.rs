@@ -488,7 +488,7 @@ fn tops_do_not_rise_into_the_gap_below_supports() {
             let covered = p.truncate().abs().max_element() < 3.5;
             if away < 0.05 {
                 // The way up may begin at the border of what the stem covers.
-                assert!(p.z < 3.02, "{p}");
+                assert!(p.z < 3.03, "{p}");
                 below += usize::from(p.z < 3.001);
             } else if away > 2.0 && !covered {
                 assert!((p.z - 3.08).abs() < 0.002, "{p} {away}");
