@@ -321,8 +321,8 @@ fn tops_lie_on_the_surface() {
             straight,
         } = distances(&part, &steps);
         assert!(own.len() > 10_000 && straight.len() > 5_000);
-        // No strips of the wedge of 15° lie open.
-        let has_strips = !(0.2..0.3).contains(&part.parameter);
+        // Hardly any strips of the wedges of 10° and 15° lie open.
+        let has_strips = !(0.1..0.3).contains(&part.parameter);
         assert!(!has_strips || strips.len() > 100, "{name}");
         // `TOLERANCE`, the rounding of z and that of x and y.
         assert!(rms(&straight) < 1.5, "{name}: {}", rms(&straight));
@@ -488,7 +488,7 @@ fn tops_do_not_rise_into_the_gap_below_supports() {
             let covered = p.truncate().abs().max_element() < 3.5;
             if away < 0.05 {
                 // The way up may begin at the border of what the stem covers.
-                assert!(p.z < 3.02, "{p}");
+                assert!(p.z < 3.03, "{p}");
                 below += usize::from(p.z < 3.001);
             } else if away > 2.0 && !covered {
                 assert!((p.z - 3.08).abs() < 0.002, "{p} {away}");
