@@ -2,8 +2,8 @@
 # Makes the pictures in this folder from the examples.
 # Needs rsvg-convert (Debian: librsvg2-bin) beside Rust, for the preview's
 # picture also what tests/browser/run.sh needs, and Python with Pillow.
-# Not made here: junctions.png, of which half shows what an earlier version
-# printed.
+# Not made here: junctions.png and strokes.png, of which half shows what an earlier
+# version printed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 work=$(mktemp -d)
