@@ -41,8 +41,12 @@ const BULGE: f64 = 1.25;
 
 /// The cost of a stroke's end, by which the other costs are measured.
 const END: f64 = 1.0;
-/// The cost of an odd bead's end in a tip, or where it may go on in another axis.
+/// The cost of an odd bead's end at an axis's end, where a loop would go on around it
+/// or into another axis.
 const STOP: f64 = 0.5;
+/// An axis shorter than this many times its thickness is a post, in which a bead is
+/// no more of a stroke than a loop is, and takes half the time.
+const POST: f64 = 2.0;
 /// The cost of a loop's end: the walls around it are not quite even.
 const LOOP: f64 = 0.3;
 /// The cost of 1 mm of beads that are as wide or as narrow as they may be. Parts of
@@ -53,8 +57,8 @@ const STRETCHED: f64 = 0.4;
 const PINCHED: f64 = 0.6;
 /// The cost of 1 mm of a bead beyond that.
 const BULGED: f64 = 1.0;
-/// The cost of 1 mm that has room for a bead and has none: in a corner of 30° as
-/// much as the bead's ends.
+/// The cost of 1 mm that has room for a bead and has none: in a corner of 35° as
+/// much as the bead's end.
 const OPEN: f64 = 3.5;
 /// The cost of 1 mm of beads that do not fit.
 const WRONG: f64 = 20.0;
@@ -185,15 +189,20 @@ impl Beadings {
         }
     }
 
+    /// True if one of so many beads lies in the middle.
+    fn is_single(&self, number: usize) -> bool {
+        number < self.beadings.len() && !number.is_multiple_of(2)
+    }
+
     /// The cost of the border between two parts with these numbers of beads, where
     /// the area has a thickness.
     fn border(&self, a: usize, b: usize, thickness: Mm) -> f64 {
-        let odd = |n: usize| n < self.beadings.len() && !n.is_multiple_of(2);
         let closes = |n: usize| {
             let loops = self.beadings.get(n);
             loops.is_none_or(|c| thickness <= c.short.0)
         };
-        match [a, b].into_iter().filter(|&n| odd(n)).count() {
+        let single = [a, b].into_iter().filter(|&n| self.is_single(n));
+        match single.count() {
             _ if a == b => 0.0,
             1 if a.min(b) == 0 && self.number(thickness) == 0 => STOP,
             // Elsewhere the loop would be cut open.
@@ -201,12 +210,6 @@ impl Beadings {
             0 => LOOP,
             ends => END * ends as f64,
         }
-    }
-
-    /// The cost of an axis's end with this number of beads.
-    fn stop(&self, number: usize) -> f64 {
-        let odd = number < self.beadings.len() && !number.is_multiple_of(2);
-        if odd { STOP } else { 0.0 }
     }
 
     /// The parts of an axis and their numbers of beads, without those that are
@@ -263,8 +266,12 @@ impl Beadings {
             })
             .collect();
         if !axis.closed {
-            let begin = |n: usize| self.stop(n);
-            return self.cheapest(axis, &costs, begin, begin).1;
+            let post = axis.length() < POST * axis.thickest();
+            let stop = |n: usize| match self.is_single(n) && !(n == 1 && post) {
+                true => STOP,
+                false => 0.0,
+            };
+            return self.cheapest(axis, &costs, stop, stop).1;
         }
         // The way round ends with the number that it begins with.
         let round = (0..=self.beadings.len()).map(|first| {
