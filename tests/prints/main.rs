@@ -12,6 +12,7 @@
 mod common;
 
 mod adhesion;
+mod checked;
 mod compensation;
 mod exposure;
 mod flow_change;

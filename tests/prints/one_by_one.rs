@@ -364,15 +364,21 @@ fn ranges_are_for_parts_that_grow_together() {
 fn supports_and_brims_keep_their_distance_too() {
     let mushroom = "min(max(sqrt(x^2+y^2) - 3, max(-z, z - 10)), \
          max(sqrt(x^2+y^2) - 8, max(8 - z, z - 10)))";
-    let settings = settings(
-        &[&PLAIN[..], &["supports=auto", "brim.place=outer"]].concat(),
-    );
+    // Supports lie between the layers of the part.
+    let more = ["supports=auto", "brim.place=outer", "layer_height=0.15"];
+    let settings_with =
+        |own: &[&str]| settings(&[&PLAIN[..], &more[..], own].concat());
+    let settings = settings_with(&[]);
     let all = [wanted("mushroom", mushroom, 3, &settings)];
     let plate = Plate::new("plate", &all, &settings).unwrap();
     let gcode = run(&plate, 2);
     assert!(gcode.contains(";TYPE:Support material"));
     let verdict = check(gcode.as_bytes(), &Rules::new(&settings)).unwrap();
     assert!(verdict.is_safe(), "{:?}", verdict.findings);
+    let wider = settings_with(&["printer.head_clearance_radius=60"]);
+    let verdict = check(gcode.as_bytes(), &Rules::new(&wider)).unwrap();
+    let mut hits = verdict.findings.iter();
+    assert!(hits.any(|f| f.kind == FindingKind::Collision));
     let ways = ways(&gcode);
     let of = |name: &str| {
         let own = ways.iter().filter(|way| way.label == name && way.fed > 0.0);

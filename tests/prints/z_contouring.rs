@@ -321,9 +321,9 @@ fn tops_lie_on_the_surface() {
             straight,
         } = distances(&part, &steps);
         assert!(own.len() > 10_000 && straight.len() > 5_000);
-        // No strips of the wedge of 15° lie open.
-        let has_strips = !(0.2..0.3).contains(&part.parameter);
-        assert!(!has_strips || strips.len() > 20, "{name}");
+        // Hardly any strips of the wedges of 10° and 15° lie open.
+        let has_strips = !(0.1..0.3).contains(&part.parameter);
+        assert!(!has_strips || strips.len() > 100, "{name}");
         // `TOLERANCE`, the rounding of z and that of x and y.
         assert!(rms(&straight) < 1.5, "{name}: {}", rms(&straight));
         assert!(worst(&straight) < 3.0, "{name}: {}", worst(&straight));

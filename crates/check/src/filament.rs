@@ -224,10 +224,12 @@ impl Checker<'_> {
         }
     }
 
-    /// True if a bead is the first of its layer, skirts left out, and begins no
-    /// higher than the layer before: layers of one part only go up.
+    /// True if a bead is the first of its layer, and begins no higher than the
+    /// layer before: layers of one part only go up. Skirts are not part of it, and
+    /// supports have heights of their own.
     fn begins_lower(&mut self, role: Role, z: Mm) -> bool {
-        if role == Role::SkirtBrim || self.begun.is_some() {
+        let part = !matches!(role, Role::SkirtBrim) && !role.is_support();
+        if !part || self.begun.is_some() {
             return false;
         }
         self.begun = Some(z);

@@ -15,6 +15,7 @@
 use super::cells::{CELL, cell_of};
 use super::ground::Ground;
 use super::rise::{self, Rise};
+use super::rules::ROUNDING;
 use glam::IVec2;
 use isoslice_base::units::{Mm, Mm2, cross_section};
 use isoslice_gcode_read::reader::{Move, Role};
@@ -55,8 +56,12 @@ struct Window {
 }
 
 /// The plastic in the layer being printed, and how the file's layers rise.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Flow {
+    /// Width of the nozzle.
+    nozzle: Mm,
+    /// Height of the bed, unless the file continues what others have printed.
+    bed: Option<Mm>,
     layer: Layer,
     rise: Rise,
 }
@@ -68,8 +73,13 @@ struct Layer {
     /// says.
     volume: f64,
     said: f64,
-    /// Area of the beads, seen from the side.
-    upright: f64,
+    /// Area of the beads, seen from the side, by what the reader takes for their
+    /// height.
+    seen: Mm2,
+    /// Volume of the beads above what is known, and their area, seen from the side,
+    /// by how far they rise.
+    standing: f64,
+    upright: Mm2,
     windows: BTreeMap<(i32, i32), Window>,
     /// The first line of the layer.
     line: Option<u64>,
@@ -85,13 +95,23 @@ pub(super) struct Wrong {
 }
 
 impl Flow {
+    /// No layer, printed from `base` on with a nozzle of this width.
+    pub(super) fn new(base: Mm, nozzle: Mm) -> Self {
+        Self {
+            nozzle,
+            bed: (base == 0.0).then_some(base),
+            layer: Layer::default(),
+            rise: Rise::default(),
+        }
+    }
+
     /// Takes a bead with a cross-section of `area` that lies on `ground`.
     pub(super) fn bead(&mut self, step: &Move, area: Mm2, ground: &Ground) {
         if !counts(step.role) {
             return;
         }
         let length = step.length();
-        self.layer.bead(step, area * length);
+        self.layer.bead(step, area);
         let (from, to) = (step.from.truncate(), step.to.truncate());
         // Places in the middle of steps of a cell's size, or less.
         let count = (from.distance(to) / CELL).ceil().max(1.0);
@@ -100,14 +120,23 @@ impl Flow {
             let share = (f64::from(k) + 0.5) / count;
             let at = step.from.lerp(step.to, share);
             let cell = cell_of(at.truncate());
+            // What other files have printed there is not known.
+            let Some(below) = ground.below(cell).or(self.bed) else {
+                continue;
+            };
             // Files that say no heights may have supports between layers, whose
             // distance then is not the height of either.
-            let below = ground.below(cell).unwrap_or(0.0);
-            let room = step.height.max(at.z - below);
+            let rise = at.z - below;
+            let room = step.height.max(rise);
             self.layer.cover(cell, volume, room);
+            // A bead that rises by more than the nozzle's width lies on nothing.
+            let lies = rise < self.nozzle + ROUNDING;
+            let height = if lies { room } else { step.height };
+            self.layer.standing += volume;
+            self.layer.upright += height * length / count;
             if !ground.is_over_support(cell) {
                 let named = step.role != Role::Unknown;
-                self.rise.bead(at.z - below, length / count, area, named);
+                self.rise.bead(rise, length / count, area, named);
             }
         }
     }
@@ -129,13 +158,13 @@ impl Flow {
 }
 
 impl Layer {
-    /// Takes in a bead with this volume.
-    fn bead(&mut self, step: &Move, volume: f64) {
+    /// Takes in a bead with this cross-section.
+    fn bead(&mut self, step: &Move, area: Mm2) {
         let length = step.length();
         self.line.get_or_insert(step.line);
-        self.volume += volume;
+        self.volume += area * length;
         self.said += cross_section(step.width, step.height) * length;
-        self.upright += step.height * length;
+        self.seen += step.height * length;
     }
 
     /// Adds a part of a bead to its window.
@@ -155,7 +184,7 @@ impl Layer {
     /// What is wrong with it, if its flow and its widths should be about these.
     fn wrong(&self, flow: [f64; 2], widths: [Mm; 2]) -> Option<Wrong> {
         let line = self.line?;
-        if self.upright < LITTLE {
+        if self.seen < LITTLE {
             return None;
         }
         let [least, most] = flow;
@@ -167,9 +196,12 @@ impl Layer {
         // Sparse infill may leave no cell uncovered, so that only too much is
         // wrong there.
         let filled = || beyond(self.filled()?, 0.0, TOO_MUCH);
-        let width = self.volume / self.upright;
         let [narrow, wide] = [TOO_NARROW * widths[0], TOO_WIDE * widths[1]];
-        let is_wide = || Some(beyond(width, narrow, wide)? / widths[0]);
+        let width = || {
+            let enough = self.upright >= LITTLE;
+            enough.then(|| self.standing / self.upright)
+        };
+        let is_wide = || Some(beyond(width()?, narrow, wide)? / widths[0]);
         let share = said.or_else(filled).or_else(is_wide)?;
         Some(Wrong { line, share })
     }
@@ -230,7 +262,7 @@ mod tests {
             text += &format!("G1 X50 Y{y:.3}\nG1 X62 E{fed:.5}\n");
             y += apart;
         }
-        let mut flow = Flow::default();
+        let mut flow = Flow::new(0.0, 0.4);
         let ground = Ground::new(0.0, 0.4);
         for event in Reader::new(text.as_bytes()) {
             if let Event::Move(step) = event.unwrap()

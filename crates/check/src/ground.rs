@@ -159,8 +159,7 @@ impl Ground {
     /// Takes in a bead with a cross-section of `area` in the layer being
     /// printed. Returns the first place where it is too low or too high.
     pub(super) fn bead(&mut self, step: &Move, area: Mm2) -> Option<Wrong> {
-        let support =
-            matches!(step.role, Role::Support | Role::SupportInterface);
+        let support = step.role.is_support();
         let highest = step.from.z.max(step.to.z);
         self.here.bridges |= matches!(step.role, Role::Bridge | Role::Overhang);
         self.here.top = Some(self.here.top.map_or(highest, |t| t.max(highest)));

@@ -110,8 +110,9 @@ const IDLE_MOVES: u64 = 100;
 /// # Errors
 /// If the file cannot be read or is not text.
 pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
-    let mut reader =
-        Reader::new(input).filament_diameter(rules.filament_diameter);
+    let mut reader = Reader::new(input)
+        .filament_diameter(rules.filament_diameter)
+        .base(rules.base);
     let mut checker = Checker::new(rules);
     let nothing = loop {
         match reader.next() {
@@ -171,7 +172,7 @@ struct Checker<'a> {
     /// Parts that were printed before this one.
     finished: Finished,
     /// Height of the first bead of this layer and of the layer before, skirts
-    /// left out.
+    /// and supports left out.
     begun: Option<Mm>,
     begun_before: Option<Mm>,
     layer: u32,
@@ -200,7 +201,7 @@ impl<'a> Checker<'a> {
             pushed: 0.0,
             way_back: None,
             gaps: Gaps::new(rules.travel),
-            flow: Flow::default(),
+            flow: Flow::new(rules.base, rules.nozzle),
             again: Again::default(),
             idle: (0, 0),
             laid: 0.0,

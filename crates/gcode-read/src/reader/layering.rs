@@ -6,6 +6,7 @@
 //! printed at another height.
 
 use super::comments::Tag;
+use super::role::Role;
 use glam::DVec3;
 use isoslice_base::units::{Mm, Mm2};
 
@@ -31,6 +32,10 @@ pub(super) struct Layering {
     marked: bool,
     /// Height at which the layer was first printed; none before that.
     z: Option<Mm>,
+    /// True if the layer is marked, and only supports were printed in it.
+    supports: bool,
+    /// Height of what the first layer lies on.
+    base: Mm,
     /// Heights of the layer before it, and of the one before that.
     below: Mm,
     below_that: Mm,
@@ -51,6 +56,11 @@ impl Layering {
         }
     }
 
+    /// Sets the height of what the first layer lies on.
+    pub(super) fn set_base(&mut self, base: Mm) {
+        (self.base, self.below) = (base, base);
+    }
+
     /// Takes in a comment. True if a layer begins.
     pub(super) fn tag(&mut self, tag: Tag) -> bool {
         match tag {
@@ -61,7 +71,7 @@ impl Layering {
                 self.marked = true;
                 self.number = 1;
                 self.z = None;
-                self.below = 0.0;
+                self.below = self.base;
                 return true;
             }
             // Several marks of one layer count as one.
@@ -75,7 +85,7 @@ impl Layering {
     }
 
     /// Takes in a move that prints. True if a layer begins with it.
-    pub(super) fn print(&mut self, from: DVec3, to: DVec3) -> bool {
+    pub(super) fn print(&mut self, from: DVec3, to: DVec3, role: Role) -> bool {
         // In a spiral the height changes while it prints.
         let lifted = (from.z - self.last).abs() > SAME;
         self.last = to.z;
@@ -88,8 +98,11 @@ impl Layering {
         if begins {
             self.next();
         }
-        if self.z.is_none() {
+        // Supports have heights of their own, which say nothing of the part's.
+        let support = role.is_support();
+        if self.z.is_none() || (self.supports && !support) {
             self.start(to.z);
+            self.supports = support && self.marked;
         }
         begins
     }
@@ -169,12 +182,16 @@ mod tests {
         DVec3::new(1.0, 2.0, z)
     }
 
+    fn print(l: &mut Layering, z: f64) -> bool {
+        l.print(at(z), at(z), Role::OuterWall)
+    }
+
     #[test]
     fn layers_without_marks_follow_the_height_of_prints() {
         let mut l = Layering::new();
         let numbers: Vec<u32> = [0.3, 0.3, 0.5, 0.7, 0.7, 0.3]
             .map(|z| {
-                l.print(at(z), at(z));
+                print(&mut l, z);
                 l.number
             })
             .into();
@@ -187,7 +204,7 @@ mod tests {
         let mut l = Layering::new();
         let numbers: Vec<u32> = [0.3, 0.2, 0.3, 0.5, 0.4, 0.2, 0.4]
             .map(|z| {
-                l.print(at(z), at(z));
+                print(&mut l, z);
                 l.number
             })
             .into();
@@ -198,7 +215,7 @@ mod tests {
     fn numbers(heights: &[f64]) -> Vec<u32> {
         let mut l = Layering::new();
         let number = |&z: &f64| {
-            l.print(at(z), at(z));
+            print(&mut l, z);
             l.number
         };
         heights.iter().map(number).collect()
@@ -232,17 +249,46 @@ mod tests {
     #[test]
     fn marks_win_and_what_was_before_them_is_no_layer() {
         let mut l = Layering::new();
-        l.print(at(0.4), at(0.4));
+        print(&mut l, 0.4);
         assert_eq!(l.number, 1);
         assert!(l.tag(Tag::Layer));
         assert!(!l.tag(Tag::Layer));
-        assert!(!l.print(at(0.3), at(0.3)));
-        assert!(!l.print(at(0.9), at(0.9)));
+        assert!(!print(&mut l, 0.3));
+        assert!(!print(&mut l, 0.9));
         assert_eq!((l.number, l.height()), (1, 0.3));
         assert!(l.tag(Tag::Layer));
-        l.print(at(0.5), at(0.5));
+        print(&mut l, 0.5);
         assert_eq!(l.number, 2);
         assert!((l.height() - 0.2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn supports_between_the_layers_of_the_part_say_nothing_of_its_heights() {
+        let mut l = Layering::new();
+        let mut heights = Vec::new();
+        for layer in 1..=9 {
+            let z = 0.25 * f64::from(layer);
+            l.tag(Tag::Layer);
+            for support in [z - 0.2, z - 0.05, z + 0.1] {
+                l.print(at(support), at(support), Role::Support);
+            }
+            print(&mut l, z);
+            heights.push((100.0 * l.height()).round());
+        }
+        assert_eq!((l.number, heights), (9, vec![25.0; 9]));
+    }
+
+    #[test]
+    fn a_file_that_continues_a_part_lies_on_its_base() {
+        for marked in [false, true] {
+            let mut l = Layering::new();
+            l.set_base(1.6);
+            if marked {
+                l.tag(Tag::Layer);
+            }
+            print(&mut l, 1.8);
+            assert!((l.height() - 0.2).abs() < 1e-9, "{marked}");
+        }
     }
 
     #[test]
@@ -250,7 +296,7 @@ mod tests {
         let mut l = Layering::new();
         for i in 0..1000 {
             let z = 0.2 + 0.001 * f64::from(i);
-            l.print(at(z), at(z + 0.001));
+            l.print(at(z), at(z + 0.001), Role::Unknown);
         }
         assert_eq!(l.number, 5);
     }
@@ -258,7 +304,7 @@ mod tests {
     #[test]
     fn widths_come_from_comments_or_from_the_filament() {
         let mut l = Layering::new();
-        l.print(at(0.2), at(0.2));
+        print(&mut l, 0.2);
         let bead = (0.45 - 0.2) * 0.2 + std::f64::consts::PI * 0.01;
         assert!((l.width(bead) - 0.45).abs() < 1e-9);
         l.tag(Tag::Width(0.6));

@@ -170,6 +170,14 @@ impl<R: Read> Reader<R> {
         self
     }
 
+    /// Sets the height of what the first layer lies on, in a file that continues a
+    /// part. It matters only if the file does not tell the height of its beads.
+    #[must_use]
+    pub fn base(mut self, base: Mm) -> Self {
+        self.parser.layering.set_base(base);
+        self
+    }
+
     /// What the printer knows after the line of the last event.
     pub fn state(&self) -> &MachineState {
         &self.parser.machine.state

@@ -26,7 +26,7 @@ pub(super) struct Parser {
     pub tally: Tally,
     pub unfinished: bool,
     pub machine: Machine,
-    layering: Layering,
+    pub layering: Layering,
     role: Role,
     wipe: bool,
     /// True while a G0 is taken in.
@@ -485,7 +485,7 @@ impl Parser {
             rapid: self.rapid,
         };
         if step.prints() {
-            if self.layering.print(from, to) {
+            if self.layering.print(from, to, self.role) {
                 self.begin_layer();
             }
             let diameter = self.diameter();

@@ -55,6 +55,11 @@ impl Role {
             .find(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes()));
         found.map_or(Role::Unknown, |(_, role)| *role)
     }
+
+    /// True for all parts of supports.
+    pub fn is_support(self) -> bool {
+        matches!(self, Role::Support | Role::SupportInterface)
+    }
 }
 
 /// What slicers call the roles. Sources: PrusaSlicer `ExtrusionRole.cpp`,

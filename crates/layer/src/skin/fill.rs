@@ -14,7 +14,7 @@ use crate::cover::Covered;
 use crate::cover::neighbour::Neighbour;
 use crate::view::LayerFace;
 use crate::walls::Lay;
-use crate::walls::patch::{Free, Patch as Around, concentric, patch};
+use crate::walls::patch::{Patch as Around, concentric, patch};
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
@@ -23,7 +23,7 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, hatch};
 use isoslice_planar::offset::offset;
 use isoslice_planar::opening::{is_wider, opened};
-use isoslice_planar::{Area, Solid, edges};
+use isoslice_planar::{Area, Ring, Solid, edges};
 use isoslice_settings::SkinPattern;
 use std::cell::OnceCell;
 
@@ -34,6 +34,10 @@ const TOLERANCE: Mm = 0.01;
 /// along it. That suits the arms of a lattice and the nodes between them, not a
 /// plate.
 const NESTED: f64 = 14.0;
+
+/// Beads that are shorter, between the sides of a ring, are left to the lines
+/// beside them, mm: lines go on in each other, such a bead is a stroke alone.
+const SHORTEST: Mm = 1.0;
 
 /// What the islands of a layer have in common.
 pub(super) struct Filler<'a> {
@@ -82,8 +86,13 @@ impl Filler<'_> {
             return (!nested.rings.is_empty()).then_some(nested);
         }
         let ring = self.beside(self.plan.internal.width);
-        let around = patch(island, ring, TOLERANCE);
+        let mut around = patch(island, ring, TOLERANCE);
         let inside = around.inside(self.plan.off_ring, TOLERANCE);
+        let outside = |s: &Stroke| {
+            let middle = s.segments().next().map(|(a, b)| a.midpoint(b));
+            !middle.is_some_and(|p| inside.contains(p))
+        };
+        around.thin.retain(|s| s.length() >= SHORTEST || outside(s));
         let fills = self.fills(&inside, &around, sides);
         let mut lines = fills.iter().flat_map(|f| &f.lines);
         let bridge = lines.any(|l| l.role == Role::Bridge);
@@ -176,8 +185,15 @@ impl Filler<'_> {
         around: &Around,
         sides: Sides<'_>,
     ) -> Vec<Fill> {
-        let (bridged, rest) = self.bridged(inside, sides);
-        let free = around.free();
+        let lay = self.beside(self.plan.internal.width);
+        let cores: Area =
+            around.thin.iter().map(|s| taken(s, lay.extra)).collect();
+        let open = if cores.is_empty() {
+            inside.clone()
+        } else {
+            difference(inside, &cores)
+        };
+        let (bridged, rest) = self.bridged(&open, sides);
         // The roles go from below to above: what is seen is printed last.
         let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
         let looks = kinds.map(|role| self.plan.look(role));
@@ -185,7 +201,7 @@ impl Filler<'_> {
         let mut fills = Vec::new();
         if only.is_some() || looks.iter().all(|l| *l == looks[0]) {
             let look = self.plan.look(only.unwrap_or(Role::InternalSkin));
-            let paths = self.paths(&rest, look, self.angle, &free);
+            let paths = self.paths(&rest, look, self.angle);
             let border = border(&rest, &paths);
             let parts = match only {
                 Some(role) => vec![(role, paths)],
@@ -203,7 +219,7 @@ impl Filler<'_> {
         } else {
             for (area, role) in self.areas(&rest, sides) {
                 let look = self.plan.look(role);
-                let paths = self.paths(&area, look, self.angle, &free);
+                let paths = self.paths(&area, look, self.angle);
                 let border = border(&area, &paths);
                 let border = border.as_ref();
                 fills.push(self.fill(role, look, self.angle, paths, border));
@@ -214,7 +230,7 @@ impl Filler<'_> {
             width: self.plan.bottom.width,
         };
         let hung = bridged.iter().map(|bridge| {
-            let paths = self.paths(&bridge.area, look, bridge.angle, &free);
+            let paths = self.paths(&bridge.area, look, bridge.angle);
             self.fill(Role::Bridge, look, bridge.angle, paths, None)
         });
         let at = fills.len().saturating_sub(1);
@@ -263,7 +279,6 @@ impl Filler<'_> {
         area: &Area,
         look: Look,
         angle: Degrees,
-        free: &Free<'_>,
     ) -> Vec<(i64, Stroke)> {
         if look.pattern == SkinPattern::Concentric {
             // Lines reach the near side of the ring's bead.
@@ -276,19 +291,7 @@ impl Filler<'_> {
             phase: 0.0,
         };
         let shortest = 0.5 * look.width;
-        let all = strokes(area, lines, look.width, shortest);
-        let ends: Vec<_> = all
-            .iter()
-            .filter_map(|(_, s)| Some((*s.points.first()?, *s.points.last()?)))
-            .collect();
-        let free = free.of(&ends);
-        all.into_iter()
-            .zip(free)
-            .flat_map(|((row, stroke), free)| {
-                free.into_iter().map(move |(a, b)| (row, stroke.part(a, b)))
-            })
-            .filter(|(_, stroke)| stroke.length() >= shortest)
-            .collect()
+        strokes(area, lines, look.width, shortest)
     }
 
     /// Lines as the beads of a fill, joined within a border, if there is one
@@ -374,6 +377,30 @@ impl Filler<'_> {
     fn bead(&self, role: Role, stroke: Stroke) -> Bead {
         Bead::new(role, stroke, self.height)
     }
+}
+
+/// The share of the plane that a line takes, whose bead is wider by `extra`. It
+/// ends square: the round end of a bead has no material of its own.
+fn taken(line: &Stroke, extra: Mm) -> Ring {
+    let side = |k: usize| {
+        let across = across(line, k);
+        let half = 0.5 * (line.width_at(k) - extra).max(0.0);
+        (
+            line.points[k] + across * half,
+            line.points[k] - across * half,
+        )
+    };
+    let (left, mut right): (Vec<_>, Vec<_>) =
+        (0..line.points.len()).map(side).unzip();
+    right.extend(left.into_iter().rev());
+    right
+}
+
+/// The direction to the left of a line at one of its points.
+fn across(line: &Stroke, k: usize) -> DVec2 {
+    let points = &line.points;
+    let (before, after) = (k.saturating_sub(1), (k + 1).min(points.len() - 1));
+    (points[after] - points[before]).normalize_or_zero().perp()
 }
 
 /// The border of an area, if some of the lines are beside each other.

@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use glam::DVec2;
     use isoslice_planar::bead::{Role, Stroke, spacing};
-    use isoslice_planar::shapes::{disc, rect, square};
+    use isoslice_planar::shapes::{circle, disc, moved, rect, square};
     use isoslice_settings::testing::{plan_with, usual_plan};
     use isoslice_settings::{SkinPattern, SwitchOr};
 
@@ -243,6 +243,88 @@ mod tests {
         segments
             .map(|(i, (a, b))| a.distance(b) * (widths(i) - less))
             .sum()
+    }
+
+    /// Which share of its content each place of an area gets, on average over
+    /// half a millimetre.
+    pub(super) fn shares<'a>(
+        strokes: impl IntoIterator<Item = &'a Stroke>,
+        less: Mm,
+        area: &Area,
+    ) -> Vec<(DVec2, f64)> {
+        const CELL: Mm = 0.05;
+        const WINDOW: usize = 10;
+        let bounds = area.bounds();
+        let size = bounds.size() / CELL;
+        let (wide, high) = (size.x.ceil() as usize, size.y.ceil() as usize);
+        let mut laid = vec![0.0; wide * high];
+        let mut lay = |p: DVec2, content: f64| {
+            let at = (p - bounds.min) / CELL;
+            let (i, k) = (at.x as usize, at.y as usize);
+            if at.min_element() >= 0.0 && i < wide && k < high {
+                laid[k * wide + i] += content;
+            }
+        };
+        for s in strokes {
+            for (i, (a, b)) in s.segments().enumerate() {
+                let steps = (a.distance(b) / 0.02).ceil();
+                let across = (b - a).normalize_or_zero().perp();
+                for t in (0..steps as usize).map(|j| (j as f64 + 0.5) / steps) {
+                    let [from, to] = [s.width_at(i), s.width_at(i + 1)];
+                    let width = from + t * (to - from) - less;
+                    let part = a.distance(b) / steps * width / 9.0;
+                    for j in -4..=4 {
+                        let off = across * (width * f64::from(j) / 9.0);
+                        lay(a.lerp(b, t) + off, part);
+                    }
+                }
+            }
+        }
+        let middle = |i: usize, k: usize| {
+            bounds.min + CELL * (DVec2::new(i as f64, k as f64) + 0.5)
+        };
+        let has: Vec<bool> = (0..wide * high)
+            .map(|j| area.contains(middle(j % wide, j / wide)))
+            .collect();
+        let mut shares = Vec::new();
+        for k in (0..high.saturating_sub(WINDOW)).step_by(2) {
+            for i in (0..wide.saturating_sub(WINDOW)).step_by(2) {
+                let cells = (k..k + WINDOW)
+                    .flat_map(|k| (i..i + WINDOW).map(move |i| k * wide + i));
+                let (got, own) = cells.fold((0.0, 0.0), |(l, h), j| {
+                    (l + laid[j], h + f64::from(u8::from(has[j])))
+                });
+                if own > 0.7 * (WINDOW * WINDOW) as f64 {
+                    let at = middle(i + WINDOW / 2, k + WINDOW / 2);
+                    shares.push((at, got / (own * CELL * CELL)));
+                }
+            }
+        }
+        shares
+    }
+
+    #[test]
+    fn places_between_holes_are_filled_to_where_they_widen() {
+        // Holes some lines apart, and near an edge.
+        let plan = usual_plan(SkinPlan::of);
+        let space = spacing(0.45, 0.45, 0.2);
+        for apart in [2.8, 3.2, 3.6, 4.2, 5.0] {
+            let mut area = rect(-9.0, -9.0, 9.0, 9.0);
+            let at = 2.5 + 0.5 * apart * space;
+            for x in [-at, at] {
+                let hole = moved(circle(2.5, 200), x, 9.0 - at);
+                area = difference(&area, &Area::from(hole));
+            }
+            let beside = [Some(&area), None];
+            let all = laid_between(&area, &Area::EMPTY, beside, 1, &plan);
+            let beads = all.iter().flat_map(|p| {
+                let lines = p.fills.iter().flat_map(|f| &f.lines);
+                p.rings.iter().chain(lines).map(|b| &b.stroke)
+            });
+            for (p, share) in shares(beads, 0.45 - space, &area) {
+                assert!(share > 0.65, "{apart}, {p}: {share}");
+            }
+        }
     }
 
     /// Content by role: what its lines lay.

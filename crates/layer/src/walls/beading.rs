@@ -23,6 +23,19 @@ const NARROW: f64 = 1.25;
 const WIDE: f64 = 1.12;
 /// Share of their nominal thickness down to which two walls go on side by side.
 const SQUEEZE: f64 = 0.75;
+/// Least thickness between two walls, as a share of a bead's width, from which on
+/// a bead of its own lies there. Up to it both walls are wider by half of it: a
+/// bead of 0.4 mm beside walls of 0.45 mm, and walls of at most 0.63 mm.
+const BETWEEN: f64 = 0.8;
+/// Longest single bead that gives way to the end of a loop, mm. It would be a stroke
+/// more for each end of a loop; the walls around are wider over that length.
+const TAIL: Mm = 4.0;
+/// Longest tip, from where two beads fit, that two walls lead into, mm: that of a
+/// corner of 30°. A sharper one has a bead of its own, which reaches farther.
+const TIP: Mm = 1.0;
+/// Least change of the thickness along such a tip: twice the tangent of half of
+/// 30°, less a little for tips that are rounded.
+const TAPER: f64 = 0.5;
 /// Factor by which the sliver between two walls goes on thicker than its bound.
 const WIDEN: f64 = 1.25;
 /// Parts shorter than this take the number of a neighbour, if its beads can
@@ -32,6 +45,8 @@ const SHORT: Mm = 4.0;
 /// has room for two beads, but only over a short length. Of two beads there, one
 /// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
+/// Longest bulge of two walls, mm, whose lines are wider there by up to half.
+const PAIR_LENGTH: Mm = 3.0;
 /// Longest bulge, as a share of its greatest width.
 const BULGE_LENGTH: f64 = 1.1;
 /// Longest bulge of a bead that lies between no others. Nothing is laid twice
@@ -53,6 +68,8 @@ struct Beading {
     bulge: Mm,
     /// Thickness that the walls outside of the innermost bead or pair take.
     taken: Mm,
+    /// Thickness at which the ring of the innermost wall closes.
+    closes: Mm,
 }
 
 /// Tells whether a bead along a part of an axis leaves nothing open beside it.
@@ -75,18 +92,22 @@ impl Beadings {
         let mut depth = 0.0;
         // Narrowest place that the walls so far can be squeezed into.
         let mut squeezed = 0.0;
-        for wall in walls.iter().copied().chain(inside) {
-            let least = depth + wall.least;
-            let sliver = if depth > 0.0 {
-                WIDEN * wall.least
+        let all = walls.iter().copied().chain(inside);
+        for (k, wall) in all.enumerate() {
+            // Skin fills what it can.
+            let share = if (1..walls.len()).contains(&k) {
+                wall.least.max(BETWEEN * wall.width)
             } else {
                 wall.least
             };
+            let least = depth + share;
+            let sliver = if depth > 0.0 { WIDEN * share } else { share };
             beadings.push(Beading {
                 upto: least,
                 range: (squeezed, depth + sliver),
-                bulge: depth + sliver,
+                bulge: depth + 2.0 * (wall.centre + super::DOT),
                 taken: depth,
+                closes: 0.0,
             });
             let wide = wall.limit * WIDE;
             beadings.push(Beading {
@@ -94,6 +115,7 @@ impl Beadings {
                 range: (depth + wall.least / NARROW, depth + wide),
                 bulge: depth + BULGE * wide,
                 taken: depth,
+                closes: depth + 2.0 * wall.centre,
             });
             squeezed = depth + SQUEEZE * 2.0 * wall.inner;
             depth += 2.0 * wall.inner;
@@ -138,8 +160,12 @@ impl Beadings {
     ) -> bool {
         self.beadings.get(number).is_some_and(|c| {
             let inside = c.taken > 0.0;
-            let most = if inside { BULGE_LENGTH } else { BEND_LENGTH };
-            let longest = most * (c.bulge - c.taken);
+            let thick = c.bulge - c.taken;
+            let longest = match (number % 2, inside) {
+                (0, _) => PAIR_LENGTH,
+                (_, true) => BULGE_LENGTH * thick,
+                (_, false) => BEND_LENGTH * thick,
+            };
             let bulges = between
                 && axis.length() < longest
                 && axis.thickest() <= c.bulge
@@ -187,6 +213,7 @@ impl Beadings {
                 .unwrap_or(0);
             all.rotate_left(longest);
         }
+        all = self.without_tails(all, axis.closed);
         for round in (0..ROUNDS).rev() {
             let short = SHORT / f64::from(1 << round);
             all = self.merged(all, short, axis.closed, bends);
@@ -210,6 +237,40 @@ impl Beadings {
         all
     }
 
+    /// The parts with loops that close where a short bead would lead to them: from
+    /// a tip, or from between the walls around.
+    fn without_tails(
+        &self,
+        parts: Vec<(usize, Axis)>,
+        closed: bool,
+    ) -> Vec<(usize, Axis)> {
+        let n = parts.len();
+        let number = |k: usize| parts.get(k).map(|part| part.0);
+        let around = |k: usize| {
+            let before = k.checked_sub(1).or(closed.then_some(n - 1));
+            let after = if closed { (k + 1) % n } else { k + 1 };
+            [before.and_then(number), number(after)]
+        };
+        let beside: Vec<_> = (0..n).map(around).collect();
+        let mut left: Vec<(usize, Axis)> = Vec::with_capacity(n);
+        let mut add = |number: usize, part: Axis| match left.last_mut() {
+            Some((last, whole)) if *last == number => whole.append(part),
+            _ => left.push((number, part)),
+        };
+        for ((number, part), beside) in parts.into_iter().zip(beside) {
+            if !is_tail(number, &part, beside) {
+                add(number, part);
+                continue;
+            }
+            let closes = self.beadings[number].closes;
+            for piece in part.split_at(closes) {
+                let thick = piece.middle_thickness() > closes;
+                add(if thick { number + 1 } else { number - 1 }, piece);
+            }
+        }
+        left
+    }
+
     /// Lets parts shorter than `short` take the number of a neighbour, if it
     /// fits, and joins neighbours of one number.
     fn merged(
@@ -227,17 +288,23 @@ impl Beadings {
             let after = rest.peek().map(|p| p.0).or(first);
             if part.length() < short && Some(number) != before {
                 let same = before == after;
-                let fits = |n: &usize| self.fits(*n, &part, same, bends);
+                let ends = before.is_none() || after.is_none();
+                let between = same || ends;
+                let fits = |n: &usize| {
+                    self.fits(
+                        *n,
+                        &part,
+                        same || ends && n.is_multiple_of(2),
+                        bends,
+                    )
+                };
                 // Where the numbers of both neighbours fit, the one nearer to
                 // this number is taken.
                 let mut beside: Vec<usize> =
                     before.into_iter().chain(after).filter(fits).collect();
                 beside.sort_by_key(|n| n.abs_diff(number));
                 if let Some(&n) = beside.first()
-                    && (same
-                        || before.is_none()
-                        || after.is_none()
-                        || part.length() < 0.25 * SHORT)
+                    && (between || part.length() < 0.25 * SHORT)
                 {
                     number = n;
                 }
@@ -261,6 +328,24 @@ impl Beadings {
         }
         merged
     }
+}
+
+/// True if a part is a short bead, or the tip of one, between walls that have a
+/// loop on one side of it. `beside` are the numbers of the parts around it.
+fn is_tail(number: usize, part: &Axis, beside: [Option<usize>; 2]) -> bool {
+    let loops = |k: Option<usize>| k == Some(number + 1);
+    let ends = |k: Option<usize>| k.is_none_or(|k| k + 1 == number);
+    let length = part.length();
+    let short = if number > 1 {
+        length < TAIL
+    } else {
+        // A tooth as thin as a bead has no room for two.
+        length < TIP && part.thickest() - part.thinnest() > TAPER * length
+    };
+    let [before, after] = beside;
+    number % 2 == 1
+        && short
+        && (loops(before) && ends(after) || ends(before) && loops(after))
 }
 
 #[cfg(test)]
@@ -302,8 +387,8 @@ mod tests {
         let one = &parts[1].1;
         assert!((one.thinnest() - 0.27).abs() < 1e-6);
         assert!((one.thickest() - 0.81).abs() < 1e-6);
-        // Two walls and the least bead between them: 2·0.428 + 0.227.
-        assert!((parts[3].1.thinnest() - 1.084).abs() < 1e-3);
+        // Two walls and the least bead between them: 2·0.428 + 0.8·0.45.
+        assert!((parts[3].1.thinnest() - 1.217).abs() < 1e-3);
         // Where a bead fits inside four walls, skin takes over.
         assert!((parts[4].1.thickest() - 1.898).abs() < 1e-3);
     }

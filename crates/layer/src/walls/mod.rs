@@ -49,7 +49,7 @@ use isoslice_planar::bead::{Stroke, spacing};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
-use isoslice_planar::{Area, Solid, signed_area};
+use isoslice_planar::{Area, Solid, path_length, signed_area};
 use line::{absorb, cut};
 use medial_axis::{Axis, axes};
 pub use overhang::Support;
@@ -71,6 +71,10 @@ pub const OFFSET_SHARE: f64 = 0.3;
 
 /// Half of a width, mm, that no bead in a joint reaches.
 const JOINT: Mm = 20.0;
+
+/// Greatest radius of a ball in a ring that is but a dot, mm. The walls around it take
+/// its place. What larger rings leave open, walls cannot fill around a corner.
+const DOT: Mm = 0.03;
 
 /// A layer's walls and the area inside them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -278,6 +282,15 @@ impl ThinPlaces {
             .collect()
     }
 
+    /// The `k`th wall's rings without what runs where fewer walls are: along a
+    /// bead, or between walls that bulge, however thick the place is.
+    fn cut(&self, rings: &Area, k: usize, depth: Mm, lay: &Lay) -> Vec<Stroke> {
+        let mut full = self.beads(2 * k, depth);
+        full.retain(|axis| axis.thickest() > 2.0 * lay.centre);
+        full.extend(self.beads(2 * k + 1, depth));
+        cut(rings, &full, lay.centre, lay.width)
+    }
+
     /// What walls up to `depth` on both sides leave where there are so many
     /// beads. The thickness is negative where walls overlap and have to become
     /// narrower. Slight overlaps are left out.
@@ -434,9 +447,12 @@ fn laid(
         for (k, lay) in pair.iter().enumerate() {
             // Only the outer wall is seen.
             let outer = lines.is_empty();
-            let rings = skeleton.shrunk(depth + lay.centre, tolerance);
+            let mut rings = skeleton.shrunk(depth + lay.centre, tolerance);
+            if !outer {
+                rings.rings.retain(|ring| !is_dot(ring));
+            }
             let beads = places.beads(2 * k + 1, depth);
-            let mut walls = cut(&rings, &beads, lay.centre, lay.width);
+            let mut walls = places.cut(&rings, k, depth, lay);
             let [least, post] = if outer && seen {
                 [lay.tips(height), lay.posts(height)]
             } else {
@@ -471,7 +487,7 @@ fn laid(
             // Inside the last wall, beads of skin fill what the thinnest of
             // them fits into.
             let radius = match pair.get(k + 1) {
-                Some(wall) => wall.centre + accuracy,
+                Some(wall) => wall.centre + DOT,
                 None => 0.5 * lays[next].least,
             };
             let left = Left {
@@ -480,7 +496,9 @@ fn laid(
                 away,
                 width: lay.width,
                 radius,
-                beads: &places.beads(2 * k + 3, depth),
+                beads: &[2 * k + 3, 2 * k + 4]
+                    .map(|number| places.beads(number, depth))
+                    .concat(),
                 nodes: &nodes,
                 around: 0.35 * beadings.limit(),
             };
@@ -567,6 +585,14 @@ fn joined(
     // A bead of another wall reaches into this area by half of `extra`.
     let overlap = (!dabs).then_some(2.0 * extra);
     stitching::join(lines, thin, overlap, room)
+}
+
+/// True if a ring is a dot, which is not worth a travel.
+fn is_dot(ring: &[DVec2]) -> bool {
+    let area = signed_area(ring);
+    area > 0.0
+        && path_length(ring, true) < 12.0 * DOT
+        && offset(&Area::from(ring.to_vec()), -DOT, 0.1 * DOT).is_empty()
 }
 
 /// Walls whose centre lines are outlines of the expression offset by their

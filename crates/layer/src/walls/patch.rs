@@ -140,7 +140,7 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
         for k in 0..2 {
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
-            let rings = cut(&rings, &beads, plan.centre, plan.width);
+            let rings = places.cut(&rings, k, depth, &plan);
             let slivers = places.beads(2 * k + 2, depth + plan.inner);
             let (rings, thin) = joined(
                 absorb(rings, &slivers, away, tolerance),

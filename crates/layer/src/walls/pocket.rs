@@ -14,7 +14,7 @@
 
 use super::line::AxisIndex;
 use super::medial_axis::Axis;
-use super::widen::{SEEN, Station, across, widened};
+use super::widen::{Station, across, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
@@ -31,6 +31,9 @@ const THINNED: Mm = 0.01;
 const EXACT: Mm = 0.002;
 /// Greatest number of times that a ball shrinks.
 const ROUNDS: usize = 8;
+/// Greatest change of a line's width along its way beside a pocket. Around a corner
+/// of a strip the way is so short that a gentler one would leave the pocket open.
+const SLOPE: f64 = 0.5;
 /// Directions in which a place for other beads is looked for.
 const AROUND: usize = 8;
 
@@ -134,7 +137,7 @@ impl Left<'_> {
                 places[i].moves = None;
             }
         }
-        widened(places, line.closed, tolerance, SEEN).unwrap_or(line)
+        widened(places, line.closed, tolerance, SLOPE).unwrap_or(line)
     }
 
     /// True if there is room for other beads all along a segment.

@@ -373,11 +373,12 @@ mod tests {
         let (least, limit) = (0.6 * WIDTH - extra, 1.8 * WIDTH - extra);
         match strokes {
             0 | 1 => 1.8 * WIDTH,
-            2 => outer + least,
             3 => outer + limit,
             // The walls share a rest that is too thin for a whole line.
             4 => outer + 3.0 * own,
             n if n % 2 == 1 => outer + (n - 3) as f64 * own + limit,
+            // The lines of each second pair share what is too thin for a good bead.
+            n if n % 4 == 2 => outer + (n - 2) as f64 * own + 0.8 * WIDTH,
             n => outer + (n - 2) as f64 * own + least,
         }
     }

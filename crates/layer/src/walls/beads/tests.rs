@@ -258,7 +258,7 @@ fn crosses_and_junctions_are_covered() {
             let p = print(&part);
             let name = format!("{name} {t:.2} mm");
             faults.check(p.open < 0.01, "open", &name, &p);
-            faults.check(p.hole < 0.06, "hole", &name, &p);
+            faults.check(p.hole < 0.065, "hole", &name, &p);
             faults.check(p.out < 0.025, "out", &name, &p);
         }
     }
@@ -398,7 +398,8 @@ fn walls_fill_the_pockets_between_them() {
         let part = Area::from(points);
         let p = print(&part);
         let name = format!("{angle:.2}");
-        faults.check(p.hole < 0.06, "hole", &name, &p);
+        // A bead of its own would be a dab, which costs two travels.
+        faults.check(p.hole < 0.085, "hole", &name, &p);
         faults.check(p.volume < 1.04, "volume", &name, &p);
     }
 }
@@ -424,4 +425,64 @@ fn walls_of_two_widths_lie_a_spacing_apart() {
     for (found, meant) in found.iter().zip(plan.depths(HEIGHT).0) {
         assert!((found - meant).abs() < 1e-3, "{found} for {meant}");
     }
+}
+
+/// How many strokes the walls of a part are, and how many of them are closed.
+fn strokes(part: &Area) -> [usize; 2] {
+    let laid = walls(part, None, HEIGHT, &usual_plan(WallPlan::of));
+    let all: Vec<_> = laid.lines.iter().chain(&laid.thin).flatten().collect();
+    [all.len(), all.iter().filter(|s| s.closed).count()]
+}
+
+#[test]
+fn walls_have_a_loop_in_each_bulge() {
+    // A ring from 1 to 3 mm thick.
+    let wave = |side: f64| -> Vec<DVec2> {
+        let at = |k: u32| {
+            let angle = PI * f64::from(k) / 720.0;
+            let half = 1.0 + 0.5 * (9.0 * angle).sin();
+            DVec2::from_angle(angle) * (15.0 + side * half)
+        };
+        (0..1440).map(at).collect()
+    };
+    let mut hole = wave(-1.0);
+    hole.reverse();
+    assert_eq!(strokes(&Area::from_iter([wave(1.0), hole])), [11, 11]);
+}
+
+#[test]
+fn two_walls_go_on_into_tips_and_through_nodes() {
+    // A strip that is cut aslant, by 45°.
+    let strip = area(&[(0.0, 0.0), (12.0, 0.0), (13.0, 1.0), (1.0, 1.0)], 0.3);
+    assert_eq!(strokes(&strip), [1, 1]);
+    // Three arms of 1.1 mm.
+    let inner = 1.1 / 3.0_f64.sqrt();
+    let star: Vec<DVec2> = (0..3)
+        .flat_map(|k| {
+            let along = DVec2::from_angle(2.0 * PI * f64::from(k) / 3.0);
+            let side = 0.55 * along.perp();
+            let corner = DVec2::from_angle(PI / 3.0).rotate(along) * inner;
+            [12.0 * along - side, 12.0 * along + side, corner]
+        })
+        .collect();
+    assert_eq!(strokes(&Area::from(star)), [1, 1]);
+    // A tooth that is too thin for two walls keeps its bead.
+    let tooth = area(
+        &[
+            (0.0, 0.0),
+            (6.0, 0.0),
+            (6.0, 1.6),
+            (3.3, 1.6),
+            (3.3, 2.4),
+            (2.9, 2.4),
+            (2.9, 1.6),
+            (0.0, 1.6),
+        ],
+        0.2,
+    );
+    let tip = DVec2::from_angle(0.2).rotate(DVec2::new(3.1, 2.3));
+    let laid = walls(&tooth, None, HEIGHT, &usual_plan(WallPlan::of));
+    let all = laid.lines.iter().chain(&laid.thin).flatten();
+    let near = all.flat_map(|s| &s.points).map(|p| p.distance(tip));
+    assert!(near.fold(f64::INFINITY, f64::min) < 0.15);
 }

@@ -1,0 +1,57 @@
+//! Good prints pass the check, whatever their comments tell of layers, roles and
+//! heights.
+
+use crate::common::{settings, wanted};
+use isoslice::layers::LayerRange;
+use isoslice::pipeline::{Options, slice_plate};
+use isoslice::plate::Plate;
+
+/// A table with two legs, whose supports are large.
+const TABLE: &str = "min(max(sqrt((abs(x) - 10)^2 + y^2) - 3, max(-z, z - 3)), \
+     max(max(abs(x), abs(y)) - 14, max(2 - z, z - 3)))";
+
+const ONE_BY_ONE: [&str; 3] = [
+    "plate.sequence=one-by-one",
+    "printer.head_clearance_radius=40",
+    "printer.gantry_height=20",
+];
+
+/// Slices tables with each kind of comments and the heights of layers at which
+/// supports, which have heights of their own, lie just above or below the part's.
+fn all_pass(copies: u64, layers: &str, more: &[&str]) {
+    for comments in ["prusa", "orca", "bambu", "cura", "none"] {
+        for height in ["0.12", "0.15", "0.25"] {
+            let own = [
+                &format!("gcode.comments={comments}"),
+                &format!("layer_height={height}"),
+                "sample_spacing=0.5",
+                "accuracy=0.02",
+            ];
+            let settings = settings(&[&own[..], more].concat());
+            let all = [wanted("table", TABLE, copies, &settings)];
+            let plate = Plate::new("plate", &all, &settings).unwrap();
+            let options = Options {
+                layers: layers.parse::<LayerRange>().unwrap(),
+                ..Options::default()
+            };
+            let sliced = slice_plate(&plate, &options, &mut Vec::new());
+            assert!(sliced.is_ok(), "{comments} {height}: {sliced:?}");
+        }
+    }
+}
+
+#[test]
+fn supports_lie_between_the_layers_of_the_part() {
+    all_pass(1, "1..", &["supports=auto"]);
+}
+
+#[test]
+fn supports_lie_between_the_layers_of_parts_one_by_one() {
+    all_pass(2, "1..", &[&ONE_BY_ONE[..], &["supports=auto"]].concat());
+}
+
+#[test]
+fn ranges_begin_on_what_is_printed() {
+    all_pass(1, "8..12", &[]);
+    all_pass(1, "8..12", &["supports=auto"]);
+}
