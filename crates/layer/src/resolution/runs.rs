@@ -48,8 +48,9 @@ fn evened(role: Role) -> Mm {
     }
 }
 
-/// Distance of the places in which a piece may end, mm.
-const ENDS: Mm = 0.05;
+/// Distance of the places in which a piece may end, in lengths of the shortest
+/// piece.
+const ENDS: f64 = 0.25;
 
 /// A segment is not divided into more parts than this.
 const PARTS: f64 = 64.0;
@@ -96,7 +97,8 @@ struct Way {
 }
 
 impl Way {
-    fn of(stroke: &Stroke) -> Way {
+    /// The way along a stroke, with places no farther apart than `step`.
+    fn of(stroke: &Stroke, step: Mm) -> Way {
         let mut way = Way {
             points: stroke.points.first().copied().into_iter().collect(),
             widths: vec![stroke.width_at(0)],
@@ -107,7 +109,7 @@ impl Way {
         for (i, (a, b)) in stroke.segments().enumerate() {
             let (from, to) = (stroke.width_at(i), stroke.width_at(i + 1));
             // Without a length the width jumps.
-            let count = (a.distance(b) / ENDS).ceil().min(PARTS);
+            let count = (a.distance(b) / step).ceil().min(PARTS);
             let step = a.distance(b) / count;
             for k in 1..=count as usize {
                 let width = |k: usize| from + k as f64 / count * (to - from);
@@ -208,7 +210,7 @@ pub(super) fn pieces_within(
         return vec![bead];
     }
     let slack = Slack::of(&bead, edge);
-    let way = Way::of(own);
+    let way = Way::of(own, ENDS * slack.short);
     let alike = path.map_or(1.0, |_| ALIKE);
     let path = path.unwrap_or(EXACT);
     let corners = simplify_path(&way.points, false, path, |i, j| {
@@ -220,8 +222,15 @@ pub(super) fn pieces_within(
                 1.0,
             )
     });
+    // The turns of skin reach as far as they were meant to.
+    let wall = bead.role.shows() || bead.role == Role::InnerWall;
+    let corners = if wall {
+        evened_out(corners, &way, &slack, path)
+    } else {
+        corners
+    };
     let mut pieces: Vec<Piece> = Vec::new();
-    for line in evened_out(corners, &way, &slack, path).windows(2) {
+    for line in corners.windows(2) {
         let [(from, i), (to, j)] = [line[0], line[1]];
         let here = way.extremes(i, j);
         if let Some(piece) = pieces.last_mut() {

@@ -62,9 +62,13 @@ impl Joined {
 /// turn is so narrow that the lines' round ends reach the border's corners.
 const NARROW: f64 = 0.5;
 /// Length of a turn's straight piece from a line to a corner, as a share of the
-/// way from end to end. Simulated on plates with holes: with 0 a turn gets up to
-/// 1.4 times what belongs there, and the border between two turns 0.85 of it.
+/// way from end to end.
 const STRAIGHT: f64 = 0.2;
+/// How far a turn reaches beyond both lines, as a share of the same way. Simulated
+/// on plates with holes: with 0 a place at a turn gets up to 1.4 times what belongs
+/// there, and one between two turns 0.85 of it; with 0.06 1.3 and 0.9. Each 0.01
+/// takes a plate 0.15 % longer, as the corners grow sharper.
+const BEYOND: f64 = 0.06;
 /// By how much deeper one corner lies than the other, where the lines meet the
 /// border at an angle. The other one lies in the sharp corner, which nothing
 /// else fills.
@@ -262,13 +266,20 @@ impl Turns<'_> {
         let length = p.distance(q);
         let depth = length * (0.5 * share - (1.0 - share) * STRAIGHT);
         let depths = [1.0, -1.0].map(|side| depth * (1.0 + side * LEAN * lean));
-        let corners = [p - out * depths[0], q - out * depths[1]];
+        let aside = (q - p) * BEYOND;
+        let corners =
+            [p - out * depths[0] - aside, q - out * depths[1] + aside];
         // Half of what the turn takes, with the slopes of its width.
         let half = share * 0.5 * corners[0].distance(corners[1])
             + (1.0 - share) * 0.5 * JUMP;
         let early = depths.map(|depth| {
+            if share >= 1.0 {
+                return depth;
+            }
             let straight = (half - share * depth) / (1.0 - share) - depth;
-            depth + if share < 1.0 { straight.max(0.0) } else { 0.0 }
+            let straight = straight.max(0.0);
+            let longer = straight.hypot(BEYOND * length) - straight;
+            depth + straight + longer * share / (1.0 - share)
         });
         (corners, early)
     }
@@ -414,12 +425,13 @@ mod tests {
         for angle in [0.0, 45.0, 60.0] {
             let area = rect(0.0, 0.0, 6.0, 5.0);
             let (count, found) = joined(&area, angle, false);
-            // The ring's side covers 25 µm of this area.
-            let inner = rect(0.03, 0.25, 5.97, 4.75);
+            // The ring's side covers 25 µm of this area. Between two turns the
+            // next 40 µm are open on less than 0.01 mm².
+            let inner = rect(0.065, 0.25, 5.935, 4.75);
             let inner = if angle == 0.0 {
                 inner
             } else {
-                rect(0.25, 0.25, 5.75, 4.75)
+                rect(0.3, 0.3, 5.7, 4.7)
             };
             covers(&found.strokes, &inner, 0.02);
             assert!(count > 12 && found.strokes.len() < 6, "{angle}");
