@@ -1,19 +1,24 @@
 //! How many beads lie side by side along an axis.
 //!
-//! The thickness along an axis decides: nothing fits up to the first bound, one
-//! bead up to the second, then two walls, two walls with a bead between them,
-//! and so on. In: an axis. Out: the parts of the axis, each with its number of
-//! beads.
+//! ```text
+//!   thickness   0 ── 1 bead ── 2 walls ── 2 and a bead ── 4 walls ── …
+//!   ▁▂▃▄▅▆▇▇▇▆▅▆▇▇▇▆▅▄▃▂▁     The thickness wavers. Each change of the number costs
+//!   0│1 │    2     │ 2 │1│0    as much as a stroke's end, and beads that are too
+//!                             wide or too narrow cost by their length.
+//! ```
 //!
-//! A thickness that wavers around a bound would chop beads and walls into
-//! pieces too short to print, and each change of number is a place where beads
-//! end. A number of beads therefore goes on for a while beyond its bounds: the
-//! beads become a little wider or narrower there. It is the hysteresis that
-//! Kuipers and others describe in *A framework for adaptive width control of
-//! dense contour-parallel toolpaths* (2020), decided for whole parts at a time.
+//! In: an axis. Out: the parts of the axis, each with its number of beads, so that
+//! all costs together are the least.
+//!
+//! A number of beads goes on for a while beyond its bounds, and the beads become a
+//! little wider or narrower there: the hysteresis that Kuipers and others describe
+//! in *A framework for adaptive width control of dense contour-parallel toolpaths*
+//! (2020), decided for whole axes at a time. Where a strip grows from two walls to
+//! four, the loop of the inner walls closes, and no bead leads into it unless it
+//! would be long.
 
-use super::Lay;
 use super::medial_axis::Axis;
+use super::{DOT, Lay};
 use isoslice_base::units::Mm;
 
 /// Factor by which a single bead goes on narrower than its bound.
@@ -27,33 +32,32 @@ const SQUEEZE: f64 = 0.75;
 /// a bead of its own lies there. Up to it both walls are wider by half of it: a
 /// bead of 0.4 mm beside walls of 0.45 mm, and walls of at most 0.63 mm.
 const BETWEEN: f64 = 0.8;
-/// Longest single bead that gives way to the end of a loop, mm. It would be a stroke
-/// more for each end of a loop; the walls around are wider over that length.
-const TAIL: Mm = 4.0;
-/// Longest tip, from where two beads fit, that two walls lead into, mm: that of a
-/// corner of 30°. A sharper one has a bead of its own, which reaches farther.
-const TIP: Mm = 1.0;
-/// Least change of the thickness along such a tip: twice the tangent of half of
-/// 30°, less a little for tips that are rounded.
-const TAPER: f64 = 0.5;
 /// Factor by which the sliver between two walls goes on thicker than its bound.
 const WIDEN: f64 = 1.25;
-/// Parts shorter than this take the number of a neighbour, if its beads can
-/// be made to fit, mm.
-const SHORT: Mm = 4.0;
 /// By how much a bead, alone or between two walls, may be wider where its place
 /// has room for two beads, but only over a short length. Of two beads there, one
 /// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
-/// Longest bulge of two walls, mm, whose lines are wider there by up to half.
-const PAIR_LENGTH: Mm = 3.0;
-/// Longest bulge, as a share of its greatest width.
-const BULGE_LENGTH: f64 = 1.1;
-/// Longest bulge of a bead that lies between no others. Nothing is laid twice
-/// there, however long it is.
-const BEND_LENGTH: f64 = 1.6;
-/// Parts are merged in so many rounds, the shortest ones first.
-const ROUNDS: u32 = 5;
+
+/// The cost of a stroke's end, by which the other costs are measured.
+const END: f64 = 1.0;
+/// The cost of an odd bead's end in a tip, or where it may go on in another axis.
+const STOP: f64 = 0.5;
+/// The cost of a loop's end: the walls around it are not quite even.
+const LOOP: f64 = 0.3;
+/// The cost of 1 mm of beads that are as wide or as narrow as they may be. Parts of
+/// less than 5 mm do not change the number of beads twice.
+const STRETCHED: f64 = 0.4;
+/// The cost of 1 mm of walls beyond that, beside the end of a loop. A bead of 3 mm
+/// is not worth its ends.
+const PINCHED: f64 = 0.6;
+/// The cost of 1 mm of a bead beyond that.
+const BULGED: f64 = 1.0;
+/// The cost of 1 mm that has room for a bead and has none: in a corner of 30° as
+/// much as the bead's ends.
+const OPEN: f64 = 3.5;
+/// The cost of 1 mm of beads that do not fit.
+const WRONG: f64 = 20.0;
 
 /// Thicknesses for which there is one number of beads.
 #[derive(Clone, Copy, Debug)]
@@ -63,13 +67,9 @@ struct Beading {
     /// Least and greatest thickness to which this number of beads can be
     /// stretched.
     range: (Mm, Mm),
-    /// Greatest thickness to which the beads can be stretched over a short
-    /// length, as in a bend.
-    bulge: Mm,
-    /// Thickness that the walls outside of the innermost bead or pair take.
-    taken: Mm,
-    /// Thickness at which the ring of the innermost wall closes.
-    closes: Mm,
+    /// Least and greatest thickness to which the beads can be stretched over a
+    /// short length, as at a loop's end or in a bend.
+    short: (Mm, Mm),
 }
 
 /// Tells whether a bead along a part of an axis leaves nothing open beside it.
@@ -90,8 +90,9 @@ impl Beadings {
     pub(super) fn new(walls: &[Lay], inside: Option<Lay>) -> Beadings {
         let mut beadings = Vec::new();
         let mut depth = 0.0;
-        // Narrowest place that the walls so far can be squeezed into.
-        let mut squeezed = 0.0;
+        // Narrowest places that the walls so far can be squeezed into, and in
+        // which their loop closes.
+        let (mut squeezed, mut closed) = (0.0, 0.0);
         let all = walls.iter().copied().chain(inside);
         for (k, wall) in all.enumerate() {
             // Skin fills what it can.
@@ -100,24 +101,29 @@ impl Beadings {
             } else {
                 wall.least
             };
-            let least = depth + share;
+            let closes = depth + 2.0 * wall.centre;
             let sliver = if depth > 0.0 { WIDEN * share } else { share };
+            let bulge = if depth > 0.0 {
+                closes + 2.0 * DOT
+            } else {
+                depth
+            };
             beadings.push(Beading {
-                upto: least,
+                upto: depth + share,
                 range: (squeezed, depth + sliver),
-                bulge: depth + 2.0 * (wall.centre + super::DOT),
-                taken: depth,
-                closes: 0.0,
+                short: (closed, bulge),
             });
             let wide = wall.limit * WIDE;
             beadings.push(Beading {
                 upto: depth + wall.limit,
                 range: (depth + wall.least / NARROW, depth + wide),
-                bulge: depth + BULGE * wide,
-                taken: depth,
-                closes: depth + 2.0 * wall.centre,
+                short: (
+                    depth + wall.least / NARROW,
+                    depth + BULGE * wall.limit,
+                ),
             });
             squeezed = depth + SQUEEZE * 2.0 * wall.inner;
+            closed = closes;
             depth += 2.0 * wall.inner;
         }
         if inside.is_some() {
@@ -125,6 +131,7 @@ impl Beadings {
             beadings.pop();
             if let Some(last) = beadings.last_mut() {
                 last.range.1 = last.upto;
+                last.short.1 = last.upto;
             }
         }
         let mut bound: Mm = 0.0;
@@ -147,32 +154,59 @@ impl Beadings {
         self.beadings.partition_point(|c| c.upto < thickness)
     }
 
-    /// True if a number of beads can be made to fit all along an axis. If there
-    /// are as many at both its ends, `between` them, they may bulge. What is
-    /// left open beside a bulge at the surface would be seen, so there an axis
-    /// has to be one of `bends`.
-    fn fits(
-        &self,
-        number: usize,
-        axis: &Axis,
-        between: bool,
-        bends: Bends<'_>,
-    ) -> bool {
-        self.beadings.get(number).is_some_and(|c| {
-            let inside = c.taken > 0.0;
-            let thick = c.bulge - c.taken;
-            let longest = match (number % 2, inside) {
-                (0, _) => PAIR_LENGTH,
-                (_, true) => BULGE_LENGTH * thick,
-                (_, false) => BEND_LENGTH * thick,
-            };
-            let bulges = between
-                && axis.length() < longest
-                && axis.thickest() <= c.bulge
-                && (inside || bends(axis));
-            let most = if bulges { c.bulge } else { c.range.1 };
-            axis.thinnest() >= c.range.0 && axis.thickest() <= most
-        })
+    /// The cost of 1 mm with a number of beads where the area has a thickness.
+    /// `bends` is true if a single bead there leaves nothing open.
+    fn cost(&self, number: usize, thickness: Mm, bends: bool) -> f64 {
+        let nominal = self.number(thickness);
+        let Some(c) = self.beadings.get(number) else {
+            return if nominal == number { 0.0 } else { WRONG };
+        };
+        if nominal == number {
+            return 0.0;
+        }
+        if number == 0 {
+            return OPEN;
+        }
+        let lower = self.beadings[number - 1].upto;
+        let (bound, most, short) = if nominal < number {
+            (lower, c.range.0, thickness >= c.short.0)
+        } else {
+            (c.upto, c.range.1, thickness <= c.short.1)
+        };
+        let share = (thickness - bound) / (most - bound);
+        if share <= 1.0 {
+            STRETCHED * share
+        } else if !short || (number == 1 && !bends) {
+            WRONG
+        } else if number.is_multiple_of(2) {
+            PINCHED
+        } else {
+            BULGED
+        }
+    }
+
+    /// The cost of the border between two parts with these numbers of beads, where
+    /// the area has a thickness.
+    fn border(&self, a: usize, b: usize, thickness: Mm) -> f64 {
+        let odd = |n: usize| n < self.beadings.len() && !n.is_multiple_of(2);
+        let closes = |n: usize| {
+            let loops = self.beadings.get(n);
+            loops.is_none_or(|c| thickness <= c.short.0)
+        };
+        match [a, b].into_iter().filter(|&n| odd(n)).count() {
+            _ if a == b => 0.0,
+            1 if a.min(b) == 0 && self.number(thickness) == 0 => STOP,
+            // Elsewhere the loop would be cut open.
+            0 if !closes(a.max(b)) => 2.0 * END,
+            0 => LOOP,
+            ends => END * ends as f64,
+        }
+    }
+
+    /// The cost of an axis's end with this number of beads.
+    fn stop(&self, number: usize) -> f64 {
+        let odd = number < self.beadings.len() && !number.is_multiple_of(2);
+        if odd { STOP } else { 0.0 }
     }
 
     /// The parts of an axis and their numbers of beads, without those that are
@@ -185,167 +219,121 @@ impl Beadings {
         let few = self.beadings.len();
         let (thin, thick) = (axis.thinnest(), axis.thickest());
         let (low, high) = (self.number(thin), self.number(thick));
-        if low == high {
-            return if high < few {
-                vec![(high, axis.clone())]
-            } else {
-                Vec::new()
-            };
+        if low == high && (high >= few || axis.closed || high.is_multiple_of(2))
+        {
+            let whole = (high < few).then(|| (high, axis.clone()));
+            return whole.into_iter().collect();
         }
-        let mut parts = vec![axis.clone()];
-        for beading in &self.beadings[low..high.min(few)] {
-            parts = parts
-                .into_iter()
-                .flat_map(|part| part.split_at(beading.upto))
-                .collect();
-        }
-        let mut all: Vec<(usize, Axis)> = parts
-            .into_iter()
-            .map(|part| (self.number(part.middle_thickness()), part))
-            .collect();
-        if axis.closed && all.len() > 1 {
-            // The line was opened at its first point, perhaps within a part:
-            // let it begin with its longest one.
-            let longest = (0..all.len())
-                .max_by(|&i, &j| {
-                    all[i].1.length().total_cmp(&all[j].1.length())
-                })
-                .unwrap_or(0);
-            all.rotate_left(longest);
-        }
-        all = self.without_tails(all, axis.closed);
-        for round in (0..ROUNDS).rev() {
-            let short = SHORT / f64::from(1 << round);
-            all = self.merged(all, short, axis.closed, bends);
-        }
-        for (number, part) in &mut all {
-            // A bead needs some length, or it is but a widening of the walls.
-            let single = *number % 2 == 1 && *number < few;
-            if !single {
-                continue;
-            }
-            let width = part.thickest() - self.beadings[*number].taken;
-            if part.length() < 0.5 * width {
-                *number -= 1;
-                let beading = &self.beadings[*number];
-                let most =
-                    beading.upto + 2.0 * (beading.range.1 - beading.upto);
+        let bounds = self.bounds();
+        let axis = axis.refined(&bounds);
+        let numbers = self.numbers(&axis, bends);
+        let mut parts = axis.parts(&numbers);
+        for (number, part) in &mut parts {
+            if let Some(c) = self.beadings.get(*number) {
+                let most = c.range.1.max(c.short.1);
                 part.thickness.iter_mut().for_each(|t| *t = t.min(most));
             }
         }
-        all.retain(|(number, _)| *number < few);
-        all
+        parts.retain(|(number, _)| *number < few);
+        parts
     }
 
-    /// The parts with loops that close where a short bead would lead to them: from
-    /// a tip, or from between the walls around.
-    fn without_tails(
+    /// The thicknesses at which costs change.
+    fn bounds(&self) -> Vec<Mm> {
+        let all = self.beadings.iter();
+        let mut bounds: Vec<Mm> = all
+            .flat_map(|c| [c.upto, c.range.0, c.range.1, c.short.0, c.short.1])
+            .collect();
+        bounds.sort_by(f64::total_cmp);
+        bounds.dedup();
+        bounds
+    }
+
+    /// The number of beads along each segment of an axis (dynamic programming, as
+    /// in Viterbi 1967).
+    fn numbers(&self, axis: &Axis, bends: Bends<'_>) -> Vec<usize> {
+        let bent = self.bent(axis, bends);
+        let costs: Vec<Vec<f64>> = axis
+            .segments()
+            .zip(&bent)
+            .map(|((a, b), &bends)| {
+                let [length, t] = [a.0.distance(b.0), 0.5 * (a.1 + b.1)];
+                let all = 0..=self.beadings.len();
+                all.map(|n| length * self.cost(n, t, bends)).collect()
+            })
+            .collect();
+        if !axis.closed {
+            let begin = |n: usize| self.stop(n);
+            return self.cheapest(axis, &costs, begin, begin).1;
+        }
+        // The way round ends with the number that it begins with.
+        let round = (0..=self.beadings.len()).map(|first| {
+            let begin = |n: usize| if n == first { 0.0 } else { f64::INFINITY };
+            let t = axis.thickness.first().copied().unwrap_or_default();
+            self.cheapest(axis, &costs, begin, |n| self.border(n, first, t))
+        });
+        round
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or_else(Vec::new, |best| best.1)
+    }
+
+    /// The numbers whose costs together are the least, and these costs.
+    fn cheapest(
         &self,
-        parts: Vec<(usize, Axis)>,
-        closed: bool,
-    ) -> Vec<(usize, Axis)> {
-        let n = parts.len();
-        let number = |k: usize| parts.get(k).map(|part| part.0);
-        let around = |k: usize| {
-            let before = k.checked_sub(1).or(closed.then_some(n - 1));
-            let after = if closed { (k + 1) % n } else { k + 1 };
-            [before.and_then(number), number(after)]
-        };
-        let beside: Vec<_> = (0..n).map(around).collect();
-        let mut left: Vec<(usize, Axis)> = Vec::with_capacity(n);
-        let mut add = |number: usize, part: Axis| match left.last_mut() {
-            Some((last, whole)) if *last == number => whole.append(part),
-            _ => left.push((number, part)),
-        };
-        for ((number, part), beside) in parts.into_iter().zip(beside) {
-            if !is_tail(number, &part, beside) {
-                add(number, part);
-                continue;
-            }
-            let closes = self.beadings[number].closes;
-            for piece in part.split_at(closes) {
-                let thick = piece.middle_thickness() > closes;
-                add(if thick { number + 1 } else { number - 1 }, piece);
-            }
+        axis: &Axis,
+        costs: &[Vec<f64>],
+        begin: impl Fn(usize) -> f64,
+        end: impl Fn(usize) -> f64,
+    ) -> (f64, Vec<usize>) {
+        let all = 0..=self.beadings.len();
+        let mut sums: Vec<f64> = all.clone().map(&begin).collect();
+        let mut from: Vec<Vec<usize>> = Vec::with_capacity(costs.len());
+        for (costs, &t) in costs.iter().zip(&axis.thickness) {
+            let best = all.clone().map(|n| {
+                let by = |m: usize| sums[m] + self.border(m, n, t);
+                let least = |a: &usize, b: &usize| by(*a).total_cmp(&by(*b));
+                let m = all.clone().min_by(least).unwrap_or(n);
+                (by(m) + costs[n], m)
+            });
+            let (next, before) = best.unzip();
+            sums = next;
+            from.push(before);
         }
-        left
+        let last = |n: &usize| sums[*n] + end(*n);
+        let mut n = all
+            .min_by(|a, b| last(a).total_cmp(&last(b)))
+            .unwrap_or_default();
+        let sum = last(&n);
+        let mut numbers: Vec<usize> = from
+            .iter()
+            .rev()
+            .map(|before| {
+                let number = n;
+                n = before[number];
+                number
+            })
+            .collect();
+        numbers.reverse();
+        (sum, numbers)
     }
 
-    /// Lets parts shorter than `short` take the number of a neighbour, if it
-    /// fits, and joins neighbours of one number.
-    fn merged(
-        &self,
-        parts: Vec<(usize, Axis)>,
-        short: Mm,
-        closed: bool,
-        bends: Bends<'_>,
-    ) -> Vec<(usize, Axis)> {
-        let first = parts.first().map(|p| p.0).filter(|_| closed);
-        let mut merged: Vec<(usize, Axis)> = Vec::with_capacity(parts.len());
-        let mut rest = parts.into_iter().peekable();
-        while let Some((mut number, part)) = rest.next() {
-            let before = merged.last().map(|p| p.0);
-            let after = rest.peek().map(|p| p.0).or(first);
-            if part.length() < short && Some(number) != before {
-                let same = before == after;
-                let ends = before.is_none() || after.is_none();
-                let between = same || ends;
-                let fits = |n: &usize| {
-                    self.fits(
-                        *n,
-                        &part,
-                        same || ends && n.is_multiple_of(2),
-                        bends,
-                    )
-                };
-                // Where the numbers of both neighbours fit, the one nearer to
-                // this number is taken.
-                let mut beside: Vec<usize> =
-                    before.into_iter().chain(after).filter(fits).collect();
-                beside.sort_by_key(|n| n.abs_diff(number));
-                if let Some(&n) = beside.first()
-                    && (between || part.length() < 0.25 * SHORT)
-                {
-                    number = n;
-                }
-            }
-            match merged.last_mut() {
-                Some((n, whole)) if *n == number => whole.append(part),
-                _ => merged.push((number, part)),
-            }
+    /// For each segment of an axis, true if a single bead that bulges there leaves
+    /// nothing open.
+    fn bent(&self, axis: &Axis, bends: Bends<'_>) -> Vec<bool> {
+        let wide = self.beadings.get(1).map(|c| (c.range.1, c.short.1));
+        let bulges = |((_, v), (_, w)): &((_, Mm), (_, Mm))| {
+            let t = 0.5 * (v + w);
+            wide.is_some_and(|(from, to)| from < t && t <= to)
+        };
+        let kinds: Vec<usize> =
+            axis.segments().map(|s| usize::from(bulges(&s))).collect();
+        let mut bent = Vec::with_capacity(kinds.len());
+        for (kind, part) in axis.opened().parts(&kinds) {
+            let count = part.points.len() - 1;
+            bent.resize(bent.len() + count, kind == 1 && bends(&part));
         }
-        let ends = (merged.first(), merged.last());
-        if closed
-            && merged.len() > 1
-            && let (Some((a, _)), Some((b, _))) = ends
-            && a == b
-        {
-            let (_, start) = merged.remove(0);
-            if let Some((_, end)) = merged.last_mut() {
-                end.append(start);
-            }
-            merged.rotate_right(1);
-        }
-        merged
+        bent
     }
-}
-
-/// True if a part is a short bead, or the tip of one, between walls that have a
-/// loop on one side of it. `beside` are the numbers of the parts around it.
-fn is_tail(number: usize, part: &Axis, beside: [Option<usize>; 2]) -> bool {
-    let loops = |k: Option<usize>| k == Some(number + 1);
-    let ends = |k: Option<usize>| k.is_none_or(|k| k + 1 == number);
-    let length = part.length();
-    let short = if number > 1 {
-        length < TAIL
-    } else {
-        // A tooth as thin as a bead has no room for two.
-        length < TIP && part.thickest() - part.thinnest() > TAPER * length
-    };
-    let [before, after] = beside;
-    number % 2 == 1
-        && short
-        && (loops(before) && ends(after) || ends(before) && loops(after))
 }
 
 #[cfg(test)]
@@ -353,6 +341,7 @@ mod tests {
     use super::*;
     use crate::walls::WallPlan;
     use glam::DVec2;
+    use isoslice_planar::bead::spacing;
     use isoslice_settings::testing::usual_plan;
 
     /// Two walls, and skin inside them.
@@ -409,7 +398,7 @@ mod tests {
 
     #[test]
     fn what_is_long_has_the_number_that_fits_best() {
-        let step = |x: f64| if x < 10.0 { 0.78 } else { 0.87 };
+        let step = |x: f64| if x < 10.0 { 0.7 } else { 0.9 };
         let parts = beadings().split(&axis(20.0, step), &|_| false);
         assert_eq!(numbers(&parts), [1, 2]);
     }
@@ -425,8 +414,8 @@ mod tests {
             numbers(&beadings().split(&axis(20.0, t), &|_| false))
         };
         // Wider than a bead may be for long, 1.716 mm.
-        assert_eq!(bend(1.85, 2.6), [3]);
-        assert_eq!(bend(1.85, 8.0), [3, 4, 3]);
+        assert_eq!(bend(1.8, 2.6), [3]);
+        assert_eq!(bend(1.8, 14.0), [3, 4, 3]);
         // Wider than two walls and a bulge.
         assert!(bend(2.0, 2.6).contains(&4));
         // One bead alone bulges in a bend only.
@@ -464,5 +453,36 @@ mod tests {
             assert!((by(3) - 31.4).abs() < 0.5, "{shift}: {}", by(3));
             assert!(parts.iter().all(|p| p.1.length() < 40.0));
         }
+    }
+
+    #[test]
+    fn a_loop_closes_where_a_strip_grows() {
+        // From two walls to four, slowly and fast.
+        let grows = |length: f64| {
+            let t = move |x: f64| 1.0 + 0.8 * (x / length).min(1.0);
+            beadings().split(&axis(40.0, t), &|_| false)
+        };
+        let fast = grows(3.0);
+        assert_eq!(numbers(&fast), [2, 4]);
+        // As thick as the ring's depth on both sides, an outer wall and a half of
+        // a spacing.
+        let closes = 0.45 + 2.0 * spacing(0.45, 0.45, 0.2);
+        assert!((fast[1].1.thickness[0] - closes).abs() < 1e-3);
+        assert_eq!(numbers(&grows(30.0)), [2, 3, 4]);
+    }
+
+    #[test]
+    fn two_walls_lead_into_blunt_tips_and_a_bead_into_sharp_ones() {
+        let tip = |degrees: f64| {
+            let slope = 2.0 * (0.5 * degrees).to_radians().tan();
+            let wedge = axis(6.0, |x| (slope * x).min(1.0));
+            numbers(&beadings().split(&wedge, &|_| false))
+        };
+        assert_eq!(tip(50.0), [0, 2]);
+        assert_eq!(tip(25.0), [0, 1, 2]);
+        // A tooth as thin as a bead has no room for two.
+        let tooth = axis(6.0, |x| if x < 1.0 { 0.4 } else { 1.0 });
+        let all = beadings().split(&tooth, &|_| false);
+        assert_eq!(numbers(&all), [1, 2]);
     }
 }

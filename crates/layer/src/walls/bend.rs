@@ -74,7 +74,7 @@ mod tests {
     /// A strip, `thick` mm, that turns by a right angle, with round borders that
     /// are `inner` and `outer` mm from the middles of their arcs.
     fn bent(thick: f64, inner: f64, outer: f64) -> Area {
-        let limb = 6.0;
+        let limb = 12.0;
         let arc = |centre: DVec2, radius: f64, from: f64, to: f64| {
             (0..=200).map(move |i| {
                 let angle = from + (to - from) * f64::from(i) / 200.0;

@@ -293,6 +293,30 @@ pub(super) fn cut(
     lines
 }
 
+/// Lines that are no wider in their sharp corners than the border leaves room: where
+/// a loop ends in a round tip, the border is nearer ahead than beside.
+pub(super) fn within(lines: Vec<Stroke>, border: &EdgeGrid) -> Vec<Stroke> {
+    /// Cosine of the turn from which on a corner is sharp.
+    const SHARP: f64 = 0.7;
+    let narrowed = |mut line: Stroke| {
+        let n = line.points.len();
+        for k in 0..line.widths.len() {
+            let [before, here, after] =
+                [k + n - 1, k, k + 1].map(|i| line.points[i % n]);
+            let way = (here - before).normalize_or_zero();
+            let on = (after - here).normalize_or_zero();
+            if way.dot(on) < SHARP
+                && let Some((_, q)) =
+                    border.nearest_edge(here, 0.5 * line.widths[k])
+            {
+                line.widths[k] = 2.0 * q.distance(here);
+            }
+        }
+        line
+    };
+    lines.into_iter().map(narrowed).collect()
+}
+
 /// Widens the lines beside slivers. `away` is the distance of the lines from
 /// the border of the area that has the slivers as its axes.
 pub(super) fn absorb(

@@ -188,18 +188,89 @@ impl Axis {
         }
     }
 
-    /// The thickness half way through its points.
-    pub(super) fn middle_thickness(&self) -> Mm {
-        let n = self.thickness.len();
-        let (a, b) = (n.saturating_sub(1) / 2, n / 2);
-        let at = |i: usize| self.thickness.get(i).copied().unwrap_or(0.0);
-        0.5 * (at(a) + at(b))
+    /// The line's segments, with the thickness at their ends.
+    pub(super) fn segments(
+        &self,
+    ) -> impl Iterator<Item = ((DVec2, Mm), (DVec2, Mm))> + '_ {
+        let n = self.points.len();
+        let at = move |i: usize| (self.points[i % n], self.thickness[i % n]);
+        let count = if self.closed { n } else { n.saturating_sub(1) };
+        (0..count).map(move |i| (at(i), at(i + 1)))
     }
 
-    /// Goes on with another axis, which begins where this one ends.
-    pub(super) fn append(&mut self, other: Axis) {
-        self.points.extend(other.points.into_iter().skip(1));
-        self.thickness.extend(other.thickness.into_iter().skip(1));
+    /// The line as an open one, which ends at its first point if it was closed.
+    pub(super) fn opened(&self) -> Axis {
+        let mut open = self.clone();
+        if std::mem::take(&mut open.closed) {
+            open.points.extend(self.points.first());
+            open.thickness.extend(self.thickness.first());
+        }
+        open
+    }
+
+    /// The line with points where its thickness passes some bounds, which ascend.
+    pub(super) fn refined(&self, bounds: &[Mm]) -> Axis {
+        let mut fine = Axis {
+            points: Vec::with_capacity(self.points.len() + 8),
+            thickness: Vec::with_capacity(self.points.len() + 8),
+            closed: self.closed,
+        };
+        let mut add = |p: DVec2, t: Mm| {
+            fine.points.push(p);
+            fine.thickness.push(t);
+        };
+        for ((p, v), (q, w)) in self.segments() {
+            add(p, v);
+            let first = bounds.partition_point(|b| *b <= v.min(w));
+            let last = bounds.partition_point(|b| *b < v.max(w));
+            let between = &bounds[first..last.max(first)];
+            let mut pass = |b: Mm| add(p.lerp(q, (b - v) / (w - v)), b);
+            if v < w {
+                between.iter().for_each(|b| pass(*b));
+            } else {
+                between.iter().rev().for_each(|b| pass(*b));
+            }
+        }
+        if let (false, Some(p), Some(t)) =
+            (self.closed, self.points.last(), self.thickness.last())
+        {
+            add(*p, *t);
+        }
+        fine
+    }
+
+    /// The line cut wherever the number of its segments changes: each part with its
+    /// number. `numbers` has one for each segment.
+    pub(super) fn parts(&self, numbers: &[usize]) -> Vec<(usize, Axis)> {
+        let n = numbers.len();
+        let changes = |i: &usize| numbers[(i + n - 1) % n] != numbers[*i];
+        // A closed line is cut from a change on, if there is one.
+        let first = match (0..n).find(changes) {
+            Some(first) if self.closed => first,
+            None if self.closed => {
+                let whole = numbers.first().map(|k| (*k, self.clone()));
+                return whole.into_iter().collect();
+            }
+            _ => 0,
+        };
+        let at = |i: usize| i % self.points.len();
+        let mut parts: Vec<(usize, Axis)> = Vec::new();
+        for i in first..first + n {
+            let number = numbers[i % n];
+            if parts.last().is_none_or(|part| part.0 != number) {
+                let begins = Axis {
+                    points: vec![self.points[at(i)]],
+                    thickness: vec![self.thickness[at(i)]],
+                    closed: false,
+                };
+                parts.push((number, begins));
+            }
+            if let Some((_, part)) = parts.last_mut() {
+                part.points.push(self.points[at(i + 1)]);
+                part.thickness.push(self.thickness[at(i + 1)]);
+            }
+        }
+        parts
     }
 
     /// The thickness of the thinnest place.

@@ -50,7 +50,7 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Solid, path_length, signed_area};
-use line::{absorb, cut};
+use line::{absorb, cut, within};
 use medial_axis::{Axis, axes};
 pub use overhang::Support;
 pub use plan::{ThinPlan, WallPlan};
@@ -482,7 +482,7 @@ fn laid(
                     [walls, beads]
                         .map(|own| give_way(own, outside, width, height, fine))
                 }
-                None => [walls, beads],
+                None => [within(walls, solid.grid()), beads],
             };
             // Inside the last wall, beads of skin fill what the thinnest of
             // them fits into.

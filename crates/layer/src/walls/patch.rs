@@ -13,12 +13,9 @@
 //! thinnest bead.
 
 use super::beading::Beadings;
-use super::line::{AxisIndex, absorb, cut};
-use super::medial_axis::Axis;
+use super::line::absorb;
 use super::{Lay, Skeleton, cell, joined, shrink};
-use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_planar::along::change;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::{Area, Solid};
 
@@ -31,16 +28,7 @@ pub struct Patch {
     pub thin: Vec<Stroke>,
     /// The ring whole.
     pub whole: Area,
-    /// The area inside the ring that these beads run through.
-    core: Vec<Axis>,
 }
-
-/// Accuracy of the place at which a line has to end, mm.
-const END: Mm = 0.005;
-/// Distance of the places at which a line is looked at, mm.
-const LOOK_STEP: Mm = 0.2;
-/// Slack in distances that are equal but for rounding and thinning, mm.
-const THINNED: Mm = 0.02;
 
 /// Lays the beads around a solid area.
 pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
@@ -51,7 +39,7 @@ pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let places = skeleton.thin_places(&beadings, &nodes);
     let whole = skeleton.shrunk(plan.centre, tolerance);
     let single = places.beads(1, 0.0);
-    let rings = cut(&whole, &single, plan.centre, plan.width);
+    let rings = places.cut(&whole, 0, 0.0, &plan);
     let slivers = places.beads(2, plan.inner);
     let core = places.beads(3, plan.inner);
     let away = plan.inner - plan.centre;
@@ -64,59 +52,13 @@ pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
         plan.extra,
         true,
     );
-    Patch {
-        rings,
-        thin,
-        whole,
-        core,
-    }
+    Patch { rings, thin, whole }
 }
 
 impl Patch {
     /// The area that lies more than `distance` inside the ring's centre line.
     pub fn inside(&self, distance: Mm, tolerance: Mm) -> Area {
         shrink(&self.whole, distance, tolerance)
-    }
-
-    /// Where lines are not under the beads in thin places.
-    pub fn free(&self) -> Free<'_> {
-        let thickest = self.core.iter().map(Axis::thickest).fold(0.0, f64::max);
-        let reach = 0.5 * thickest + THINNED;
-        let index =
-            (!self.core.is_empty()).then(|| AxisIndex::new(&self.core, reach));
-        Free { index, reach }
-    }
-}
-
-/// The places that the beads in thin places leave free.
-pub struct Free<'a> {
-    index: Option<AxisIndex<'a>>,
-    /// No bead reaches farther from its middle.
-    reach: Mm,
-}
-
-impl Free<'_> {
-    /// The pieces of each line that are free, as ranges of its length from 0
-    /// to 1.
-    pub fn of(&self, lines: &[(DVec2, DVec2)]) -> Vec<Vec<(f64, f64)>> {
-        let Some(index) = &self.index else {
-            return vec![vec![(0.0, 1.0)]; lines.len()];
-        };
-        let reach = self.reach;
-        let free = |p: DVec2| match index.nearest(p, reach) {
-            Some((q, t)) => p.distance(q) > 0.5 * t + THINNED,
-            None => true,
-        };
-        lines
-            .iter()
-            .map(|&(a, b)| {
-                if index.clear(a, b, reach) {
-                    vec![(0.0, 1.0)]
-                } else {
-                    pieces(a, b, free)
-                }
-            })
-            .collect()
     }
 }
 
@@ -164,36 +106,11 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
     }
 }
 
-/// The ranges of the line from `a` to `b` that are free.
-fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
-    let length = a.distance(b);
-    let count = (length / LOOK_STEP).ceil().clamp(1.0, 1e6);
-    let mut from = (0.0, free(a));
-    let mut start = from.1.then_some(0.0);
-    let mut found = Vec::new();
-    for k in 1..=count as usize {
-        let t = k as f64 / count;
-        let to = (t, free(a.lerp(b, t)));
-        if from.1 != to.1 {
-            let ends = [from.0, to.0].map(|t| a.lerp(b, t));
-            let same = |p: DVec2| free(p) == from.1;
-            let [low, high] = change(ends[0], ends[1], END, same)
-                .map(|p| p.distance(a) / length);
-            match start.take() {
-                Some(start) => found.push((start, low)),
-                None => start = Some(high),
-            }
-        }
-        from = to;
-    }
-    found.extend(start.map(|s| (s, 1.0)));
-    found
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::walls::ThinPlan;
+    use glam::DVec2;
     use isoslice_planar::shapes::disc;
     use isoslice_settings::testing::usual_plan;
 
@@ -239,12 +156,6 @@ mod tests {
         let one = strip(1.3);
         assert_eq!(one.thin.len(), 1);
         assert!((one.thin[0].width - 0.486 - 0.043).abs() < 0.003);
-        // No line runs where the bead does, all where it does not.
-        let across = (DVec2::new(10.0, 0.0), DVec2::new(10.0, 4.0));
-        let free = one.free().of(&[across]);
-        let length: f64 = free[0].iter().map(|(a, b)| b - a).sum();
-        assert!((4.0 * length - (4.0 - 0.486)).abs() < 0.05, "{length}");
-        assert_eq!(wide.free().of(&[across]), [[(0.0, 1.0)]]);
         // 0.156 mm: the ring's sides share it.
         let shared = strip(0.97);
         assert!(shared.thin.is_empty());

@@ -94,7 +94,7 @@ impl Left<'_> {
             let more = (width - self.width).max(0.0);
             let usual = p - 0.5 * more * inwards;
             let ball = if near {
-                self.pocket(usual, inwards, beads).unwrap_or(0.0)
+                self.pocket(usual, inwards, more, beads).unwrap_or(0.0)
             } else {
                 0.0
             };
@@ -149,16 +149,18 @@ impl Left<'_> {
     }
 
     /// The radius of the ball that touches what the wall leaves beside a place
-    /// of its line, if nothing else is laid there.
+    /// of its line, if it is larger than what is `filled` already and nothing else is
+    /// laid there.
     fn pocket(
         &self,
         p: DVec2,
         inwards: DVec2,
+        filled: Mm,
         beads: &AxisIndex<'_>,
     ) -> Option<Mm> {
         let fits = |p: DVec2, radius: Mm| {
             let distance = self.depth + radius - THINNED;
-            self.grid.nearest_edge(p, distance).is_none()
+            self.grid.clear(p, p, distance)
         };
         let base = p + self.away * inwards;
         if !fits(base + LEAST * inwards, LEAST) {
@@ -183,7 +185,7 @@ impl Left<'_> {
             }
             low = least.max(LEAST);
         }
-        if low >= self.radius {
+        if low >= self.radius || low - filled <= LEAST {
             return None;
         }
         let bead_near = |p: DVec2, radius: Mm| {
