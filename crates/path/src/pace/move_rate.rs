@@ -5,7 +5,7 @@
 //! beads, cut where their speed changes.
 //!
 //! Guaranteed: of any [`TOGETHER`] moves in a row the mean rate is at most the
-//! printer's. One short move among long ones is no reason to slow down, since
+//! printer's; where that alone changes the speed, it is even along 3 mm. One short move among long ones is no reason to slow down, since
 //! firmware keeps moves in a buffer.
 
 use super::moves::Cause;
@@ -16,10 +16,12 @@ use isoslice_planar::arc::Turn;
 use isoslice_planar::bead::{Bead, Stroke};
 
 /// Moves over which the rate is a mean. The smallest buffer, Marlin's, holds 16;
-/// some of them are always on their way. With 3 moves instead of 8, a fifth fewer
-/// of a gyroid ball's moves come faster than the printer takes them, and the print
-/// takes 0.3 % longer.
-const TOGETHER: usize = 3;
+/// some of them are always on their way.
+const TOGETHER: usize = 8;
+
+/// Length along which a speed holds, mm: where it changes more often, so does
+/// the pressure in the nozzle, and each change is seen.
+const EVEN: Mm = 3.0;
 
 /// Speeds are steps of this share of what was asked for, so that they change
 /// seldom.
@@ -117,50 +119,69 @@ impl Rated {
 /// The beads at speeds that ask for at most `most` moves a second.
 pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> Vec<Rated> {
     let lengths: Vec<Mm> = chain.iter().flat_map(Rated::lengths).collect();
-    let together = TOGETHER.min(lengths.len()).max(1);
+    let limits = limits(&lengths, most);
     let fastest = chain.iter().map(|r| r.rates.speed).fold(0.0, f64::max);
-    let limits: Vec<MmPerSec> = lengths
-        .windows(together)
-        .map(|moves| most * moves.iter().sum::<Mm>() / together as f64)
-        .collect();
     if limits.iter().all(|limit| *limit >= fastest) {
         return chain;
     }
-    // Each move is in several windows.
-    let limit = |i: usize| {
-        let first = (i + 1).saturating_sub(together);
-        let windows = limits.iter().take(i + 1).skip(first);
-        windows.copied().fold(f64::INFINITY, f64::min)
-    };
     let mut out = Vec::with_capacity(chain.len());
-    let mut done = 0;
+    let mut limits = limits.into_iter();
     for rated in chain {
         let asked = rated.rates.speed;
-        let n = rated.lengths().count();
-        let speed = |i: usize| match limit(done + i) / asked {
+        let speed = |limit: MmPerSec| match limit / asked {
             share if share < 1.0 => {
                 asked * SPEED_STEP * (share / SPEED_STEP).floor().max(1.0)
             }
             _ => asked,
         };
+        let n = rated.lengths().count();
+        let speeds: Vec<_> = limits.by_ref().take(n).map(speed).collect();
+        if speeds.iter().all(|speed| *speed == asked) {
+            out.push(rated);
+            continue;
+        }
         let mut from = 0;
-        for to in 1..=n {
-            let here = speed(from);
-            if to < n && speed(to) == here {
-                continue;
-            }
-            out.push(if to - from == n && here == asked {
-                rated.clone()
-            } else {
-                let mut part = rated.part(from, to);
-                part.slow(here, Cause::Moves);
-                part
-            });
+        for run in speeds.chunk_by(|a, b| a == b) {
+            let to = from + run.len();
+            let mut part = rated.part(from, to);
+            part.slow(run[0], Cause::Moves);
+            out.push(part);
             from = to;
         }
-        done += n;
     }
     out
+}
+
+/// The greatest speed of each move at which `most` moves a second are not
+/// exceeded. It is the same along at least [`EVEN`], but at an end.
+fn limits(lengths: &[Mm], most: PerSec) -> Vec<MmPerSec> {
+    let together = TOGETHER.min(lengths.len()).max(1);
+    let rows: Vec<MmPerSec> = lengths
+        .windows(together)
+        .map(|moves| most * moves.iter().sum::<Mm>() / together as f64)
+        .collect();
+    // Each move is in several rows.
+    let mut limits: Vec<MmPerSec> = (0..lengths.len())
+        .map(|i| {
+            let first = (i + 1).saturating_sub(together);
+            let rows = rows.iter().take(i + 1).skip(first);
+            rows.copied().fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    let mut from = 0;
+    while from < lengths.len() {
+        let mut length = 0.0;
+        let to = lengths[from..].iter().position(|step| {
+            length += step;
+            length >= EVEN
+        });
+        let to = to.map_or(lengths.len(), |k| from + k + 1);
+        let least = limits[from..to].iter().copied();
+        let least = least.fold(f64::INFINITY, f64::min);
+        limits[from..to].fill(least);
+        from = to;
+    }
+    limits
 }
 
 #[cfg(test)]
