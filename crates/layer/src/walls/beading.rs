@@ -266,8 +266,11 @@ impl Beadings {
             })
             .collect();
         if !axis.closed {
-            let post = axis.length() < POST * axis.thickest();
-            let stop = |n: usize| match self.is_single(n) && !(n == 1 && post) {
+            let thick = axis.thickest();
+            let single =
+                self.beadings.get(1).is_some_and(|c| thick <= c.range.1);
+            let post = single && axis.length() < POST * thick;
+            let stop = |n: usize| match self.is_single(n) && !post {
                 true => STOP,
                 false => 0.0,
             };

@@ -18,8 +18,10 @@ use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
 
-/// Greatest change of a line's width along its way, if the line may be seen.
-pub(super) const SEEN: f64 = 0.25;
+/// Greatest change of a line's width along its way, if the line may be seen. At 0.25 the
+/// edge of a gyroid's walls is off by 16.5 µm (99 % of it), at 0.16 by 15.0, and at
+/// 0.12 by 13.4, but more than half as much again of the sheet stays uncovered.
+pub(super) const SEEN: f64 = 0.16;
 /// Greatest change of a line's width along its way, if nobody sees the line.
 pub(super) const HIDDEN: f64 = 1.0;
 /// Gaps between moving places that are shorter than this do not count, mm.
