@@ -270,10 +270,8 @@ impl Beadings {
             let single =
                 self.beadings.get(1).is_some_and(|c| thick <= c.range.1);
             let post = single && axis.length() < POST * thick;
-            let stop = |n: usize| match self.is_single(n) && !post {
-                true => STOP,
-                false => 0.0,
-            };
+            let stops = |n: usize| self.is_single(n) && !post;
+            let stop = |n: usize| if stops(n) { STOP } else { 0.0 };
             return self.cheapest(axis, &costs, stop, stop).1;
         }
         // The way round ends with the number that it begins with.
