@@ -44,9 +44,6 @@ const END: f64 = 1.0;
 /// The cost of an odd bead's end at an axis's end, where a loop would go on around it
 /// or into another axis.
 const STOP: f64 = 0.5;
-/// An axis shorter than this many times its thickness is a post, in which a bead is
-/// no more of a stroke than a loop is, and takes half the time.
-const POST: f64 = 2.0;
 /// The cost of a loop's end: the walls around it are not quite even.
 const LOOP: f64 = 0.3;
 /// The cost of 1 mm of beads that are as wide or as narrow as they may be. Parts of
@@ -55,6 +52,9 @@ const STRETCHED: f64 = 0.4;
 /// The cost of 1 mm of walls beyond that, beside the end of a loop. A bead of 3 mm
 /// is not worth its ends.
 const PINCHED: f64 = 0.6;
+/// What it costs more where those walls have no room any more. Through a neck as
+/// thin as that they would lie on each other.
+const TIGHT: f64 = 4.0;
 /// The cost of 1 mm of a bead beyond that.
 const BULGED: f64 = 1.0;
 /// The cost of 1 mm that has room for a bead and has none: in a corner of 35° as
@@ -165,27 +165,37 @@ impl Beadings {
         let Some(c) = self.beadings.get(number) else {
             return if nominal == number { 0.0 } else { WRONG };
         };
+        if number == 0 {
+            // What is too thin by itself may still continue a bead.
+            let narrow = self.beadings.get(1).map_or(0.0, |c| c.range.0);
+            return match nominal {
+                0 if thickness > narrow => STRETCHED,
+                0 => 0.0,
+                _ => OPEN,
+            };
+        }
         if nominal == number {
             return 0.0;
         }
-        if number == 0 {
-            return OPEN;
-        }
         let lower = self.beadings[number - 1].upto;
-        let (bound, most, short) = if nominal < number {
-            (lower, c.range.0, thickness >= c.short.0)
+        let (beyond, stretch, short) = if nominal < number {
+            (lower - thickness, lower - c.range.0, lower - c.short.0)
         } else {
-            (c.upto, c.range.1, thickness <= c.short.1)
+            let [most, short] = [c.range.1, c.short.1];
+            (thickness - c.upto, most - c.upto, short - c.upto)
         };
-        let share = (thickness - bound) / (most - bound);
-        if share <= 1.0 {
-            STRETCHED * share
-        } else if !short || (number == 1 && !bends) {
+        if beyond <= stretch {
+            STRETCHED * beyond / stretch
+        } else if beyond > short || (number == 1 && !bends) {
             WRONG
-        } else if number.is_multiple_of(2) {
+        } else if self.is_single(number) {
+            BULGED
+        } else if nominal > number {
             PINCHED
         } else {
-            BULGED
+            let stretch = stretch.max(0.0);
+            let depth = (beyond - stretch) / (short - stretch);
+            PINCHED + TIGHT * depth.powi(4)
         }
     }
 
@@ -222,7 +232,11 @@ impl Beadings {
         let few = self.beadings.len();
         let (thin, thick) = (axis.thinnest(), axis.thickest());
         let (low, high) = (self.number(thin), self.number(thick));
-        if low == high && (high >= few || axis.closed || high.is_multiple_of(2))
+        if low == high
+            && (high < 2
+                || high >= few
+                || axis.closed
+                || high.is_multiple_of(2))
         {
             let whole = (high < few).then(|| (high, axis.clone()));
             return whole.into_iter().collect();
@@ -266,11 +280,9 @@ impl Beadings {
             })
             .collect();
         if !axis.closed {
-            let thick = axis.thickest();
-            let single =
-                self.beadings.get(1).is_some_and(|c| thick <= c.range.1);
-            let post = single && axis.length() < POST * thick;
-            let stops = |n: usize| self.is_single(n) && !post;
+            // A bead alone is no more of a stroke than a loop is.
+            let alone = self.number(axis.thickest()) < 2;
+            let stops = |n: usize| self.is_single(n) && !alone;
             let stop = |n: usize| if stops(n) { STOP } else { 0.0 };
             return self.cheapest(axis, &costs, stop, stop).1;
         }
@@ -350,7 +362,7 @@ mod tests {
     use crate::walls::WallPlan;
     use glam::DVec2;
     use isoslice_planar::bead::spacing;
-    use isoslice_settings::testing::usual_plan;
+    use isoslice_settings::testing::{plan_with, usual_plan};
 
     /// Two walls, and skin inside them.
     fn beadings() -> Beadings {
@@ -380,9 +392,10 @@ mod tests {
         let wedge = axis(60.0, |x| 0.05 + x / 28.0);
         let parts = beadings().split(&wedge, &|_| false);
         assert_eq!(numbers(&parts), [0, 1, 2, 3, 4]);
-        // One bead from thin_min, 60 %, to thin_max, 180 % of 0.45 mm.
+        // One bead from thin_min, 60 %, to thin_max, 180 % of 0.45 mm; it goes on a
+        // little into the tip.
         let one = &parts[1].1;
-        assert!((one.thinnest() - 0.27).abs() < 1e-6);
+        assert!((one.thinnest() - 0.27 / NARROW).abs() < 1e-6);
         assert!((one.thickest() - 0.81).abs() < 1e-6);
         // Two walls and the least bead between them: 2·0.428 + 0.8·0.45.
         assert!((parts[3].1.thinnest() - 1.217).abs() < 1e-3);
@@ -477,6 +490,27 @@ mod tests {
         let closes = 0.45 + 2.0 * spacing(0.45, 0.45, 0.2);
         assert!((fast[1].1.thickness[0] - closes).abs() < 1e-3);
         assert_eq!(numbers(&grows(30.0)), [2, 3, 4]);
+    }
+
+    /// Wherever the bounds lie, no number costs less than nothing, and a strip that
+    /// has just one number's thickness has this number.
+    #[test]
+    fn a_strip_has_the_number_of_its_thickness() {
+        for most in [100.0, 120.0, 145.0, 180.0, 200.0] {
+            let plan = plan_with(WallPlan::of, |s| s.thin_max = most);
+            let [outer, inner] = [0, 1].map(|k| plan.lay(k, 0.2));
+            let beadings = Beadings::new(&[outer, inner], Some(inner));
+            for i in 0..90 {
+                let t = 0.2 + 0.02 * f64::from(i);
+                for number in 0..6 {
+                    assert!(beadings.cost(number, t, true) >= 0.0);
+                }
+                let strip = axis(12.0, |_| t);
+                let one = t > outer.least && t <= outer.limit;
+                let found = numbers(&beadings.split(&strip, &|_| false));
+                assert_eq!(found == [1], one, "{most} {t}: {found:?}");
+            }
+        }
     }
 
     #[test]

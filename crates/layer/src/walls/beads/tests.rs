@@ -259,7 +259,7 @@ fn crosses_and_junctions_are_covered() {
             let name = format!("{name} {t:.2} mm");
             faults.check(p.open < 0.01, "open", &name, &p);
             faults.check(p.hole < 0.065, "hole", &name, &p);
-            faults.check(p.out < 0.025, "out", &name, &p);
+            faults.check(p.out < 0.026, "out", &name, &p);
         }
     }
 }
