@@ -33,14 +33,13 @@ const SHOWN: f64 = 0.3;
 
 /// Mean length of moves, mm, below which what shows is thinned by
 /// [`Resolution::crowded`]: at 60 mm/s they come at 200 a second, which is what
-/// the slowest printers take. Circles of more than 6 mm have longer ones.
+/// the slowest printers take. Circles of more than 7.5 mm across have longer ones.
 const CROWDED: Mm = 0.3;
 
 /// Greatest distance of what shows from where it was meant if its moves are
 /// crowded, as a share of `accuracy`, and in mm. Together with what the outline is
 /// off, 99 % of such walls are then within 8 µm of the surface, if the accuracy
-/// is 5 µm. Most printers step by 12.5 µm. With half of it a gyroid block has two
-/// fifths more moves.
+/// is 5 µm. Most printers step by 12.5 µm.
 const BENT: f64 = 1.5;
 const BENT_MOST: Mm = 0.0075;
 

@@ -58,7 +58,7 @@ const TIGHT: f64 = 2.0;
 /// The cost of 1 mm of a bead beyond that.
 const BULGED: f64 = 1.0;
 /// The cost of 1 mm that has room for a bead and has none: in a corner of 35° as
-/// much as the bead's end.
+/// much as the ends of a bead.
 const OPEN: f64 = 3.5;
 /// The cost of 1 mm that is too thin for a bead of its own, but not for one to go
 /// on.

@@ -587,7 +587,8 @@ fn joined(
     stitching::join(lines, thin, overlap, room)
 }
 
-/// True if a ring is a dot, which is not worth a travel.
+/// True if a ring is a dot, which is not worth a travel. A triangle around a ball of
+/// radius r is 10.4·r long. What is much longer is the middle of a strip.
 fn is_dot(ring: &[DVec2]) -> bool {
     let area = signed_area(ring);
     area > 0.0

@@ -258,8 +258,8 @@ fn crosses_and_junctions_are_covered() {
             let p = print(&part);
             let name = format!("{name} {t:.2} mm");
             faults.check(p.open < 0.01, "open", &name, &p);
-            faults.check(p.hole < 0.065, "hole", &name, &p);
-            faults.check(p.out < 0.026, "out", &name, &p);
+            faults.check(p.hole < 0.06, "hole", &name, &p);
+            faults.check(p.out < 0.025, "out", &name, &p);
         }
     }
 }
@@ -324,7 +324,7 @@ fn round_and_pointed_tips_are_covered() {
         for (a, b) in [(0.7, 0.36), (1.2, 0.36), (0.6, 0.25)] {
             let p = print(&ellipse(a, b));
             let part = format!("ellipse {a} {b}");
-            faults.check(p.open < 0.022, "open", &part, &p);
+            faults.check(p.open < 0.02, "open", &part, &p);
             faults.check(p.out < 0.025, "out", &part, &p);
             faults.check(p.volume < 1.02, "volume", &part, &p);
         }
@@ -399,7 +399,7 @@ fn walls_fill_the_pockets_between_them() {
         let p = print(&part);
         let name = format!("{angle:.2}");
         // A bead of its own would be a dab, which costs two travels.
-        faults.check(p.hole < 0.085, "hole", &name, &p);
+        faults.check(p.hole < 0.055, "hole", &name, &p);
         faults.check(p.volume < 1.04, "volume", &name, &p);
     }
 }
