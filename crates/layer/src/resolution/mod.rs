@@ -47,8 +47,8 @@ const BENT_MOST: Mm = 0.0075;
 /// width. With [`BENT`] a gyroid block has a tenth more moves.
 const MIDDLE: f64 = 1.9;
 const MIDDLE_MOST: Mm = 0.0095;
-const EDGE: f64 = 2.2;
-const EDGE_MOST: Mm = 0.011;
+const EDGE: f64 = 2.0;
+const EDGE_MOST: Mm = 0.010;
 
 /// Share of `path_accuracy` by which what lies beside the part is thinned.
 const BESIDE: f64 = 0.25;

@@ -57,9 +57,11 @@ const PINCHED: f64 = 0.6;
 const TIGHT: f64 = 2.0;
 /// The cost of 1 mm of a bead beyond that.
 const BULGED: f64 = 1.0;
-/// The cost of 1 mm that has room for a bead and has none: in a corner of 35° as
-/// much as the ends of a bead.
-const OPEN: f64 = 3.5;
+/// The cost of 1 mm that has room for a bead and has none: in a corner of 55° as
+/// much as the ends of a bead. With 3.5, corners of 45° end in a loop as well: a
+/// gyroid block has a fifth fewer strokes, and six times as many of its tips are more
+/// than 0.3 mm from a bead.
+const OPEN: f64 = 6.0;
 /// The cost of 1 mm that is too thin for a bead of its own, but not for one to go
 /// on.
 const FAINT: f64 = 0.1;
@@ -523,8 +525,8 @@ mod tests {
             let wedge = axis(6.0, |x| (slope * x).min(1.0));
             numbers(&beadings().split(&wedge, &|_| false))
         };
-        assert_eq!(tip(50.0), [0, 2]);
-        assert_eq!(tip(25.0), [0, 1, 2]);
+        assert_eq!(tip(70.0), [0, 2]);
+        assert_eq!(tip(45.0), [0, 1, 2]);
         // A tooth as thin as a bead has no room for two.
         let tooth = axis(6.0, |x| if x < 1.0 { 0.4 } else { 1.0 });
         let all = beadings().split(&tooth, &|_| false);

@@ -26,6 +26,9 @@ pub(super) const SEEN: f64 = 0.16;
 pub(super) const HIDDEN: f64 = 1.0;
 /// Gaps between moving places that are shorter than this do not count, mm.
 const GAP: Mm = 0.6;
+/// A gap is no longer than this many times the distance of its ends, as around a
+/// corner.
+const ROUND: f64 = 2.0;
 /// Greatest distance by which a corner moves, as a multiple of the distance by
 /// which its sides move.
 const MITRE: f64 = 2.0;
@@ -123,16 +126,23 @@ pub(super) fn widened(
 }
 
 /// Moves the places in a short gap between two places that move to the same
-/// side: in such a gap the line has no room to come back.
+/// side: in such a gap the line has no room to come back. A line that leads out of a
+/// neck, around a hole, and back to beside where it began has that room.
 fn bridge_gaps(places: &mut [Station]) {
     let mut last: Option<usize> = None;
+    let mut way = 0.0;
     for k in 0..places.len() {
+        if let Some(before) = k.checked_sub(1) {
+            way += places[before].at.distance(places[k].at);
+        }
         let Some(to) = places[k].moves else {
             continue;
         };
+        let gap = std::mem::take(&mut way);
         if let Some(i) = last.replace(k)
             && i + 1 < k
             && let Some(from) = places[i].moves
+            && gap < ROUND * GAP
             && places[i].at.distance(places[k].at) < GAP
             && from * to > 0.0
             && places[i].narrows == places[k].narrows
@@ -198,6 +208,7 @@ fn taper(places: &mut [Station], closed: bool, slope: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     /// A place each 0.1 mm along a line to the right.
     fn row(moves: impl Fn(usize) -> Option<Mm>) -> Vec<Station> {
@@ -249,6 +260,28 @@ mod tests {
         };
         assert!((gap(50, 53) - 0.55).abs() < 1e-9);
         assert!((gap(50, 70) - 0.45).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_way_around_a_hole_is_no_gap() {
+        // A ring that leaves a neck at one place and comes back 0.3 mm beside it.
+        let places: Vec<Station> = (0..=100)
+            .map(|i| {
+                let angle = 0.02 * PI * f64::from(i) * 0.99;
+                Station {
+                    at: 5.0 * DVec2::from_angle(angle),
+                    across: -DVec2::from_angle(angle),
+                    width: 0.45,
+                    moves: [0, 100].contains(&i).then_some(0.05),
+                    narrows: true,
+                }
+            })
+            .collect();
+        let stroke = widened(places, false, 1e-6, SEEN).unwrap();
+        assert!(stroke.length() > 30.0);
+        let beside = stroke.points.iter().zip(&stroke.widths);
+        let far = beside.filter(|(p, _)| p.x < 0.0);
+        assert!(far.into_iter().all(|(_, w)| (w - 0.45).abs() < 1e-9));
     }
 
     #[test]
