@@ -142,6 +142,14 @@ impl<'a> Workspace<'a> {
         Ok(Proof::Ambiguous(simpler))
     }
 
+    /// True if an expression does not read z.
+    pub(super) fn is_level(&self, expr: &Expr) -> bool {
+        let axis = |&slot: &usize| match self.sources[slot] {
+            Source::Coordinate(axis) | Source::Part(axis, _) => axis,
+        };
+        expr.inputs().iter().map(axis).all(|axis| axis != 2)
+    }
+
     /// Writes the field's bounds over any boxes to `out`. Boxes are given by
     /// their extent along each axis.
     pub(super) fn bounds(
