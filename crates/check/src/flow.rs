@@ -12,14 +12,13 @@
 //! Beads of walls, skin and infill count. Bridges, overhangs, ironing, supports
 //! and towers have flows of their own.
 
-use super::cells::{CELL, cell_of};
+use super::cells::{CELL, Tiles, cell_of};
 use super::ground::Ground;
 use super::rise::{self, Rise};
 use super::rules::ROUNDING;
 use glam::IVec2;
 use isoslice_base::units::{Mm, Mm2, cross_section};
 use isoslice_gcode_read::reader::{Move, Role};
-use std::collections::BTreeMap;
 
 /// Cells along one side of a window: 4 mm. Lines of 0.4 mm fill it to within
 /// 10 %, wherever the first one lies, and lines of 1 mm to within 25 %.
@@ -80,7 +79,7 @@ struct Layer {
     /// by how far they rise.
     standing: f64,
     upright: Mm2,
-    windows: BTreeMap<(i32, i32), Window>,
+    windows: Tiles<Window>,
     /// The first line of the layer.
     line: Option<u64>,
 }
@@ -121,7 +120,9 @@ impl Flow {
             let at = step.from.lerp(step.to, share);
             let cell = cell_of(at.truncate());
             // What other files have printed there is not known.
-            let Some(below) = ground.below(cell).or(self.bed) else {
+            let bed = self.bed.map(|bed| (bed, false));
+            let lies_on = ground.below(cell).or(bed);
+            let Some((below, over_support)) = lies_on else {
                 continue;
             };
             // Files that say no heights may have supports between layers, whose
@@ -134,7 +135,7 @@ impl Flow {
             let height = if lies { room } else { step.height };
             self.layer.standing += volume;
             self.layer.upright += height * length / count;
-            if !ground.is_over_support(cell) {
+            if !over_support {
                 let named = step.role != Role::Unknown;
                 self.rise.bead(rise, length / count, area, named);
             }
@@ -208,8 +209,12 @@ impl Layer {
 
     /// Share of the room in the windows that beads cover all over.
     fn filled(&self) -> Option<f64> {
-        let covered = self.windows.values().filter(|w| w.is_covered());
-        let (volume, room) = covered.fold((0.0, 0.0), |(v, r), window| {
+        let mut covered: Vec<_> =
+            self.windows.iter().filter(|w| w.1.is_covered()).collect();
+        // A sum of numbers depends on their order.
+        covered.sort_unstable_by_key(|(place, _)| **place);
+        let all = covered.into_iter().map(|(_, window)| window);
+        let (volume, room) = all.fold((0.0, 0.0), |(v, r), window| {
             let height = window.weighed / window.volume;
             (v + window.volume, r + WINDOW * height)
         });
