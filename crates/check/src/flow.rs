@@ -4,10 +4,11 @@
 //! beads should have.
 //!
 //! Three things tell what beads should have. If the file says how wide and high
-//! they are, that is their volume. Where beads lie side by side, without sparse
-//! places between them, they share the room of the layer: this is looked at in
-//! [`Window`]s that are covered all over. And the beads of a layer are about as
-//! wide as the nozzle.
+//! they are, that is their volume; a bead that rises out of its layer has more room
+//! than the file says, down to what lies below it. Where beads lie side by side,
+//! without sparse places between them, they share the room of the layer: this is
+//! looked at in [`Window`]s that are covered all over. And the beads of a layer are
+//! about as wide as the nozzle.
 //!
 //! Beads of walls, skin and infill count. Bridges, overhangs, ironing, supports
 //! and towers have flows of their own.
@@ -16,7 +17,7 @@ use super::cells::{CELL, Tiles, cell_of};
 use super::ground::Ground;
 use super::rise::{self, Rise};
 use super::rules::ROUNDING;
-use glam::IVec2;
+use glam::{DVec3, IVec2};
 use isoslice_base::units::{Mm, Mm2, cross_section};
 use isoslice_gcode_read::reader::{Move, Role};
 
@@ -72,6 +73,9 @@ struct Layer {
     /// says.
     volume: f64,
     said: f64,
+    /// Volume that fits between the nozzle and what lies below the beads, as wide
+    /// as the file says.
+    room: f64,
     /// Area of the beads, seen from the side, by what the reader takes for their
     /// height.
     seen: Mm2,
@@ -119,27 +123,40 @@ impl Flow {
             let share = (f64::from(k) + 0.5) / count;
             let at = step.from.lerp(step.to, share);
             let cell = cell_of(at.truncate());
-            // What other files have printed there is not known.
-            let bed = self.bed.map(|bed| (bed, false));
-            let lies_on = ground.below(cell).or(bed);
-            let Some((below, over_support)) = lies_on else {
-                continue;
-            };
-            // Files that say no heights may have supports between layers, whose
-            // distance then is not the height of either.
-            let rise = at.z - below;
-            let room = step.height.max(rise);
-            self.layer.cover(cell, volume, room);
-            // A bead that rises by more than the nozzle's width lies on nothing.
-            let lies = rise < self.nozzle + ROUNDING;
-            let height = if lies { room } else { step.height };
+            let rise = self.rise_at(at, ground);
+            let height = self.high(rise, step.height);
+            let fits = cross_section(step.width, height) * length / count;
+            self.layer.room += fits;
+            let Some(rise) = rise else { continue };
+            self.layer.cover(cell, volume, step.height.max(rise));
             self.layer.standing += volume;
             self.layer.upright += height * length / count;
-            if !over_support {
+            if !ground.is_over_support(cell) {
                 let named = step.role != Role::Unknown;
                 self.rise.bead(rise, length / count, area, named);
             }
         }
+    }
+
+    /// How far the nozzle is above what lies below it, if that is known: what
+    /// other files have printed is not.
+    fn rise_at(&self, at: DVec3, ground: &Ground) -> Option<Mm> {
+        let below = ground.below(cell_of(at.truncate())).or(self.bed)?;
+        Some(at.z - below)
+    }
+
+    /// How high a bead is at a place, if the file says `said`.
+    pub(super) fn height(&self, at: DVec3, said: Mm, ground: &Ground) -> Mm {
+        self.high(self.rise_at(at, ground), said)
+    }
+
+    /// How high a bead is that rises this far above what lies below it: it reaches
+    /// down to that. Files that say no heights may have supports between layers,
+    /// whose distance then is not the height of either. A bead that rises by more
+    /// than the nozzle's width lies on nothing.
+    fn high(&self, rise: Option<Mm>, said: Mm) -> Mm {
+        let lies = rise.filter(|rise| *rise < self.nozzle + ROUNDING);
+        lies.map_or(said, |rise| rise.max(said))
     }
 
     /// What is wrong with the rise of the layer with this number, which ends.
@@ -193,7 +210,8 @@ impl Layer {
             let usual = little * least..=much * most;
             (!usual.contains(&share)).then_some(share)
         };
-        let said = beyond(self.volume / self.said, TOO_LITTLE, TOO_MUCH);
+        let little = beyond(self.volume / self.said, TOO_LITTLE, f64::INFINITY);
+        let much = || beyond(self.volume / self.room, 0.0, TOO_MUCH);
         // Sparse infill may leave no cell uncovered, so that only too much is
         // wrong there.
         let filled = || beyond(self.filled()?, 0.0, TOO_MUCH);
@@ -203,7 +221,7 @@ impl Layer {
             enough.then(|| self.standing / self.upright)
         };
         let is_wide = || Some(beyond(width()?, narrow, wide)? / widths[0]);
-        let share = said.or_else(filled).or_else(is_wide)?;
+        let share = little.or_else(much).or_else(filled).or_else(is_wide)?;
         Some(Wrong { line, share })
     }
 

@@ -25,6 +25,7 @@ use glam::{DVec3, IVec2};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_gcode_read::reader::{Move, Role};
 use isoslice_planar::bead::height_of;
+use std::f64::consts::FRAC_PI_4;
 
 /// Greatest gap between a support and what it holds above it, and between a
 /// support and what it stands on, if the settings ask for none that is wider.
@@ -203,12 +204,7 @@ impl Ground {
                 let (top, how) = (below, How::Low);
                 wrong = wrong.or(Some(Wrong { at, top, how }));
             } else if below < low {
-                // More plastic than the file says reaches deeper, but no
-                // deeper than the bead is wide. A bead for which the file says
-                // nothing may be less wide than it seems.
-                let width = step.width.min(WIDE * 2.0 * self.lift);
-                let plastic = height_of(area, width).min(width);
-                let height = height.max(plastic);
+                let height = depth(step, area, 2.0 * self.lift);
                 let low = reach(z, height);
                 self.columns.lay(cell, low, z, support);
                 if below < low && !support && wrong.is_none() {
@@ -247,13 +243,15 @@ impl Ground {
         })
     }
 
-    /// The top of the layers below in a cell, and whether it is that of a support;
-    /// none where they are the bed.
-    pub(super) fn below(&self, cell: IVec2) -> Option<(Mm, bool)> {
-        let seen = self.columns.at(cell)?;
-        seen.below
-            .is_finite()
-            .then_some((seen.below, seen.on_support))
+    /// The top of the layers below in a cell; none where they are the bed.
+    pub(super) fn below(&self, cell: IVec2) -> Option<Mm> {
+        let seen = self.columns.at(cell).map(|seen| seen.below);
+        seen.filter(|below| below.is_finite())
+    }
+
+    /// True if the top of the layers below in a cell is that of a support.
+    pub(super) fn is_over_support(&self, cell: IVec2) -> bool {
+        self.columns.at(cell).is_some_and(|seen| seen.on_support)
     }
 
     /// The first place where a travel leads through what is printed. A line's
@@ -405,6 +403,19 @@ fn begin(
         }
     }
     islands
+}
+
+/// How deep a bead reaches. More plastic than the file says reaches deeper, but no
+/// deeper than a free strand. A bead for which the file says nothing may be less
+/// wide than it seems.
+pub(super) fn depth(step: &Move, area: Mm2, nozzle: Mm) -> Mm {
+    let plastic = height_of(area, step.width.min(WIDE * nozzle));
+    step.height.max(plastic.min(strand(area, nozzle)))
+}
+
+/// How thick what a nozzle lays may be: as it is wide, or as a free strand is.
+pub(super) fn strand(area: Mm2, nozzle: Mm) -> Mm {
+    (area / FRAC_PI_4).sqrt().max(nozzle)
 }
 
 /// Cells along a move, each with the nozzle's place there, except for a length
