@@ -17,8 +17,8 @@
 //! four, the loop of the inner walls closes, and no bead leads into it unless it
 //! would be long.
 
+use super::Lay;
 use super::medial_axis::Axis;
-use super::{DOT, Lay};
 use isoslice_base::units::Mm;
 
 /// Factor by which a single bead goes on narrower than its bound.
@@ -38,6 +38,10 @@ const WIDEN: f64 = 1.25;
 /// has room for two beads, but only over a short length. Of two beads there, one
 /// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
+
+/// By how much thicker the area may be where a loop that is but a dot lies in a bulge,
+/// mm.
+const ROUNDER: Mm = 0.06;
 
 /// The cost of a stroke's end, by which the other costs are measured.
 const END: f64 = 1.0;
@@ -127,11 +131,7 @@ impl Beadings {
             };
             let closes = depth + 2.0 * wall.centre;
             let sliver = if depth > 0.0 { WIDEN * share } else { share };
-            let bulge = if depth > 0.0 {
-                closes + 2.0 * DOT
-            } else {
-                depth
-            };
+            let bulge = if depth > 0.0 { closes + ROUNDER } else { depth };
             beadings.push(Beading {
                 upto: depth + share,
                 range: (squeezed, depth + sliver),

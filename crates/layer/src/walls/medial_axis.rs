@@ -37,13 +37,19 @@ pub(crate) struct Axis {
     pub closed: bool,
 }
 
-/// The axes of an area where it is thinner than `limit`, and how far its
-/// edges can move. Lines are thinned to `tolerance`, in place and thickness.
-pub(crate) fn axes(
-    solid: &Solid<'_>,
-    limit: Mm,
-    tolerance: Mm,
-) -> (Vec<Axis>, Room) {
+/// The axes of an area where it is thinner than a limit.
+#[derive(Debug, Default)]
+pub(super) struct Axes {
+    pub axes: Vec<Axis>,
+    /// Where axes go on although others end there, or go on there as well.
+    pub nodes: Vec<DVec2>,
+    /// How far the area's edges can move inwards.
+    pub room: Room,
+}
+
+/// The axes of an area where it is thinner than `limit`. Lines are thinned to
+/// `tolerance`, in place and thickness.
+pub(super) fn axes(solid: &Solid<'_>, limit: Mm, tolerance: Mm) -> Axes {
     let (area, grid) = (solid.area(), solid.grid());
     let mut border = Border::new(solid, 0.5 * limit);
     let mut runs: Vec<Run> = Vec::new();
@@ -54,8 +60,8 @@ pub(crate) fn axes(
         first_edge += EdgeGrid::numbers(std::slice::from_ref(ring));
     }
     let room = border.room();
-    join(&mut runs, grid);
-    let all = runs
+    let nodes = join(&mut runs, grid);
+    let axes = runs
         .into_iter()
         .filter(|run| run.closed || run.balls.len() > 1)
         .map(|run| {
@@ -68,7 +74,7 @@ pub(crate) fn axes(
             axis.thinned(tolerance)
         })
         .collect();
-    (all, room)
+    Axes { axes, nodes, room }
 }
 
 impl Axis {
@@ -329,7 +335,7 @@ mod tests {
     }
 
     fn axes_of(area: &Area, limit: f64) -> Vec<Axis> {
-        axes(&Solid::of(area, limit), limit, 0.005).0
+        axes(&Solid::of(area, limit), limit, 0.005).axes
     }
 
     fn total(r: &Axis) -> f64 {

@@ -53,7 +53,7 @@ use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Solid, path_length, signed_area};
 use line::{absorb, cut, within};
 use loops::lead_into_tips;
-use medial_axis::{Axis, axes};
+use medial_axis::{Axes, Axis, axes};
 pub use overhang::Support;
 pub use plan::{ThinPlan, WallPlan};
 use pocket::Left;
@@ -71,9 +71,11 @@ pub const OUTLINE_SHARE: f64 = 0.8;
 /// Share of `accuracy` for an offset of the outline.
 pub const OFFSET_SHARE: f64 = 0.3;
 
-/// Greatest radius of a ball in a ring that is but a dot, mm. The walls around it take
-/// its place. What larger rings leave open, walls cannot fill around a corner.
-const DOT: Mm = 0.03;
+/// Greatest radius of a ball in a ring that is but a dot where strips meet, as a share
+/// of the wall's width. The walls around it take its place, and are up to 1.6 times
+/// their width. With 0.25 a crossing of strips is left open by 0.08 mm² in its middle,
+/// with 0.07 there are two dots more where strips cross at an angle.
+const DOT: f64 = 0.16;
 
 /// A layer's walls and the area inside them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -198,8 +200,7 @@ pub fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
     let beadings = Beadings::new(&[lay], None);
     let solid = Solid::of(area, cell(area));
     let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
-    let nodes = skeleton.ends(beadings.limit());
-    let thin = skeleton.thin_places(&beadings, &nodes);
+    let thin = skeleton.thin_places(&beadings);
     let rings = skeleton.shrunk(lay.centre, tolerance);
     let beads = thin.beads(1, 0.0);
     Laid {
@@ -225,6 +226,8 @@ fn cell(area: &Area) -> Mm {
 struct Skeleton<'a> {
     solid: &'a Solid<'a>,
     axes: Vec<Axis>,
+    /// Where axes go on although others meet them.
+    nodes: Vec<DVec2>,
     /// Distances by which the area's edges can move inwards.
     room: Room,
 }
@@ -232,19 +235,29 @@ struct Skeleton<'a> {
 impl<'a> Skeleton<'a> {
     fn new(solid: &'a Solid<'a>, limit: Mm, tolerance: Mm) -> Skeleton<'a> {
         let empty = solid.area().is_empty() || limit <= 0.0;
-        let (mut axes, room) = if empty {
-            (Vec::new(), Room::default())
+        let found = if empty {
+            Axes::default()
         } else {
             axes(solid, limit, tolerance)
         };
+        let Axes {
+            mut axes,
+            nodes,
+            room,
+        } = found;
         // A post's axis is a point.
         axes.retain(|r| r.length() > 0.25 * r.thickest());
-        Skeleton { solid, axes, room }
+        Skeleton {
+            solid,
+            axes,
+            nodes,
+            room,
+        }
     }
 
     /// Where axes end but not because the area grows thicker than `limit`:
     /// where strips meet, and at their tips.
-    fn ends(&self, limit: Mm) -> EdgeGrid {
+    fn ends(&self, limit: Mm) -> impl Iterator<Item = DVec2> + '_ {
         /// Share of the limit from which on an axis may end because the area grows
         /// thicker.
         const THICK: f64 = 0.95;
@@ -253,8 +266,8 @@ impl<'a> Skeleton<'a> {
             let all = || r.points.iter().zip(&r.thickness);
             all().next().into_iter().chain(all().next_back())
         });
-        let thin = ends.filter(|(_, t)| **t < THICK * limit);
-        EdgeGrid::of(thin.map(|(p, _)| (*p, *p)).enumerate(), limit)
+        let thin = ends.filter(move |(_, t)| **t < THICK * limit);
+        thin.map(|(p, _)| *p)
     }
 
     /// The area shrunk by `distance` and thinned.
@@ -264,13 +277,24 @@ impl<'a> Skeleton<'a> {
         simplify_area(&shrunk, tolerance)
     }
 
-    /// The axes where there are fewer beads than the walls have. `nodes` is
-    /// where axes end.
-    fn thin_places(&self, beadings: &Beadings, nodes: &EdgeGrid) -> ThinPlaces {
-        let bends = |part: &Axis| is_bend(part, self.solid.grid(), nodes);
+    /// The axes where there are fewer beads than the walls have.
+    fn thin_places(&self, beadings: &Beadings) -> ThinPlaces {
+        let limit = beadings.limit();
+        let ends = points(self.ends(limit), limit);
+        let bends = |part: &Axis| is_bend(part, self.solid.grid(), &ends);
         let parts = self.axes.iter().flat_map(|r| beadings.split(r, &bends));
         ThinPlaces(parts.collect())
     }
+
+    /// Where strips meet, and their tips.
+    fn nodes(&self, limit: Mm) -> EdgeGrid {
+        points(self.ends(limit).chain(self.nodes.iter().copied()), limit)
+    }
+}
+
+/// A grid of places, to be looked up within `reach`.
+fn points(places: impl Iterator<Item = DVec2>, reach: Mm) -> EdgeGrid {
+    EdgeGrid::of(places.map(|p| (p, p)).enumerate(), reach)
 }
 
 /// Parts of an area's axes, and how many beads lie side by side there.
@@ -451,8 +475,8 @@ fn laid(
             &own
         };
         let skeleton = Skeleton::new(solid, beadings.limit(), accuracy);
-        let nodes = skeleton.ends(beadings.limit());
-        let places = skeleton.thin_places(&beadings, &nodes);
+        let places = skeleton.thin_places(&beadings);
+        let nodes = skeleton.nodes(beadings.limit());
         // The border of the filled area is not seen, so it may be coarser.
         let left = if next == count { accuracy } else { tolerance };
         let depth = pair.iter().map(|lay| lay.inner).sum();
@@ -468,14 +492,30 @@ fn laid(
         } else {
             Vec::new()
         };
+        let depths = pair.iter().scan(0.0, |next, lay| {
+            let depth = std::mem::replace(next, *next + lay.inner);
+            Some(depth + lay.centre)
+        });
+        let mut all_rings: Vec<Area> = depths
+            .map(|depth| skeleton.shrunk(depth, tolerance))
+            .collect();
+        // Dots inside the outer wall, at nodes.
+        let mut dots = Vec::new();
+        for (k, rings) in all_rings.iter_mut().enumerate() {
+            if first + k > 0 {
+                rings.rings.retain(|ring| {
+                    let dot = is_dot(ring, DOT * pair[k].width, &nodes);
+                    dots.extend(ring.first().filter(|_| dot));
+                    !dot
+                });
+            }
+        }
+        let dots = points(dots.into_iter(), pair[0].width);
         let mut depth = 0.0;
         for (k, lay) in pair.iter().enumerate() {
             // Only the outer wall is seen.
             let outer = lines.is_empty();
-            let mut rings = skeleton.shrunk(depth + lay.centre, tolerance);
-            if !outer {
-                rings.rings.retain(|ring| !is_dot(ring));
-            }
+            let rings = std::mem::take(&mut all_rings[k]);
             let beads = places.beads(2 * k + 1, depth);
             let mut walls = places.cut(&rings, k, depth, lay);
             let [least, post] = if outer && seen {
@@ -515,18 +555,22 @@ fn laid(
             // Inside the last wall, beads of skin fill what the thinnest of
             // them fits into.
             let radius = match pair.get(k + 1) {
-                Some(wall) => wall.centre + DOT,
+                Some(wall) => wall.centre + DOT * wall.width,
                 None => 0.5 * lays[next].least,
             };
+            let mut beside = places.beads(2 * k + 4, depth);
+            beside.retain(|axis| {
+                axis.segments()
+                    .all(|((a, _), (b, _))| dots.clear(a, b, 0.5 * lay.width))
+            });
+            beside.extend(places.beads(2 * k + 3, depth));
             let left = Left {
                 grid: solid.grid(),
                 depth,
                 away,
                 width: lay.width,
                 radius,
-                beads: &[2 * k + 3, 2 * k + 4]
-                    .map(|number| places.beads(number, depth))
-                    .concat(),
+                beads: &beside,
                 nodes: &nodes,
                 around: 0.35 * beadings.limit(),
             };
@@ -618,13 +662,18 @@ fn joined(
     stitching::join(lines, thin, overlap, room)
 }
 
-/// True if a ring is a dot, which is not worth a travel. A triangle around a ball of
-/// radius r is 10.4·r long. What is much longer is the middle of a strip.
-fn is_dot(ring: &[DVec2]) -> bool {
+/// True if a ring has no room for a larger ball than of this radius, and lies at a
+/// node. A triangle around a ball of radius r is 10.4·r long. What is much longer is
+/// the middle of a strip.
+fn is_dot(ring: &[DVec2], radius: Mm, nodes: &EdgeGrid) -> bool {
+    /// Distance of a dot from its node, in radii.
+    const NEAR: f64 = 4.0;
     let area = signed_area(ring);
+    let mut near = ring.iter().take(1);
     area > 0.0
-        && path_length(ring, true) < 12.0 * DOT
-        && offset(&Area::from(ring.to_vec()), -DOT, 0.1 * DOT).is_empty()
+        && path_length(ring, true) < 12.0 * radius
+        && near.all(|p| !nodes.clear(*p, *p, NEAR * radius))
+        && offset(&Area::from(ring.to_vec()), -radius, 0.1 * radius).is_empty()
 }
 
 /// Walls whose centre lines are outlines of the expression offset by their

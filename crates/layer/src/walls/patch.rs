@@ -35,8 +35,7 @@ pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let beadings = Beadings::new(&[plan, plan], None);
     let solid = Solid::of(area, cell(area));
     let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
-    let nodes = skeleton.ends(beadings.limit());
-    let places = skeleton.thin_places(&beadings, &nodes);
+    let places = skeleton.thin_places(&beadings);
     let whole = skeleton.shrunk(plan.centre, tolerance);
     let single = places.beads(1, 0.0);
     let rings = places.cut(&whole, 0, 0.0, &plan);
@@ -76,8 +75,7 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
         // Two rings at a time, as walls.
         let solid = Solid::of(&area, cell(&area));
         let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
-        let nodes = skeleton.ends(beadings.limit());
-        let places = skeleton.thin_places(&beadings, &nodes);
+        let places = skeleton.thin_places(&beadings);
         let mut depth = 0.0;
         for k in 0..2 {
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);

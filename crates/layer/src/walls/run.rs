@@ -56,9 +56,11 @@ pub(super) fn split_runs(
 }
 
 /// Joins runs that end where another begins: along a strip the balls change
-/// sides where the border's numbering begins anew.
-pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
+/// sides where the border's numbering begins anew. Returns where more than two runs
+/// meet, and two of them have been joined.
+pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) -> Vec<DVec2> {
     let mut ends = Ends::new(runs);
+    let mut nodes = Vec::new();
     let mut i = 0;
     while i < runs.len() {
         let next = ends.beside(&runs[i], i).into_iter().find_map(|j| {
@@ -82,6 +84,10 @@ pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
         }
         if let (Some(&a), Some(&b)) = (run.last(), other.first()) {
             ends.add_link((a.centre, b.centre));
+            let middle = a.centre.midpoint(b.centre);
+            if ends.around(middle, a.far()) > 2 {
+                nodes.push(middle);
+            }
             run.extend(between(a, b, grid));
         }
         run.extend(other);
@@ -102,6 +108,7 @@ pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
             run.closed = true;
         }
     }
+    nodes
 }
 
 /// The balls on the way from one to another, where runs are joined: they can
@@ -171,6 +178,13 @@ impl Ends {
         for j in near {
             self.links[j].push(link);
         }
+    }
+
+    /// The number of ends that are no farther than `reach` from a place.
+    fn around(&self, place: DVec2, reach: Mm) -> usize {
+        let mut count = 0;
+        self.grid.visit_near(place, place, reach, |_| count += 1);
+        count
     }
 
     /// True if a way across crosses another one: of four strips that meet,

@@ -105,7 +105,7 @@ impl Sharing {
         if !self.may_have_strips(&solid) {
             return Vec::new();
         }
-        let (all, _) = axes(&solid, self.corner(), tolerance);
+        let all = axes(&solid, self.corner(), tolerance).axes;
         let (closed, open): (Vec<_>, Vec<_>) =
             all.into_iter().partition(|axis| axis.closed);
         let thick = |strip: &Axis| strip.thickest() > self.taken;

@@ -7,6 +7,7 @@ use crate::walls::{WallPlan, walls};
 use glam::DVec2;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
+use isoslice_planar::clip::union;
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::shapes::circle;
 use isoslice_settings::testing::{plan_with, usual_plan};
@@ -260,6 +261,27 @@ fn crosses_and_junctions_are_covered() {
             faults.check(p.open < 0.01, "open", &name, &p);
             faults.check(p.hole < 0.06, "hole", &name, &p);
             faults.check(p.out < 0.025, "out", &name, &p);
+        }
+    }
+}
+
+/// Where two strips cross at an angle, the axes of both go on, and end nowhere.
+#[test]
+fn strips_that_cross_at_an_angle_leave_no_pit() {
+    let mut faults = Faults::default();
+    for degrees in [40.0_f64, 52.0, 66.0] {
+        for t in [0.8, 0.9, 1.0, 1.1] {
+            let strip = |turn: f64, t: f64| {
+                let h = 0.5 * t;
+                area(&[(-5.0, -h), (5.0, -h), (5.0, h), (-5.0, h)], turn)
+            };
+            let [a, b] =
+                [strip(0.3, t), strip(0.3 + degrees.to_radians(), 0.9)];
+            let p = print(&union(&a, &b));
+            let name = format!("{degrees} degrees, {t} mm");
+            faults.check(p.open < 0.015, "open", &name, &p);
+            faults.check(p.hole < 0.06, "hole", &name, &p);
+            faults.check(p.out < 0.03, "out", &name, &p);
         }
     }
 }
