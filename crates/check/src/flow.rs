@@ -134,7 +134,8 @@ impl Flow {
             self.layer.upright += height * length / count;
             if !ground.is_over_support(cell) {
                 let named = step.role != Role::Unknown;
-                self.rise.bead(rise, length / count, area, named);
+                let length = length / count;
+                self.rise.bead(rise, length, area, step.height, named);
             }
         }
     }
