@@ -13,14 +13,13 @@
 //! Beads of walls, skin and infill count. Bridges, overhangs, ironing, supports
 //! and towers have flows of their own.
 
-use super::cells::{CELL, cell_of};
+use super::cells::{CELL, Tiles, cell_of};
 use super::ground::Ground;
 use super::rise::{self, Rise};
 use super::rules::ROUNDING;
 use glam::{DVec3, IVec2};
 use isoslice_base::units::{Mm, Mm2, cross_section};
 use isoslice_gcode_read::reader::{Move, Role};
-use std::collections::BTreeMap;
 
 /// Cells along one side of a window: 4 mm. Lines of 0.4 mm fill it to within
 /// 10 %, wherever the first one lies, and lines of 1 mm to within 25 %.
@@ -84,7 +83,7 @@ struct Layer {
     /// by how far they rise.
     standing: f64,
     upright: Mm2,
-    windows: BTreeMap<(i32, i32), Window>,
+    windows: Tiles<Window>,
     /// The first line of the layer.
     line: Option<u64>,
 }
@@ -229,8 +228,12 @@ impl Layer {
 
     /// Share of the room in the windows that beads cover all over.
     fn filled(&self) -> Option<f64> {
-        let covered = self.windows.values().filter(|w| w.is_covered());
-        let (volume, room) = covered.fold((0.0, 0.0), |(v, r), window| {
+        let mut covered: Vec<_> =
+            self.windows.iter().filter(|w| w.1.is_covered()).collect();
+        // A sum of numbers depends on their order.
+        covered.sort_unstable_by_key(|(place, _)| **place);
+        let all = covered.into_iter().map(|(_, window)| window);
+        let (volume, room) = all.fold((0.0, 0.0), |(v, r), window| {
             let height = window.weighed / window.volume;
             (v + window.volume, r + WINDOW * height)
         });

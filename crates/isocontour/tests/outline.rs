@@ -625,7 +625,7 @@ fn layers_in_the_faces_of_a_sponge_have_what_is_above_or_below() {
 fn layers_of_a_prism_share_samples_and_outline() {
     let (x, y, z) = Tree::axes();
     let square = x.abs().max(y.abs()) - 5.0;
-    let prism = square.max(z.abs() - 30.0);
+    let prism = square.max(z.abs() - 6.55);
     let from_axis = ((x - 12.0).square() + y.square()).sqrt();
     let cone = from_axis - 3.0 + z * 0.3;
     let heights: Vec<f64> = (0..32).map(|k| 0.1 + 0.2 * f64::from(k)).collect();

@@ -20,7 +20,8 @@
 //! notices that, and asks for the leaf with [`Field::leaves`].
 //!
 //! Sums of exponentials, as in smooth unions, get branches that proofs can rule
-//! out (`blend`). Parts that depend on one coordinate alone, such as sin(k·x),
+//! out (`blend`). Branches that do not change the field's sign are left out
+//! (`signs`). Parts that depend on one coordinate alone, such as sin(k·x),
 //! are taken out of the expression (`hoist`, `split`) and evaluated once per
 //! column, row or layer (`axis`). `lanes` evaluates the rest, for many points
 //! or boxes at a time. `workspace` brings both together for the walk in
@@ -37,6 +38,7 @@ mod hoist;
 pub(crate) mod lanes;
 mod lattice;
 mod sight;
+mod signs;
 mod split;
 mod workspace;
 
