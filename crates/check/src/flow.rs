@@ -137,7 +137,8 @@ impl Flow {
             self.layer.upright += height * length / count;
             if !over_support {
                 let named = step.role != Role::Unknown;
-                self.rise.bead(rise, length / count, area, named);
+                let length = length / count;
+                self.rise.bead(rise, length, area, step.height, named);
             }
         }
     }

@@ -71,9 +71,6 @@ pub const OUTLINE_SHARE: f64 = 0.8;
 /// Share of `accuracy` for an offset of the outline.
 pub const OFFSET_SHARE: f64 = 0.3;
 
-/// Half of a width, mm, that no bead in a joint reaches.
-const JOINT: Mm = 20.0;
-
 /// Greatest radius of a ball in a ring that is but a dot, mm. The walls around it take
 /// its place. What larger rings leave open, walls cannot fill around a corner.
 const DOT: Mm = 0.03;
@@ -602,7 +599,10 @@ fn joined(
     extra: Mm,
     dabs: bool,
 ) -> (Vec<Stroke>, Vec<Stroke>) {
-    let far = depth + JOINT;
+    // A border farther away than any bead reaches leaves room for all of them.
+    let widths = lines.iter().chain(&thin);
+    let widest = widths.flat_map(|s| s.widths.iter().chain([&s.width]));
+    let far = depth + widest.copied().fold(0.0, f64::max);
     let room = |p: DVec2| match solid.grid().nearest_edge(p, far) {
         Some((_, q)) => Space {
             width: 2.0 * (p.distance(q) - depth) + extra,
