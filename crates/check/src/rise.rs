@@ -82,6 +82,8 @@ pub(super) enum Wrong {
 #[derive(Debug, Default)]
 pub(super) struct Rise {
     beads: BTreeMap<i64, Beads>,
+    /// Those that rise as far as the last one, which are not among the others.
+    here: Option<(i64, Beads)>,
     unnamed: bool,
     last: Option<Layer>,
     /// Least width of the beads of a layer. Cells do not tell a wall from the
@@ -106,10 +108,15 @@ impl Rise {
     ) {
         self.unnamed |= !named;
         let rise = rise.clamp(0.0, HIGHEST);
-        let beads = self
-            .beads
-            .entry((rise / RISE_STEP).round() as i64)
-            .or_default();
+        let step = (rise / RISE_STEP).round() as i64;
+        if self.here.is_none_or(|here| here.0 != step) {
+            self.beads.extend(self.here);
+            let known = self.beads.get(&step).copied();
+            self.here = Some((step, known.unwrap_or_default()));
+        }
+        let Some((_, beads)) = &mut self.here else {
+            return;
+        };
         beads.length += length;
         beads.volume += area * length;
         beads.rise += rise * length;
@@ -118,6 +125,7 @@ impl Rise {
 
     /// Ends the layer with this number.
     pub(super) fn next_layer(&mut self, number: u32) -> Option<Wrong> {
+        self.beads.extend(self.here.take());
         let beads = std::mem::take(&mut self.beads);
         let unnamed = std::mem::take(&mut self.unnamed);
         let here = summed(&beads)?;
