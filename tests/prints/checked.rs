@@ -55,3 +55,50 @@ fn ranges_begin_on_what_is_printed() {
     all_pass(1, "8..12", &[]);
     all_pass(1, "8..12", &["supports=auto"]);
 }
+
+/// A formula whose top lies between layers, and the settings that lead beads there.
+const RISING: [(&str, &[&str]); 4] = [
+    // A level top half a layer above the last one: 1.5 times the plastic.
+    (
+        "max(max(abs(y) - 0.45, abs(x) - 8), max(-z, z - 0.575))",
+        &["layer_height=0.25", "first_layer_height=0.2"],
+    ),
+    // The two ends of a scarf have half as much again.
+    (
+        "max(hypot(x, y) - 2.45, max(-z, z - 0.9))",
+        &["first_layer_height=0.2", "seam_scarf=8"],
+    ),
+    // The first layer rises out of itself, under the edge of the next one.
+    (
+        "max(abs(hypot(x, y) - 6) - 3, max(-z, z - 0.65 - 0.04*x))",
+        &[
+            "layer_height=0.3",
+            "first_layer_height=0.2",
+            "infill_density=0",
+        ],
+    ),
+    // What irons follows the surface as well.
+    (
+        "max(abs(hypot(x, y) - 6) - 3, max(-z, z - 1.225 - 0.002*x))",
+        &["layer_height=0.35", "ironing=true"],
+    ),
+];
+
+#[test]
+fn beads_that_rise_have_more_plastic_than_others() {
+    for comments in ["prusa", "cura", "none"] {
+        for (formula, own) in RISING {
+            let more = [&format!("gcode.comments={comments}"), "contour_z=100"];
+            let settings = settings(&[&own[..], &more].concat());
+            let model = crate::common::formula(formula, &settings);
+            let mut out = Vec::new();
+            let sliced = isoslice::pipeline::slice(
+                &model,
+                &settings,
+                &Options::default(),
+                &mut out,
+            );
+            assert!(sliced.is_ok(), "{comments} {formula}: {sliced:?}");
+        }
+    }
+}

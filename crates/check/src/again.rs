@@ -60,13 +60,14 @@ pub(super) struct Again {
 }
 
 impl Again {
-    /// Takes a bead with a cross-section of `area`. Returns the line of the
-    /// first bead of a stretch that is now long enough to tell.
+    /// Takes a bead with a cross-section of `area`, where one as wide as the nozzle
+    /// has `usual`. Returns the line of the first bead of a stretch that is now long
+    /// enough to tell.
     pub(super) fn bead(
         &mut self,
         step: &Move,
         area: Mm2,
-        nozzle: Mm,
+        usual: Mm2,
     ) -> Option<u64> {
         let key = key(step);
         let before = self.now.insert(key, area);
@@ -74,7 +75,7 @@ impl Again {
         if self.now.len() >= KEPT {
             self.before = std::mem::take(&mut self.now);
         }
-        let most = MORE_THAN_ONE * nozzle * step.height;
+        let most = MORE_THAN_ONE * usual;
         let known = before.is_some_and(|before| before + area > most);
         if !known {
             self.stretch = None;
@@ -109,7 +110,7 @@ mod tests {
             _ => None,
         });
         moves
-            .filter_map(|step| again.bead(&step, area, 0.4))
+            .filter_map(|step| again.bead(&step, area, 0.4 * 0.2))
             .collect()
     }
 
@@ -145,7 +146,7 @@ mod tests {
                 _ => None,
             });
             if let Some(step) = step {
-                again.bead(&step, 0.08, 0.4);
+                again.bead(&step, 0.08, 0.08);
             }
         }
         assert!(again.now.len() + again.before.len() <= 2 * KEPT);

@@ -2,11 +2,11 @@
 //! the bed, and nothing else leads the nozzle into what is printed.
 
 use super::cells::cell_of;
+use super::ground::{depth, strand};
 use super::rules::ROUNDING;
 use super::{Checker, FindingKind, place, sideways};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_gcode_read::reader::{Move, Role};
-use std::f64::consts::FRAC_PI_4;
 
 /// Least height of the nozzle above the bed while it prints. No layer is
 /// thinner.
@@ -36,10 +36,8 @@ impl Checker<'_> {
                 )
             });
         }
-        // What the nozzle lays is no thicker than it is wide, or than a free
-        // strand.
-        let strand = (area / FRAC_PI_4).sqrt().max(rules.nozzle);
-        let air = z - step.height.min(strand);
+        let nozzle = rules.nozzle;
+        let air = z - depth(step, area, nozzle).min(strand(area, nozzle));
         if air > AIR + ROUNDING {
             self.verdict.add(FindingKind::OffBed, step.line, step.to, || {
                 format!(
@@ -57,7 +55,7 @@ impl Checker<'_> {
         }
         // Only the layers below count: a scarf begins where they end.
         let cell = cell_of(step.to.truncate());
-        let Some(top) = self.ground.below(cell) else {
+        let Some((top, _)) = self.ground.below(cell) else {
             return;
         };
         let depth = top - step.to.z;

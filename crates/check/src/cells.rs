@@ -2,7 +2,8 @@
 
 use glam::{DVec2, IVec2};
 use isoslice_base::units::Mm;
-use std::collections::BTreeMap;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 /// Size of a cell, about a line's width: neighbouring lines are in neighbouring
 /// cells.
@@ -16,6 +17,32 @@ const BELOW: i32 = 1 << 12;
 
 /// Where a tile is, in tiles.
 pub(super) type Place = (i32, i32);
+
+/// What is known of tiles. Cells are asked for many times for each move, and a
+/// tree takes four times as long as this to find a tile.
+pub(super) type Tiles<T> = HashMap<Place, T, BuildHasherDefault<OfPlace>>;
+
+/// The hash of a tile's place.
+#[derive(Default)]
+pub(super) struct OfPlace(u64);
+
+impl Hasher for OfPlace {
+    fn finish(&self) -> u64 {
+        // Some of the highest bits tell entries apart, and the lowest ones where
+        // they are. A product spreads upwards only.
+        self.0.rotate_left(26)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_i32(byte.into()));
+    }
+
+    fn write_i32(&mut self, n: i32) {
+        let both = self.0.rotate_left(32) ^ u64::from(n as u32);
+        // 2⁶⁴ over the golden section, an odd number.
+        self.0 = both.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+}
 
 /// The cell of a point.
 pub(super) fn cell_of(p: DVec2) -> IVec2 {
@@ -52,6 +79,16 @@ impl Bits {
         new
     }
 
+    /// The cells that are marked in both.
+    pub(super) fn and(&self, others: &Bits) -> Bits {
+        Bits(std::array::from_fn(|row| self.0[row] & others.0[row]))
+    }
+
+    /// The cells that are marked in one or both.
+    pub(super) fn or(&self, others: &Bits) -> Bits {
+        Bits(std::array::from_fn(|row| self.0[row] | others.0[row]))
+    }
+
     /// The cells that are marked here and not in `others`.
     pub(super) fn without(&self, others: &Bits) -> Bits {
         Bits(std::array::from_fn(|row| self.0[row] & !others.0[row]))
@@ -80,9 +117,9 @@ impl Bits {
 }
 
 /// A set of cells.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Cells {
-    tiles: BTreeMap<Place, Bits>,
+    tiles: Tiles<Bits>,
 }
 
 impl Cells {
@@ -98,11 +135,89 @@ impl Cells {
         bits.is_some_and(|bits| bits.has(row, column))
     }
 
+    /// Marks all of a tile's cells that `bits` has.
+    fn mark_all(&mut self, place: Place, bits: &Bits) {
+        if !bits.is_empty() {
+            let own = self.tiles.entry(place).or_default();
+            *own = own.or(bits);
+        }
+    }
+
+    /// These cells and those of `others`.
+    pub(super) fn with(mut self, others: &Cells) -> Cells {
+        for (place, bits) in &others.tiles {
+            self.mark_all(*place, bits);
+        }
+        self
+    }
+
+    /// Those of these cells that are in `others`, or those that are not.
+    pub(super) fn filter(mut self, others: &Cells, are_in: bool) -> Cells {
+        let none = Bits::default();
+        self.tiles.retain(|place, bits| {
+            let of = others.tiles.get(place).unwrap_or(&none);
+            *bits = if are_in {
+                bits.and(of)
+            } else {
+                bits.without(of)
+            };
+            !bits.is_empty()
+        });
+        self
+    }
+
+    /// These cells and all of their neighbours.
+    pub(super) fn grown(&self) -> Cells {
+        let mut grown = Cells::default();
+        for ((x, y), bits) in &self.tiles {
+            // Each row with the rows beside it, and those that reach out.
+            let rows = |r: usize| {
+                let own = |r: usize| bits.0.get(r).copied().unwrap_or(0);
+                own(r) | own(r + 1) | r.checked_sub(1).map_or(0, own)
+            };
+            let middle: [u32; SIDE as usize] = std::array::from_fn(rows);
+            let only = |row: usize, bits: u32| {
+                let mut all = [0; SIDE as usize];
+                all[row] = bits;
+                all
+            };
+            let last = SIDE as usize - 1;
+            let above = only(0, bits.0[last]);
+            let below = only(last, bits.0[0]);
+            for (dy, rows) in [(-1, below), (0, middle), (1, above)] {
+                let wide = rows.map(|row| row | row << 1 | row >> 1);
+                let left = rows.map(|row| row << last);
+                let right = rows.map(|row| row >> last);
+                for (dx, rows) in [(-1, left), (0, wide), (1, right)] {
+                    grown.mark_all((x + dx, y + dy), &Bits(rows));
+                }
+            }
+        }
+        grown
+    }
+
+    /// The first cell.
+    pub(super) fn first(&self) -> Option<IVec2> {
+        let first = self.tiles.iter().min_by_key(|(place, _)| **place)?;
+        first.1.cells(*first.0).next()
+    }
+
+    /// The number of cells.
+    pub(super) fn count(&self) -> u32 {
+        self.tiles.values().map(Bits::count).sum()
+    }
+
+    /// The cells of some tiles.
+    pub(super) fn of(tiles: impl Iterator<Item = (Place, Bits)>) -> Cells {
+        let tiles = tiles.filter(|(_, bits)| !bits.is_empty()).collect();
+        Cells { tiles }
+    }
+
     /// All marked cells, tile by tile.
     pub(super) fn all(&self) -> impl Iterator<Item = IVec2> + '_ {
-        self.tiles
-            .iter()
-            .flat_map(|(place, bits)| bits.cells(*place))
+        let mut all: Vec<_> = self.tiles.iter().collect();
+        all.sort_unstable_by_key(|(place, _)| **place);
+        all.into_iter().flat_map(|(place, bits)| bits.cells(*place))
     }
 }
 
@@ -122,6 +237,16 @@ mod tests {
             cells.all().map(|cell| (cell.x, cell.y)).collect();
         all.sort_unstable();
         assert_eq!(all, marked);
+        assert_eq!(cells.first().map(|c| (c.x, c.y)), Some(marked[0]));
+        let mut grown: Vec<[i32; 2]> =
+            cells.grown().all().map(|cell| cell.to_array()).collect();
+        grown.sort_unstable();
+        let each = marked.iter().map(|&(x, y)| IVec2::new(x, y));
+        let mut near: Vec<[i32; 2]> =
+            each.flat_map(around).map(|cell| cell.to_array()).collect();
+        near.sort_unstable();
+        near.dedup();
+        assert_eq!(grown, near);
         assert!(!cells.has(IVec2::new(-33, -27)));
         let cell = cell_of(DVec2::new(-0.1, 0.6));
         assert_eq!(cell, IVec2::new(-1, 1));

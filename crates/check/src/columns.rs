@@ -7,9 +7,8 @@
 //! [`MOST_TILES`] of their tiles do: 134 MB, for 2 m² that are printed on. Nothing
 //! is known of what is printed on more than that.
 
-use super::cells::{Bits, Place, SIDE, split};
+use super::cells::{Bits, Cells, Place, SIDE, Tiles, around, split};
 use glam::IVec2;
-use std::collections::BTreeMap;
 
 /// Greatest number of tiles.
 const MOST_TILES: usize = 1 << 13;
@@ -101,7 +100,7 @@ impl Tile {
 
 /// The columns of all cells.
 pub(super) struct Columns {
-    places: BTreeMap<Place, usize>,
+    places: Tiles<usize>,
     tiles: Vec<Tile>,
     /// The tile that was asked for last.
     last: Option<(Place, usize)>,
@@ -114,7 +113,7 @@ pub(super) struct Columns {
 impl Default for Columns {
     fn default() -> Self {
         Columns {
-            places: BTreeMap::new(),
+            places: Tiles::default(),
             tiles: Vec::new(),
             last: None,
             layer: 1,
@@ -173,11 +172,41 @@ impl Columns {
     /// What is known of a cell; nothing where nothing was ever printed.
     pub(super) fn at(&self, cell: IVec2) -> Option<Seen> {
         let (place, row, column) = split(cell);
+        self.seen(self.known(place)?.columns[row][column])
+    }
+
+    /// True if one of a cell and its eight neighbours is as `is` says.
+    pub(super) fn any_around(
+        &self,
+        cell: IVec2,
+        is: impl Fn(&Seen) -> bool,
+    ) -> bool {
+        let (place, row, column) = split(cell);
+        let inner = 1..SIDE as usize - 1;
+        // Most cells are in one tile with all of their neighbours.
+        if inner.contains(&row) && inner.contains(&column) {
+            return self.known(place).is_some_and(|tile| {
+                let rows = &tile.columns[row - 1..=row + 1];
+                let near =
+                    rows.iter().flat_map(|r| &r[column - 1..=column + 1]);
+                near.filter_map(|&of| self.seen(of)).any(|seen| is(&seen))
+            });
+        }
+        let mut near = around(cell);
+        near.any(|near| self.at(near).is_some_and(|seen| is(&seen)))
+    }
+
+    /// The tile at a place, if something was printed there.
+    fn known(&self, place: Place) -> Option<&Tile> {
         let index = match self.last {
             Some((last, index)) if last == place => index,
             _ => *self.places.get(&place)?,
         };
-        let own = self.tiles[index].columns[row][column].at(self.layer);
+        Some(&self.tiles[index])
+    }
+
+    fn seen(&self, column: Column) -> Option<Seen> {
+        let own = column.at(self.layer);
         (own.top > NOTHING).then(|| Seen {
             below: f64::from(own.below),
             on_support: own.stamp & BELOW_SUPPORT != 0,
@@ -186,34 +215,22 @@ impl Columns {
         })
     }
 
-    /// True if the layer's part, or its supports, are printed in a cell.
-    pub(super) fn is_printed(&self, cell: IVec2, support: bool) -> bool {
-        let (place, row, column) = split(cell);
-        let tile = self.places.get(&place).map(|&index| &self.tiles[index]);
-        tile.filter(|tile| tile.layer == self.layer)
-            .is_some_and(|tile| tile.of(support).has(row, column))
+    /// The cells of the layer's part, or of its supports.
+    pub(super) fn printed(&self, support: bool) -> Cells {
+        Cells::of(
+            self.touched
+                .iter()
+                .map(|&(place, index)| (place, *self.tiles[index].of(support))),
+        )
     }
 
-    /// The cells of the layer's part, or of its supports, whose beads do not
-    /// reach down to what lies below them, tile by tile. The tiles' order
-    /// depends on nothing but their places.
-    pub(super) fn not_held(&self, support: bool) -> Vec<(Place, Bits)> {
-        let touched = self.touched.iter().map(|&(place, index)| {
+    /// Those cells of the layer's part, or of its supports, whose beads do not
+    /// reach down to what lies below them.
+    pub(super) fn not_held(&self, support: bool) -> Cells {
+        Cells::of(self.touched.iter().map(|&(place, index)| {
             let tile = &self.tiles[index];
             (place, tile.of(support).without(&tile.held))
-        });
-        let mut all: Vec<(Place, Bits)> =
-            touched.filter(|(_, bits)| !bits.is_empty()).collect();
-        all.sort_unstable_by_key(|(place, _)| *place);
-        all
-    }
-
-    /// Number of the cells of the layer's part.
-    pub(super) fn count_printed(&self) -> u32 {
-        let touched = self.touched.iter();
-        touched
-            .map(|(_, index)| self.tiles[*index].part.count())
-            .sum()
+        }))
     }
 
     /// Begins the next layer.

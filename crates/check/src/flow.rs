@@ -4,22 +4,22 @@
 //! beads should have.
 //!
 //! Three things tell what beads should have. If the file says how wide and high
-//! they are, that is their volume. Where beads lie side by side, without sparse
-//! places between them, they share the room of the layer: this is looked at in
-//! [`Window`]s that are covered all over. And the beads of a layer are about as
-//! wide as the nozzle.
+//! they are, that is their volume; a bead that rises out of its layer has more room
+//! than the file says, down to what lies below it. Where beads lie side by side,
+//! without sparse places between them, they share the room of the layer: this is
+//! looked at in [`Window`]s that are covered all over. And the beads of a layer are
+//! about as wide as the nozzle.
 //!
 //! Beads of walls, skin and infill count. Bridges, overhangs, ironing, supports
 //! and towers have flows of their own.
 
-use super::cells::{CELL, cell_of};
+use super::cells::{CELL, Place, Tiles, cell_of};
 use super::ground::Ground;
 use super::rise::{self, Rise};
 use super::rules::ROUNDING;
-use glam::IVec2;
+use glam::{DVec3, IVec2};
 use isoslice_base::units::{Mm, Mm2, cross_section};
 use isoslice_gcode_read::reader::{Move, Role};
-use std::collections::BTreeMap;
 
 /// Cells along one side of a window: 4 mm. Lines of 0.4 mm fill it to within
 /// 10 %, wherever the first one lies, and lines of 1 mm to within 25 %.
@@ -73,6 +73,9 @@ struct Layer {
     /// says.
     volume: f64,
     said: f64,
+    /// Volume that fits between the nozzle and what lies below the beads, as wide
+    /// as the file says.
+    room: f64,
     /// Area of the beads, seen from the side, by what the reader takes for their
     /// height.
     seen: Mm2,
@@ -80,7 +83,9 @@ struct Layer {
     /// by how far they rise.
     standing: f64,
     upright: Mm2,
-    windows: BTreeMap<(i32, i32), Window>,
+    windows: Tiles<Window>,
+    /// The window that beads run through now, which is not among the others.
+    here: Option<(Place, Window)>,
     /// The first line of the layer.
     line: Option<u64>,
 }
@@ -120,25 +125,45 @@ impl Flow {
             let share = (f64::from(k) + 0.5) / count;
             let at = step.from.lerp(step.to, share);
             let cell = cell_of(at.truncate());
-            // What other files have printed there is not known.
-            let Some(below) = ground.below(cell).or(self.bed) else {
+            let lies = self.rise_at(at, ground);
+            let height = self.high(lies, step.height);
+            let fits = cross_section(step.width, height) * length / count;
+            self.layer.room += fits;
+            let Some((rise, over_support)) = lies else {
                 continue;
             };
-            // Files that say no heights may have supports between layers, whose
-            // distance then is not the height of either.
-            let rise = at.z - below;
-            let room = step.height.max(rise);
-            self.layer.cover(cell, volume, room);
-            // A bead that rises by more than the nozzle's width lies on nothing.
-            let lies = rise < self.nozzle + ROUNDING;
-            let height = if lies { room } else { step.height };
+            self.layer.cover(cell, volume, step.height.max(rise));
             self.layer.standing += volume;
             self.layer.upright += height * length / count;
-            if !ground.is_over_support(cell) {
+            if !over_support {
                 let named = step.role != Role::Unknown;
-                self.rise.bead(rise, length / count, area, named);
+                let length = length / count;
+                self.rise.bead(rise, length, area, step.height, named);
             }
         }
+    }
+
+    /// How far the nozzle is above what lies below it, and whether that is a
+    /// support, if this is known: what other files have printed is not.
+    fn rise_at(&self, at: DVec3, ground: &Ground) -> Option<(Mm, bool)> {
+        let bed = || Some((self.bed?, false));
+        let below = ground.below(cell_of(at.truncate()));
+        let (below, over_support) = below.or_else(bed)?;
+        Some((at.z - below, over_support))
+    }
+
+    /// How high a bead is at a place, if the file says `said`.
+    pub(super) fn height(&self, at: DVec3, said: Mm, ground: &Ground) -> Mm {
+        self.high(self.rise_at(at, ground), said)
+    }
+
+    /// How high a bead is that rises this far above what lies below it: it reaches
+    /// down to that. Files that say no heights may have supports between layers,
+    /// whose distance then is not the height of either. A bead that rises by more
+    /// than the nozzle's width lies on nothing.
+    fn high(&self, lies: Option<(Mm, bool)>, said: Mm) -> Mm {
+        let lies = lies.filter(|lies| lies.0 < self.nozzle + ROUNDING);
+        lies.map_or(said, |(rise, _)| rise.max(said))
     }
 
     /// What is wrong with the rise of the layer with this number, which ends.
@@ -170,19 +195,33 @@ impl Layer {
     /// Adds a part of a bead to its window.
     fn cover(&mut self, cell: IVec2, volume: f64, height: Mm) {
         let place = (cell.x.div_euclid(SIDE), cell.y.div_euclid(SIDE));
-        let full = self.windows.len() >= MOST_WINDOWS;
-        if full && !self.windows.contains_key(&place) {
-            return;
+        if self.here.is_none_or(|here| here.0 != place) {
+            self.leave_window();
+            let known = self.windows.get(&place).copied();
+            self.here = Some((place, known.unwrap_or_default()));
         }
-        let window = self.windows.entry(place).or_default();
+        let Some((_, window)) = &mut self.here else {
+            return;
+        };
         let within = cell.rem_euclid(IVec2::splat(SIDE));
         window.cells |= 1 << (within.y * SIDE + within.x);
         window.volume += volume;
         window.weighed += volume * height;
     }
 
+    /// Puts the window that beads run through to the others.
+    fn leave_window(&mut self) {
+        let full = self.windows.len() >= MOST_WINDOWS;
+        if let Some((place, window)) = self.here.take()
+            && (!full || self.windows.contains_key(&place))
+        {
+            self.windows.insert(place, window);
+        }
+    }
+
     /// What is wrong with it, if its flow and its widths should be about these.
-    fn wrong(&self, flow: [f64; 2], widths: [Mm; 2]) -> Option<Wrong> {
+    fn wrong(mut self, flow: [f64; 2], widths: [Mm; 2]) -> Option<Wrong> {
+        self.leave_window();
         let line = self.line?;
         if self.seen < LITTLE {
             return None;
@@ -192,7 +231,8 @@ impl Layer {
             let usual = little * least..=much * most;
             (!usual.contains(&share)).then_some(share)
         };
-        let said = beyond(self.volume / self.said, TOO_LITTLE, TOO_MUCH);
+        let little = beyond(self.volume / self.said, TOO_LITTLE, f64::INFINITY);
+        let much = || beyond(self.volume / self.room, 0.0, TOO_MUCH);
         // Sparse infill may leave no cell uncovered, so that only too much is
         // wrong there.
         let filled = || beyond(self.filled()?, 0.0, TOO_MUCH);
@@ -202,14 +242,18 @@ impl Layer {
             enough.then(|| self.standing / self.upright)
         };
         let is_wide = || Some(beyond(width()?, narrow, wide)? / widths[0]);
-        let share = said.or_else(filled).or_else(is_wide)?;
+        let share = little.or_else(much).or_else(filled).or_else(is_wide)?;
         Some(Wrong { line, share })
     }
 
     /// Share of the room in the windows that beads cover all over.
     fn filled(&self) -> Option<f64> {
-        let covered = self.windows.values().filter(|w| w.is_covered());
-        let (volume, room) = covered.fold((0.0, 0.0), |(v, r), window| {
+        let mut covered: Vec<_> =
+            self.windows.iter().filter(|w| w.1.is_covered()).collect();
+        // A sum of numbers depends on their order.
+        covered.sort_unstable_by_key(|(place, _)| **place);
+        let all = covered.into_iter().map(|(_, window)| window);
+        let (volume, room) = all.fold((0.0, 0.0), |(v, r), window| {
             let height = window.weighed / window.volume;
             (v + window.volume, r + WINDOW * height)
         });

@@ -25,6 +25,7 @@ use glam::{DVec3, IVec2};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_gcode_read::reader::{Move, Role};
 use isoslice_planar::bead::height_of;
+use std::f64::consts::FRAC_PI_4;
 
 /// Greatest gap between a support and what it holds above it, and between a
 /// support and what it stands on, if the settings ask for none that is wider.
@@ -203,12 +204,7 @@ impl Ground {
                 let (top, how) = (below, How::Low);
                 wrong = wrong.or(Some(Wrong { at, top, how }));
             } else if below < low {
-                // More plastic than the file says reaches deeper, but no
-                // deeper than the bead is wide. A bead for which the file says
-                // nothing may be less wide than it seems.
-                let width = step.width.min(WIDE * 2.0 * self.lift);
-                let plastic = height_of(area, width).min(width);
-                let height = height.max(plastic);
+                let height = depth(step, area, 2.0 * self.lift);
                 let low = reach(z, height);
                 self.columns.lay(cell, low, z, support);
                 if below < low && !support && wrong.is_none() {
@@ -247,15 +243,12 @@ impl Ground {
         })
     }
 
-    /// The top of the layers below in a cell; none where they are the bed.
-    pub(super) fn below(&self, cell: IVec2) -> Option<Mm> {
-        let seen = self.columns.at(cell).map(|seen| seen.below);
-        seen.filter(|below| below.is_finite())
-    }
-
-    /// True if the top of the layers below in a cell is that of a support.
-    pub(super) fn is_over_support(&self, cell: IVec2) -> bool {
-        self.columns.at(cell).is_some_and(|seen| seen.on_support)
+    /// The top of the layers below in a cell, and whether it is that of a support;
+    /// none where they are the bed.
+    pub(super) fn below(&self, cell: IVec2) -> Option<(Mm, bool)> {
+        let seen = self.columns.at(cell)?;
+        let known = seen.below.is_finite();
+        known.then_some((seen.below, seen.on_support))
     }
 
     /// The first place where a travel leads through what is printed. A line's
@@ -289,13 +282,15 @@ impl Ground {
         if bed.is_some() || self.above_others {
             for support in [false, true] {
                 let hanging = self.hanging(support);
-                let islands =
-                    self.begin(support, &hanging, &here.reported, |cell| {
-                        found(at(cell));
-                    });
+                let printed = self.columns.printed(support);
+                let way = Way::over(&hanging, &printed);
+                let alone = hanging.clone().filter(&way.reached, false);
+                let islands = begin(&alone, &here.reported, |cell| {
+                    found(at(cell));
+                });
                 if !support && islands == 0 && !here.bridges {
-                    adrift = self.adrift(&hanging).map(|(cell, reach)| {
-                        let at = at(cell);
+                    adrift = way.too_far(&hanging, &printed).map(|cell| {
+                        let (at, reach) = (at(cell), way.reach());
                         Adrift { at, reach }
                     });
                 }
@@ -310,77 +305,12 @@ impl Ground {
     fn hanging(&self, support: bool) -> Cells {
         // Most cells stand, so few remain to be searched.
         let mut hanging = Cells::default();
-        for (place, bits) in self.columns.not_held(support) {
-            let hangs = |cell: &IVec2| !self.stands(*cell, support);
-            bits.cells(place).filter(hangs).for_each(|cell| {
-                hanging.mark(cell);
-            });
-        }
-        hanging
-    }
-
-    /// The cell of the part that is farthest from what stands, and how far it
-    /// is, if that is too far, or if too little of the layer stands.
-    fn adrift(&self, hanging: &Cells) -> Option<(IVec2, Mm)> {
-        let stands =
-            |cell| self.columns.is_printed(cell, false) && !hanging.has(cell);
-        let beside = |cell: &IVec2| around(*cell).any(stands);
-        let mut front: Vec<IVec2> = hanging.all().filter(beside).collect();
-        let mut farthest = *front.first()?;
-        let mut reached = Cells::default();
-        front.iter().for_each(|cell| {
-            reached.mark(*cell);
+        let searched = self.columns.not_held(support);
+        let hangs = |cell: &IVec2| !self.stands(*cell, support);
+        searched.all().filter(hangs).for_each(|cell| {
+            hanging.mark(cell);
         });
-        let mut steps = 0;
-        while let Some(first) = front.first() {
-            (farthest, steps) = (*first, steps + 1);
-            let next = front.iter().flat_map(|cell| around(*cell));
-            front = next
-                .filter(|near| hanging.has(*near) && reached.mark(*near))
-                .collect();
-        }
-        let reach = f64::from(steps) * CELL;
-        let all = self.columns.count_printed() as f64;
-        let held = 1.0 - hanging.all().count() as f64 / all;
-        (reach > REACH || held < HELD).then_some((farthest, reach))
-    }
-
-    /// Tells of the first cell of each island, of the part or of supports, that
-    /// stands on nothing, and counts them. Nothing is said of islands that have a
-    /// bead which was `reported` already.
-    fn begin(
-        &self,
-        support: bool,
-        hanging: &Cells,
-        reported: &Cells,
-        mut found: impl FnMut(IVec2),
-    ) -> usize {
-        let mut islands = 0;
-        let here = |cell| self.columns.is_printed(cell, support);
-        let mut seen = Cells::default();
-        let mut left = Vec::new();
-        for first in hanging.all() {
-            if !seen.mark(first) {
-                continue;
-            }
-            let mut known = false;
-            left.push(first);
-            while let Some(cell) = left.pop() {
-                known |= reported.has(cell);
-                for near in around(cell) {
-                    let hangs = hanging.has(near);
-                    known |= !hangs && here(near);
-                    if hangs && seen.mark(near) {
-                        left.push(near);
-                    }
-                }
-            }
-            if !known {
-                found(first);
-                islands += 1;
-            }
-        }
-        islands
+        hanging
     }
 
     /// True if something below holds the layer's beads in a cell.
@@ -396,10 +326,93 @@ impl Ground {
         let on_bed = |bed: Mm| own.low - gap(support) <= bed;
         self.bed.is_some_and(on_bed)
             || holds(&own)
-            || around(cell).any(|near| {
-                self.columns.at(near).is_some_and(|seen| holds(&seen))
-            })
+            || self.columns.any_around(cell, holds)
     }
+}
+
+/// The way from what stands over what hangs, from cell to cell.
+struct Way {
+    /// The hanging cells that are connected with what stands.
+    reached: Cells,
+    /// One that is farthest from it, and how many cells away it is.
+    farthest: Option<IVec2>,
+    steps: u32,
+}
+
+impl Way {
+    /// The way over the `hanging` ones of the `printed` cells.
+    fn over(hanging: &Cells, printed: &Cells) -> Way {
+        let stands = printed.clone().filter(hanging, false);
+        let mut front = stands.grown().filter(hanging, true);
+        let mut way = Way {
+            reached: Cells::default(),
+            farthest: None,
+            steps: 0,
+        };
+        while let Some(first) = front.first() {
+            way.farthest = Some(first);
+            way.steps += 1;
+            way.reached = way.reached.with(&front);
+            let next = front.grown().filter(hanging, true);
+            front = next.filter(&way.reached, false);
+        }
+        way
+    }
+
+    fn reach(&self) -> Mm {
+        f64::from(self.steps) * CELL
+    }
+
+    /// The farthest cell, if it is too far away, or if too little of the layer
+    /// stands.
+    fn too_far(&self, hanging: &Cells, printed: &Cells) -> Option<IVec2> {
+        let held =
+            1.0 - f64::from(hanging.count()) / f64::from(printed.count());
+        self.farthest
+            .filter(|_| self.reach() > REACH || held < HELD)
+    }
+}
+
+/// Tells of the first cell of each island of hanging cells, and counts them.
+/// Nothing is said of islands that have a bead which was `reported` already.
+fn begin(
+    hanging: &Cells,
+    reported: &Cells,
+    mut found: impl FnMut(IVec2),
+) -> usize {
+    let mut islands = 0;
+    let mut seen = Cells::default();
+    let mut left = Vec::new();
+    for first in hanging.all() {
+        if !seen.mark(first) {
+            continue;
+        }
+        let mut known = false;
+        left.push(first);
+        while let Some(cell) = left.pop() {
+            known |= reported.has(cell);
+            let near = around(cell);
+            left.extend(near.filter(|c| hanging.has(*c) && seen.mark(*c)));
+        }
+        if !known {
+            found(first);
+            islands += 1;
+        }
+    }
+    islands
+}
+
+/// How deep a bead reaches. More plastic than the file says reaches deeper, but no
+/// deeper than a free strand. A bead for which the file says nothing may be less
+/// wide than it seems.
+pub(super) fn depth(step: &Move, area: Mm2, nozzle: Mm) -> Mm {
+    let plastic = height_of(area, step.width.min(WIDE * nozzle));
+    step.height.max(plastic.min(strand(area, nozzle)))
+}
+
+/// How thick what a nozzle lays may be: as it is wide, or as a free strand is.
+pub(super) fn strand(area: Mm2, nozzle: Mm) -> Mm {
+    (area / FRAC_PI_4).sqrt().max(nozzle)
 }
 
 /// Cells along a move, each with the nozzle's place there, except for a length

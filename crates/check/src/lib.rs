@@ -176,6 +176,9 @@ struct Checker<'a> {
     begun: Option<Mm>,
     begun_before: Option<Mm>,
     layer: u32,
+    /// True if beads climb in a file that does not say what they are for: it does not
+    /// tell either which layer they belong to, nor what irons.
+    untold: bool,
     /// Line of the layer's first bead.
     layer_line: Option<u64>,
     /// The layer that lies on the bed.
@@ -210,6 +213,7 @@ impl<'a> Checker<'a> {
             begun: None,
             begun_before: None,
             layer: 0,
+            untold: false,
             layer_line: None,
             lowest_layer: 1,
         }
@@ -339,11 +343,16 @@ impl<'a> Checker<'a> {
         if self.within(step) {
             self.flow.bead(step, area, &self.ground);
         }
+        self.untold |= step.role == Role::Unknown && step.from.z != step.to.z;
         // Towers and ironing go where they went before.
-        if matches!(step.role, Role::Ironing | Role::PrimeTower) {
+        if self.untold || matches!(step.role, Role::Ironing | Role::PrimeTower)
+        {
             return;
         }
-        if let Some(line) = self.again.bead(step, area, self.rules.nozzle) {
+        let middle = step.from.midpoint(step.to);
+        let height = self.flow.height(middle, step.height, &self.ground);
+        let most = self.rules.nozzle * height;
+        if let Some(line) = self.again.bead(step, area, most) {
             self.verdict.add(FindingKind::Again, line, step.from, || {
                 format!(
                     "the same beads are laid again, at the same place and \
@@ -551,9 +560,8 @@ impl<'a> Checker<'a> {
             });
         }
         let rise = self.flow.rise(layer);
-        if let Some(flow) =
-            self.flow.next_layer(self.rules.flow, self.rules.widths)
-        {
+        let flow = self.flow.next_layer(self.rules.flow, self.rules.widths);
+        if let Some(flow) = flow.filter(|_| !self.untold) {
             verdict.add(FindingKind::Flow, flow.line, DVec3::NAN, || {
                 format!(
                     "layer {layer} has {:.2} times the plastic that its beads \

@@ -619,3 +619,33 @@ fn layers_in_the_faces_of_a_sponge_have_what_is_above_or_below() {
         }
     }
 }
+
+/// A square prism, and beside it a cone of which no two layers are alike.
+#[test]
+fn layers_of_a_prism_share_samples_and_outline() {
+    let (x, y, z) = Tree::axes();
+    let square = x.abs().max(y.abs()) - 5.0;
+    let prism = square.max(z.abs() - 6.55);
+    let from_axis = ((x - 12.0).square() + y.square()).sqrt();
+    let cone = from_axis - 3.0 + z * 0.3;
+    let heights: Vec<f64> = (0..32).map(|k| 0.1 + 0.2 * f64::from(k)).collect();
+    for (tree, most) in [(prism.clone(), 1.0 / 32.0), (prism.min(cone), 0.6)] {
+        let bounds = Rect::new(DVec2::splat(-16.0), DVec2::splat(16.0));
+        let field = Field::new(&tree, 0.0, bounds, 0.1).unwrap();
+        let (mut sampled, mut all) = (0, 0);
+        field
+            .slab(&heights, &mut |batch| {
+                sampled += batch.leaves.len();
+                all += batch.leaves.len() * batch.span;
+                Ok(())
+            })
+            .unwrap();
+        let share = sampled as f64 / all as f64;
+        assert!(share <= most, "{share}");
+        let together = outlines(&field, &heights, DETAIL).unwrap();
+        assert_eq!(together.len(), heights.len());
+        for (outline, &z) in together.iter().zip(&heights) {
+            assert_eq!(*outline, slice_with(&tree, 16.0, &[z])[0], "{z}");
+        }
+    }
+}

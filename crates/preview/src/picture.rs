@@ -17,7 +17,7 @@ use isoslice_settings::PictureSize;
 /// Samples along each side of a pixel at an edge. A picture of a gyroid ball takes
 /// 1.7 s with 2, 2.2 s with 3 and 3.0 s with 4, and one cannot tell 3 from 4.
 const FINER: usize = 3;
-/// What [`FINER`] is, for sketches.
+/// What [`FINER`] is, for sketches and for pictures in a file's head.
 const ROUGH_FINER: usize = 2;
 /// Side of a pixel of the light's view, in pixels of the picture. Shadows are
 /// softer than what casts them.
@@ -25,6 +25,9 @@ const MAP: f64 = 1.0;
 /// What [`MAP`] is, for sketches. With [`MAP`] the light's view would be half
 /// of their work.
 const ROUGH_MAP: f64 = 4.0;
+/// What [`MAP`] is, for pictures in a file's head, of which few are seen larger than
+/// a thumb.
+const HEAD_MAP: f64 = 2.0;
 /// Least length of the longer side with which pictures in a file's head are
 /// drawn, pixels.
 const LEAST: f64 = 128.0;
@@ -122,7 +125,7 @@ pub fn thumbnails(
             .map(|n| (share * larger * n as f64).ceil().max(1.0) as usize);
         let subject = Subject::at_most(AFFORDABLE, model, View::THUMBNAIL)?;
         let mut pixels = Vec::with_capacity(size[0] * size[1]);
-        match drawn(&subject, size, (FINER, MAP), &mut |some| {
+        match drawn(&subject, size, (ROUGH_FINER, HEAD_MAP), &mut |some| {
             pixels.extend_from_slice(some);
             Ok(())
         }) {
@@ -222,7 +225,7 @@ mod tests {
         let files = thumbnails(&model, &[wanted]).unwrap().unwrap();
         let size = [220, 180];
         let shown = opacity(&files[0]);
-        let drawn = View::THUMBNAIL.draw(&model, &NONE, size, None).unwrap();
+        let drawn = View::THUMBNAIL.sketch(&model, size, None).unwrap();
         assert_eq!(shown, opacity(&drawn));
         let partly = shown.iter().filter(|a| **a > 0.1 && **a < 0.9).count();
         assert!(partly > 200, "{partly}");

@@ -129,7 +129,8 @@ pub(super) fn judge_planes(
     scratch.clear();
     let of_leaf = batch.values.chunks_exact(NODES * NODES);
     for (leaf, values) in batch.leaves.iter().zip(of_leaf) {
-        if !needed.contains(&leaf.layer) {
+        let span = leaf.layer..leaf.layer + batch.span;
+        if span.end <= needed.start || needed.end <= span.start {
             continue;
         }
         let z = z[leaf.layer];

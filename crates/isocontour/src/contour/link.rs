@@ -57,8 +57,8 @@ type Loose = (u64, u32);
 /// The samples that are missing from a layer whose chains do not close.
 #[derive(Default)]
 pub(super) struct Missing {
-    /// Leaves beside loose ends that were not sampled.
-    pub leaves: Vec<Leaf>,
+    /// Leaves beside loose ends that were not sampled, by column and row.
+    pub leaves: Vec<[usize; 2]>,
     /// Cells beside crossings that only the next cell knows, by column and row.
     pub cells: Vec<[usize; 2]>,
 }
@@ -83,6 +83,7 @@ impl Joined {
 }
 
 /// A vertex and what follows it.
+#[derive(Clone)]
 struct Link {
     point: DVec2,
     crossing: Crossing,
@@ -98,7 +99,7 @@ struct Link {
 ///
 /// Missing samples are asked for many times, each time after a little was
 /// added. So results about earlier vertices are kept.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Chains {
     links: Vec<Link>,
     /// The points between vertices.
@@ -115,7 +116,7 @@ pub(super) struct Chains {
 }
 
 /// The vertices at which chains break off.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct LooseEnds {
     /// The vertices at which a chain ends, and those at which one begins, in
     /// order.
@@ -213,11 +214,7 @@ impl Chains {
     }
 
     /// The samples that are missing for the chains to close.
-    pub(super) fn missing(
-        &mut self,
-        layer: usize,
-        lattice: &Lattice,
-    ) -> Missing {
+    pub(super) fn missing(&mut self, lattice: &Lattice) -> Missing {
         if !self.find_loose() && self.loose.closed {
             return Missing::default();
         }
@@ -227,14 +224,14 @@ impl Chains {
         self.leaves.sort();
         self.divided.sort();
         let (sampled, divided) = (&self.leaves, &self.divided);
-        let mut leaves: Vec<(u32, u32)> = Vec::new();
+        let mut leaves: Vec<[usize; 2]> = Vec::new();
         let mut cells: Vec<[usize; 2]> = Vec::new();
         for c in lonely {
             for [i, j] in beside(c.edge, lattice) {
                 let [a, b] = [i, j].map(|k| k / LEAF * LEAF);
                 let leaf = (a as u32, b as u32);
                 if sampled.binary_search(&leaf).is_err() {
-                    leaves.push(leaf);
+                    leaves.push([a, b]);
                 } else if c.part != Crossing::WHOLE
                     && divided.binary_search(&[i, j]).is_err()
                     && !self.left.contains(&[a, b])
@@ -248,15 +245,7 @@ impl Chains {
         cells.sort_unstable();
         cells.dedup();
         self.loose.closed = leaves.is_empty() && cells.is_empty();
-        let leaves = leaves.into_iter().map(|(i, j)| Leaf {
-            layer,
-            i: i as usize,
-            j: j as usize,
-        });
-        Missing {
-            leaves: leaves.collect(),
-            cells,
-        }
+        Missing { leaves, cells }
     }
 
     /// Takes the outline's pieces across cells that are to be divided out of

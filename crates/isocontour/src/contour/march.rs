@@ -14,9 +14,10 @@ use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
 use super::edges::{Edge, Edges};
 use super::hidden::hidden;
-use super::link::{Chains, Crossing, NONE};
+use super::link::{Crossing, NONE};
 use super::noise::{Eyes, Noise};
 use super::refine::{Bracket, refine};
+use super::runs::Runs;
 use super::samples::Samples;
 use super::trace::{Chord, End, Look, Traced, Vertex, look, trace};
 use crate::Length;
@@ -149,8 +150,10 @@ impl<'a> Marcher<'a> {
         let scratch = &mut self.scratch;
         let judged = judge_planes(batch, needed, z, lattice, scratch)?;
         for (layer, blind) in judged {
-            let known = &mut self.blind[layer];
-            *known = known.or(blind.and(heeded));
+            let span = layer..layer + batch.span;
+            for k in span.filter(|k| needed.contains(k)) {
+                self.blind[k] = self.blind[k].or(blind.and(heeded));
+            }
         }
         Ok(())
     }
@@ -160,18 +163,23 @@ impl<'a> Marcher<'a> {
         &self.blind
     }
 
-    /// Adds a batch's pieces of outline to the layers.
+    /// Adds a batch's pieces of outline to the runs of layers. Each of its
+    /// leaves stands for `weight` layers that are needed.
     pub(super) fn march(
         &mut self,
         mut batch: Batch<'_>,
-        layers: &mut [Chains],
+        weight: usize,
+        runs: &mut Runs,
     ) -> Result<(), FieldError> {
         for (leaf, values) in
             batch.leaves.iter().zip(batch.values.chunks_exact(COUNT))
         {
-            layers[leaf.layer].visited(leaf);
+            let span = leaf.layer..leaf.layer + batch.span;
+            for k in runs.firsts(span.clone()) {
+                runs.at(k).visited(leaf);
+            }
             let nan = values.iter().filter(|f| f.is_nan()).count();
-            self.nan[leaf.layer] += nan;
+            self.nan[span].iter_mut().for_each(|sum| *sum += nan);
         }
         let mut eyes = Eyes {
             z: &self.z,
@@ -179,7 +187,8 @@ impl<'a> Marcher<'a> {
             sampler: &mut *batch.sampler,
             scratch: &mut self.scratch,
         };
-        self.noise.look(batch.leaves, batch.values, &mut eyes)?;
+        self.noise
+            .look(batch.leaves, batch.values, weight, &mut eyes)?;
         self.vertices(&mut batch)?;
         let steep = self.too_steep();
         let mut eyes = Eyes {
@@ -223,8 +232,10 @@ impl<'a> Marcher<'a> {
             self.noise.look_into(n, leaf, true, &mut eyes)?;
         }
         let divided = self.divide(divide, true, &mut batch)?;
-        self.append(layers, &chords, traced, &divided);
-        self.leave(batch.leaves, layers);
+        for up in runs_above(&batch, runs) {
+            self.append(runs, up, &chords, &traced, &divided);
+            self.leave(batch.leaves, runs, up);
+        }
         Ok(())
     }
 
@@ -234,25 +245,25 @@ impl<'a> Marcher<'a> {
         &mut self,
         mut batch: Batch<'_>,
         cells: &[(usize, [usize; 2])],
-        layers: &mut [Chains],
+        runs: &mut Runs,
     ) -> Result<(), FieldError> {
-        self.noise.begin(batch.leaves);
+        self.noise.begin(batch.leaves, 1);
         self.vertices(&mut batch)?;
         self.segments.clear();
         self.bends.clear();
         let divided = self.divide(cells.to_vec(), false, &mut batch)?;
         self.vertices.clear();
-        self.append(layers, &[], Vec::new(), &divided);
-        self.leave(batch.leaves, layers);
+        self.append(runs, 0, &[], &[], &divided);
+        self.leave(batch.leaves, runs, 0);
         Ok(())
     }
 
-    /// Tells the layers which of the leaves are too fine to be looked into any
-    /// further.
-    fn leave(&self, leaves: &[Leaf], layers: &mut [Chains]) {
+    /// Tells the runs that begin `up` layers above the leaves which of these are
+    /// too fine to be looked into any further.
+    fn leave(&self, leaves: &[Leaf], runs: &mut Runs, up: usize) {
         for (n, leaf) in leaves.iter().enumerate() {
             if self.noise.is_in(n) {
-                layers[leaf.layer].leave(leaf);
+                runs.at(leaf.layer + up).leave(leaf);
             }
         }
     }
@@ -550,19 +561,21 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// Adds vertices and segments to their layers. `traced` are the results for
-    /// the segments in `chords`. Divided cells bring their own pieces.
+    /// Adds vertices and segments to the runs that begin `up` layers above their
+    /// own. `traced` are the results for the segments in `chords`. Divided cells
+    /// bring their own pieces.
     fn append(
-        &mut self,
-        layers: &mut [Chains],
+        &self,
+        runs: &mut Runs,
+        up: usize,
         chords: &[usize],
-        traced: Vec<Traced>,
+        traced: &[Traced],
         divided: &[(Vec<Cell>, Divided)],
     ) {
         let mut skip: Vec<Place> = Vec::new();
         for cell in divided.iter().flat_map(|d| &d.0) {
             skip.push((cell.layer, cell.at));
-            layers[cell.layer].divided(cell.at);
+            runs.at(cell.layer + up).divided(cell.at);
         }
         skip.sort_unstable();
         // Number of each vertex in its layer, by its number in the batch.
@@ -571,7 +584,7 @@ impl<'a> Marcher<'a> {
             .iter()
             .zip(&self.edges.all)
             .map(|(v, edge)| {
-                let chains = &mut layers[edge.layer as usize];
+                let chains = runs.at(edge.layer as usize + up);
                 chains.add(v.end.point, v.crossing)
             })
             .collect();
@@ -579,7 +592,7 @@ impl<'a> Marcher<'a> {
         let mut bends = self.bends.iter().peekable();
         for (n, s) in self.segments.iter().enumerate() {
             let points = match traced.peek() {
-                Some(t) if *t.0 == n => traced.next().map(|t| t.1.points),
+                Some(t) if *t.0 == n => traced.next().map(|t| &t.1.points),
                 _ => None,
             };
             let bend = match bends.peek() {
@@ -592,11 +605,11 @@ impl<'a> Marcher<'a> {
                 continue;
             }
             let (from, to) = (own[s.from as usize], own[s.to as usize]);
-            let chains = &mut layers[s.layer];
+            let chains = runs.at(s.layer + up);
             match (points, bend) {
                 (None, None) => chains.connect(from, to),
                 (points, bend) => {
-                    let points = points.iter().flatten().map(|p| p.1);
+                    let points = points.into_iter().flatten().map(|p| p.1);
                     chains.connect_through(from, points.chain(bend), to);
                 }
             }
@@ -604,7 +617,7 @@ impl<'a> Marcher<'a> {
         for (_, d) in divided {
             let mut own = vec![NONE; d.vertices.len()];
             for piece in &d.pieces {
-                let chains = &mut layers[piece.layer];
+                let chains = runs.at(piece.layer + up);
                 for v in [piece.from, piece.to].map(|v| v as usize) {
                     if own[v] == NONE {
                         let Vertex { end, crossing } = d.vertices[v];
@@ -617,6 +630,17 @@ impl<'a> Marcher<'a> {
                 chains.connect_through(from, points, to);
             }
         }
+    }
+}
+
+/// How far above a batch's layers the runs begin for which its leaves stand.
+fn runs_above(batch: &Batch<'_>, runs: &Runs) -> Vec<usize> {
+    match batch.leaves {
+        [leaf, ..] if batch.span > 1 => {
+            let firsts = runs.firsts(leaf.layer..leaf.layer + batch.span);
+            firsts.into_iter().map(|k| k - leaf.layer).collect()
+        }
+        _ => vec![0],
     }
 }
 

@@ -40,6 +40,7 @@ mod link;
 mod march;
 mod noise;
 mod refine;
+mod runs;
 mod samples;
 mod small;
 mod trace;
@@ -51,6 +52,7 @@ use crate::plane::Area;
 use blind::Blind;
 use link::Chains;
 use march::{Marcher, Precision};
+use runs::Runs;
 use std::ops::Range;
 
 /// Outlines of one layer and what was met on the way.
@@ -172,7 +174,7 @@ fn look(
     heeded: Blind,
     begins: &mut dyn FnMut(Phase),
 ) -> Result<Found, FieldError> {
-    let mut layers: Vec<Chains> = z.iter().map(|_| Chains::default()).collect();
+    let mut runs = Runs::new(z.len());
     let precision = Precision {
         chord: CHORD_SHARE * detail.accuracy,
         smallest: detail.smallest,
@@ -182,49 +184,62 @@ fn look(
     field.slab(z, &mut |mut batch: Batch<'_>| {
         begins(Phase::Tracing);
         marcher.judge_planes(&mut batch, needed, heeded)?;
-        let is_needed = |leaf: &Leaf| {
-            needed.contains(&leaf.layer)
-                && marcher.blind()[leaf.layer] == Blind::NOT
+        let span = batch.span;
+        for leaf in batch.leaves {
+            runs.divide(leaf.layer);
+            runs.divide(leaf.layer + span);
+        }
+        let is_wanted =
+            |k: &usize| needed.contains(k) && marcher.blind()[*k] == Blind::NOT;
+        let wanted = |leaf: &Leaf| {
+            let span = leaf.layer..leaf.layer + span;
+            span.filter(is_wanted).count()
         };
-        let (mut leaves, mut values) = (Vec::new(), Vec::new());
-        if batch.leaves.iter().all(is_needed) {
-            marcher.march(batch, &mut layers)?;
+        let weight = batch.leaves.iter().map(wanted).max().unwrap_or_default();
+        if batch.leaves.iter().all(|leaf| wanted(leaf) > 0) {
+            marcher.march(batch, weight, &mut runs)?;
         } else {
+            let (mut leaves, mut values) = (Vec::new(), Vec::new());
             let of_leaf = batch.values.chunks_exact(NODES * NODES);
             for (leaf, sampled) in batch.leaves.iter().zip(of_leaf) {
-                if is_needed(leaf) {
+                if wanted(leaf) > 0 {
                     leaves.push(*leaf);
                     values.extend_from_slice(sampled);
                 }
             }
             let batch = Batch {
                 leaves: &leaves,
+                span,
                 values: &values,
                 sampler: batch.sampler,
             };
-            marcher.march(batch, &mut layers)?;
+            marcher.march(batch, weight, &mut runs)?;
         }
         begins(Phase::Sampling);
         Ok(())
     })?;
     marcher.finish()?;
     let blind = marcher.blind().to_vec();
-    for (chains, blind) in layers.iter_mut().zip(&blind) {
-        if *blind != Blind::NOT {
-            *chains = Chains::default();
+    let left_out = |k: &usize| !needed.contains(k) || blind[*k] != Blind::NOT;
+    for run in runs.all() {
+        if run.clone().all(|k| left_out(&k)) {
+            *runs.at(run.start) = Chains::default();
         }
     }
     begins(Phase::Closing);
-    let outlines = close(field, z, detail, layers, marcher)?;
+    let mut outlines = close(field, z, detail, runs, marcher)?;
+    for k in (0..z.len()).filter(left_out) {
+        outlines[k] = Outline::default();
+    }
     Ok(Found { outlines, blind })
 }
 
-/// Joins the layers' pieces into rings, sampling what is missing.
+/// Joins the runs' pieces into rings, sampling what is missing.
 fn close(
     field: &Field,
     z: &[Length],
     detail: Detail,
-    mut layers: Vec<Chains>,
+    mut runs: Runs,
     mut marcher: Marcher<'_>,
 ) -> Result<Vec<Outline>, FieldError> {
     // A proof that was wrong by a rounding error shows as an outline that stops
@@ -235,17 +250,25 @@ fn close(
     for _ in 0..64 {
         let mut missing: Vec<Leaf> = Vec::new();
         let mut cells: Vec<(Leaf, [usize; 2])> = Vec::new();
-        for (layer, chains) in layers.iter_mut().enumerate() {
+        for run in runs.all() {
             field.check()?;
-            let lack = chains.missing(layer, field.lattice());
-            missing.extend(lack.leaves);
-            if !lack.cells.is_empty() {
-                chains.clear(&lack.cells, field.lattice());
+            let lack = runs.at(run.start).missing(field.lattice());
+            let mut layers = run.start..run.start + 1;
+            if !lack.leaves.is_empty() {
+                // No proof says that the layers are alike in these leaves.
+                run.clone().for_each(|layer| runs.divide(layer));
+                layers = run;
             }
-            for at in lack.cells {
-                let [i, j] = at.map(|k| k / LEAF * LEAF);
-                let leaf = Leaf { layer, i, j };
-                cells.push((leaf, [at[0] - i, at[1] - j]));
+            for layer in layers {
+                if !lack.cells.is_empty() {
+                    runs.at(layer).clear(&lack.cells, field.lattice());
+                }
+                let leaf = |[i, j]: [usize; 2]| Leaf { layer, i, j };
+                missing.extend(lack.leaves.iter().map(|&at| leaf(at)));
+                for &at in &lack.cells {
+                    let [i, j] = at.map(|k| k / LEAF * LEAF);
+                    cells.push((leaf([i, j]), [at[0] - i, at[1] - j]));
+                }
             }
         }
         if missing.is_empty() && cells.is_empty() {
@@ -253,7 +276,7 @@ fn close(
         }
         for missing in missing.chunks(AT_ONCE) {
             field.leaves(z, missing, &mut |batch: Batch<'_>| {
-                marcher.march(batch, &mut layers)
+                marcher.march(batch, 1, &mut runs)
             })?;
         }
         let place = |l: &Leaf| (l.layer, l.j, l.i);
@@ -269,32 +292,32 @@ fn close(
                     let all = cells[from..].iter().take_while(|c| c.0 == *leaf);
                     own.extend(all.map(|(_, at)| (n, *at)));
                 }
-                marcher.redivide(batch, &own, &mut layers)
+                marcher.redivide(batch, &own, &mut runs)
             })?;
         }
     }
     marcher.finish()?;
     let nan = marcher.nan_samples();
-    layers
-        .into_iter()
-        .zip(nan)
-        .map(|(mut chains, nan_samples)| {
-            field.check()?;
-            chains.shrink();
-            let (mut rings, forced_rings) = chains.into_rings();
-            let left_out = small::leave_out(&mut rings, detail);
-            let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;
-            let mut rings = untangle::thin(rings, tolerance, field.cancel())?;
-            let all = rings.len();
-            rings.retain(|r| !r.is_empty());
-            Ok(Outline {
-                nan_samples,
-                forced_rings,
-                dropped_rings: left_out + all - rings.len(),
-                area: Area { rings },
-            })
-        })
-        .collect()
+    let mut outlines = Vec::with_capacity(z.len());
+    for run in runs.all() {
+        field.check()?;
+        let mut chains = std::mem::take(runs.at(run.start));
+        chains.shrink();
+        let (mut rings, forced_rings) = chains.into_rings();
+        let left_out = small::leave_out(&mut rings, detail);
+        let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;
+        let mut rings = untangle::thin(rings, tolerance, field.cancel())?;
+        let all = rings.len();
+        rings.retain(|r| !r.is_empty());
+        let found = Outline {
+            nan_samples: nan[run.start],
+            forced_rings,
+            dropped_rings: left_out + all - rings.len(),
+            area: Area { rings },
+        };
+        outlines.extend(vec![found; run.len()]);
+    }
+    Ok(outlines)
 }
 
 #[cfg(test)]
@@ -342,12 +365,12 @@ mod tests {
                 })
             })
             .collect();
-        let mut layers: Vec<Chains> =
-            heights.iter().map(|_| Chains::default()).collect();
+        let mut runs = Runs::new(heights.len());
+        (0..heights.len()).for_each(|layer| runs.divide(layer));
         let mut marcher = Marcher::new(lattice, &heights, precision);
-        let mut march = |batch: Batch<'_>| marcher.march(batch, &mut layers);
+        let mut march = |batch: Batch<'_>| marcher.march(batch, 1, &mut runs);
         field.leaves(&heights, &known, &mut march).unwrap();
-        let outlines = close(&field, &heights, detail, layers, marcher);
+        let outlines = close(&field, &heights, detail, runs, marcher);
         for (outline, z) in outlines.unwrap().iter().zip(heights) {
             assert_eq!((outline.forced_rings, outline.dropped_rings), (0, 0));
             let rings = &outline.area.rings;

@@ -87,6 +87,8 @@ pub(super) struct Noise {
     first: Option<([f64; 3], Length)>,
     /// True for each leaf of the batch that is too fine.
     found: Vec<bool>,
+    /// For how many layers that are asked for a leaf of the batch stands.
+    weight: f64,
     /// For each leaf, how many of its cells were to be divided so far.
     divided: BTreeMap<[usize; 3], usize>,
 }
@@ -123,11 +125,12 @@ impl Noise {
             all: 0.0,
             first: None,
             found: Vec::new(),
+            weight: 1.0,
             divided: BTreeMap::new(),
         }
     }
 
-    /// Looks at a batch of leaves.
+    /// Looks at a batch of leaves, each of which stands for `weight` layers.
     ///
     /// # Errors
     /// If the area that is too fine is more than what is accepted.
@@ -135,11 +138,12 @@ impl Noise {
         &mut self,
         leaves: &[Leaf],
         values: &[f32],
+        weight: usize,
         eyes: &mut Eyes<'_>,
     ) -> Result<(), FieldError> {
-        self.begin(leaves);
+        self.begin(leaves, weight);
         let side = LEAF as f64 * eyes.lattice.spacing;
-        self.all += leaves.len() as f64 * side * side;
+        self.all += self.weight * leaves.len() as f64 * side * side;
         let (values, _) = values.as_chunks();
         for (n, (leaf, values)) in leaves.iter().zip(values).enumerate() {
             if changes(values) >= MANY {
@@ -149,8 +153,9 @@ impl Noise {
         Ok(())
     }
 
-    /// Begins another batch of leaves.
-    pub(super) fn begin(&mut self, leaves: &[Leaf]) {
+    /// Begins another batch of leaves, each of which stands for `weight` layers.
+    pub(super) fn begin(&mut self, leaves: &[Leaf], weight: usize) {
+        self.weight = weight as f64;
         self.found.clear();
         self.found.resize(leaves.len(), false);
     }
@@ -233,7 +238,7 @@ impl Noise {
         width: Length,
         area: Content,
     ) -> Result<(), FieldError> {
-        self.area += area;
+        self.area += self.weight * area;
         self.first.get_or_insert((at, width));
         self.verdict(MOST_FINE_AREA)
     }

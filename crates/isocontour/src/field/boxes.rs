@@ -14,6 +14,7 @@
 //! Why not fidget's own interval evaluator: it panics where one end of a range
 //! becomes NaN, as ∞ − ∞ does. This one never fails.
 
+use super::signs::{self, Need};
 use crate::interval::Interval;
 use crate::number::Number;
 use crate::number::dual::Dual;
@@ -78,6 +79,9 @@ pub(crate) struct Boxes {
     ranges: Vec<[Interval; 1]>,
     slopes: Vec<[Slope; 1]>,
     trace: VmTrace,
+    /// For each choice, the side that has the result's sign.
+    signs: Vec<Choice>,
+    needs: Vec<Need>,
 }
 
 impl Boxes {
@@ -91,6 +95,7 @@ impl Boxes {
         let tape = f.data().asm();
         self.ranges.resize(tape.slot_count(), [Interval::ANYTHING]);
         self.trace.resize(f.choice_count(), Choice::Both);
+        self.signs.clear();
         let mut choices = self.trace.as_mut_slice().iter_mut();
         let mut simpler = false;
         let mut out = Interval::ANYTHING;
@@ -102,12 +107,27 @@ impl Boxes {
             |pick, &[a], &[b]| {
                 let choice = chosen(pick, a, b);
                 simpler |= choice != Choice::Both;
+                self.signs.push(of_sign(pick, a, b));
                 if let Some(next) = choices.next() {
                     *next = choice;
                 }
             },
         );
         (out, simpler.then_some(&self.trace))
+    }
+
+    /// Does what [`Boxes::range`] does. The shorter function has the sign of the
+    /// given one, and perhaps another value.
+    pub(crate) fn range_of_sign(
+        &mut self,
+        f: &VmFunction,
+        input: &dyn Fn(usize) -> Interval,
+    ) -> (Interval, Option<&VmTrace>) {
+        let (range, trace) = self.range(f, input);
+        let simpler = trace.is_some();
+        let choices = self.trace.as_mut_slice();
+        let more = signs::choose(f, &self.signs, choices, &mut self.needs);
+        (range, (simpler || more).then_some(&self.trace))
     }
 
     /// The range of the function's (first) output and of its slopes, for given
@@ -142,6 +162,21 @@ fn chosen(pick: Pick, a: Interval, b: Interval) -> Choice {
             Choice::Right => Choice::Left,
             other => other,
         },
+    }
+}
+
+/// A side that always has the sign of the result, if there is one. The other side
+/// is never NaN.
+fn of_sign(pick: Pick, a: Interval, b: Interval) -> Choice {
+    let no_matter = |r: Interval| match pick {
+        Pick::Min => r.lo > 0.0 && !r.nan,
+        Pick::Max => r.hi < 0.0 && !r.nan,
+        Pick::And | Pick::Or => false,
+    };
+    match [a, b].map(no_matter) {
+        [_, true] => Choice::Left,
+        [true, false] => Choice::Right,
+        _ => Choice::Both,
     }
 }
 

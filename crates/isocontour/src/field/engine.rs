@@ -203,8 +203,10 @@ impl Walk<'_> {
         };
         let expr = own.as_ref().unwrap_or(root);
         let layers = self.axes.0[2].nodes().len();
+        let level = self.ws.is_level(expr);
+        let rows = if level { 1 } else { layers };
         let mut blocks = Vec::new();
-        for k in 0..layers.div_ceil(BLOCK_LAYERS) {
+        for k in 0..rows.div_ceil(BLOCK_LAYERS) {
             for j in Self::inside(j, TILE, BLOCK, self.cells[1]) {
                 let row = Self::inside(i, TILE, BLOCK, self.cells[0]);
                 blocks.extend(row.map(|i| [i, j, k]));
@@ -212,7 +214,7 @@ impl Walk<'_> {
         }
         self.ws.sift(expr, self.axes, Level::Block, &mut blocks)?;
         for at in blocks {
-            self.block(expr, at, visit)?;
+            self.block(expr, at, level.then_some(layers), visit)?;
         }
         if let Some(expr) = own {
             self.ws.recycle(expr);
@@ -220,11 +222,13 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Simplifies for block number `at`, then samples its leaves.
+    /// Simplifies for block number `at`, then samples its leaves. These stand
+    /// for `span` layers if the `parent` does not read z.
     fn block(
         &mut self,
         parent: &Expr,
         at: [usize; 3],
+        span: Option<usize>,
         visit: &mut Visit<'_>,
     ) -> Result<(), FieldError> {
         self.cancel.check()?;
@@ -236,9 +240,15 @@ impl Walk<'_> {
         };
         let expr = own.as_ref().unwrap_or(parent);
         let layers = self.axes.0[2].nodes().len();
+        let mut own_layers = Self::inside(k, BLOCK_LAYERS, 1, layers);
+        let alike = self.ws.is_level(expr).then_some(own_layers.len());
+        let span = span.or(alike);
+        if span.is_some() {
+            own_layers.end = own_layers.start + 1;
+        }
         let mut boxes = std::mem::take(&mut self.boxes);
         boxes.clear();
-        for layer in Self::inside(k, BLOCK_LAYERS, 1, layers) {
+        for layer in own_layers {
             for j in Self::inside(j, BLOCK, LEAF, self.cells[1]) {
                 let row = Self::inside(i, BLOCK, LEAF, self.cells[0]);
                 boxes.extend(row.map(|i| [i, j, layer]));
@@ -252,7 +262,7 @@ impl Walk<'_> {
             j: j * LEAF,
         }));
         self.boxes = boxes;
-        self.sample(expr, visit)?;
+        self.sample(expr, span.unwrap_or(1), visit)?;
         if let Some(expr) = own {
             self.ws.recycle(expr);
         }
@@ -260,10 +270,11 @@ impl Walk<'_> {
     }
 
     /// Evaluates the nodes of all leaves in the buffer at once and passes them
-    /// to the visitor.
+    /// to the visitor. Each leaf stands for `span` layers.
     fn sample(
         &mut self,
         expr: &Expr,
+        span: usize,
         visit: &mut Visit<'_>,
     ) -> Result<(), FieldError> {
         if self.leaves.is_empty() {
@@ -273,6 +284,7 @@ impl Walk<'_> {
         ws.leaves(expr, axes, &self.leaves, &mut self.values);
         visit(Batch {
             leaves: &self.leaves,
+            span,
             values: &self.values,
             sampler: &mut ExprSampler {
                 expr,
@@ -322,6 +334,6 @@ impl Engine {
         let layers = self.plane.layers(z);
         let mut walk = self.walk(&layers, cancel);
         walk.leaves = leaves.to_vec();
-        walk.sample(&Expr::new(self.root.clone()), visit)
+        walk.sample(&Expr::new(self.root.clone()), 1, visit)
     }
 }

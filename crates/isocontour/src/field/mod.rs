@@ -13,13 +13,15 @@
 //! ```
 //!
 //! A tile that spans several layers shares its proof and its simplified
-//! expression with all of them. A leaf that is left out has no sign change on
+//! expression with all of them. If that expression does not read z, the layers
+//! share their samples as well. A leaf that is left out has no sign change on
 //! its nodes, up to rounding (the proofs are in `f64`, the samples in `f32`).
 //! If a leaf was left out wrongly, an outline stops at its border; `contour`
 //! notices that, and asks for the leaf with [`Field::leaves`].
 //!
 //! Sums of exponentials, as in smooth unions, get branches that proofs can rule
-//! out (`blend`). Parts that depend on one coordinate alone, such as sin(k·x),
+//! out (`blend`). Branches that do not change the field's sign are left out
+//! (`signs`). Parts that depend on one coordinate alone, such as sin(k·x),
 //! are taken out of the expression (`hoist`, `split`) and evaluated once per
 //! column, row or layer (`axis`). `lanes` evaluates the rest, for many points
 //! or boxes at a time. `workspace` brings both together for the walk in
@@ -36,6 +38,7 @@ mod hoist;
 pub(crate) mod lanes;
 mod lattice;
 mod sight;
+mod signs;
 mod split;
 mod workspace;
 
@@ -159,6 +162,10 @@ pub trait Sampler {
 pub struct Batch<'a> {
     /// The leaves.
     pub leaves: &'a [Leaf],
+    /// For how many layers each leaf stands: for its own, and for those right
+    /// above it. More than one if the expression does not read z there. Then
+    /// all leaves are of one layer.
+    pub span: usize,
     /// The leaves' node values, 81 per leaf, row by row.
     pub values: &'a [f32],
     /// Evaluates the field in and next to the leaves.

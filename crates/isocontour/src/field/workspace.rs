@@ -122,7 +122,11 @@ impl<'a> Workspace<'a> {
     ) -> Result<Proof, FieldError> {
         let sources = &self.sources;
         let input = |slot: usize| axes.over(sources.get(slot), level, at);
-        let (range, trace) = self.alone.range(&expr.f, &input);
+        let (range, trace) = if simplify {
+            self.alone.range_of_sign(&expr.f, &input)
+        } else {
+            self.alone.range(&expr.f, &input)
+        };
         // A field that is nowhere below zero has no inside, even where it
         // touches zero.
         if !range.nan && (range.lo >= 0.0 || range.hi < 0.0) {
@@ -140,6 +144,14 @@ impl<'a> Workspace<'a> {
             _ => None,
         };
         Ok(Proof::Ambiguous(simpler))
+    }
+
+    /// True if an expression does not read z.
+    pub(super) fn is_level(&self, expr: &Expr) -> bool {
+        let axis = |&slot: &usize| match self.sources[slot] {
+            Source::Coordinate(axis) | Source::Part(axis, _) => axis,
+        };
+        expr.inputs().iter().map(axis).all(|axis| axis != 2)
     }
 
     /// Writes the field's bounds over any boxes to `out`. Boxes are given by

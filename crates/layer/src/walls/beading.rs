@@ -55,12 +55,14 @@ const PINCHED: f64 = 0.6;
 /// What it costs more where those walls have no room any more. Through a neck as
 /// thin as that they would lie on each other.
 const TIGHT: f64 = 2.0;
+/// The cost of 1 mm of a loop in a tip: it leads into corners of 34° or more. The end
+/// of a bead comes nearer to sharper ones.
+const LED: f64 = 3.0;
 /// The cost of 1 mm of a bead beyond that.
 const BULGED: f64 = 1.0;
-/// The cost of 1 mm that has room for a bead and has none: in a corner of 55° as
-/// much as the ends of a bead. With 3.5, corners of 45° end in a loop as well: a
-/// gyroid block has a fifth fewer strokes, and six times as many of its tips are more
-/// than 0.3 mm from a bead.
+/// The cost of 1 mm that has room for a bead and has none. With 3.5, loops end where
+/// their sides meet in corners of 45°: six times as many tips of a gyroid block are
+/// more than 0.3 mm from a bead.
 const OPEN: f64 = 6.0;
 /// The cost of 1 mm that is too thin for a bead of its own, but not for one to go
 /// on.
@@ -81,6 +83,15 @@ struct Beading {
     short: (Mm, Mm),
 }
 
+/// What is special about a place on an axis.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    /// A single bead there leaves nothing open.
+    bends: bool,
+    /// The loop of the first wall may lead into the tip there.
+    tip: bool,
+}
+
 /// Tells whether a bead along a part of an axis leaves nothing open beside it.
 pub(super) type Bends<'a> = &'a dyn Fn(&Axis) -> bool;
 
@@ -90,6 +101,10 @@ pub(super) struct Beadings {
     /// An entry for each number of beads. Thicker places have these walls and
     /// more inside.
     beadings: Vec<Beading>,
+    /// Thickness down to which the loop of the first wall leads into tips.
+    tips: Option<Mm>,
+    /// The thicknesses at which costs change, in order.
+    bounds: Vec<Mm>,
 }
 
 impl Beadings {
@@ -148,7 +163,30 @@ impl Beadings {
             bound = bound.max(beading.upto);
             beading.upto = bound;
         }
-        Beadings { beadings }
+        let of =
+            |c: &Beading| [c.upto, c.range.0, c.range.1, c.short.0, c.short.1];
+        let mut bounds: Vec<Mm> = beadings.iter().flat_map(of).collect();
+        bounds.sort_by(f64::total_cmp);
+        bounds.dedup();
+        Beadings {
+            beadings,
+            tips: None,
+            bounds,
+        }
+    }
+
+    /// The numbers where the loop of the first wall leads into tips, down to a
+    /// thickness.
+    pub(super) fn with_tips(mut self, least: Mm) -> Beadings {
+        self.tips = Some(least);
+        let at = self.bounds.partition_point(|b| *b < least);
+        self.bounds.insert(at, least);
+        self
+    }
+
+    /// The thicknesses between which the loop of the first wall is led into a tip.
+    fn led(&self) -> Option<(Mm, Mm)> {
+        Some((self.tips?, self.beadings.get(2)?.short.0))
     }
 
     /// The greatest thickness that matters. A bulge that is thicker is left out:
@@ -164,8 +202,12 @@ impl Beadings {
     }
 
     /// The cost of 1 mm with a number of beads where the area has a thickness.
-    /// `bends` is true if a single bead there leaves nothing open.
-    fn cost(&self, number: usize, thickness: Mm, bends: bool) -> f64 {
+    fn cost(
+        &self,
+        number: usize,
+        thickness: Mm,
+        Place { bends, tip }: Place,
+    ) -> f64 {
         let nominal = self.number(thickness);
         let Some(c) = self.beadings.get(number) else {
             return if nominal == number { 0.0 } else { WRONG };
@@ -191,6 +233,9 @@ impl Beadings {
         };
         if beyond <= stretch {
             STRETCHED * beyond / stretch
+        } else if tip && number == 2 && self.tips.is_some_and(|t| t < thickness)
+        {
+            LED
         } else if beyond > short || (number == 1 && !bends) {
             WRONG
         } else if self.is_single(number) {
@@ -246,8 +291,7 @@ impl Beadings {
             let whole = (high < few).then(|| (high, axis.clone()));
             return whole.into_iter().collect();
         }
-        let bounds = self.bounds();
-        let axis = axis.refined(&bounds);
+        let axis = axis.refined(&self.bounds);
         let numbers = self.numbers(&axis, bends);
         let mut parts = axis.parts(&numbers);
         for (number, part) in &mut parts {
@@ -260,28 +304,20 @@ impl Beadings {
         parts
     }
 
-    /// The thicknesses at which costs change.
-    fn bounds(&self) -> Vec<Mm> {
-        let all = self.beadings.iter();
-        let mut bounds: Vec<Mm> = all
-            .flat_map(|c| [c.upto, c.range.0, c.range.1, c.short.0, c.short.1])
-            .collect();
-        bounds.sort_by(f64::total_cmp);
-        bounds.dedup();
-        bounds
-    }
-
     /// The number of beads along each segment of an axis (dynamic programming, as
     /// in Viterbi 1967).
     fn numbers(&self, axis: &Axis, bends: Bends<'_>) -> Vec<usize> {
         let bent = self.bent(axis, bends);
+        let tips = self.tips(axis);
+        let places = bent.into_iter().zip(tips);
         let costs: Vec<Vec<f64>> = axis
             .segments()
-            .zip(&bent)
-            .map(|((a, b), &bends)| {
+            .zip(places.clone())
+            .map(|((a, b), (bends, tip))| {
                 let [length, t] = [a.0.distance(b.0), 0.5 * (a.1 + b.1)];
+                let place = Place { bends, tip };
                 let all = 0..=self.beadings.len();
-                all.map(|n| length * self.cost(n, t, bends)).collect()
+                all.map(|n| length * self.cost(n, t, place)).collect()
             })
             .collect();
         if !axis.closed {
@@ -289,7 +325,9 @@ impl Beadings {
             let alone = self.number(axis.thickest()) < 2;
             let stops = |n: usize| self.is_single(n) && !alone;
             let stop = |n: usize| if stops(n) { STOP } else { 0.0 };
-            return self.cheapest(axis, &costs, stop, stop).1;
+            let mut numbers = self.cheapest(axis, &costs, stop, stop).1;
+            self.lead_on(axis, &mut numbers);
+            return numbers;
         }
         // The way round ends with the number that it begins with.
         let round = (0..=self.beadings.len()).map(|first| {
@@ -340,6 +378,46 @@ impl Beadings {
             .collect();
         numbers.reverse();
         (sum, numbers)
+    }
+
+    /// For each segment of an axis, true if it is in a tip that the loop of the first
+    /// wall may lead into.
+    fn tips(&self, axis: &Axis) -> Vec<bool> {
+        let count = axis.segments().count();
+        let Some((_, closes)) = self.led() else {
+            return vec![false; count];
+        };
+        let [first, last] =
+            [false, true].map(|last| axis.tip(last, closes).points.len());
+        // A stretch of so many points has one segment less.
+        (0..count)
+            .map(|k| k + 1 < first || count - k < last)
+            .collect()
+    }
+
+    /// Lets the loop of the first wall go on into a tip down to the least thickness
+    /// of tips.
+    fn lead_on(&self, axis: &Axis, numbers: &mut [usize]) {
+        let Some((least, _)) = self.led() else {
+            return;
+        };
+        let tips = self.tips(axis);
+        let fits: Vec<bool> = axis
+            .segments()
+            .zip(tips)
+            .map(|((a, b), tip)| tip && a.1.min(b.1) >= least)
+            .collect();
+        let n = numbers.len();
+        for last in [false, true] {
+            let at = |k: usize| if last { n - 1 - k } else { k };
+            let begins = (0..n).find(|&k| numbers[at(k)] != 0);
+            let Some(begins) = begins.filter(|&k| numbers[at(k)] == 2) else {
+                continue;
+            };
+            for k in (0..begins).rev().take_while(|&k| fits[at(k)]) {
+                numbers[at(k)] = 2;
+            }
+        }
     }
 
     /// For each segment of an axis, true if a single bead that bulges there leaves
@@ -507,8 +585,12 @@ mod tests {
             let beadings = Beadings::new(&[outer, inner], Some(inner));
             for i in 0..90 {
                 let t = 0.2 + 0.02 * f64::from(i);
+                let bends = Place {
+                    bends: true,
+                    tip: false,
+                };
                 for number in 0..6 {
-                    assert!(beadings.cost(number, t, true) >= 0.0);
+                    assert!(beadings.cost(number, t, bends) >= 0.0);
                 }
                 let strip = axis(12.0, |_| t);
                 let one = t > outer.least && t <= outer.limit;

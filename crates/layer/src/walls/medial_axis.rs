@@ -188,6 +188,40 @@ impl Axis {
         }
     }
 
+    /// The part of an open line at one of its ends along which it grows thicker all
+    /// the way, up to a thickness. It begins at the line's end.
+    pub(super) fn tip(&self, last: bool, upto: Mm) -> Axis {
+        /// Least growth along the way: the sides of a tip are 14° apart.
+        const GROWS: f64 = 0.25;
+        let mut tip = Axis {
+            points: Vec::new(),
+            thickness: Vec::new(),
+            closed: false,
+        };
+        let n = self.points.len();
+        for k in 0..if self.closed { 0 } else { n } {
+            let i = if last { n - 1 - k } else { k };
+            let (p, t) = (self.points[i], self.thickness[i]);
+            let before = tip.points.last().zip(tip.thickness.last());
+            if let Some((&q, &thinner)) = before {
+                if t < thinner + GROWS * p.distance(q) {
+                    break;
+                }
+                if t > upto {
+                    if thinner < upto {
+                        let share = (upto - thinner) / (t - thinner);
+                        tip.points.push(q.lerp(p, share));
+                        tip.thickness.push(upto);
+                    }
+                    break;
+                }
+            }
+            tip.points.push(p);
+            tip.thickness.push(t);
+        }
+        tip
+    }
+
     /// The line's segments, with the thickness at their ends.
     pub(super) fn segments(
         &self,

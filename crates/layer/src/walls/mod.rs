@@ -25,6 +25,7 @@ mod bend;
 mod give;
 mod interlock;
 pub mod line;
+mod loops;
 pub mod medial_axis;
 mod overhang;
 pub mod patch;
@@ -51,6 +52,7 @@ use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Solid, path_length, signed_area};
 use line::{absorb, cut, within};
+use loops::lead_into_tips;
 use medial_axis::{Axis, axes};
 pub use overhang::Support;
 pub use plan::{ThinPlan, WallPlan};
@@ -68,9 +70,6 @@ use stitching::Space;
 pub const OUTLINE_SHARE: f64 = 0.8;
 /// Share of `accuracy` for an offset of the outline.
 pub const OFFSET_SHARE: f64 = 0.3;
-
-/// Half of a width, mm, that no bead in a joint reaches.
-const JOINT: Mm = 20.0;
 
 /// Greatest radius of a ball in a ring that is but a dot, mm. The walls around it take
 /// its place. What larger rings leave open, walls cannot fill around a corner.
@@ -140,6 +139,15 @@ impl Lay {
         /// Share of the least thickness of a line.
         const TIP: f64 = 0.7;
         (height - self.extra).max(TIP * self.least).min(self.least)
+    }
+
+    /// Thickness of a tip in which the wall's loop turns back.
+    fn turns(&self, height: Mm) -> Mm {
+        /// Length of the move that is the turn, mm. Firmware would have to slow down
+        /// for a shorter one.
+        const TURN: Mm = 0.11;
+        let most = 2.0 * (TURN + self.width - self.inner);
+        self.tips(height).max(most)
     }
 
     /// Thickness down to which a post has a bead: a dab that is thinner does
@@ -306,6 +314,19 @@ impl ThinPlaces {
             .collect()
     }
 
+    /// The tips that the loop of a wall leads into, each as an axis that begins
+    /// there.
+    fn tips(&self, lay: &Lay, tolerance: Mm) -> Vec<Axis> {
+        let parts = self.0.iter().filter(|part| part.0 == 2);
+        let tips = parts.flat_map(|(_, axis)| {
+            let tip = |last| axis.tip(last, 2.0 * lay.inner);
+            [false, true].map(|last| tip(last).thinned(tolerance))
+        });
+        let closes = 2.0 * lay.centre;
+        tips.filter(|t| t.thinnest() < closes && t.thickest() > closes)
+            .collect()
+    }
+
     /// Cuts slivers back where a bead goes on in the middle: the round end of
     /// that bead already fills a part of the sliver.
     fn make_way(&self, slivers: &mut [Axis], number: usize) {
@@ -417,7 +438,11 @@ fn laid(
         if let (1.., Some(begins)) = (first, pair.first_mut()) {
             *begins = begins.after(2.0 * tolerance);
         }
-        let beadings = Beadings::new(&pair, Some(lays[next]));
+        let outermost = first == 0;
+        let mut beadings = Beadings::new(&pair, Some(lays[next]));
+        if outermost && seen {
+            beadings = beadings.with_tips(pair[0].turns(height));
+        }
         let own;
         let solid = if first == 0 {
             &whole
@@ -475,7 +500,10 @@ fn laid(
             // The axes that the widths follow are found to a share of the
             // accuracy.
             let fine = 0.4 * accuracy;
-            let walls = absorb(walls, &slivers, away, fine);
+            let mut walls = absorb(walls, &slivers, away, fine);
+            if outer && seen {
+                walls = lead_into_tips(walls, &places.tips(lay, fine), lay);
+            }
             let [walls, beads] = match lines.last() {
                 Some(outside) => {
                     let width = lays[lines.len() - 1].width;
@@ -571,7 +599,10 @@ fn joined(
     extra: Mm,
     dabs: bool,
 ) -> (Vec<Stroke>, Vec<Stroke>) {
-    let far = depth + JOINT;
+    // A border farther away than any bead reaches leaves room for all of them.
+    let widths = lines.iter().chain(&thin);
+    let widest = widths.flat_map(|s| s.widths.iter().chain([&s.width]));
+    let far = depth + widest.copied().fold(0.0, f64::max);
     let room = |p: DVec2| match solid.grid().nearest_edge(p, far) {
         Some((_, q)) => Space {
             width: 2.0 * (p.distance(q) - depth) + extra,

@@ -146,6 +146,9 @@ pub(super) fn join(
     overlap: Option<Mm>,
     room: impl Fn(DVec2) -> Space,
 ) -> (Vec<Stroke>, Vec<Stroke>) {
+    if beads.is_empty() && rings.iter().all(|ring| ring.closed) {
+        return (rings, beads);
+    }
     let count = rings.len();
     let mut strokes = rings;
     strokes.extend(beads);

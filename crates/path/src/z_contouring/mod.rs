@@ -84,6 +84,10 @@ const SURFACE_STEP: Mm = 0.1;
 /// Distance at which the slope of the surface is measured, mm.
 const BESIDE: Mm = 0.1;
 
+/// How much farther than its material reaches the nozzle may be above the bed, mm.
+/// Beds are uneven by as much. What falls farther may not stick.
+const LIFT: Mm = 0.05;
+
 /// Rises below this count as 0, mm: it is half of what G-code resolves.
 const LEVEL: Mm = 0.0005;
 
@@ -146,6 +150,8 @@ struct Bounds {
     high: Mm,
     /// Slope of a face up to which the strength is full.
     full: Degrees,
+    /// True if the layer lies on the bed.
+    on_bed: bool,
 }
 
 impl<'a> ZContouring<'a> {
@@ -379,7 +385,7 @@ impl<'a> ZContouring<'a> {
                     .into_iter()
                     .any(|p| site.is_under_support(p, bounds.facing));
                 let out = bounds.facing.sign() * (spot.height - face);
-                let rise = bounds.clamped(of_slope * out);
+                let rise = bounds.clamped(of_slope * out, stop.bare.share);
                 knot.kind = KnotKind::Open;
                 knot.rise = if kept { rise.min(0.0) } else { rise };
                 knot.fill = stop.bare.share * knot.rise;
@@ -470,6 +476,7 @@ impl Bounds {
                 Facing::Up => plan.full_angle.at(height),
                 Facing::Down => plan.full_angle.wanted,
             },
+            on_bed: site.span().bottom <= 0.0,
         }
     }
 
@@ -507,8 +514,15 @@ impl Bounds {
         1.0 - t * t * (3.0 - 2.0 * t)
     }
 
-    fn clamped(&self, rise: Mm) -> Mm {
-        rise.clamp(self.low, self.high)
+    /// The rise of a bead of which a share lies open. The rest gets no material for
+    /// it, and hangs above what is below.
+    fn clamped(&self, rise: Mm, open: f64) -> Mm {
+        let lift = if self.on_bed {
+            LIFT / (1.0 - open).max(f64::EPSILON)
+        } else {
+            f64::INFINITY
+        };
+        rise.clamp(self.low, self.high).min(lift)
     }
 }
 
