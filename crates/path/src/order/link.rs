@@ -156,7 +156,9 @@ impl Link {
             way = link.from.distance(link.to);
         }
         let enough = if walls { WALLS } else { SKINS };
-        (link.taken[0] + link.taken[1] >= enough * all).then_some(link)
+        // Where the ends give way for it, a way may grow too long.
+        (way <= REACH * wide && link.taken[0] + link.taken[1] >= enough * all)
+            .then_some(link)
     }
 
     /// True if the way comes no nearer to the outline than a wall beside the
@@ -393,6 +395,17 @@ mod tests {
             // The way is as narrow as it can be: as wide as high.
             assert!((found[1].stroke.width - HEIGHT).abs() < 1e-9, "{next:?}");
             assert!(found.iter().all(|b| b.role == role));
+        }
+    }
+
+    #[test]
+    fn ends_do_not_give_way_to_a_way_that_grows_too_long() {
+        let role = Role::InternalSkin;
+        let there = line(role, &[(0.0, 0.0), (5.0, 0.0)]);
+        for (gap, joined) in [(0.8, true), (1.2, false)] {
+            let next = line(role, &[(5.0 + gap, 0.0), (9.0, 0.0)]);
+            let both = [there.clone(), next];
+            assert_eq!(linked_inside(&both).len() == 3, joined, "{gap}");
         }
     }
 
