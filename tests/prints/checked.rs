@@ -89,7 +89,7 @@ fn beads_that_rise_have_more_plastic_than_others() {
     for comments in ["prusa", "cura", "none"] {
         for (formula, own) in RISING {
             let more = [&format!("gcode.comments={comments}"), "contour_z=100"];
-            let settings = settings(&[&own[..], &more].concat());
+            let settings = settings(&[own, &more].concat());
             let model = crate::common::formula(formula, &settings);
             let mut out = Vec::new();
             let sliced = isoslice::pipeline::slice(

@@ -247,7 +247,7 @@ fn walls_stay_inside_the_outline() {
             }
         }
         let name = &print.name;
-        assert!(tapers.1 <= tapers.0 / 200, "{name}: {tapers:?}");
+        assert!(tapers.1 <= tapers.0 / 100, "{name}: {tapers:?}");
         // The mean may be just the usual width.
         assert!(usual.1 <= usual.0 / 80, "{name}: {usual:?}, {tapers:?}");
         assert!(usual.0 > 200, "{name}: {usual:?}");

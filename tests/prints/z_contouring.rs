@@ -336,7 +336,7 @@ fn tops_lie_on_the_surface() {
         assert!(share.abs() < 0.005, "{name}: {share}");
         // Thinned to 1.5 µm, a way of 0.1 mm bends by 4·1.5/50.
         let bend = sharpest_bend(&part, &steps);
-        assert!(bend < 0.08, "{name}: {bend}");
+        assert!(bend < 0.085, "{name}: {bend}");
         // Level layers are off by half of their height.
         let flat = print(&part, &[]);
         let Distances {

@@ -13,6 +13,7 @@
     reason = "helpers of tests may fail, too"
 )]
 
+use crate::program::isoslice;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -150,4 +151,37 @@ fn anchor(heading: &str) -> String {
         .filter(kept)
         .collect::<String>()
         .replace(' ', "-")
+}
+
+/// Fails on options of a command, and of the commands below it, that no page names.
+fn all_named(command: &[&str], guide: &str) {
+    let word = |l: &str| l.split([' ', '.', '[']).next().unwrap().to_owned();
+    let mut help = isoslice(Path::new("."));
+    let help = help.args(command).arg("--help").env("COLUMNS", "200");
+    let help = String::from_utf8(help.output().unwrap().stdout).unwrap();
+    for line in help.lines() {
+        let line = line.trim_start();
+        let long = line.find("--").filter(|at| [0, 4].contains(at));
+        let Some(option) = long.map(|at| word(&line[at..])) else {
+            continue;
+        };
+        let own = ["--help", "--version"].contains(&&*option);
+        assert!(own || guide.contains(&option), "{command:?} {option}");
+    }
+    let listed = help.split("\nCommands:\n").nth(1).unwrap_or("");
+    let listed = listed.split("\n\n").next().unwrap().lines();
+    for name in listed.map(|l| word(l.trim_start())) {
+        let more = [command, &[&*name]].concat();
+        if name != "help" {
+            assert!(guide.contains(&name), "{more:?}");
+            all_named(&more, guide);
+        }
+    }
+}
+
+#[test]
+fn every_option_is_named() {
+    let read = |page: &PathBuf| std::fs::read_to_string(page).unwrap();
+    let guide: String = pages().iter().map(read).collect();
+    all_named(&[], &guide);
 }

@@ -55,7 +55,7 @@ impl Checker<'_> {
         }
         // Only the layers below count: a scarf begins where they end.
         let cell = cell_of(step.to.truncate());
-        let Some(top) = self.ground.below(cell) else {
+        let Some((top, _)) = self.ground.below(cell) else {
             return;
         };
         let depth = top - step.to.z;

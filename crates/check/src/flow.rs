@@ -13,7 +13,7 @@
 //! Beads of walls, skin and infill count. Bridges, overhangs, ironing, supports
 //! and towers have flows of their own.
 
-use super::cells::{CELL, Tiles, cell_of};
+use super::cells::{CELL, Place, Tiles, cell_of};
 use super::ground::Ground;
 use super::rise::{self, Rise};
 use super::rules::ROUNDING;
@@ -84,6 +84,8 @@ struct Layer {
     standing: f64,
     upright: Mm2,
     windows: Tiles<Window>,
+    /// The window that beads run through now, which is not among the others.
+    here: Option<(Place, Window)>,
     /// The first line of the layer.
     line: Option<u64>,
 }
@@ -123,26 +125,31 @@ impl Flow {
             let share = (f64::from(k) + 0.5) / count;
             let at = step.from.lerp(step.to, share);
             let cell = cell_of(at.truncate());
-            let rise = self.rise_at(at, ground);
-            let height = self.high(rise, step.height);
+            let lies = self.rise_at(at, ground);
+            let height = self.high(lies, step.height);
             let fits = cross_section(step.width, height) * length / count;
             self.layer.room += fits;
-            let Some(rise) = rise else { continue };
+            let Some((rise, over_support)) = lies else {
+                continue;
+            };
             self.layer.cover(cell, volume, step.height.max(rise));
             self.layer.standing += volume;
             self.layer.upright += height * length / count;
-            if !ground.is_over_support(cell) {
+            if !over_support {
                 let named = step.role != Role::Unknown;
-                self.rise.bead(rise, length / count, area, named);
+                let length = length / count;
+                self.rise.bead(rise, length, area, step.height, named);
             }
         }
     }
 
-    /// How far the nozzle is above what lies below it, if that is known: what
-    /// other files have printed is not.
-    fn rise_at(&self, at: DVec3, ground: &Ground) -> Option<Mm> {
-        let below = ground.below(cell_of(at.truncate())).or(self.bed)?;
-        Some(at.z - below)
+    /// How far the nozzle is above what lies below it, and whether that is a
+    /// support, if this is known: what other files have printed is not.
+    fn rise_at(&self, at: DVec3, ground: &Ground) -> Option<(Mm, bool)> {
+        let bed = || Some((self.bed?, false));
+        let below = ground.below(cell_of(at.truncate()));
+        let (below, over_support) = below.or_else(bed)?;
+        Some((at.z - below, over_support))
     }
 
     /// How high a bead is at a place, if the file says `said`.
@@ -154,9 +161,9 @@ impl Flow {
     /// down to that. Files that say no heights may have supports between layers,
     /// whose distance then is not the height of either. A bead that rises by more
     /// than the nozzle's width lies on nothing.
-    fn high(&self, rise: Option<Mm>, said: Mm) -> Mm {
-        let lies = rise.filter(|rise| *rise < self.nozzle + ROUNDING);
-        lies.map_or(said, |rise| rise.max(said))
+    fn high(&self, lies: Option<(Mm, bool)>, said: Mm) -> Mm {
+        let lies = lies.filter(|lies| lies.0 < self.nozzle + ROUNDING);
+        lies.map_or(said, |(rise, _)| rise.max(said))
     }
 
     /// What is wrong with the rise of the layer with this number, which ends.
@@ -188,19 +195,33 @@ impl Layer {
     /// Adds a part of a bead to its window.
     fn cover(&mut self, cell: IVec2, volume: f64, height: Mm) {
         let place = (cell.x.div_euclid(SIDE), cell.y.div_euclid(SIDE));
-        let full = self.windows.len() >= MOST_WINDOWS;
-        if full && !self.windows.contains_key(&place) {
-            return;
+        if self.here.is_none_or(|here| here.0 != place) {
+            self.leave_window();
+            let known = self.windows.get(&place).copied();
+            self.here = Some((place, known.unwrap_or_default()));
         }
-        let window = self.windows.entry(place).or_default();
+        let Some((_, window)) = &mut self.here else {
+            return;
+        };
         let within = cell.rem_euclid(IVec2::splat(SIDE));
         window.cells |= 1 << (within.y * SIDE + within.x);
         window.volume += volume;
         window.weighed += volume * height;
     }
 
+    /// Puts the window that beads run through to the others.
+    fn leave_window(&mut self) {
+        let full = self.windows.len() >= MOST_WINDOWS;
+        if let Some((place, window)) = self.here.take()
+            && (!full || self.windows.contains_key(&place))
+        {
+            self.windows.insert(place, window);
+        }
+    }
+
     /// What is wrong with it, if its flow and its widths should be about these.
-    fn wrong(&self, flow: [f64; 2], widths: [Mm; 2]) -> Option<Wrong> {
+    fn wrong(mut self, flow: [f64; 2], widths: [Mm; 2]) -> Option<Wrong> {
+        self.leave_window();
         let line = self.line?;
         if self.seen < LITTLE {
             return None;

@@ -243,15 +243,12 @@ impl Ground {
         })
     }
 
-    /// The top of the layers below in a cell; none where they are the bed.
-    pub(super) fn below(&self, cell: IVec2) -> Option<Mm> {
-        let seen = self.columns.at(cell).map(|seen| seen.below);
-        seen.filter(|below| below.is_finite())
-    }
-
-    /// True if the top of the layers below in a cell is that of a support.
-    pub(super) fn is_over_support(&self, cell: IVec2) -> bool {
-        self.columns.at(cell).is_some_and(|seen| seen.on_support)
+    /// The top of the layers below in a cell, and whether it is that of a support;
+    /// none where they are the bed.
+    pub(super) fn below(&self, cell: IVec2) -> Option<(Mm, bool)> {
+        let seen = self.columns.at(cell)?;
+        let known = seen.below.is_finite();
+        known.then_some((seen.below, seen.on_support))
     }
 
     /// The first place where a travel leads through what is printed. A line's

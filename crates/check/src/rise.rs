@@ -51,6 +51,8 @@ struct Beads {
     length: Mm,
     volume: f64,
     rise: f64,
+    /// Their height, by what the file says or seems to say, times their length.
+    said: f64,
 }
 
 /// What is known of a layer.
@@ -58,6 +60,8 @@ struct Beads {
 struct Layer {
     /// Its least rise.
     rise: Mm,
+    /// The height of the beads that rise least, by what the file says.
+    said: Mm,
     /// Cross-section of the beads that rise least, by their rise.
     width: Mm,
     /// Length of all beads, and their cross-section on average.
@@ -78,43 +82,59 @@ pub(super) enum Wrong {
 #[derive(Debug, Default)]
 pub(super) struct Rise {
     beads: BTreeMap<i64, Beads>,
+    /// Those that rise as far as the last one, which are not among the others.
+    here: Option<(i64, Beads)>,
     unnamed: bool,
     last: Option<Layer>,
     /// Least width of the beads of a layer. Cells do not tell a wall from the
     /// next one, so that interlocked walls, each half a layer higher or lower than
     /// the next, seem to rise by half a layer and to be twice as wide.
     narrowest: Option<Mm>,
+    /// Number of layers that were compared.
+    layers: u32,
 }
 
 impl Rise {
     /// Takes in a piece of a bead that rises by `rise` above what lies below it.
-    /// `named` is false if the file does not say what the bead is for.
+    /// `said` is its height by what the file says, and `named` is false if the file
+    /// does not say what the bead is for.
     pub(super) fn bead(
         &mut self,
         rise: Mm,
         length: Mm,
         area: Mm2,
+        said: Mm,
         named: bool,
     ) {
         self.unnamed |= !named;
         let rise = rise.clamp(0.0, HIGHEST);
-        let beads = self
-            .beads
-            .entry((rise / RISE_STEP).round() as i64)
-            .or_default();
+        let step = (rise / RISE_STEP).round() as i64;
+        if self.here.is_none_or(|here| here.0 != step) {
+            self.beads.extend(self.here);
+            let known = self.beads.get(&step).copied();
+            self.here = Some((step, known.unwrap_or_default()));
+        }
+        let Some((_, beads)) = &mut self.here else {
+            return;
+        };
         beads.length += length;
         beads.volume += area * length;
         beads.rise += rise * length;
+        beads.said += said * length;
     }
 
     /// Ends the layer with this number.
     pub(super) fn next_layer(&mut self, number: u32) -> Option<Wrong> {
+        self.beads.extend(self.here.take());
         let beads = std::mem::take(&mut self.beads);
         let unnamed = std::mem::take(&mut self.unnamed);
         let here = summed(&beads)?;
         let narrowest = self.narrowest.unwrap_or(f64::INFINITY);
         let maybe_raft = unnamed && number <= RAFT;
-        if let Some(last) = self.last.filter(|_| !maybe_raft)
+        // The first layer has a height of its own, and those above it theirs.
+        let own = self.layers == 1 && here.said * FARTHER > here.rise;
+        self.layers += 1;
+        if let Some(last) = self.last.filter(|_| !maybe_raft && !own)
             && here.rise > FARTHER * last.rise
             && here.width < NARROWER * narrowest
         {
@@ -142,6 +162,7 @@ fn summed(beads: &BTreeMap<i64, Beads>) -> Option<Layer> {
             low.length += beads.length;
             low.volume += beads.volume;
             low.rise += beads.rise;
+            low.said += beads.said;
         }
     }
     let all = |part: fn(&Beads) -> f64| beads.values().map(part).sum::<f64>();
@@ -149,6 +170,7 @@ fn summed(beads: &BTreeMap<i64, Beads>) -> Option<Layer> {
     let rise = low.rise / low.length;
     (length >= LEAST && rise >= RISE_STEP).then(|| Layer {
         rise,
+        said: low.said / low.length,
         width: low.volume / low.rise,
         length,
         area: all(|beads| beads.volume) / length,
@@ -161,13 +183,22 @@ mod tests {
 
     /// What is found in layers, each with its rise, area and length.
     fn found(layers: &[(f64, f64, f64)], named: bool) -> Vec<(u32, Wrong)> {
+        found_if(layers, 0.2, named)
+    }
+
+    /// What is found, if the file says that its beads are `said` high.
+    fn found_if(
+        layers: &[(f64, f64, f64)],
+        said: f64,
+        named: bool,
+    ) -> Vec<(u32, Wrong)> {
         let mut rise = Rise::default();
         let mut number = 0;
         let all = layers.iter().filter_map(|&(up, area, length)| {
             number += 1;
             // A tenth lies on others, and the rest over sparse infill.
-            rise.bead(up, 0.1 * length, area, named);
-            rise.bead(3.0 * up, 0.9 * length, area, named);
+            rise.bead(up, 0.1 * length, area, said, named);
+            rise.bead(3.0 * up, 0.9 * length, area, said, named);
             Some((number, rise.next_layer(number)?))
         });
         all.collect()
@@ -194,6 +225,16 @@ mod tests {
         raft[4] = (0.4, 0.08, 100.0);
         assert_eq!(found(&raft, false), []);
         assert_eq!(found(&raft, true).len(), 1);
+    }
+
+    #[test]
+    fn the_first_layer_has_a_height_of_its_own() {
+        // Beads of 0.3 mm stand on beads of 0.6 mm.
+        let mut layers = vec![(0.35, 0.08, 100.0); 9];
+        layers[0] = (0.2, 0.11, 100.0);
+        assert_eq!(found_if(&layers, 0.35, true), []);
+        // The file says that its layers are less high.
+        assert!(!found_if(&layers, 0.2, true).is_empty());
     }
 
     #[test]

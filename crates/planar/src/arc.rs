@@ -122,16 +122,15 @@ pub fn flat(
 
 /// How a single piece of the way leads along the points: straight, or along an
 /// arc. None if neither comes near enough to them.
-fn way(piece: &[DVec2], tolerance: Mm) -> Option<Option<Turn>> {
+pub fn way(piece: &[DVec2], tolerance: Mm) -> Option<Option<Turn>> {
     let (&a, &b) = (piece.first()?, piece.last()?);
     let chord = b - a;
     let length = chord.length();
-    if length <= tolerance {
-        return None;
-    }
     // From every place on an arc the chord is seen under one angle. So each
-    // sample says which angles bring the arc near enough to it.
-    let (mut low, mut high) = (-WIDEST, WIDEST);
+    // sample says which angles bring the arc near enough to it. What is shorter
+    // than the tolerance is straight, or leads back.
+    let widest = if length > tolerance { WIDEST } else { 0.0 };
+    let (mut low, mut high) = (-widest, widest);
     for q in samples(piece) {
         let (u, v) = (q - a, b - q);
         let product = u.length() * v.length();

@@ -93,7 +93,8 @@ pub(super) fn choose(
                 }
             }
             AndRegReg(..) | AndRegImm(..) | OrRegReg(..) | OrRegImm(..) => {
-                (choices.next(), signs.next());
+                choices.next();
+                signs.next();
                 [need.of_value(); 2]
             }
             CopyReg(..) | NegReg(..) => [need; 2],

@@ -56,10 +56,11 @@ pub fn rounded(walls: &Walls, resolution: Resolution) -> Walls {
     const FLAT: Mm = 0.0002;
     let mut walls = walls.clone();
     for (lines, role) in walls.lines.iter_mut().zip(roles(Role::InnerWall)) {
-        let tolerance = resolution.arc_tolerance(role);
         for line in lines.iter_mut().filter(|l| l.widths.is_empty()) {
             let path: Vec<DVec2> = line.path().collect();
-            let (points, turns) = arc::fit(&path, tolerance);
+            let Some((points, turns)) = resolution.arcs(&path, role) else {
+                continue;
+            };
             line.points = arc::flat(&points, &turns, FLAT);
             if line.closed {
                 line.points.pop();

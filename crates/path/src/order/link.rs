@@ -8,7 +8,7 @@
 //!
 //! In: a layer's beads in print order. Out: these beads, of which some go on in
 //! the next one. Tops keep their ends, and so do bridges, whose lines have to
-//! hang straight. An outer wall keeps its whole length: where a way leads from
+//! hang straight; a stub beside them gives what a way to it lays. An outer wall keeps its whole length: where a way leads from
 //! its end or to it, the hidden stroke at the other end of the way gives some of
 //! what the way lays. A way stays off the outer walls: it comes no nearer to the
 //! outline than a wall beside them or than its ends do.
@@ -43,6 +43,9 @@ const SKINS: f64 = 0.5;
 /// Share of what a way at an outer wall lays that is taken from the hidden
 /// stroke. The rest fills the corner where the wall ends.
 const CORNERS: f64 = 0.5;
+/// A stroke of a top that is shorter than this goes on in the next one, mm: a way to
+/// it shows less than a stroke that begins and ends there.
+const STUB: Mm = 1.0;
 /// Slack in distances from the outline, mm.
 const OFF_OUTLINE: Mm = 0.03;
 /// Number of rounds in which the lengths are found. They depend on each other.
@@ -153,7 +156,9 @@ impl Link {
             way = link.from.distance(link.to);
         }
         let enough = if walls { WALLS } else { SKINS };
-        (link.taken[0] + link.taken[1] >= enough * all).then_some(link)
+        // Where the ends give way for it, a way may grow too long.
+        (way <= REACH * wide && link.taken[0] + link.taken[1] >= enough * all)
+            .then_some(link)
     }
 
     /// True if the way comes no nearer to the outline than a wall beside the
@@ -229,7 +234,9 @@ impl End<'_> {
 
     /// Length that may be taken from here: what shows gives nothing.
     fn gives(&self) -> Mm {
-        if self.bead.role.shows() {
+        if self.bead.role.shows()
+            || joins_stubs(self.bead.role) && !is_stub(self.bead)
+        {
             0.0
         } else {
             SHARE * self.bead.stroke.length()
@@ -251,7 +258,22 @@ fn may_go_on(before: &Bead, after: &Bead, plan: &OrderPlan) -> bool {
     let may = hides(before) && (hides(after) || open(after))
         || open(before) && hides(after)
         || seam && after.role == Role::GapFill;
-    may && [before, after].iter().all(|b| b.plane != Plane::HalfLower)
+    let stub = before.role == after.role
+        && joins_stubs(before.role)
+        && plan.skin_meets_ring
+        && [before, after].into_iter().any(is_stub);
+    (may || stub) && [before, after].iter().all(|b| b.plane != Plane::HalfLower)
+}
+
+/// True if strokes of a role keep their ends, unless one of them is a stub: a top is
+/// seen, and the lines of bridges end where something holds them.
+fn joins_stubs(role: Role) -> bool {
+    matches!(role, Role::TopSkin | Role::InternalBridge)
+}
+
+/// True for a stroke that is too short to be one of its own.
+fn is_stub(bead: &Bead) -> bool {
+    bead.stroke.length() < STUB
 }
 
 /// Role of the first of two beads that does not show.
@@ -377,6 +399,17 @@ mod tests {
     }
 
     #[test]
+    fn ends_do_not_give_way_to_a_way_that_grows_too_long() {
+        let role = Role::InternalSkin;
+        let there = line(role, &[(0.0, 0.0), (5.0, 0.0)]);
+        for (gap, joined) in [(0.8, true), (1.2, false)] {
+            let next = line(role, &[(5.0 + gap, 0.0), (9.0, 0.0)]);
+            let both = [there.clone(), next];
+            assert_eq!(linked_inside(&both).len() == 3, joined, "{gap}");
+        }
+    }
+
+    #[test]
     fn rings_inside_one_another_become_a_spiral() {
         let rings = [0, 1, 2, 3].map(|k| ring(4.0 - apart() * f64::from(k)));
         let found = linked_inside(&rings);
@@ -414,6 +447,30 @@ mod tests {
         }
         let outer = Role::OuterWall;
         assert!(!pair(outer, outer, 0.4));
+    }
+
+    #[test]
+    fn a_stub_goes_on_in_the_stroke_beside_it() {
+        let y = apart();
+        for role in [Role::TopSkin, Role::InternalBridge] {
+            let long = line(role, &[(0.0, 0.0), (5.0, 0.0)]);
+            let stub = line(role, &[(5.0, y), (4.3, y)]);
+            for both in [[&long, &stub], [&stub, &long]] {
+                let mut both = both.map(Clone::clone);
+                if both[0] == stub {
+                    both.iter_mut().for_each(|b| b.stroke.reverse());
+                }
+                let found = linked_inside(&both);
+                assert_eq!(strokes(&found), 1, "{role:?}");
+                // The long stroke keeps both of its ends.
+                assert!(found.contains(&both[0]) || found.contains(&both[1]));
+                let share = laid(&found) / laid(&both);
+                assert!((share - 1.0).abs() < 0.01, "{role:?}: {share}");
+            }
+        }
+        let bridge = line(Role::Bridge, &[(5.0, y), (4.3, y)]);
+        let both = [line(Role::Bridge, &[(0.0, 0.0), (5.0, 0.0)]), bridge];
+        assert_eq!(linked_inside(&both), both);
     }
 
     /// What a way of the narrowest width lays, mm².

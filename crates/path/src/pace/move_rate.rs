@@ -15,9 +15,11 @@ use isoslice_base::units::{Mm, MmPerSec, PerSec};
 use isoslice_planar::arc::Turn;
 use isoslice_planar::bead::{Bead, Stroke};
 
-/// Moves over which the rate is a mean. The smallest buffer, Marlin's, holds 16;
-/// some of them are always on their way.
-const TOGETHER: usize = 8;
+/// Moves over which the rate is a mean. Of 24 moves of 0.1 mm at 60 mm/s, 16 come
+/// sooner than at 200 a second, and the smallest buffer, Marlin's, holds as many.
+/// With 8, a tenth of a gyroid's print was slowed for the few short moves at tips of
+/// walls.
+const TOGETHER: usize = 24;
 
 /// Length along which a speed holds, mm: where it changes more often, so does
 /// the pressure in the nozzle, and each change is seen.
@@ -211,7 +213,7 @@ mod tests {
     #[test]
     fn crowded_moves_are_slower_and_others_are_not() {
         let mut steps = vec![2.0; 10];
-        steps.extend([0.1; 20]);
+        steps.extend([0.1; 60]);
         steps.extend([2.0; 10]);
         let whole: Mm = steps.iter().sum();
         let out = slowed(vec![rated(&steps, 50.0)], 100.0);
@@ -221,20 +223,21 @@ mod tests {
         assert_eq!(least, 10.0);
         let slow = out.iter().filter(|r| r.by == Some(Cause::Moves));
         let count: usize = slow.map(|r| r.lengths().count()).sum();
-        assert!((20..40).contains(&count), "{count}");
+        assert!((60..110).contains(&count), "{count}");
         let length: Mm = out.iter().map(|r| r.bead.stroke.length()).sum();
         assert!((length - whole).abs() < 1e-9);
         for pair in out.windows(2) {
             let end = pair[0].bead.stroke.points.last().copied();
             assert_eq!(end, Some(pair[1].bead.stroke.points[0]));
         }
-        // No three moves in a row take less than 0.03 s.
+        // Moves in a row take no less time than the printer needs.
         let times: Vec<f64> = out
             .iter()
             .flat_map(|r| r.lengths().map(|l| l / r.rates.speed))
             .collect();
         for moves in times.windows(TOGETHER) {
-            assert!(moves.iter().sum::<f64>() >= 0.03 - 1e-9);
+            let least = TOGETHER as f64 / 100.0;
+            assert!(moves.iter().sum::<f64>() >= least - 1e-9);
         }
     }
 

@@ -14,7 +14,6 @@ use crate::travel::{Move, Travel};
 use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_model::expressions::QuantityError;
-use isoslice_planar::arc;
 use isoslice_planar::bead::{Bead, Stroke};
 use isoslice_settings::layers::LayerSpan;
 use rayon::prelude::*;
@@ -114,13 +113,13 @@ fn with_arcs(bead: Bead, rates: Rates, plan: &PacePlan) -> Rated {
         rates,
     };
     // An arc is flat.
-    if plan.resolution.arcs && rated.bead.stroke.levels.is_empty() {
+    if rated.bead.stroke.levels.is_empty() {
         let bead = &mut rated.bead;
         let path: Vec<DVec2> = bead.stroke.path().collect();
-        let tolerance = plan.resolution.arc_tolerance(bead.role);
-        let (points, turns) = arc::fit(&path, tolerance);
-        bead.stroke = Stroke::new(points, false, bead.stroke.width);
-        rated.turns = turns;
+        if let Some((points, turns)) = plan.resolution.arcs(&path, bead.role) {
+            bead.stroke = Stroke::new(points, false, bead.stroke.width);
+            rated.turns = turns;
+        }
     }
     rated
 }

@@ -177,7 +177,7 @@ pub fn connect(
         moves.extend(travel.map(|travel| Move::Travel(travel.moved(offset))));
         // The pieces must not depend on where the part stands, so they are cut
         // before rounding does.
-        for mut piece in plan.resolution.pieces(bead) {
+        for mut piece in plan.resolution.final_pieces(bead) {
             for p in &mut piece.stroke.points {
                 *p += offset;
             }

@@ -244,17 +244,25 @@ impl EdgeGrid {
             return false;
         }
         let row = self.row(p.y);
-        // Count the edges crossed on the way to the left. Each crossing is
-        // counted in the one cell that has it.
+        // Count the edges crossed on the way to the nearer side: rings are crossed
+        // an even number of times in all. Each crossing is counted in the one cell
+        // that has it.
+        let own = self.column(p.x);
+        let to_left = 2 * own < self.columns;
+        let way = if to_left {
+            0..=own
+        } else {
+            own..=self.columns - 1
+        };
         let mut inside = false;
-        for column in 0..=self.column(p.x) {
+        for column in way {
             for &m in self.members(row * self.columns + column) {
                 let (a, b) = self.edge(m as usize);
                 if (a.y > p.y) == (b.y > p.y) {
                     continue;
                 }
                 let x = a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
-                inside ^= x < p.x && self.column(x) == column;
+                inside ^= (x < p.x) == to_left && self.column(x) == column;
             }
         }
         inside
