@@ -371,7 +371,9 @@ impl<'a> Pacer<'a> {
         chain: &mut Vec<Rated>,
         out: &mut Vec<PacedMove>,
     ) {
-        let beads = slowed(std::mem::take(chain), self.plan.max_moves);
+        let plan = self.plan;
+        let times = |chain: &[Rated]| times(chain, span, plan);
+        let beads = slowed(std::mem::take(chain), plan.max_moves, times);
         for rated in smoothed(beads, self.plan.max_flow_change) {
             self.print(span, rated, out);
         }
@@ -598,6 +600,31 @@ fn near(a: DVec2, b: DVec2) -> bool {
 /// A coordinate as the G-code has it, in units of its last decimal.
 fn count(at: Mm) -> f64 {
     (at / MICRON).round()
+}
+
+/// How long each move of a stroke takes from rest to rest, at the speeds asked for.
+fn times(chain: &[Rated], span: &LayerSpan, plan: &PacePlan) -> Vec<Seconds> {
+    let limits = plan.limits;
+    let mut motion = Motion::new(limits, limits.acceleration);
+    let mut counted = Vec::new();
+    for rated in chain {
+        let bead = &rated.bead;
+        let acceleration = acceleration(bead.role, span, plan);
+        let filament = bead.area() * rated.rates.flow / plan.filament_area;
+        let ways = bead.stroke.segments().map(|(a, b)| b - a);
+        for (way, length) in ways.zip(rated.lengths()) {
+            let before = motion.segments().len();
+            let step = (length * way.normalize_or_zero()).extend(0.0);
+            let speed = rated.rates.speed;
+            motion.push(step, speed, acceleration, filament, true);
+            counted.push(motion.segments().len() > before);
+        }
+    }
+    let mut times = motion.times(|segment| segment.speed);
+    let counted = counted.into_iter();
+    counted
+        .map(|counts| counts.then(|| times.next()).flatten().unwrap_or(0.0))
+        .collect()
 }
 
 #[cfg(test)]

@@ -5,13 +5,14 @@
 //! beads, cut where their speed changes.
 //!
 //! Guaranteed: of any [`TOGETHER`] moves in a row the mean rate is at most the
-//! printer's; where that alone changes the speed, it is even along 3 mm. One short move among long ones is no reason to slow down, since
-//! firmware keeps moves in a buffer.
+//! printer's; where that alone changes the speed, it is even along 3 mm. One short
+//! move among long ones is no reason to slow down, since firmware keeps moves in a
+//! buffer, and neither are those before a sharp corner, where the head brakes.
 
 use super::moves::Cause;
 use super::rates::Rates;
 use glam::DVec2;
-use isoslice_base::units::{Mm, MmPerSec, PerSec};
+use isoslice_base::units::{Mm, MmPerSec, PerSec, Seconds};
 use isoslice_planar::arc::Turn;
 use isoslice_planar::bead::{Bead, Stroke};
 
@@ -118,12 +119,22 @@ impl Rated {
     }
 }
 
-/// The beads at speeds that ask for at most `most` moves a second.
-pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> Vec<Rated> {
+/// The beads at speeds that ask for at most `most` moves a second. `times` tells how
+/// long the moves take at the speeds asked for, with accelerations: where the head
+/// turns back in a tip, moves may be short.
+pub(super) fn slowed(
+    chain: Vec<Rated>,
+    most: PerSec,
+    times: impl FnOnce(&[Rated]) -> Vec<Seconds>,
+) -> Vec<Rated> {
     let lengths: Vec<Mm> = chain.iter().flat_map(Rated::lengths).collect();
-    let limits = limits(&lengths, most);
     let fastest = chain.iter().map(|r| r.rates.speed).fold(0.0, f64::max);
-    if limits.iter().all(|limit| *limit >= fastest) {
+    let is_slow = |limits: &[MmPerSec]| limits.iter().all(|l| *l >= fastest);
+    if is_slow(&limits(&lengths, &[], most)) {
+        return chain;
+    }
+    let limits = limits(&lengths, &times(&chain), most);
+    if is_slow(&limits) {
         return chain;
     }
     let mut out = Vec::with_capacity(chain.len());
@@ -155,12 +166,21 @@ pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> Vec<Rated> {
 }
 
 /// The greatest speed of each move at which `most` moves a second are not
-/// exceeded. It is the same along at least [`EVEN`], but at an end.
-fn limits(lengths: &[Mm], most: PerSec) -> Vec<MmPerSec> {
+/// exceeded. It is the same along at least [`EVEN`], but at an end. `times` are those
+/// of the moves at the speeds asked for, if they are known.
+fn limits(lengths: &[Mm], times: &[Seconds], most: PerSec) -> Vec<MmPerSec> {
     let together = TOGETHER.min(lengths.len()).max(1);
+    let least = together as f64 / most;
     let rows: Vec<MmPerSec> = lengths
         .windows(together)
-        .map(|moves| most * moves.iter().sum::<Mm>() / together as f64)
+        .enumerate()
+        .map(|(i, moves)| {
+            let times = times.get(i..i + together).unwrap_or_default();
+            match times.iter().sum::<Seconds>() {
+                time if time >= least => f64::INFINITY,
+                _ => moves.iter().sum::<Mm>() / least,
+            }
+        })
         .collect();
     // Each move is in several rows.
     let mut limits: Vec<MmPerSec> = (0..lengths.len())
@@ -210,13 +230,31 @@ mod tests {
         }
     }
 
+    /// Times of moves that need not accelerate.
+    fn cruising(chain: &[Rated]) -> Vec<Seconds> {
+        let times = chain
+            .iter()
+            .flat_map(|r| r.lengths().map(|l| l / r.rates.speed));
+        times.collect()
+    }
+
+    #[test]
+    fn moves_that_take_their_time_anyway_are_not_slowed() {
+        let braked = |chain: &[Rated]| {
+            cruising(chain).into_iter().map(|t| 5.0 * t).collect()
+        };
+        let chain = || vec![rated(&[0.12; 60], 50.0)];
+        assert!(slowed(chain(), 100.0, cruising)[0].by.is_some());
+        assert_eq!(slowed(chain(), 100.0, braked)[0].by, None);
+    }
+
     #[test]
     fn crowded_moves_are_slower_and_others_are_not() {
         let mut steps = vec![2.0; 10];
         steps.extend([0.1; 60]);
         steps.extend([2.0; 10]);
         let whole: Mm = steps.iter().sum();
-        let out = slowed(vec![rated(&steps, 50.0)], 100.0);
+        let out = slowed(vec![rated(&steps, 50.0)], 100.0, cruising);
         let speeds: Vec<f64> = out.iter().map(|r| r.rates.speed).collect();
         assert_eq!((speeds[0], speeds[speeds.len() - 1]), (50.0, 50.0));
         let least = speeds.iter().fold(f64::INFINITY, |a, b| a.min(*b));
@@ -244,10 +282,10 @@ mod tests {
     #[test]
     fn long_moves_and_a_short_one_among_them_stay() {
         for steps in [&[5.0, 5.0][..], &[5.0, 0.1, 5.0, 5.0][..]] {
-            let out = slowed(vec![rated(steps, 50.0)], 100.0);
+            let out = slowed(vec![rated(steps, 50.0)], 100.0, cruising);
             assert_eq!((out.len(), out[0].by), (1, None));
             assert_eq!(out[0].rates.speed, 50.0);
         }
-        assert!(slowed(Vec::new(), 100.0).is_empty());
+        assert!(slowed(Vec::new(), 100.0, cruising).is_empty());
     }
 }
