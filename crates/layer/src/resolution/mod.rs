@@ -49,7 +49,7 @@ const BENT_MOST: Mm = 0.0075;
 
 /// Greatest distance of the edges of a bead that shows and varies in width from
 /// where they were meant. 99 % of the outer walls of thin sheets are then within
-/// 12.5 µm of the surface.
+/// 15 µm of the surface, with the outline's own distance from it.
 const EDGE: f64 = 2.0;
 const EDGE_MOST: Mm = 0.010;
 

@@ -11,9 +11,10 @@
 //! In: a bead. Out: beads, each beginning where the one before ends.
 //!
 //! Guarantees:
-//! - each piece has the mean of what is meant. Where the width changes evenly,
-//!   half of a piece has no more than 3 % too much or too little; if the piece is
-//!   short and does not show, the same share of what can be made up for;
+//! - each piece has the mean of what is meant, or less on a steep ramp that shows
+//!   (see `STEEP`). Where the width changes evenly, half of a piece has no more than
+//!   3 % too much or too little; if the piece is short and does not show, the same
+//!   share of what can be made up for;
 //! - where a bead shows, each of its edges is within a tolerance of where it was
 //!   meant; where it does not, its middle is. Only on lines shorter than
 //!   `lines::shortest` the width may differ by more.

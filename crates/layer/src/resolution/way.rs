@@ -4,7 +4,8 @@ use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::bead::Stroke;
 
-/// A segment is not divided into more parts than this.
+/// A segment is not divided into more parts than this: one of many metres, in a model
+/// of any size, would take all memory.
 const PARTS: f64 = 64.0;
 
 /// Least turn at a place, in radians, for which it is a corner.
@@ -22,10 +23,10 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// The way along a stroke, with places no farther apart than `step`. From place
-    /// to place the width changes by at most
-    /// `tolerance`, unless the stroke has no length there. A corner stands out by
-    /// more than that.
+    /// The way along a stroke, with places no farther apart than `step`, unless that
+    /// were more than [`PARTS`] on a segment. From place to place the width changes by
+    /// at most `tolerance`, unless the stroke has no length there. A corner stands out
+    /// by more than that.
     pub(super) fn of(stroke: &Stroke, step: Mm, tolerance: Mm) -> Way {
         let mut way = Way {
             points: stroke.points.first().copied().into_iter().collect(),

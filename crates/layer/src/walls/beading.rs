@@ -59,10 +59,10 @@ const PINCHED: f64 = 0.6;
 /// What it costs more where those walls have no room any more. Through a neck as
 /// thin as that they would lie on each other.
 const TIGHT: f64 = 2.0;
-/// The cost of 1 mm of a loop in a tip: it leads into corners of 34° or more. The end
+/// The cost of 1 mm of a loop in a tip: it leads into corners of 35° or more. The end
 /// of a bead comes nearer to sharper ones.
 const LED: f64 = 3.0;
-/// The cost of 1 mm of a bead beyond that.
+/// The cost of 1 mm of a single bead that is stretched farther, over a short length.
 const BULGED: f64 = 1.0;
 /// The cost of 1 mm that has room for a bead and has none. With 3.5, loops end where
 /// their sides meet in corners of 45°: six times as many tips of a gyroid block are
@@ -182,11 +182,6 @@ impl Beadings {
         let at = self.bounds.partition_point(|b| *b < least);
         self.bounds.insert(at, least);
         self
-    }
-
-    /// The thicknesses between which the loop of the first wall is led into a tip.
-    fn led(&self) -> Option<(Mm, Mm)> {
-        Some((self.tips?, self.beadings.get(2)?.short.0))
     }
 
     /// The greatest thickness that matters. A bulge that is thicker is left out:
@@ -309,10 +304,10 @@ impl Beadings {
     fn numbers(&self, axis: &Axis, bends: Bends<'_>) -> Vec<usize> {
         let bent = self.bent(axis, bends);
         let tips = self.tips(axis);
-        let places = bent.into_iter().zip(tips);
+        let places = bent.into_iter().zip(tips.iter().copied());
         let costs: Vec<Vec<f64>> = axis
             .segments()
-            .zip(places.clone())
+            .zip(places)
             .map(|((a, b), (bends, tip))| {
                 let [length, t] = [a.0.distance(b.0), 0.5 * (a.1 + b.1)];
                 let place = Place { bends, tip };
@@ -326,7 +321,7 @@ impl Beadings {
             let stops = |n: usize| self.is_single(n) && !alone;
             let stop = |n: usize| if stops(n) { STOP } else { 0.0 };
             let mut numbers = self.cheapest(axis, &costs, stop, stop).1;
-            self.lead_on(axis, &mut numbers);
+            self.lead_on(axis, &tips, &mut numbers);
             return numbers;
         }
         // The way round ends with the number that it begins with.
@@ -384,9 +379,11 @@ impl Beadings {
     /// wall may lead into.
     fn tips(&self, axis: &Axis) -> Vec<bool> {
         let count = axis.segments().count();
-        let Some((_, closes)) = self.led() else {
+        let (Some(_), Some(two)) = (self.tips, self.beadings.get(2)) else {
             return vec![false; count];
         };
+        // Where the area is thicker, the loop lies as it is.
+        let closes = two.short.0;
         let [first, last] =
             [false, true].map(|last| axis.tip(last, closes).points.len());
         // A stretch of so many points has one segment less.
@@ -397,15 +394,14 @@ impl Beadings {
 
     /// Lets the loop of the first wall go on into a tip down to the least thickness
     /// of tips.
-    fn lead_on(&self, axis: &Axis, numbers: &mut [usize]) {
-        let Some((least, _)) = self.led() else {
+    fn lead_on(&self, axis: &Axis, tips: &[bool], numbers: &mut [usize]) {
+        let Some(least) = self.tips else {
             return;
         };
-        let tips = self.tips(axis);
         let fits: Vec<bool> = axis
             .segments()
             .zip(tips)
-            .map(|((a, b), tip)| tip && a.1.min(b.1) >= least)
+            .map(|((a, b), &tip)| tip && a.1.min(b.1) >= least)
             .collect();
         let n = numbers.len();
         for last in [false, true] {

@@ -142,15 +142,9 @@ fn with_ways(line: Stroke, mut ways: Vec<Way>) -> Stroke {
     let Some(start) = ways.first().map(|way| way.from) else {
         return line;
     };
-    // Places on a closed line are counted from where the first way leaves it.
-    let count = (if line.closed { n } else { n - 1 }) as f64;
-    let after = |at: Place| {
-        if line.closed && at < start {
-            at + count
-        } else {
-            at
-        }
-    };
+    // A closed line is done where the first way leaves it again.
+    let count = n as f64;
+    let end = if line.closed { start + count } else { count };
     let mut points = Vec::with_capacity(n + 8);
     let mut widths = Vec::with_capacity(n + 8);
     let mut done = if line.closed { start } else { -1.0 };
@@ -166,8 +160,11 @@ fn with_ways(line: Stroke, mut ways: Vec<Way>) -> Stroke {
         }
     };
     for way in ways {
-        let (from, to) = (way.from, after(way.to));
-        if from < done {
+        let from = way.from;
+        let round = line.closed && way.to < from;
+        let to = if round { way.to + count } else { way.to };
+        // It would take a part of the line that another way has taken.
+        if from < done || to > end {
             continue;
         }
         keep(&mut points, &mut widths, done, from);
@@ -175,7 +172,6 @@ fn with_ways(line: Stroke, mut ways: Vec<Way>) -> Stroke {
         widths.extend(way.widths);
         done = to;
     }
-    let end = if line.closed { start + count } else { n as f64 };
     keep(&mut points, &mut widths, done, end);
     Stroke::varying(points, widths, line.closed)
 }
@@ -278,8 +274,16 @@ mod tests {
             points: vec![DVec2::new(from, 1.0)],
             widths: vec![0.3],
         };
-        let led = with_ways(line, vec![way(1.2, 2.5), way(0.5, 1.5)]);
+        let led = with_ways(line.clone(), vec![way(1.2, 2.5), way(0.5, 1.5)]);
         let meant = [(0.0, 0.0), (0.5, 1.0), (2.0, 0.0), (3.0, 0.0)];
+        assert_eq!(led.points, meant.map(DVec2::from));
+        // Around a ring, the second way ends beyond where the first one begins.
+        let ring = Stroke {
+            closed: true,
+            ..line
+        };
+        let led = with_ways(ring, vec![way(0.5, 1.5), way(2.5, 1.0)]);
+        let meant = [(0.5, 1.0), (2.0, 0.0), (3.0, 0.0), (0.0, 0.0)];
         assert_eq!(led.points, meant.map(DVec2::from));
     }
 }

@@ -148,8 +148,8 @@ impl Lay {
         /// Length of the move that is the turn, mm. Firmware would have to slow down
         /// for a shorter one.
         const TURN: Mm = 0.11;
-        let most = 2.0 * (TURN + self.width - self.inner);
-        self.tips(height).max(most)
+        let turn = 2.0 * (TURN + self.width - self.inner);
+        self.tips(height).max(turn)
     }
 
     /// Thickness down to which a post has a bead: a dab that is thinner does
@@ -462,9 +462,8 @@ fn laid(
         if let (1.., Some(begins)) = (first, pair.first_mut()) {
             *begins = begins.after(2.0 * tolerance);
         }
-        let outermost = first == 0;
         let mut beadings = Beadings::new(&pair, Some(lays[next]));
-        if outermost && seen {
+        if first == 0 && seen {
             beadings = beadings.with_tips(pair[0].turns(height));
         }
         let own;
@@ -669,10 +668,10 @@ fn is_dot(ring: &[DVec2], radius: Mm, nodes: &EdgeGrid) -> bool {
     /// Distance of a dot from its node, in radii.
     const NEAR: f64 = 4.0;
     let area = signed_area(ring);
-    let mut near = ring.iter().take(1);
+    let near = |p: &DVec2| !nodes.clear(*p, *p, NEAR * radius);
     area > 0.0
         && path_length(ring, true) < 12.0 * radius
-        && near.all(|p| !nodes.clear(*p, *p, NEAR * radius))
+        && ring.first().is_some_and(near)
         && offset(&Area::from(ring.to_vec()), -radius, 0.1 * radius).is_empty()
 }
 

@@ -129,12 +129,12 @@ pub(super) fn slowed(
 ) -> Vec<Rated> {
     let lengths: Vec<Mm> = chain.iter().flat_map(Rated::lengths).collect();
     let fastest = chain.iter().map(|r| r.rates.speed).fold(0.0, f64::max);
-    let is_slow = |limits: &[MmPerSec]| limits.iter().all(|l| *l >= fastest);
-    if is_slow(&limits(&lengths, &[], most)) {
+    let all_may = |limits: &[MmPerSec]| limits.iter().all(|l| *l >= fastest);
+    if all_may(&limits(&lengths, &[], most)) {
         return chain;
     }
     let limits = limits(&lengths, &times(&chain), most);
-    if is_slow(&limits) {
+    if all_may(&limits) {
         return chain;
     }
     let mut out = Vec::with_capacity(chain.len());
