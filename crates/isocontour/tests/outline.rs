@@ -10,7 +10,9 @@ use fidget::var::Var;
 use fidget::vm::VmFunction;
 use glam::DVec2;
 use isocontour::plane::{edges, ring_length};
-use isocontour::{Area, Detail, Field, NODES, Outline, Rect, outlines};
+use isocontour::{
+    Area, Detail, Field, NODES, Outline, Rect, outlines, outlines_in_phases,
+};
 
 const ACCURACY: f64 = 0.005;
 const DETAIL: Detail = Detail {
@@ -647,5 +649,32 @@ fn layers_of_a_prism_share_samples_and_outline() {
         for (outline, &z) in together.iter().zip(&heights) {
             assert_eq!(*outline, slice_with(&tree, 16.0, &[z])[0], "{z}");
         }
+    }
+}
+
+/// A face lies in each of two layers, and beside the lower one there is a prism that
+/// ends right above it.
+#[test]
+fn faces_in_two_layers_do_not_depend_on_each_other() {
+    let (x, y, z) = Tree::axes();
+    let to = |top: f32| (z.clone() - top).max(-z.clone());
+    let waves = (x.clone() * 1.3 + y.clone() * 0.2).sin();
+    let waves = waves * (y.clone() * 1.1).sin() + 0.15;
+    let waves = waves.max(x.abs() - 12.0).max(y.abs() - 12.0).max(to(1.12));
+    let disc = |at: f32, top: f32| {
+        let from_axis = ((x.clone() - at).square() + y.square()).sqrt();
+        (from_axis - 2.0).max(to(top))
+    };
+    let tree = waves.min(disc(15.5, 1.1)).min(disc(-15.5, 5.1));
+    let bounds = Rect::new(DVec2::splat(-20.0), DVec2::splat(20.0));
+    let field = Field::new(&tree, 0.0, bounds, 0.1).unwrap();
+    let heights: Vec<f64> = (0..32).map(|k| 0.1 + 0.2 * f64::from(k)).collect();
+    let found = |needed: std::ops::Range<usize>| {
+        let begins = &mut |_| {};
+        outlines_in_phases(&field, &heights, &needed, DETAIL, begins).unwrap()
+    };
+    let all = found(0..32);
+    for k in [5, 25] {
+        assert!(found(k..k + 1)[k] == all[k], "{k}");
     }
 }

@@ -145,12 +145,16 @@ pub fn outlines_in_phases(
             stand_in = stand_in.without_zeros()?;
         }
         let heeded = if blind.void { Blind::NOT } else { void };
-        let z: Vec<Length> = layers.iter().map(|&k| z[k]).collect();
-        let again = look(stand_in, &z, &(0..z.len()), detail, heeded, begins)?;
-        let again = again.outlines.into_iter().zip(again.blind);
-        for (k, (outline, more)) in layers.into_iter().zip(again) {
-            found.outlines[k] = outline;
-            found.blind[k] = blind.or(more);
+        // One at a time: what is left of an expression, and with it the last bits of
+        // an outline, depends on all layers that are looked at together.
+        for k in layers {
+            let z = &z[k..=k];
+            let again = look(stand_in, z, &(0..1), detail, heeded, begins)?;
+            let again = again.outlines.into_iter().zip(again.blind);
+            for (outline, more) in again {
+                found.outlines[k] = outline;
+                found.blind[k] = blind.or(more);
+            }
         }
     }
     Ok(found.outlines)
