@@ -50,7 +50,7 @@ use isoslice_planar::bead::{Stroke, spacing};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
-use isoslice_planar::{Area, Solid, path_length, signed_area};
+use isoslice_planar::{Area, Rect, Solid, path_length, signed_area};
 use line::{absorb, cut, within};
 use loops::lead_into_tips;
 use medial_axis::{Axes, Axis, axes};
@@ -234,6 +234,8 @@ struct Skeleton<'a> {
 
 impl<'a> Skeleton<'a> {
     fn new(solid: &'a Solid<'a>, limit: Mm, tolerance: Mm) -> Skeleton<'a> {
+        /// Distance of a node from the axes that meet there, mm.
+        const BESIDE: Mm = 0.1;
         let empty = solid.area().is_empty() || limit <= 0.0;
         let found = if empty {
             Axes::default()
@@ -242,11 +244,16 @@ impl<'a> Skeleton<'a> {
         };
         let Axes {
             mut axes,
-            nodes,
+            mut nodes,
             room,
         } = found;
-        // A post's axis is a point.
-        axes.retain(|r| r.length() > 0.25 * r.thickest());
+        // A post's axis is a point, or a few places around it.
+        axes.retain(|r| {
+            Rect::around(&r.points).size().length() > 0.25 * r.thickest()
+        });
+        let lines = axes.iter().map(|r| r.points.iter().copied());
+        let lines = EdgeGrid::of_lines(lines, limit);
+        nodes.retain(|p| !lines.clear(*p, *p, BESIDE));
         Skeleton {
             solid,
             axes,

@@ -265,6 +265,20 @@ fn crosses_and_junctions_are_covered() {
     }
 }
 
+/// A pin is no node, however its outline is divided: the dot in its middle stays.
+#[test]
+fn pins_keep_their_core() {
+    let mut faults = Faults::default();
+    for corners in [24, 60, 97, 240] {
+        for radius in [0.69, 0.698, 0.7, 0.703, 0.71, 0.74] {
+            let ring = circle(radius, corners);
+            let p = print(&Area::from(ring));
+            let name = format!("{radius} mm, {corners} corners");
+            faults.check(p.open < 0.06, "open", &name, &p);
+        }
+    }
+}
+
 /// Where two strips cross at an angle, the axes of both go on, and end nowhere.
 #[test]
 fn strips_that_cross_at_an_angle_leave_no_pit() {
