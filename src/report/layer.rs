@@ -233,9 +233,27 @@ fn nearest(
     Ok(distances)
 }
 
+/// True if a line turns back at a segment that is shorter than the line is wide there,
+/// as in a tip. Its sides are the surface's, its end is not.
+fn turns_back(line: &Stroke, i: usize) -> bool {
+    /// Cosine of the turn from the segment before to the one after.
+    const BACK: f64 = -0.5;
+    let n = line.points.len();
+    if !line.closed && (i == 0 || i + 2 >= n) {
+        return false;
+    }
+    let at = |k: usize| line.points[k % n];
+    let [before, here, after] = [i + n - 1, i, i + 1];
+    let way = |k: usize| (at(k + 1) - at(k)).normalize_or_zero();
+    at(here).distance(at(after)) < line.width_at(here)
+        && way(before).dot(way(after)) < BACK
+}
+
 /// Points along a line, with the bead's width there.
 fn along(line: &Stroke) -> impl Iterator<Item = (DVec2, Mm)> + '_ {
-    line.segments().enumerate().flat_map(move |(i, (a, b))| {
+    let segments = line.segments().enumerate();
+    let sides = segments.filter(|(i, _)| !turns_back(line, *i));
+    sides.flat_map(move |(i, (a, b))| {
         let (from, to) = (line.width_at(i), line.width_at(i + 1));
         let steps = (a.distance(b) / POINT_STEP).ceil().clamp(1.0, 1e4);
         (0..2 * steps as usize).map(move |k| {

@@ -737,8 +737,8 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, plan: &WallPlan) -> Mm2 {
             .map(|b| (b.length() + 0.8 * b.width) * (b.width - extra))
             .sum::<f64>();
     }
-    // Sharp corners and thinning leave a remainder even where walls fit.
-    let noise = 0.02 * (outline.content() - walls.fill.content()).max(0.0);
+    // Sharp corners, tips and thinning leave a remainder even where walls fit.
+    let noise = 0.03 * (outline.content() - walls.fill.content()).max(0.0);
     let gap = outline.content() - covered;
     if gap > noise { gap } else { 0.0 }
 }
