@@ -51,6 +51,13 @@ fn supports_lie_between_the_layers_of_parts_one_by_one() {
 }
 
 #[test]
+fn parts_one_by_one_begin_on_their_rafts() {
+    for more in [&["raft.layers=2"][..], &["raft.layers=2", "supports=auto"]] {
+        all_pass(2, "1..", &[&ONE_BY_ONE[..], more].concat());
+    }
+}
+
+#[test]
 fn ranges_begin_on_what_is_printed() {
     all_pass(1, "8..12", &[]);
     all_pass(1, "8..12", &["supports=auto"]);

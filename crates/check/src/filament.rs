@@ -165,7 +165,8 @@ impl Checker<'_> {
         let z = step.from.z.max(step.to.z);
         if rules.head_room.is_some() {
             if self.begins_lower(step.role, z) || z < self.top - rules.nozzle {
-                // The next part begins.
+                // The next part begins. Above its raft it begins no second time.
+                self.begun_before = None;
                 self.finished.next_part();
                 self.ground.clear();
                 self.top = rules.base;

@@ -27,14 +27,14 @@ use isoslice_planar::{Area, Rect};
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Number of points of the outlines that are kept from planning supports to
 /// printing. They take about 30 bytes each, so no more than 25 MB whatever the
 /// part's height. Outlines beyond that are found a second time.
 const KNOWN: usize = 800_000;
 
-/// Number of slabs that each thread looks at before what hangs in them is followed.
+/// Number of slabs that each thread looks at before what is found of them is put
+/// together.
 const SLABS: usize = 2;
 
 /// Heights closer than this differ by rounding only, mm.
@@ -125,27 +125,23 @@ impl<'a> Stages<'a> {
         let above = spans.iter().skip(raft.layers);
         let above = above.map(|span| without_raft(*span, raft)).collect();
         let heights = Heights::new(above, &self.plans.support);
-        let left = AtomicUsize::new(known);
+        let mut left = known;
         let follows = follow.is_some();
+        let of_part = raft.layers..ALL_LAYERS.end;
         let of_slab = |slab: &&[LayerSpan]| {
-            let layers = self.layers(slab, &ALL_LAYERS)?;
+            let layers = self.layers(slab, &of_part)?;
             let found = layers
                 .iter()
                 .map(|layer| (without_raft(layer.span, raft), layer.area()));
             let survey = || Survey::new(found, asked);
             let survey = self.timings.time(Stage::Support, survey)?;
-            let kept = follows || keep(&layers, &left);
-            Ok::<_, SliceError>((survey, kept.then_some(layers)))
+            Ok::<_, SliceError>((survey, layers))
         };
-        let above = spans.get(raft.layers..).unwrap_or_default();
-        let slabs: Vec<_> = above.chunks(self.slab_layers()).collect();
-        // Layers that are followed are known for a while only: all of them would
-        // take much memory.
-        let at_once = if follows {
-            SLABS * pool.current_num_threads()
-        } else {
-            slabs.len().max(1)
-        };
+        // These are the slabs of printing, since the last bits of an outline depend
+        // on its slab, and layers that are not kept are found again there.
+        let slabs: Vec<_> = spans.chunks(self.slab_layers()).collect();
+        // Most layers are known for a while only: all of them would take much memory.
+        let at_once = SLABS * pool.current_num_threads();
         let mut survey = Survey::default();
         let mut known = Vec::new();
         for slabs in slabs.chunks(at_once) {
@@ -155,7 +151,10 @@ impl<'a> Stages<'a> {
                 let (above, layers) = slab?;
                 let append = || survey.append(above, asked);
                 self.timings.time(Stage::Support, append)?;
-                known.extend(layers.into_iter().flatten());
+                // In the order of slabs, so that it does not depend on threads.
+                if follows || keep(&layers, &mut left) {
+                    known.extend(layers);
+                }
             }
             if let Some(tracker) = &mut follow {
                 self.follow(pool, tracker, &known, spans.len());
@@ -345,7 +344,7 @@ fn without_raft(span: LayerSpan, raft: &RaftPlan) -> LayerSpan {
 
 /// True if layers may be kept. Then the number of their points is taken from
 /// `left`.
-fn keep(layers: &[Layer], left: &AtomicUsize) -> bool {
+fn keep(layers: &[Layer], left: &mut usize) -> bool {
     let mut points = 0;
     for (k, layer) in layers.iter().enumerate() {
         let below = k.checked_sub(1).map(|below| &layers[below]);
@@ -354,7 +353,78 @@ fn keep(layers: &[Layer], left: &AtomicUsize) -> bool {
             points += rings.map(|ring| ring.len()).sum::<usize>();
         }
     }
-    let take = |left: usize| left.checked_sub(points);
-    left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take)
-        .is_ok()
+    let rest = left.checked_sub(points);
+    *left = rest.unwrap_or(*left);
+    rest.is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::job::{Base, Planned};
+    use crate::pipeline::options::Options;
+    use crate::pipeline::start::{layers_of, pool};
+    use crate::plate::Plate;
+    use isoslice_model::{Placement, placed};
+    use isoslice_settings::testing::settings;
+
+    /// Rows of pins that hold thin plates: in slabs without a plate, the plate is left
+    /// out of the expression, and the last bits of outlines are others.
+    #[test]
+    fn what_is_known_of_a_part_on_a_raft_is_what_printing_finds() {
+        let [x, y] = ["x", "y"].map(|c| format!("({c}-2*floor({c}/2+0.5))"));
+        let pins = format!(
+            "max(sqrt({x}^2+{y}^2)-(0.6+0.1*sin(5*atan2({y},{x})+z)),\
+             abs(x)-4,abs(y)-4)"
+        );
+        let star = "abs(sqrt(x*x+y*y)-(3+0.7*sin(9*atan2(y,x))))-0.8";
+        let plate =
+            |i: i32| format!("max({star},abs(z-{})-0.2)", 0.83 * f64::from(i));
+        let plates = (1..13).map(plate).collect::<Vec<_>>().join(",");
+        let text = format!("max(min({pins},{plates}),abs(z-5)-5)");
+        let model = placed(&text, &Placement::default());
+        let assignments = [
+            "supports=auto",
+            "raft.layers=3",
+            "layer_height=0.1",
+            "accuracy=0.001",
+        ];
+        let plate = Plate::of(&model, &settings(&assignments));
+        let plate = plate.raised().unwrap();
+        let pools = [1, 3].map(|threads| pool(Some(threads)).unwrap());
+        let (spans, _) = pools[0].install(|| layers_of(&plate)).unwrap();
+        let base = Base::new(&plate.parts[0], &spans[0]);
+        let made =
+            base.stages(&(0..spans[0].len()), &Options::default(), &pools[0]);
+        let Planned { stages, spans, .. } = made.unwrap();
+        let asked = Asked {
+            wishes: None,
+            plan: &stages.plans.support,
+        };
+        let known = |points: usize, pool: &ThreadPool| -> Vec<Layer> {
+            stages.surveyed(pool, spans, asked, points, None).unwrap().2
+        };
+        let all = known(usize::MAX, &pools[1]);
+        assert_eq!(all.len(), spans.len() - 3);
+        let points = all.iter().flat_map(|l| &l.area().rings);
+        let half = points.map(Vec::len).sum::<usize>() / 2;
+        let mut all = all.iter();
+        for slab in spans.chunks(stages.slab_layers()) {
+            let none = &WallFields::None;
+            let found =
+                stages.layers_of(&stages.field, none, slab, &(3..spans.len()));
+            for layer in found.unwrap() {
+                let known = all.next().unwrap();
+                assert_eq!(known.span, layer.span);
+                assert!(*known.found() == *layer.found(), "{:?}", layer.span);
+            }
+        }
+        // What is kept does not depend on the number of threads.
+        let some = pools.each_ref().map(|pool| {
+            known(half, pool).iter().map(|l| l.span.index).collect()
+        });
+        let [some, other]: [Vec<usize>; 2] = some;
+        assert_eq!(some, other);
+        assert!(!some.is_empty() && some.len() < spans.len() - 3, "{some:?}");
+    }
 }

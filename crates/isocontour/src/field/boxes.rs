@@ -221,14 +221,15 @@ pub(crate) fn slope_of(f: &VmFunction, over: Interval, axis: usize) -> Slope {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::number::tests::everything;
     use fidget::context::{Context, Tree};
     use fidget::eval::{Function, MathFunction, TracingEvaluator};
     use fidget::var::Var;
 
-    fn function(tree: &Tree) -> VmFunction {
+    /// A function of its own for an expression.
+    pub(crate) fn function(tree: &Tree) -> VmFunction {
         let mut ctx = Context::new();
         let root = ctx.import(tree);
         VmFunction::new(&ctx, &[root]).unwrap()
@@ -238,7 +239,8 @@ mod tests {
         [Var::X, Var::Y, Var::Z].map(|v| f.vars().get(&v))
     }
 
-    fn value(f: &VmFunction, p: [f32; 3]) -> f32 {
+    /// The function's value at a place.
+    pub(crate) fn value(f: &VmFunction, p: [f32; 3]) -> f32 {
         let mut vars = [0.0; 3];
         for (slot, v) in slots(f).into_iter().zip(p) {
             if let Some(s) = slot {

@@ -113,18 +113,13 @@ pub(super) fn choose(
 #[cfg(test)]
 mod tests {
     use crate::field::boxes::Boxes;
+    use crate::field::boxes::tests::{function, value};
     use crate::interval::Interval;
     use crate::number::tests::everything;
-    use fidget::context::{Context, Tree};
-    use fidget::eval::{Function, MathFunction, TracingEvaluator};
+    use fidget::context::Tree;
+    use fidget::eval::Function;
     use fidget::var::Var;
     use fidget::vm::VmFunction;
-
-    fn function(tree: &Tree) -> VmFunction {
-        let mut ctx = Context::new();
-        let root = ctx.import(tree);
-        VmFunction::new(&ctx, &[root]).unwrap()
-    }
 
     /// The axis of each input.
     fn axes(f: &VmFunction) -> Vec<usize> {
@@ -132,12 +127,6 @@ mod tests {
         let slots = [Var::X, Var::Y, Var::Z].map(slot);
         let axis = |i| slots.iter().position(|s| *s == Some(i)).unwrap();
         (0..f.vars().len()).map(axis).collect()
-    }
-
-    fn value(f: &VmFunction, p: [f32; 3]) -> f32 {
-        let vars: Vec<f32> = axes(f).into_iter().map(|a| p[a]).collect();
-        let tape = f.point_tape(Default::default());
-        VmFunction::new_point_eval().eval(&tape, &vars).unwrap().0[0]
     }
 
     /// The shorter function for a box.

@@ -605,6 +605,24 @@ mod tests {
         };
         assert_eq!(tip(70.0), [0, 2]);
         assert_eq!(tip(45.0), [0, 1, 2]);
+        // The first wall's loop leads into a tip from some angle on.
+        let led = |degrees: f64| {
+            let slope = 2.0 * (0.5 * degrees).to_radians().tan();
+            let wedge = axis(6.0, |x| (slope * x).min(1.0));
+            let beadings = beadings().with_tips(0.2);
+            let parts = beadings.split(&wedge, &|_| false);
+            let thinnest =
+                parts.iter().find(|p| p.0 == 2).unwrap().1.thinnest();
+            (numbers(&parts), thinnest)
+        };
+        let (sharp, begins) = led(25.0);
+        assert_eq!(sharp, [0, 1, 2]);
+        assert!(begins > 0.6, "{begins}");
+        for degrees in [45.0, 55.0] {
+            let (blunt, begins) = led(degrees);
+            assert_eq!(blunt, [0, 2]);
+            assert!((0.2..0.21).contains(&begins), "{degrees}: {begins}");
+        }
         // A tooth as thin as a bead has no room for two.
         let tooth = axis(6.0, |x| if x < 1.0 { 0.4 } else { 1.0 });
         let all = beadings().split(&tooth, &|_| false);

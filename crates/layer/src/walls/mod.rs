@@ -134,22 +134,13 @@ impl Lay {
         }
     }
 
-    /// Thickness down to which a bead goes on into a tip: it is short, so it
+    /// Thickness down to which a bead, or a loop, goes on into a tip: it is short, so it
     /// may be narrower than lines are. A bead narrower than its height does not
     /// keep its width.
     fn tips(&self, height: Mm) -> Mm {
         /// Share of the least thickness of a line.
         const TIP: f64 = 0.7;
         (height - self.extra).max(TIP * self.least).min(self.least)
-    }
-
-    /// Thickness of a tip in which the wall's loop turns back.
-    fn turns(&self, height: Mm) -> Mm {
-        /// Length of the move that is the turn, mm. Firmware would have to slow down
-        /// for a shorter one.
-        const TURN: Mm = 0.11;
-        let turn = 2.0 * (TURN + self.width - self.inner);
-        self.tips(height).max(turn)
     }
 
     /// Thickness down to which a post has a bead: a dab that is thinner does
@@ -471,7 +462,7 @@ fn laid(
         }
         let mut beadings = Beadings::new(&pair, Some(lays[next]));
         if first == 0 && seen {
-            beadings = beadings.with_tips(pair[0].turns(height));
+            beadings = beadings.with_tips(pair[0].tips(height));
         }
         let own;
         let solid = if first == 0 {
@@ -737,8 +728,8 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, plan: &WallPlan) -> Mm2 {
             .map(|b| (b.length() + 0.8 * b.width) * (b.width - extra))
             .sum::<f64>();
     }
-    // Sharp corners, tips and thinning leave a remainder even where walls fit.
-    let noise = 0.03 * (outline.content() - walls.fill.content()).max(0.0);
+    // Sharp corners and thinning leave a remainder even where walls fit.
+    let noise = 0.02 * (outline.content() - walls.fill.content()).max(0.0);
     let gap = outline.content() - covered;
     if gap > noise { gap } else { 0.0 }
 }
