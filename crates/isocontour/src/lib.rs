@@ -52,6 +52,7 @@ mod ceiling;
 mod cell;
 mod cells;
 mod contour;
+mod data;
 mod expand;
 mod field;
 mod interval;
@@ -67,6 +68,7 @@ pub use bounds::{
 };
 pub use cancel::{Cancel, Cancelled};
 pub use contour::{Detail, Outline, Phase, outlines, outlines_in_phases};
+pub use data::{Data, call, data_of};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES, expand, expand_with};
 pub use field::{
     Batch, Bound, Field, FieldError, Grid, Hit, LEAF, Lattice, Leaf, NODES,
