@@ -67,12 +67,14 @@ pub use bounds::{
     Bounds, BoundsError, FoundBounds, SearchOptions, find_bounds, is_flat,
 };
 pub use cancel::{Cancel, Cancelled};
-pub use contour::{Detail, Outline, Phase, outlines, outlines_in_phases};
-pub use data::{Data, call, data_of};
+pub use contour::{
+    Detail, Outline, Phase, outline_of, outlines, outlines_in_phases,
+};
+pub use data::{Data, Solid, call, data_of, solid};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES, expand, expand_with};
 pub use field::{
     Batch, Bound, Field, FieldError, Grid, Hit, LEAF, Lattice, Leaf, NODES,
-    SLAB, Sampler, Sight, Visit, apart,
+    SLAB, Sampler, Sight, Values, Visit, apart,
 };
 pub use lean::{Lean, LeanError, LeanOptions, lean};
 pub use plane::{Area, Rect, Ring};

@@ -36,6 +36,7 @@ mod undefined;
 
 use crate::cancel::{Cancel, Cancelled};
 use crate::ceiling::uncapped;
+use crate::data::solid;
 use crate::expand::{ExpandError, expand};
 use crate::plane::Rect;
 use crate::program::Program;
@@ -215,6 +216,17 @@ fn search(
     options: &SearchOptions,
     cancel: &Cancel,
 ) -> Result<FoundBounds, BoundsError> {
+    if options.within.is_none()
+        && let Some(bounds) = solid(tree).and_then(|s| s.extent())
+        && bounds.min.cmplt(bounds.max).all()
+        && bounds.min.abs().max(bounds.max.abs()).max_element()
+            <= options.limit_mm
+    {
+        return Ok(FoundBounds {
+            bounds,
+            slack_mm: 0.0,
+        });
+    }
     let program = flattened(tree)?;
     if options.within.is_none() && !program.depends_on(2) {
         let slice = SearchOptions {

@@ -18,12 +18,17 @@
 //! An expression does not keep its data alive. Whoever keeps the expression
 //! keeps what [`data_of`] returns for it, too.
 
+mod solid;
+
+pub use solid::{Solid, solid};
+
 use crate::bounds::Bounds;
 use crate::plane::Ring;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, TreeOp};
 use fidget::var::Var;
 use glam::{DAffine3, DVec3};
 use std::collections::{HashMap, HashSet};
+use std::fmt;
 use std::sync::{Arc, PoisonError, RwLock, Weak};
 
 /// A function of three coordinates that is data.
@@ -33,8 +38,8 @@ pub trait Data: Send + Sync {
     /// How messages name it, such as `mesh("part.stl")`.
     fn name(&self) -> &str;
 
-    /// Its value at a place, and its gradient. The value is NaN where it has
-    /// none. Coordinates are finite.
+    /// Its value at a place, and its gradient. It is a number wherever the
+    /// coordinates are finite.
     fn at(&self, p: DVec3) -> (f64, DVec3);
 
     /// Its value at a place.
@@ -68,8 +73,10 @@ pub trait Data: Send + Sync {
     /// The memory that it takes, in bytes.
     fn bytes(&self) -> usize;
 
-    /// The box that holds the places where it is below zero, if it is known.
-    fn body(&self) -> Option<Bounds> {
+    /// The box around the places p where it is below zero at `place` of p, if
+    /// it is known exactly.
+    fn extent(&self, place: &DAffine3) -> Option<Bounds> {
+        let _ = place;
         None
     }
 
@@ -81,6 +88,12 @@ pub trait Data: Send + Sync {
     fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
         let _ = (place, z);
         None
+    }
+}
+
+impl fmt::Debug for dyn Data {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 
