@@ -18,6 +18,7 @@ pub fn together<'a>(
     models: impl IntoIterator<Item = (&'a Model, DVec2)>,
 ) -> Option<Model> {
     let mut trees = Vec::new();
+    let mut data = Vec::new();
     let mut bounds: Option<Bounds> = None;
     let mut size = 0;
     let mut lift: f64 = 0.0;
@@ -25,6 +26,7 @@ pub fn together<'a>(
         // The sum counts the models' own operations, those that move them, and
         // one minimum each.
         size += model.expression_size + 4;
+        data.extend(model.data.iter().cloned());
         if size > MOST_OPERATIONS {
             return None;
         }
@@ -48,6 +50,7 @@ pub fn together<'a>(
     Some(Model {
         name: name.to_owned(),
         tree: trees.pop()?,
+        data,
         bounds: bounds?,
         offset: DVec3::ZERO,
         lift,

@@ -454,8 +454,7 @@ mod tests {
                 .iter()
                 .map(|&axis| Seed {
                     values: &points[axis],
-                    slopes: None,
-                    axis,
+                    slopes: super::Slopes::Coordinate(axis),
                 })
                 .collect();
             let grads: Vec<Vec<Grad>> = axes

@@ -28,11 +28,12 @@ use super::source::Loaded;
 use fidget::context::Tree;
 use glam::DVec3;
 use isocontour::{
-    Bounds, BoundsError, FoundBounds, SearchOptions, digits, expand, is_flat,
-    shifted,
+    Bounds, BoundsError, Data, FoundBounds, SearchOptions, digits, expand,
+    is_flat, shifted,
 };
 use isoslice_base::limits;
 use isoslice_settings::Settings;
+use std::sync::Arc;
 use transform::{box_field, mapped, rotation};
 
 /// The space a printer can reach, from (0, 0, 0).
@@ -93,6 +94,8 @@ pub struct Model {
     pub name: String,
     /// Field in the model's frame, scaled and rotated; negative inside.
     pub tree: Tree,
+    /// The data that the field reads. It lives as long as somebody keeps it.
+    pub data: Vec<Arc<dyn Data>>,
     /// Box of the part in the model's frame, mm. Conservative by less than
     /// 10⁻⁴ mm.
     pub bounds: Bounds,
@@ -257,6 +260,7 @@ pub fn place(
     Ok(Model {
         name: loaded.name.clone(),
         tree,
+        data: loaded.data.clone(),
         bounds: Bounds {
             min: bounds.min - origin,
             max: bounds.max - origin,
