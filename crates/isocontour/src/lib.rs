@@ -70,7 +70,7 @@ pub use cancel::{Cancel, Cancelled};
 pub use contour::{
     Detail, Outline, Phase, outline_of, outlines, outlines_in_phases,
 };
-pub use data::{Data, Solid, call, data_of, solid};
+pub use data::{Data, Solid, call, data_of, known as known_data, solid};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES, expand, expand_with};
 pub use field::{
     Batch, Bound, Field, FieldError, Grid, Hit, LEAF, Lattice, Leaf, NODES,

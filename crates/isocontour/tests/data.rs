@@ -33,6 +33,10 @@ impl Data for Ball {
         [[-1.0, 1.0]; 3]
     }
 
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        tell(&self.0.to_le_bytes());
+    }
+
     fn bytes(&self) -> usize {
         size_of::<f64>()
     }

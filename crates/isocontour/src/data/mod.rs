@@ -70,6 +70,10 @@ pub trait Data: Send + Sync {
     /// all places in a box.
     fn slopes(&self, over: &Bounds) -> [[f64; 2]; 3];
 
+    /// Tells all bytes on which its values depend. Two with equal bytes are one
+    /// function.
+    fn contents(&self, tell: &mut dyn FnMut(&[u8]));
+
     /// The memory that it takes, in bytes.
     fn bytes(&self) -> usize;
 
@@ -122,8 +126,8 @@ fn variable(data: &Arc<dyn Data>) -> Var {
     var
 }
 
-/// The data for which a variable stands.
-pub(crate) fn known(var: Var) -> Option<Arc<dyn Data>> {
+/// The data for which a variable of an expression stands.
+pub fn known(var: Var) -> Option<Arc<dyn Data>> {
     let known = KNOWN.read().unwrap_or_else(PoisonError::into_inner);
     known.as_ref()?.get(&var)?.upgrade()
 }
