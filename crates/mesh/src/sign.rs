@@ -1,0 +1,196 @@
+//! Inside or outside.
+//!
+//! A place is inside where the winding number is above one half. Triangles
+//! without a rim have whole winding numbers, which a ray counts exactly. Those
+//! with a rim are closed by caps: the ray counts both, and what the caps cover of
+//! the sphere of sight is taken off again. So the cost is that of a ray and of
+//! the holes.
+//!
+//! ```text
+//!     ______               the caps (dotted) make it closed: the ray counts 1,
+//!    /      \   p inside   the cap covers c of the sphere of sight at p, so
+//!   |   p →  |             the winding number at p is 1 − c
+//!    \......./
+//! ```
+
+use crate::ray::Direction;
+use crate::rim::{RimEdge, caps};
+use crate::shell::Shell;
+use crate::tree::{Child, child, gap};
+use crate::winding::Winding;
+use glam::DVec3;
+use isocontour::Bounds;
+use std::f64::consts::PI;
+
+/// How winding numbers of a mesh are found.
+#[derive(Debug)]
+pub(crate) enum Sign {
+    /// There is no rim.
+    Closed,
+    /// There is a rim, and caps that close it.
+    Capped {
+        caps: Box<Shell>,
+        winding: Winding,
+        /// For each node of the caps, the length of the rim below it.
+        lengths: Vec<f64>,
+    },
+    /// The rim is about as long as all edges together.
+    Loose(Winding),
+}
+
+impl Sign {
+    pub(crate) fn new(shell: &Shell, rim: &[RimEdge]) -> Sign {
+        if rim.is_empty() {
+            return Sign::Closed;
+        }
+        let edges: u64 = rim.iter().map(|e| u64::from(e.times)).sum();
+        if edges > shell.corners.len() as u64 / 2 {
+            return Sign::Loose(Winding::new(shell));
+        }
+        let caps = Box::new(caps(shell, rim));
+        let winding = Winding::new(&caps);
+        let lengths = lengths(&caps);
+        Sign::Capped {
+            caps,
+            winding,
+            lengths,
+        }
+    }
+
+    /// True if winding numbers change at triangles only.
+    pub(crate) fn is_closed(&self) -> bool {
+        matches!(self, Sign::Closed)
+    }
+
+    /// The winding number of `shell` at a place.
+    pub(crate) fn winding(
+        &self,
+        shell: &Shell,
+        bounds: &Bounds,
+        p: DVec3,
+    ) -> f64 {
+        let direction = outwards(bounds, p);
+        match self {
+            Sign::Closed => shell.crossings(p, direction, |_| true) as f64,
+            Sign::Capped { caps, winding, .. } => {
+                let all = shell.crossings(p, direction, |_| true)
+                    + caps.crossings(p, direction, |_| true);
+                all as f64 - winding.at(caps, p)
+            }
+            Sign::Loose(winding) => winding.at(shell, p),
+        }
+    }
+
+    /// By how much the winding number may differ from that in the middle of a
+    /// box, at places in the box, if no triangle meets it.
+    ///
+    /// Its gradient is that of a current along the rim (Biot and Savart): a
+    /// piece changes it by no more than its length by the square of its
+    /// distance, by 4π.
+    pub(crate) fn change(&self, over: &Bounds) -> f64 {
+        match self {
+            Sign::Closed => 0.0,
+            Sign::Loose(_) => f64::INFINITY,
+            Sign::Capped { caps, lengths, .. } => {
+                let mut sum = 0.0;
+                let mut todo = vec![0];
+                while let Some(at) = todo.pop() {
+                    let node = &caps.tree.nodes[at];
+                    for i in 0..4 {
+                        let bounds = node.bounds(i);
+                        let gap = gap(over, &bounds);
+                        match child(node.link(i)) {
+                            Child::Nothing => {}
+                            // What is nearer than it is large is looked into.
+                            Child::Node(next)
+                                if gap < bounds.size().length() =>
+                            {
+                                todo.push(next);
+                            }
+                            Child::Node(next) => {
+                                sum += lengths[next] / (gap * gap);
+                            }
+                            Child::Leaf(first, end) => {
+                                sum += (first..end)
+                                    .map(|t| at_edge(over, caps.triangle(t)))
+                                    .sum::<f64>();
+                            }
+                        }
+                    }
+                }
+                sum / (4.0 * PI) * 0.5 * over.size().length()
+            }
+        }
+    }
+
+    /// Memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Sign::Closed => 0,
+            Sign::Capped {
+                caps,
+                winding,
+                lengths,
+            } => {
+                caps.bytes()
+                    + winding.bytes()
+                    + lengths.capacity() * size_of::<f64>()
+            }
+            Sign::Loose(winding) => winding.bytes(),
+        }
+    }
+}
+
+/// What the edge of a cap's rim adds, at most, to a gradient in a box.
+fn at_edge(over: &Bounds, [_, a, b]: [DVec3; 3]) -> f64 {
+    let edge = Bounds {
+        min: a.min(b),
+        max: a.max(b),
+    };
+    let gap = gap(over, &edge);
+    a.distance(b) / (gap * gap)
+}
+
+/// The lengths of rim below the nodes of caps.
+fn lengths(caps: &Shell) -> Vec<f64> {
+    let nodes = &caps.tree.nodes;
+    let mut lengths = vec![0.0; nodes.len()];
+    for at in (0..nodes.len()).rev() {
+        lengths[at] = (0..4)
+            .map(|i| match child(nodes[at].link(i)) {
+                Child::Nothing => 0.0,
+                Child::Node(next) => lengths[next],
+                Child::Leaf(first, end) => (first..end)
+                    .map(|t| {
+                        let [_, a, b] = caps.triangle(t);
+                        a.distance(b)
+                    })
+                    .sum(),
+            })
+            .sum();
+    }
+    lengths
+}
+
+/// The direction to the nearest side of a box.
+pub(crate) fn outwards(bounds: &Bounds, p: DVec3) -> Direction {
+    let mut best = (
+        f64::INFINITY,
+        Direction {
+            axis: 2,
+            is_up: true,
+        },
+    );
+    for axis in 0..3 {
+        let ways = [
+            (p[axis] - bounds.min[axis], false),
+            (bounds.max[axis] - p[axis], true),
+        ];
+        for (way, is_up) in ways {
+            if way < best.0 {
+                best = (way, Direction { axis, is_up });
+            }
+        }
+    }
+    best.1
+}
