@@ -187,8 +187,25 @@ impl Data for Mesh {
         size_of::<Mesh>() + self.shell.bytes() + self.sign.bytes()
     }
 
-    fn body(&self) -> Option<Bounds> {
-        Some(self.bounds)
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        for v in &self.shell.vertices {
+            v.to_array().iter().for_each(|c| tell(&c.to_le_bytes()));
+        }
+        for corner in self.shell.corners.as_flattened() {
+            tell(&corner.to_le_bytes());
+        }
+    }
+
+    fn extent(&self, place: &DAffine3) -> Option<Bounds> {
+        let back = place.inverse();
+        let seen = |v: &DVec3| {
+            let p = back.transform_point3(*v);
+            Bounds { min: p, max: p }
+        };
+        let all = self.shell.vertices.iter().map(seen);
+        let all = all.reduce(|all, one| all.union(one))?;
+        let is_finite = all.min.is_finite() && all.max.is_finite();
+        is_finite.then_some(all)
     }
 
     fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
