@@ -5,6 +5,7 @@
 mod closest;
 mod error;
 mod facts;
+mod four;
 mod merge;
 mod mesh;
 mod range;
