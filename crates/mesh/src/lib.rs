@@ -6,6 +6,7 @@ mod closest;
 mod error;
 mod facts;
 mod four;
+mod mend;
 mod merge;
 mod mesh;
 mod range;
