@@ -26,6 +26,10 @@ use rayon::prelude::*;
 /// is no more than this share of it.
 const MISSING: f64 = 0.2;
 
+/// Triangles of a shell that are looked at to tell whether it is a cavity: all of
+/// them have to be in the body.
+const LOOKS: usize = 32;
+
 /// No triangle.
 const NONE: u32 = u32::MAX;
 
@@ -183,7 +187,6 @@ fn neighbours(corners: &[[u32; 3]]) -> Vec<[u32; 3]> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Surface {
     triangles: usize,
-    first: usize,
     /// Twice the area.
     area: f64,
     /// The sum of the areas as vectors, twice.
@@ -215,8 +218,14 @@ fn turn_shells(shell: &mut Shell, bounds: &Bounds) -> usize {
         turn(shell, |_| true);
         surfaces.iter_mut().for_each(|s| s.volume = -s.volume);
     }
-    let mut count = 0;
-    let mut turned = vec![false; surfaces.len()];
+    if surfaces.iter().all(|s| s.volume >= 0.0) {
+        return if is_inside_out {
+            shell.corners.len()
+        } else {
+            0
+        };
+    }
+    let members = members(&numbers, surfaces.len());
     let mut order: Vec<usize> = (0..surfaces.len()).collect();
     order.sort_by(|a, b| {
         let size = |i: usize| surfaces[i].volume.abs();
@@ -226,21 +235,25 @@ fn turn_shells(shell: &mut Shell, bounds: &Bounds) -> usize {
     for (rank, i) in order.iter().enumerate() {
         ranks[*i] = rank;
     }
+    let mut count = 0;
     for &i in &order {
-        let surface = surfaces[i];
-        if surface.volume >= 0.0 || !surface.is_shell() {
+        if surfaces[i].volume >= 0.0 || !surfaces[i].is_shell() {
             continue;
         }
-        let [a, b, c] = shell.triangle(surface.first);
-        let p = (a + b + c) / 3.0;
-        // The larger ones have been turned.
-        let around = shell.crossings(p, outwards(bounds, p), |t| {
-            ranks[numbers[t] as usize] < ranks[i]
-        });
-        if around < 1 {
-            turned[i] = true;
-            count += surface.triangles;
-            turn(shell, |t| numbers[t] as usize == i);
+        // The larger ones have been turned, and may have it as a cavity.
+        let is_outside = |triangle: u32| {
+            let [a, b, c] = shell.triangle(triangle as usize);
+            let p = (a + b + c) / 3.0;
+            let larger = |t: usize| ranks[numbers[t] as usize] < ranks[i];
+            shell.crossings(p, outwards(bounds, p), larger) < 1
+        };
+        let all = &members[i];
+        let mut some = all.iter().step_by(all.len().div_ceil(LOOKS));
+        if some.any(|t| is_outside(*t)) {
+            count += all.len();
+            for &t in all {
+                shell.corners[t as usize].swap(1, 2);
+            }
         }
     }
     if is_inside_out {
@@ -248,6 +261,15 @@ fn turn_shells(shell: &mut Shell, bounds: &Bounds) -> usize {
     } else {
         count
     }
+}
+
+/// The triangles of each surface.
+fn members(numbers: &[u32], count: usize) -> Vec<Vec<u32>> {
+    let mut members = vec![Vec::new(); count];
+    for (number, i) in numbers.iter().zip(0u32..) {
+        members[*number as usize].push(i);
+    }
+    members
 }
 
 /// Six times the volume of triangles, or 0 if they bound none.
@@ -292,9 +314,6 @@ fn measured(shell: &Shell, of: &[u32], count: usize) -> Vec<Surface> {
         let surface = &mut surfaces[*number as usize];
         let [a, b, c] = shell.triangle(i);
         let normal = (b - a).cross(c - a);
-        if surface.triangles == 0 {
-            surface.first = i;
-        }
         surface.triangles += 1;
         surface.area += normal.length();
         surface.facing += normal;
