@@ -5,6 +5,8 @@
 mod closest;
 mod error;
 mod facts;
+mod four;
+mod mend;
 mod merge;
 mod mesh;
 mod range;

@@ -3,7 +3,7 @@
 use crate::closest::Near;
 use crate::error::MeshError;
 use crate::facts::Facts;
-use crate::rim::rim;
+use crate::mend::mend;
 use crate::shell::Shell;
 use crate::sign::Sign;
 use crate::triangles::Triangles;
@@ -60,7 +60,7 @@ impl Mesh {
         let bounds = triangles.bounds();
         let shell = Shell::new(triangles.vertices, triangles.corners);
         isoslice_base::limits::go_on()?;
-        let open = rim(&shell.corners, shell.vertices.len());
+        let (shell, open) = mend(shell, &bounds, &mut facts);
         isoslice_base::limits::go_on()?;
         facts.open_edges = open.len();
         let sign = Sign::new(&shell, &open);

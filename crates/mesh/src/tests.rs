@@ -416,3 +416,62 @@ fn winding_numbers_are_sums_of_solid_angles() {
         assert!(worst < 2e-3, "{share}: {worst}");
     }
 }
+
+#[test]
+fn flipped_triangles_are_turned_round() {
+    let faces = torus(10.0, 4.0, 30);
+    let mut random = Random::new(7);
+    for share in [1, 20, 50, 80, 100] {
+        let some: Vec<_> = faces
+            .iter()
+            .map(|&[a, b, c]| {
+                if random.below(100) < share {
+                    [a, c, b]
+                } else {
+                    [a, b, c]
+                }
+            })
+            .collect();
+        let mesh = mesh(&some);
+        assert!(mesh.facts().is_sound() && mesh.facts().turned > 0);
+        assert!(mesh.value(DVec3::X * 10.0) < 0.0);
+        assert!(mesh.value(DVec3::X * 5.0) > 0.0);
+        assert_eq!(mesh.at(DVec3::X * 14.0).1.x > 0.9, true);
+    }
+}
+
+#[test]
+fn shells_are_bodies_or_cavities() {
+    let cube = |half: f64| cuboid(DVec3::splat(-half), DVec3::splat(half));
+    let aside = moved(&cube(1.0), DVec3::X * 9.0);
+    // A body, its cavity, a body in that, and another body aside.
+    let all = [cube(3.0), flipped(&cube(2.0)), cube(1.0), aside.clone()];
+    let island = [cube(3.0), flipped(&cube(2.0)), flipped(&cube(1.0)), aside];
+    let inverted = [&all[0], &all[1], &all[2]].map(|f| flipped(f)).concat();
+    let apart = [all[0].clone(), all[1].clone(), flipped(&all[3])].concat();
+    for (faces, x) in [
+        (all.concat(), vec![(0.0, true), (9.0, true)]),
+        (island.concat(), vec![(0.0, true), (9.0, true)]),
+        (inverted, vec![(0.0, true), (9.0, false)]),
+        (apart, vec![(0.0, false), (9.0, true)]),
+    ] {
+        let mesh = mesh(&faces);
+        for (x, is_inside) in [(1.5, false), (2.5, true)].into_iter().chain(x) {
+            let d = mesh.value(DVec3::new(x, 0.01, 0.02));
+            assert_eq!(d < 0.0, is_inside, "{x}");
+        }
+        sections_are_where_it_is_inside(&mesh, 3);
+    }
+}
+
+#[test]
+fn doubled_triangles_in_a_part_of_a_shell_are_one() {
+    let faces = ball(5.0, 3);
+    let mut some = faces.clone();
+    some.extend(flipped(&faces[10..50]));
+    some.extend(&faces[100..150]);
+    let mesh = mesh(&some);
+    assert!(mesh.facts().is_sound());
+    assert_eq!(mesh.facts().doubled, 90);
+    assert!(mesh.value(DVec3::ZERO) < -4.8);
+}
