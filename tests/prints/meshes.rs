@@ -1,11 +1,10 @@
 //! Meshes as models, alone and as parts of expressions.
 
 use crate::common::{
-    self, INNER_WALL, OUTER_WALL, formula, join, parse, settings, slice,
-    slice_layers,
+    self, INNER_WALL, OUTER_WALL, formula, join, parse, placed, settings,
+    slice, slice_layers,
 };
-use isoslice::model::{BuildVolume, Model, Placement, Source, load, place};
-use isoslice::settings::Settings;
+use isoslice::model::{Placement, Source, load};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -62,19 +61,6 @@ fn folder(others: &[(&str, Vec<u8>)]) -> TempDir {
     folder
 }
 
-fn placed(
-    source: &Source,
-    placement: &Placement,
-    settings: &Settings,
-) -> Model {
-    let placement = Placement {
-        margin: settings.reach(),
-        ..*placement
-    };
-    let loaded = load(source, &[]).unwrap();
-    place(&loaded, &placement, BuildVolume::of(settings)).unwrap()
-}
-
 /// A script in a folder.
 fn script(folder: &Path, text: &str) -> Source {
     let path = folder.join("part.rhai");
@@ -121,13 +107,13 @@ fn triangles_print_as_the_formula_of_the_same_body() {
     let settings = settings(&[]);
     let none = Placement::default();
     let of = |text: &str| {
-        let model = placed(&script(folder.path(), text), &none, &settings);
+        let model = placed(&script(folder.path(), text), &[], &none, &settings);
         slice(&model, &settings, 2).0
     };
     let as_formula =
         |text: String| slice(&formula(&text, &settings), &settings, 2).0;
     let file = Source::File(folder.path().join("block.stl"));
-    let alone = slice(&placed(&file, &none, &settings), &settings, 2).0;
+    let alone = slice(&placed(&file, &[], &none, &settings), &settings, 2).0;
     assert_alike(&alone, &as_formula(BLOCK.into()), 1e-3);
     for (text, same) in [
         ("mesh(\"block.stl\")", BLOCK.to_owned()),
@@ -163,9 +149,9 @@ fn a_turned_mesh_prints_as_the_turned_formula() {
         ..Placement::default()
     };
     let file = Source::File(folder.path().join("block.stl"));
-    let mesh = placed(&file, &turned, &settings);
+    let mesh = placed(&file, &[], &turned, &settings);
     let text = "max(max(abs(x)-10, abs(y)-6), abs(z-2)-2)";
-    let formula = placed(&Source::formula("f", text), &turned, &settings);
+    let formula = placed(&Source::formula("f", text), &[], &turned, &settings);
     let off = (mesh.bounds.min - formula.bounds.min).abs();
     assert!(off.max_element() < 1e-3, "{off}");
     let [a, b] = [&mesh, &formula].map(|m| slice(m, &settings, 2).0);
@@ -180,7 +166,7 @@ fn bodies_that_share_a_level_face_lose_no_layer() {
     let folder = folder(&[("both.stl", stl(&both))]);
     let settings = settings(&["layer_height=0.2", "first_layer_height=0.2"]);
     let file = Source::File(folder.path().join("both.stl"));
-    let model = placed(&file, &Placement::default(), &settings);
+    let model = placed(&file, &[], &Placement::default(), &settings);
     let layers = parse(&slice(&model, &settings, 2).0);
     assert_eq!(layers.len(), 50);
     for layer in layers {
@@ -200,7 +186,7 @@ fn threads_and_ranges_give_the_same_bytes() {
     ] {
         let source = script(folder.path(), text);
         let none = Placement::default();
-        let model = || placed(&source, &none, &settings);
+        let model = || placed(&source, &[], &none, &settings);
         let whole = slice(&model(), &settings, 2).0;
         assert_eq!(whole, slice(&model(), &settings, 1).0);
         let parts = ["..7", "8..12", "13.."];
@@ -258,7 +244,7 @@ fn a_mesh_with_a_hole_is_a_body() {
     let settings = settings(&[]);
     let of = |name: &str| {
         let file = Source::File(folder.path().join(name));
-        let model = placed(&file, &Placement::default(), &settings);
+        let model = placed(&file, &[], &Placement::default(), &settings);
         let (gcode, summary) = slice(&model, &settings, 2);
         assert_eq!(summary.layer_count, 20);
         gcode
