@@ -108,8 +108,7 @@ impl Shell {
                     let node = &self.tree.nodes[at];
                     let squares = reach.squares(node);
                     let base = top;
-                    for i in 0..4 {
-                        let square = squares[i];
+                    for (i, square) in squares.into_iter().enumerate() {
                         if square <= limit {
                             // The nearest one is on top.
                             let mut place = top;

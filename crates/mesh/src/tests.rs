@@ -326,7 +326,7 @@ fn sections_have_exact_areas() {
     let ring = mesh(&torus(10.0, 4.0, 100));
     let rings = ring.section(&DAffine3::IDENTITY, 0.05).unwrap();
     assert_eq!(rings.len(), 2);
-    assert!(rings.iter().any(|r| area(&[r.clone()]) < 0.0));
+    assert!(rings.iter().any(|r| area(std::slice::from_ref(r)) < 0.0));
     // Between the inner and the outer polygon of a hundred corners each.
     let n = 100.0;
     let polygon =
@@ -428,7 +428,7 @@ fn flipped_triangles_are_turned_round() {
         assert!(mesh.facts().is_sound() && mesh.facts().turned > 0);
         assert!(mesh.value(DVec3::X * 10.0) < 0.0);
         assert!(mesh.value(DVec3::X * 5.0) > 0.0);
-        assert_eq!(mesh.at(DVec3::X * 14.0).1.x > 0.9, true);
+        assert!(mesh.at(DVec3::X * 14.0).1.x > 0.9);
     }
 }
 
