@@ -2,6 +2,7 @@
 
 #![warn(unreachable_pub)]
 
+mod caps;
 mod closest;
 mod error;
 mod facts;

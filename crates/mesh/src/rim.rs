@@ -4,11 +4,6 @@
 //! way than the other. Without a rim the triangles bound a body, however they
 //! cross or double one another. Then winding numbers are whole.
 
-use crate::shell::Shell;
-use glam::DVec3;
-use isoslice_base::sets::Sets;
-use std::collections::BTreeMap;
-
 /// An edge of the rim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RimEdge {
@@ -64,45 +59,4 @@ fn edges(corners: &[[u32; 3]]) -> impl Iterator<Item = (u32, u32)> {
     corners
         .iter()
         .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-}
-
-/// Triangles that close a rim: from each of its edges to the middle of the edges
-/// that hang together with it.
-pub(crate) fn caps(shell: &Shell, rim: &[RimEdge]) -> Shell {
-    let mut numbers = BTreeMap::new();
-    let mut vertices: Vec<DVec3> = Vec::new();
-    let mut number = |v: u32| {
-        *numbers.entry(v).or_insert_with(|| {
-            vertices.push(shell.vertices[v as usize]);
-            vertices.len() as u32 - 1
-        })
-    };
-    let edges: Vec<(u32, u32, u32)> = rim
-        .iter()
-        .map(|e| (number(e.from), number(e.to), e.times))
-        .collect();
-    let mut sets = Sets::new(vertices.len());
-    for &(from, to, _) in &edges {
-        sets.join(from as usize, to as usize);
-    }
-    let count = vertices.len();
-    let mut middles: BTreeMap<usize, (u32, DVec3)> = BTreeMap::new();
-    for v in 0..count {
-        let middle = middles.entry(sets.of(v)).or_default();
-        middle.0 += 1;
-        middle.1 += vertices[v];
-    }
-    let mut tops = BTreeMap::new();
-    for (set, (number, sum)) in middles {
-        tops.insert(set, vertices.len() as u32);
-        vertices.push(sum / f64::from(number));
-    }
-    let mut corners = Vec::new();
-    for (from, to, times) in edges {
-        let top = tops[&sets.of(from as usize)];
-        for _ in 0..times {
-            corners.push([top, to, from]);
-        }
-    }
-    Shell::new(vertices, corners)
 }

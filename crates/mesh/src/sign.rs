@@ -2,19 +2,13 @@
 //!
 //! A place is inside where the winding number is above one half. Triangles
 //! without a rim have whole winding numbers, which a ray counts exactly. Those
-//! with a rim are closed by caps: the ray counts both, and what the caps cover of
-//! the sphere of sight is taken off again. So the cost is that of a ray and of
-//! the holes.
-//!
-//! ```text
-//!     ______               the caps (dotted) make it closed: the ray counts 1,
-//!    /      \   p inside   the cap covers c of the sphere of sight at p, so
-//!   |   p →  |             the winding number at p is 1 − c
-//!    \......./
-//! ```
+//! with a rim are closed by caps: the ray counts both. Small caps are taken for
+//! what is missing. What large ones cover of the sphere of sight is taken off
+//! again. So the cost is that of a ray and of the large holes.
 
+use crate::caps::{Caps, caps};
 use crate::ray::Direction;
-use crate::rim::{RimEdge, caps};
+use crate::rim::RimEdge;
 use crate::shell::Shell;
 use crate::tree::{Child, child, gap};
 use crate::winding::Winding;
@@ -24,12 +18,18 @@ use std::f64::consts::PI;
 
 /// How winding numbers of a mesh are found.
 #[derive(Debug)]
-pub(crate) enum Sign {
-    /// There is no rim.
-    Closed,
-    /// There is a rim, and caps that close it.
+pub(crate) struct Sign {
+    /// The small caps.
+    pub small: Option<Caps>,
+    large: Large,
+}
+
+/// What small caps do not close.
+#[derive(Debug)]
+enum Large {
+    Nothing,
     Capped {
-        caps: Box<Shell>,
+        caps: Shell,
         winding: Winding,
         /// For each node of the caps, the length of the rim below it.
         lengths: Vec<f64>,
@@ -41,25 +41,35 @@ pub(crate) enum Sign {
 impl Sign {
     pub(crate) fn new(shell: &Shell, rim: &[RimEdge]) -> Sign {
         if rim.is_empty() {
-            return Sign::Closed;
+            return Sign {
+                small: None,
+                large: Large::Nothing,
+            };
         }
-        let edges: u64 = rim.iter().map(|e| u64::from(e.times)).sum();
-        if edges > shell.corners.len() as u64 / 2 {
-            return Sign::Loose(Winding::new(shell));
+        let (small, large) = caps(shell, rim);
+        let Some(large) = large else {
+            return Sign {
+                small,
+                large: Large::Nothing,
+            };
+        };
+        if large.shell.corners.len() > shell.corners.len() / 2 {
+            return Sign {
+                small: None,
+                large: Large::Loose(Winding::new(shell)),
+            };
         }
-        let caps = Box::new(caps(shell, rim));
-        let winding = Winding::new(&caps);
-        let lengths = lengths(&caps);
-        Sign::Capped {
-            caps,
-            winding,
-            lengths,
-        }
+        let large = Large::Capped {
+            winding: Winding::new(&large.shell),
+            lengths: lengths(&large.shell),
+            caps: large.shell,
+        };
+        Sign { small, large }
     }
 
     /// True if winding numbers change at triangles only.
     pub(crate) fn is_closed(&self) -> bool {
-        matches!(self, Sign::Closed)
+        self.small.is_none() && matches!(self.large, Large::Nothing)
     }
 
     /// The winding number of `shell` at a place.
@@ -69,16 +79,30 @@ impl Sign {
         bounds: &Bounds,
         p: DVec3,
     ) -> f64 {
-        let direction = outwards(bounds, p);
-        match self {
-            Sign::Closed => shell.crossings(p, direction, |_| true) as f64,
-            Sign::Capped { caps, winding, .. } => {
-                let all = shell.crossings(p, direction, |_| true)
-                    + caps.crossings(p, direction, |_| true);
+        let way = outwards(bounds, p);
+        let count = |shell: &Shell| shell.crossings(p, way, |_| true);
+        let small = self.small.as_ref().map_or(0, |caps| count(&caps.shell));
+        match &self.large {
+            Large::Nothing => (count(shell) + small) as f64,
+            Large::Capped { caps, winding, .. } => {
+                let all = count(shell) + small + count(caps);
                 all as f64 - winding.at(caps, p)
             }
-            Sign::Loose(winding) => winding.at(shell, p),
+            Large::Loose(winding) => winding.at(shell, p),
         }
+    }
+
+    /// True if a small cap may meet a box.
+    fn is_capped(&self, over: &Bounds) -> bool {
+        let Some(caps) = &self.small else {
+            return false;
+        };
+        let mut meets = false;
+        let near = |node: &crate::tree::Node| {
+            [0, 1, 2, 3].map(|i| gap(over, &node.bounds(i)) == 0.0)
+        };
+        caps.shell.tree.visit(near, |_, _| meets = true);
+        meets
     }
 
     /// By how much the winding number may differ from that in the middle of a
@@ -88,10 +112,13 @@ impl Sign {
     /// piece changes it by no more than its length by the square of its
     /// distance, by 4π.
     pub(crate) fn change(&self, over: &Bounds) -> f64 {
-        match self {
-            Sign::Closed => 0.0,
-            Sign::Loose(_) => f64::INFINITY,
-            Sign::Capped { caps, lengths, .. } => {
+        if self.is_capped(over) {
+            return f64::INFINITY;
+        }
+        match &self.large {
+            Large::Nothing => 0.0,
+            Large::Loose(_) => f64::INFINITY,
+            Large::Capped { caps, lengths, .. } => {
                 let mut sum = 0.0;
                 let mut todo = vec![0];
                 while let Some(at) = todo.pop() {
@@ -125,9 +152,12 @@ impl Sign {
 
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        match self {
-            Sign::Closed => 0,
-            Sign::Capped {
+        let small = self.small.as_ref().map_or(0, |caps| {
+            caps.shell.bytes() + caps.numbers.capacity() * size_of::<u32>()
+        });
+        let large = match &self.large {
+            Large::Nothing => 0,
+            Large::Capped {
                 caps,
                 winding,
                 lengths,
@@ -136,8 +166,9 @@ impl Sign {
                     + winding.bytes()
                     + lengths.capacity() * size_of::<f64>()
             }
-            Sign::Loose(winding) => winding.bytes(),
-        }
+            Large::Loose(winding) => winding.bytes(),
+        };
+        small + large
     }
 }
 

@@ -103,7 +103,7 @@ impl Collector {
         if self.corners.len() >= MOST_TRIANGLES {
             return Err(MeshError::TooMany);
         }
-        if self.corners.len() % 65_536 == 0 {
+        if self.corners.len().is_multiple_of(65_536) {
             isoslice_base::limits::go_on()?;
         }
         self.corners.push(corners);
