@@ -34,7 +34,7 @@ pub enum MeshError {
     #[error(
         "it has more than {} million triangles; reduce it in the program that \
          made it",
-        crate::MOST_TRIANGLES / 1_000_000
+        crate::limits::MOST_TRIANGLES / 1_000_000
     )]
     TooMany,
 }

@@ -7,6 +7,7 @@ mod closest;
 mod error;
 mod facts;
 mod four;
+mod limits;
 mod mend;
 mod merge;
 mod mesh;
@@ -25,6 +26,7 @@ mod winding;
 
 pub use error::MeshError;
 pub use facts::Facts;
+pub use limits::MOST_TRIANGLES;
 pub use mesh::Mesh;
 pub use read::{Format, read};
-pub use triangles::{MOST_TRIANGLES, Triangles};
+pub use triangles::Triangles;

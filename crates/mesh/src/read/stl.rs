@@ -18,7 +18,8 @@
 
 use super::words::Words;
 use crate::error::MeshError;
-use crate::triangles::{Collector, MOST_TRIANGLES, Triangles};
+use crate::limits::MOST_TRIANGLES;
+use crate::triangles::{Collector, Triangles};
 use glam::DVec3;
 use std::io::{BufReader, Read, Seek};
 
