@@ -19,8 +19,11 @@ pub struct Facts {
     /// Triangles that were turned round.
     pub turned: usize,
     /// Edges at which a triangle has no neighbour. Without any the mesh is the
-    /// surface of a body, and its plane sections are exact.
+    /// surface of a body.
     pub open_edges: usize,
+    /// Those of them that are about holes so large that nothing tells what is
+    /// missing there. Planes through them have no exact sections.
+    pub wide_open: usize,
     /// What of the file is no part of the body, and was left out.
     pub left_out: Vec<String>,
 }
@@ -53,7 +56,11 @@ impl fmt::Display for Facts {
             (self.dropped, "without an area left out"),
             (self.doubled, "doubled ones left out"),
             (self.turned, "turned round"),
-            (self.open_edges, "open edges"),
+            (
+                self.open_edges - self.wide_open,
+                "edges of small holes closed",
+            ),
+            (self.wide_open, "edges of large holes left open"),
         ];
         for (count, what) in counts {
             if count > 0 {

@@ -72,6 +72,15 @@ impl Sign {
         self.small.is_none() && matches!(self.large, Large::Nothing)
     }
 
+    /// The number of edges of the rim that small caps do not close.
+    pub(crate) fn wide_open(&self) -> usize {
+        match &self.large {
+            Large::Nothing => 0,
+            Large::Capped { caps, .. } => caps.corners.len(),
+            Large::Loose(_) => usize::MAX,
+        }
+    }
+
     /// The winding number of `shell` at a place.
     pub(crate) fn winding(
         &self,
@@ -90,6 +99,17 @@ impl Sign {
             }
             Large::Loose(winding) => winding.at(shell, p),
         }
+    }
+
+    /// True if the sign may change within a distance of a box at a place that is
+    /// on no triangle.
+    pub(crate) fn may_change(&self, over: &Bounds, within: f64) -> bool {
+        let margin = DVec3::splat(within);
+        let grown = Bounds {
+            min: over.min - margin,
+            max: over.max + margin,
+        };
+        !matches!(self.large, Large::Nothing) || self.is_capped(&grown)
     }
 
     /// True if a small cap may meet a box.

@@ -258,6 +258,24 @@ fn ranges_hold_all_values() {
 }
 
 #[test]
+fn slopes_of_planes_are_those_of_the_plane() {
+    let mesh = mesh(&cuboid(DVec3::splat(-10.0), DVec3::splat(10.0)));
+    for z in [8.0, 9.5, 10.0, 11.5] {
+        let over = Bounds {
+            min: DVec3::new(-1.0, -1.0, z),
+            max: DVec3::new(1.0, 1.0, z + 0.5),
+        };
+        let [x, _, z] = mesh.slopes(&over);
+        assert!(x[0] > -1e-4 && x[1] < 1e-4 && z[0] > 0.999, "{x:?} {z:?}");
+    }
+    let over = Bounds {
+        min: DVec3::new(9.0, -1.0, 9.0),
+        max: DVec3::new(11.0, 1.0, 11.0),
+    };
+    assert_eq!(mesh.slopes(&over)[0], [-1.0, 1.0]);
+}
+
+#[test]
 fn ranges_of_planes_are_tight() {
     let half = DVec3::splat(10.0);
     let mesh = mesh(&cuboid(-half, half));
