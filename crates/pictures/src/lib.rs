@@ -25,15 +25,16 @@ mod lattice;
 mod npy;
 mod numbers;
 mod picture;
+mod stream;
 #[cfg(test)]
 mod testing;
-// mod volume;
+mod volume;
 
 pub use error::DataError;
 pub use lattice::{Border, Interpolation};
 pub use numbers::Numbers;
 pub use picture::{Picture, PictureOptions, TransparentAs};
-// pub use volume::{Axes, Volume, VolumeOptions};
+pub use volume::{Axes, Volume, VolumeOptions};
 
 /// The most memory that the numbers of one file may take, bytes: a volume of
 /// 1024 × 1024 × 512 samples of 16 bits.

@@ -5,6 +5,7 @@
 
 use crate::error::Problem;
 use crate::numbers::{Kind, Numbers, count};
+use crate::stream;
 
 /// How such files begin.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
@@ -54,18 +55,8 @@ pub(crate) fn read(bytes: &[u8]) -> Problem<Array> {
     let fortran = text(&header, "fortran_order")?.starts_with("True");
     let size = std::array::from_fn(|a| shape.get(a).copied().unwrap_or(1));
     let count = count(size, kind)?;
-    let needed = count * kind.size();
     let data = bytes.get(end..).unwrap_or_default();
-    let Some(data) = data.get(..needed) else {
-        return Err(format!(
-            "its header says {count} numbers of {} bytes, but only {} bytes \
-             follow; save it again",
-            kind.size(),
-            data.len()
-        ));
-    };
-    let mut numbers = kind.list();
-    kind.append(data, big, &mut numbers);
+    let numbers = stream::raw(data, kind, big, count)?;
     Ok(Array {
         numbers,
         shape,

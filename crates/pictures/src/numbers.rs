@@ -119,14 +119,14 @@ impl Kind {
         }
     }
 
-    /// An empty list for such numbers.
-    pub(crate) fn list(self) -> Numbers {
+    /// An empty list with room for `n` such numbers.
+    pub(crate) fn list(self, n: usize) -> Numbers {
         match self {
-            Kind::U8 => Numbers::U8(Vec::new()),
-            Kind::I8 => Numbers::I8(Vec::new()),
-            Kind::U16 => Numbers::U16(Vec::new()),
-            Kind::I16 => Numbers::I16(Vec::new()),
-            _ => Numbers::F32(Vec::new()),
+            Kind::U8 => Numbers::U8(Vec::with_capacity(n)),
+            Kind::I8 => Numbers::I8(Vec::with_capacity(n)),
+            Kind::U16 => Numbers::U16(Vec::with_capacity(n)),
+            Kind::I16 => Numbers::I16(Vec::with_capacity(n)),
+            _ => Numbers::F32(Vec::with_capacity(n)),
         }
     }
 
@@ -225,7 +225,7 @@ mod tests {
     #[test]
     fn kinds_and_orders_of_bytes() {
         let read = |kind: Kind, bytes: &[u8], big| {
-            let mut list = kind.list();
+            let mut list = kind.list(0);
             kind.append(bytes, big, &mut list);
             list
         };

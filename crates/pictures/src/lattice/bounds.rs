@@ -66,7 +66,7 @@ impl Lattice {
                 _ if n == 1 => [0.0; 2],
                 Border::Clamp => [from, to].map(|u| border.near(u, n)),
                 // All of it, with both of its borders.
-                _ if !(to - from < 2.0 * n as f64) => [0.0, 2.0 * n as f64],
+                _ if to - from >= 2.0 * n as f64 => [0.0, 2.0 * n as f64],
                 _ => {
                     let near = border.near(from, n);
                     [near, to - from + near]

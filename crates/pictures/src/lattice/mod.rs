@@ -117,14 +117,6 @@ impl Lattice {
         self.layout.size
     }
 
-    pub(crate) fn numbers(&self) -> &Numbers {
-        &self.numbers
-    }
-
-    pub(crate) fn layout(&self) -> Layout {
-        self.layout
-    }
-
     /// Its memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let differences = self

@@ -84,7 +84,7 @@ fn values(
         } else {
             channel(pixel, 0)
         };
-        let cover = if channels % 2 == 0 {
+        let cover = if channels.is_multiple_of(2) {
             channel(pixel, channels - 1)
         } else {
             65535
