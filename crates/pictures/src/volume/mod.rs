@@ -197,7 +197,8 @@ fn lies_at(lies: DAffine3, options: &VolumeOptions) -> Problem<DAffine3> {
     let sizes: f64 = columns.iter().map(|c| c.length()).product();
     let flat = matrix3.determinant().abs() < 1e-6 * sizes;
     let odd = columns.iter().any(|c| !(1e-9..=1e9).contains(&c.length()));
-    if flat || odd || !(translation.length() < 1e12) {
+    let far = !translation.is_finite() || translation.length() > 1e12;
+    if flat || odd || far {
         return Err(format!(
             "its axes are {columns:?} from {translation}, which is no lattice; \
              mend the header, or give the spacing and the origin"

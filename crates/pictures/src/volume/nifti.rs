@@ -79,9 +79,10 @@ impl Header {
             first.copy_from_slice(there);
         }
         for big in [false, true] {
-            let length = match big {
-                false => u32::from_le_bytes(first),
-                true => u32::from_be_bytes(first),
+            let length = if big {
+                u32::from_be_bytes(first)
+            } else {
+                u32::from_le_bytes(first)
             };
             let version = LENGTHS.iter().position(|l| *l as u32 == length);
             if let Some(version) = version {
@@ -187,8 +188,8 @@ impl Header {
         };
         // Axes of one sample may have no spacing.
         let sizes = self.sizes().unwrap_or([1; 3]);
-        for axis in 0..3 {
-            if sizes[axis] == 1 && lies.matrix3.col(axis) == DVec3::ZERO {
+        for (axis, size) in sizes.into_iter().enumerate() {
+            if size == 1 && lies.matrix3.col(axis) == DVec3::ZERO {
                 let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
                 let across = lies.matrix3.col(a).cross(lies.matrix3.col(b));
                 *lies.matrix3.col_mut(axis) = across.normalize_or_zero();
