@@ -19,6 +19,8 @@ mod drawing;
 mod error;
 mod outline;
 mod roots;
+mod stroke;
+mod svg;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -26,3 +28,4 @@ mod tree;
 pub use drawing::Drawing;
 pub use error::DrawingError;
 pub use outline::{Fill, Outline};
+pub use svg::{Anchor, MOST_SVG_BYTES, SvgOptions, White};

@@ -42,7 +42,7 @@ impl Outline {
         (self.start, self.at) = (p, p);
     }
 
-    fn push(&mut self, control: &[DVec2]) {
+    pub(crate) fn push(&mut self, control: &[DVec2]) {
         let curve = Curve::new(control);
         self.at = curve.end();
         if control.iter().any(|p| *p != control[0]) {

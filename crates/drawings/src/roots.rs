@@ -38,6 +38,12 @@ impl Bernstein {
         changes
     }
 
+    /// Whether it rises at its one zero. It may be zero at 0 and 1 as well.
+    fn rises(&self) -> bool {
+        let first = self.coefficients().iter().find(|v| **v != 0.0);
+        first.is_some_and(|v| *v < 0.0)
+    }
+
     /// Its value and its derivative.
     fn at(&self, t: f64) -> (f64, f64) {
         let u = 1.0 - t;
@@ -69,9 +75,9 @@ impl Bernstein {
         [left, right]
     }
 
-    /// Its one zero, if its ends have different signs.
+    /// Its one zero, if its coefficients change signs once.
     fn zero(&self) -> f64 {
-        let rises = self.values[0] < 0.0;
+        let rises = self.rises();
         let (mut low, mut high) = (0.0, 1.0);
         let mut t = 0.5;
         for _ in 0..60 {
@@ -116,8 +122,7 @@ pub(crate) fn each_crossing(of: &Bernstein, mut f: impl FnMut(f64, bool)) {
     match of.changes() {
         0 => return,
         1 => {
-            let rises = of.coefficients().iter().find(|v| **v != 0.0);
-            f(of.zero(), rises.is_some_and(|v| *v < 0.0));
+            f(of.zero(), of.rises());
             return;
         }
         _ => {}
@@ -128,8 +133,7 @@ pub(crate) fn each_crossing(of: &Bernstein, mut f: impl FnMut(f64, bool)) {
         match part.changes() {
             0 => {}
             1 => {
-                let rises = part.coefficients().iter().find(|v| **v != 0.0);
-                f(from + size * part.zero(), rises.is_some_and(|v| *v < 0.0));
+                f(from + size * part.zero(), part.rises());
             }
             _ if depth == DEEPEST => f(from, true),
             _ => {

@@ -5,7 +5,7 @@ use crate::tree::Tree;
 use glam::DVec2;
 
 /// The most pairs of pieces that are looked at.
-const MOST_PAIRS: usize = 20_000_000;
+const MOST_PAIRS: usize = 4_000_000;
 
 /// The most pairs of parts of two pieces. Two pieces that cross take some
 /// hundred; those that lie on one another take any number, and are cut where
