@@ -23,9 +23,13 @@ mod stroke;
 mod svg;
 #[cfg(test)]
 mod tests;
+#[cfg(feature = "text")]
+mod text;
 mod tree;
 
 pub use drawing::Drawing;
 pub use error::DrawingError;
 pub use outline::{Fill, Outline};
 pub use svg::{Anchor, MOST_SVG_BYTES, SvgOptions, White};
+#[cfg(feature = "text")]
+pub use text::{Align, TextOptions, Vertical};

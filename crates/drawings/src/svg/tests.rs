@@ -300,6 +300,7 @@ fn what_is_left_out_is_named() {
 #[test]
 fn hostile_files_are_refused_with_words() {
     let deep = format!("{}{}", "<g>".repeat(3000), "</g>".repeat(3000));
+    let deeper = "<g>".repeat(300_000) + &"</g>".repeat(300_000);
     let bomb: String = (0..20)
         .map(|i| {
             format!(
@@ -337,6 +338,7 @@ fn hostile_files_are_refused_with_words() {
         ("empty", page(""), "nothing in it is an area"),
         ("line", page("<path d='M0 0L50 50'/>"), "nothing in it"),
         ("deep", page(&deep), "deep"),
+        ("deeper", page(&deeper), "deep"),
         (
             "use of itself",
             page("<g id='a'><use href='#a'/></g>"),

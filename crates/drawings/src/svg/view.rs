@@ -82,7 +82,7 @@ pub(super) fn transform(node: Node) -> Option<DAffine2> {
                 DAffine2::from_cols_array(&[1.0, slope, 0.0, 1.0, 0.0, 0.0])
             }
         };
-        all = all * next;
+        all *= next;
     }
     Some(all)
 }

@@ -251,11 +251,11 @@ impl<'a> Walk<'a> {
         place: Place,
     ) -> Problem<()> {
         let [fill, line] = style.paints();
-        let first = self.outlines.len();
+        let mut made = Vec::new();
         if fill != Paint::None {
             let mut filled = path.filled(style.rule);
             filled.cuts = fill == Paint::White;
-            self.outlines.push(filled);
+            made.push(filled);
         }
         let width = length(style.width, Share::Diagonal, place.port);
         let scale = place.to_mm.matrix2.determinant().abs().sqrt();
@@ -273,21 +273,20 @@ impl<'a> Walk<'a> {
                 miter: style.miter,
                 accuracy: self.accuracy / scale,
             };
-            let from = self.outlines.len();
+            let from = made.len();
             for strand in &path.strands {
-                stroke(strand, &pen, &mut self.outlines);
-                if self.outlines.len() > MOST_CURVES {
+                stroke(strand, &pen, &mut made);
+                if made.len() > MOST_CURVES {
                     break;
                 }
             }
-            for outline in &mut self.outlines[from..] {
+            for outline in &mut made[from..] {
                 outline.cuts = line == Paint::White;
             }
         }
-        self.outlines.retain(|o| !o.is_empty());
-        for outline in self.outlines.iter_mut().skip(first) {
-            *outline = outline.mapped(place.to_mm);
+        for outline in made.iter().filter(|o| !o.is_empty()) {
             self.curves += outline.len();
+            self.outlines.push(outline.mapped(place.to_mm));
         }
         if self.curves > MOST_CURVES {
             return Err(format!(
