@@ -1,13 +1,14 @@
 //! Pictures, volumes and scattered samples as functions of three coordinates.
 //!
-//! In: the bytes of a file, or numbers in memory. Out: a [`Picture`] or a
-//! [`Volume`], which are [`isocontour::Data`]: they have a value and a gradient
+//! In: the bytes of a file, or numbers in memory. Out: a [`Picture`], a
+//! [`Volume`] or [`Samples`], which are [`isocontour::Data`]: they have a value and a gradient
 //! at each place, and bounds of both over boxes.
 //!
 //! ```text
 //!  PNG, JPEG, .npy ──► Picture ─┐
 //!                               ├─► lattice: numbers, how to go between them,
 //!  NRRD, NIfTI, .npy ► Volume ──┘   and pyramids of their bounds
+//!  CSV ──────────────► Samples ───► a tree of places
 //! ```
 //!
 //! Guarantees: the same values on any machine; a value and its gradient are
@@ -25,6 +26,7 @@ mod lattice;
 mod npy;
 mod numbers;
 mod picture;
+mod samples;
 mod stream;
 #[cfg(test)]
 mod testing;
@@ -34,6 +36,7 @@ pub use error::DataError;
 pub use lattice::{Border, Interpolation};
 pub use numbers::Numbers;
 pub use picture::{Picture, PictureOptions, TransparentAs};
+pub use samples::{Between, Samples, SamplesOptions};
 pub use volume::{Axes, Volume, VolumeOptions};
 
 /// The most memory that the numbers of one file may take, bytes: a volume of
