@@ -25,6 +25,10 @@ pub struct Outline {
     pub(crate) fill: Fill,
     /// Whether it cuts away from what was drawn before it.
     pub(crate) cuts: bool,
+    /// The windows, by their numbers, in all of which it is seen.
+    pub(crate) seen_in: Vec<u32>,
+    /// The window of which it is a part, if it is not drawn itself.
+    pub(crate) window: Option<u32>,
 }
 
 impl Outline {
@@ -126,7 +130,7 @@ impl Outline {
             curves: self.curves.iter().map(|c| c.map(map)).collect(),
             start: map(self.start),
             at: map(self.at),
-            ..*self
+            ..self.clone()
         }
     }
 

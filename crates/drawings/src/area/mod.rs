@@ -23,10 +23,12 @@ use winding::Winding;
 pub(crate) const MOST_CURVES: usize = 1 << 18;
 
 /// What a shape does with the points that it covers.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Shape {
     fill: Fill,
     cuts: bool,
+    seen_in: Vec<u32>,
+    window: Option<u32>,
 }
 
 /// A part of the border.
@@ -65,6 +67,8 @@ impl Area {
             .map(|o| Shape {
                 fill: o.fill,
                 cuts: o.cuts,
+                seen_in: o.seen_in.clone(),
+                window: o.window,
             })
             .collect();
         let mut pieces: Vec<(Curve, u32)> = Vec::new();

@@ -3,6 +3,7 @@
 use super::{Area, Edge, SMOOTH};
 use crate::curve::Box2;
 use glam::DVec2;
+use std::cell::Cell;
 
 type Range = [f64; 2];
 
@@ -101,16 +102,15 @@ impl Area {
             0.0
         };
         let mut ways = Ways([NONE; 2]);
-        let mut met = 0;
-        let near = |b: &Box2| b.distance(over) <= far;
+        let met = Cell::new(0);
+        let near =
+            |b: &Box2| met.get() <= MOST_EDGES && b.distance(over) <= far;
         self.tree.each(near, |edge| {
-            met += 1;
-            if met <= MOST_EDGES {
-                let of = self.edges[edge].ways(over, far, sign);
-                ways = ways.both(of);
-            }
+            met.set(met.get() + 1);
+            let of = self.edges[edge].ways(over, far, sign);
+            ways = ways.both(of);
         });
-        if met > MOST_EDGES {
+        if met.get() > MOST_EDGES {
             return Ways::ALL.0;
         }
         ways.wider(4.0 * SMOOTH).0

@@ -42,7 +42,8 @@ impl Winding {
         size_of_val(self.pieces.as_slice()) + self.tree.bytes()
     }
 
-    /// Whether a point is inside: what the last shape that covers it says.
+    /// Whether a point is inside: what the last shape says that covers it and
+    /// is seen there.
     pub(super) fn is_inside(&self, p: DVec2) -> bool {
         let mut first: Met = (0, 0);
         let mut others: Vec<Met> = Vec::new();
@@ -67,18 +68,22 @@ impl Winding {
             }
         });
         others.push(first);
-        let covers = |(shape, round): &&Met| {
-            self.shapes.get(*shape as usize).is_some_and(|shape| {
-                match shape.fill {
-                    Fill::NonZero => *round != 0,
-                    Fill::EvenOdd => round % 2 != 0,
-                }
+        let shape = |number: u32| self.shapes.get(number as usize);
+        others.retain(|(number, round)| {
+            shape(*number).is_some_and(|shape| match shape.fill {
+                Fill::NonZero => *round != 0,
+                Fill::EvenOdd => round % 2 != 0,
+            })
+        });
+        let windows = || others.iter().filter_map(|met| shape(met.0)?.window);
+        let seen = |met: &&Met| {
+            shape(met.0).is_some_and(|shape| {
+                let open = |window: &u32| windows().any(|w| w == *window);
+                shape.window.is_none() && shape.seen_in.iter().all(open)
             })
         };
-        let top = others.iter().filter(covers).max_by_key(|met| met.0);
-        top.is_some_and(|(shape, _)| {
-            self.shapes.get(*shape as usize).is_some_and(|s| !s.cuts)
-        })
+        let top = others.iter().filter(seen).max_by_key(|met| met.0);
+        top.and_then(|met| shape(met.0)).is_some_and(|s| !s.cuts)
     }
 }
 

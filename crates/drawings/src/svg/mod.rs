@@ -13,7 +13,7 @@ mod tests;
 mod view;
 mod walk;
 
-use crate::curve::Box2;
+use crate::area::Area;
 use crate::drawing::Drawing;
 use crate::error::{DrawingError, Problem};
 use crate::outline::Outline;
@@ -131,7 +131,7 @@ fn read(name: &str, bytes: &[u8], options: &SvgOptions) -> Problem<Drawing> {
         walk.children(root, &style, place)?;
     }
     let mut outlines = std::mem::take(&mut walk.outlines);
-    let any = outlines.iter().any(|o| !o.cuts);
+    let any = outlines.iter().any(|o| !o.cuts && o.window.is_none());
     if options.white == White::Area || !any {
         outlines.iter_mut().for_each(|o| o.cuts = false);
     }
@@ -219,6 +219,7 @@ fn page(root: Node) -> Problem<Place> {
         to_mm,
         port,
         depth: 0,
+        seen_in: 0,
     })
 }
 
@@ -228,13 +229,11 @@ fn place_all(outlines: &mut [Outline], options: &SvgOptions) -> Problem<()> {
     if options.anchor == Anchor::Page && sized == [None; 2] {
         return Ok(());
     }
-    let bounds = outlines
-        .iter()
-        .filter(|o| !o.cuts)
-        .flat_map(|o| o.curves())
-        .flat_map(|c| c.monotone())
-        .map(|c| c.bounds())
-        .fold(Box2::NONE, Box2::union);
+    let Some(area) = Area::new(outlines) else {
+        // The drawing itself says why.
+        return Ok(());
+    };
+    let bounds = area.bounds();
     let size = bounds.size();
     if !(size.is_finite() && size.min_element() > 0.0) {
         return Ok(());

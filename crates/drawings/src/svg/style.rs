@@ -6,7 +6,7 @@ use crate::stroke::{Cap, Join};
 use roxmltree::Node;
 use simplecss::{AttributeOperator, DeclarationTokenizer, PseudoClass};
 use std::str::FromStr;
-use svgtypes::{Color, Length, Paint as SvgPaint};
+use svgtypes::{Color, FuncIRI, Length, Paint as SvgPaint};
 
 /// What a shape is painted with. Colours do not matter but for white.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +21,8 @@ pub(super) enum Paint {
 pub(super) struct Style {
     pub(super) fill: Paint,
     pub(super) rule: Fill,
+    /// The rule where it is a part of a clip path.
+    pub(super) clip_rule: Fill,
     pub(super) stroke: Paint,
     pub(super) width: Length,
     pub(super) cap: Cap,
@@ -39,6 +41,7 @@ impl Default for Style {
         Style {
             fill: Paint::Colour,
             rule: Fill::NonZero,
+            clip_rule: Fill::NonZero,
             stroke: Paint::None,
             width: Length::new_number(1.0),
             cap: Cap::Butt,
@@ -54,11 +57,13 @@ impl Default for Style {
 }
 
 /// What an element has for itself.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Own {
     /// It and all in it is not drawn.
     pub(super) hidden: bool,
-    /// It is cut, masked or filtered.
+    /// The name of its clip path.
+    pub(super) clip: Option<String>,
+    /// It is masked or filtered.
     pub(super) cut: Option<&'static str>,
 }
 
@@ -111,11 +116,8 @@ impl Style {
             "color" if !inherit => {
                 self.colour = self.paint(value, self.colour, parent.colour);
             }
-            "fill-rule" => match value {
-                "evenodd" => self.rule = Fill::EvenOdd,
-                "nonzero" => self.rule = Fill::NonZero,
-                _ => self.rule = parent.rule,
-            },
+            "fill-rule" => self.rule = rule(value, parent.rule),
+            "clip-rule" => self.clip_rule = rule(value, parent.clip_rule),
             "stroke-width" => {
                 self.width = Length::from_str(value).unwrap_or(parent.width);
             }
@@ -147,7 +149,10 @@ impl Style {
             "opacity" if is_zero(value) => own.hidden = true,
             "fill-opacity" if !inherit => self.clear[0] = is_zero(value),
             "stroke-opacity" if !inherit => self.clear[1] = is_zero(value),
-            "clip-path" if value != "none" => own.cut = Some("clip path"),
+            "clip-path" => {
+                let link = FuncIRI::from_str(value);
+                own.clip = link.ok().map(|link| link.0.to_owned());
+            }
             "mask" if value != "none" => own.cut = Some("mask"),
             "filter" if value != "none" => own.cut = Some("filter"),
             _ => {}
@@ -167,6 +172,14 @@ impl Style {
             Ok(_) => Paint::Colour,
             Err(_) => old,
         }
+    }
+}
+
+fn rule(value: &str, parent: Fill) -> Fill {
+    match value {
+        "evenodd" => Fill::EvenOdd,
+        "nonzero" => Fill::NonZero,
+        _ => parent,
     }
 }
 

@@ -130,6 +130,47 @@ fn what_cannot_be_seen_is_not_there() {
 }
 
 #[test]
+fn clip_paths_are_windows() {
+    let clip = |inner: &str, rest: &str| {
+        format!(
+            "<clipPath id='c' {rest}>{inner}</clipPath><g \
+             clip-path='url(#c)'><rect width='80' height='80'/></g>"
+        )
+    };
+    let square = "<rect x='20' y='20' width='20' height='20' fill='none'/>";
+    values(
+        &clip(square, ""),
+        &[(30.0, 30.0, -10.0), (10.0, 30.0, 10.0)],
+    );
+    let moved = "transform='translate(30)'";
+    values(
+        &clip(square, moved),
+        &[(60.0, 30.0, -10.0), (40.0, 30.0, 10.0)],
+    );
+    let odd = "<path clip-rule='evenodd' \
+        d='M10 10H50V50H10zM20 20H40V40H20z'/>";
+    values(&clip(odd, ""), &[(30.0, 30.0, 10.0), (15.0, 30.0, -5.0)]);
+    // Of two windows what is in both is seen.
+    let two = format!(
+        "<clipPath id='d'><rect width='30' height='90'/></clipPath><g \
+         clip-path='url(#d)'>{}</g>",
+        clip(square, "")
+    );
+    values(&two, &[(25.0, 30.0, -5.0), (35.0, 30.0, 5.0)]);
+    let own = format!(
+        "<clipPath id='d'><rect width='30' height='90'/></clipPath>{}",
+        clip(square, "clip-path='url(#d)'")
+    );
+    values(&own, &[(25.0, 30.0, -5.0), (35.0, 30.0, 5.0)]);
+    // None of the page's size matters.
+    let empty = clip("", "");
+    assert!(read(&page(&empty)).is_err());
+    let itself = clip(square, "clip-path='url(#c)'");
+    let error = read(&page(&itself)).unwrap_err();
+    assert!(error.problem().contains("uses itself"));
+}
+
+#[test]
 fn lines_are_bands() {
     let line = |style: &str| {
         format!(
@@ -272,10 +313,7 @@ fn what_is_left_out_is_named() {
         ("<use href='other.svg#x'/>", "another file"),
         ("<use href='#none'/>", "`#none`"),
         ("<path d='M0 0 L5 x'/>", "mistake"),
-        (
-            "<rect clip-path='url(#c)' width='9' height='9'/>",
-            "clip path",
-        ),
+        ("<rect mask='url(#c)' width='9' height='9'/>", "mask"),
         (
             "<path d='M0 0H9' stroke='red' stroke-dasharray='1'/>",
             "dashes",

@@ -26,6 +26,8 @@ pub(super) struct Place {
     /// The size of the port, of which percentages are shares.
     pub(super) port: DVec2,
     pub(super) depth: usize,
+    /// The number of the list of windows in which it is seen.
+    pub(super) seen_in: usize,
 }
 
 pub(super) struct Walk<'a> {
@@ -33,6 +35,11 @@ pub(super) struct Walk<'a> {
     /// Elements by their names.
     pub(super) named: BTreeMap<&'a str, NodeId>,
     pub(super) outlines: Vec<Outline>,
+    /// Lists of windows, which are clip paths. The first is empty.
+    seen_in: Vec<Vec<u32>>,
+    windows: u32,
+    /// The window that is being made.
+    window: Option<u32>,
     /// How many lines and curves those have.
     curves: usize,
     elements: usize,
@@ -53,6 +60,9 @@ impl<'a> Walk<'a> {
             sheet,
             named,
             outlines: Vec::new(),
+            seen_in: vec![Vec::new()],
+            windows: 0,
+            window: None,
             curves: 0,
             elements: 0,
             left_out: BTreeMap::new(),
@@ -111,7 +121,7 @@ impl<'a> Walk<'a> {
         if own.hidden {
             return Ok(());
         }
-        self.warn_of(own);
+        self.warn_of(&own);
         let Some(by) = transform(node) else {
             self.warn("a transform that cannot be read");
             return Ok(());
@@ -119,6 +129,10 @@ impl<'a> Walk<'a> {
         let place = Place {
             to_mm: place.to_mm * by,
             ..place
+        };
+        let place = match &own.clip {
+            Some(name) => self.clipped(node, name, place)?,
+            None => place,
         };
         match node.tag_name().name() {
             "g" | "a" | "switch" => self.children(node, &style, place),
@@ -148,7 +162,55 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn warn_of(&mut self, own: Own) {
+    /// Seen only within a clip path as well.
+    fn clipped(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        place: Place,
+    ) -> Problem<Place> {
+        let found = self.named.get(name).copied();
+        let clip = found.and_then(|id| node.document().get_node(id));
+        let clip = clip.filter(|c| c.tag_name().name() == "clipPath");
+        let Some(clip) = clip else {
+            return Ok(place);
+        };
+        let boxed = clip.attribute("clipPathUnits");
+        let by = transform(clip);
+        let (Some(by), true) = (by, boxed != Some("objectBoundingBox")) else {
+            self.warn("a clip path that cannot be read; all is drawn");
+            return Ok(place);
+        };
+        if self.using.contains(&clip.id()) || self.using.len() > DEEPEST {
+            return Err(format!("the clip path `#{name}` uses itself"));
+        }
+        self.using.push(clip.id());
+        let (style, own) = Style::default().of(clip, &self.sheet);
+        let mut inner = Place {
+            to_mm: place.to_mm * by,
+            seen_in: 0,
+            ..place
+        };
+        if let Some(name) = &own.clip {
+            inner = self.clipped(clip, name, inner)?;
+        }
+        let window = self.windows;
+        self.windows += 1;
+        let before = self.window.replace(window);
+        self.children(clip, &style, inner)?;
+        self.window = before;
+        self.using.pop();
+        let mut all = self.seen_in[place.seen_in].clone();
+        all.push(window);
+        all.extend(&self.seen_in[inner.seen_in]);
+        self.seen_in.push(all);
+        Ok(Place {
+            seen_in: self.seen_in.len() - 1,
+            ..place
+        })
+    }
+
+    fn warn_of(&mut self, own: &Own) {
         if let Some(cut) = own.cut {
             self.warn(format!("a {cut}, without which all is drawn"));
         }
@@ -184,8 +246,12 @@ impl<'a> Walk<'a> {
             Some(view) => (moved * fit(node, view, size), view[1]),
             None => (moved, size),
         };
-        let depth = place.depth;
-        self.children(node, style, Place { to_mm, port, depth })
+        let place = Place {
+            to_mm,
+            port,
+            ..place
+        };
+        self.children(node, style, place)
     }
 
     /// What `use` refers to.
@@ -234,7 +300,7 @@ impl<'a> Walk<'a> {
         let done = match target.tag_name().name() {
             "symbol" => {
                 let (style, own) = style.of(target, &self.sheet);
-                self.warn_of(own);
+                self.warn_of(&own);
                 self.port(target, &style, place, size)
             }
             _ => self.element(target, style, place),
@@ -250,6 +316,10 @@ impl<'a> Walk<'a> {
         style: &Style,
         place: Place,
     ) -> Problem<()> {
+        if self.window.is_some() {
+            // What it is painted with does not matter.
+            return self.add(vec![path.filled(style.clip_rule)], place);
+        }
         let [fill, line] = style.paints();
         let mut made = Vec::new();
         if fill != Paint::None {
@@ -284,9 +354,17 @@ impl<'a> Walk<'a> {
                 outline.cuts = line == Paint::White;
             }
         }
+        self.add(made, place)
+    }
+
+    /// Adds outlines at a place.
+    fn add(&mut self, made: Vec<Outline>, place: Place) -> Problem<()> {
         for outline in made.iter().filter(|o| !o.is_empty()) {
             self.curves += outline.len();
-            self.outlines.push(outline.mapped(place.to_mm));
+            let mut outline = outline.mapped(place.to_mm);
+            outline.window = self.window;
+            outline.seen_in.clone_from(&self.seen_in[place.seen_in]);
+            self.outlines.push(outline);
         }
         if self.curves > MOST_CURVES {
             return Err(format!(

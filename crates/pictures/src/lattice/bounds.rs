@@ -17,7 +17,7 @@ impl Lattice {
     pub(crate) fn range(&self, over: Ends) -> Range {
         let over = self.near(over);
         let range = match self.cells(over) {
-            Some(cells) => self.of_cells(&cells, over).0,
+            Some(cells) => self.of_cells(&cells, over, false).0,
             None => {
                 let all = self.stretches(over).map(|s| s.samples);
                 let range = self.over(&self.values, all, |at| self.number(at));
@@ -39,7 +39,7 @@ impl Lattice {
             let jumps = [f64::NEG_INFINITY, f64::INFINITY];
             return steps.map(|s| if s && !same { jumps } else { [0.0; 2] });
         } else if let Some(cells) = self.cells(over) {
-            self.of_cells(&cells, over).1
+            self.of_cells(&cells, over, true).1
         } else {
             self.of_differences(over)
         };
@@ -159,18 +159,20 @@ impl Lattice {
         })
     }
 
-    /// Bounds by the Bézier points of the pieces of some cells in a box.
+    /// Bounds by the Bézier points of the pieces of some cells in a box: of
+    /// slopes if `steep`, or else of values.
     fn of_cells(
         &self,
         cells: &[[i64; 2]; 3],
         over: Ends,
+        steep: bool,
     ) -> (Range, [Range; 3]) {
         let mut all = (NONE, [NONE; 3]);
         let [x, y, z] = *cells;
         for k in z[0]..=z[1] {
             for j in y[0]..=y[1] {
                 for i in x[0]..=x[1] {
-                    let (range, slopes) = self.of_cell([i, j, k], over);
+                    let (range, slopes) = self.of_cell([i, j, k], over, steep);
                     all.0 = both(all.0, range);
                     for (all, slope) in all.1.iter_mut().zip(slopes) {
                         *all = both(*all, slope);
@@ -181,7 +183,12 @@ impl Lattice {
         all
     }
 
-    fn of_cell(&self, cell: [i64; 3], over: Ends) -> (Range, [Range; 3]) {
+    fn of_cell(
+        &self,
+        cell: [i64; 3],
+        over: Ends,
+        steep: bool,
+    ) -> (Range, [Range; 3]) {
         let size = self.layout.size;
         let weights: [Stretched; 3] = std::array::from_fn(|a| {
             let corner = cell[a] as f64;
@@ -226,13 +233,14 @@ impl Lattice {
             range
         };
         let slopes = [0, 1, 2].map(|a| {
-            if size[a] == 1 {
+            if !steep || size[a] == 1 {
                 [0.0; 2]
             } else {
                 bezier(Some(a))
             }
         });
-        (bezier(None), slopes)
+        let values = if steep { [0.0; 2] } else { bezier(None) };
+        (values, slopes)
     }
 
     /// The rows of weights that matter: a straight line's ends, and its one
