@@ -8,7 +8,7 @@
 //!  PNG, JPEG, .npy ──► Picture ─┐
 //!                               ├─► lattice: numbers, how to go between them,
 //!  NRRD, NIfTI, .npy ► Volume ──┘   and pyramids of their bounds
-//!  CSV ──────────────► Samples ───► a tree of places
+//!  CSV, VTU ─────────► Samples ───► a tree of places
 //! ```
 //!
 //! Guarantees: the same values on any machine; a value and its gradient are

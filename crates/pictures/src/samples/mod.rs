@@ -12,6 +12,7 @@ mod csv;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod vtu;
 
 use crate::error::{DataError, Problem};
 use glam::{DMat3, DVec3};
@@ -42,8 +43,10 @@ pub enum Between {
 /// How samples are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SamplesOptions {
-    /// The name of the column with the values, or how it begins. Without it,
-    /// there has to be one column beside x, y, z and numbers of nodes.
+    /// The name of the column with the values, or how it begins; of a VTU file
+    /// the name of the array, with the number of the component if it has
+    /// several: `stress:2`. Without it, there has to be one column beside x, y,
+    /// z and numbers of nodes, or one array.
     pub column: Option<String>,
     /// How many mm the file's unit of length has.
     pub unit_mm: f64,
@@ -129,21 +132,25 @@ struct Read {
 
 impl Samples {
     /// Reads a CSV file: a sample a line, columns between commas, semicolons,
-    /// tabs or spaces, with or without names in the first line. Samples whose
-    /// value is empty or NaN are left out.
+    /// tabs or spaces, with or without names in the first line. Or a VTU file:
+    /// values at points, or at the centres of cells. Samples whose value is
+    /// empty, NaN or infinite are left out.
     ///
     /// # Errors
-    /// If the file is no such text, or has no sample, or an option makes no
-    /// sense.
+    /// If the file is neither, or has no sample, or an option makes no sense.
     pub fn read(
         name: &str,
         bytes: &[u8],
         options: &SamplesOptions,
     ) -> Result<Samples, DataError> {
-        isoslice_base::encoding::text(bytes)
-            .map_err(|e| e.to_string())
-            .and_then(|text| csv::read(text, options))
-            .and_then(|read| Samples::new(name, read, options))
+        let read = if vtu::is(bytes) {
+            vtu::read(bytes, options)
+        } else {
+            isoslice_base::encoding::text(bytes)
+                .map_err(|e| e.to_string())
+                .and_then(|text| csv::read(text, options))
+        };
+        read.and_then(|read| Samples::new(name, read, options))
             .map_err(|problem| DataError::new(name, problem))
     }
 

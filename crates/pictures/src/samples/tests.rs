@@ -170,3 +170,228 @@ fn what_is_no_sample_is_refused() {
         }
     }
 }
+
+/// How a VTU file keeps its arrays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kept {
+    Text,
+    Base64,
+    Appended,
+    AppendedBase64,
+}
+
+/// Bytes with the header that says how many they are.
+fn with_header(bytes: &[u8], zip: bool, base64: bool) -> Vec<u8> {
+    use base64::Engine;
+    use std::io::Write;
+    let encode = |b: &[u8]| {
+        let engine = base64::engine::general_purpose::STANDARD;
+        if base64 {
+            engine.encode(b).into_bytes()
+        } else {
+            b.to_vec()
+        }
+    };
+    let word = |n: usize| (n as u64).to_le_bytes();
+    if !zip {
+        return encode(&[&word(bytes.len())[..], bytes].concat());
+    }
+    // Blocks of 40 bytes.
+    let blocks: Vec<Vec<u8>> = bytes
+        .chunks(40)
+        .map(|block| {
+            let fast = flate2::Compression::fast();
+            let mut zip = flate2::write::ZlibEncoder::new(Vec::new(), fast);
+            zip.write_all(block).unwrap();
+            zip.finish().unwrap()
+        })
+        .collect();
+    let mut header = word(blocks.len()).to_vec();
+    header.extend(word(40));
+    header.extend(word(bytes.len() % 40));
+    blocks.iter().for_each(|b| header.extend(word(b.len())));
+    [encode(&header), encode(&blocks.concat())].concat()
+}
+
+/// Two tetrahedra with values at points (x + y) and in cells (7 and 9), and a
+/// vector.
+fn vtu(kept: Kept, zip: bool) -> Vec<u8> {
+    let points = [
+        [0.0, 0.0, 0.0],
+        [4.0, 0.0, 0.0],
+        [0.0, 4.0, 0.0],
+        [0.0, 0.0, 4.0],
+        [4.0, 4.0, 4.0],
+    ];
+    let mut appended = Vec::new();
+    let mut array = |name: &str, kind: &str, n: usize, values: &[f64]| {
+        let mut bytes = Vec::new();
+        for v in values {
+            match kind {
+                "Float64" => bytes.extend(v.to_le_bytes()),
+                "Float32" => bytes.extend((*v as f32).to_le_bytes()),
+                _ => bytes.extend((*v as i64).to_le_bytes()),
+            }
+        }
+        let base64 = kept != Kept::Appended;
+        let (format, offset, inner) = match kept {
+            Kept::Text => {
+                let words: Vec<String> =
+                    values.iter().map(f64::to_string).collect();
+                ("ascii", String::new(), words.join(" "))
+            }
+            Kept::Base64 => {
+                let text = with_header(&bytes, zip, true);
+                let text = String::from_utf8(text).unwrap();
+                ("binary", String::new(), text)
+            }
+            _ => {
+                let offset = format!("offset='{}'", appended.len());
+                appended.extend(with_header(&bytes, zip, base64));
+                ("appended", offset, String::new())
+            }
+        };
+        format!(
+            "<DataArray Name='{name}' type='{kind}' NumberOfComponents='{n}' \
+             format='{format}' {offset}>\n{inner}\n</DataArray>"
+        )
+    };
+    let flat = points.concat();
+    let sums: Vec<f64> = points.iter().map(|p| p[0] + p[1]).collect();
+    let inner = [
+        "<PointData>".into(),
+        array("sum", "Float32", 1, &sums),
+        array("where", "Float64", 3, &flat),
+        "</PointData><CellData>".into(),
+        array("cell", "Float64", 1, &[7.0, 9.0]),
+        "</CellData><Points>".into(),
+        array("Points", "Float32", 3, &flat),
+        "</Points><Cells>".into(),
+        array(
+            "connectivity",
+            "Int64",
+            1,
+            &[0.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 4.0],
+        ),
+        array("offsets", "Int64", 1, &[4.0, 8.0]),
+        "</Cells>".into(),
+    ]
+    .concat();
+    let zipped = if zip {
+        "compressor='vtkZLibDataCompressor'"
+    } else {
+        ""
+    };
+    let mut file = format!(
+        "<?xml version='1.0'?><VTKFile type='UnstructuredGrid' \
+         byte_order='LittleEndian' header_type='UInt64' {zipped}>\
+         <UnstructuredGrid><Piece NumberOfPoints='5' NumberOfCells='2'>{inner}\
+         </Piece></UnstructuredGrid>"
+    )
+    .into_bytes();
+    if !appended.is_empty() {
+        let encoding = match kept {
+            Kept::Appended => "raw",
+            _ => "base64",
+        };
+        file.extend(format!("<AppendedData encoding='{encoding}'>\n_").bytes());
+        file.extend(appended);
+        file.extend(b"\n</AppendedData>");
+    }
+    file.extend(b"</VTKFile>");
+    file
+}
+
+const KEPT: [(Kept, bool); 7] = [
+    (Kept::Text, false),
+    (Kept::Base64, false),
+    (Kept::Base64, true),
+    (Kept::Appended, false),
+    (Kept::Appended, true),
+    (Kept::AppendedBase64, false),
+    (Kept::AppendedBase64, true),
+];
+
+#[test]
+fn vtu_files_are_read() {
+    for (kept, zip) in KEPT {
+        let file = vtu(kept, zip);
+        let value = |column: &str, p: DVec3| {
+            let options = SamplesOptions {
+                column: Some(column.into()),
+                between: Between::Nearest,
+                ..SamplesOptions::default()
+            };
+            let samples = Samples::read("a.vtu", &file, &options);
+            samples
+                .unwrap_or_else(|e| panic!("{kept:?} {zip}: {e}"))
+                .value(p)
+        };
+        assert_eq!(value("sum", DVec3::splat(4.0)), 8.0);
+        assert_eq!(value("Sum", DVec3::new(4.1, 0.0, 0.0)), 4.0);
+        assert_eq!(value("where:2", DVec3::new(0.0, 0.0, 4.0)), 4.0);
+        // At the centres, (1, 1, 1) and (2, 2, 2).
+        assert_eq!(value("cell", DVec3::splat(1.4)), 7.0);
+        assert_eq!(value("cell", DVec3::splat(1.6)), 9.0);
+    }
+}
+
+#[test]
+fn broken_vtu_files_are_refused_with_words() {
+    let good = String::from_utf8(vtu(Kept::Text, false)).unwrap();
+    let error = |text: &str, column: Option<&str>| {
+        let options = SamplesOptions {
+            column: column.map(str::to_owned),
+            ..SamplesOptions::default()
+        };
+        let read = Samples::read("a.vtu", text.as_bytes(), &options);
+        read.map(|_| ()).unwrap_err().to_string()
+    };
+    let sum = Some("sum");
+    for (from, to, column, words) in [
+        ("x", "x", None, "which of its values"),
+        ("x", "x", Some("none"), "there are sum, where, cell"),
+        ("x", "x", Some("where"), "where:0"),
+        ("x", "x", Some("where:3"), "where:0"),
+        ("UnstructuredGrid", "PolyData", sum, "PolyData"),
+        ("'5'", "'-5'", sum, "NumberOfPoints"),
+        ("'5'", "'999999999999'", sum, "NumberOfPoints"),
+        ("'5'", "'9000000'", sum, "fewer numbers"),
+        ("0 4 4 0 8", "0 4 4 0", sum, "fewer numbers"),
+        ("0 4 4 0 8", "0 4 4 0 x", sum, "no number"),
+        ("0 1 2 3", "0 1 2 93", Some("cell"), "cell 0"),
+        ("4 8\n", "4 1e9\n", Some("cell"), "points"),
+        (
+            "8\n</DataArray></Cells>",
+            "0\n</DataArray></Cells>",
+            Some("cell"),
+            "cell",
+        ),
+        ("'ascii'", "'binary'", sum, "array"),
+        ("'ascii'", "'appended' offset='0'", sum, "there is not"),
+        ("</Piece>", "", sum, "no XML"),
+        ("type='Unst", "compressor='vtkLZ4' type='Unst", sum, "zlib"),
+    ] {
+        let error = error(&good.replace(from, to), column);
+        assert!(error.contains(words), "{from} {to}: {error}");
+    }
+    let mut random = fastrand::Rng::with_seed(2);
+    for (kept, zip) in KEPT {
+        let good = vtu(kept, zip);
+        for _ in 0..600 {
+            let mut bad = good.clone();
+            for _ in 0..random.usize(1..4) {
+                let at = random.usize(..bad.len());
+                bad[at] = random.u8(..);
+            }
+            bad.truncate(random.usize(bad.len() / 2..=bad.len()));
+            for column in ["sum", "cell"] {
+                let options = SamplesOptions {
+                    column: Some(column.into()),
+                    ..SamplesOptions::default()
+                };
+                let _ = Samples::read("a.vtu", &bad, &options);
+            }
+        }
+    }
+}
