@@ -238,7 +238,7 @@ fn not(values: &[Term]) -> Term {
 
 #[cfg(test)]
 mod tests {
-    use super::super::files::Files;
+    use super::super::data::Files;
     use super::super::formula::parse_formula;
     use super::super::script::{ScriptLimits, run_script};
     use super::*;

@@ -10,7 +10,7 @@
 //! | `script` | runs rhai scripts in a sandbox |
 //! | `vm` | reads fidget's text |
 //! | `formula` | reads one formula |
-//! | `files` | the data that models read, such as meshes |
+//! | `data` | what models read: meshes, drawings, pictures, volumes |
 //! | `functions`, `term` | what scripts, formulas and Python call by name |
 //! | `param` | parameters of scripts, `-D name=value`; `value`, `allowed`, what they may be |
 //! | `placement` | scale, rotation and place, by the box that [`isocontour::find_bounds`] finds |
@@ -31,9 +31,9 @@
 
 mod allowed;
 pub mod contour;
+mod data;
 mod error;
 pub mod expressions;
-mod files;
 mod formula;
 mod functions;
 pub mod heights;

@@ -3,15 +3,15 @@
 //! In: a file, or text with its format. Out: `Loaded`, an expression tree that
 //! is known to be expandable within bounds and to depend on x, y, z only.
 
+use super::data::{Files, is_mesh};
 use super::error::LoadError;
-use super::files::{Files, is_mesh, mesh_of};
 use super::formula::parse_formula;
 use super::param::{Parameter, none_wanted};
 use super::script::{ScriptLimits, run_script};
 use super::vm::parse_vm;
 use fidget::context::Tree;
 use glam::DVec2;
-use isocontour::{Data, call, data_of, expand};
+use isocontour::{Data, data_of, expand};
 use isoslice_base::encoding;
 use isoslice_base::files::{self, FileError};
 use std::fmt;
@@ -155,6 +155,8 @@ pub struct Loaded {
     pub data: Vec<Arc<dyn Data>>,
     /// The files that the data was read from, except for the model's own.
     pub files: Vec<PathBuf>,
+    /// What users should know of the data, in sentences.
+    pub notes: Vec<String>,
     /// Number of distinct operations, constants and variables.
     pub expression_size: usize,
 }
@@ -200,12 +202,12 @@ pub fn load_within(
     let (kind, bytes) = match source {
         Source::File(path) if is_mesh(path) => {
             no_parameters()?;
-            let shown = path.file_name().unwrap_or_default();
-            let shown = format!("mesh({shown:?})");
-            let data = mesh_of(&shown, path).map_err(LoadError::Mesh)?;
-            let (x, y, z) = Tree::axes();
-            let tree = call(&data, [x, y, z]);
-            return counted(file, name, tree, Vec::new());
+            let tree = files.mesh(path).map_err(LoadError::Mesh)?;
+            let loaded = counted(file, name, tree, Vec::new())?;
+            return Ok(Loaded {
+                notes: files.notes(),
+                ..loaded
+            });
         }
         Source::File(path) => {
             let kind = kind_of(path)?;
@@ -257,6 +259,7 @@ pub fn load_within(
     let loaded = counted(file, name, tree, parameters)?;
     Ok(Loaded {
         files: files.read(),
+        notes: files.notes(),
         ..loaded
     })
 }
@@ -274,6 +277,7 @@ fn counted(
         name,
         data: data_of(&tree),
         files: Vec::new(),
+        notes: Vec::new(),
         tree,
         parameters,
         expression_size: context.len(),

@@ -74,6 +74,11 @@ pub trait Data: Send + Sync {
     /// function.
     fn contents(&self, tell: &mut dyn FnMut(&[u8]));
 
+    /// True if it does not depend on z.
+    fn is_flat(&self) -> bool {
+        false
+    }
+
     /// The memory that it takes, in bytes.
     fn bytes(&self) -> usize;
 

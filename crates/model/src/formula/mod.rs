@@ -22,7 +22,7 @@ mod parser;
 mod tests;
 mod token;
 
-use super::files::Files;
+use super::data::Files;
 use super::term::Term;
 use fidget::context::Tree;
 pub(super) use names::Name;

@@ -3,7 +3,7 @@
 use super::FormulaError;
 use super::names::{CONSTANTS, Name, call, constant};
 use super::token::{Token, tokens};
-use crate::files::Files;
+use crate::data::{Files, KINDS, Options, kind};
 use crate::term::Term;
 use fidget::context::Tree;
 
@@ -198,15 +198,18 @@ impl Parser<'_> {
         column: usize,
     ) -> Result<Term, FormulaError> {
         let failed = |message| FormulaError { column, message };
-        if name != "mesh" {
+        let Some(kind) = kind(name) else {
+            let all: Vec<&str> = KINDS.iter().map(|k| k.example).collect();
             return Err(failed(format!(
-                "{name} takes no text; mesh(\"part.stl\") reads a mesh"
+                "{name} takes no text; these do: {}",
+                all.join(", ")
             )));
-        }
+        };
         let files = self.files.ok_or_else(|| {
             failed("only a model reads files, and no setting does".to_owned())
         })?;
-        files.mesh(text).map(Term::Field).map_err(failed)
+        let made = files.call(kind, text, &Options::new());
+        made.map(Term::Field).map_err(failed)
     }
 
     fn close(&mut self, opened: usize) -> Result<(), FormulaError> {

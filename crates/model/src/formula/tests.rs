@@ -1,5 +1,5 @@
 use super::*;
-use crate::files::Files;
+use crate::data::Files;
 use fidget::context::Context;
 
 fn value(text: &str, x: f32, y: f32, z: f32) -> f32 {

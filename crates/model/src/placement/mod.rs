@@ -179,7 +179,7 @@ pub fn place(
         };
         return place(&raised, &placement, volume);
     }
-    let mut warnings = Vec::new();
+    let mut warnings = loaded.notes.clone();
 
     // The size is that of the turned part, so the part is turned, then
     // measured, then scaled.

@@ -4,7 +4,7 @@
 use super::bodies::Bodies;
 use super::shape::{Outcome, describe, number, shape, term};
 use crate::allowed::Said;
-use crate::files::Files;
+use crate::data::{Files, Given, KINDS, Options};
 use crate::param::{ParamError, Table};
 use crate::term::Term;
 use crate::value::Value;
@@ -113,16 +113,71 @@ pub(super) fn add_param(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
     });
 }
 
-/// `mesh`, which reads a file beside the script.
-pub(super) fn add_files(
+/// `mesh`, `svg`, `text`, `image` and others, which read files beside the
+/// script. A text and perhaps options are their values.
+pub(super) fn add_data(
     engine: &mut Engine,
     files: &Arc<Files>,
     bodies: &Bodies,
 ) {
-    let (files, bodies) = (files.clone(), bodies.clone());
-    engine.register_fn("mesh", move |name: ImmutableString| -> Outcome<Tree> {
-        Ok(bodies.mark(files.mesh(&name)?))
-    });
+    type Text = ImmutableString;
+    for kind in KINDS {
+        let (files, bodies) = (files.clone(), bodies.clone());
+        let made = move |text: &str, options: Map| -> Outcome<Tree> {
+            let mut read = Options::new();
+            for (name, value) in options {
+                let given = given(&value).ok_or_else(|| {
+                    format!(
+                        "{}: {name} is {}; options are numbers, texts, and \
+                         lists of them",
+                        kind.name,
+                        describe(&value)
+                    )
+                })?;
+                read.insert(name.into(), given);
+            }
+            let tree = files.call(kind, text, &read)?;
+            Ok(if kind.is_body {
+                bodies.mark(tree)
+            } else {
+                tree
+            })
+        };
+        let plain = made.clone();
+        engine
+            .register_fn(kind.name, move |text: Text| plain(&text, Map::new()))
+            .register_fn(kind.name, move |text: Text, options: Map| {
+                made(&text, options)
+            })
+            .register_fn(kind.name, |other: Dynamic| -> Outcome<Tree> {
+                let (other, example) = (describe(&other), kind.example);
+                let what = if kind.of_file {
+                    "a file's name"
+                } else {
+                    "a text"
+                };
+                Err(format!(
+                    "{} takes {what}, as in {example}, not {other}",
+                    kind.name
+                )
+                .into())
+            });
+    }
+}
+
+/// An option's value.
+fn given(value: &Dynamic) -> Option<Given> {
+    if let Some(v) = number(value) {
+        return Some(Given::Number(v));
+    }
+    if let Ok(text) = value.clone().into_immutable_string() {
+        return Some(Given::Text(text.into()));
+    }
+    let all = value.as_array_ref().ok()?;
+    all.iter()
+        .map(given)
+        .collect::<Option<_>>()
+        .map(Given::List)
 }
 
 /// `axes`, `remap`, and the places of fidget.

@@ -44,13 +44,13 @@ pub use error::ScriptError;
 pub use limits::ScriptLimits;
 pub use shapes::makes_body;
 
-use super::files::Files;
+use super::data::Files;
 use super::param::{Parameter, Table};
 use bodies::Bodies;
 use cpu_time::ProcessTime;
 use error::explain;
 use fidget::context::Tree;
-use functions::{Shared, add_draw, add_files, add_param, add_places};
+use functions::{Shared, add_data, add_draw, add_param, add_places};
 use isoslice_base::limits::{Cancelled, doing, is_stopped, resident_bytes};
 use limits::{GO_ON, Stop};
 use named::add_names;
@@ -197,7 +197,7 @@ fn run_here(
     }));
     let bodies = Bodies::of_script();
     let mut engine = engine(limits.operations, stop, &bodies);
-    add_files(&mut engine, files, &bodies);
+    add_data(&mut engine, files, &bodies);
     add_draw(&mut engine, &shared);
     add_param(&mut engine, &shared);
 

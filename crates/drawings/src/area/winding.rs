@@ -1,0 +1,110 @@
+//! Whether points are inside.
+//!
+//! A ray to the right from the point crosses pieces, each of which rises or
+//! falls. A piece holds its lower end and not its upper, so that the ray meets
+//! a ring at each passage once.
+
+use super::Shape;
+use crate::curve::{Box2, Curve};
+use crate::outline::Fill;
+use crate::tree::Tree;
+use glam::DVec2;
+
+/// The pieces of all shapes.
+#[derive(Debug)]
+pub(super) struct Winding {
+    pieces: Vec<(Curve, u32)>,
+    tree: Tree,
+    shapes: Vec<Shape>,
+}
+
+/// How a shape is met by a ray: its number, and how often it is gone round.
+type Met = (u32, i32);
+
+impl Winding {
+    pub(super) fn new(
+        pieces: Vec<(Curve, u32)>,
+        shapes: Vec<Shape>,
+    ) -> Winding {
+        let boxes = pieces.iter().map(|(c, _)| c.bounds()).collect();
+        Winding {
+            pieces,
+            tree: Tree::new(boxes),
+            shapes,
+        }
+    }
+
+    pub(super) fn bounds(&self) -> Box2 {
+        self.tree.bounds()
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.pieces.as_slice()) + self.tree.bytes()
+    }
+
+    /// Whether a point is inside: what the last shape says that covers it and
+    /// is seen there.
+    pub(super) fn is_inside(&self, p: DVec2) -> bool {
+        let mut first: Met = (0, 0);
+        let mut others: Vec<Met> = Vec::new();
+        let ahead =
+            |b: &Box2| b.min.y <= p.y && p.y < b.max.y && p.x <= b.max.x;
+        self.tree.each(ahead, |i| {
+            let (piece, shape) = &self.pieces[i];
+            let way = passes(piece, p);
+            if way == 0 {
+                return;
+            }
+            if first.1 == 0 && others.is_empty() {
+                first = (*shape, way);
+            } else if first.0 == *shape {
+                first.1 += way;
+            } else if let Some(met) =
+                others.iter_mut().find(|met| met.0 == *shape)
+            {
+                met.1 += way;
+            } else {
+                others.push((*shape, way));
+            }
+        });
+        others.push(first);
+        let shape = |number: u32| self.shapes.get(number as usize);
+        others.retain(|(number, round)| {
+            shape(*number).is_some_and(|shape| match shape.fill {
+                Fill::NonZero => *round != 0,
+                Fill::EvenOdd => round % 2 != 0,
+            })
+        });
+        let windows = || others.iter().filter_map(|met| shape(met.0)?.window);
+        let seen = |met: &&Met| {
+            shape(met.0).is_some_and(|shape| {
+                let open = |window: &u32| windows().any(|w| w == *window);
+                shape.window.is_none() && shape.seen_in.iter().all(open)
+            })
+        };
+        let top = others.iter().filter(seen).max_by_key(|met| met.0);
+        top.and_then(|met| shape(met.0)).is_some_and(|s| !s.cuts)
+    }
+}
+
+/// How a ray to the right from a point passes a piece: 1 where it rises, -1
+/// where it falls, 0 if it misses it.
+fn passes(piece: &Curve, p: DVec2) -> i32 {
+    let (a, b) = (piece.start(), piece.end());
+    let (low, high, way) = if a.y < b.y {
+        (a.y, b.y, 1)
+    } else {
+        (b.y, a.y, -1)
+    };
+    if p.y < low || p.y >= high {
+        return 0;
+    }
+    let right = if p.x < a.x.min(b.x) {
+        true
+    } else if p.x > a.x.max(b.x) {
+        false
+    } else {
+        piece.x_at(p.y) > p.x
+    };
+    if right { way } else { 0 }
+}

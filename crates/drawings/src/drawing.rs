@@ -1,0 +1,163 @@
+//! Drawings as functions: the distance in the plane.
+
+use crate::area::{Area, MOST_CURVES};
+use crate::curve::{Box2, Curve};
+use crate::error::{DrawingError, Problem};
+use crate::outline::Outline;
+use glam::{DVec2, DVec3};
+use isocontour::{Bounds, Data};
+
+/// Greatest coordinate of a drawing, mm.
+const FARTHEST: f64 = 1e6;
+
+/// An area in the plane as a function of x and y, the same at all heights: the
+/// distance to its border, mm, negative inside.
+#[derive(Debug)]
+pub struct Drawing {
+    name: String,
+    area: Area,
+    warnings: Vec<String>,
+}
+
+impl Drawing {
+    /// What is inside outlines, in mm. Those that come later are on top.
+    ///
+    /// # Errors
+    /// If nothing is inside, if a coordinate is no number, or if there are too
+    /// many outlines or too many places where they cross.
+    pub fn new(
+        name: &str,
+        outlines: &[Outline],
+    ) -> Result<Drawing, DrawingError> {
+        Drawing::warned(name.to_owned(), outlines, Vec::new())
+            .map_err(|problem| DrawingError::new(name, problem))
+    }
+
+    pub(crate) fn warned(
+        name: String,
+        outlines: &[Outline],
+        warnings: Vec<String>,
+    ) -> Problem<Drawing> {
+        let mut closed = outlines.to_vec();
+        closed.iter_mut().for_each(Outline::close);
+        let count: usize = closed.iter().map(Outline::len).sum();
+        if count > MOST_CURVES {
+            return Err(format!(
+                "it has {count} lines and curves, and {MOST_CURVES} are the \
+                 most; simplify it (Inkscape: Path > Simplify)"
+            ));
+        }
+        let far = |c: &Curve| {
+            let b = c.bounds();
+            !c.is_finite() || b.max.max(-b.min).max_element() > FARTHEST
+        };
+        if closed.iter().flat_map(|o| o.curves()).any(far) {
+            return Err("a coordinate is no number, or beyond 1 km".into());
+        }
+        let area = Area::new(&closed).ok_or(
+            "its outlines cross one another too often; unite them (Inkscape: \
+             Path > Union)",
+        )?;
+        if area.bounds().size().min_element() <= 0.0 {
+            let mut problem =
+                "nothing in it is an area; fill its shapes".to_owned();
+            for warning in warnings {
+                problem += "; ";
+                problem += &warning;
+            }
+            return Err(problem);
+        }
+        Ok(Drawing {
+            name,
+            area,
+            warnings,
+        })
+    }
+
+    /// What of the file is not part of the area, and why.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The lower left and the upper right corner of the box around the area,
+    /// mm.
+    pub fn bounds(&self) -> [DVec2; 2] {
+        let Box2 { min, max } = self.area.bounds();
+        [min, max]
+    }
+}
+
+impl Data for Drawing {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn at(&self, p: DVec3) -> (f64, DVec3) {
+        let (value, gradient) = self.area.at(p.truncate());
+        (value, gradient.extend(0.0))
+    }
+
+    fn value(&self, p: DVec3) -> f64 {
+        let p = p.truncate();
+        let far = self.area.nearest(p, f64::INFINITY).far2.sqrt();
+        if self.area.is_inside(p) { -far } else { far }
+    }
+
+    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
+        // The last point and its value: no border is nearer than that.
+        let (mut last, mut value) = (DVec2::ZERO, f64::NAN);
+        for ((&x, &y), &z) in x.iter().zip(y).zip(z) {
+            let p = DVec3::new(x.into(), y.into(), z.into());
+            if !p.is_finite() {
+                out.push(f32::NAN);
+                continue;
+            }
+            let p = p.truncate();
+            let moved = (p - last).length();
+            if value.is_nan() {
+                value = self.value(p.extend(0.0));
+            } else if moved > 0.0 {
+                // Nor is any farther than that and the way here.
+                let most = (value.abs() + moved) * (1.0 + 1e-12) + 1e-12;
+                let near = self.area.nearest(p, most * most).far2.sqrt();
+                let inside = if moved * (1.0 + 1e-9) < value.abs() {
+                    value < 0.0
+                } else {
+                    self.area.is_inside(p)
+                };
+                value = if inside { -near } else { near };
+            }
+            last = p;
+            out.push(value as f32);
+        }
+    }
+
+    fn range(&self, over: &Bounds) -> [f64; 2] {
+        self.area.range(from_above(over))
+    }
+
+    fn slopes(&self, over: &Bounds) -> [[f64; 2]; 3] {
+        let [x, y] = self.area.slopes(from_above(over));
+        [x, y, [0.0; 2]]
+    }
+
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    fn bytes(&self) -> usize {
+        self.area.bytes()
+    }
+
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        // Numbers are written so that they are read back to the last bit.
+        tell(format!("{:?}", self.area).as_bytes());
+    }
+}
+
+fn from_above(over: &Bounds) -> Box2 {
+    Box2 {
+        min: over.min.truncate(),
+        max: over.max.truncate(),
+    }
+}

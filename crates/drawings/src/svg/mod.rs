@@ -1,0 +1,270 @@
+//! SVG files as drawings.
+//!
+//! `usvg`, which reads SVG for others, keeps coordinates in 32 bits and makes
+//! arcs of curves that are up to 0.03 % of the radius off, and it takes three
+//! times as long to compile as what is here. So the elements are gone through
+//! here, with the readers of XML, CSS and path data that `usvg` stands on.
+
+mod path;
+mod shapes;
+mod style;
+#[cfg(test)]
+mod tests;
+mod view;
+mod walk;
+
+use crate::area::Area;
+use crate::drawing::Drawing;
+use crate::error::{DrawingError, Problem};
+use crate::outline::Outline;
+use glam::{DAffine2, DVec2};
+use roxmltree::{Document, Node, NodeId, ParsingOptions};
+use simplecss::StyleSheet;
+use std::collections::BTreeMap;
+use style::Style;
+use view::{Share, attribute, fit, view_box};
+use walk::{Place, Walk};
+
+/// The most bytes of a file.
+pub const MOST_SVG_BYTES: usize = 1 << 25;
+
+/// The most elements, texts and comments of a file.
+const MOST_NODES: u32 = 1_000_000;
+
+/// The most rules of its style sheets.
+const MOST_RULES: usize = 1000;
+
+/// Millimetres of a pixel: 96 pixels are an inch.
+const PIXEL: f64 = 25.4 / 96.0;
+
+/// What lies at the origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Anchor {
+    /// The lower left corner of the page.
+    #[default]
+    Page,
+    /// The lower left corner of the box around the area.
+    Corner,
+    /// The middle of the box around the area.
+    Centre,
+}
+
+/// What white shapes are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum White {
+    /// They cut away what was drawn before them, as one sees it on white
+    /// paper; unless all is white, which is an area then.
+    #[default]
+    Cuts,
+    /// They are areas as all others.
+    Area,
+}
+
+/// How an SVG is laid out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SvgOptions {
+    /// The width of the box around the area, mm. Without it, it follows from
+    /// the height; without either, the file's own size counts: 96 pixels are
+    /// an inch, and lengths with a unit are what they say.
+    pub width_mm: Option<f64>,
+    /// The height of the box around the area, mm.
+    pub height_mm: Option<f64>,
+    /// What lies at the origin.
+    pub anchor: Anchor,
+    /// What white shapes are.
+    pub white: White,
+}
+
+/// The rules of all style sheets.
+pub(crate) struct Sheet<'a> {
+    rules: StyleSheet<'a>,
+}
+
+impl Drawing {
+    /// Reads an SVG file: paths, basic shapes, lines of some width, groups,
+    /// transforms, `use`, and styles. y points upwards. What is no area, such
+    /// as images, is left out and named in the
+    /// [warnings](Drawing::warnings).
+    ///
+    /// # Errors
+    /// If the file is no SVG, broken, without an area or too large, or an
+    /// option makes no sense.
+    pub fn from_svg(
+        name: &str,
+        bytes: &[u8],
+        options: &SvgOptions,
+    ) -> Result<Drawing, DrawingError> {
+        read(name, bytes, options)
+            .map_err(|problem| DrawingError::new(name, problem))
+    }
+}
+
+fn read(name: &str, bytes: &[u8], options: &SvgOptions) -> Problem<Drawing> {
+    if bytes.len() > MOST_SVG_BYTES {
+        return Err("it is larger than 32 MB; simplify it".into());
+    }
+    if bytes.starts_with(b"\x1f\x8b") {
+        return Err("it is compressed (SVGZ); save it as plain SVG".into());
+    }
+    let text = isoslice_base::encoding::text(bytes)
+        .map_err(|e| format!("it is no text, as SVG is ({e})"))?;
+    // DTDs define short names in some editors' files. No file is ever read for
+    // them.
+    let parsing = ParsingOptions {
+        allow_dtd: true,
+        nodes_limit: MOST_NODES,
+        entity_resolver: None,
+    };
+    let document = Document::parse_with_options(text, parsing)
+        .map_err(|e| format!("it is no XML, as SVG is: {e}"))?;
+    let root = document.root_element();
+    if root.tag_name().name() != "svg" {
+        return Err(format!(
+            "it is no SVG: its outermost element is `{}`",
+            root.tag_name().name()
+        ));
+    }
+    let mut walk = Walk::new(sheet(&document)?, names(&document));
+    let place = page(root)?;
+    let (style, own) = Style::default().of(root, &walk.sheet);
+    if !own.hidden {
+        walk.children(root, &style, place)?;
+    }
+    let mut outlines = std::mem::take(&mut walk.outlines);
+    let any = outlines.iter().any(|o| !o.cuts && o.window.is_none());
+    if options.white == White::Area || !any {
+        outlines.iter_mut().for_each(|o| o.cuts = false);
+    }
+    place_all(&mut outlines, options)?;
+    let mut warnings: Vec<String> = walk
+        .left_out
+        .into_iter()
+        .map(|(what, times)| match times {
+            1 => format!("not drawn: {what}"),
+            _ => format!("not drawn: {what} ({times} times)"),
+        })
+        .collect();
+    if outlines.iter().any(|o| o.cuts) {
+        warnings.push("white shapes cut away what is below them".into());
+    }
+    Drawing::warned(format!("svg({name:?})"), &outlines, warnings)
+}
+
+/// The rules of a document's style sheets.
+fn sheet<'a>(document: &'a Document<'_>) -> Problem<Sheet<'a>> {
+    let mut rules = StyleSheet::new();
+    for node in document.descendants() {
+        if node.tag_name().name() == "style" {
+            rules.parse_more(node.text().unwrap_or(""));
+        }
+    }
+    if rules.rules.len() > MOST_RULES {
+        return Err(format!(
+            "its style sheets have more than {MOST_RULES} rules; save it as \
+             plain SVG"
+        ));
+    }
+    Ok(Sheet { rules })
+}
+
+/// Elements by their names, the first of each.
+fn names<'a>(document: &'a Document<'_>) -> BTreeMap<&'a str, NodeId> {
+    let mut names = BTreeMap::new();
+    for node in document.descendants() {
+        if let Some(name) = node.attribute("id") {
+            names.entry(name).or_insert(node.id());
+        }
+    }
+    names
+}
+
+/// Where the root lies: its size, and y upwards from its lower edge.
+fn page(root: Node) -> Problem<Place> {
+    let view = view_box(root);
+    let whole = view.map_or(DVec2::ZERO, |[_, size]| size);
+    // Percentages are shares of a page, and here is none but the view box.
+    let get = |name: &str, share| {
+        let text = root.attribute(name)?;
+        if text.contains('%') {
+            return None;
+        }
+        attribute(root, name, share, whole)
+    };
+    let (width, height) =
+        (get("width", Share::Width), get("height", Share::Height));
+    let size = match (width, height, view) {
+        (Some(w), Some(h), _) => DVec2::new(w, h),
+        (Some(w), None, Some([_, v])) => v * (w / v.x),
+        (None, Some(h), Some([_, v])) => v * (h / v.y),
+        (None, None, Some([_, v])) => v,
+        // As browsers have it.
+        (w, h, None) => DVec2::new(w.unwrap_or(300.0), h.unwrap_or(150.0)),
+    };
+    if !(size.is_finite() && size.min_element() > 0.0) {
+        return Err(format!(
+            "its page is of {} × {} pixels; give it a size",
+            size.x, size.y
+        ));
+    }
+    let up = DAffine2::from_scale_angle_translation(
+        DVec2::new(PIXEL, -PIXEL),
+        0.0,
+        DVec2::new(0.0, size.y * PIXEL),
+    );
+    let (to_mm, port) = match view {
+        Some(view) => (up * fit(root, view, size), view[1]),
+        None => (up, size),
+    };
+    Ok(Place {
+        to_mm,
+        port,
+        depth: 0,
+        seen_in: 0,
+    })
+}
+
+/// Gives all outlines the size and the place that the options say.
+fn place_all(outlines: &mut [Outline], options: &SvgOptions) -> Problem<()> {
+    let sized = [options.width_mm, options.height_mm];
+    if options.anchor == Anchor::Page && sized == [None; 2] {
+        return Ok(());
+    }
+    let Some(area) = Area::new(outlines) else {
+        // The drawing itself says why.
+        return Ok(());
+    };
+    let bounds = area.bounds();
+    let size = bounds.size();
+    if !(size.is_finite() && size.min_element() > 0.0) {
+        return Ok(());
+    }
+    let scale = scale(sized, size)?;
+    let to = DAffine2::from_scale(scale);
+    let from = match options.anchor {
+        Anchor::Page => DVec2::ZERO,
+        Anchor::Corner => bounds.min,
+        Anchor::Centre => 0.5 * (bounds.min + bounds.max),
+    };
+    let by = to * DAffine2::from_translation(-from);
+    for outline in outlines {
+        *outline = outline.mapped(by);
+    }
+    Ok(())
+}
+
+/// How much larger something of a size has to be.
+fn scale(sized: [Option<f64>; 2], size: DVec2) -> Problem<DVec2> {
+    for mm in sized.into_iter().flatten() {
+        if !(1e-3..=1e6).contains(&mm) {
+            return Err(format!(
+                "its size is to be {mm} mm; give one from 0.001 to 1000000"
+            ));
+        }
+    }
+    Ok(match sized {
+        [Some(w), Some(h)] => DVec2::new(w, h) / size,
+        [Some(w), None] => DVec2::splat(w / size.x),
+        [None, Some(h)] => DVec2::splat(h / size.y),
+        [None, None] => DVec2::ONE,
+    })
+}

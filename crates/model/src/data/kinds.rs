@@ -1,0 +1,299 @@
+//! The functions that make data: of files, and of a text.
+
+use super::files::Files;
+use super::options::{Options, Reader};
+use glam::DVec3;
+use isocontour::Data;
+use isoslice_drawings::{
+    Align, Anchor, Drawing, MOST_SVG_BYTES, SvgOptions, TextOptions, Vertical,
+    White,
+};
+use isoslice_mesh::{Format, Mesh};
+use isoslice_pictures::{
+    Axes, Between, Border, Interpolation, Picture, PictureOptions, Samples,
+    SamplesOptions, TransparentAs, Volume, VolumeOptions,
+};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Greatest length of a file that is held as a whole, bytes.
+const MOST_BYTES: u64 = 1 << 30;
+/// Greatest length of a font, bytes. Those of all Chinese letters have 20 MB.
+const MOST_FONT_BYTES: u64 = 64 << 20;
+
+/// What was made, and what its user should know.
+pub(super) struct Made {
+    pub data: Arc<dyn Data>,
+    pub notes: Vec<String>,
+}
+
+impl Made {
+    fn plain(data: impl Data + 'static) -> Made {
+        Made {
+            data: Arc::new(data),
+            notes: Vec::new(),
+        }
+    }
+}
+
+/// A function that makes data.
+pub(crate) struct Kind {
+    /// Its name.
+    pub name: &'static str,
+    /// A call, for messages.
+    pub example: &'static str,
+    /// True if its first value is the name of a file.
+    pub of_file: bool,
+    /// True if what it makes is a body, and not just any field.
+    pub is_body: bool,
+    make: fn(&Asked<'_>) -> Result<Made, String>,
+}
+
+/// What is asked of a function.
+pub(super) struct Asked<'a> {
+    /// The first value: the name of a file, or a text.
+    pub text: &'a str,
+    /// The file, if it is the name of one.
+    pub path: &'a Path,
+    pub options: &'a Options,
+    pub files: &'a Files,
+}
+
+impl Asked<'_> {
+    fn bytes(&self, most: u64) -> Result<Vec<u8>, String> {
+        Files::bytes(self.path, most)
+    }
+}
+
+/// All functions that make data.
+pub(crate) const KINDS: &[Kind] = &[
+    Kind {
+        name: "mesh",
+        example: "mesh(\"part.stl\")",
+        of_file: true,
+        is_body: true,
+        make: mesh,
+    },
+    Kind {
+        name: "svg",
+        example: "svg(\"logo.svg\")",
+        of_file: true,
+        is_body: true,
+        make: svg,
+    },
+    Kind {
+        name: "text",
+        example: "text(\"Ø 12\")",
+        of_file: false,
+        is_body: true,
+        make: text,
+    },
+    Kind {
+        name: "image",
+        example: "image(\"photo.png\")",
+        of_file: true,
+        is_body: false,
+        make: image,
+    },
+    Kind {
+        name: "volume",
+        example: "volume(\"scan.nrrd\")",
+        of_file: true,
+        is_body: false,
+        make: volume,
+    },
+    Kind {
+        name: "samples",
+        example: "samples(\"stress.csv\")",
+        of_file: true,
+        is_body: false,
+        make: samples,
+    },
+];
+
+/// The function of a name.
+pub(crate) fn kind(name: &str) -> Option<&'static Kind> {
+    KINDS.iter().find(|kind| kind.name == name)
+}
+
+impl Kind {
+    pub(super) fn make(&self, asked: &Asked<'_>) -> Result<Made, String> {
+        (self.make)(asked)
+    }
+}
+
+const INTERPOLATION: &[(&str, Interpolation)] = &[
+    ("nearest", Interpolation::Nearest),
+    ("linear", Interpolation::Linear),
+    ("cubic", Interpolation::Cubic),
+];
+const BORDER: &[(&str, Border)] = &[
+    ("clamp", Border::Clamp),
+    ("repeat", Border::Repeat),
+    ("mirror", Border::Mirror),
+];
+
+/// True for the name of a mesh's file. A plate of G-code, `part.gcode.3mf`, is
+/// none.
+pub(crate) fn is_mesh(path: &Path) -> bool {
+    let inner = path.file_stem().map(Path::new).map(extension);
+    Format::of_extension(&extension(path)).is_some()
+        && inner.as_deref() != Some("gcode")
+}
+
+fn extension(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default();
+    extension.to_string_lossy().to_ascii_lowercase()
+}
+
+fn mesh(asked: &Asked<'_>) -> Result<Made, String> {
+    Reader::new("mesh", asked.options).finish()?;
+    let format = Format::of_extension(&extension(asked.path));
+    let format = format.ok_or(
+        "its name is not known as a mesh's; meshes are .stl, .obj, .ply and \
+         .3mf files",
+    )?;
+    let file = File::open(asked.path).map_err(|e| e.to_string())?;
+    let triangles = isoslice_mesh::read(BufReader::new(file), format)
+        .map_err(|e| e.to_string())?;
+    let name = format!("mesh({:?})", asked.text);
+    let mesh = Mesh::new(&name, triangles).map_err(|e| e.to_string())?;
+    let facts = mesh.facts();
+    let mut notes = Vec::new();
+    if !facts.is_sound() {
+        notes.push(format!("{}: {facts}", asked.text));
+    }
+    Ok(Made {
+        data: Arc::new(mesh),
+        notes,
+    })
+}
+
+fn svg(asked: &Asked<'_>) -> Result<Made, String> {
+    let mut given = Reader::new("svg", asked.options);
+    let anchors = [
+        ("page", Anchor::Page),
+        ("corner", Anchor::Corner),
+        ("centre", Anchor::Centre),
+        ("center", Anchor::Centre),
+    ];
+    let white = [("cuts", White::Cuts), ("area", White::Area)];
+    let options = SvgOptions {
+        width_mm: given.number("width")?,
+        height_mm: given.number("height")?,
+        anchor: given.word("anchor", &anchors)?.unwrap_or_default(),
+        white: given.word("white", &white)?.unwrap_or_default(),
+    };
+    given.finish()?;
+    let bytes = asked.bytes(MOST_SVG_BYTES as u64)?;
+    drawn(Drawing::from_svg(asked.text, &bytes, &options))
+}
+
+fn text(asked: &Asked<'_>) -> Result<Made, String> {
+    let mut given = Reader::new("text", asked.options);
+    let aligns = [
+        ("left", Align::Left),
+        ("centre", Align::Centre),
+        ("center", Align::Centre),
+        ("right", Align::Right),
+    ];
+    let verticals = [
+        ("base", Vertical::Base),
+        ("centre", Vertical::Centre),
+        ("center", Vertical::Centre),
+        ("top", Vertical::Top),
+        ("bottom", Vertical::Bottom),
+    ];
+    let usual = TextOptions::default();
+    let options = TextOptions {
+        size_mm: given.number("size")?.unwrap_or(usual.size_mm),
+        align: given.word("align", &aligns)?.unwrap_or_default(),
+        vertical: given.word("vertical", &verticals)?.unwrap_or_default(),
+        line_mm: given.number("line")?,
+        spacing_mm: given.number("spacing")?.unwrap_or_default(),
+    };
+    let font = given.text("font")?;
+    given.finish()?;
+    let font = match font {
+        Some(name) => {
+            let path = asked.files.find(&name)?;
+            let bytes = Files::bytes(&path, MOST_FONT_BYTES);
+            Some(bytes.map_err(|e| format!("{}: {e}", path.display()))?)
+        }
+        None => None,
+    };
+    drawn(Drawing::from_text(asked.text, font.as_deref(), &options))
+}
+
+/// A drawing that was made, with its warnings.
+fn drawn(
+    made: Result<Drawing, isoslice_drawings::DrawingError>,
+) -> Result<Made, String> {
+    let drawing = made.map_err(|e| e.problem().to_owned())?;
+    let name = drawing.name();
+    let notes = drawing.warnings().iter().map(|w| format!("{name}: {w}"));
+    Ok(Made {
+        notes: notes.collect(),
+        data: Arc::new(drawing),
+    })
+}
+
+fn image(asked: &Asked<'_>) -> Result<Made, String> {
+    let mut given = Reader::new("image", asked.options);
+    let paper = given.number("paper")?.map(TransparentAs::Paper);
+    let seen = [("colour", false), ("color", false), ("transparency", true)];
+    let mask = given.word("of", &seen)?.unwrap_or(false);
+    let usual = PictureOptions::default();
+    let options = PictureOptions {
+        width_mm: given.number("width")?,
+        height_mm: given.number("height")?,
+        interpolation: given
+            .word("interpolation", INTERPOLATION)?
+            .unwrap_or_default(),
+        border: given.words("border", BORDER)?.unwrap_or_default(),
+        transparent: match paper {
+            _ if mask => TransparentAs::Mask,
+            paper => paper.unwrap_or(usual.transparent),
+        },
+        missing: given.number("missing")?,
+    };
+    given.finish()?;
+    let bytes = asked.bytes(MOST_BYTES)?;
+    let made = Picture::read(asked.text, &bytes, &options);
+    Ok(Made::plain(made.map_err(|e| e.problem().to_owned())?))
+}
+
+fn volume(asked: &Asked<'_>) -> Result<Made, String> {
+    let mut given = Reader::new("volume", asked.options);
+    let axes = [("xyz", Axes::Xyz), ("zyx", Axes::Zyx)];
+    let options = VolumeOptions {
+        spacing_mm: given.numbers("spacing")?.map(DVec3::from_array),
+        origin_mm: given.numbers("origin")?.map(DVec3::from_array),
+        axes: given.word("axes", &axes)?.unwrap_or_default(),
+        interpolation: given
+            .word("interpolation", INTERPOLATION)?
+            .unwrap_or_default(),
+        border: given.words("border", BORDER)?.unwrap_or_default(),
+        missing: given.number("missing")?,
+    };
+    given.finish()?;
+    let bytes = asked.bytes(MOST_BYTES)?;
+    let made = Volume::read(asked.text, &bytes, &options);
+    Ok(Made::plain(made.map_err(|e| e.problem().to_owned())?))
+}
+
+fn samples(asked: &Asked<'_>) -> Result<Made, String> {
+    let mut given = Reader::new("samples", asked.options);
+    let between = [("nearest", Between::Nearest), ("linear", Between::Linear)];
+    let options = SamplesOptions {
+        column: given.text("column")?,
+        unit_mm: given.number("unit")?.unwrap_or(1.0),
+        between: given.word("between", &between)?.unwrap_or_default(),
+    };
+    given.finish()?;
+    let bytes = asked.bytes(MOST_BYTES)?;
+    let made = Samples::read(asked.text, &bytes, &options);
+    Ok(Made::plain(made.map_err(|e| e.problem().to_owned())?))
+}

@@ -1,0 +1,192 @@
+//! A tree of points in space, with the ranges of what is known of them.
+
+use glam::DVec3;
+use isocontour::Bounds;
+
+/// Points in a leaf.
+const LEAF: usize = 8;
+
+/// A tree over points, which are in its order: each node's are beside one
+/// another.
+#[derive(Debug)]
+pub(super) struct Tree {
+    nodes: Vec<Node>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Bounds,
+    first: u32,
+    count: u32,
+    /// The number of the second child; 0 in a leaf. The first is the next.
+    second: u32,
+}
+
+/// The nearest points of a place, near ones first.
+#[derive(Debug)]
+pub(super) struct Near {
+    /// Squares of distances, and numbers of points.
+    pub(super) points: Vec<(f64, usize)>,
+    most: usize,
+}
+
+impl Near {
+    /// At most `most` points.
+    pub(super) fn new(most: usize) -> Near {
+        Near {
+            points: Vec::with_capacity(most + 1),
+            most,
+        }
+    }
+
+    /// The square of the distance beyond which points do not count.
+    fn within2(&self) -> f64 {
+        match self.points.last() {
+            Some((far2, _)) if self.points.len() == self.most => *far2,
+            _ => f64::INFINITY,
+        }
+    }
+
+    fn add(&mut self, far2: f64, point: usize) {
+        let at = self.points.partition_point(|p| (p.0, p.1) < (far2, point));
+        if at < self.most {
+            self.points.insert(at, (far2, point));
+            self.points.truncate(self.most);
+        }
+    }
+}
+
+/// The square of the distance of a place from a box.
+fn distance2(bounds: &Bounds, p: DVec3) -> f64 {
+    let apart = (bounds.min - p).max(p - bounds.max).max(DVec3::ZERO);
+    apart.length_squared()
+}
+
+impl Tree {
+    /// Of points, and the order into which they have to be brought.
+    pub(super) fn new(points: &[DVec3]) -> (Tree, Vec<u32>) {
+        let mut order: Vec<u32> = (0..points.len() as u32).collect();
+        let mut nodes = Vec::new();
+        if !order.is_empty() {
+            build(points, &mut order, 0, &mut nodes);
+        }
+        (Tree { nodes }, order)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice())
+    }
+
+    /// The box around all points.
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        self.nodes.first().map(|node| node.bounds)
+    }
+
+    /// What all points of each node have in common, by what each point is and
+    /// what two sets of them have in common.
+    pub(super) fn summed<T: Copy>(
+        &self,
+        of: impl Fn(usize) -> T,
+        both: impl Fn(T, T) -> T,
+    ) -> Vec<T> {
+        // Children come after their parents.
+        let mut sums: Vec<T> = Vec::with_capacity(self.nodes.len());
+        let last = self.nodes.len().wrapping_sub(1);
+        for (at, node) in self.nodes.iter().enumerate().rev() {
+            let sum = if node.second == 0 {
+                let first = node.first as usize;
+                let rest = first + 1..first + node.count as usize;
+                rest.fold(of(first), |sum, i| both(sum, of(i)))
+            } else {
+                let [a, b] = [at + 1, node.second as usize];
+                both(sums[last - a], sums[last - b])
+            };
+            sums.push(sum);
+        }
+        sums.reverse();
+        sums
+    }
+
+    /// Calls a function with nodes, by their numbers and boxes, and whether
+    /// they are leaves. It returns whether those in a node are wanted.
+    pub(super) fn each(&self, mut f: impl FnMut(usize, &Bounds, bool) -> bool) {
+        let mut todo = vec![0];
+        while let Some(at) = todo.pop() {
+            let Some(node) = self.nodes.get(at) else {
+                continue;
+            };
+            let leaf = node.second == 0;
+            if f(at, &node.bounds, leaf) && !leaf {
+                todo.extend([at + 1, node.second as usize]);
+            }
+        }
+    }
+
+    /// The points that are nearest to a place.
+    pub(super) fn near(&self, points: &[DVec3], p: DVec3, near: &mut Near) {
+        let mut todo = vec![(0.0, 0)];
+        while let Some((far2, at)) = todo.pop() {
+            let Some(node) = self.nodes.get(at) else {
+                continue;
+            };
+            if far2 > near.within2() {
+                continue;
+            }
+            if node.second == 0 {
+                let first = node.first as usize;
+                let all = points.iter().enumerate();
+                for (i, q) in all.skip(first).take(node.count as usize) {
+                    near.add((p - *q).length_squared(), i);
+                }
+                continue;
+            }
+            let mut children = [at + 1, node.second as usize].map(|i| {
+                let bounds = self.nodes.get(i).map(|n| n.bounds);
+                (bounds.map_or(f64::INFINITY, |b| distance2(&b, p)), i)
+            });
+            // The near one is taken first.
+            if children[0].0 < children[1].0 {
+                children.swap(0, 1);
+            }
+            todo.extend(children);
+        }
+    }
+}
+
+/// Makes the node of some points and all below it, by halves.
+fn build(
+    points: &[DVec3],
+    order: &mut [u32],
+    first: usize,
+    nodes: &mut Vec<Node>,
+) {
+    let of = |i: &u32| points[*i as usize];
+    let start = Bounds {
+        min: DVec3::INFINITY,
+        max: DVec3::NEG_INFINITY,
+    };
+    let bounds = order.iter().fold(start, |b, i| Bounds {
+        min: b.min.min(of(i)),
+        max: b.max.max(of(i)),
+    });
+    let here = nodes.len();
+    nodes.push(Node {
+        bounds,
+        first: first as u32,
+        count: order.len() as u32,
+        second: 0,
+    });
+    if order.len() <= LEAF {
+        return;
+    }
+    let size = bounds.size();
+    let axis = size.max_position();
+    let half = order.len() / 2;
+    order.select_nth_unstable_by(half, |a, b| {
+        of(a)[axis].total_cmp(&of(b)[axis]).then(a.cmp(b))
+    });
+    let (left, right) = order.split_at_mut(half);
+    build(points, left, first, nodes);
+    nodes[here].second = nodes.len() as u32;
+    build(points, right, first + half, nodes);
+}
