@@ -4,8 +4,8 @@ use crate::area::{Area, MOST_CURVES};
 use crate::curve::{Box2, Curve};
 use crate::error::{DrawingError, Problem};
 use crate::outline::Outline;
-use glam::{DVec2, DVec3};
-use isocontour::{Bounds, Data};
+use glam::{DAffine2, DAffine3, DVec2, DVec3};
+use isocontour::{Bounds, Data, Ring};
 
 /// Greatest coordinate of a drawing, mm.
 const FARTHEST: f64 = 1e6;
@@ -143,6 +143,15 @@ impl Data for Drawing {
 
     fn bytes(&self) -> usize {
         self.area.bytes()
+    }
+
+    /// It has one wherever x and y of the data depend on those of the place.
+    fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
+        let [x, y] = [place.x_axis, place.y_axis].map(|a| a.truncate());
+        let at = place.z_axis * z + place.translation;
+        let to_data = DAffine2::from_cols(x, y, at.truncate());
+        let back = to_data.inverse();
+        back.is_finite().then(|| self.area.rings(back)).flatten()
     }
 
     /// It is infinite along z.
