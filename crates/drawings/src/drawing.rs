@@ -141,6 +141,10 @@ impl Data for Drawing {
         [x, y, [0.0; 2]]
     }
 
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        self.area.contents(tell);
+    }
+
     fn bytes(&self) -> usize {
         self.area.bytes()
     }
@@ -152,15 +156,6 @@ impl Data for Drawing {
         let to_data = DAffine2::from_cols(x, y, at.truncate());
         let back = to_data.inverse();
         back.is_finite().then(|| self.area.rings(back)).flatten()
-    }
-
-    /// It is infinite along z.
-    fn body(&self) -> Option<Bounds> {
-        let [min, max] = self.bounds();
-        Some(Bounds {
-            min: min.extend(f64::NEG_INFINITY),
-            max: max.extend(f64::INFINITY),
-        })
     }
 }
 

@@ -125,6 +125,11 @@ impl Area {
             + size_of_val(self.edges.as_slice())
     }
 
+    /// Tells all on which it depends.
+    pub(crate) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        self.winding.contents(tell);
+    }
+
     /// Whether a point is inside.
     pub(crate) fn is_inside(&self, p: DVec2) -> bool {
         let Box2 { min, max } = self.bounds();

@@ -117,6 +117,21 @@ impl Lattice {
         self.layout.size
     }
 
+    /// Tells all on which it depends.
+    pub(crate) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        let Layout { size, start, steps } = self.layout;
+        let layout = [size, [start; 3], steps.map(isize::cast_unsigned)];
+        for n in layout.as_flattened() {
+            tell(&(*n as u64).to_le_bytes());
+        }
+        let borders = self.border.map(|b| b as u8);
+        tell(&[self.how as u8, borders[0], borders[1], borders[2]]);
+        for v in self.scale {
+            tell(&v.to_le_bytes());
+        }
+        self.numbers.contents(tell);
+    }
+
     /// Its memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let differences = self

@@ -49,6 +49,14 @@ impl Place {
         self.lattice.values(places, out);
     }
 
+    /// Tells all on which it depends.
+    pub(crate) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        for v in self.to_lattice.to_cols_array() {
+            tell(&v.to_le_bytes());
+        }
+        self.lattice.contents(tell);
+    }
+
     pub(crate) fn range(&self, over: &Bounds) -> Range {
         self.lattice.range(self.ends(over))
     }

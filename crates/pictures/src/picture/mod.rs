@@ -281,6 +281,10 @@ impl Data for Picture {
         self.place.slopes(over)
     }
 
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        self.place.contents(tell);
+    }
+
     fn bytes(&self) -> usize {
         self.place.lattice.bytes()
     }

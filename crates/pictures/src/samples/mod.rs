@@ -432,6 +432,14 @@ impl Data for Samples {
         [any, any, if self.flat { [0.0; 2] } else { any }]
     }
 
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        tell(&[u8::from(self.flat), u8::from(self.slopes.is_empty())]);
+        for (p, v) in self.points.iter().zip(&self.values) {
+            p.to_array().iter().for_each(|c| tell(&c.to_le_bytes()));
+            tell(&v.to_le_bytes());
+        }
+    }
+
     fn bytes(&self) -> usize {
         size_of_val(self.points.as_slice())
             + size_of_val(self.values.as_slice())

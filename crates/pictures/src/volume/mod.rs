@@ -272,6 +272,10 @@ impl Data for Volume {
         self.place.slopes(over)
     }
 
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        self.place.contents(tell);
+    }
+
     fn bytes(&self) -> usize {
         self.place.lattice.bytes()
     }

@@ -18,12 +18,17 @@
 //! An expression does not keep its data alive. Whoever keeps the expression
 //! keeps what [`data_of`] returns for it, too.
 
-use crate::bounds::Bounds;
+mod over;
+
+pub(crate) use over::{range_over, slopes_over};
+
+use crate::cuboid::Bounds;
 use crate::plane::Ring;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, TreeOp};
 use fidget::var::Var;
 use glam::{DAffine3, DVec3};
 use std::collections::{HashMap, HashSet};
+use std::fmt;
 use std::sync::{Arc, PoisonError, RwLock, Weak};
 
 /// A function of three coordinates that is data.
@@ -33,8 +38,8 @@ pub trait Data: Send + Sync {
     /// How messages name it, such as `mesh("part.stl")`.
     fn name(&self) -> &str;
 
-    /// Its value at a place, and its gradient. The value is NaN where it has
-    /// none. Coordinates are finite.
+    /// Its value at a place, and its gradient. It is a number wherever the
+    /// coordinates are finite.
     fn at(&self, p: DVec3) -> (f64, DVec3);
 
     /// Its value at a place.
@@ -65,11 +70,17 @@ pub trait Data: Send + Sync {
     /// all places in a box.
     fn slopes(&self, over: &Bounds) -> [[f64; 2]; 3];
 
+    /// Tells all bytes on which its values depend. Two with equal bytes are one
+    /// function.
+    fn contents(&self, tell: &mut dyn FnMut(&[u8]));
+
     /// The memory that it takes, in bytes.
     fn bytes(&self) -> usize;
 
-    /// The box that holds the places where it is below zero, if it is known.
-    fn body(&self) -> Option<Bounds> {
+    /// The box around the places p where it is below zero at `place` of p, if
+    /// it is known exactly.
+    fn extent(&self, place: &DAffine3) -> Option<Bounds> {
+        let _ = place;
         None
     }
 
@@ -81,6 +92,12 @@ pub trait Data: Send + Sync {
     fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
         let _ = (place, z);
         None
+    }
+}
+
+impl fmt::Debug for dyn Data {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 
@@ -109,8 +126,8 @@ fn variable(data: &Arc<dyn Data>) -> Var {
     var
 }
 
-/// The data for which a variable stands.
-pub(crate) fn known(var: Var) -> Option<Arc<dyn Data>> {
+/// The data for which a variable of an expression stands.
+pub fn known(var: Var) -> Option<Arc<dyn Data>> {
     let known = KNOWN.read().unwrap_or_else(PoisonError::into_inner);
     known.as_ref()?.get(&var)?.upgrade()
 }
