@@ -262,6 +262,12 @@ impl Curve {
         }
     }
 
+    pub(crate) fn reversed(&self) -> Curve {
+        let mut reversed = *self;
+        reversed.points[..=self.degree].reverse();
+        reversed
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         self.points.iter().all(|p| p.is_finite())
     }

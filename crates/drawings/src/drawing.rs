@@ -4,8 +4,8 @@ use crate::area::{Area, MOST_CURVES};
 use crate::curve::{Box2, Curve};
 use crate::error::{DrawingError, Problem};
 use crate::outline::Outline;
-use glam::{DVec2, DVec3};
-use isocontour::{Bounds, Data};
+use glam::{DAffine2, DAffine3, DVec2, DVec3};
+use isocontour::{Bounds, Data, Ring};
 
 /// Greatest coordinate of a drawing, mm.
 const FARTHEST: f64 = 1e6;
@@ -141,6 +141,10 @@ impl Data for Drawing {
         [x, y, [0.0; 2]]
     }
 
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        self.area.contents(tell);
+    }
+
     fn is_flat(&self) -> bool {
         true
     }
@@ -149,9 +153,13 @@ impl Data for Drawing {
         self.area.bytes()
     }
 
-    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
-        // Numbers are written so that they are read back to the last bit.
-        tell(format!("{:?}", self.area).as_bytes());
+    /// It has one wherever x and y of the data depend on those of the place.
+    fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
+        let [x, y] = [place.x_axis, place.y_axis].map(|a| a.truncate());
+        let at = place.z_axis * z + place.translation;
+        let to_data = DAffine2::from_cols(x, y, at.truncate());
+        let back = to_data.inverse();
+        back.is_finite().then(|| self.area.rings(back)).flatten()
     }
 }
 

@@ -1,5 +1,5 @@
 use crate::{Drawing, Fill, Outline};
-use glam::{DAffine2, DVec2, DVec3};
+use glam::{DAffine2, DAffine3, DVec2, DVec3};
 use isocontour::{Bounds, Data};
 
 /// Looks at random boxes: are values and gradients in their bounds?
@@ -287,4 +287,61 @@ fn infinite_boxes_are_answered() {
     let [min, max] = drawn.bounds();
     assert!(drawn.range(&beside)[0] > 499.0 - max.x);
     assert!(min.x >= 0.0);
+}
+
+/// How often rings go round a point.
+fn rounds(rings: &[Vec<DVec2>], p: DVec2) -> i32 {
+    let mut rounds = 0;
+    for ring in rings {
+        let next = ring.iter().cycle().skip(1);
+        for (a, b) in ring.iter().zip(next) {
+            let left = (*b - *a).perp_dot(p - *a) > 0.0;
+            if a.y <= p.y && b.y > p.y && left {
+                rounds += 1;
+            } else if a.y > p.y && b.y <= p.y && !left {
+                rounds -= 1;
+            }
+        }
+    }
+    rounds
+}
+
+#[test]
+fn sections_go_round_what_is_inside() {
+    let mut whole = wild();
+    whole.fill = Fill::NonZero;
+    let mut hole = Outline::new(Fill::NonZero);
+    hole.ellipse(DVec2::splat(100.0), DVec2::splat(30.0));
+    hole.cuts = true;
+    let mut circle = Outline::new(Fill::NonZero);
+    circle.ellipse(DVec2::splat(150.0), DVec2::splat(40.0));
+    let shapes = [whole, circle, hole];
+    let places = [
+        DAffine3::IDENTITY,
+        DAffine3::from_rotation_z(0.7),
+        DAffine3::from_scale(DVec3::new(-0.5, 2.0, 1.0)),
+        DAffine3::from_rotation_x(0.4),
+    ];
+    for drawn in [drawing(&shapes), drawing(&[wild()])] {
+        for place in places {
+            let rings = drawn.section(&place, 3.0).unwrap();
+            let back = place.inverse();
+            let mut random = fastrand::Rng::with_seed(3);
+            for _ in 0..3000 {
+                let q = DVec2::new(random.f64(), random.f64()) * 240.0 - 20.0;
+                // A place at the height that is asked at q.
+                let p = back.transform_point3(q.extend(0.0)).with_z(3.0);
+                let value = drawn.value(place.transform_point3(p));
+                let inside = rounds(&rings, p.truncate()) == 1;
+                assert!(inside == (value < 0.0) || value.abs() < 0.002, "{p}");
+            }
+        }
+        let side = DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2);
+        let flat = DAffine3 {
+            matrix3: side.matrix3
+                * glam::DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0)),
+            ..side
+        };
+        assert!(drawn.section(&flat, 0.0).is_none());
+    }
 }

@@ -47,6 +47,26 @@ impl Numbers {
         with_numbers!(self, data => size_of_val(data.as_slice()))
     }
 
+    /// Tells their kind and their bytes.
+    pub(crate) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        let kind = match self {
+            Numbers::U8(_) => 0,
+            Numbers::I8(_) => 1,
+            Numbers::U16(_) => 2,
+            Numbers::I16(_) => 3,
+            Numbers::F32(_) => 4,
+        };
+        tell(&[kind]);
+        let mut part = Vec::new();
+        with_numbers!(self, data => {
+            for some in data.chunks(1 << 12) {
+                part.clear();
+                some.iter().for_each(|v| part.extend(v.to_le_bytes()));
+                tell(&part);
+            }
+        });
+    }
+
     /// The greatest value that numbers of this kind can have, which stands for
     /// white; 1 for floating-point numbers.
     pub(crate) fn white(&self) -> f64 {

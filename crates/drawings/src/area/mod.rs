@@ -8,6 +8,7 @@
 
 mod meet;
 mod nearest;
+mod rings;
 mod slopes;
 mod winding;
 
@@ -17,6 +18,7 @@ use crate::tree::Tree;
 use glam::DVec2;
 use nearest::Piece;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 use winding::Winding;
 
 /// The most lines and curves of a drawing.
@@ -47,6 +49,10 @@ pub(crate) struct Area {
     winding: Winding,
     edges: Vec<Edge>,
     tree: Tree,
+    /// How far apart the ends of edges are at most that meet, mm.
+    near: f64,
+    /// The edges in rings, if they are ever asked for.
+    chains: OnceLock<Option<Vec<Vec<u32>>>>,
 }
 
 /// The nearest point of the border.
@@ -103,6 +109,8 @@ impl Area {
             winding,
             tree: Tree::new(boxes),
             edges,
+            near: 1e4 * flat,
+            chains: OnceLock::new(),
         })
     }
 
@@ -115,6 +123,11 @@ impl Area {
         self.winding.bytes()
             + self.tree.bytes()
             + size_of_val(self.edges.as_slice())
+    }
+
+    /// Tells all on which it depends.
+    pub(crate) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        self.winding.contents(tell);
     }
 
     /// Whether a point is inside.

@@ -42,6 +42,24 @@ impl Winding {
         size_of_val(self.pieces.as_slice()) + self.tree.bytes()
     }
 
+    pub(super) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        for (piece, shape) in &self.pieces {
+            tell(&shape.to_le_bytes());
+            tell(&[piece.degree() as u8]);
+            for p in piece.control() {
+                p.to_array().iter().for_each(|c| tell(&c.to_le_bytes()));
+            }
+        }
+        for shape in &self.shapes {
+            let odd = shape.fill == Fill::EvenOdd;
+            let window = shape.window.map_or(u64::MAX, u64::from);
+            tell(&[u8::from(odd), u8::from(shape.cuts)]);
+            tell(&window.to_le_bytes());
+            tell(&(shape.seen_in.len() as u64).to_le_bytes());
+            shape.seen_in.iter().for_each(|w| tell(&w.to_le_bytes()));
+        }
+    }
+
     /// Whether a point is inside: what the last shape says that covers it and
     /// is seen there.
     pub(super) fn is_inside(&self, p: DVec2) -> bool {

@@ -86,21 +86,6 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
-        let Lattice {
-            layout,
-            how,
-            border,
-            scale,
-            ..
-        } = self;
-        let options = format!("{layout:?} {how:?} {border:?} {scale:?}");
-        tell(options.as_bytes());
-        with_numbers!(&self.numbers, data => {
-            data.iter().for_each(|n| tell(&n.to_le_bytes()));
-        });
-    }
-
     /// The numbers have to be as many as the layout says.
     pub(crate) fn new(
         numbers: Numbers,
@@ -130,6 +115,21 @@ impl Lattice {
 
     pub(crate) fn size(&self) -> [usize; 3] {
         self.layout.size
+    }
+
+    /// Tells all on which it depends.
+    pub(crate) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        let Layout { size, start, steps } = self.layout;
+        let layout = [size, [start; 3], steps.map(isize::cast_unsigned)];
+        for n in layout.as_flattened() {
+            tell(&(*n as u64).to_le_bytes());
+        }
+        let borders = self.border.map(|b| b as u8);
+        tell(&[self.how as u8, borders[0], borders[1], borders[2]]);
+        for v in self.scale {
+            tell(&v.to_le_bytes());
+        }
+        self.numbers.contents(tell);
     }
 
     /// Its memory, bytes.

@@ -35,13 +35,6 @@ fn rounded([a, b]: Range, size: f64) -> Range {
 }
 
 impl Place {
-    /// Tells all that its values depend on.
-    pub(crate) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
-        let to = self.to_lattice.to_cols_array();
-        to.iter().for_each(|c| tell(&c.to_le_bytes()));
-        self.lattice.contents(tell);
-    }
-
     pub(crate) fn at(&self, p: DVec3) -> (f64, DVec3) {
         let (value, slope) =
             self.lattice.at(self.to_lattice.transform_point3(p));
@@ -54,6 +47,14 @@ impl Place {
             p.is_finite().then(|| self.to_lattice.transform_point3(p))
         });
         self.lattice.values(places, out);
+    }
+
+    /// Tells all on which it depends.
+    pub(crate) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        for v in self.to_lattice.to_cols_array() {
+            tell(&v.to_le_bytes());
+        }
+        self.lattice.contents(tell);
     }
 
     pub(crate) fn range(&self, over: &Bounds) -> Range {

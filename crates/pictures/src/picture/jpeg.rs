@@ -1,4 +1,5 @@
-//! Reads JPEG: grey and colours, of which the brightness is kept.
+//! Reads JPEG: grey and colours, of which the brightness is kept. Photographs
+//! are turned as their camera was held.
 
 use super::{Pixels, pixel_count};
 use crate::error::Problem;
@@ -37,10 +38,65 @@ pub(super) fn read(bytes: &[u8]) -> Problem<Pixels> {
     if grey.len() != pixels {
         return Err("a JPEG with other colours; save it as PNG".into());
     }
+    let exif = decoder.exif().map(Vec::as_slice).unwrap_or_default();
     Ok(Pixels {
         numbers: Numbers::U8(grey),
-        layout: Layout::picture(width, height),
+        layout: turned(width, height, orientation(exif)),
     })
+}
+
+/// How a picture is to be turned, by its Exif data: 1 to 8. 1 is not at all.
+fn orientation(exif: &[u8]) -> u16 {
+    const TAG: u16 = 0x112;
+    let big = exif.starts_with(b"MM");
+    let byte = |at: usize| u32::from(exif.get(at).copied().unwrap_or(0));
+    let word = |at: usize| {
+        let [a, b] = [byte(at), byte(at.saturating_add(1))];
+        (if big { a << 8 | b } else { b << 8 | a }) as u16
+    };
+    let [a, b] = [4, 6].map(|at| usize::from(word(at)));
+    let from = if big { a << 16 | b } else { b << 16 | a };
+    let from = from.min(exif.len());
+    let entries = usize::from(word(from));
+    let all = (0..entries).map(|i| from + 2 + 12 * i);
+    let found = all
+        .take_while(|at| *at < exif.len())
+        .find(|at| word(*at) == TAG);
+    found.map_or(1, |at| word(at + 8))
+}
+
+/// The layout of a picture whose rows are written from the upper left, and
+/// which is shown turned or mirrored.
+fn turned(width: usize, height: usize, orientation: u16) -> Layout {
+    let row = width as isize;
+    // How far the next pixels to the right and above are in the file.
+    let (right, up) = match orientation {
+        2 => (-1, -row),
+        3 => (-1, row),
+        4 => (1, row),
+        5 => (row, -1),
+        6 => (-row, -1),
+        7 => (-row, 1),
+        8 => (row, 1),
+        _ => (1, -row),
+    };
+    let [columns, rows] = if matches!(orientation, 5..=8) {
+        [height, width]
+    } else {
+        [width, height]
+    };
+    let back = |step: isize, n: usize| {
+        if step < 0 {
+            step.unsigned_abs() * (n - 1)
+        } else {
+            0
+        }
+    };
+    Layout {
+        size: [columns, rows, 1],
+        start: back(right, columns) + back(up, rows),
+        steps: [right, up, 0],
+    }
 }
 
 #[cfg(test)]
@@ -76,6 +132,43 @@ mod tests {
                     assert!((value - expected).abs() < 0.01, "{value} {i}");
                 }
             }
+        }
+    }
+
+    /// The dark corner, which is the upper left in the file, is where Exif says.
+    #[test]
+    fn photographs_are_turned() {
+        let dark: Vec<u8> = (0..24 * 16)
+            .map(|i| if i % 24 < 8 && i / 24 < 8 { 0 } else { 200 })
+            .collect();
+        let plain = jpeg(ColorType::Luma, &dark, false);
+        for (orientation, right, top) in [
+            (1, false, true),
+            (2, true, true),
+            (3, true, false),
+            (4, false, false),
+            (5, false, true),
+            (6, true, true),
+            (7, true, false),
+            (8, false, false),
+        ] {
+            let mut exif =
+                b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"
+                    .to_vec();
+            exif.extend([orientation, 0, 0, 0, 0, 0, 0, 0]);
+            let mut file = plain[..2].to_vec();
+            file.extend([0xff, 0xe1, 0, exif.len() as u8 + 2]);
+            file.extend(exif);
+            file.extend(&plain[2..]);
+            let options = PictureOptions::default();
+            let picture = Picture::read("x.jpg", &file, &options).unwrap();
+            let [w, h] = picture.pixels();
+            assert_eq!(orientation > 4, w == 16 && h == 24);
+            let x = if right { w - 4 } else { 4 } as f64;
+            let y = if top { h - 4 } else { 4 } as f64;
+            let corner = |x: f64, y: f64| picture.value(DVec3::new(x, y, 0.0));
+            assert!(corner(x, y) < 0.1, "{orientation}");
+            assert!(corner(w as f64 - x, h as f64 - y) > 0.7, "{orientation}");
         }
     }
 

@@ -261,10 +261,6 @@ fn luma([red, green, blue]: [u32; 3]) -> u32 {
 }
 
 impl Data for Picture {
-    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
-        self.place.contents(tell);
-    }
-
     fn name(&self) -> &str {
         &self.name
     }
@@ -283,6 +279,10 @@ impl Data for Picture {
 
     fn slopes(&self, over: &Bounds) -> [[f64; 2]; 3] {
         self.place.slopes(over)
+    }
+
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        self.place.contents(tell);
     }
 
     fn is_flat(&self) -> bool {

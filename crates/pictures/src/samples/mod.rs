@@ -354,14 +354,6 @@ fn slope(i: usize, points: &[DVec3], values: &[f64], tree: &Tree) -> DVec3 {
 }
 
 impl Data for Samples {
-    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
-        tell(&[u8::from(self.flat), u8::from(self.slopes.is_empty())]);
-        for (p, value) in self.points.iter().zip(&self.values) {
-            p.to_array().iter().for_each(|c| tell(&c.to_le_bytes()));
-            tell(&value.to_le_bytes());
-        }
-    }
-
     fn name(&self) -> &str {
         &self.name
     }
@@ -438,6 +430,14 @@ impl Data for Samples {
             [f64::NEG_INFINITY, f64::INFINITY]
         };
         [any, any, if self.flat { [0.0; 2] } else { any }]
+    }
+
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        tell(&[u8::from(self.flat), u8::from(self.slopes.is_empty())]);
+        for (p, v) in self.points.iter().zip(&self.values) {
+            p.to_array().iter().for_each(|c| tell(&c.to_le_bytes()));
+            tell(&v.to_le_bytes());
+        }
     }
 
     fn is_flat(&self) -> bool {

@@ -252,10 +252,6 @@ fn of_array(array: npy::Array, axes: Axes) -> Problem<Read> {
 }
 
 impl Data for Volume {
-    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
-        self.place.contents(tell);
-    }
-
     fn name(&self) -> &str {
         &self.name
     }
@@ -274,6 +270,10 @@ impl Data for Volume {
 
     fn slopes(&self, over: &Bounds) -> [[f64; 2]; 3] {
         self.place.slopes(over)
+    }
+
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        self.place.contents(tell);
     }
 
     fn bytes(&self) -> usize {
