@@ -2,8 +2,7 @@
 
 use super::package::Package;
 use super::xml::{self, Element, Event};
-use crate::error::MeshError;
-use crate::triangles::MOST_TRIANGLES;
+use crate::error::{MOST_TRIANGLES, MeshError};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
