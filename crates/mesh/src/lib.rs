@@ -3,6 +3,8 @@
 #![warn(unreachable_pub)]
 
 mod closest;
+mod cover;
+mod edges;
 mod error;
 mod facts;
 mod merge;
@@ -10,6 +12,7 @@ mod mesh;
 mod range;
 mod ray;
 mod read;
+mod repair;
 mod rim;
 mod section;
 mod shell;

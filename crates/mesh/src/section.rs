@@ -72,18 +72,33 @@ impl Mesh {
             to: DAffine3::from_translation(-DVec3::Z * z) * to,
             mirrors: to.matrix3.determinant() < 0.0,
         };
-        let near = self.shell.near(&plane);
-        let (above, touches) = self.shell.segments(&plane, &near, true);
+        let (above, touches) = self.segments(&plane, true);
         let above = chained(&above)?;
         if !touches {
             return Some(above);
         }
-        let (below, _) = self.shell.segments(&plane, &near, false);
+        let (below, _) = self.segments(&plane, false);
         let below = chained(&below)?;
         if same(&above, &below) {
             return Some(above);
         }
         Some(above.into_iter().chain(below).collect())
+    }
+
+    /// The segments in a plane, with those of what covers openings, vertices in
+    /// the plane being above it or below it. Also returned: true if there are
+    /// such vertices.
+    fn segments(&self, plane: &Plane, is_above: bool) -> (Vec<Segment>, bool) {
+        let (mut all, mut touches) =
+            self.shell.segments(plane, is_above, |v| v);
+        if let Some(cover) = self.sign.cover() {
+            let number = |v: u32| cover.numbers[v as usize];
+            let (segments, touch) =
+                cover.shell.segments(plane, is_above, number);
+            all.extend(segments);
+            touches |= touch;
+        }
+        (all, touches)
     }
 }
 
@@ -116,20 +131,22 @@ impl Shell {
     }
 
     /// The segments in a plane, vertices in the plane being above it or below
-    /// it. Also returned: true if there are such vertices.
+    /// it. Also returned: true if there are such vertices. `number` names a
+    /// vertex.
     fn segments(
         &self,
         plane: &Plane,
-        near: &[u32],
         is_above: bool,
+        number: impl Fn(u32) -> u32,
     ) -> (Vec<Segment>, bool) {
+        let near = self.near(plane);
         let mut segments = Vec::with_capacity(near.len());
         let mut touches = false;
-        for &i in near {
+        for i in near {
             let corners = self.corners[i as usize];
-            let mut corners = corners.map(|number| Corner {
-                number,
-                p: plane.to.transform_point3(self.vertices[number as usize]),
+            let mut corners = corners.map(|v| Corner {
+                number: number(v),
+                p: plane.to.transform_point3(self.vertices[v as usize]),
             });
             if plane.mirrors {
                 corners.swap(1, 2);

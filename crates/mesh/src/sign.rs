@@ -1,10 +1,11 @@
 //! Inside or outside.
 //!
 //! A place is inside where the winding number is above one half. Triangles
-//! without a rim have whole winding numbers, which a ray counts exactly. Those
-//! with a rim are closed by caps: the ray counts both, and what the caps cover of
-//! the sphere of sight is taken off again. So the cost is that of a ray and of
-//! the holes.
+//! without a rim have whole winding numbers, which a ray counts exactly. A rim
+//! that repairs have left is closed by a cover, if that changes nothing of what
+//! is inside (see `cover.rs`). Otherwise it is closed by caps: the ray counts
+//! both, and what the caps cover of the sphere of sight is taken off again. So
+//! the cost is that of a ray and of the holes.
 //!
 //! ```text
 //!     ______               the caps (dotted) make it closed: the ray counts 1,
@@ -13,6 +14,8 @@
 //!    \......./
 //! ```
 
+use crate::cover::Cover;
+use crate::error::MeshError;
 use crate::ray::Direction;
 use crate::rim::{RimEdge, caps};
 use crate::shell::Shell;
@@ -27,6 +30,8 @@ use std::f64::consts::PI;
 pub(crate) enum Sign {
     /// There is no rim.
     Closed,
+    /// There is a rim, and what is inside is as with a cover over it.
+    Covered(Box<Cover>),
     /// There is a rim, and caps that close it.
     Capped {
         caps: Box<Shell>,
@@ -39,10 +44,30 @@ pub(crate) enum Sign {
 }
 
 impl Sign {
-    pub(crate) fn new(shell: &Shell, rim: &[RimEdge]) -> Sign {
+    pub(crate) fn new(
+        shell: &Shell,
+        bounds: &Bounds,
+        rim: &[RimEdge],
+    ) -> Result<Sign, MeshError> {
         if rim.is_empty() {
-            return Sign::Closed;
+            return Ok(Sign::Closed);
         }
+        let open = Sign::open(shell, rim);
+        let cover = Cover::new(shell, rim)?;
+        let agrees = cover.agrees(
+            shell,
+            |p| outwards(bounds, p),
+            |p| open.winding(shell, bounds, p),
+        );
+        Ok(if agrees {
+            Sign::Covered(Box::new(cover))
+        } else {
+            open
+        })
+    }
+
+    /// Of triangles that stay open.
+    fn open(shell: &Shell, rim: &[RimEdge]) -> Sign {
         let edges: u64 = rim.iter().map(|e| u64::from(e.times)).sum();
         if edges > shell.corners.len() as u64 / 2 {
             return Sign::Loose(Winding::new(shell));
@@ -72,6 +97,7 @@ impl Sign {
         let direction = outwards(bounds, p);
         match self {
             Sign::Closed => shell.crossings(p, direction, |_| true) as f64,
+            Sign::Covered(cover) => cover.winding(shell, p, direction) as f64,
             Sign::Capped { caps, winding, .. } => {
                 let all = shell.crossings(p, direction, |_| true)
                     + caps.crossings(p, direction, |_| true);
@@ -90,6 +116,8 @@ impl Sign {
     pub(crate) fn change(&self, over: &Bounds) -> f64 {
         match self {
             Sign::Closed => 0.0,
+            Sign::Covered(cover) if cover.meets(over) => f64::INFINITY,
+            Sign::Covered(_) => 0.0,
             Sign::Loose(_) => f64::INFINITY,
             Sign::Capped { caps, lengths, .. } => {
                 let mut sum = 0.0;
@@ -123,10 +151,19 @@ impl Sign {
         }
     }
 
+    /// What closes the triangles, in sections as for the sign.
+    pub(crate) fn cover(&self) -> Option<&Cover> {
+        match self {
+            Sign::Covered(cover) => Some(cover),
+            _ => None,
+        }
+    }
+
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         match self {
             Sign::Closed => 0,
+            Sign::Covered(cover) => cover.bytes(),
             Sign::Capped {
                 caps,
                 winding,

@@ -208,7 +208,7 @@ fn values_do_not_depend_on_those_before() {
 
 fn ranges_hold(mesh: &Mesh, seed: u64, count: usize) {
     let mut random = Random::new(seed);
-    let size = mesh.body().unwrap().size().max_element();
+    let size = mesh.bounds.size().max_element();
     for i in 0..count {
         let centre = random.within(0.8 * size);
         let scale = size * [0.5, 0.1, 0.02, 0.0][i % 4];
@@ -274,7 +274,7 @@ fn ranges_of_planes_are_tight() {
 /// Compares the sections of a mesh with the signs of its field.
 fn sections_are_where_it_is_inside(mesh: &Mesh, seed: u64) {
     let mut random = Random::new(seed);
-    let size = mesh.body().unwrap().size().max_element();
+    let size = mesh.bounds.size().max_element();
     let mut checked = 0;
     for i in 0..60 {
         let turned = DMat3::from_rotation_x(random.within(3.0).x)
