@@ -20,13 +20,17 @@ use glam::DVec3;
 use isocontour::Bounds;
 use std::collections::BTreeMap;
 
-/// Triangles at which covers are compared with winding numbers.
-const LOOKS: usize = 500;
-/// How far from a triangle, as a share of the root of its area.
-const OFFSETS: [f64; 4] = [-0.3, -0.05, 0.05, 0.3];
+/// Places at which covers are compared with winding numbers.
+const LOOKS: usize = 2000;
+/// Triangles of a loop from which it is looked.
+const BY_LOOP: usize = 16;
+/// How far, as a share of the root of the area of the loop's cover. Nearer, winding
+/// numbers are one half but for roundings.
+const OFFSETS: [f64; 4] = [-0.3, -0.1, 0.1, 0.3];
 /// The share of places that may differ. Where a rim is not flat, the surface of
-/// winding number one half is not quite a cover.
-const MAY_DIFFER: f64 = 0.05;
+/// winding number one half is not quite a cover. Where covers are wrong, about
+/// half of the places differ.
+const MAY_DIFFER: f64 = 0.1;
 
 /// Triangles that close others.
 #[derive(Debug)]
@@ -37,10 +41,11 @@ pub(crate) struct Cover {
 }
 
 impl Cover {
+    /// Also returned: places at which it is to be compared with winding numbers.
     pub(crate) fn new(
         shell: &Shell,
         rim: &[RimEdge],
-    ) -> Result<Cover, MeshError> {
+    ) -> Result<(Cover, Vec<DVec3>), MeshError> {
         let edges: Vec<Missing> = rim
             .iter()
             .flat_map(|edge| {
@@ -54,10 +59,13 @@ impl Cover {
             .collect();
         let mut filler = Filler::new(&shell.vertices);
         let mut corners = Vec::new();
+        let mut places = Vec::new();
         for found in loops(&shell.vertices, &shell.corners, &edges) {
             let ring: Vec<u32> =
                 found.iter().map(|e| edges[*e as usize].from).collect();
-            corners.append(&mut filler.fill(&ring)?);
+            let mut lid = filler.fill(&ring)?;
+            look(&shell.vertices, &lid, &mut places);
+            corners.append(&mut lid);
         }
         let mut used: Vec<u32> = corners.as_flattened().to_vec();
         used.sort_unstable();
@@ -72,37 +80,31 @@ impl Cover {
         let cover = Shell::new(used.iter().map(place).collect(), corners);
         let numbers =
             cover.vertices.iter().map(|p| number[&bits(*p)]).collect();
-        Ok(Cover {
-            shell: cover,
-            numbers,
-        })
+        let step = places.len().div_ceil(LOOKS).max(1);
+        let places = places.into_iter().step_by(step).collect();
+        Ok((
+            Cover {
+                shell: cover,
+                numbers,
+            },
+            places,
+        ))
     }
 
     /// True if what is inside with the cover is so by winding numbers too.
     pub(crate) fn agrees(
         &self,
         shell: &Shell,
+        places: &[DVec3],
         direction: impl Fn(DVec3) -> Direction,
         winding: impl Fn(DVec3) -> f64,
     ) -> bool {
-        let count = self.shell.corners.len();
-        let looks = LOOKS.min(count);
-        let mut differ = 0;
-        for i in 0..looks {
-            let triangle = i * count / looks;
-            let [a, b, c] = self.shell.triangle(triangle);
-            let normal = self.shell.normal(triangle);
-            let Some(across) = normal.try_normalize() else {
-                continue;
-            };
-            let length = (0.5 * normal.length()).sqrt();
-            for offset in OFFSETS {
-                let p = (a + b + c) / 3.0 + across * (offset * length);
-                let whole = self.winding(shell, p, direction(p));
-                differ += usize::from((whole > 0) != (winding(p) > 0.5));
-            }
-        }
-        differ as f64 <= MAY_DIFFER * (looks * OFFSETS.len()) as f64
+        let differs = |p: &&DVec3| {
+            let whole = self.winding(shell, **p, direction(**p));
+            (whole > 0) != (winding(**p) > 0.5)
+        };
+        let differ = places.iter().filter(differs).count();
+        differ as f64 <= MAY_DIFFER * places.len() as f64
     }
 
     /// The winding number of the closed triangles.
@@ -129,5 +131,21 @@ impl Cover {
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.shell.bytes() + self.numbers.capacity() * size_of::<u32>()
+    }
+}
+
+/// Adds places on both sides of the triangles over a loop.
+fn look(vertices: &[DVec3], lid: &[[u32; 3]], places: &mut Vec<DVec3>) {
+    let normal = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|v| vertices[v as usize]);
+        (0.5 * (b - a).cross(c - a), (a + b + c) / 3.0)
+    };
+    let area: f64 = lid.iter().map(|t| normal(t).0.length()).sum();
+    let step = lid.len().div_ceil(BY_LOOP).max(1);
+    for (normal, middle) in lid.iter().step_by(step).map(normal) {
+        if let Some(across) = normal.try_normalize() {
+            let at = |share| middle + across * (share * area.sqrt());
+            places.extend(OFFSETS.map(at));
+        }
     }
 }

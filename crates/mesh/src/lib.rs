@@ -7,6 +7,7 @@ mod cover;
 mod edges;
 mod error;
 mod facts;
+mod four;
 mod merge;
 mod mesh;
 mod range;

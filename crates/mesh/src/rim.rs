@@ -50,12 +50,11 @@ pub(crate) fn caps(shell: &Shell, rim: &[RimEdge]) -> Shell {
     for &(from, to, _) in &edges {
         sets.join(from as usize, to as usize);
     }
-    let count = vertices.len();
     let mut middles: BTreeMap<usize, (u32, DVec3)> = BTreeMap::new();
-    for v in 0..count {
+    for (v, place) in vertices.iter().enumerate() {
         let middle = middles.entry(sets.of(v)).or_default();
         middle.0 += 1;
-        middle.1 += vertices[v];
+        middle.1 += place;
     }
     let mut tops = BTreeMap::new();
     for (set, (number, sum)) in middles {

@@ -1,8 +1,9 @@
 //! Triangles in the order of their tree, and what is asked of them.
 
 use crate::closest::{Near, closest};
+use crate::four;
 use crate::tree::{Child, Node, STACK, Tree, child};
-use glam::DVec3;
+use glam::{DVec3, Vec4};
 
 /// Triangles and their tree.
 #[derive(Debug)]
@@ -86,7 +87,14 @@ impl Shell {
             match child(link) {
                 Child::Nothing => {}
                 Child::Leaf(first, end) => {
+                    let end_at = end - 1;
+                    let four = [0, 1, 2, 3]
+                        .map(|i| self.triangle((first + i).min(end_at)));
+                    let bounds = four::squares(p, four);
                     for i in first..end {
+                        if bounds[i - first] > limit {
+                            continue;
+                        }
                         let near = look(i);
                         if near.square < best.square
                             || (near.square == best.square && i < best.triangle)
@@ -100,8 +108,7 @@ impl Shell {
                     let node = &self.tree.nodes[at];
                     let squares = reach.squares(node);
                     let base = top;
-                    for i in 0..4 {
-                        let square = squares[i];
+                    for (i, square) in squares.into_iter().enumerate() {
                         if square <= limit {
                             // The nearest one is on top.
                             let mut place = top;
@@ -149,14 +156,12 @@ impl Reach {
     /// Squares of the distances to the four boxes of a node.
     #[inline]
     fn squares(&self, node: &Node) -> [f32; 4] {
-        let mut squares = [0.0f32; 4];
+        let mut squares = Vec4::ZERO;
         for k in 0..3 {
-            let p = self.p[k];
-            for i in 0..4 {
-                let out = (node.min[k][i] - p).max(p - node.max[k][i]).max(0.0);
-                squares[i] += out * out;
-            }
+            let p = Vec4::splat(self.p[k]);
+            let out = (node.low(k) - p).max(p - node.high(k)).max(Vec4::ZERO);
+            squares += out * out;
         }
-        squares
+        squares.to_array()
     }
 }

@@ -53,9 +53,10 @@ impl Sign {
             return Ok(Sign::Closed);
         }
         let open = Sign::open(shell, rim);
-        let cover = Cover::new(shell, rim)?;
+        let (cover, places) = Cover::new(shell, rim)?;
         let agrees = cover.agrees(
             shell,
+            &places,
             |p| outwards(bounds, p),
             |p| open.winding(shell, bounds, p),
         );
@@ -67,7 +68,7 @@ impl Sign {
     }
 
     /// Of triangles that stay open.
-    fn open(shell: &Shell, rim: &[RimEdge]) -> Sign {
+    pub(crate) fn open(shell: &Shell, rim: &[RimEdge]) -> Sign {
         let edges: u64 = rim.iter().map(|e| u64::from(e.times)).sum();
         if edges > shell.corners.len() as u64 / 2 {
             return Sign::Loose(Winding::new(shell));

@@ -1,6 +1,9 @@
 //! Whole meshes, against what is known of their shapes.
 
 use crate::mesh::Mesh;
+use crate::rim::rim;
+use crate::shell::Shell;
+use crate::sign::Sign;
 use crate::triangles::{Collector, Triangles};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use isocontour::{Bounds, Data, Ring};
@@ -92,6 +95,22 @@ pub(crate) fn flipped(faces: &[[DVec3; 3]]) -> Vec<[DVec3; 3]> {
 
 pub(crate) fn moved(faces: &[[DVec3; 3]], by: DVec3) -> Vec<[DVec3; 3]> {
     faces.iter().map(|f| f.map(|p| p + by)).collect()
+}
+
+/// The lower half of a ball, without a thickness.
+pub(crate) fn bowl() -> Vec<[DVec3; 3]> {
+    let is_low = |face: &[DVec3; 3]| face.iter().all(|p| p.z <= 0.0);
+    ball(10.0, 4).into_iter().filter(is_low).collect()
+}
+
+/// Faces, each moved by up to `by`, so that no two meet.
+pub(crate) fn scattered(faces: &[[DVec3; 3]], by: f64) -> Vec<[DVec3; 3]> {
+    let mut random = Random::new(4);
+    let moved = |face: &[DVec3; 3]| {
+        let way = random.within(by);
+        face.map(|p| p + way)
+    };
+    faces.iter().map(moved).collect()
 }
 
 pub(crate) struct Random(fastrand::Rng);
@@ -247,6 +266,8 @@ fn ranges_hold_all_values() {
         ball(5.0, 3)[1..].to_vec(),
         torus(10.0, 4.0, 30)[20..].to_vec(),
         [cuboid(-half, half), moved(&cuboid(-half, half), half)].concat(),
+        bowl(),
+        scattered(&ball(5.0, 3), 0.02),
     ];
     for (i, faces) in shapes.iter().enumerate() {
         ranges_hold(&mesh(faces), i as u64, 8000);
@@ -272,7 +293,7 @@ fn ranges_of_planes_are_tight() {
 }
 
 /// Compares the sections of a mesh with the signs of its field.
-fn sections_are_where_it_is_inside(mesh: &Mesh, seed: u64) {
+pub(crate) fn sections_are_where_it_is_inside(mesh: &Mesh, seed: u64) {
     let mut random = Random::new(seed);
     let size = mesh.bounds.size().max_element();
     let mut checked = 0;
@@ -326,7 +347,7 @@ fn sections_have_exact_areas() {
     let ring = mesh(&torus(10.0, 4.0, 100));
     let rings = ring.section(&DAffine3::IDENTITY, 0.05).unwrap();
     assert_eq!(rings.len(), 2);
-    assert!(rings.iter().any(|r| area(&[r.clone()]) < 0.0));
+    assert!(rings.iter().any(|r| area(std::slice::from_ref(r)) < 0.0));
     // Between the inner and the outer polygon of a hundred corners each.
     let n = 100.0;
     let polygon =
@@ -371,7 +392,7 @@ fn holes_are_closed_by_what_is_seen_through_them() {
     let holed: Vec<_> =
         faces.iter().copied().filter(|f| f[0].z < 9.0).collect();
     let mesh = mesh(&holed);
-    assert!(mesh.facts().open_edges > 0);
+    assert_eq!((mesh.facts().closed, mesh.facts().open_edges), (1, 0));
     let mut random = Random::new(5);
     for _ in 0..5000 {
         let p = random.within(14.0);
@@ -379,8 +400,7 @@ fn holes_are_closed_by_what_is_seen_through_them() {
             assert_eq!(mesh.value(p) < 0.0, p.length() < 10.0, "{p}");
         }
     }
-    assert!(mesh.section(&DAffine3::IDENTITY, 9.0).is_none());
-    assert!(mesh.section(&DAffine3::IDENTITY, 1.0).is_some());
+    sections_are_where_it_is_inside(&mesh, 8);
 }
 
 /// The winding number with caps is that of the triangles alone.
@@ -394,7 +414,15 @@ fn winding_numbers_are_sums_of_solid_angles() {
             .copied()
             .filter(|_| random.below(100) >= share)
             .collect();
-        let mesh = mesh(&some);
+        let triangles = triangles(&some);
+        let bounds = triangles.bounds();
+        let shell = Shell::new(triangles.vertices, triangles.corners);
+        let rim = rim(&shell.corners, shell.vertices.len());
+        let sign = if rim.is_empty() {
+            Sign::Closed
+        } else {
+            Sign::open(&shell, &rim)
+        };
         let mut worst = 0.0f64;
         for _ in 0..500 {
             let p = random.within(15.0);
@@ -403,8 +431,68 @@ fn winding_numbers_are_sums_of_solid_angles() {
                 .map(|f| crate::winding::solid_angle(p, *f))
                 .sum();
             let exact = sum / (4.0 * std::f64::consts::PI);
-            worst = worst.max((mesh.winding(p) - exact).abs());
+            let winding = sign.winding(&shell, &bounds, p);
+            worst = worst.max((winding - exact).abs());
         }
         assert!(worst < 2e-3, "{share}: {worst}");
     }
+}
+
+#[test]
+fn flipped_triangles_are_turned_round() {
+    let faces = torus(10.0, 4.0, 30);
+    let mut random = Random::new(7);
+    for share in [1, 20, 50, 80, 100] {
+        let some: Vec<_> = faces
+            .iter()
+            .map(|&[a, b, c]| {
+                if random.below(100) < share {
+                    [a, c, b]
+                } else {
+                    [a, b, c]
+                }
+            })
+            .collect();
+        let mesh = mesh(&some);
+        assert!(mesh.facts().is_sound() && mesh.facts().turned > 0);
+        assert!(mesh.value(DVec3::X * 10.0) < 0.0);
+        assert!(mesh.value(DVec3::X * 5.0) > 0.0);
+        assert!(mesh.at(DVec3::X * 14.0).1.x > 0.9);
+    }
+}
+
+#[test]
+fn shells_are_bodies_or_cavities() {
+    let cube = |half: f64| cuboid(DVec3::splat(-half), DVec3::splat(half));
+    let aside = moved(&cube(1.0), DVec3::X * 9.0);
+    // A body, its cavity, a body in that, and another body aside.
+    let all = [cube(3.0), flipped(&cube(2.0)), cube(1.0), aside.clone()];
+    let island = [cube(3.0), flipped(&cube(2.0)), flipped(&cube(1.0)), aside];
+    let inverted = [&all[0], &all[1], &all[2]].map(|f| flipped(f)).concat();
+    let apart = [all[0].clone(), all[1].clone(), flipped(&all[3])].concat();
+    for (faces, x) in [
+        (all.concat(), vec![(0.0, true), (9.0, true)]),
+        (island.concat(), vec![(0.0, true), (9.0, true)]),
+        (inverted, vec![(0.0, true), (9.0, false)]),
+        (apart, vec![(0.0, false), (9.0, true)]),
+    ] {
+        let mesh = mesh(&faces);
+        for (x, is_inside) in [(1.5, false), (2.5, true)].into_iter().chain(x) {
+            let d = mesh.value(DVec3::new(x, 0.01, 0.02));
+            assert_eq!(d < 0.0, is_inside, "{x}");
+        }
+        sections_are_where_it_is_inside(&mesh, 3);
+    }
+}
+
+#[test]
+fn doubled_triangles_in_a_part_of_a_shell_are_one() {
+    let faces = ball(5.0, 3);
+    let mut some = faces.clone();
+    some.extend(flipped(&faces[10..50]));
+    some.extend(&faces[100..150]);
+    let mesh = mesh(&some);
+    assert!(mesh.facts().is_sound());
+    assert_eq!(mesh.facts().doubled, 90);
+    assert!(mesh.value(DVec3::ZERO) < -4.8);
 }

@@ -9,9 +9,9 @@ use isocontour::Bounds;
 /// somebody forgot to reduce.
 pub const MOST_TRIANGLES: usize = 50_000_000;
 
-/// Greatest distance of a vertex from the origin along an axis, mm: beyond,
-/// differences of squares have no digits left in f32.
-pub(crate) const FARTHEST: f64 = 1e9;
+/// Greatest distance of a vertex from the origin along an axis, mm. Products of
+/// four such lengths, as squares of areas are, have a place in f32.
+pub(crate) const FARTHEST: f64 = 1e8;
 
 /// Triangles, their vertices merged: vertices at the same place are one.
 #[derive(Clone, Debug, Default)]
@@ -82,7 +82,7 @@ impl Collector {
             return Ok(self.merger.vertex(p));
         }
         let what = if p.is_finite() {
-            "this coordinate is farther than 1,000 km from the origin; is the \
+            "this coordinate is farther than 100 km from the origin; is the \
              file damaged?"
         } else {
             "this coordinate is not a finite number; export the file again"
@@ -103,7 +103,7 @@ impl Collector {
         if self.corners.len() >= MOST_TRIANGLES {
             return Err(MeshError::TooMany);
         }
-        if self.corners.len() % 65_536 == 0 {
+        if self.corners.len().is_multiple_of(65_536) {
             isoslice_base::limits::go_on()?;
         }
         self.corners.push(corners);

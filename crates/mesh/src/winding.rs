@@ -6,7 +6,7 @@
 //! spread (Barill et al. 2018).
 
 use crate::shell::Shell;
-use crate::tree::{Child, DEEPEST, STACK, child};
+use crate::tree::{Child, STACK, child};
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 
@@ -51,8 +51,6 @@ impl Winding {
             }
             spans[at] = span;
         }
-        // Each triangle counts once on each level.
-        debug_assert!(DEEPEST < 100);
         let dipoles = spans
             .into_iter()
             .map(|(first, end)| dipole(shell, first.min(end), end))

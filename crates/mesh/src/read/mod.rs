@@ -1,8 +1,12 @@
 //! Reads meshes from files.
 
 mod obj;
+mod ply;
 mod polygon;
 mod stl;
+#[cfg(test)]
+mod tests;
+mod threemf;
 mod words;
 
 use crate::error::MeshError;
@@ -49,6 +53,7 @@ pub fn read(
     match format {
         Format::Stl => stl::read(source, length),
         Format::Obj => obj::read(source),
-        _ => Err(MeshError::Empty),
+        Format::Ply => ply::read(source),
+        Format::ThreeMf => threemf::read(source),
     }
 }

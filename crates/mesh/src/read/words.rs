@@ -98,6 +98,11 @@ impl<R: Read> Words<R> {
         self.is_last = false;
     }
 
+    /// Reads bytes that follow the words.
+    pub(super) fn bytes(&mut self, out: &mut [u8]) -> std::io::Result<()> {
+        self.source.read_exact(out)
+    }
+
     /// Skips the rest of the line.
     pub(super) fn skip_line(&mut self) -> Result<(), MeshError> {
         while !self.is_last {

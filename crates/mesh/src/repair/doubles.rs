@@ -1,9 +1,10 @@
 //! Triangles with the same corners.
 //!
-//! Of those that go round the same way one is enough. Two that go round opposite
-//! ways bound nothing. They are left out together, unless all that hangs together
-//! is made of such pairs: that is a surface given from both sides, of which one
-//! is kept.
+//! Of those that go round the same way one is enough. Of two that go round
+//! opposite ways one is kept if the others need it: if more edges of the pairs
+//! that hang together have an odd number of other triangles than an even one. If
+//! they do not, as where two bodies touch, both are left out. A surface that is
+//! given from both sides everywhere has no others, and one side is kept.
 
 use crate::edges::each_edge;
 use isoslice_base::sets::Sets;
@@ -57,21 +58,31 @@ pub(super) fn leave_out(corners: &mut Vec<[u32; 3]>, vertices: usize) -> usize {
     before - corners.len()
 }
 
-/// Leaves out pairs that hang together with single ones.
+/// Leaves out pairs that the others do not need.
 fn leave_out_pairs(corners: &[[u32; 3]], vertices: usize, kinds: &mut [Kind]) {
     let mut sets = Sets::new(corners.len());
+    let mut votes = Vec::new();
     each_edge(corners, vertices, |edge| {
-        let mut sides = edge.sides().map(|s| s.triangle as usize);
-        if let Some(first) = sides.next() {
-            sides.for_each(|other| _ = sets.join(first, other));
+        let mut pair = None;
+        let mut others = 0;
+        for triangle in edge.sides().map(|s| s.triangle as usize) {
+            match (kinds[triangle], pair) {
+                (Kind::Single, _) => others += 1,
+                (Kind::Pair, None) => pair = Some(triangle),
+                (Kind::Pair, Some(first)) => _ = sets.join(first, triangle),
+                (Kind::Left, _) => {}
+            }
+        }
+        if let (Some(pair), 1..) = (pair, others) {
+            votes.push((pair, if others % 2 == 1 { 1 } else { -1 }));
         }
     });
-    let mut has_single = vec![false; corners.len()];
-    for (i, kind) in kinds.iter().enumerate() {
-        has_single[sets.of(i)] |= *kind == Kind::Single;
+    let mut needs = vec![0; corners.len()];
+    for (pair, vote) in votes {
+        needs[sets.of(pair)] += vote;
     }
     for (i, kind) in kinds.iter_mut().enumerate() {
-        if *kind == Kind::Pair && has_single[sets.of(i)] {
+        if *kind == Kind::Pair && needs[sets.of(i)] < 0 {
             *kind = Kind::Left;
         }
     }

@@ -16,9 +16,9 @@ use isocontour::Bounds;
 use isoslice_base::limits::go_on;
 use isoslice_base::sets::Sets;
 
-/// Places of a body from which it is seen what is around it. Most of them decide,
-/// since one may lie on another body.
-const PLACES: usize = 5;
+/// Places of a body from which it is seen what is around it: what is around all
+/// of them.
+const PLACES: usize = 16;
 /// A body that is thinner than this share of its size has no volume that
 /// roundings leave.
 const THINNEST: f64 = 1e-9;
@@ -207,7 +207,7 @@ fn find_around(work: &Work, bodies: &mut [Body]) -> Result<(), MeshError> {
         around.sort_unstable();
         body.around = around
             .chunk_by(|a, b| a == b)
-            .filter(|same| 2 * same.len() > places)
+            .filter(|same| same.len() == places)
             .map(|same| same[0])
             .collect();
     }

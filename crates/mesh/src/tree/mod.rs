@@ -16,7 +16,7 @@
 
 mod build;
 
-use glam::DVec3;
+use glam::{DVec3, Vec4};
 use isocontour::Bounds;
 
 /// Greatest number of triangles in a leaf.
@@ -60,6 +60,18 @@ impl Node {
         max: [[f32::NEG_INFINITY; 4]; 3],
         children: [NOTHING; 4],
     };
+
+    /// The lower sides of the four boxes along an axis.
+    #[inline]
+    pub(crate) fn low(&self, axis: usize) -> Vec4 {
+        Vec4::from_array(self.min[axis])
+    }
+
+    /// The upper sides of the four boxes along an axis.
+    #[inline]
+    pub(crate) fn high(&self, axis: usize) -> Vec4 {
+        Vec4::from_array(self.max[axis])
+    }
 
     /// Box `i`.
     pub(crate) fn bounds(&self, i: usize) -> Bounds {
