@@ -18,7 +18,6 @@ use crate::shell::Shell;
 use crate::tree::{Node, gap};
 use glam::DVec3;
 use isocontour::Bounds;
-use std::collections::BTreeMap;
 
 /// Places at which covers are compared with winding numbers.
 const LOOKS: usize = 2000;
@@ -74,12 +73,9 @@ impl Cover {
             *corner = used.partition_point(|v| v < corner) as u32;
         }
         let place = |v: &u32| shell.vertices[*v as usize];
-        let bits = |p: DVec3| p.to_array().map(f64::to_bits);
-        let number: BTreeMap<_, u32> =
-            used.iter().map(|v| (bits(place(v)), *v)).collect();
-        let cover = Shell::new(used.iter().map(place).collect(), corners);
-        let numbers =
-            cover.vertices.iter().map(|p| number[&bits(*p)]).collect();
+        let vertices = used.iter().map(place).collect();
+        let (cover, order) = Shell::sorted(vertices, corners);
+        let numbers = order.iter().map(|v| used[*v as usize]).collect();
         let step = places.len().div_ceil(LOOKS).max(1);
         let places = places.into_iter().step_by(step).collect();
         Ok((

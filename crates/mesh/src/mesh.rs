@@ -10,6 +10,7 @@ use crate::sign::Sign;
 use crate::triangles::Triangles;
 use glam::{DAffine3, DVec3};
 use isocontour::{Bounds, Data, Ring};
+use std::cell::Cell;
 
 /// Places that are farther than this along an axis, mm, are so far that the
 /// mesh is a point.
@@ -20,9 +21,18 @@ const FAR_AWAY: f64 = 1e15;
 /// cross, make no gaps in it.
 const INSIDE: f64 = 1e-30;
 
-/// Distances below this many roundings of the coordinates have no direction.
-/// There the gradient is the normal of the triangle.
+/// What roundings of coordinates may add to a distance, as a share of them.
 const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+
+/// Distances below this share of the coordinates have no direction that is right
+/// to six digits. There the gradient is the normal of the triangle.
+const NO_DIRECTION: f64 = 1e6 * f64::EPSILON;
+
+thread_local! {
+    /// The triangle that was closest last, of any mesh. The next place is often
+    /// near to the last one. What is found does not depend on it.
+    static LAST: Cell<usize> = const { Cell::new(0) };
+}
 
 /// A mesh as a function of three coordinates, mm: the distance to the closest
 /// triangle, negative inside.
@@ -43,7 +53,6 @@ pub struct Mesh {
 struct Last {
     place: DVec3,
     distance: f64,
-    triangle: usize,
     is_inside: bool,
 }
 
@@ -67,7 +76,6 @@ impl Mesh {
         } else {
             rim(&shell.corners, shell.vertices.len())
         };
-        isoslice_base::limits::go_on()?;
         let sign = Sign::new(&shell, &bounds, &open)?;
         isoslice_base::limits::go_on()?;
         Ok(Mesh {
@@ -95,6 +103,14 @@ impl Mesh {
         p.cmpge(b.min).all() && p.cmple(b.max).all() && self.winding(p) > 0.5
     }
 
+    /// The triangle that is closest to a place.
+    pub(crate) fn nearest(&self, p: DVec3) -> Near {
+        let guess = LAST.get().min(self.shell.corners.len() - 1);
+        let near = self.shell.nearest(p, guess);
+        LAST.set(near.triangle);
+        near
+    }
+
     /// A distance with its sign.
     fn signed(distance: f64, is_inside: bool) -> f64 {
         if is_inside {
@@ -110,8 +126,7 @@ impl Mesh {
         if place.abs().max_element() > FAR_AWAY {
             return place.distance(self.bounds.centre());
         }
-        let guess = last.map_or(0, |last| last.triangle);
-        let near = self.shell.nearest(place, guess);
+        let near = self.nearest(place);
         let distance = near.square.sqrt();
         // No triangle is within the last distance of the last place.
         let known = last.filter(|last| {
@@ -125,7 +140,6 @@ impl Mesh {
         *last = Some(Last {
             place,
             distance,
-            triangle: near.triangle,
             is_inside,
         });
         Self::signed(distance, is_inside)
@@ -136,7 +150,7 @@ impl Mesh {
         let way = p - near.point;
         let distance = near.square.sqrt();
         let coordinates = p.abs().max(near.point.abs()).max_element();
-        if distance > ROUNDINGS * coordinates {
+        if distance > NO_DIRECTION * coordinates {
             let out = way / distance;
             if is_inside { -out } else { out }
         } else {
@@ -156,7 +170,7 @@ impl Data for Mesh {
             let way = p - self.bounds.centre();
             return (way.length(), way.normalize_or_zero());
         }
-        let near = self.shell.nearest(p, 0);
+        let near = self.nearest(p);
         let is_inside = self.is_inside(p);
         (
             Self::signed(near.square.sqrt(), is_inside),
@@ -184,8 +198,8 @@ impl Data for Mesh {
         self.range_over(over)
     }
 
-    fn slopes(&self, _over: &Bounds) -> [[f64; 2]; 3] {
-        [[-1.0, 1.0]; 3]
+    fn slopes(&self, over: &Bounds) -> [[f64; 2]; 3] {
+        self.slopes_over(over)
     }
 
     fn bytes(&self) -> usize {

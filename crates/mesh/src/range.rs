@@ -12,10 +12,10 @@
 //!          __/\__          least d − r away from the box
 //! ```
 
-use crate::closest::closest;
+use crate::closest::{Near, closest};
 use crate::mesh::Mesh;
 use crate::shell::Shell;
-use crate::tree::gap;
+use crate::tree::{Child, child, gap};
 use glam::DVec3;
 use isocontour::Bounds;
 
@@ -23,41 +23,21 @@ use isocontour::Bounds;
 /// the distance.
 const ROUNDING: f64 = 2e-7;
 
+/// If a ball around a box leaves this share of the way to the closest triangle,
+/// no closer look is taken at the box.
+const ENOUGH: f64 = 0.25;
+
 /// The distances from a box to triangles.
-pub(crate) struct Distances {
+struct Distances {
     /// No place in the box is nearer than this. 0 if the box may meet one.
-    pub least: f64,
+    least: f64,
     /// No place in the box is farther from the closest triangle.
-    pub greatest: f64,
+    greatest: f64,
     /// From the middle of the box.
-    pub middle: f64,
+    middle: f64,
 }
 
 impl Shell {
-    pub(crate) fn distances(&self, over: &Bounds) -> Distances {
-        let centre = over.centre();
-        let near = self.nearest(centre, 0);
-        let triangle = self.triangle(near.triangle);
-        let greatest = corners(over)
-            .map(|p| p.distance(closest(p, triangle)))
-            .into_iter()
-            .fold(0.0, f64::max);
-        let mut least = self.apart(near.triangle, over);
-        // Of the middle alone: the box reaches no farther than half its diagonal.
-        let middle = near.square.sqrt();
-        let half = 0.5 * over.size().length();
-        let (sure, greatest) =
-            ((middle - half).max(0.0), greatest.min(middle + half));
-        if least > sure {
-            least = self.least(over, sure, least);
-        }
-        Distances {
-            least,
-            greatest,
-            middle,
-        }
-    }
-
     /// A bound from below on the distance of a box and all triangles, given that
     /// `sure` is one, and that one triangle allows no more than `least`.
     fn least(&self, over: &Bounds, sure: f64, mut least: f64) -> f64 {
@@ -66,14 +46,14 @@ impl Shell {
             if at >= least || least <= sure {
                 continue;
             }
-            match crate::tree::child(link) {
-                crate::tree::Child::Nothing => {}
-                crate::tree::Child::Leaf(first, end) => {
+            match child(link) {
+                Child::Nothing => {}
+                Child::Leaf(first, end) => {
                     for i in first..end {
                         least = least.min(self.apart(i, over));
                     }
                 }
-                crate::tree::Child::Node(node) => {
+                Child::Node(node) => {
                     let node = &self.tree.nodes[node];
                     for i in 0..4 {
                         let gap = gap(over, &node.bounds(i));
@@ -88,7 +68,7 @@ impl Shell {
     }
 
     /// A bound from below on the distance of a box and a triangle.
-    fn apart(&self, triangle: usize, over: &Bounds) -> f64 {
+    pub(crate) fn apart(&self, triangle: usize, over: &Bounds) -> f64 {
         let [a, b, c] = self.triangle(triangle);
         let around = Bounds {
             min: a.min(b).min(c),
@@ -107,6 +87,38 @@ impl Shell {
 }
 
 impl Mesh {
+    fn distances(&self, over: &Bounds) -> Distances {
+        let near = self.nearest(over.centre());
+        let middle = near.square.sqrt();
+        // The box reaches no farther from its middle than half its diagonal.
+        let half = 0.5 * over.size().length();
+        let mut least = (middle - half).max(0.0);
+        if least < ENOUGH * middle {
+            let apart = self.shell.apart(near.triangle, over);
+            least = self.shell.least(over, least, apart);
+        }
+        Distances {
+            least,
+            greatest: self.greatest_of(&near, over).min(middle + half),
+            middle,
+        }
+    }
+
+    /// No place in a box is farther than this from the closest triangle.
+    pub(crate) fn greatest(&self, over: &Bounds) -> f64 {
+        self.greatest_of(&self.nearest(over.centre()), over)
+    }
+
+    /// The same, of one triangle.
+    fn greatest_of(&self, near: &Near, over: &Bounds) -> f64 {
+        let triangle = self.shell.triangle(near.triangle);
+        corners(over)
+            .map(|p| p.distance_squared(closest(p, triangle)))
+            .into_iter()
+            .fold(0.0, f64::max)
+            .sqrt()
+    }
+
     /// Two numbers between which all values in a box are.
     pub(crate) fn range_over(&self, over: &Bounds) -> [f64; 2] {
         // The deepest place is at most this far from a triangle.
@@ -120,7 +132,7 @@ impl Mesh {
         if reach > 1e12 {
             return [lowest - deepest * 1e-3, f64::INFINITY];
         }
-        let d = self.shell.distances(over);
+        let d = self.distances(over);
         let slack = f64::EPSILON * 64.0 * (reach + deepest);
         let (least, greatest) = (
             (d.least * (1.0 - ROUNDING) - slack).max(0.0),

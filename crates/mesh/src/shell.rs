@@ -15,31 +15,37 @@ pub(crate) struct Shell {
 
 impl Shell {
     /// Puts triangles, and their vertices, into the order of a tree.
-    pub(crate) fn new(
+    pub(crate) fn new(vertices: Vec<DVec3>, corners: Vec<[u32; 3]>) -> Shell {
+        Shell::sorted(vertices, corners).0
+    }
+
+    /// The same. Also returned: for each vertex the number that it had.
+    pub(crate) fn sorted(
         mut vertices: Vec<DVec3>,
         mut corners: Vec<[u32; 3]>,
-    ) -> Shell {
+    ) -> (Shell, Vec<u32>) {
         let (tree, order) = Tree::new(&vertices, &corners);
         corners = order.iter().map(|i| corners[*i as usize]).collect();
         drop(order);
         // What is near in space is near in memory.
         let mut numbers = vec![u32::MAX; vertices.len()];
-        let mut sorted = Vec::with_capacity(vertices.len());
+        let mut order = Vec::with_capacity(vertices.len());
         for corner in corners.iter_mut().flatten() {
             let number = &mut numbers[*corner as usize];
             if *number == u32::MAX {
-                *number = sorted.len() as u32;
-                sorted.push(vertices[*corner as usize]);
+                *number = order.len() as u32;
+                order.push(*corner);
             }
             *corner = *number;
         }
-        sorted.shrink_to_fit();
-        vertices = sorted;
-        Shell {
+        drop(numbers);
+        vertices = order.iter().map(|v| vertices[*v as usize]).collect();
+        let shell = Shell {
             vertices,
             corners,
             tree,
-        }
+        };
+        (shell, order)
     }
 
     #[inline]

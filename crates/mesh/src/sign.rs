@@ -108,6 +108,21 @@ impl Sign {
         }
     }
 
+    /// True if the sign may change within a distance of a box at a place that is
+    /// on no triangle.
+    pub(crate) fn may_change(&self, over: &Bounds, within: f64) -> bool {
+        let margin = DVec3::splat(within);
+        let grown = Bounds {
+            min: over.min - margin,
+            max: over.max + margin,
+        };
+        match self {
+            Sign::Closed => false,
+            Sign::Covered(cover) => cover.meets(&grown),
+            Sign::Capped { .. } | Sign::Loose(_) => true,
+        }
+    }
+
     /// By how much the winding number may differ from that in the middle of a
     /// box, at places in the box, if no triangle meets it.
     ///

@@ -13,8 +13,12 @@ use crate::error::MeshError;
 use isoslice_base::limits::go_on;
 use isoslice_base::sets::Sets;
 
-/// A cap larger than this share of the area of what hangs together with its rim
-/// is no hole. A box without a lid has one of 0.2, half a ball 0.5, a relief 0.9.
+/// A cap of no more than this share of the area of what hangs together with its
+/// rim closes a hole.
+const SMALL: f64 = 0.1;
+/// Larger ones do if all caps together have no more than this share. A box
+/// without a lid has 0.2, half a ball 0.5, a tube as long as it is wide 0.5, a
+/// relief 0.9.
 const LARGEST: f64 = 0.4;
 /// Pieces with large openings are closed too if all of them together have no
 /// more than this share of the area: crumbs of a scan.
@@ -35,6 +39,7 @@ struct Cap {
     area: f64,
     around: f64,
     part: u32,
+    is_hole: bool,
 }
 
 pub(super) fn close(work: &mut Work) -> Result<Holes, MeshError> {
@@ -67,7 +72,17 @@ pub(super) fn close(work: &mut Work) -> Result<Holes, MeshError> {
             area,
             around,
             part,
+            is_hole: false,
         });
+    }
+    let mut sums = vec![0.0; areas.len()];
+    for cap in &caps {
+        sums[cap.part as usize] += cap.area;
+    }
+    for cap in &mut caps {
+        let all = sums[cap.part as usize];
+        cap.is_hole =
+            cap.area <= SMALL * cap.around || all <= LARGEST * cap.around;
     }
     let crumbs = crumbs(&caps, CRUMBS * whole);
     let mut holes = Holes {
@@ -75,7 +90,7 @@ pub(super) fn close(work: &mut Work) -> Result<Holes, MeshError> {
         open_edges: 0,
     };
     for cap in caps {
-        if cap.is_hole() || cap.around <= crumbs {
+        if cap.is_hole || cap.around <= crumbs {
             holes.closed += usize::from(cap.area > 0.0);
             cap.triangles.into_iter().for_each(|t| work.add(t));
         } else {
@@ -85,17 +100,11 @@ pub(super) fn close(work: &mut Work) -> Result<Holes, MeshError> {
     Ok(holes)
 }
 
-impl Cap {
-    fn is_hole(&self) -> bool {
-        self.area <= LARGEST * self.around
-    }
-}
-
 /// The area of the largest crumb: those up to it have `most` together.
 fn crumbs(caps: &[Cap], most: f64) -> f64 {
     let mut open: Vec<(f64, u32)> = caps
         .iter()
-        .filter(|cap| !cap.is_hole())
+        .filter(|cap| !cap.is_hole)
         .map(|cap| (cap.around, cap.part))
         .collect();
     open.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -341,6 +341,7 @@ fn openings_are_covered_for_the_sign_alone() {
 fn what_only_winding_numbers_close_is_left_to_them() {
     let mesh = mesh(&scattered(&ball(10.0, 4), 0.05));
     assert!(!mesh.sign.is_closed() && mesh.sign.cover().is_none());
+    assert!(mesh.section(&DAffine3::IDENTITY, 0.0).is_none());
     let mut random = Random::new(21);
     for _ in 0..2000 {
         let p = random.within(12.0);
