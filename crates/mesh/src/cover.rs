@@ -18,9 +18,12 @@ use crate::shell::Shell;
 use crate::tree::{Node, gap};
 use glam::DVec3;
 use isocontour::Bounds;
+use isoslice_base::limits::is_stopped;
+use rayon::prelude::*;
 
-/// Places at which covers are compared with winding numbers.
-const LOOKS: usize = 2000;
+/// Places at which covers are compared with winding numbers. If all triangles lie
+/// on one another, each takes the time of all triangles.
+const LOOKS: usize = 400;
 /// Triangles of a loop from which it is looked.
 const BY_LOOP: usize = 16;
 /// How far, as a share of the root of the area of the loop's cover. Nearer, winding
@@ -92,14 +95,17 @@ impl Cover {
         &self,
         shell: &Shell,
         places: &[DVec3],
-        direction: impl Fn(DVec3) -> Direction,
-        winding: impl Fn(DVec3) -> f64,
+        direction: impl Fn(DVec3) -> Direction + Sync,
+        winding: impl Fn(DVec3) -> f64 + Sync,
     ) -> bool {
         let differs = |p: &&DVec3| {
+            if is_stopped() {
+                return false;
+            }
             let whole = self.winding(shell, **p, direction(**p));
             (whole > 0) != (winding(**p) > 0.5)
         };
-        let differ = places.iter().filter(differs).count();
+        let differ = places.par_iter().filter(differs).count();
         differ as f64 <= MAY_DIFFER * places.len() as f64
     }
 

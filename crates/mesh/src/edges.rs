@@ -71,11 +71,11 @@ pub(crate) fn each_edge(
         }
     }
     // Each start is now where the next list starts.
+    starts.pop();
     let mut start = 0;
-    for low in 0..vertices {
-        let end = starts[low] as usize;
-        let list = &mut sides[start..end];
-        start = end;
+    for (low, end) in starts.into_iter().enumerate() {
+        let list = &mut sides[start..end as usize];
+        start = end as usize;
         list.sort_unstable();
         for same in list.chunk_by(|a, b| a >> 32 == b >> 32) {
             see(Edge {

@@ -20,8 +20,8 @@ const SMALL: f64 = 0.1;
 /// without a lid has 0.2, half a ball 0.5, a tube as long as it is wide 0.5, a
 /// relief 0.9.
 const LARGEST: f64 = 0.4;
-/// Pieces with large openings are closed too if all of them together have no
-/// more than this share of the area: crumbs of a scan.
+/// Parts with larger openings are closed too if all of them together have no more
+/// than this share of the area: crumbs of a scan.
 const CRUMBS: f64 = 0.01;
 
 /// What was found.
@@ -84,13 +84,18 @@ pub(super) fn close(work: &mut Work) -> Result<Holes, MeshError> {
         cap.is_hole =
             cap.area <= SMALL * cap.around || all <= LARGEST * cap.around;
     }
-    let crumbs = crumbs(&caps, CRUMBS * whole);
+    let mut open: Vec<u32> =
+        caps.iter().filter(|c| !c.is_hole).map(|c| c.part).collect();
+    open.sort_unstable();
+    open.dedup();
+    let open: f64 = open.iter().map(|part| areas[*part as usize]).sum();
+    let are_crumbs = open <= CRUMBS * whole;
     let mut holes = Holes {
         closed: 0,
         open_edges: 0,
     };
     for cap in caps {
-        if cap.is_hole || cap.around <= crumbs {
+        if (cap.is_hole || are_crumbs) && work.has_room(cap.edges) {
             holes.closed += usize::from(cap.area > 0.0);
             cap.triangles.into_iter().for_each(|t| work.add(t));
         } else {
@@ -98,26 +103,6 @@ pub(super) fn close(work: &mut Work) -> Result<Holes, MeshError> {
         }
     }
     Ok(holes)
-}
-
-/// The area of the largest crumb: those up to it have `most` together.
-fn crumbs(caps: &[Cap], most: f64) -> f64 {
-    let mut open: Vec<(f64, u32)> = caps
-        .iter()
-        .filter(|cap| !cap.is_hole)
-        .map(|cap| (cap.around, cap.part))
-        .collect();
-    open.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    open.dedup();
-    let mut sum = 0.0;
-    let mut largest = 0.0;
-    for (area, _) in open {
-        sum += area;
-        if sum <= most {
-            largest = area;
-        }
-    }
-    largest
 }
 
 /// The edges along which something is missing, and the areas of parts.

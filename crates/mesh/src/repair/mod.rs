@@ -28,10 +28,13 @@ mod turning;
 use crate::edges::each_edge;
 use crate::error::MeshError;
 use crate::facts::Facts;
-use crate::triangles::Triangles;
+use crate::triangles::{MOST_TRIANGLES, Triangles};
 use glam::DVec3;
 use isoslice_base::limits::go_on;
 use isoslice_base::sets::Sets;
+
+/// Most triangles with those that are added. The tree numbers 2²⁷.
+const MOST: usize = 2 * MOST_TRIANGLES;
 
 /// Triangles that are being repaired.
 struct Work {
@@ -61,6 +64,11 @@ impl Work {
     fn add(&mut self, corners: [u32; 3]) {
         self.corners.push(corners);
         self.is_turned.push(false);
+    }
+
+    /// True if so many more triangles can be added.
+    fn has_room(&self, count: usize) -> bool {
+        self.corners.len() + count <= MOST
     }
 
     fn triangle(&self, i: usize) -> [DVec3; 3] {
