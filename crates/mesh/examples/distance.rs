@@ -10,8 +10,19 @@ use std::error::Error;
 use std::fs::File;
 use std::io::{BufRead, BufWriter, Write, stdin, stdout};
 use std::path::Path;
+use std::process::ExitCode;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match tell() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(e) => {
+            eprintln!("{e}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn tell() -> Result<(), Box<dyn Error>> {
     let file = std::env::args().nth(1).ok_or("usage: distance FILE")?;
     let extension = Path::new(&file).extension().unwrap_or_default();
     let format = Format::of_extension(&extension.to_string_lossy())

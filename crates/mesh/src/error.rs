@@ -1,6 +1,10 @@
-//! Why a file holds no mesh.
+//! Why a file holds no mesh, and how large a mesh may be.
 
 use std::io;
+
+/// Greatest number of triangles. They take 4 GB, and far more are scans that
+/// somebody forgot to reduce.
+pub const MOST_TRIANGLES: usize = 50_000_000;
 
 /// Why a mesh cannot be read or used.
 ///
@@ -34,7 +38,7 @@ pub enum MeshError {
     #[error(
         "it has more than {} million triangles; reduce it in the program that \
          made it",
-        crate::MOST_TRIANGLES / 1_000_000
+        MOST_TRIANGLES / 1_000_000
     )]
     TooMany,
 }

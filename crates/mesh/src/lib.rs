@@ -93,8 +93,8 @@ mod tree;
 mod triangles;
 mod winding;
 
-pub use error::MeshError;
+pub use error::{MOST_TRIANGLES, MeshError};
 pub use facts::Facts;
 pub use mesh::Mesh;
 pub use read::{Format, read};
-pub use triangles::{MOST_TRIANGLES, Triangles};
+pub use triangles::Triangles;

@@ -1,13 +1,9 @@
 //! Triangles with shared vertices, as files give them.
 
-use crate::error::MeshError;
+use crate::error::{MOST_TRIANGLES, MeshError};
 use crate::merge::Merger;
 use glam::{DAffine3, DVec3};
 use isocontour::Bounds;
-
-/// Greatest number of triangles. They take 6 GB, and far more are scans that
-/// somebody forgot to reduce.
-pub const MOST_TRIANGLES: usize = 50_000_000;
 
 /// Greatest distance of a vertex from the origin along an axis, mm. Products of
 /// four such lengths, as squares of areas are, have a place in f32.

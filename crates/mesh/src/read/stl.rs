@@ -17,8 +17,8 @@
 //! vertices says what is outside.
 
 use super::words::Words;
-use crate::error::MeshError;
-use crate::triangles::{Collector, MOST_TRIANGLES, Triangles};
+use crate::error::{MOST_TRIANGLES, MeshError};
+use crate::triangles::{Collector, Triangles};
 use glam::DVec3;
 use std::io::{BufReader, Read, Seek};
 

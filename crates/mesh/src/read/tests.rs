@@ -358,6 +358,12 @@ fn hostile_files_are_refused_with_the_reason() {
     let many: Vec<(&str, &str)> =
         many.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
     let vertex = "<vertex x=\"1\" y=\"1\" z=\"1\"/>";
+    let relation = |mode: &str| {
+        format!(
+            "<Relationship Target=\"/a\" Type=\"a/3dmodel\" \
+             TargetMode=\"{mode}\"/>"
+        )
+    };
     let one = |inside: &str| {
         let object = format!(
             "<object id=\"1\"><mesh><vertices>{vertex}{vertex}{vertex}</vertices>\
@@ -603,6 +609,26 @@ fn hostile_files_are_refused_with_the_reason() {
             ThreeMf,
             of_model("", "<item objectid=\"1\" p:path=\"/../../etc/passwd\"/>"),
             "there is no /../../etc/passwd",
+        ),
+        (
+            ThreeMf,
+            of_model("<object id=\"1\" type=\"bear\"/>", item),
+            "\"bear\" is no type of objects",
+        ),
+        (
+            ThreeMf,
+            of_model("<object id=\"1\" type=\"other\"/>", item),
+            "object 1 is to be built, and",
+        ),
+        (
+            ThreeMf,
+            archive(&[("_rels/.rels", &relation("").repeat(2))]),
+            "two models",
+        ),
+        (
+            ThreeMf,
+            archive(&[("_rels/.rels", &relation("External"))]),
+            "not in the archive",
         ),
         (
             ThreeMf,

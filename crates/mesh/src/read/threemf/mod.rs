@@ -23,7 +23,7 @@ use crate::error::MeshError;
 use crate::triangles::{Collector, Triangles};
 use glam::{DAffine3, DVec3};
 use marks::Marks;
-use model::{Model, Object, Reference};
+use model::{Model, OTHER, Object, Reference};
 use package::Package;
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
@@ -126,6 +126,14 @@ impl<R: Read + Seek> Building<R> {
         if object.is_open {
             let what = format!(
                 "object {} holds itself; save the file again",
+                reference.id
+            );
+            return Err(MeshError::at(path, what));
+        }
+        if depth == 0 && object.left_out == Some(OTHER) {
+            let what = format!(
+                "object {} is to be built, and is of the type `other`, which \
+                 is not",
                 reference.id
             );
             return Err(MeshError::at(path, what));

@@ -2,8 +2,7 @@
 
 use super::package::Package;
 use super::xml::{self, Element, Event};
-use crate::error::MeshError;
-use crate::triangles::MOST_TRIANGLES;
+use crate::error::{MOST_TRIANGLES, MeshError};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
@@ -95,6 +94,9 @@ const KNOWN: [&str; 4] = [
     "/material/2015/02",
     "/trianglesets/2021/07",
 ];
+
+/// An object of a type that must not be built.
+pub(super) const OTHER: &str = "an object that is not to be printed";
 
 /// What Cura calls meshes that are no part of the body.
 const OF_CURA: [(&str, &str); 4] = [
@@ -281,8 +283,14 @@ impl Reading {
         }
         let left_out = match element.text("type")?.as_deref() {
             Some("support" | "solidsupport") => Some("a support"),
-            Some("other") => Some("an object that is not to be printed"),
-            _ => None,
+            Some("other") => Some(OTHER),
+            None | Some("model" | "surface") => None,
+            Some(other) => {
+                return Err(element.wrong(format!(
+                    "{other:?} is no type of objects; those of 3MF are model, \
+                     surface, support, solidsupport and other"
+                )));
+            }
         };
         self.object = Some((
             id,

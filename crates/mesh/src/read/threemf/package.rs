@@ -80,7 +80,7 @@ impl<R: Read + Seek> Package<R> {
 
     /// The name of the file that has the model.
     pub(super) fn root(&mut self) -> Result<String, MeshError> {
-        let mut root = MODEL.to_owned();
+        let mut root = None;
         self.with(RELATIONSHIPS, |bytes| {
             xml::read(RELATIONSHIPS, bytes, |event| {
                 let Event::Start(element) = event else {
@@ -89,16 +89,26 @@ impl<R: Read + Seek> Package<R> {
                 let is_model = element
                     .text("Type")?
                     .is_some_and(|kind| kind.ends_with("/3dmodel"));
-                if element.name() == "Relationship"
-                    && is_model
-                    && let Some(target) = element.text("Target")?
+                if element.name() != "Relationship" || !is_model {
+                    return Ok(());
+                }
+                if element.text("TargetMode")?.is_some_and(|m| m == "External")
                 {
-                    root = target;
+                    return Err(
+                        element.wrong("the model is not in the archive")
+                    );
+                }
+                let target = element.text("Target")?.unwrap_or_default();
+                if root.replace(target).is_some() {
+                    return Err(element.wrong(
+                        "there are two models in the archive; save each as a \
+                         file of its own",
+                    ));
                 }
                 Ok(())
             })
         })?;
-        Ok(root)
+        Ok(root.unwrap_or_else(|| MODEL.to_owned()))
     }
 }
 
