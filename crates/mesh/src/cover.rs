@@ -10,9 +10,9 @@
 //! winding numbers alone count.
 
 use crate::error::MeshError;
+use crate::fill::Filler;
+use crate::loops::{Missing, loops};
 use crate::ray::Direction;
-use crate::repair::fill::Filler;
-use crate::repair::loops::{Missing, loops};
 use crate::rim::RimEdge;
 use crate::shell::Shell;
 use crate::tree::{Node, gap};

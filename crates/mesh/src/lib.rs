@@ -46,6 +46,7 @@
 //! | `tree`, `shell` | boxes around boxes around triangles |
 //! | `closest`, `four` | the closest point of a triangle; bounds for four at a time |
 //! | `repair` | turns, joins and closes triangles so that they bound a body |
+//! | `loops`, `fill` | rims as loops, and triangles that fill them |
 //! | `edges`, `rim`, `cover` | edges without a neighbour, and what covers openings |
 //! | `ray`, `winding`, `sign` | inside or outside |
 //! | `range`, `slopes` | bounds over boxes |
@@ -75,7 +76,9 @@ mod cover;
 mod edges;
 mod error;
 mod facts;
+mod fill;
 mod four;
+mod loops;
 mod merge;
 mod mesh;
 mod range;

@@ -6,10 +6,10 @@
 //! inside of it is said by covers (see `cover.rs`).
 
 use super::Work;
-use super::fill::Filler;
-use super::loops::{Missing, loops};
 use crate::edges::each_edge;
 use crate::error::MeshError;
+use crate::fill::Filler;
+use crate::loops::{Missing, loops};
 use isoslice_base::limits::go_on;
 use isoslice_base::sets::Sets;
 

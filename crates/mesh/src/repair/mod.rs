@@ -16,9 +16,7 @@
 //! numbers (see `sign.rs`), and told.
 
 mod doubles;
-pub(crate) mod fill;
 mod holes;
-pub(crate) mod loops;
 mod outside;
 mod seams;
 #[cfg(test)]
@@ -26,9 +24,9 @@ mod tests;
 mod turning;
 
 use crate::edges::each_edge;
-use crate::error::MeshError;
+use crate::error::{MOST_TRIANGLES, MeshError};
 use crate::facts::Facts;
-use crate::triangles::{MOST_TRIANGLES, Triangles};
+use crate::triangles::Triangles;
 use glam::DVec3;
 use isoslice_base::limits::go_on;
 use isoslice_base::sets::Sets;
