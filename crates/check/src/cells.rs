@@ -58,9 +58,10 @@ pub(super) fn around(cell: IVec2) -> impl Iterator<Item = IVec2> {
 
 /// The tile of a cell, and the cell's row and column there.
 pub(super) fn split(cell: IVec2) -> (Place, usize, usize) {
-    let tile = (cell.x.div_euclid(SIDE), cell.y.div_euclid(SIDE));
-    let within = |k: i32| k.rem_euclid(SIDE) as usize;
-    (tile, within(cell.y), within(cell.x))
+    // The side is a power of two, which a shift divides by as `div_euclid` does.
+    let tile = cell >> SIDE.trailing_zeros();
+    let within = cell & (SIDE - 1);
+    ((tile.x, tile.y), within.y as usize, within.x as usize)
 }
 
 /// A bit for each cell of a tile, by rows.
@@ -92,6 +93,21 @@ impl Bits {
     /// The cells that are marked here and not in `others`.
     pub(super) fn without(&self, others: &Bits) -> Bits {
         Bits(std::array::from_fn(|row| self.0[row] & !others.0[row]))
+    }
+
+    /// Those of the marked cells of the tile at a place that are as `is` says, by
+    /// their rows and columns.
+    pub(super) fn which(
+        &self,
+        (x, y): Place,
+        is: impl Fn(IVec2, usize, usize) -> bool,
+    ) -> Bits {
+        Bits(std::array::from_fn(|row| {
+            let at = |k: i32| IVec2::new(x * SIDE + k, y * SIDE + row as i32);
+            let is = |k: i32| is(at(k), row, k as usize);
+            let marked = (0..SIDE).filter(|k| self.0[row] & (1 << k) != 0);
+            marked.filter(|&k| is(k)).fold(0, |all, k| all | 1 << k)
+        }))
     }
 
     /// Number of marked cells.
@@ -205,6 +221,11 @@ impl Cells {
     /// The number of cells.
     pub(super) fn count(&self) -> u32 {
         self.tiles.values().map(Bits::count).sum()
+    }
+
+    /// The tiles that have cells, in no order.
+    pub(super) fn tiles(&self) -> impl Iterator<Item = (Place, &Bits)> {
+        self.tiles.iter().map(|(place, bits)| (*place, bits))
     }
 
     /// The cells of some tiles.

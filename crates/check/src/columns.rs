@@ -9,6 +9,7 @@
 
 use super::cells::{Bits, Cells, Place, SIDE, Tiles, around, split};
 use glam::IVec2;
+use std::cell::Cell;
 
 /// Greatest number of tiles.
 const MOST_TILES: usize = 1 << 13;
@@ -103,7 +104,7 @@ pub(super) struct Columns {
     places: Tiles<usize>,
     tiles: Vec<Tile>,
     /// The tile that was asked for last.
-    last: Option<(Place, usize)>,
+    last: Cell<Option<(Place, usize)>>,
     /// Number of the layer being printed, from 1.
     layer: u32,
     /// The tiles in which it is printed.
@@ -115,7 +116,7 @@ impl Default for Columns {
         Columns {
             places: Tiles::default(),
             tiles: Vec::new(),
-            last: None,
+            last: Cell::new(None),
             layer: 1,
             touched: Vec::new(),
         }
@@ -129,12 +130,13 @@ impl Columns {
         self.tiles.len()
     }
 
-    /// Takes in a part of a bead that reaches from `low` up to `top`. Returns
-    /// the top of the layers below it.
+    /// Takes in a part of a bead that reaches up to `top`, and down to the first of
+    /// `reaches` if something is there, or else to the second. Returns the top of
+    /// the layers below it.
     pub(super) fn lay(
         &mut self,
         cell: IVec2,
-        low: f64,
+        reaches: [f64; 2],
         top: f64,
         support: bool,
     ) -> Option<f64> {
@@ -157,8 +159,12 @@ impl Columns {
         of.mark(row, column);
         let own = &mut tile.columns[row][column];
         *own = own.at(layer);
-        let (low, top) = (low as f32, top as f32);
-        own.low = own.low.min(low);
+        let [low, deep] = reaches.map(|z| z as f32);
+        let low = if own.below >= low { low } else { deep };
+        let top = top as f32;
+        if low < own.low {
+            own.low = low;
+        }
         if own.below >= low {
             tile.held.mark(row, column);
         }
@@ -173,6 +179,45 @@ impl Columns {
     pub(super) fn at(&self, cell: IVec2) -> Option<Seen> {
         let (place, row, column) = split(cell);
         self.seen(self.known(place)?.columns[row][column])
+    }
+
+    /// The top of the layers below in a cell, and whether it is that of a support;
+    /// none where nothing is below.
+    pub(super) fn below(&self, cell: IVec2) -> Option<(f64, bool)> {
+        let (place, row, column) = split(cell);
+        let own = self.known(place)?.columns[row][column].at(self.layer);
+        let support = own.stamp & BELOW_SUPPORT != 0;
+        (own.below > NOTHING).then_some((own.below.into(), support))
+    }
+
+    /// Those of some cells that are as `is` says.
+    pub(super) fn which(
+        &self,
+        cells: &Cells,
+        is: impl Fn(IVec2, &Seen) -> bool,
+    ) -> Cells {
+        let all = cells.tiles().filter_map(|(place, bits)| {
+            let tile = self.known(place)?;
+            let is = |cell: IVec2, row: usize, column: usize| {
+                let seen = self.seen(tile.columns[row][column]);
+                seen.is_some_and(|seen| is(cell, &seen))
+            };
+            Some((place, bits.which(place, is)))
+        });
+        Cells::of(all)
+    }
+
+    /// Of some cells of the layer, the deepest and highest reach of beads, and the
+    /// highest and lowest: what lies between both holds all of their beads.
+    pub(super) fn spread(&self, cells: &Cells) -> Option<[Seen; 2]> {
+        let mut all = cells.all().filter_map(|cell| self.at(cell));
+        let first = all.next()?;
+        Some(all.fold([first; 2], |[deep, high], seen| {
+            let (low, top) = (deep.low.min(seen.low), deep.top.max(seen.top));
+            let deep = Seen { low, top, ..deep };
+            let (low, top) = (high.low.max(seen.low), high.top.min(seen.top));
+            [deep, Seen { low, top, ..high }]
+        }))
     }
 
     /// True if one of a cell and its eight neighbours is as `is` says.
@@ -198,9 +243,13 @@ impl Columns {
 
     /// The tile at a place, if something was printed there.
     fn known(&self, place: Place) -> Option<&Tile> {
-        let index = match self.last {
+        let index = match self.last.get() {
             Some((last, index)) if last == place => index,
-            _ => *self.places.get(&place)?,
+            _ => {
+                let index = *self.places.get(&place)?;
+                self.last.set(Some((place, index)));
+                index
+            }
         };
         Some(&self.tiles[index])
     }
@@ -242,7 +291,7 @@ impl Columns {
 
     /// The tile at a place, which is made if there is room for it.
     fn tile(&mut self, place: Place) -> Option<usize> {
-        let index = match self.last {
+        let index = match self.last.get() {
             Some((last, index)) if last == place => return Some(index),
             _ => match self.places.get(&place) {
                 Some(index) => *index,
@@ -255,7 +304,7 @@ impl Columns {
                 None => return None,
             },
         };
-        self.last = Some((place, index));
+        self.last.set(Some((place, index)));
         Some(index)
     }
 }
@@ -269,9 +318,9 @@ mod tests {
         let mut columns = Columns::default();
         let cell = IVec2::new(-3, 70);
         assert!(columns.at(cell).is_none());
-        let below = columns.lay(cell, 0.0, 0.2, true).unwrap();
+        let below = columns.lay(cell, [0.0; 2], 0.2, true).unwrap();
         assert!(below.is_infinite());
-        let below = columns.lay(cell, 0.3, 0.5, false).unwrap();
+        let below = columns.lay(cell, [0.3; 2], 0.5, false).unwrap();
         assert!(below.is_infinite(), "one layer");
         let seen = columns.at(cell).unwrap();
         assert!((seen.low, seen.on_support) == (0.0, false), "{seen:?}");
@@ -279,7 +328,7 @@ mod tests {
         let seen = columns.at(cell).unwrap();
         assert_eq!((seen.below, seen.top), (0.5, 0.5));
         assert!(!seen.on_support && seen.low.is_infinite());
-        assert_eq!(columns.lay(cell, 0.5, 0.7, true), Some(0.5));
+        assert_eq!(columns.lay(cell, [0.5; 2], 0.7, true), Some(0.5));
         columns.next_layer();
         columns.next_layer();
         let seen = columns.at(cell).unwrap();
@@ -292,7 +341,7 @@ mod tests {
         let mut columns = Columns::default();
         for k in 0..2 * MOST_TILES as i32 {
             let cell = IVec2::new(SIDE * (k % 128), SIDE * (k / 128));
-            let known = columns.lay(cell, 0.0, 0.2, false).is_some();
+            let known = columns.lay(cell, [0.0; 2], 0.2, false).is_some();
             assert_eq!(known, k < MOST_TILES as i32);
         }
         assert_eq!(columns.tiles(), MOST_TILES);

@@ -66,6 +66,10 @@ pub(super) struct Flow {
     rise: Rise,
 }
 
+/// How far the nozzle is above what lies below it, and whether that is a support,
+/// if this is known: what other files have printed is not.
+type Lies = Option<(Mm, bool)>;
+
 /// What is known of the layer being printed.
 #[derive(Debug, Default)]
 struct Layer {
@@ -83,9 +87,11 @@ struct Layer {
     /// by how far they rise.
     standing: f64,
     upright: Mm2,
-    windows: Tiles<Window>,
-    /// The window that beads run through now, which is not among the others.
-    here: Option<(Place, Window)>,
+    windows: Vec<Window>,
+    /// The number of each window.
+    places: Tiles<usize>,
+    /// The window that beads run through now.
+    here: Option<(Place, usize)>,
     /// The first line of the layer.
     line: Option<u64>,
 }
@@ -115,53 +121,62 @@ impl Flow {
         if !counts(step.role) {
             return;
         }
-        let length = step.length();
         self.layer.bead(step, area);
         let (from, to) = (step.from.truncate(), step.to.truncate());
         // Places in the middle of steps of a cell's size, or less.
         let count = (from.distance(to) / CELL).ceil().max(1.0);
-        let volume = area * length / count;
+        let way = (step.to - step.from) / count;
+        let length = step.length() / count;
+        // Most of a bead lies on one thing: pieces that do are taken together.
+        let (mut on, mut pieces) = (None, 0.0);
         for k in 0..count as u32 {
-            let share = (f64::from(k) + 0.5) / count;
-            let at = step.from.lerp(step.to, share);
+            let at = step.from + (f64::from(k) + 0.5) * way;
             let cell = cell_of(at.truncate());
-            let lies = self.rise_at(at, ground);
-            let height = self.high(lies, step.height);
-            let fits = cross_section(step.width, height) * length / count;
-            self.layer.room += fits;
-            let Some((rise, over_support)) = lies else {
-                continue;
-            };
-            self.layer.cover(cell, volume, step.height.max(rise));
-            self.layer.standing += volume;
-            self.layer.upright += height * length / count;
-            if !over_support {
-                let named = step.role != Role::Unknown;
-                let length = length / count;
-                self.rise.bead(rise, length, area, step.height, named);
+            let lies = self.rise_at(at.z, cell, ground);
+            if lies != on {
+                self.lies(on, pieces * length, step, area);
+                (on, pieces) = (lies, 0.0);
             }
+            pieces += 1.0;
+            if let Some((rise, _)) = lies {
+                self.layer.cover(cell, area * length, step.height.max(rise));
+            }
+        }
+        self.lies(on, pieces * length, step, area);
+    }
+
+    /// Takes a length of a bead that lies on the same all along.
+    fn lies(&mut self, on: Lies, length: Mm, step: &Move, area: Mm2) {
+        let height = self.high(on, step.height);
+        self.layer.room += cross_section(step.width, height) * length;
+        let Some((rise, over_support)) = on.filter(|_| length > 0.0) else {
+            return;
+        };
+        self.layer.standing += area * length;
+        self.layer.upright += height * length;
+        if !over_support {
+            let named = step.role != Role::Unknown;
+            self.rise.bead(rise, length, area, step.height, named);
         }
     }
 
-    /// How far the nozzle is above what lies below it, and whether that is a
-    /// support, if this is known: what other files have printed is not.
-    fn rise_at(&self, at: DVec3, ground: &Ground) -> Option<(Mm, bool)> {
+    /// What a nozzle at this height lays its bead on in a cell.
+    fn rise_at(&self, z: Mm, cell: IVec2, ground: &Ground) -> Lies {
         let bed = || Some((self.bed?, false));
-        let below = ground.below(cell_of(at.truncate()));
-        let (below, over_support) = below.or_else(bed)?;
-        Some((at.z - below, over_support))
+        let (below, over_support) = ground.below(cell).or_else(bed)?;
+        Some((z - below, over_support))
     }
 
     /// How high a bead is at a place, if the file says `said`.
     pub(super) fn height(&self, at: DVec3, said: Mm, ground: &Ground) -> Mm {
-        self.high(self.rise_at(at, ground), said)
+        self.high(self.rise_at(at.z, cell_of(at.truncate()), ground), said)
     }
 
     /// How high a bead is that rises this far above what lies below it: it reaches
     /// down to that. Files that say no heights may have supports between layers,
     /// whose distance then is not the height of either. A bead that rises by more
     /// than the nozzle's width lies on nothing.
-    fn high(&self, lies: Option<(Mm, bool)>, said: Mm) -> Mm {
+    fn high(&self, lies: Lies, said: Mm) -> Mm {
         let lies = lies.filter(|lies| lies.0 < self.nozzle + ROUNDING);
         lies.map_or(said, |(rise, _)| rise.max(said))
     }
@@ -194,34 +209,31 @@ impl Layer {
 
     /// Adds a part of a bead to its window.
     fn cover(&mut self, cell: IVec2, volume: f64, height: Mm) {
-        let place = (cell.x.div_euclid(SIDE), cell.y.div_euclid(SIDE));
+        let window = cell >> SIDE.trailing_zeros();
+        let place = (window.x, window.y);
         if self.here.is_none_or(|here| here.0 != place) {
-            self.leave_window();
-            let known = self.windows.get(&place).copied();
-            self.here = Some((place, known.unwrap_or_default()));
+            let count = self.windows.len();
+            let index = match self.places.get(&place) {
+                Some(index) => *index,
+                None if count == MOST_WINDOWS => return,
+                None => count,
+            };
+            if index == count {
+                self.places.insert(place, index);
+                self.windows.push(Window::default());
+            }
+            self.here = Some((place, index));
         }
-        let Some((_, window)) = &mut self.here else {
-            return;
-        };
-        let within = cell.rem_euclid(IVec2::splat(SIDE));
+        let Some((_, index)) = self.here else { return };
+        let window = &mut self.windows[index];
+        let within = cell & (SIDE - 1);
         window.cells |= 1 << (within.y * SIDE + within.x);
         window.volume += volume;
         window.weighed += volume * height;
     }
 
-    /// Puts the window that beads run through to the others.
-    fn leave_window(&mut self) {
-        let full = self.windows.len() >= MOST_WINDOWS;
-        if let Some((place, window)) = self.here.take()
-            && (!full || self.windows.contains_key(&place))
-        {
-            self.windows.insert(place, window);
-        }
-    }
-
     /// What is wrong with it, if its flow and its widths should be about these.
-    fn wrong(mut self, flow: [f64; 2], widths: [Mm; 2]) -> Option<Wrong> {
-        self.leave_window();
+    fn wrong(self, flow: [f64; 2], widths: [Mm; 2]) -> Option<Wrong> {
         let line = self.line?;
         if self.seen < LITTLE {
             return None;
@@ -248,11 +260,7 @@ impl Layer {
 
     /// Share of the room in the windows that beads cover all over.
     fn filled(&self) -> Option<f64> {
-        let mut covered: Vec<_> =
-            self.windows.iter().filter(|w| w.1.is_covered()).collect();
-        // A sum of numbers depends on their order.
-        covered.sort_unstable_by_key(|(place, _)| **place);
-        let all = covered.into_iter().map(|(_, window)| window);
+        let all = self.windows.iter().filter(|window| window.is_covered());
         let (volume, room) = all.fold((0.0, 0.0), |(v, r), window| {
             let height = window.weighed / window.volume;
             (v + window.volume, r + WINDOW * height)

@@ -185,6 +185,7 @@ impl Ground {
             return None;
         }
         let goes_on = before.is_some();
+        let deepest = depth(step, area, 2.0 * self.lift);
         for (cell, at) in places(step, 0.0).skip(usize::from(goes_on)) {
             let (z, height) = (at.z, step.height);
             let spot = Some(Spot {
@@ -198,17 +199,15 @@ impl Ground {
             }
             self.last = None;
             let low = reach(z, height);
-            let below = self.columns.lay(cell, low, z, support);
+            let reaches = [low, reach(z, deepest)];
+            let below = self.columns.lay(cell, reaches, z, support);
             let Some(below) = below else { continue };
             if z < below - PLOUGH {
                 let (top, how) = (below, How::Low);
                 wrong = wrong.or(Some(Wrong { at, top, how }));
             } else if below < low {
-                let height = depth(step, area, 2.0 * self.lift);
-                let low = reach(z, height);
-                self.columns.lay(cell, low, z, support);
-                if below < low && !support && wrong.is_none() {
-                    wrong = self.hangs(cell, at, z - height - self.lift);
+                if below < reaches[1] && !support && wrong.is_none() {
+                    wrong = self.hangs(cell, at, z - deepest - self.lift);
                     if wrong.is_some() {
                         self.here.reported.mark(cell);
                     }
@@ -246,9 +245,7 @@ impl Ground {
     /// The top of the layers below in a cell, and whether it is that of a support;
     /// none where they are the bed.
     pub(super) fn below(&self, cell: IVec2) -> Option<(Mm, bool)> {
-        let seen = self.columns.at(cell)?;
-        let known = seen.below.is_finite();
-        known.then_some((seen.below, seen.on_support))
+        self.columns.below(cell)
     }
 
     /// The first place where a travel leads through what is printed. A line's
@@ -304,29 +301,50 @@ impl Ground {
     /// The cells of the layer's part, or of its supports, that stand on nothing.
     fn hanging(&self, support: bool) -> Cells {
         // Most cells stand, so few remain to be searched.
-        let mut hanging = Cells::default();
         let searched = self.columns.not_held(support);
-        let hangs = |cell: &IVec2| !self.stands(*cell, support);
-        searched.all().filter(hangs).for_each(|cell| {
-            hanging.mark(cell);
+        let Some([deep, high]) = self.columns.spread(&searched) else {
+            return Cells::default();
+        };
+        if self.on_bed(&high, support) {
+            return Cells::default();
+        }
+        // What holds the highest beads holds all, and what does not hold the
+        // deepest holds none. Nearly all beads of a layer lie alike.
+        let near = searched.grown();
+        let beside = |own: &Seen| {
+            let holds = |_, seen: &Seen| self.holds(seen, own, support);
+            self.columns.which(&near, holds).grown()
+        };
+        let searched = searched.filter(&beside(&high), false);
+        let doubtful = if self.on_bed(&deep, support) {
+            searched.clone()
+        } else if (deep.low, deep.top) == (high.low, high.top) {
+            Cells::default()
+        } else {
+            searched.clone().filter(&beside(&deep), true)
+        };
+        let stands = self.columns.which(&doubtful, |cell, own| {
+            let holds = |seen: &Seen| self.holds(seen, own, support);
+            self.on_bed(own, support) || self.columns.any_around(cell, holds)
         });
-        hanging
+        searched.filter(&stands, false)
     }
 
-    /// True if something below holds the layer's beads in a cell.
-    fn stands(&self, cell: IVec2, support: bool) -> bool {
-        let Some(own) = self.columns.at(cell) else {
-            return true;
+    /// True if beads that lie as `own` says lie on the bed.
+    fn on_bed(&self, own: &Seen, support: bool) -> bool {
+        let gap = if support { self.gap } else { 0.0 };
+        self.bed.is_some_and(|bed| own.low - gap <= bed)
+    }
+
+    /// True if what is below a cell holds beads there, or beside it, that lie as
+    /// `own` says.
+    fn holds(&self, seen: &Seen, own: &Seen, support: bool) -> bool {
+        let gap = if support || seen.on_support {
+            self.gap
+        } else {
+            0.0
         };
-        let gap = |by_support| if by_support { self.gap } else { 0.0 };
-        let holds = |seen: &Seen| {
-            let reach = own.low - gap(support || seen.on_support);
-            seen.below >= reach && seen.below <= own.top + ROUNDED
-        };
-        let on_bed = |bed: Mm| own.low - gap(support) <= bed;
-        self.bed.is_some_and(on_bed)
-            || holds(&own)
-            || self.columns.any_around(cell, holds)
+        (own.low - gap..=own.top + ROUNDED).contains(&seen.below)
     }
 }
 

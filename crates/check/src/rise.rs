@@ -11,13 +11,12 @@
 //! rise farther.
 
 use isoslice_base::units::{Mm, Mm2};
-use std::collections::BTreeMap;
 
 /// Rises that are closer than this are alike.
 const RISE_STEP: Mm = 0.01;
 
-/// Greatest rise that is told from others.
-const HIGHEST: Mm = 3.0;
+/// Number of rises that are told from one another, up to 3 mm.
+const RISES: usize = 300;
 
 /// Length of beads that tell the least rise, mm. Shorter ones may be chance.
 const ENOUGH: Mm = 2.0;
@@ -79,11 +78,10 @@ pub(super) enum Wrong {
 }
 
 /// The layer being printed, and the one below.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Rise {
-    beads: BTreeMap<i64, Beads>,
-    /// Those that rise as far as the last one, which are not among the others.
-    here: Option<(i64, Beads)>,
+    /// The layer's beads, by how far they rise.
+    beads: [Beads; RISES + 1],
     unnamed: bool,
     last: Option<Layer>,
     /// Least width of the beads of a layer. Cells do not tell a wall from the
@@ -92,6 +90,18 @@ pub(super) struct Rise {
     narrowest: Option<Mm>,
     /// Number of layers that were compared.
     layers: u32,
+}
+
+impl Default for Rise {
+    fn default() -> Self {
+        Rise {
+            beads: [Beads::default(); RISES + 1],
+            unnamed: false,
+            last: None,
+            narrowest: None,
+            layers: 0,
+        }
+    }
 }
 
 impl Rise {
@@ -107,16 +117,8 @@ impl Rise {
         named: bool,
     ) {
         self.unnamed |= !named;
-        let rise = rise.clamp(0.0, HIGHEST);
-        let step = (rise / RISE_STEP).round() as i64;
-        if self.here.is_none_or(|here| here.0 != step) {
-            self.beads.extend(self.here);
-            let known = self.beads.get(&step).copied();
-            self.here = Some((step, known.unwrap_or_default()));
-        }
-        let Some((_, beads)) = &mut self.here else {
-            return;
-        };
+        let rise = rise.clamp(0.0, RISES as f64 * RISE_STEP);
+        let beads = &mut self.beads[(rise / RISE_STEP + 0.5) as usize];
         beads.length += length;
         beads.volume += area * length;
         beads.rise += rise * length;
@@ -125,10 +127,10 @@ impl Rise {
 
     /// Ends the layer with this number.
     pub(super) fn next_layer(&mut self, number: u32) -> Option<Wrong> {
-        self.beads.extend(self.here.take());
-        let beads = std::mem::take(&mut self.beads);
+        let here = summed(&self.beads);
+        self.beads.fill(Beads::default());
         let unnamed = std::mem::take(&mut self.unnamed);
-        let here = summed(&beads)?;
+        let here = here?;
         let narrowest = self.narrowest.unwrap_or(f64::INFINITY);
         let maybe_raft = unnamed && number <= RAFT;
         // The first layer has a height of its own, and those above it theirs.
@@ -153,9 +155,9 @@ impl Rise {
 }
 
 /// What the beads of a layer come to.
-fn summed(beads: &BTreeMap<i64, Beads>) -> Option<Layer> {
+fn summed(beads: &[Beads]) -> Option<Layer> {
     let mut low = Beads::default();
-    for beads in beads.values() {
+    for beads in beads {
         // Beads that lie on others rise alike.
         let alike = beads.rise * low.length <= NEAR * low.rise * beads.length;
         if low.length < ENOUGH || alike {
@@ -165,7 +167,7 @@ fn summed(beads: &BTreeMap<i64, Beads>) -> Option<Layer> {
             low.said += beads.said;
         }
     }
-    let all = |part: fn(&Beads) -> f64| beads.values().map(part).sum::<f64>();
+    let all = |part: fn(&Beads) -> f64| beads.iter().map(part).sum::<f64>();
     let length = all(|beads| beads.length);
     let rise = low.rise / low.length;
     (length >= LEAST && rise >= RISE_STEP).then(|| Layer {

@@ -52,6 +52,7 @@ mod ceiling;
 mod cell;
 mod cells;
 mod contour;
+mod cuboid;
 mod data;
 mod expand;
 mod field;
@@ -62,15 +63,17 @@ mod number;
 pub mod plane;
 mod program;
 mod shift;
+mod solid;
 
 pub use bounds::{
-    Bounds, BoundsError, FoundBounds, SearchOptions, find_bounds, is_flat,
+    BoundsError, FoundBounds, SearchOptions, find_bounds, is_flat,
 };
 pub use cancel::{Cancel, Cancelled};
 pub use contour::{
     Detail, Outline, Phase, outline_of, outlines, outlines_in_phases,
 };
-pub use data::{Data, Solid, call, data_of, known as known_data, solid};
+pub use cuboid::Bounds;
+pub use data::{Data, call, data_of, known as known_data};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES, expand, expand_with};
 pub use field::{
     Batch, Bound, Field, FieldError, Grid, Hit, LEAF, Lattice, Leaf, NODES,
@@ -79,6 +82,7 @@ pub use field::{
 pub use lean::{Lean, LeanError, LeanOptions, lean};
 pub use plane::{Area, Rect, Ring};
 pub use shift::{digits, shifted};
+pub use solid::{Solid, solid};
 
 /// A length, in the unit of the coordinates.
 pub type Length = f64;

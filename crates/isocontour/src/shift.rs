@@ -8,9 +8,9 @@
 //!
 //! `digits` measures the gain.
 
-use crate::bounds::Bounds;
 use crate::cancel::Cancel;
 use crate::cell::Cell;
+use crate::cuboid::Bounds;
 use crate::data::{Call, call, call_of};
 use crate::expand::{ExpandError, expand};
 use crate::program::{Program, Scratch};

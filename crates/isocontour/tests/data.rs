@@ -5,9 +5,9 @@ use fidget::context::Tree;
 use fidget::var::Var;
 use glam::{DVec2, DVec3};
 use isocontour::{
-    Bounds, Cancel, Data, Detail, ExpandError, Field, FoundBounds, Grid,
-    LeanOptions, Rect, SearchOptions, Sight, Values, call, data_of, expand,
-    find_bounds, lean, outlines, shifted,
+    Bounds, Cancel, Data, Detail, ExpandError, Field, Grid, LeanOptions, Rect,
+    SearchOptions, Sight, Values, call, data_of, expand, find_bounds, lean,
+    outlines, shifted,
 };
 use std::sync::Arc;
 
@@ -117,9 +117,7 @@ fn bounds_are_those_of_the_expression() {
     for (n, (data, expression)) in pairs.iter().enumerate() {
         let of = |tree: &Tree| {
             let options = SearchOptions::default();
-            match find_bounds(tree, &options, &Cancel::NEVER).unwrap() {
-                FoundBounds { bounds, .. } => bounds,
-            }
+            find_bounds(tree, &options, &Cancel::NEVER).unwrap().bounds
         };
         let (a, b) = (of(data), of(expression));
         let off = (a.min - b.min).abs().max((a.max - b.max).abs());

@@ -1,10 +1,6 @@
-//! Why a file holds no mesh, and how large a mesh may be.
+//! Why a file holds no mesh.
 
 use std::io;
-
-/// Greatest number of triangles. They take 4 GB, and far more are scans that
-/// somebody forgot to reduce.
-pub const MOST_TRIANGLES: usize = 50_000_000;
 
 /// Why a mesh cannot be read or used.
 ///
@@ -38,7 +34,7 @@ pub enum MeshError {
     #[error(
         "it has more than {} million triangles; reduce it in the program that \
          made it",
-        MOST_TRIANGLES / 1_000_000
+        crate::limits::MOST_TRIANGLES / 1_000_000
     )]
     TooMany,
 }

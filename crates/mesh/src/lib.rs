@@ -78,6 +78,7 @@ mod error;
 mod facts;
 mod fill;
 mod four;
+mod limits;
 mod loops;
 mod merge;
 mod mesh;
@@ -96,8 +97,9 @@ mod tree;
 mod triangles;
 mod winding;
 
-pub use error::{MOST_TRIANGLES, MeshError};
+pub use error::MeshError;
 pub use facts::Facts;
+pub use limits::MOST_TRIANGLES;
 pub use mesh::Mesh;
 pub use read::{Format, read};
 pub use triangles::Triangles;

@@ -1,13 +1,10 @@
 //! Triangles with shared vertices, as files give them.
 
-use crate::error::{MOST_TRIANGLES, MeshError};
+use crate::error::MeshError;
+use crate::limits::{FARTHEST, MOST_TRIANGLES};
 use crate::merge::Merger;
 use glam::{DAffine3, DVec3};
 use isocontour::Bounds;
-
-/// Greatest distance of a vertex from the origin along an axis, mm. Products of
-/// four such lengths, as squares of areas are, have a place in f32.
-pub(crate) const FARTHEST: f64 = 1e8;
 
 /// Triangles, their vertices merged: vertices at the same place are one.
 #[derive(Clone, Debug, Default)]

@@ -25,6 +25,7 @@ const MOST_BYTES: u64 = 1 << 30;
 pub(crate) struct Files {
     folder: PathBuf,
     taken: Taken,
+    /// An expression does not keep its data.
     kept: Mutex<Vec<Arc<dyn Data>>>,
     read: Mutex<Vec<PathBuf>>,
 }
@@ -74,11 +75,6 @@ impl Files {
         self.taken.clone()
     }
 
-    /// The data that was read.
-    pub(crate) fn kept(&self) -> Vec<Arc<dyn Data>> {
-        lock(&self.kept).clone()
-    }
-
     /// The files that were read.
     pub(crate) fn read(&self) -> Vec<PathBuf> {
         lock(&self.read).clone()
@@ -110,9 +106,8 @@ impl Files {
             ));
         }
         let path = self.folder.join(name);
-        let absent = |e: std::io::Error| {
-            format!("cannot read {}: {e}", path.display())
-        };
+        let absent =
+            |e: std::io::Error| format!("cannot read {}: {e}", path.display());
         let real = fs::canonicalize(&path).map_err(absent)?;
         let folder = fs::canonicalize(&self.folder).map_err(absent)?;
         if !real.starts_with(folder) {

@@ -153,6 +153,8 @@ pub struct Loaded {
     pub parameters: Vec<Parameter>,
     /// The data that the field reads. It lives as long as somebody keeps it.
     pub data: Vec<Arc<dyn Data>>,
+    /// The files that the data was read from, except for the model's own.
+    pub files: Vec<PathBuf>,
     /// Number of distinct operations, constants and variables.
     pub expression_size: usize,
 }
@@ -252,7 +254,11 @@ pub fn load_within(
                 (script.tree, script.parameters)
             }
         };
-    counted(file, name, tree, parameters)
+    let loaded = counted(file, name, tree, parameters)?;
+    Ok(Loaded {
+        files: files.read(),
+        ..loaded
+    })
 }
 
 /// A model whose operations are counted.
@@ -267,6 +273,7 @@ fn counted(
     Ok(Loaded {
         name,
         data: data_of(&tree),
+        files: Vec::new(),
         tree,
         parameters,
         expression_size: context.len(),

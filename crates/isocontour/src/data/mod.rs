@@ -18,11 +18,11 @@
 //! An expression does not keep its data alive. Whoever keeps the expression
 //! keeps what [`data_of`] returns for it, too.
 
-mod solid;
+mod over;
 
-pub use solid::{Solid, solid};
+pub(crate) use over::{range_over, slopes_over};
 
-use crate::bounds::Bounds;
+use crate::cuboid::Bounds;
 use crate::plane::Ring;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, TreeOp};
 use fidget::var::Var;

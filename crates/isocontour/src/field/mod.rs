@@ -33,7 +33,7 @@
 mod axis;
 mod blend;
 pub(crate) mod boxes;
-pub(crate) mod calls;
+mod calls;
 mod engine;
 mod expr;
 mod hoist;
@@ -41,6 +41,7 @@ pub(crate) mod lanes;
 mod lattice;
 mod sight;
 mod signs;
+mod source;
 mod split;
 mod values;
 mod workspace;

@@ -4,6 +4,7 @@
 use super::axis::{Axis, Level};
 use super::calls::{Call, Called};
 use super::hoist::{Hoisted, hoist};
+use super::source::Source;
 use super::{FieldError, bug};
 use crate::interval::Interval;
 use fidget::context::{Context, Node};
@@ -11,18 +12,6 @@ use fidget::eval::MathFunction;
 use fidget::var::Var;
 use fidget::vm::VmFunction;
 use std::collections::HashMap;
-
-/// The source of the value of a tape's input.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Source {
-    /// A coordinate.
-    Coordinate(usize),
-    /// A part that depends on one coordinate: the axis, and the part's number
-    /// there.
-    Part(usize, usize),
-    /// A call of data, by its number.
-    Call(usize),
-}
 
 /// An expression split into parts that depend on one coordinate, and the rest.
 pub(super) struct Split {

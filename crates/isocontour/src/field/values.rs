@@ -1,7 +1,7 @@
 //! Values of an expression at points anywhere, by fidget's interpreter.
 
 use super::calls::{Call, Called, Calls, reads};
-use super::split::Source;
+use super::source::Source;
 use super::{FieldError, bug};
 use fidget::context::{Context, Tree};
 use fidget::eval::{BulkEvaluator, Function, TracingEvaluator};

@@ -1,8 +1,7 @@
 //! Calls of data, over boxes.
 
 use super::slot::Slot;
-use crate::data::Data;
-use crate::field::calls::{range_over, slopes_over};
+use crate::data::{Data, range_over, slopes_over};
 use glam::DVec3;
 
 /// The value of data at a place; NaN where the place is none.

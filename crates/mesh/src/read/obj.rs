@@ -12,7 +12,8 @@
 
 use super::polygon::{Face, add};
 use super::words::{self, Words, shortened};
-use crate::error::{MOST_TRIANGLES, MeshError};
+use crate::error::MeshError;
+use crate::limits::MOST_TRIANGLES;
 use crate::triangles::{Collector, Triangles};
 use glam::DVec3;
 use std::io::Read;

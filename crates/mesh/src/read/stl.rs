@@ -17,7 +17,8 @@
 //! vertices says what is outside.
 
 use super::words::Words;
-use crate::error::{MOST_TRIANGLES, MeshError};
+use crate::error::MeshError;
+use crate::limits::MOST_TRIANGLES;
 use crate::triangles::{Collector, Triangles};
 use glam::DVec3;
 use std::io::{BufReader, Read, Seek};

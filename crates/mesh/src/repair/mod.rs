@@ -24,8 +24,9 @@ mod tests;
 mod turning;
 
 use crate::edges::each_edge;
-use crate::error::{MOST_TRIANGLES, MeshError};
+use crate::error::MeshError;
 use crate::facts::Facts;
+use crate::limits::MOST_TRIANGLES;
 use crate::triangles::Triangles;
 use glam::DVec3;
 use isoslice_base::limits::go_on;

@@ -183,6 +183,7 @@ mod tests {
         assert!(e.starts_with("column 6: unknown name `q`"), "{e}");
         assert!(e.contains("x, y, z, d"), "{e}");
         // A model has no d.
-        assert!(parse_formula("x + d", &Files::default()).is_err());
+        let files = crate::files::Files::default();
+        assert!(crate::formula::parse_formula("x + d", &files).is_err());
     }
 }

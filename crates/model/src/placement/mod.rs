@@ -33,6 +33,7 @@ use isocontour::{
 };
 use isoslice_base::limits;
 use isoslice_settings::Settings;
+use std::path::PathBuf;
 use std::sync::Arc;
 use transform::{box_field, mapped, rotation};
 
@@ -96,6 +97,8 @@ pub struct Model {
     pub tree: Tree,
     /// The data that the field reads. It lives as long as somebody keeps it.
     pub data: Vec<Arc<dyn Data>>,
+    /// The files that the data was read from, except for the model's own.
+    pub files: Vec<PathBuf>,
     /// Box of the part in the model's frame, mm. Conservative by less than
     /// 10⁻⁴ mm.
     pub bounds: Bounds,
@@ -261,6 +264,7 @@ pub fn place(
         name: loaded.name.clone(),
         tree,
         data: loaded.data.clone(),
+        files: loaded.files.clone(),
         bounds: Bounds {
             min: bounds.min - origin,
             max: bounds.max - origin,

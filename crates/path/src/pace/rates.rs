@@ -223,11 +223,14 @@ impl<'a> Rater<'a> {
         let constant =
             !self.varies || quantities.iter().all(|q| q.constant().is_some());
         let reach = site.reach.filter(|_| by_reach.any());
+        let all = || quantities.map(|q| q.constant().unwrap_or(f64::NAN));
+        if constant && reach.is_none() {
+            return Ok(vec![self.rated(bead, span, all())]);
+        }
         let (steps, shares) = self.reaching(&bead, reach, site.shift);
         let reaches = shares.iter().any(|share| *share > 0.0);
         if constant && !reaches {
-            let all = quantities.map(|q| q.constant().unwrap_or(f64::NAN));
-            return Ok(vec![self.rated(bead, span, all)]);
+            return Ok(vec![self.rated(bead, span, all())]);
         }
         let places = self.places(&steps, span, site)?;
         let mut values: [Vec<f64>; 4] = Default::default();
@@ -453,7 +456,8 @@ struct Step {
 fn steps(stroke: &Stroke, longest: Mm) -> Vec<Step> {
     let mut steps = Vec::new();
     for (k, (a, b)) in stroke.segments().enumerate() {
-        let level = |t: f64| stroke.level(k).lerp(stroke.level(k + 1), t);
+        let ends = [k, k + 1].map(|k| stroke.level(k));
+        let level = |t: f64| ends[0].lerp(ends[1], t);
         let count = (a.distance(b) / longest).ceil().max(1.0);
         for i in 0..count as usize {
             let last = i + 1 == count as usize;

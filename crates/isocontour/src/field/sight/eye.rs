@@ -5,7 +5,7 @@ use super::{Grid, Hit, Sight};
 use crate::field::boxes::Boxes;
 use crate::field::calls::Calls;
 use crate::field::lanes::{Lanes, Seed, Slopes};
-use crate::field::split::Source;
+use crate::field::source::Source;
 use crate::field::{FieldError, bug};
 use crate::interval::Interval;
 use fidget::eval::Function;

@@ -24,7 +24,7 @@ mod tests;
 use super::FieldError;
 use super::blend::branched;
 use super::calls::{Call, Called, Calls};
-use super::split::Source;
+use super::source::Source;
 use crate::cancel::Cancel;
 use eye::{Eye, TILE};
 use fidget::context::{Context, Tree};

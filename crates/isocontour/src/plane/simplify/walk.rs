@@ -24,6 +24,11 @@ struct Gate {
 }
 
 impl Gate {
+    /// True if edges end in the gate.
+    fn is_point(&self) -> bool {
+        self.right == self.left
+    }
+
     /// The gate's direction that is nearest to another direction.
     fn nearest_to(&self, along: DVec2) -> DVec2 {
         if self.left.perp_dot(along) > 0.0 {
@@ -151,7 +156,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         };
         let leads = |from: &Joint, to: &Joint, last: usize| {
             let along = to.at - from.at;
-            let reach = self.reach(from, end, last);
+            let reach = self.reach(from, end, last, None);
             reach.is_some_and(|reach| {
                 reach.last == last && reach.wedge.nearest_to(along) == along
             }) && (self.fits)(from.place as usize, last)
@@ -178,10 +183,17 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
     }
 
     /// The gates through which one edge from a corner of the result leads, up
-    /// to gate `most`; none if it reaches no gate.
-    fn reach(&self, from: &Joint, end: &Joint, most: usize) -> Option<Reach> {
-        let start = from.place as usize;
-        let mut reach: Option<Reach> = None;
+    /// to gate `most`; none if it reaches no gate. The search goes on from what is
+    /// `known` to be reached.
+    fn reach(
+        &self,
+        from: &Joint,
+        end: &Joint,
+        most: usize,
+        known: Option<Reach>,
+    ) -> Option<Reach> {
+        let start = known.as_ref().map_or(from.place as usize, |r| r.last);
+        let mut reach = known;
         for k in start + 1..=most {
             let gate = self.gate(k, end, from.at);
             let step = self.points.at(k) - self.points.at(k - 1);
@@ -202,7 +214,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
                 gate,
                 beyond: None,
             });
-            if gate.right == gate.left {
+            if gate.is_point() {
                 break;
             }
         }
@@ -227,13 +239,15 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         // piece that fits all along may soon turn away.
         let all = end.place.ceil() as usize;
         let mut most = all.min(start + WINDOW);
-        let mut found = self.reach(from, end, most);
-        while found.as_ref().is_some_and(|reach| reach.last == most)
+        let mut found = self.reach(from, end, most, None);
+        let goes_on =
+            |reach: &Reach, most| reach.last == most && !reach.gate.is_point();
+        while found.as_ref().is_some_and(|reach| goes_on(reach, most))
             && most < all
             && (self.fits)(start, most)
         {
             most = all.min(2 * most - start);
-            found = self.reach(from, end, most);
+            found = self.reach(from, end, most, found);
         }
         let Some(mut reach) = found else {
             // These gates cross. The path is rough where points are closer to
@@ -243,7 +257,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         let fit = |k: usize| (self.fits)(start, k).then_some(());
         let (fitting, _) = longest(start, reach.last, 2, fit);
         if fitting < reach.last
-            && let Some(nearer) = self.reach(from, end, fitting)
+            && let Some(nearer) = self.reach(from, end, fitting, None)
         {
             reach = nearer;
         }
@@ -253,7 +267,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
             gate,
             beyond,
         } = reach;
-        if gate.right == gate.left {
+        if gate.is_point() {
             return point(last);
         }
         // The direction, and the ends of both gates on the side on which the

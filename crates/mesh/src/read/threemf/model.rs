@@ -2,7 +2,8 @@
 
 use super::package::Package;
 use super::xml::{self, Element, Event};
-use crate::error::{MOST_TRIANGLES, MeshError};
+use crate::error::MeshError;
+use crate::limits::MOST_TRIANGLES;
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};

@@ -9,8 +9,8 @@
 //! complements of placed data and half-spaces, if that is all it says. Their
 //! sections need no samples, so that a corner stays a corner.
 
-use super::{Data, call_of};
-use crate::bounds::Bounds;
+use crate::cuboid::Bounds;
+use crate::data::{Data, call_of, data_of};
 use crate::expand::expand;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, UnaryOpcode};
 use fidget::var::Var;
@@ -72,7 +72,7 @@ impl Solid {
 /// What is inside an expression, if it is made of data with sections, and of
 /// half-spaces.
 pub fn solid(tree: &Tree) -> Option<Solid> {
-    if super::data_of(tree).is_empty() {
+    if data_of(tree).is_empty() {
         return None;
     }
     let (context, root) = expand(tree).ok()?;
