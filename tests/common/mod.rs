@@ -67,12 +67,22 @@ pub fn model(
         kind,
         text: text.into(),
     };
+    placed(&source, defines, placement, settings)
+}
+
+/// A model from anywhere, placed on the bed.
+pub fn placed(
+    source: &Source,
+    defines: &[(String, String)],
+    placement: &Placement,
+    settings: &Settings,
+) -> Model {
     let volume = BuildVolume::of(settings);
     let placement = Placement {
         margin: settings.reach(),
         ..*placement
     };
-    place(&load(&source, defines).unwrap(), &placement, volume).unwrap()
+    place(&load(source, defines).unwrap(), &placement, volume).unwrap()
 }
 
 /// A formula's model as it is, on the bed.

@@ -22,6 +22,7 @@ mod interlock;
 mod internal_bridges;
 mod invariants;
 mod joints;
+mod meshes;
 mod one_by_one;
 mod overhangs;
 mod pairs;

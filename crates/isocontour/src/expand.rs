@@ -10,6 +10,7 @@
 //!
 //! Guarantees: no recursion on the stack, whatever the depth of the tree.
 
+use crate::data::known;
 use fidget::context::{Context, Node, Tree, TreeOp};
 use fidget::var::Var;
 use std::collections::{HashMap, HashSet};
@@ -84,7 +85,9 @@ fn scan<'a>(
             return Err(ExpandError::TooLarge { limit });
         }
         match op {
-            TreeOp::Input(v @ Var::V(_)) if Some(*v) != variable => {
+            TreeOp::Input(v @ Var::V(_))
+                if Some(*v) != variable && known(*v).is_none() =>
+            {
                 return Err(ExpandError::FreeVariable);
             }
             TreeOp::Input(_) | TreeOp::Const(_) => {}

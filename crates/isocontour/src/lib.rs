@@ -52,6 +52,8 @@ mod ceiling;
 mod cell;
 mod cells;
 mod contour;
+mod cuboid;
+mod data;
 mod expand;
 mod field;
 mod interval;
@@ -61,20 +63,26 @@ mod number;
 pub mod plane;
 mod program;
 mod shift;
+mod solid;
 
 pub use bounds::{
-    Bounds, BoundsError, FoundBounds, SearchOptions, find_bounds, is_flat,
+    BoundsError, FoundBounds, SearchOptions, find_bounds, is_flat,
 };
 pub use cancel::{Cancel, Cancelled};
-pub use contour::{Detail, Outline, Phase, outlines, outlines_in_phases};
+pub use contour::{
+    Detail, Outline, Phase, outline_of, outlines, outlines_in_phases,
+};
+pub use cuboid::Bounds;
+pub use data::{Data, call, data_of, known as known_data};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES, expand, expand_with};
 pub use field::{
     Batch, Bound, Field, FieldError, Grid, Hit, LEAF, Lattice, Leaf, NODES,
-    SLAB, Sampler, Sight, Visit, apart,
+    SLAB, Sampler, Sight, Values, Visit, apart,
 };
 pub use lean::{Lean, LeanError, LeanOptions, lean};
 pub use plane::{Area, Rect, Ring};
 pub use shift::{digits, shifted};
+pub use solid::{Solid, solid};
 
 /// A length, in the unit of the coordinates.
 pub type Length = f64;

@@ -8,12 +8,13 @@
 //!
 //! `digits` measures the gain.
 
-use crate::bounds::Bounds;
 use crate::cancel::Cancel;
 use crate::cell::Cell;
+use crate::cuboid::Bounds;
+use crate::data::{Call, call, call_of};
 use crate::expand::{ExpandError, expand};
 use crate::program::{Program, Scratch};
-use fidget::context::{BinaryOpcode, Context, Op, Tree, UnaryOpcode};
+use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, UnaryOpcode};
 use fidget::var::Var;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -66,17 +67,26 @@ pub fn shifted(tree: &Tree, to: DVec3) -> Result<Tree, ExpandError> {
         let Some(op) = context.get_op(node) else {
             continue;
         };
+        let called = call_of(&context, node);
         if !ready {
             todo.push((node, true));
-            todo.extend(op.iter_children().map(|c| (c, false)));
+            match called {
+                Some(call) => todo.extend(call.at.map(|c| (c, false))),
+                None => todo.extend(op.iter_children().map(|c| (c, false))),
+            }
             continue;
         }
         let axis = |tree: Tree, plus: f64| Sum {
             tree: Some(tree),
             plus,
         };
-        let of = |n| done.get(n).cloned();
+        let of = |n: Node| done.get(&n).cloned();
         let sum = match op {
+            _ if let Some(Call { data, at }) = called => {
+                let none = || Tree::constant(f32::NAN);
+                let at = at.map(|n| of(n).map_or_else(none, Sum::tree));
+                Sum::of(call(&data, at))
+            }
             Op::Input(Var::X) => axis(Tree::x(), to.x),
             Op::Input(Var::Y) => axis(Tree::y(), to.y),
             Op::Input(Var::Z) => axis(Tree::z(), to.z),
@@ -85,11 +95,11 @@ pub fn shifted(tree: &Tree, to: DVec3) -> Result<Tree, ExpandError> {
                 tree: None,
                 plus: f64::from(c.0),
             },
-            Op::Unary(op, a) => match of(a) {
+            Op::Unary(op, a) => match of(*a) {
                 Some(a) => unary(*op, a),
                 None => continue,
             },
-            Op::Binary(op, a, b) => match (of(a), of(b)) {
+            Op::Binary(op, a, b) => match (of(*a), of(*b)) {
                 (Some(a), Some(b)) => binary(*op, a, b),
                 _ => continue,
             },

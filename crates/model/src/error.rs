@@ -35,8 +35,9 @@ pub enum LoadError {
     },
     /// The file's name is not a model's.
     #[error(
-        "{file} {found}; models are .rhai scripts or .vm files (fidget's text \
-         format), and a formula is given with -e: {advice}"
+        "{file} {found}; models are .rhai scripts, .vm files (fidget's text \
+         format) or meshes (.stl, .obj, .ply, .3mf), and a formula is given \
+         with -e: {advice}"
     )]
     NoModel {
         /// File.
@@ -46,6 +47,9 @@ pub enum LoadError {
         /// What to do.
         advice: String,
     },
+    /// A mesh that cannot be read.
+    #[error("{0}")]
+    Mesh(String),
     /// The file is not text.
     #[error("{file}: {error}")]
     NotText {

@@ -238,10 +238,12 @@ fn not(values: &[Term]) -> Term {
 
 #[cfg(test)]
 mod tests {
+    use super::super::files::Files;
     use super::super::formula::parse_formula;
     use super::super::script::{ScriptLimits, run_script};
     use super::*;
     use fidget::context::Context;
+    use std::sync::Arc;
 
     /// Values that give every function something to do, and are exact in 32
     /// bits.
@@ -263,7 +265,7 @@ mod tests {
             memory_bytes: u64::MAX,
             ..ScriptLimits::default()
         };
-        let script = run_script(text, &[], &limits);
+        let script = run_script(text, &[], &limits, &Arc::default());
         script
             .unwrap_or_else(|error| panic!("{text}: {error}"))
             .tree
@@ -288,7 +290,11 @@ mod tests {
                 let numbers = numbers[..count].join(", ");
                 let name = function.name;
                 let wanted = at(
-                    &parse_formula(&format!("{name}({fields})")).unwrap(),
+                    &parse_formula(
+                        &format!("{name}({fields})"),
+                        &Files::default(),
+                    )
+                    .unwrap(),
                     values,
                 );
                 for text in [
@@ -299,7 +305,10 @@ mod tests {
                     if name == "pow" && wanted.is_nan() {
                         continue;
                     }
-                    let formula = at(&parse_formula(&text).unwrap(), values);
+                    let formula = at(
+                        &parse_formula(&text, &Files::default()).unwrap(),
+                        values,
+                    );
                     assert!(
                         same(formula, wanted),
                         "{text}: {formula}, {wanted}"
@@ -357,7 +366,10 @@ mod tests {
             ("and(0, 5) + or(0, 5) + not(0)", 6.0),
         ] {
             let text = format!("{text} + 0*x");
-            for tree in [parse_formula(&text).unwrap(), script(&text)] {
+            for tree in [
+                parse_formula(&text, &Files::default()).unwrap(),
+                script(&text),
+            ] {
                 let found = at(&tree, [0.0; 3]);
                 assert!(same(found, wanted as f32), "{text}: {found}");
             }

@@ -10,6 +10,7 @@
 //! | `script` | runs rhai scripts in a sandbox |
 //! | `vm` | reads fidget's text |
 //! | `formula` | reads one formula |
+//! | `files` | the data that models read, such as meshes |
 //! | `functions`, `term` | what scripts, formulas and Python call by name |
 //! | `param` | parameters of scripts, `-D name=value`; `value`, `allowed`, what they may be |
 //! | `placement` | scale, rotation and place, by the box that [`isocontour::find_bounds`] finds |
@@ -32,6 +33,7 @@ mod allowed;
 pub mod contour;
 mod error;
 pub mod expressions;
+mod files;
 mod formula;
 mod functions;
 pub mod heights;

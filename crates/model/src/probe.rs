@@ -11,14 +11,10 @@
 //! Not guaranteed: that no border lies nearer in another direction. A distance
 //! is never less than the true one by more than [`FINEST`].
 
-use fidget::context::{Context, Tree};
-use fidget::eval::{BulkEvaluator, Function, MathFunction};
-use fidget::var::Var;
-use fidget::vm::VmFunction;
+use fidget::context::Tree;
 use glam::DVec2;
-use isocontour::apart;
+use isocontour::{FieldError, Values, apart};
 use isoslice_base::units::Mm;
-use std::cell::RefCell;
 
 /// Distances on both sides at which a change of sign is looked for, mm.
 const RADII: [Mm; 8] = [0.0005, 0.002, 0.008, 0.02, 0.05, 0.15, 0.4, 1.0];
@@ -26,19 +22,18 @@ const RADII: [Mm; 8] = [0.0005, 0.002, 0.008, 0.02, 0.05, 0.15, 0.4, 1.0];
 /// Width of the bracket at which the search ends, mm.
 const FINEST: Mm = 2e-5;
 
-type Eval = <VmFunction as Function>::FloatSliceEval;
-
 /// The evaluator fails, which is a bug.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 #[error("cannot evaluate the field at single points: {0}")]
 pub struct ProbeError(String);
 
+fn failed(error: FieldError) -> ProbeError {
+    ProbeError(error.to_string())
+}
+
 /// A model's expression.
 pub struct Probe {
-    tape: <Eval as BulkEvaluator>::Tape,
-    /// The indices of x, y and z among the expression's variables.
-    slots: [Option<usize>; 3],
-    variables: usize,
+    values: Values,
 }
 
 /// A point and the direction in which f = 0 is looked for.
@@ -78,16 +73,8 @@ impl Probe {
     /// # Errors
     /// If fidget refuses the expression.
     pub fn new(tree: &Tree) -> Result<Probe, ProbeError> {
-        let mut ctx = Context::new();
-        let root = ctx.import(tree);
-        let f = VmFunction::new(&ctx, &[root])
-            .map_err(|e| ProbeError(e.to_string()))?;
-        let slot = |v: Var| f.vars().get(&v);
-        Ok(Probe {
-            tape: f.float_slice_tape(Default::default()),
-            slots: [slot(Var::X), slot(Var::Y), slot(Var::Z)],
-            variables: f.vars().len(),
-        })
+        let values = Values::new(tree, None).map_err(failed)?;
+        Ok(Probe { values })
     }
 
     /// The field's values at points of the model's frame. Where it is 0, the
@@ -125,26 +112,9 @@ impl Probe {
         y: &[f32],
         z: &[f32],
     ) -> Result<Vec<f32>, ProbeError> {
-        if x.is_empty() {
-            return Ok(Vec::new());
-        }
-        let mut arguments: Vec<&[f32]> = vec![x; self.variables];
-        for (slot, values) in self.slots.iter().zip([x, y, z]) {
-            if let Some(slot) = *slot {
-                arguments[slot] = values;
-            }
-        }
-        // The evaluator is kept, since its registers are costly to allocate for
-        // a few points.
-        thread_local! {
-            static EVAL: RefCell<Eval> =
-                RefCell::new(VmFunction::new_float_slice_eval());
-        }
-        EVAL.with_borrow_mut(|eval| {
-            eval.eval(&self.tape, &arguments)
-                .map(|values| values[0].to_vec())
-                .map_err(|e| ProbeError(e.to_string()))
-        })
+        let mut out = Vec::with_capacity(x.len());
+        self.values.at(&[x, y, z], &mut out).map_err(failed)?;
+        Ok(out)
     }
 
     /// How far each spot of the plane at height `z`, in the model's frame, lies

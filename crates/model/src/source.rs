@@ -4,17 +4,19 @@
 //! is known to be expandable within bounds and to depend on x, y, z only.
 
 use super::error::LoadError;
+use super::files::{Files, is_mesh, mesh_of};
 use super::formula::parse_formula;
 use super::param::{Parameter, none_wanted};
 use super::script::{ScriptLimits, run_script};
 use super::vm::parse_vm;
 use fidget::context::Tree;
 use glam::DVec2;
-use isocontour::expand;
+use isocontour::{Data, call, data_of, expand};
 use isoslice_base::encoding;
 use isoslice_base::files::{self, FileError};
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Largest file that is read. A .vm file of 10⁶ lines has about 20 MB.
 const MAX_BYTES: u64 = 64 << 20;
@@ -149,6 +151,10 @@ pub struct Loaded {
     pub tree: Tree,
     /// Parameters the script declares.
     pub parameters: Vec<Parameter>,
+    /// The data that the field reads. It lives as long as somebody keeps it.
+    pub data: Vec<Arc<dyn Data>>,
+    /// The files that the data was read from, except for the model's own.
+    pub files: Vec<PathBuf>,
     /// Number of distinct operations, constants and variables.
     pub expression_size: usize,
 }
@@ -186,7 +192,21 @@ pub fn load_within(
             error: Box::new(error),
         })
     };
+    let folder = match source {
+        Source::File(path) => path.parent(),
+        _ => None,
+    };
+    let files = Arc::new(Files::within(folder.unwrap_or(Path::new(""))));
     let (kind, bytes) = match source {
+        Source::File(path) if is_mesh(path) => {
+            no_parameters()?;
+            let shown = path.file_name().unwrap_or_default();
+            let shown = format!("mesh({shown:?})");
+            let data = mesh_of(&shown, path).map_err(LoadError::Mesh)?;
+            let (x, y, z) = Tree::axes();
+            let tree = call(&data, [x, y, z]);
+            return counted(file, name, tree, Vec::new());
+        }
         Source::File(path) => {
             let kind = kind_of(path)?;
             (kind, read(path, most_bytes(kind))?)
@@ -203,39 +223,42 @@ pub fn load_within(
             return counted(file, name, tree.clone(), parameters.clone());
         }
     };
-    let (tree, parameters) = match kind {
-        SourceKind::Vm => {
-            no_parameters()?;
-            let tree =
-                parse_vm(text(&bytes, &file)?.as_bytes()).map_err(|error| {
-                    LoadError::Vm {
+    let (tree, parameters) =
+        match kind {
+            SourceKind::Vm => {
+                no_parameters()?;
+                let tree = parse_vm(text(&bytes, &file)?.as_bytes()).map_err(
+                    |error| LoadError::Vm {
                         file: file.clone(),
                         error,
-                    }
-                })?;
-            (tree, Vec::new())
-        }
-        SourceKind::Formula => {
-            no_parameters()?;
-            let tree =
-                parse_formula(text(&bytes, &file)?).map_err(|error| {
-                    LoadError::Formula {
+                    },
+                )?;
+                (tree, Vec::new())
+            }
+            SourceKind::Formula => {
+                no_parameters()?;
+                let tree = parse_formula(text(&bytes, &file)?, &files)
+                    .map_err(|error| LoadError::Formula {
                         file: file.clone(),
                         error,
-                    }
-                })?;
-            (tree, Vec::new())
-        }
-        SourceKind::Script => {
-            let script = run_script(text(&bytes, &file)?, defines, limits)
-                .map_err(|error| LoadError::Script {
-                    file: file.clone(),
-                    error: Box::new(error),
-                })?;
-            (script.tree, script.parameters)
-        }
-    };
-    counted(file, name, tree, parameters)
+                    })?;
+                (tree, Vec::new())
+            }
+            SourceKind::Script => {
+                let script =
+                    run_script(text(&bytes, &file)?, defines, limits, &files)
+                        .map_err(|error| LoadError::Script {
+                        file: file.clone(),
+                        error: Box::new(error),
+                    })?;
+                (script.tree, script.parameters)
+            }
+        };
+    let loaded = counted(file, name, tree, parameters)?;
+    Ok(Loaded {
+        files: files.read(),
+        ..loaded
+    })
 }
 
 /// A model whose operations are counted.
@@ -249,6 +272,8 @@ fn counted(
         expand(&tree).map_err(|error| LoadError::Expression { file, error })?;
     Ok(Loaded {
         name,
+        data: data_of(&tree),
+        files: Vec::new(),
         tree,
         parameters,
         expression_size: context.len(),
@@ -276,8 +301,10 @@ fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
         _ if path.is_dir() => "is a folder".to_owned(),
         _ if !path.exists() && looks_computed() => "is no file".to_owned(),
         Some("3mf") if is_sliced(path) => "is G-code".to_owned(),
-        Some("stl" | "3mf" | "obj" | "ply" | "amf" | "step" | "stp") => {
-            "is a mesh or a drawing, and isoslice slices functions".to_owned()
+        Some("amf" | "step" | "stp") => {
+            "is in a format that isoslice does not read; export it as .stl, \
+             .obj, .ply or .3mf"
+                .to_owned()
         }
         Some("gcode" | "gco" | "g" | "bgcode") => "is G-code".to_owned(),
         Some(extension) => format!("has the extension .{extension}"),

@@ -18,6 +18,7 @@ pub fn together<'a>(
     models: impl IntoIterator<Item = (&'a Model, DVec2)>,
 ) -> Option<Model> {
     let mut trees = Vec::new();
+    let (mut data, mut files) = (Vec::new(), Vec::new());
     let mut bounds: Option<Bounds> = None;
     let mut size = 0;
     let mut lift: f64 = 0.0;
@@ -25,6 +26,8 @@ pub fn together<'a>(
         // The sum counts the models' own operations, those that move them, and
         // one minimum each.
         size += model.expression_size + 4;
+        data.extend(model.data.iter().cloned());
+        files.extend(model.files.iter().cloned());
         if size > MOST_OPERATIONS {
             return None;
         }
@@ -48,6 +51,8 @@ pub fn together<'a>(
     Some(Model {
         name: name.to_owned(),
         tree: trees.pop()?,
+        data,
+        files,
         bounds: bounds?,
         offset: DVec3::ZERO,
         lift,

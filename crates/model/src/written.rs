@@ -7,7 +7,8 @@
 
 use super::placement::Model;
 use fidget::context::{Node, Op, Tree};
-use isocontour::{ExpandError, expand};
+use isocontour::{Data, ExpandError, expand, known_data};
+use md5::{Digest, Md5};
 use std::collections::HashMap;
 
 impl Model {
@@ -61,7 +62,10 @@ pub fn operations(
         let from = operands.iter().flatten().filter_map(number);
         let from: Vec<usize> = from.collect();
         match op {
-            Op::Input(variable) => tell(&format!("{variable:?}")),
+            Op::Input(variable) => match known_data(*variable) {
+                Some(data) => tell(&fingerprint(&*data)),
+                None => tell(&format!("{variable:?}")),
+            },
             Op::Const(value) => tell(&format!("{:08x}", value.0.to_bits())),
             Op::Unary(op, _) => tell(&format!("{op:?} {from:?}")),
             Op::Binary(op, ..) => tell(&format!("{op:?} {from:?}")),
@@ -69,4 +73,13 @@ pub fn operations(
         numbers.insert(node, numbers.len());
     }
     Ok(())
+}
+
+/// What tells data from other data. The variable that stands for it is another
+/// one in each run.
+fn fingerprint(data: &dyn Data) -> String {
+    let mut hash = Md5::new();
+    data.contents(&mut |bytes| hash.update(bytes));
+    let digits = hash.finalize();
+    digits.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -186,6 +186,12 @@ impl Subject {
         }))
     }
 
+    /// The files that models read beside their own.
+    pub(super) fn data_files(&self) -> impl Iterator<Item = PathBuf> {
+        let parts = self.plate.parts.iter();
+        parts.flat_map(|part| part.model.files.iter().cloned())
+    }
+
     /// The part of the plate that was made of a `[[part]]`.
     fn part(&self, index: usize) -> Option<&Part> {
         self.plate.parts.iter().find(|p| p.wanted.contains(&index))

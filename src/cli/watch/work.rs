@@ -131,6 +131,7 @@ fn make(
     // it.
     let lenient = session.lock().model.is_some();
     let subject = read.load(job, choice, lenient)?;
+    session.tell(|state| state.files.extend(subject.data_files()));
     let glimpse = glimpse(session, job, gathered, &subject.plate);
     let shown = show(session, job, subject, glimpse, wanted)?;
     let (gcode, summary) = slice(session, job, &shown.subject.plate)?;

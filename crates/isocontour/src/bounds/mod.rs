@@ -36,55 +36,14 @@ mod undefined;
 
 use crate::cancel::{Cancel, Cancelled};
 use crate::ceiling::uncapped;
+use crate::cuboid::Bounds;
 use crate::expand::{ExpandError, expand};
-use crate::plane::Rect;
 use crate::program::Program;
+use crate::solid::solid;
 use fidget::context::Tree;
 use glam::DVec3;
 use search::Search;
 use std::rc::Rc;
-
-/// An axis-aligned box, in the model's own frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Lower corner.
-    pub min: DVec3,
-    /// Upper corner.
-    pub max: DVec3,
-}
-
-impl Bounds {
-    /// Extent along each axis.
-    pub fn size(&self) -> DVec3 {
-        self.max - self.min
-    }
-
-    /// The box as seen from above.
-    pub fn from_above(&self) -> Rect {
-        Rect::new(self.min.truncate(), self.max.truncate())
-    }
-
-    /// The box moved by a vector.
-    pub fn moved(self, by: DVec3) -> Bounds {
-        Bounds {
-            min: self.min + by,
-            max: self.max + by,
-        }
-    }
-
-    /// The least box around this one and another.
-    pub fn union(self, other: Bounds) -> Bounds {
-        Bounds {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
-    }
-
-    /// The middle.
-    pub fn centre(&self) -> DVec3 {
-        0.5 * (self.min + self.max)
-    }
-}
 
 /// How to search.
 #[derive(Clone, Copy, Debug)]
@@ -215,6 +174,17 @@ fn search(
     options: &SearchOptions,
     cancel: &Cancel,
 ) -> Result<FoundBounds, BoundsError> {
+    if options.within.is_none()
+        && let Some(bounds) = solid(tree).and_then(|s| s.extent())
+        && bounds.min.cmplt(bounds.max).all()
+        && bounds.min.abs().max(bounds.max.abs()).max_element()
+            <= options.limit_mm
+    {
+        return Ok(FoundBounds {
+            bounds,
+            slack_mm: 0.0,
+        });
+    }
     let program = flattened(tree)?;
     if options.within.is_none() && !program.depends_on(2) {
         let slice = SearchOptions {

@@ -47,10 +47,11 @@ mod trace;
 mod untangle;
 
 use crate::Length;
+use crate::cancel::Cancel;
 use crate::field::{Batch, Field, FieldError, LEAF, Leaf, NODES};
-use crate::plane::Area;
+use crate::plane::{Area, Ring};
 use blind::Blind;
-use link::Chains;
+use link::{Chains, Joined};
 use march::{Marcher, Precision};
 use runs::Runs;
 use std::ops::Range;
@@ -307,21 +308,50 @@ fn close(
         field.check()?;
         let mut chains = std::mem::take(runs.at(run.start));
         chains.shrink();
-        let (mut rings, forced_rings) = chains.into_rings();
-        let left_out = small::leave_out(&mut rings, detail);
-        let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;
-        let mut rings = untangle::thin(rings, tolerance, field.cancel())?;
-        let all = rings.len();
-        rings.retain(|r| !r.is_empty());
+        let (rings, forced_rings) = chains.into_rings();
         let found = Outline {
             nan_samples: nan[run.start],
             forced_rings,
-            dropped_rings: left_out + all - rings.len(),
-            area: Area { rings },
+            ..thinned(rings, detail, field.cancel())?
         };
         outlines.extend(vec![found; run.len()]);
     }
     Ok(outlines)
+}
+
+/// The outline of rings that are known exactly and do not cross: thinned, and
+/// without those that are too small.
+///
+/// # Errors
+/// If it is stopped.
+pub fn outline_of(
+    rings: Vec<Ring>,
+    detail: Detail,
+    cancel: &Cancel,
+) -> Result<Outline, FieldError> {
+    let joined = |points: Ring| Joined {
+        fixed: vec![true; points.len()],
+        points,
+    };
+    thinned(rings.into_iter().map(joined).collect(), detail, cancel)
+}
+
+/// The outline of joined rings.
+fn thinned(
+    mut rings: Vec<Joined>,
+    detail: Detail,
+    cancel: &Cancel,
+) -> Result<Outline, FieldError> {
+    let left_out = small::leave_out(&mut rings, detail);
+    let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;
+    let mut rings = untangle::thin(rings, tolerance, cancel)?;
+    let all = rings.len();
+    rings.retain(|r| !r.is_empty());
+    Ok(Outline {
+        dropped_rings: left_out + all - rings.len(),
+        area: Area { rings },
+        ..Outline::default()
+    })
 }
 
 #[cfg(test)]

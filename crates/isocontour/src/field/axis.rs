@@ -5,7 +5,7 @@
 //! and leaves, and their values anywhere else on request.
 
 use super::boxes::range_of;
-use super::lanes::{Lanes, Seed};
+use super::lanes::{Lanes, Seed, Slopes};
 use crate::interval::Interval;
 use fidget::vm::VmFunction;
 
@@ -249,8 +249,7 @@ impl Scratch {
         out.clear();
         let seed = Seed {
             values: points,
-            slopes: None,
-            axis: 0,
+            slopes: Slopes::Coordinate(0),
         };
         self.lanes.slopes(f, &[seed], points.len(), out);
     }

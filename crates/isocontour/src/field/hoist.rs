@@ -169,7 +169,11 @@ pub(super) fn hoist(ctx: &Context, root: Node) -> Hoisted {
 
 /// The expression with variables in place of the `taken` nodes. The root is
 /// the last of `order`.
-fn rest(ctx: &Context, order: &[Node], taken: &HashMap<Node, Var>) -> Tree {
+pub(super) fn rest(
+    ctx: &Context,
+    order: &[Node],
+    taken: &HashMap<Node, Var>,
+) -> Tree {
     let mut made: HashMap<Node, Arc<TreeOp>> = HashMap::new();
     let nan = Arc::new(TreeOp::Const(f32::NAN));
     let mut tree = Tree::constant(f32::NAN);

@@ -39,14 +39,22 @@ type DualRegister = [Dual<Wide, 2>; DUAL_LANES / WIDTH];
 type SpanRegister = [Span; BOX_LANES / BOXES];
 type BoundRegister = [Dual<Span, 2>; BOUND_LANES / BOXES];
 
-/// What a tape reads at each point, with its slope.
+/// What a tape reads at each point, with its slopes.
 #[derive(Clone, Copy)]
 pub(super) struct Seed<'a> {
     pub values: &'a [f32],
-    /// Derivatives by the coordinate `axis`; none if the input is the
-    /// coordinate itself.
-    pub slopes: Option<&'a [f32]>,
-    pub axis: usize,
+    pub slopes: Slopes<'a>,
+}
+
+/// The slopes of what a tape reads.
+#[derive(Clone, Copy)]
+pub(super) enum Slopes<'a> {
+    /// It is a coordinate, whose derivative by itself is 1.
+    Coordinate(usize),
+    /// It depends on one coordinate, by which these are its derivatives.
+    Along(usize, &'a [f32]),
+    /// Its derivatives by both coordinates.
+    Both([&'a [f32]; 2]),
 }
 
 /// The interpreter's registers, kept for their memory.
@@ -117,7 +125,7 @@ impl Lanes {
             self.duals.resize(tape.slot_count(), zero);
         }
         let registers = &mut self.duals[..];
-        Arch::new().dispatch(Slopes {
+        Arch::new().dispatch(Derivatives {
             tape,
             registers,
             inputs,
@@ -230,7 +238,7 @@ impl<const N: usize> WithSimd for Values<'_, N> {
     }
 }
 
-struct Slopes<'a> {
+struct Derivatives<'a> {
     tape: &'a RegTape,
     registers: &'a mut [DualRegister],
     inputs: &'a [Seed<'a>],
@@ -238,7 +246,7 @@ struct Slopes<'a> {
     out: &'a mut Vec<[f32; 3]>,
 }
 
-impl WithSimd for Slopes<'_> {
+impl WithSimd for Derivatives<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -252,11 +260,20 @@ impl WithSimd for Slopes<'_> {
                     for (k, dual) in register.iter_mut().enumerate() {
                         let from = from + k * WIDTH;
                         let v = load(seed.values, from);
-                        *dual = Dual::coordinate(v, seed.axis);
-                        if let Some(slopes) = seed.slopes
-                            && let Some(d) = dual.d.get_mut(seed.axis)
-                        {
-                            *d = load(slopes, from);
+                        match seed.slopes {
+                            Slopes::Coordinate(axis) => {
+                                *dual = Dual::coordinate(v, axis);
+                            }
+                            Slopes::Along(axis, slopes) => {
+                                *dual = Dual::flat(v);
+                                if let Some(d) = dual.d.get_mut(axis) {
+                                    *d = load(slopes, from);
+                                }
+                            }
+                            Slopes::Both(slopes) => {
+                                let d = slopes.map(|s| load(s, from));
+                                *dual = Dual { v, d };
+                            }
                         }
                     }
                 },
@@ -437,8 +454,7 @@ mod tests {
                 .iter()
                 .map(|&axis| Seed {
                     values: &points[axis],
-                    slopes: None,
-                    axis,
+                    slopes: super::Slopes::Coordinate(axis),
                 })
                 .collect();
             let grads: Vec<Vec<Grad>> = axes

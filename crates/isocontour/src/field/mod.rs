@@ -21,7 +21,8 @@
 //!
 //! Sums of exponentials, as in smooth unions, get branches that proofs can rule
 //! out (`blend`). Branches that do not change the field's sign are left out
-//! (`signs`). Parts that depend on one coordinate alone, such as sin(k·x),
+//! (`signs`). Calls of data are evaluated before the expression that reads them
+//! (`calls`). Parts that depend on one coordinate alone, such as sin(k·x),
 //! are taken out of the expression (`hoist`, `split`) and evaluated once per
 //! column, row or layer (`axis`). `lanes` evaluates the rest, for many points
 //! or boxes at a time. `workspace` brings both together for the walk in
@@ -32,6 +33,7 @@
 mod axis;
 mod blend;
 pub(crate) mod boxes;
+mod calls;
 mod engine;
 mod expr;
 mod hoist;
@@ -39,21 +41,23 @@ pub(crate) mod lanes;
 mod lattice;
 mod sight;
 mod signs;
+mod source;
 mod split;
+mod values;
 mod workspace;
 
 pub use boxes::Bound;
 pub use lattice::Lattice;
 pub use sight::{Grid, Hit, Sight};
+pub use values::Values;
 
 use crate::Length;
 use crate::cancel::{Cancel, Cancelled};
 use crate::ceiling::uncapped;
 use crate::plane::Rect;
+use calls::Called;
 use engine::{Engine, Plane};
 use fidget::context::{Context, Tree};
-use fidget::eval::{Function, MathFunction};
-use fidget::vm::VmFunction;
 use split::Split;
 use std::sync::OnceLock;
 
@@ -223,11 +227,8 @@ impl Field {
         let root = ctx.import(&tree);
         let root = uncapped(&mut ctx, root);
         let root = blend::branched(&mut ctx, root);
-        let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
-        if f.vars().has_free_vars() {
-            return Err(bug("it has variables besides x, y and z"));
-        }
-        let plane = Plane::new(Split::new(&ctx, root)?, &lattice);
+        let called = Called::new(ctx, root, None)?;
+        let plane = Plane::new(Split::new(called)?, &lattice);
         let engine = Engine::new(plane)?;
         Ok(Field {
             tree,

@@ -1,8 +1,10 @@
-//! An expression split into parts that depend on one coordinate, and the rest,
-//! with the sources of the rest's inputs.
+//! An expression split into calls of data, parts that depend on one coordinate,
+//! and the rest, with the sources of the rest's inputs.
 
 use super::axis::{Axis, Level};
+use super::calls::{Call, Called};
 use super::hoist::{Hoisted, hoist};
+use super::source::Source;
 use super::{FieldError, bug};
 use crate::interval::Interval;
 use fidget::context::{Context, Node};
@@ -11,21 +13,13 @@ use fidget::var::Var;
 use fidget::vm::VmFunction;
 use std::collections::HashMap;
 
-/// The source of the value of a tape's input.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Source {
-    /// A coordinate.
-    Coordinate(usize),
-    /// A part that depends on one coordinate: the axis, and the part's number
-    /// there.
-    Part(usize, usize),
-}
-
 /// An expression split into parts that depend on one coordinate, and the rest.
 pub(super) struct Split {
     /// Context and root of the rest.
     pub context: Context,
     pub root: Node,
+    /// The calls of data.
+    pub calls: Vec<Call>,
     /// The parts, by axis.
     pub parts: [Vec<VmFunction>; 3],
     /// For each variable of the rest, where its value is from.
@@ -33,20 +27,21 @@ pub(super) struct Split {
 }
 
 impl Split {
-    /// Splits the expression `root`.
+    /// Splits an expression.
     ///
     /// # Errors
     /// If fidget refuses a part, which is a bug.
-    pub(super) fn new(ctx: &Context, root: Node) -> Result<Split, FieldError> {
-        let Hoisted { tree, parts } = hoist(ctx, root);
+    pub(super) fn new(called: Called) -> Result<Split, FieldError> {
+        let Called {
+            context: ctx,
+            root,
+            calls,
+            mut sources,
+        } = called;
+        let Hoisted { tree, parts } = hoist(&ctx, root);
         let mut by_axis: [Vec<VmFunction>; 3] = Default::default();
-        let mut sources: HashMap<Var, Source> = [Var::X, Var::Y, Var::Z]
-            .into_iter()
-            .enumerate()
-            .map(|(axis, v)| (v, Source::Coordinate(axis)))
-            .collect();
         for part in parts {
-            let f = VmFunction::new(ctx, &[part.node]).map_err(bug)?;
+            let f = VmFunction::new(&ctx, &[part.node]).map_err(bug)?;
             let of_axis = &mut by_axis[part.axis];
             sources.insert(part.var, Source::Part(part.axis, of_axis.len()));
             of_axis.push(f);
@@ -56,6 +51,7 @@ impl Split {
         Ok(Split {
             context,
             root,
+            calls,
             parts: by_axis,
             sources,
         })
@@ -73,6 +69,8 @@ impl<'a> Axes<'a> {
         match source {
             Source::Coordinate(a) => (a, self.0[a].nodes()),
             Source::Part(a, p) => (a, self.0[a].values(p)),
+            // It is evaluated elsewhere.
+            Source::Call(_) => (2, &[]),
         }
     }
 
@@ -86,7 +84,12 @@ impl<'a> Axes<'a> {
         match source {
             Some(&Source::Coordinate(a)) => self.0[a].extent(level, at[a]),
             Some(&Source::Part(a, p)) => self.0[a].range(p, level, at[a]),
-            None => Interval::ANYTHING,
+            Some(Source::Call(_)) | None => Interval::ANYTHING,
         }
+    }
+
+    /// The extent of box number `at` of a level.
+    pub(super) fn extent(&self, level: Level, at: [usize; 3]) -> [Interval; 3] {
+        [0, 1, 2].map(|a| self.0[a].extent(level, at[a]))
     }
 }

@@ -2,9 +2,11 @@
 
 use super::axis::{self, Level, Located};
 use super::boxes::{Bound, Boxes, Slope, coordinate, slope_of};
+use super::calls::Calls;
 use super::expr::Expr;
-use super::lanes::{Lanes, Seed};
-use super::split::{Axes, Source, Split};
+use super::lanes::{Lanes, Seed, Slopes};
+use super::source::Source;
+use super::split::{Axes, Split};
 use super::{FieldError, Leaf, NODES, bug};
 use crate::interval::Interval;
 use fidget::eval::Function;
@@ -27,6 +29,7 @@ pub(super) struct Workspace<'a> {
     parts: &'a [Vec<VmFunction>; 3],
     /// The source of each input of the tapes. Simplified tapes keep the order.
     sources: Vec<Source>,
+    calls: Calls<'a>,
     alone: Boxes,
     /// What is known of each box.
     found: Vec<Option<Interval>>,
@@ -59,6 +62,7 @@ impl<'a> Workspace<'a> {
         Workspace {
             parts: &split.parts,
             sources,
+            calls: Calls::new(&split.calls),
             alone: Boxes::default(),
             found: Vec::new(),
             bounds: vec![Vec::new(); slots],
@@ -72,6 +76,20 @@ impl<'a> Workspace<'a> {
         }
     }
 
+    /// Evaluates the calls that an expression reads over boxes.
+    fn call_over(
+        &mut self,
+        expr: &Expr,
+        axes: Axes<'_>,
+        level: Level,
+        boxes: &[[usize; 3]],
+    ) {
+        let sources = &self.sources;
+        let read = expr.inputs().iter().map(|&slot| sources[slot]);
+        let extents = boxes.iter().map(|&at| axes.extent(level, at));
+        self.calls.over(read, extents);
+    }
+
     /// Keeps the boxes in which the field may change its sign. A box is given
     /// by its numbers along the axes on a `level`.
     pub(super) fn sift(
@@ -83,13 +101,13 @@ impl<'a> Workspace<'a> {
     ) -> Result<(), FieldError> {
         let mut found = std::mem::take(&mut self.found);
         found.clear();
-        let sources = &self.sources;
-        self.lanes.ranges(
-            &expr.f,
-            boxes.len(),
-            &|slot, k| axes.over(sources.get(slot), level, boxes[k]),
-            &mut found,
-        );
+        self.call_over(expr, axes, level, boxes);
+        let (sources, calls) = (&self.sources, &self.calls);
+        let input = |slot: usize, k: usize| match sources.get(slot) {
+            Some(&Source::Call(c)) => calls.range(c, k),
+            source => axes.over(source, level, boxes[k]),
+        };
+        self.lanes.ranges(&expr.f, boxes.len(), &input, &mut found);
         let mut kept = 0;
         for (k, range) in found.iter().enumerate() {
             let at = boxes[k];
@@ -120,8 +138,12 @@ impl<'a> Workspace<'a> {
         at: [usize; 3],
         simplify: bool,
     ) -> Result<Proof, FieldError> {
-        let sources = &self.sources;
-        let input = |slot: usize| axes.over(sources.get(slot), level, at);
+        self.call_over(expr, axes, level, &[at]);
+        let (sources, calls) = (&self.sources, &self.calls);
+        let input = |slot: usize| match sources.get(slot) {
+            Some(&Source::Call(c)) => calls.range(c, 0),
+            source => axes.over(source, level, at),
+        };
         let (range, trace) = if simplify {
             self.alone.range_of_sign(&expr.f, &input)
         } else {
@@ -148,10 +170,11 @@ impl<'a> Workspace<'a> {
 
     /// True if an expression does not read z.
     pub(super) fn is_level(&self, expr: &Expr) -> bool {
-        let axis = |&slot: &usize| match self.sources[slot] {
-            Source::Coordinate(axis) | Source::Part(axis, _) => axis,
+        let reads_z = |&slot: &usize| match self.sources[slot] {
+            Source::Coordinate(axis) | Source::Part(axis, _) => axis == 2,
+            Source::Call(call) => self.calls.reads_z(call),
         };
-        expr.inputs().iter().map(axis).all(|axis| axis != 2)
+        !expr.inputs().iter().any(reads_z)
     }
 
     /// Writes the field's bounds over any boxes to `out`. Boxes are given by
@@ -163,6 +186,8 @@ impl<'a> Workspace<'a> {
         out: &mut Vec<Bound>,
     ) {
         let used = expr.inputs();
+        let read = used.iter().map(|&slot| self.sources[slot]);
+        self.calls.bound(read, boxes);
         let lanes = &mut self.lanes;
         let mut found = Vec::new();
         for &slot in used {
@@ -182,6 +207,11 @@ impl<'a> Workspace<'a> {
                             found.unwrap_or_else(|| slope_of(f, b[a], a))
                         },
                     ));
+                }
+                Source::Call(c) => {
+                    let calls = &self.calls;
+                    let all = 0..boxes.len();
+                    bounds.extend(all.map(|k| calls.bound_of(c, k)));
                 }
             }
         }
@@ -207,27 +237,26 @@ impl<'a> Workspace<'a> {
     ) {
         out.clear();
         let used = expr.inputs();
+        let read = || used.iter().map(|&slot| self.sources[slot]);
+        let has_calls = read().any(|s| matches!(s, Source::Call(_)));
+        let mut points: [Vec<f32>; 3] = Default::default();
         for leaves in leaves.chunks(AT_ONCE) {
             let count = leaves.len() * NODES * NODES;
+            if has_calls {
+                for (a, values) in points.iter_mut().enumerate() {
+                    spread(axes.along(Source::Coordinate(a)), leaves, values);
+                }
+                let [x, y, z] = &points;
+                self.calls.at(read(), &[x, y, z]);
+            }
             for &slot in used {
-                let (axis, nodes) = axes.along(self.sources[slot]);
                 let values = &mut self.values[slot];
-                values.clear();
-                for leaf in leaves {
-                    match axis {
-                        0 => {
-                            let row = &nodes[leaf.i..leaf.i + NODES];
-                            for _ in 0..NODES {
-                                values.extend_from_slice(row);
-                            }
-                        }
-                        1 => {
-                            for &y in &nodes[leaf.j..leaf.j + NODES] {
-                                values.extend([y; NODES]);
-                            }
-                        }
-                        _ => values.extend([nodes[leaf.layer]; NODES * NODES]),
+                match self.sources[slot] {
+                    Source::Call(c) => {
+                        values.clear();
+                        values.extend_from_slice(self.calls.values(c));
                     }
+                    source => spread(axes.along(source), leaves, values),
                 }
             }
             // Inputs that are not read may have any values, as long as there
@@ -266,6 +295,8 @@ impl<'a> Workspace<'a> {
     ) {
         let used = expr.inputs();
         self.locate(used, axes, points);
+        let read = used.iter().map(|&slot| self.sources[slot]);
+        self.calls.at(read, &points);
         for &slot in used {
             if let Source::Part(a, p) = self.sources[slot] {
                 axes.0[a].values_at(
@@ -282,6 +313,7 @@ impl<'a> Workspace<'a> {
             vars[slot] = match self.sources[slot] {
                 Source::Coordinate(a) => points[a],
                 Source::Part(..) => &self.values[slot],
+                Source::Call(c) => self.calls.values(c),
             };
         }
         out.clear();
@@ -299,6 +331,8 @@ impl<'a> Workspace<'a> {
     ) {
         let used = expr.inputs();
         self.locate(used, axes, points);
+        let read = used.iter().map(|&slot| self.sources[slot]);
+        self.calls.at_with_slopes(read, points, [0, 1, 2]);
         for &slot in used {
             if let Source::Part(a, p) = self.sources[slot] {
                 axes.0[a].slopes_at(
@@ -311,19 +345,19 @@ impl<'a> Workspace<'a> {
                 );
             }
         }
-        let seed = |values, slopes, axis| Seed {
-            values,
-            slopes,
-            axis,
-        };
+        let seed = |values, slopes| Seed { values, slopes };
         // Inputs that are not read may have any values.
-        let mut seeds = vec![seed(points[0], None, 0); self.values.len()];
+        let any = seed(points[0], Slopes::Coordinate(0));
+        let mut seeds = vec![any; self.values.len()];
         for &slot in used {
             seeds[slot] = match self.sources[slot] {
-                Source::Coordinate(a) => seed(points[a], None, a),
+                Source::Coordinate(a) => seed(points[a], Slopes::Coordinate(a)),
                 Source::Part(a, _) => {
-                    let slopes = Some(&self.slopes[slot][..]);
-                    seed(&self.values[slot], slopes, a)
+                    let slopes = Slopes::Along(a, &self.slopes[slot]);
+                    seed(&self.values[slot], slopes)
+                }
+                Source::Call(c) => {
+                    seed(self.calls.values(c), self.calls.slopes(c))
                 }
             };
         }
@@ -335,5 +369,30 @@ impl<'a> Workspace<'a> {
     /// Takes back the memory of an expression that is not needed any more.
     pub(super) fn recycle(&mut self, expr: Expr) {
         self.functions.extend(expr.f.recycle());
+    }
+}
+
+/// What a source has at the nodes of leaves, from its values along an axis.
+fn spread(
+    (axis, nodes): (usize, &[f32]),
+    leaves: &[Leaf],
+    values: &mut Vec<f32>,
+) {
+    values.clear();
+    for leaf in leaves {
+        match axis {
+            0 => {
+                let row = &nodes[leaf.i..leaf.i + NODES];
+                for _ in 0..NODES {
+                    values.extend_from_slice(row);
+                }
+            }
+            1 => {
+                for &y in &nodes[leaf.j..leaf.j + NODES] {
+                    values.extend([y; NODES]);
+                }
+            }
+            _ => values.extend([nodes[leaf.layer]; NODES * NODES]),
+        }
     }
 }

@@ -21,6 +21,7 @@
 //! compiled ones abort) on fields whose ranges overflow. See `interval`.
 
 mod blend;
+mod called;
 mod mix;
 mod piece;
 mod simplify;
@@ -32,6 +33,7 @@ mod tests;
 mod undefined;
 
 use crate::cell::Cell;
+use crate::data::{Data, call_of};
 use crate::interval::Interval;
 use crate::number::{binary, unary};
 use blend::Blend;
@@ -41,6 +43,7 @@ use piece::StepPiece;
 use slot::{FLAT, Slot, mixed, tightened};
 use std::collections::HashMap;
 use std::rc::Rc;
+use std::sync::Arc;
 pub(super) use surfaces::Surface;
 
 /// One operation. Its operands are indices of earlier steps.
@@ -51,17 +54,22 @@ enum Step {
     Unary(UnaryOpcode, u32),
     Binary(BinaryOpcode, u32, u32),
     Blend(Blend, u32, u32),
+    /// A call of data, by its number among the program's.
+    Data(u32, [u32; 3]),
 }
 
 impl Step {
     /// The steps whose values this step takes.
     fn operands(&self) -> impl Iterator<Item = u32> {
-        let (a, b) = match *self {
-            Step::Axis(_) | Step::Const(_) => (None, None),
-            Step::Unary(_, a) => (Some(a), None),
-            Step::Binary(_, a, b) | Step::Blend(_, a, b) => (Some(a), Some(b)),
+        let operands = match *self {
+            Step::Axis(_) | Step::Const(_) => [None; 3],
+            Step::Unary(_, a) => [Some(a), None, None],
+            Step::Binary(_, a, b) | Step::Blend(_, a, b) => {
+                [Some(a), Some(b), None]
+            }
+            Step::Data(_, at) => at.map(Some),
         };
-        a.into_iter().chain(b)
+        operands.into_iter().flatten()
     }
 }
 
@@ -69,6 +77,7 @@ impl Step {
 #[derive(Clone, Debug)]
 pub(super) struct Program {
     steps: Rc<[Step]>,
+    data: Rc<[Arc<dyn Data>]>,
     /// The steps that stand for one of their pieces, in order. The program is
     /// then only about the points where this piece is the true one.
     pieces: Vec<StepPiece>,
@@ -126,6 +135,8 @@ impl Scratch {
 /// Cost of a box besides its operations, in operations. It is kept in a queue,
 /// with an expression of its own.
 const BOX_WORK: u64 = 24;
+/// Cost of a look at data, in operations: a mesh's takes some microseconds.
+const DATA_WORK: u64 = 200;
 
 impl Program {
     /// Flattens the part of `context` on which `root` depends.
@@ -133,6 +144,7 @@ impl Program {
     /// `Err` holds a variable other than x, y, z.
     pub(crate) fn new(context: &Context, root: Node) -> Result<Self, Var> {
         let mut steps: Vec<Step> = Vec::with_capacity(context.len());
+        let mut data = Vec::new();
         let mut index: HashMap<Node, u32> = HashMap::new();
         // Each entry has a node, and true if its operands are done.
         let mut todo = vec![(root, false)];
@@ -146,15 +158,22 @@ impl Program {
                 // NaN has no inside.
                 return Ok(Self {
                     steps: Rc::new([Step::Const(f64::NAN)]),
+                    data: Rc::new([]),
                     pieces: Vec::new(),
                 });
             };
             let blend = Blend::of(context, node);
+            let called = call_of(context, node);
             if !ready {
                 todo.push((node, true));
-                match blend {
-                    Some((_, both)) => todo.extend(both.map(|c| (c, false))),
-                    None => todo.extend(op.iter_children().map(|c| (c, false))),
+                match (blend, called) {
+                    (Some((_, both)), _) => {
+                        todo.extend(both.map(|c| (c, false)));
+                    }
+                    (_, Some(call)) => {
+                        todo.extend(call.at.map(|c| (c, false)));
+                    }
+                    _ => todo.extend(op.iter_children().map(|c| (c, false))),
                 }
                 continue;
             }
@@ -162,6 +181,10 @@ impl Program {
             let step = match op {
                 _ if let Some((blend, [a, b])) = blend => {
                     Step::Blend(blend, of(&a), of(&b))
+                }
+                _ if let Some(call) = called => {
+                    data.push(call.data);
+                    Step::Data(data.len() as u32 - 1, call.at.map(|n| of(&n)))
                 }
                 Op::Input(Var::X) => Step::Axis(0),
                 Op::Input(Var::Y) => Step::Axis(1),
@@ -176,6 +199,7 @@ impl Program {
         }
         Ok(Self {
             steps: steps.into(),
+            data: data.into(),
             pieces: Vec::new(),
         })
     }
@@ -214,6 +238,11 @@ impl Program {
         is_outside
     }
 
+    /// The work of an evaluation, in operations.
+    fn work(&self) -> u64 {
+        self.steps.len() as u64 + DATA_WORK * self.data.len() as u64
+    }
+
     /// Number of operations.
     pub(crate) fn len(&self) -> usize {
         self.steps.len()
@@ -226,6 +255,7 @@ impl Program {
         steps.push(Step::Unary(UnaryOpcode::Neg, root));
         Self {
             steps: steps.into(),
+            data: self.data.clone(),
             pieces: self.pieces.clone(),
         }
     }
@@ -261,7 +291,7 @@ impl Program {
     /// Value at a point, perhaps NaN. It is NaN where another piece is the true
     /// one.
     pub(crate) fn value(&self, point: [f64; 3], scratch: &mut Scratch) -> f64 {
-        scratch.work += self.steps.len() as u64 / 8 + 1;
+        scratch.work += self.work() / 8 + 1;
         let v = &mut scratch.values;
         v.clear();
         for step in self.steps.iter() {
@@ -274,6 +304,10 @@ impl Program {
                 }
                 Step::Blend(blend, a, b) => {
                     blend.value(v[a as usize], v[b as usize])
+                }
+                Step::Data(n, at) => {
+                    let at = at.map(|a| v[a as usize]);
+                    called::value(&*self.data[n as usize], at)
                 }
             };
             v.push(value);
@@ -297,7 +331,7 @@ impl Program {
         cell: &Cell,
         scratch: &mut Scratch,
     ) -> Enclosure {
-        scratch.work += self.steps.len() as u64 + BOX_WORK;
+        scratch.work += self.work() + BOX_WORK;
         let centre = cell.centre();
         let half: [f64; 3] = std::array::from_fn(|i| 0.5 * cell.width(i));
         let s = &mut scratch.slots;
@@ -359,6 +393,10 @@ impl Program {
                 }
                 Step::Blend(blend, a, b) => {
                     blend.over(&s[a as usize], &s[b as usize], half)
+                }
+                Step::Data(n, at) => {
+                    let at = at.map(|a| s[a as usize]);
+                    tightened(called::over(&*self.data[n as usize], at), half)
                 }
             };
             s.push(slot);
@@ -454,6 +492,7 @@ impl Program {
             pieces.insert(at, StepPiece { step, index });
             Self {
                 steps: self.steps.clone(),
+                data: self.data.clone(),
                 pieces,
             }
         };

@@ -121,6 +121,11 @@ impl Program {
                     look(a, of(rb), &mut live);
                     look(b, of(ra), &mut live);
                 }
+                Step::Data(_, at) => {
+                    for a in at {
+                        look(a, Window::OPEN, &mut live);
+                    }
+                }
             }
         }
         for i in 0..n {
@@ -156,12 +161,17 @@ impl Program {
         }
         let mut position = vec![0u32; n];
         let mut steps = Vec::with_capacity(kept);
+        let mut data = Vec::new();
         for i in (0..n).filter(|&i| live[i]) {
             let at = |a: u32| position[source[a as usize] as usize];
             let step = match self.steps[i] {
                 Step::Unary(op, a) => Step::Unary(op, at(a)),
                 Step::Binary(op, a, b) => Step::Binary(op, at(a), at(b)),
                 Step::Blend(blend, a, b) => Step::Blend(blend, at(a), at(b)),
+                Step::Data(n, places) => {
+                    data.push(self.data[n as usize].clone());
+                    Step::Data(data.len() as u32 - 1, places.map(at))
+                }
                 other => other,
             };
             position[i] = steps.len() as u32;
@@ -178,6 +188,7 @@ impl Program {
         };
         Some(Self {
             steps: steps.into(),
+            data: data.into(),
             pieces: self
                 .pieces
                 .iter()

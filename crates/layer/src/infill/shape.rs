@@ -99,8 +99,8 @@ impl Shape {
             "max(abs(x - ({})) - {}, abs(y - ({})) - {})",
             middle.x, half.x, middle.y, half.y
         );
-        let drawn = load(source)?.seen_from(site.origin).tree;
-        let tree = drawn.max(load(&formula(walls))?.tree);
+        let drawn = load(source)?.seen_from(site.origin);
+        let tree = drawn.tree.max(load(&formula(walls))?.tree);
         let field = field(&tree, 0.0, rect, width)?;
         Ok(Shape::Field(Box::new(field)))
     }

@@ -13,11 +13,9 @@
 
 use crate::formula::{FormulaError, Name, parse_with};
 use fidget::context::Tree;
-use fidget::eval::{BulkEvaluator, Function, MathFunction, Tape};
 use fidget::var::Var;
-use fidget::vm::VmFunction;
 use glam::DVec3;
-use isocontour::{ExpandError, expand_with};
+use isocontour::{ExpandError, Values, expand_with};
 
 /// Where an expression is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,9 +45,7 @@ pub enum ExpressionError {
 /// A compiled expression.
 #[derive(Clone)]
 pub struct Expression {
-    tape: <<VmFunction as Function>::FloatSliceEval as BulkEvaluator>::Tape,
-    /// Where x, y, z and the fourth variable are in the tape's arguments.
-    arguments: [Option<usize>; 4],
+    values: Values,
 }
 
 /// Places evaluated at a time.
@@ -90,54 +86,35 @@ impl Expression {
         tree: &Tree,
         fourth: Option<Var>,
     ) -> Result<Expression, ExpressionError> {
-        let (context, root) = expand_with(tree, fourth)?;
-        let function = VmFunction::new(&context, &[root])
+        expand_with(tree, fourth)?;
+        let values = Values::new(tree, fourth)
             .map_err(|e| ExpressionError::Compile(e.to_string()))?;
-        let tape = function.float_slice_tape(Default::default());
-        let vars = tape.vars();
-        let arguments = [Some(Var::X), Some(Var::Y), Some(Var::Z), fourth]
-            .map(|v| v.and_then(|v| vars.get(&v)));
-        Ok(Expression { tape, arguments })
+        Ok(Expression { values })
     }
 
     /// True if the expression depends on d.
     pub fn uses_depth(&self) -> bool {
-        self.arguments[3].is_some()
+        self.values.depend_on(3)
     }
 
     /// True if the expression has one value all over a layer.
     pub fn is_level(&self) -> bool {
-        let [x, y, _, d] = self.arguments;
-        x.or(y).or(d).is_none()
+        ![0, 1, 3].iter().any(|&v| self.values.depend_on(v))
     }
 
     /// Appends the value at each place, perhaps NaN.
     pub fn evaluate(&self, places: &[Place], out: &mut Vec<f64>) {
-        let mut evaluator = VmFunction::new_float_slice_eval();
-        let count = self.arguments.iter().flatten().count();
-        let mut columns: Vec<Vec<f32>> = vec![Vec::new(); count.max(1)];
+        let axes: [fn(&Place) -> f64; 4] =
+            [|p| p.at.x, |p| p.at.y, |p| p.at.z, |p| p.depth];
+        let mut values = Vec::new();
         for batch in places.chunks(BATCH) {
-            let axes: [fn(&Place) -> f64; 4] =
-                [|p| p.at.x, |p| p.at.y, |p| p.at.z, |p| p.depth];
-            for (argument, axis) in self.arguments.iter().zip(axes) {
-                if let Some(column) = argument.and_then(|i| columns.get_mut(i))
-                {
-                    column.clear();
-                    column.extend(batch.iter().map(|p| axis(p) as f32));
-                }
-            }
-            let inputs = &columns[..count];
-            let values = if inputs.is_empty() {
-                None
-            } else {
-                evaluator.eval(&self.tape, inputs).ok()
-            };
-            match values {
-                Some(values) => {
-                    out.extend(values[0].iter().map(|&v| f64::from(v)));
-                }
-                None => out
-                    .extend(std::iter::repeat_n(self.constant(), batch.len())),
+            let columns = axes.map(|axis| -> Vec<f32> {
+                batch.iter().map(|p| axis(p) as f32).collect()
+            });
+            let inputs = columns.each_ref().map(|c| &c[..]);
+            match self.values.at(&inputs, &mut values) {
+                Ok(()) => out.extend(values.iter().map(|&v| f64::from(v))),
+                Err(_) => out.extend(batch.iter().map(|_| f64::NAN)),
             }
         }
     }
@@ -147,15 +124,6 @@ impl Expression {
         let mut value = Vec::with_capacity(1);
         self.evaluate(&[place], &mut value);
         value.first().copied().unwrap_or(f64::NAN)
-    }
-
-    /// Value of an expression without arguments; NaN if it has some.
-    fn constant(&self) -> f64 {
-        use fidget::eval::TracingEvaluator;
-        let none: [f32; 0] = [];
-        let mut evaluator = VmFunction::new_point_eval();
-        let value = evaluator.eval(&self.tape, &none[..]);
-        value.map_or(f64::NAN, |(v, _)| f64::from(v[0]))
     }
 }
 
@@ -215,6 +183,7 @@ mod tests {
         assert!(e.starts_with("column 6: unknown name `q`"), "{e}");
         assert!(e.contains("x, y, z, d"), "{e}");
         // A model has no d.
-        assert!(crate::formula::parse_formula("x + d").is_err());
+        let files = crate::files::Files::default();
+        assert!(crate::formula::parse_formula("x + d", &files).is_err());
     }
 }

@@ -9,6 +9,7 @@
 //! sign    = ("+" | "-") sign | power
 //! power   = atom [ ("^" | "**") sign ]
 //! atom    = number | name | name "(" sum { "," sum } ")" | "(" sum ")"
+//!         | name "(" text ")"
 //! ```
 //!
 //! As in mathematics, `^` binds tighter than a sign before it and groups to
@@ -21,6 +22,7 @@ mod parser;
 mod tests;
 mod token;
 
+use super::files::Files;
 use super::term::Term;
 use fidget::context::Tree;
 pub(super) use names::Name;
@@ -36,9 +38,12 @@ pub struct FormulaError {
     pub message: String,
 }
 
-/// Parses the formula of a shape.
-pub(crate) fn parse_formula(text: &str) -> Result<Tree, FormulaError> {
-    match parse(text, None)? {
+/// Parses the formula of a shape, which may read files.
+pub(crate) fn parse_formula(
+    text: &str,
+    files: &Files,
+) -> Result<Tree, FormulaError> {
+    match parse(text, None, Some(files))? {
         Term::Field(tree) => Ok(tree),
         Term::Number(v) => Err(FormulaError {
             column: 1,
@@ -57,5 +62,5 @@ pub(super) fn parse_with(
     name: Name,
     variable: Tree,
 ) -> Result<Tree, FormulaError> {
-    parse(text, Some((name, variable))).map(Term::tree)
+    parse(text, Some((name, variable)), None).map(Term::tree)
 }

@@ -3,18 +3,21 @@
 use super::FormulaError;
 use super::names::{CONSTANTS, Name, call, constant};
 use super::token::{Token, tokens};
+use crate::files::Files;
 use crate::term::Term;
 use fidget::context::Tree;
 
 /// Deepest nesting of parentheses, signs and powers.
 const MAX_DEPTH: usize = 200;
 
-/// Parses a formula, which may have a fourth variable.
+/// Parses a formula, which may have a fourth variable, and may read files.
 pub(super) fn parse(
     text: &str,
     fourth: Option<(Name, Tree)>,
+    files: Option<&Files>,
 ) -> Result<Term, FormulaError> {
     let mut parser = Parser {
+        files,
         tokens: tokens(text, fourth.is_some())?,
         next: 0,
         end: text.chars().count() + 1,
@@ -47,7 +50,9 @@ pub(super) fn parse(
     Ok(value)
 }
 
-struct Parser {
+struct Parser<'a> {
+    /// The files that the formula may read.
+    files: Option<&'a Files>,
     tokens: Vec<(Token, usize)>,
     next: usize,
     /// Column after the last character.
@@ -56,7 +61,7 @@ struct Parser {
     fourth: Option<(Name, Tree)>,
 }
 
-impl Parser {
+impl Parser<'_> {
     fn column(&self) -> usize {
         self.tokens.get(self.next).map_or(self.end, |t| t.1)
     }
@@ -143,6 +148,10 @@ impl Parser {
                 self.close(column)?;
                 Ok(value)
             }
+            Token::Text(_) => self.error(format!(
+                "{token} is a text; it belongs in parentheses, as in \
+                 mesh(\"part.stl\")"
+            )),
             Token::Symbol(_) => self.error(format!(
                 "expected a number, a name or `(`, found {token}"
             )),
@@ -159,6 +168,13 @@ impl Parser {
                         None => constant(&name, column, CONSTANTS),
                     };
                 }
+                if let Some((Token::Text(text), _)) =
+                    self.tokens.get(self.next).cloned()
+                {
+                    self.next += 1;
+                    self.close(column)?;
+                    return self.read(&name, &text, column);
+                }
                 let mut arguments = Vec::new();
                 if self.take(&[")"]).is_none() {
                     loop {
@@ -172,6 +188,25 @@ impl Parser {
                 call(&name, &arguments, column)
             }
         }
+    }
+
+    /// The value of a function that takes a text.
+    fn read(
+        &self,
+        name: &str,
+        text: &str,
+        column: usize,
+    ) -> Result<Term, FormulaError> {
+        let failed = |message| FormulaError { column, message };
+        if name != "mesh" {
+            return Err(failed(format!(
+                "{name} takes no text; mesh(\"part.stl\") reads a mesh"
+            )));
+        }
+        let files = self.files.ok_or_else(|| {
+            failed("only a model reads files, and no setting does".to_owned())
+        })?;
+        files.mesh(text).map(Term::Field).map_err(failed)
     }
 
     fn close(&mut self, opened: usize) -> Result<(), FormulaError> {

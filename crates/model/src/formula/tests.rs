@@ -1,9 +1,10 @@
 use super::*;
+use crate::files::Files;
 use fidget::context::Context;
 
 fn value(text: &str, x: f32, y: f32, z: f32) -> f32 {
     let mut context = Context::new();
-    let node = context.import(&parse_formula(text).unwrap());
+    let node = context.import(&parse_formula(text, &Files::default()).unwrap());
     context.eval_xyz(node, x, y, z).unwrap()
 }
 
@@ -73,7 +74,7 @@ fn errors_point_at_the_column() {
         ("3 + 4", 1, "constant 7"),
         ("sqrt(x 2)", 8, "expected an operator"),
     ] {
-        let error = parse_formula(text).unwrap_err();
+        let error = parse_formula(text, &Files::default()).unwrap_err();
         assert_eq!(error.column, column, "{text}: {error}");
         assert!(
             error.message.contains(words),
@@ -90,10 +91,10 @@ fn nesting_is_limited() {
         "sin(".repeat(100_000),
         "2^".repeat(100_000) + "x",
     ] {
-        let error = parse_formula(&text).unwrap_err();
+        let error = parse_formula(&text, &Files::default()).unwrap_err();
         assert!(error.message.contains("deep"), "{error}");
     }
     // A long formula is not a deeply nested one.
     let text = "x + ".repeat(20_000) + "y";
-    parse_formula(&text).unwrap();
+    parse_formula(&text, &Files::default()).unwrap();
 }

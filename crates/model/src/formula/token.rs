@@ -6,6 +6,8 @@ use super::FormulaError;
 pub(super) enum Token {
     Number(f64),
     Name(String),
+    /// A text in quotes.
+    Text(String),
     Symbol(&'static str),
 }
 
@@ -14,6 +16,7 @@ impl std::fmt::Display for Token {
         match self {
             Self::Number(v) => write!(f, "`{v}`"),
             Self::Name(n) => write!(f, "`{n}`"),
+            Self::Text(t) => write!(f, "{t:?}"),
             Self::Symbol(s) => write!(f, "`{s}`"),
         }
     }
@@ -69,6 +72,19 @@ pub(super) fn tokens(
             }
             let name = chars[start..i].iter().collect();
             out.push((Token::Name(name), column));
+        } else if c == '"' {
+            let rest = &chars[i + 1..];
+            let Some(length) = rest.iter().position(|c| *c == '"') else {
+                return Err(FormulaError {
+                    column,
+                    message: "the text that begins here has no end: write it \
+                              in quotes, as in mesh(\"part.stl\")"
+                        .to_owned(),
+                });
+            };
+            let text = rest[..length].iter().collect();
+            out.push((Token::Text(text), column));
+            i += length + 2;
         } else {
             let power = c == '*' && is(i + 1, |c| *c == '*');
             let symbol = match c {

@@ -28,11 +28,13 @@ use super::source::Loaded;
 use fidget::context::Tree;
 use glam::DVec3;
 use isocontour::{
-    Bounds, BoundsError, FoundBounds, SearchOptions, digits, expand, is_flat,
-    shifted,
+    Bounds, BoundsError, Data, FoundBounds, SearchOptions, digits, expand,
+    is_flat, shifted,
 };
 use isoslice_base::limits;
 use isoslice_settings::Settings;
+use std::path::PathBuf;
+use std::sync::Arc;
 use transform::{box_field, mapped, rotation};
 
 /// The space a printer can reach, from (0, 0, 0).
@@ -93,6 +95,10 @@ pub struct Model {
     pub name: String,
     /// Field in the model's frame, scaled and rotated; negative inside.
     pub tree: Tree,
+    /// The data that the field reads. It lives as long as somebody keeps it.
+    pub data: Vec<Arc<dyn Data>>,
+    /// The files that the data was read from, except for the model's own.
+    pub files: Vec<PathBuf>,
     /// Box of the part in the model's frame, mm. Conservative by less than
     /// 10⁻⁴ mm.
     pub bounds: Bounds,
@@ -257,6 +263,8 @@ pub fn place(
     Ok(Model {
         name: loaded.name.clone(),
         tree,
+        data: loaded.data.clone(),
+        files: loaded.files.clone(),
         bounds: Bounds {
             min: bounds.min - origin,
             max: bounds.max - origin,

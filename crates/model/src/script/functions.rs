@@ -1,8 +1,10 @@
 //! The functions that scripts have beside shapes and arithmetic: `draw`,
 //! `param`, `remap`, places.
 
+use super::bodies::Bodies;
 use super::shape::{Outcome, describe, number, shape, term};
 use crate::allowed::Said;
+use crate::files::Files;
 use crate::param::{ParamError, Table};
 use crate::term::Term;
 use crate::value::Value;
@@ -108,6 +110,18 @@ pub(super) fn add_param(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
         Err("param() needs a default: param(\"name\", 10.0, \
                  \"description\")"
             .into())
+    });
+}
+
+/// `mesh`, which reads a file beside the script.
+pub(super) fn add_files(
+    engine: &mut Engine,
+    files: &Arc<Files>,
+    bodies: &Bodies,
+) {
+    let (files, bodies) = (files.clone(), bodies.clone());
+    engine.register_fn("mesh", move |name: ImmutableString| -> Outcome<Tree> {
+        Ok(bodies.mark(files.mesh(&name)?))
     });
 }
 

@@ -44,12 +44,13 @@ pub use error::ScriptError;
 pub use limits::ScriptLimits;
 pub use shapes::makes_body;
 
+use super::files::Files;
 use super::param::{Parameter, Table};
 use bodies::Bodies;
 use cpu_time::ProcessTime;
 use error::explain;
 use fidget::context::Tree;
-use functions::{Shared, add_draw, add_param, add_places};
+use functions::{Shared, add_draw, add_files, add_param, add_places};
 use isoslice_base::limits::{Cancelled, doing, is_stopped, resident_bytes};
 use limits::{GO_ON, Stop};
 use named::add_names;
@@ -85,11 +86,12 @@ pub(super) struct Script {
     pub parameters: Vec<Parameter>,
 }
 
-/// Runs a script.
+/// Runs a script, which may read files.
 pub(super) fn run_script(
     text: &str,
     defines: &[(String, String)],
     limits: &ScriptLimits,
+    files: &Arc<Files>,
 ) -> Result<Script, ScriptError> {
     let bug = |message: &str| ScriptError::Bug {
         message: message.to_owned(),
@@ -99,8 +101,9 @@ pub(super) fn run_script(
     let work = {
         let (text, defines) = (text.to_owned(), defines.to_vec());
         let (limits, stop) = (*limits, stop.clone());
+        let files = files.clone();
         move || {
-            let result = run_here(&text, &defines, &limits, &stop);
+            let result = run_here(&text, &defines, &limits, &stop, &files);
             // Nobody receives the result if it took too long.
             let _ = sender.send(result);
         }
@@ -136,6 +139,7 @@ pub(super) fn run_script(
         work.map_or(start.elapsed(), |work| work.min(start.elapsed()))
     };
     let mut stopped: Option<(Stop, Instant)> = None;
+    let taken = files.taken();
     doing("script", || {
         loop {
             match receiver.recv_timeout(EVERY) {
@@ -162,11 +166,12 @@ pub(super) fn run_script(
             }
             let grown =
                 |before| resident_bytes().map(|now| now.saturating_sub(before));
-            let why = if spent() > limits.time {
+            // What data takes is bounded by the sizes of files.
+            let allowed = limits.time + taken.time();
+            let memory = limits.memory_bytes.saturating_add(taken.bytes());
+            let why = if spent() > allowed {
                 Stop::Time
-            } else if before
-                .and_then(grown)
-                .is_some_and(|grown| grown > limits.memory_bytes)
+            } else if before.and_then(grown).is_some_and(|grown| grown > memory)
             {
                 Stop::Memory
             } else {
@@ -184,12 +189,15 @@ fn run_here(
     defines: &[(String, String)],
     limits: &ScriptLimits,
     stop: &Arc<AtomicU8>,
+    files: &Arc<Files>,
 ) -> Result<Script, ScriptError> {
     let shared = Arc::new(Mutex::new(Shared {
         parameters: Table::new(defines),
         ..Shared::default()
     }));
-    let mut engine = engine(limits.operations, stop, &Bodies::of_script());
+    let bodies = Bodies::of_script();
+    let mut engine = engine(limits.operations, stop, &bodies);
+    add_files(&mut engine, files, &bodies);
     add_draw(&mut engine, &shared);
     add_param(&mut engine, &shared);
 

@@ -8,7 +8,7 @@ fn run(text: &str) -> Result<Script, ScriptError> {
         memory_bytes: u64::MAX,
         ..ScriptLimits::default()
     };
-    run_script(text, &[], &limits)
+    run_script(text, &[], &limits, &Arc::default())
 }
 
 fn value(text: &str, x: f32, y: f32, z: f32) -> f32 {
@@ -112,7 +112,7 @@ fn parameters_are_set_and_listed() {
             .iter()
             .map(|(a, b)| ((*a).to_owned(), (*b).to_owned()))
             .collect();
-        run_script(text, &d, &ScriptLimits::default())
+        run_script(text, &d, &ScriptLimits::default(), &Arc::default())
     };
     let all = set(&[("cell", "8")]).unwrap().parameters;
     assert_eq!(all.len(), 3);
@@ -162,7 +162,7 @@ fn endless_scripts_are_stopped() {
         "let t = x; loop { t = t + 1; }",
         "fn f(n) { for i in 0..1000000 { n += i; } n } f(1); x",
     ] {
-        let e = run_script(text, &[], &limits).unwrap_err();
+        let e = run_script(text, &[], &limits, &Arc::default()).unwrap_err();
         assert!(matches!(e, ScriptError::Limit { .. }), "{text}: {e}");
         assert!(e.to_string().contains("200000 steps"), "{e}");
     }
@@ -173,7 +173,7 @@ fn endless_scripts_are_stopped() {
         operations: u64::MAX,
         ..ScriptLimits::default()
     };
-    let e = run_script("loop {}", &[], &limits).unwrap_err();
+    let e = run_script("loop {}", &[], &limits, &Arc::default()).unwrap_err();
     assert!(e.to_string().contains("0.05 s"), "{e}");
 }
 
@@ -205,7 +205,7 @@ fn memory_is_limited() {
         "let t = x; loop { t = t ** 1023; }",
         "let a = []; a.pad(20000, x); loop { draw(union(a)); }",
     ] {
-        let e = run_script(text, &[], &limits).unwrap_err();
+        let e = run_script(text, &[], &limits, &Arc::default()).unwrap_err();
         assert!(e.to_string().contains("24 MB of memory"), "{e}");
     }
 }

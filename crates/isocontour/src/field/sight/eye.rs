@@ -3,7 +3,9 @@
 
 use super::{Grid, Hit, Sight};
 use crate::field::boxes::Boxes;
-use crate::field::lanes::{Lanes, Seed};
+use crate::field::calls::Calls;
+use crate::field::lanes::{Lanes, Seed, Slopes};
+use crate::field::source::Source;
 use crate::field::{FieldError, bug};
 use crate::interval::Interval;
 use fidget::eval::Function;
@@ -35,6 +37,7 @@ pub(super) struct Eye<'a> {
     pub hits: Vec<Option<Hit>>,
     /// Lines that have just met something, each with its sample.
     fresh: Vec<(usize, usize)>,
+    calls: Calls<'a>,
     ranges: Boxes,
     lanes: Lanes,
     simplify: <VmFunction as Function>::Workspace,
@@ -54,6 +57,7 @@ impl<'a> Eye<'a> {
             at: [0; 2],
             hits: vec![None; TILE * TILE],
             fresh: Vec::new(),
+            calls: Calls::new(&sight.calls),
             ranges: Boxes::default(),
             lanes: Lanes::default(),
             simplify: Default::default(),
@@ -123,9 +127,16 @@ impl<'a> Eye<'a> {
             self.fill(at, size);
             return self.arrive(f);
         }
-        let axes = &self.sight.axes;
+        let sources = &self.sight.sources;
         let extent = self.extent(at, size);
-        let (_, trace) = self.ranges.range(f, &|slot| extent[axes[slot]]);
+        let read = sources.iter().copied();
+        self.calls.over(read, std::iter::once(extent));
+        let calls = &self.calls;
+        let input = |slot: usize| match sources[slot] {
+            Source::Coordinate(a) | Source::Part(a, _) => extent[a],
+            Source::Call(c) => calls.range(c, 0),
+        };
+        let (_, trace) = self.ranges.range(f, &input);
         let own = match trace {
             Some(trace) => {
                 let storage = self.storage.pop().unwrap_or_default();
@@ -170,11 +181,17 @@ impl<'a> Eye<'a> {
     ) -> Result<Vec<([usize; 3], Known)>, FieldError> {
         // A range has two ends.
         self.sight.spend(f, 2 * cubes.len())?;
-        let axes = &self.sight.axes;
+        let sources = &self.sight.sources;
         let extents: Vec<[Interval; 3]> =
             cubes.iter().map(|&at| self.extent(at, size)).collect();
         self.found.clear();
-        let input = |slot: usize, k: usize| extents[k][axes[slot]];
+        let read = sources.iter().copied();
+        self.calls.over(read, extents.iter().copied());
+        let calls = &self.calls;
+        let input = |slot: usize, k: usize| match sources[slot] {
+            Source::Coordinate(a) | Source::Part(a, _) => extents[k][a],
+            Source::Call(c) => calls.range(c, k),
+        };
         self.lanes.ranges(f, cubes.len(), &input, &mut self.found);
         let mut out = Vec::with_capacity(cubes.len());
         for (k, found) in self.found.iter().enumerate() {
@@ -262,6 +279,21 @@ impl<'a> Eye<'a> {
         }
     }
 
+    /// Values at the points that were asked for.
+    fn evaluate(&mut self, f: &VmFunction, count: usize) {
+        let points = self.points.each_ref().map(|p| &p[..]);
+        let read = self.sight.sources.iter().copied();
+        self.calls.at(read.clone(), &points);
+        let inputs: Vec<&[f32]> = read
+            .map(|s| match s {
+                Source::Coordinate(a) | Source::Part(a, _) => points[a],
+                Source::Call(c) => self.calls.values(c),
+            })
+            .collect();
+        self.values.clear();
+        self.lanes.eval(f, &inputs, count, &mut self.values);
+    }
+
     /// Looks into several boxes beside each other.
     fn boxes(
         &mut self,
@@ -285,11 +317,7 @@ impl<'a> Eye<'a> {
         }
         let count = self.points[0].len();
         self.sight.spend(f, count)?;
-        let axes = &self.sight.axes;
-        let inputs: Vec<&[f32]> =
-            axes.iter().map(|&a| &self.points[a][..]).collect();
-        self.values.clear();
-        self.lanes.eval(f, &inputs, count, &mut self.values);
+        self.evaluate(f, count);
         let values = std::mem::take(&mut self.values);
         let mut rest = &values[..];
         for (line, [from, end]) in asked {
@@ -339,18 +367,23 @@ impl<'a> Eye<'a> {
     ) -> Result<Vec<(f32, Vec3)>, FieldError> {
         // The gradient takes two evaluations, each of a value and two slopes.
         self.sight.spend(f, 6 * count)?;
+        let points = self.points.each_ref().map(|p| &p[..]);
         // Slopes along x and y come first, then the slope along z.
         for (slopes, along) in
             self.slopes.iter_mut().zip([[0, 1, 2], [1, 2, 0]])
         {
-            let seeds: Vec<Seed<'_>> = self
-                .sight
-                .axes
-                .iter()
-                .map(|&a| Seed {
-                    values: &self.points[a],
-                    slopes: None,
-                    axis: along[a],
+            let read = self.sight.sources.iter().copied();
+            self.calls.at_with_slopes(read.clone(), points, along);
+            let seeds: Vec<Seed<'_>> = read
+                .map(|s| match s {
+                    Source::Coordinate(a) | Source::Part(a, _) => Seed {
+                        values: points[a],
+                        slopes: Slopes::Coordinate(along[a]),
+                    },
+                    Source::Call(c) => Seed {
+                        values: self.calls.values(c),
+                        slopes: self.calls.slopes(c),
+                    },
                 })
                 .collect();
             slopes.clear();
@@ -384,10 +417,7 @@ impl<'a> Eye<'a> {
                 self.ask(line, sample as f64 + 0.5 * (inside + outside));
             }
             sight.spend(f, lines.len())?;
-            let inputs: Vec<&[f32]> =
-                sight.axes.iter().map(|&a| &self.points[a][..]).collect();
-            self.values.clear();
-            self.lanes.eval(f, &inputs, lines.len(), &mut self.values);
+            self.evaluate(f, lines.len());
             for (v, ends) in self.values.iter().zip(&mut ends) {
                 let middle = 0.5 * (ends[0] + ends[1]);
                 ends[usize::from(*v >= 0.0 || v.is_nan())] = middle;

@@ -21,13 +21,13 @@ mod eye;
 #[cfg(test)]
 mod tests;
 
+use super::FieldError;
 use super::blend::branched;
-use super::{FieldError, bug};
+use super::calls::{Call, Called, Calls};
+use super::source::Source;
 use crate::cancel::Cancel;
 use eye::{Eye, TILE};
 use fidget::context::{Context, Tree};
-use fidget::eval::{Function, MathFunction};
-use fidget::var::Var;
 use fidget::vm::VmFunction;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -57,8 +57,10 @@ pub struct Hit {
 /// A part to be looked at.
 pub struct Sight {
     f: VmFunction,
-    /// For each input of the function its coordinate.
-    axes: Vec<usize>,
+    /// For each input of the function, where its value is from.
+    sources: Vec<Source>,
+    /// The calls of data.
+    calls: Vec<Call>,
     /// Operations that all looks together may take, and those that they have
     /// taken.
     most: u64,
@@ -75,24 +77,12 @@ impl Sight {
         let mut ctx = Context::new();
         let root = ctx.import(tree);
         let root = branched(&mut ctx, root);
-        let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
-        let mut axes = vec![0; f.vars().len()];
-        for (var, slot) in f.vars().iter() {
-            let axis = match var {
-                Var::X => 0,
-                Var::Y => 1,
-                Var::Z => 2,
-                Var::V(_) => {
-                    return Err(bug("it has variables besides x, y and z"));
-                }
-            };
-            if let Some(known) = axes.get_mut(slot) {
-                *known = axis;
-            }
-        }
+        let called = Called::new(ctx, root, None)?;
+        let (f, sources) = called.function()?;
         Ok(Sight {
             f,
-            axes,
+            sources,
+            calls: called.calls,
             most: u64::MAX,
             taken: AtomicU64::new(0),
             cancel: Cancel::NEVER,
@@ -115,7 +105,8 @@ impl Sight {
 
     /// Notes that a function is evaluated for `count` numbers.
     fn spend(&self, f: &VmFunction, count: usize) -> Result<(), FieldError> {
-        let now = f.size() as u64 * count as u64;
+        let of_one = f.size() as u64 + Calls::cost(&self.calls);
+        let now = of_one * count as u64;
         let taken = self.taken.fetch_add(now, Ordering::Relaxed);
         let most = self.most;
         if taken.saturating_add(now) > most {

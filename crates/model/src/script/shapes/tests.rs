@@ -8,7 +8,7 @@ fn tree(text: &str) -> Result<Tree, String> {
         memory_bytes: u64::MAX,
         ..ScriptLimits::default()
     };
-    let script = run_script(text, &[], &limits);
+    let script = run_script(text, &[], &limits, &Default::default());
     script.map(|s| s.tree).map_err(|e| e.to_string())
 }
 

@@ -3,15 +3,33 @@
 //! The crate [`isocontour`] does the work. This module adds the program's
 //! watch, its timings, and advice about errors.
 
+mod sections;
+
 use fidget::context::Tree;
-use isocontour::{Phase, outlines_in_phases};
+use isocontour::{Cancel, Phase, outline_of, outlines_in_phases, solid};
 use isoslice_base::limits;
 use isoslice_base::timings::{Lap, Stage, Timings};
 use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
+use sections::Sections;
 use std::ops::Range;
 
-pub use isocontour::{Detail, Field, FieldError, Outline};
+pub use isocontour::{Detail, FieldError, Outline};
+
+/// A field, ready for its outlines.
+pub struct Field {
+    sampled: isocontour::Field,
+    /// Its sections, if they are known exactly.
+    sections: Option<Sections>,
+    cancel: Cancel,
+}
+
+impl Field {
+    /// Number of layers whose outlines are found at a time.
+    pub fn slab_layers(&self) -> usize {
+        self.sampled.slab_layers()
+    }
+}
 
 /// The field `tree` + `depth` over a box in the plane, sampled every `spacing`
 /// millimetres, under the watch of the threads that will evaluate it.
@@ -24,8 +42,14 @@ pub fn field(
     bounds: Rect,
     spacing: Mm,
 ) -> Result<Field, FieldError> {
-    let field = Field::new(tree, depth, bounds, spacing)?;
-    Ok(field.with_cancel(limits::Watch::hook()))
+    let cancel = limits::Watch::hook();
+    let sampled = isocontour::Field::new(tree, depth, bounds, spacing)?;
+    let solid = if depth == 0.0 { solid(tree) } else { None };
+    Ok(Field {
+        sampled: sampled.with_cancel(cancel.clone()),
+        sections: solid.map(|s| Sections::new(s, bounds)),
+        cancel,
+    })
 }
 
 /// Does what [`field`] does, for the part of a model within a window parallel
@@ -61,6 +85,42 @@ pub fn outlines(
     detail: Detail,
     timings: &Timings,
 ) -> Result<Vec<Outline>, FieldError> {
+    let Some(sections) = &field.sections else {
+        return sampled(field, z, needed, detail, timings);
+    };
+    let mut all = Vec::with_capacity(z.len());
+    for (k, &height) in z.iter().enumerate() {
+        if !needed.contains(&k) {
+            all.push(Outline::default());
+            continue;
+        }
+        limits::go_on()?;
+        let found = timings.time(Stage::Contour, || {
+            let area = sections.at(height)?;
+            Some(outline_of(area.rings, detail, &field.cancel))
+        });
+        match found {
+            Some(outline) => all.push(outline?),
+            // One at a time: what is found of a layer must not depend on which
+            // others have a section.
+            None => {
+                let z = &z[k..=k];
+                all.extend(sampled(field, z, &(0..1), detail, timings)?);
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// Outlines by samples.
+fn sampled(
+    field: &Field,
+    z: &[Mm],
+    needed: &Range<usize>,
+    detail: Detail,
+    timings: &Timings,
+) -> Result<Vec<Outline>, FieldError> {
+    let field = &field.sampled;
     let mut lap: Option<Lap<'_>> = None;
     let found = outlines_in_phases(field, z, needed, detail, &mut |phase| {
         // The last phase ends before the next one begins.

@@ -1,0 +1,9 @@
+//! Limits on what is read.
+
+/// Greatest number of triangles. They take 6 GB, and far more are scans that
+/// somebody forgot to reduce.
+pub const MOST_TRIANGLES: usize = 50_000_000;
+
+/// Greatest distance of a vertex from the origin along an axis, mm. Products of
+/// four such lengths, as squares of areas are, have a place in f32.
+pub(crate) const FARTHEST: f64 = 1e8;

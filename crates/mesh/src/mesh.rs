@@ -1,0 +1,230 @@
+//! A mesh as a function: the signed distance to its triangles.
+
+use crate::closest::Near;
+use crate::error::MeshError;
+use crate::facts::Facts;
+use crate::mend::mend;
+use crate::shell::Shell;
+use crate::sign::Sign;
+use crate::triangles::Triangles;
+use glam::{DAffine3, DVec3};
+use isocontour::{Bounds, Data, Ring};
+use std::cell::Cell;
+
+/// Places that are farther than this along an axis, mm, are so far that the
+/// mesh is a point.
+const FAR_AWAY: f64 = 1e15;
+
+/// The value inside where a triangle passes through the place: a number below
+/// zero that is none for any length. Triangles inside a body, where shells
+/// cross, make no gaps in it.
+const INSIDE: f64 = 1e-30;
+
+/// What roundings of coordinates may add to a distance, as a share of them.
+const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+
+/// Distances below this share of the coordinates have no direction that is right
+/// to six digits. There the gradient is the normal of the triangle.
+const NO_DIRECTION: f64 = 1e6 * f64::EPSILON;
+
+thread_local! {
+    /// The triangle that was closest last, of any mesh. The next place is often
+    /// near to the last one. What is found does not depend on it.
+    static LAST: Cell<usize> = const { Cell::new(0) };
+}
+
+/// A mesh as a function of three coordinates, mm: the distance to the closest
+/// triangle, negative inside.
+///
+/// Inside is where the winding number is above one half, and only in the box
+/// around the triangles.
+#[derive(Debug)]
+pub struct Mesh {
+    name: String,
+    pub(crate) shell: Shell,
+    pub(crate) sign: Sign,
+    pub(crate) bounds: Bounds,
+    facts: Facts,
+}
+
+/// What is known of the last place that was asked for.
+#[derive(Clone, Copy)]
+struct Last {
+    place: DVec3,
+    distance: f64,
+    is_inside: bool,
+}
+
+impl Mesh {
+    /// Makes a function of triangles. `name` is how messages call it, such as
+    /// `mesh("part.stl")`.
+    ///
+    /// # Errors
+    /// If there are no triangles, or work was stopped.
+    pub fn new(name: &str, triangles: Triangles) -> Result<Mesh, MeshError> {
+        if triangles.corners.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        let mut facts = Facts::of(&triangles);
+        let bounds = triangles.bounds();
+        let shell = Shell::new(triangles.vertices, triangles.corners);
+        isoslice_base::limits::go_on()?;
+        let (shell, open) = mend(shell, &bounds, &mut facts);
+        isoslice_base::limits::go_on()?;
+        facts.open_edges = open.len();
+        let sign = Sign::new(&shell, &open);
+        facts.wide_open = open.len().min(sign.wide_open());
+        isoslice_base::limits::go_on()?;
+        Ok(Mesh {
+            name: name.to_owned(),
+            shell,
+            sign,
+            bounds,
+            facts,
+        })
+    }
+
+    /// What is known of the mesh.
+    pub fn facts(&self) -> &Facts {
+        &self.facts
+    }
+
+    /// How often the mesh goes round a place: 1 inside a sound body, 2 where two
+    /// overlap, a fraction near holes.
+    pub fn winding(&self, p: DVec3) -> f64 {
+        self.sign.winding(&self.shell, &self.bounds, p)
+    }
+
+    pub(crate) fn is_inside(&self, p: DVec3) -> bool {
+        let b = &self.bounds;
+        p.cmpge(b.min).all() && p.cmple(b.max).all() && self.winding(p) > 0.5
+    }
+
+    /// The triangle that is closest to a place.
+    pub(crate) fn nearest(&self, p: DVec3) -> Near {
+        let guess = LAST.get().min(self.shell.corners.len() - 1);
+        let near = self.shell.nearest(p, guess);
+        LAST.set(near.triangle);
+        near
+    }
+
+    /// A distance with its sign.
+    fn signed(distance: f64, is_inside: bool) -> f64 {
+        if is_inside {
+            -distance.max(INSIDE)
+        } else {
+            distance
+        }
+    }
+
+    /// The value at a place, given what is known of another one near to it. It
+    /// is the same as without.
+    fn next(&self, place: DVec3, last: &mut Option<Last>) -> f64 {
+        if place.abs().max_element() > FAR_AWAY {
+            return place.distance(self.bounds.centre());
+        }
+        let near = self.nearest(place);
+        let distance = near.square.sqrt();
+        // No triangle is within the last distance of the last place.
+        let known = last.filter(|last| {
+            self.sign.is_closed()
+                && place.distance(last.place)
+                    < last.distance * (1.0 - 1e-9)
+                        - ROUNDINGS * place.abs().max_element()
+        });
+        let is_inside =
+            known.map_or_else(|| self.is_inside(place), |l| l.is_inside);
+        *last = Some(Last {
+            place,
+            distance,
+            is_inside,
+        });
+        Self::signed(distance, is_inside)
+    }
+
+    /// The gradient at a place whose closest point is known.
+    fn gradient(&self, p: DVec3, near: &Near, is_inside: bool) -> DVec3 {
+        let way = p - near.point;
+        let distance = near.square.sqrt();
+        let coordinates = p.abs().max(near.point.abs()).max_element();
+        if distance > NO_DIRECTION * coordinates {
+            let out = way / distance;
+            if is_inside { -out } else { out }
+        } else {
+            let normal = self.shell.normal(near.triangle);
+            normal.try_normalize().unwrap_or(DVec3::ZERO)
+        }
+    }
+}
+
+impl Data for Mesh {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn at(&self, p: DVec3) -> (f64, DVec3) {
+        if p.abs().max_element() > FAR_AWAY {
+            let way = p - self.bounds.centre();
+            return (way.length(), way.normalize_or_zero());
+        }
+        let near = self.nearest(p);
+        let is_inside = self.is_inside(p);
+        (
+            Self::signed(near.square.sqrt(), is_inside),
+            self.gradient(p, &near, is_inside),
+        )
+    }
+
+    fn value(&self, p: DVec3) -> f64 {
+        self.next(p, &mut None)
+    }
+
+    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
+        let mut last = None;
+        out.extend(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| {
+            let p = DVec3::new(x.into(), y.into(), z.into());
+            if p.is_finite() {
+                self.next(p, &mut last) as f32
+            } else {
+                f32::NAN
+            }
+        }));
+    }
+
+    fn range(&self, over: &Bounds) -> [f64; 2] {
+        self.range_over(over)
+    }
+
+    fn slopes(&self, over: &Bounds) -> [[f64; 2]; 3] {
+        self.slopes_over(over)
+    }
+
+    fn bytes(&self) -> usize {
+        size_of::<Mesh>() + self.shell.bytes() + self.sign.bytes()
+    }
+
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        for v in &self.shell.vertices {
+            v.to_array().iter().for_each(|c| tell(&c.to_le_bytes()));
+        }
+        for corner in self.shell.corners.as_flattened() {
+            tell(&corner.to_le_bytes());
+        }
+    }
+
+    fn extent(&self, place: &DAffine3) -> Option<Bounds> {
+        let back = place.inverse();
+        let seen = |v: &DVec3| {
+            let p = back.transform_point3(*v);
+            Bounds { min: p, max: p }
+        };
+        let all = self.shell.vertices.iter().map(seen);
+        let all = all.reduce(|all, one| all.union(one))?;
+        let is_finite = all.min.is_finite() && all.max.is_finite();
+        is_finite.then_some(all)
+    }
+
+    fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
+        self.section_at(place, z)
+    }
+}

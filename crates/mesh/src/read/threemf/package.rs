@@ -1,0 +1,151 @@
+//! The archive, of unknown origin.
+
+use super::xml::{self, Event};
+use crate::error::MeshError;
+use std::io::{self, Read, Seek};
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+/// Greatest number of files in an archive. Projects have a dozen, and a few for
+/// each object.
+const MOST_FILES: usize = 10_000;
+/// The header of a file in an archive's directory.
+const HEADER: [u8; 4] = *b"PK\x01\x02";
+/// Greatest length of all files that are read, unpacked, bytes. As many triangles
+/// as are allowed take 5 GB.
+const MOST_BYTES: u64 = 8 << 30;
+/// Greatest ratio of a file's length to its packed one, beyond
+/// [`ALWAYS_UNPACKED`]. Meshes reach 20; what is made to fill the memory, 1000.
+const LIKELY: u64 = 200;
+/// A file that is no longer than this is unpacked whatever the ratio, bytes.
+const ALWAYS_UNPACKED: u64 = 1 << 24;
+
+/// Names the files that an archive is about.
+const RELATIONSHIPS: &str = "_rels/.rels";
+/// The model, unless it is named otherwise.
+const MODEL: &str = "3D/3dmodel.model";
+
+/// An archive.
+pub(super) struct Package<R> {
+    archive: ZipArchive<R>,
+    /// The bytes that may still be unpacked.
+    left: u64,
+}
+
+impl<R: Read + Seek> Package<R> {
+    /// Opens an archive.
+    ///
+    /// Its directory is read as a whole, and takes more memory than it is long.
+    /// So its headers are counted beforehand.
+    pub(super) fn open(mut source: R) -> Result<Package<R>, MeshError> {
+        if headers(&mut source)? > MOST_FILES {
+            return Err(MeshError::File(format!(
+                "it is an archive of more than {MOST_FILES} files, and projects \
+                 have fewer"
+            )));
+        }
+        source.rewind()?;
+        let archive = ZipArchive::new(source).map_err(|e| {
+            MeshError::File(format!(
+                "its archive is damaged ({e}); copy it again, or save it again"
+            ))
+        })?;
+        Ok(Package {
+            archive,
+            left: MOST_BYTES,
+        })
+    }
+
+    /// Calls `read` with the bytes of a file. None if there is none of that name.
+    pub(super) fn with<T>(
+        &mut self,
+        name: &str,
+        read: impl FnOnce(&mut dyn Read) -> Result<T, MeshError>,
+    ) -> Result<Option<T>, MeshError> {
+        let entry = match self.archive.by_name(name.trim_start_matches('/')) {
+            Err(ZipError::FileNotFound) => return Ok(None),
+            Err(e) => return Err(MeshError::at(name, e.to_string())),
+            Ok(entry) => entry,
+        };
+        let most = entry
+            .compressed_size()
+            .saturating_mul(LIKELY)
+            .saturating_add(ALWAYS_UNPACKED)
+            .min(self.left);
+        let mut bytes = Limited { entry, left: most };
+        let result = read(&mut bytes);
+        self.left = self.left.saturating_sub(most - bytes.left);
+        result.map(Some)
+    }
+
+    /// The name of the file that has the model.
+    pub(super) fn root(&mut self) -> Result<String, MeshError> {
+        let mut root = None;
+        self.with(RELATIONSHIPS, |bytes| {
+            xml::read(RELATIONSHIPS, bytes, |event| {
+                let Event::Start(element) = event else {
+                    return Ok(());
+                };
+                let is_model = element
+                    .text("Type")?
+                    .is_some_and(|kind| kind.ends_with("/3dmodel"));
+                if element.name() != "Relationship" || !is_model {
+                    return Ok(());
+                }
+                if element.text("TargetMode")?.is_some_and(|m| m == "External")
+                {
+                    return Err(
+                        element.wrong("the model is not in the archive")
+                    );
+                }
+                let target = element.text("Target")?.unwrap_or_default();
+                if root.replace(target).is_some() {
+                    return Err(element.wrong(
+                        "there are two models in the archive; save each as a \
+                         file of its own",
+                    ));
+                }
+                Ok(())
+            })
+        })?;
+        Ok(root.unwrap_or_else(|| MODEL.to_owned()))
+    }
+}
+
+/// Bytes that end in an error if there are too many.
+struct Limited<R> {
+    entry: R,
+    left: u64,
+}
+
+impl<R: Read> Read for Limited<R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let count = self.entry.read(out)?;
+        self.left = self.left.checked_sub(count as u64).ok_or_else(|| {
+            io::Error::other("it unpacks to far more than a mesh can be")
+        })?;
+        Ok(count)
+    }
+}
+
+/// Number of headers in a file, counted until there are too many.
+fn headers(source: &mut impl Read) -> io::Result<usize> {
+    let (mut count, mut matched) = (0, 0);
+    let mut piece = vec![0; 1 << 16];
+    while count <= MOST_FILES {
+        let read = source.read(&mut piece)?;
+        if read == 0 {
+            break;
+        }
+        for byte in &piece[..read] {
+            matched = match *byte {
+                byte if byte == HEADER[matched] => matched + 1,
+                byte => usize::from(byte == HEADER[0]),
+            };
+            if matched == HEADER.len() {
+                (count, matched) = (count + 1, 0);
+            }
+        }
+    }
+    Ok(count)
+}

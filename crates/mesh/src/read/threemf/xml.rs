@@ -1,0 +1,199 @@
+//! XML, of unknown origin: elements one after another.
+
+use crate::error::MeshError;
+use quick_xml::XmlVersion;
+use quick_xml::events::{BytesStart, Event as Raw};
+use quick_xml::reader::Reader;
+use std::io::{self, BufRead, BufReader, Read};
+use std::str::FromStr;
+
+/// Greatest length of an element's start or of a text, bytes.
+const LONGEST: usize = 1 << 20;
+/// Greatest number of elements around an element. Models have six.
+const DEEPEST: usize = 64;
+
+/// What follows in a file.
+pub(super) enum Event<'a> {
+    Start(Element<'a>),
+    /// The end of an element, also of one that has no content.
+    End(&'a str),
+    Text(String),
+}
+
+/// An element's start.
+pub(super) struct Element<'a> {
+    raw: &'a BytesStart<'a>,
+    at: &'a dyn Fn() -> String,
+}
+
+impl Element<'_> {
+    /// The name, with its prefix if it has one.
+    pub(super) fn name(&self) -> &str {
+        self.raw.name().0
+    }
+
+    /// Why the element cannot be used.
+    pub(super) fn wrong(&self, what: impl Into<String>) -> MeshError {
+        MeshError::at((self.at)(), what)
+    }
+
+    /// An attribute, its value being as in the file.
+    fn attribute(
+        &self,
+        name: &str,
+    ) -> Option<quick_xml::events::attributes::Attribute<'_>> {
+        let mut attributes = self.raw.attributes();
+        attributes
+            .with_checks(false)
+            .filter_map(Result::ok)
+            .find(|a| a.key.0 == name)
+    }
+
+    /// An attribute as text.
+    pub(super) fn text(&self, name: &str) -> Result<Option<String>, MeshError> {
+        let Some(attribute) = self.attribute(name) else {
+            return Ok(None);
+        };
+        let text = attribute
+            .normalized_value(XmlVersion::Implicit1_0)
+            .map_err(|e| {
+                self.wrong(format!("the attribute {name} cannot be read: {e}"))
+            })?;
+        Ok(Some(text.into_owned()))
+    }
+
+    /// An attribute by the end of its name, whatever its prefix is.
+    pub(super) fn text_of_any(
+        &self,
+        local: &str,
+    ) -> Result<Option<String>, MeshError> {
+        let mut attributes = self.raw.attributes();
+        let name = attributes
+            .with_checks(false)
+            .filter_map(Result::ok)
+            .find(|a| a.key.local_name().as_ref() == local)
+            .map(|a| a.key.0.to_owned());
+        match name {
+            Some(name) => self.text(&name),
+            None => Ok(None),
+        }
+    }
+
+    /// Attributes that name a prefix: prefix and namespace.
+    pub(super) fn prefixes(&self) -> Vec<(String, String)> {
+        let mut attributes = self.raw.attributes();
+        let named = attributes.with_checks(false).filter_map(Result::ok);
+        named
+            .filter_map(|a| {
+                let prefix = a.key.0.strip_prefix("xmlns:")?;
+                Some((prefix.to_owned(), a.value.into_owned()))
+            })
+            .collect()
+    }
+
+    /// An attribute that has to be a number.
+    pub(super) fn number<T: FromStr>(
+        &self,
+        name: &str,
+    ) -> Result<T, MeshError> {
+        let attribute = self.attribute(name);
+        let value = attribute.as_ref().map(|a| a.value.trim_ascii());
+        let parsed = value.and_then(|text| text.parse().ok());
+        parsed.ok_or_else(|| match value {
+            None => self.wrong(format!("there is no attribute {name}")),
+            Some(value) => self.wrong(format!(
+                "the attribute {name} is {:?}, which is no number that it may be",
+                crate::read::words::shortened(value.as_bytes())
+            )),
+        })
+    }
+}
+
+/// Calls `see` with all that is in a file. `name` is that of the file.
+pub(super) fn read(
+    name: &str,
+    bytes: &mut dyn Read,
+    mut see: impl FnMut(Event) -> Result<(), MeshError>,
+) -> Result<(), MeshError> {
+    let mut reader = Reader::from_reader(Short {
+        source: BufReader::with_capacity(1 << 16, bytes),
+        left: LONGEST,
+    });
+    let mut depth = 0usize;
+    let mut count = 0u32;
+    let mut buffer = Vec::new();
+    loop {
+        buffer.clear();
+        reader.get_mut().left = LONGEST;
+        let before = reader.buffer_position();
+        let at = || format!("{name}, byte {}", before + 1);
+        let event = reader
+            .read_event_into(&mut buffer)
+            .map_err(|e| MeshError::at(at(), e.to_string()))?;
+        count = count.wrapping_add(1);
+        if count.is_multiple_of(65_536) {
+            isoslice_base::limits::go_on()?;
+        }
+        match event {
+            Raw::Start(raw) => {
+                depth += 1;
+                if depth > DEEPEST {
+                    let what = "elements inside elements inside elements …";
+                    return Err(MeshError::at(at(), what));
+                }
+                see(Event::Start(Element { raw: &raw, at: &at }))?;
+            }
+            Raw::Empty(raw) => {
+                see(Event::Start(Element { raw: &raw, at: &at }))?;
+                see(Event::End(raw.name().0))?;
+            }
+            Raw::End(raw) => {
+                depth = depth.saturating_sub(1);
+                see(Event::End(raw.name().0))?;
+            }
+            Raw::Text(text) => {
+                let text = text.to_string();
+                if !text.trim().is_empty() {
+                    see(Event::Text(text))?;
+                }
+            }
+            Raw::DocType(_) => {
+                let what = "a document type, which 3MF does not allow";
+                return Err(MeshError::at(at(), what));
+            }
+            Raw::Eof if depth > 0 => {
+                let what = "the file ends within an element: it is cut off; \
+                            save it again";
+                return Err(MeshError::at(at(), what));
+            }
+            Raw::Eof => return Ok(()),
+            _ => {}
+        }
+    }
+}
+
+/// Bytes that end in an error if one event takes too many.
+struct Short<R> {
+    source: R,
+    left: usize,
+}
+
+impl<R: BufRead> Read for Short<R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        self.source.read(out)
+    }
+}
+
+impl<R: BufRead> BufRead for Short<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.left == 0 {
+            return Err(io::Error::other("an element of more than 1 MB"));
+        }
+        self.source.fill_buf()
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.left = self.left.saturating_sub(count);
+        self.source.consume(count);
+    }
+}
