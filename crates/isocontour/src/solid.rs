@@ -303,3 +303,162 @@ fn joined(either: bool, a: Solid, b: Solid) -> Solid {
         Solid::Common(both)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::call;
+
+    /// A ball's distance, as data.
+    struct Ball;
+
+    impl Data for Ball {
+        fn name(&self) -> &str {
+            "ball"
+        }
+
+        fn at(&self, p: DVec3) -> (f64, DVec3) {
+            (p.length() - 5.0, p.normalize_or_zero())
+        }
+
+        fn range(&self, over: &Bounds) -> [f64; 2] {
+            let far = over.min.abs().max(over.max.abs());
+            [-5.0, far.length() - 5.0]
+        }
+
+        fn slopes(&self, _: &Bounds) -> [[f64; 2]; 3] {
+            [[-1.0, 1.0]; 3]
+        }
+
+        fn contents(&self, _: &mut dyn FnMut(&[u8])) {}
+
+        fn bytes(&self) -> usize {
+            0
+        }
+    }
+
+    /// True if a place is in a solid.
+    fn holds(solid: &Solid, p: DVec3) -> bool {
+        match solid {
+            Solid::Data { data, place } => {
+                data.value(place.transform_point3(p)) < 0.0
+            }
+            Solid::HalfSpace { normal, level } => normal.dot(p) < *level,
+            Solid::Constant(all) => *all,
+            Solid::Union(both) => both.iter().any(|s| holds(s, p)),
+            Solid::Common(both) => both.iter().all(|s| holds(s, p)),
+            Solid::Outside(of) => !holds(of, p),
+        }
+    }
+
+    #[test]
+    fn a_solid_holds_what_is_below_zero() {
+        let data: Arc<dyn Data> = Arc::new(Ball);
+        let (x, y, z) = Tree::axes();
+        let ball = || call(&data, [x.clone(), y.clone(), z.clone()]);
+        let moved = ball().remap_xyz(
+            x.clone() * 0.5 + y.clone() - 1.0,
+            y.clone() * -1.0,
+            (z.clone() + x.clone()) / 2.0,
+        );
+        let same = |f: &Tree| f.clone();
+        let trees = [
+            same(&ball()),
+            ball() * -0.25,
+            (-moved.clone() * 3.0).max(ball()),
+            moved.clone().min(x.abs() - 2.0).max(1.5 - z.abs()),
+            (0.5 - (ball().max(y.clone() - 1.0) * 2.0 + 0.5)) * -1.0,
+            (-(x.clone() * 2.0 + z.clone()).abs()).min(-1.0) + 3.0,
+        ];
+        let mut rng = fastrand::Rng::with_seed(7);
+        let mut random = || 14.0 * (rng.f64() - 0.5);
+        let places: Vec<DVec3> = (0..2000)
+            .map(|_| DVec3::new(random(), random(), random()))
+            .collect();
+        let list = |axis: usize| -> Vec<f32> {
+            places.iter().map(|p| p[axis] as f32).collect()
+        };
+        let lists = [list(0), list(1), list(2)];
+        for (n, tree) in trees.iter().enumerate() {
+            // Some have no data of their own.
+            let Some(solid) = solid(&tree.max(ball())) else {
+                panic!("{n}");
+            };
+            let mut values = Vec::new();
+            let field = crate::Values::new(&tree.max(ball()), None).unwrap();
+            let lists = lists.each_ref().map(|l| &l[..]);
+            field.at(&lists, &mut values).unwrap();
+            for (p, v) in places.iter().zip(&values) {
+                let inside = holds(&solid, *p);
+                assert!(inside == (*v < 0.0) || v.abs() < 1e-4, "{n}: {p} {v}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_solid_of_data_and_planes_is_none() {
+        let data: Arc<dyn Data> = Arc::new(Ball);
+        let (x, y, z) = Tree::axes();
+        let ball = || call(&data, [x.clone(), y.clone(), z.clone()]);
+        // Without data samples do as well, and with offsets there is no section.
+        for tree in [
+            x.abs().max(y.abs()) - 3.0,
+            ball() - 1.0,
+            ball().max(x.square() + y.square() - 4.0),
+            ball() + x.clone(),
+            ball().remap_xyz(x.square(), y.clone(), z.clone()),
+        ] {
+            assert!(solid(&tree).is_none());
+        }
+        // A sum of a sum of …, 2⁶⁰ times x, is looked at once for each sum.
+        let mut deep = x.clone();
+        for _ in 0..60 {
+            deep = deep.clone() + deep;
+        }
+        assert!(solid(&ball().max(deep)).is_some());
+    }
+
+    #[test]
+    fn the_extent_of_a_union_is_that_of_both() {
+        struct Known;
+        impl Data for Known {
+            fn name(&self) -> &str {
+                "known"
+            }
+
+            fn at(&self, p: DVec3) -> (f64, DVec3) {
+                (p.abs().max_element() - 1.0, DVec3::X)
+            }
+
+            fn range(&self, _: &Bounds) -> [f64; 2] {
+                [-1.0, f64::INFINITY]
+            }
+
+            fn slopes(&self, _: &Bounds) -> [[f64; 2]; 3] {
+                [[-1.0, 1.0]; 3]
+            }
+
+            fn contents(&self, _: &mut dyn FnMut(&[u8])) {}
+
+            fn bytes(&self) -> usize {
+                0
+            }
+
+            fn extent(&self, place: &DAffine3) -> Option<Bounds> {
+                let middle = place.inverse().translation;
+                let half = DVec3::ONE;
+                let (min, max) = (middle - half, middle + half);
+                Some(Bounds { min, max })
+            }
+        }
+        let data: Arc<dyn Data> = Arc::new(Known);
+        let (x, y, z) = Tree::axes();
+        let at = |to: f32| call(&data, [x.clone() - to, y.clone(), z.clone()]);
+        let both = solid(&at(0.0).min(at(5.0))).and_then(|s| s.extent());
+        let both = both.unwrap();
+        assert_eq!(both.min, DVec3::splat(-1.0));
+        assert_eq!(both.max, DVec3::new(6.0, 1.0, 1.0));
+        let cut = solid(&at(0.0).max(-at(5.0))).unwrap();
+        assert!(cut.extent().is_none());
+    }
+}
