@@ -1,6 +1,8 @@
 //! Drawings, text, pictures, volumes and samples in models.
 
-use crate::common::{OUTER_WALL, formula, parse, placed, settings, slice};
+use crate::common::{
+    OUTER_WALL, formula, parse, placed, settings, slice, slice_layers,
+};
 use isoslice::model::{Placement, Source, load};
 use std::fs;
 use std::path::Path;
@@ -168,5 +170,28 @@ fn wrong_options_are_errors_with_what_is_right() {
         let error = load(&script(folder.path(), text), &[]).err();
         let error = error.unwrap_or_else(|| panic!("{text}")).to_string();
         assert!(error.contains(words), "{text}: {error}");
+    }
+}
+
+/// What the page on data shows is printed, all of it on two layers in ten.
+#[test]
+fn the_examples_are_parts() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/data");
+    let settings =
+        settings(&["sample_spacing=0.3", "accuracy=0.05", "layer_height=0.3"]);
+    for (name, height) in [
+        ("filled-pawn", 27.0),
+        ("stressed-beam", 16.0),
+        ("scanned-bone", 26.0),
+        ("tag", 3.2),
+    ] {
+        let source = Source::File(folder.join(format!("{name}.rhai")));
+        let model = placed(&source, &[], &Placement::default(), &settings);
+        let found = model.bounds.size().z;
+        assert!((found - height).abs() < 1e-3, "{name}: {found}");
+        let (gcode, summary) = slice_layers(&model, &settings, "6..7", 2);
+        assert_eq!(parse(&gcode).len(), 2, "{name}");
+        assert!(outer(&gcode).iter().all(|l| *l > 20.0), "{name}");
+        assert_eq!(summary.warnings, Vec::<String>::new(), "{name}");
     }
 }

@@ -48,10 +48,20 @@ impl Near {
     }
 
     fn add(&mut self, far2: f64, point: usize) {
-        let at = self.points.partition_point(|p| (p.0, p.1) < (far2, point));
-        if at < self.most {
-            self.points.insert(at, (far2, point));
-            self.points.truncate(self.most);
+        let new = (far2, point);
+        if self.points.len() < self.most {
+            self.points.push(new);
+        } else {
+            match self.points.last_mut() {
+                Some(last) if new < *last => *last = new,
+                _ => return,
+            }
+        }
+        // The list is short, and most points belong near its end.
+        let mut at = self.points.len() - 1;
+        while at > 0 && new < self.points[at - 1] {
+            self.points.swap(at, at - 1);
+            at -= 1;
         }
     }
 }
