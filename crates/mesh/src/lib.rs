@@ -50,6 +50,7 @@
 //! | `ray`, `winding`, `sign` | inside or outside |
 //! | `range`, `slopes` | bounds over boxes |
 //! | `section` | exact plane sections |
+//! | `lines` | where lines of sight cross the surface |
 //!
 //! Guarantees:
 //! - Distances are those to the closest triangle, exact but for roundings of f64.
@@ -73,6 +74,7 @@ mod error;
 mod facts;
 mod four;
 mod limits;
+mod lines;
 mod mend;
 mod merge;
 mod mesh;

@@ -67,6 +67,13 @@ impl Sign {
         Sign { small, large }
     }
 
+    /// What closes the triangles, if winding numbers change at triangles and at
+    /// these only.
+    pub(crate) fn cap(&self) -> Option<Option<&Shell>> {
+        matches!(self.large, Large::Nothing)
+            .then(|| self.small.as_ref().map(|caps| &caps.shell))
+    }
+
     /// True if winding numbers change at triangles only.
     pub(crate) fn is_closed(&self) -> bool {
         self.small.is_none() && matches!(self.large, Large::Nothing)
