@@ -22,7 +22,7 @@ fn folder() -> TempDir {
     let mut encoder = png::Encoder::new(&mut picture, 11, 2);
     encoder.set_color(png::ColorType::Grayscale);
     let mut writer = encoder.write_header().unwrap();
-    let row: Vec<u8> = (0..11).map(|k| (k as f32 * 25.5) as u8).collect();
+    let row: Vec<u8> = (0..11).map(|k| k * 25).collect();
     writer.write_image_data(&[&row[..], &row].concat()).unwrap();
     drop(writer);
     write("ramp.png", &picture);
@@ -72,7 +72,7 @@ fn data_prints_as_the_formula_of_the_same_function() {
             "let ramp = image(\"ramp.png\", #{ width: 110 });\n\
              max(max(abs(x - 55) - 20, abs(y) - 6), \
              max(-z, z - 1 - 4 * ramp))",
-            "max(max(abs(x-55)-20, abs(y)-6), max(-z, z-1-0.04*(x-5)))"
+            "max(max(abs(x-55)-20, abs(y)-6), max(-z, z-1-4*25/255*(x-5)/10))"
                 .to_owned(),
             0.01,
         ),
@@ -156,7 +156,7 @@ fn wrong_options_are_errors_with_what_is_right() {
             "volume(\"ramp.png\", #{ spacing: [1, 2] })",
             "a list of three",
         ),
-        ("text(\"\")", "text"),
+        ("text(\" \")", "text: it has no letter"),
         ("text(12)", "takes a text, as in text("),
         ("svg(x)", "takes a file's name"),
         (

@@ -49,7 +49,7 @@ impl Mesh {
     /// Where lines cross the surface. None if there are openings, or the grid is
     /// flat.
     pub(crate) fn crossed_by(&self, lines: &Grid) -> Option<Vec<Crossing>> {
-        let cap = self.sign.cap()?;
+        self.sign.is_whole().then_some(())?;
         let [x, y, z] = lines.steps;
         let from = DAffine3 {
             matrix3: DMat3::from_cols(x, y, z),
@@ -65,7 +65,9 @@ impl Mesh {
             meetings: Vec::new(),
         };
         look.through(&self.shell);
-        cap.iter().for_each(|cap| look.through(cap));
+        if let Some(cover) = self.sign.cover() {
+            look.through(&cover.shell);
+        }
         Some(crossings(look.meetings))
     }
 }
