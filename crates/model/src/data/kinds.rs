@@ -161,10 +161,9 @@ fn mesh(asked: &Asked<'_>) -> Result<Made, String> {
     let name = format!("mesh({:?})", asked.text);
     let mesh = Mesh::new(&name, triangles).map_err(|e| e.to_string())?;
     let facts = mesh.facts();
-    let mut notes = Vec::new();
-    if !facts.is_sound() {
-        notes.push(format!("{}: {facts}", asked.text));
-    }
+    let left_out = facts.left_out.iter().map(|what| format!("left out {what}"));
+    let told = facts.repairs().into_iter().chain(left_out);
+    let notes = told.map(|what| format!("{}: {what}", asked.text)).collect();
     Ok(Made {
         data: Arc::new(mesh),
         notes,

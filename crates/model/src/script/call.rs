@@ -6,10 +6,13 @@
 
 use super::bodies::Bodies;
 use super::error::{ScriptError, explain};
+use super::functions::add_data;
 use super::limits::{GO_ON, ScriptLimits};
 use super::shape::describe;
 use super::{Arc, AtomicU8, Dynamic, Engine, Tree, engine};
+use crate::data::Files;
 use rhai::{Map, Scope};
+use std::sync::LazyLock;
 
 /// An argument of a function.
 #[derive(Clone, Debug)]
@@ -18,6 +21,8 @@ pub enum Argument {
     Whole(i64),
     /// Any number.
     Number(f64),
+    /// A text, such as the name of a file.
+    Text(String),
     /// A field.
     Field(Tree),
     /// A place, or several fields or places.
@@ -43,6 +48,7 @@ impl Argument {
         match self {
             Argument::Whole(number) => number.into(),
             Argument::Number(number) => number.into(),
+            Argument::Text(text) => text.into(),
             Argument::Field(tree) => Dynamic::from(tree),
             Argument::List(all) => {
                 let all = all.into_iter().map(Argument::into_value);
@@ -59,7 +65,13 @@ impl Argument {
     }
 }
 
-/// Calls a function of docs/shapes.md or docs/functions.md. The result is a
+/// The data of programs' expressions. It stays as long as the program runs,
+/// since nobody knows what a program still holds.
+static FILES: LazyLock<Arc<Files>> =
+    LazyLock::new(|| Arc::new(Files::anywhere()));
+
+/// Calls a function of docs/shapes.md, docs/functions.md or docs/data.md. Names
+/// of files are those of the program's own folder. The result is a
 /// field or a number.
 ///
 /// ```
@@ -80,11 +92,16 @@ pub fn call(
 ) -> Result<Argument, ScriptError> {
     thread_local! {
         /// Making one takes as long as many calls.
-        static ENGINE: Engine = engine(
-            ScriptLimits::default().operations,
-            &Arc::new(AtomicU8::new(GO_ON)),
-            &Bodies::default(),
-        );
+        static ENGINE: Engine = {
+            let bodies = Bodies::default();
+            let mut engine = engine(
+                ScriptLimits::default().operations,
+                &Arc::new(AtomicU8::new(GO_ON)),
+                &bodies,
+            );
+            add_data(&mut engine, &FILES, &bodies);
+            engine
+        };
     }
     let failed = |message| ScriptError::Failed {
         line: None,
