@@ -41,6 +41,9 @@ fn lines(half: f64, count: usize) -> Grid {
     }
 }
 
+/// A body made of a mesh.
+type Way<'a> = &'a dyn Fn(&Tree) -> Tree;
+
 /// Bodies with cavities, shells that cross, and holes that are closed.
 fn meshes() -> Vec<(&'static str, Vec<[DVec3; 3]>)> {
     let cube = |half: f64| cuboid(DVec3::splat(-half), DVec3::splat(half));
@@ -73,7 +76,7 @@ fn lines_meet_what_samples_meet() {
     let turned = |t: &Tree| {
         t.remap_xyz(y.clone() - 1.0, x.clone() * 1.5, z.clone() * 1.25)
     };
-    let ways: [(&str, &dyn Fn(&Tree) -> Tree); 4] = [
+    let ways: [(&str, Way<'_>); 4] = [
         ("alone", &|t| t.clone()),
         ("cut", &|t| {
             t.max(x.clone() + y.clone() * 0.5 - 1.0).max(z.abs() - 2.0)
