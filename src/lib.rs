@@ -208,7 +208,9 @@ pub mod model {
     #[doc(inline)]
     pub use isoslice_model::{PlaceError, Placement, ProbeError};
     #[doc(inline)]
-    pub use isoslice_model::{ScriptError, ScriptLimits, Source, SourceKind};
+    pub use isoslice_model::{
+        ScriptError, ScriptLimits, Source, SourceKind, is_mesh,
+    };
     #[doc(inline)]
     pub use isoslice_model::{VmError, call, load, load_within, makes_body};
     #[doc(inline)]

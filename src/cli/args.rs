@@ -24,8 +24,8 @@ pub(super) const STDIN: &str = "stdin";
 /// Which model, and how it is placed.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(super) struct ModelArgs {
-    /// The model: a Rhai script (.rhai) or fidget's text format (.vm); - is
-    /// standard input
+    /// The model: a Rhai script (.rhai), a mesh (.stl, .obj, .ply, .3mf) or
+    /// fidget's text format (.vm); - is standard input
     #[arg(
         value_name = "MODEL",
         required_unless_present = "expression",

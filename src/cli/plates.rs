@@ -4,6 +4,7 @@
 use super::args::{Gathered, ModelArgs, is_plate};
 use anyhow::bail;
 use clap::Args;
+use isoslice::model::is_mesh;
 use isoslice::plate::{Plate, PlateFile, Wanted};
 use std::path::{Path, PathBuf};
 
@@ -135,9 +136,10 @@ fn model_file(given: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(given);
     let known = ["rhai", "vm", "toml"];
     let extension = path.extension().unwrap_or_default();
-    if known.iter().any(|e| extension.eq_ignore_ascii_case(e)) {
+    let known = known.iter().any(|e| extension.eq_ignore_ascii_case(e));
+    if known || is_mesh(&path) {
         Ok(path)
     } else {
-        Err("models after the first are .rhai or .vm files".into())
+        Err("models after the first are .rhai or .vm files, or meshes".into())
     }
 }

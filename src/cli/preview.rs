@@ -1,7 +1,6 @@
 //! `isoslice preview`: makes a page that shows G-code or a model.
 
 use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource, is_plate};
-use super::formats::is_sliced_plate;
 use super::limits::{LimitArgs, ThreadArgs, watched};
 use super::output;
 use super::plates::{self, PlateArgs};
@@ -12,6 +11,7 @@ use isoslice::Format;
 use isoslice::human_time;
 use isoslice::layers::LayerRange;
 use isoslice::limits::{self, Watch};
+use isoslice::model::is_mesh;
 use isoslice::pipeline::{self, Options};
 use isoslice::plate::{Plate, PlateFile};
 use isoslice::preview::{Toolpath, ToolpathError};
@@ -245,17 +245,16 @@ impl Sliced {
         };
         let extension = file.extension().and_then(OsStr::to_str);
         let extension = extension.map(str::to_ascii_lowercase);
-        if matches!(extension.as_deref(), Some("rhai" | "vm")) || is_plate(file)
+        if matches!(extension.as_deref(), Some("rhai" | "vm"))
+            || is_plate(file)
+            || is_mesh(file)
         {
             return self.model();
         }
-        if let Some(kind @ ("stl" | "3mf" | "obj" | "step" | "stp")) =
-            extension.as_deref()
-            && !is_sliced_plate(file)
-        {
+        if let Some(kind @ ("step" | "stp")) = extension.as_deref() {
             bail!(
-                "{} is a mesh or a drawing (.{kind}); the preview shows \
-                 G-code, models in .rhai or .vm, and plate files",
+                "{} is a drawing (.{kind}); the preview shows G-code, models \
+                 (.rhai, .vm, and meshes), and plate files",
                 file.display()
             );
         }

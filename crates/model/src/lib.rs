@@ -51,6 +51,7 @@ mod vm;
 mod written;
 
 pub use allowed::Allowed;
+pub use data::is_mesh;
 pub use error::LoadError;
 pub use expressions::expression::Place;
 pub use expressions::expression::{Expression, ExpressionError};

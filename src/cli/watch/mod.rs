@@ -57,8 +57,8 @@ Examples:
     override_usage = "isoslice watch [OPTIONS] <MODEL>\n       \
                       isoslice watch [OPTIONS] -e <FORMULA>",
     mut_arg("model", |arg| arg.help(
-        "The model: a Rhai script (.rhai) or fidget's text format (.vm); or a \
-         plate file (.toml)"
+        "The model: a Rhai script (.rhai), a mesh (.stl, .obj, .ply, .3mf) or \
+         fidget's text format (.vm); or a plate file (.toml)"
     )),
     mut_arg("format", |arg| arg.hide(true))
 )]

@@ -113,7 +113,13 @@ fn make(
     let gathered = &read.gathered;
     let listed = list(gathered, choice);
     session.tell(|state| {
-        state.files = read.files(job);
+        // Files that a model read last time count until it is read again: one
+        // that is missing now may come back.
+        let mut files = read.files(job);
+        let others = state.files.iter().filter(|file| !files.contains(file));
+        let others: Vec<PathBuf> = others.cloned().collect();
+        files.extend(others);
+        state.files = files;
         state.warnings.clone_from(&gathered.warnings);
         let old = state.settings.as_ref();
         if old.is_none_or(|old| old.json != listed.0) {
@@ -131,7 +137,10 @@ fn make(
     // it.
     let lenient = session.lock().model.is_some();
     let subject = read.load(job, choice, lenient)?;
-    session.tell(|state| state.files.extend(subject.data_files()));
+    session.tell(|state| {
+        state.files = read.files(job);
+        state.files.extend(subject.data_files());
+    });
     let glimpse = glimpse(session, job, gathered, &subject.plate);
     let shown = show(session, job, subject, glimpse, wanted)?;
     let (gcode, summary) = slice(session, job, &shown.subject.plate)?;

@@ -16,8 +16,8 @@ use isocontour::Bounds;
 use isoslice_base::limits::go_on;
 use isoslice_base::sets::Sets;
 
-/// Places of a body from which it is seen what is around it: what is around all
-/// of them.
+/// Places of a body from which it is seen what is around it: what is around most
+/// of them. Those on a face that both share may be on either side.
 const PLACES: usize = 16;
 /// A body that is thinner than this share of its size has no volume that
 /// roundings leave.
@@ -207,7 +207,7 @@ fn find_around(work: &Work, bodies: &mut [Body]) -> Result<(), MeshError> {
         around.sort_unstable();
         body.around = around
             .chunk_by(|a, b| a == b)
-            .filter(|same| same.len() == places)
+            .filter(|same| 2 * same.len() > places)
             .map(|same| same[0])
             .collect();
     }

@@ -393,3 +393,21 @@ fn a_moebius_strip_is_taken() {
             .is_none_or(|r| r.len() < 99)
     );
 }
+
+/// A pocket that is a shell turned inwards, flush with one side of its block.
+#[test]
+fn a_flush_pocket_is_a_pocket_whichever_way_it_opens() {
+    for axis in 0..3 {
+        for end in [0.0, 10.0] {
+            let (mut lo, mut hi) = (DVec3::splat(95.0), DVec3::splat(105.0));
+            lo[axis] = 90.0 + end;
+            hi[axis] = 100.0 + end;
+            let outer = cuboid(DVec3::splat(90.0), DVec3::splat(110.0));
+            let pocket = flipped(&cuboid(lo, hi));
+            let mesh = mesh(&[outer, pocket].concat());
+            let middle = 0.5 * (lo + hi);
+            assert!(mesh.value(middle) > 0.0, "{axis}, {end}");
+            assert!(mesh.value(DVec3::splat(91.0)) < 0.0, "{axis}, {end}");
+        }
+    }
+}

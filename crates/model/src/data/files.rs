@@ -198,7 +198,9 @@ fn known_or_made(kind: &Kind, asked: &Asked<'_>) -> Result<Made, String> {
     if let Some(made) = same {
         return Ok(made);
     }
-    let made = kind.make(asked).map_err(|e| failed(&e))?;
+    let made = kind
+        .make(asked)
+        .map_err(|e| format!("{}: {e}", path.display()))?;
     if let Some(version) = version {
         let mut known = lock(&KNOWN);
         known.retain(|known| known.data.strong_count() > 0);

@@ -51,6 +51,8 @@ impl Folder {
             ));
         }
         let path = folder.join(name);
+        // What is not there may appear, and whoever watches waits for that.
+        lock(&self.found).push(path.clone());
         let absent =
             |e: std::io::Error| format!("cannot read {}: {e}", path.display());
         let real = fs::canonicalize(&path).map_err(absent)?;
@@ -62,7 +64,6 @@ impl Folder {
                 path.display()
             ));
         }
-        lock(&self.found).push(path.clone());
         Ok(path)
     }
 

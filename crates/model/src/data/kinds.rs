@@ -137,7 +137,7 @@ const BORDER: &[(&str, Border)] = &[
 
 /// True for the name of a mesh's file. A plate of G-code, `part.gcode.3mf`, is
 /// none.
-pub(crate) fn is_mesh(path: &Path) -> bool {
+pub fn is_mesh(path: &Path) -> bool {
     let inner = path.file_stem().map(Path::new).map(extension);
     Format::of_extension(&extension(path)).is_some()
         && inner.as_deref() != Some("gcode")

@@ -13,7 +13,8 @@ mod kinds;
 mod options;
 
 pub(crate) use files::Files;
-pub(crate) use kinds::{KINDS, is_mesh, kind};
+pub use kinds::is_mesh;
+pub(crate) use kinds::{KINDS, kind};
 pub(crate) use options::{Given, Options};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
