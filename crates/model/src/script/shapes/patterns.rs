@@ -1,0 +1,287 @@
+//! Patterns for textures: functions of x and y, mm, with values from 0 (deep)
+//! to 1 (raised).
+//!
+//! Each repeats after a multiple of its `size` along x, and of another length
+//! along y; docs/textures.md tells both. Other parameters are shares of the
+//! size, so that a pattern of any size looks the same.
+//!
+//! What looks random is made of fidget's `rand` of whole numbers, which f32
+//! holds exactly: a pattern is the same on any machine, and in f32 and f64.
+
+use super::rows::{argument, number, rows, whole};
+use super::{Argument, ArgumentKind, Given, Row};
+use fidget::context::Tree;
+
+/// Cells after which a random pattern repeats, at most: numbers of cells, of all
+/// seeds, stay below 2^24 and are exact in f32.
+const MOST_CELLS: f64 = 256.0;
+/// Greatest seed, for the same reason.
+const MOST_SEED: f64 = 100.0;
+
+const fn size(mm: f64) -> Argument {
+    argument("size", ArgumentKind::Positive, Some(mm))
+}
+
+const fn share(name: &'static str, default: f64) -> Argument {
+    argument(name, ArgumentKind::Share, Some(default))
+}
+
+const REPEAT: Argument = number("repeat", Some(16.0));
+const SEED: Argument = number("seed", Some(0.0));
+
+pub(super) const ROWS: &[Row] = rows![
+    "knurl" (size(2.0), number("angle", Some(30.0)), share("flat", 0.1))
+        "knurl(#{size: 2, angle: 30, flat: 0.1})"
+        |g| {
+            let angle = g.number(1);
+            if !(5.0..=85.0).contains(&angle) {
+                return Err("angle must be from 5 to 85 degrees".to_owned());
+            }
+            let [u, v] = plane(g);
+            let across = v * angle.to_radians().tan() as f32;
+            let [a, b] = [u.clone() + across.clone(), u - across];
+            Ok((zigzag(a).min(zigzag(b)) * over(1.0 - g.number(2))).min(1.0))
+        };
+    "hexagons" (size(6.0), share("gap", 0.15), share("soft", 0.1))
+        "hexagons(#{size: 6, gap: 0.15, soft: 0.1})"
+        |g| {
+            let [u, v] = plane(g);
+            let side = |[x, y]: [Tree; 2]| {
+                let (x, y) = (x.abs(), y.abs());
+                x.clone().max(x * 0.5 + y * (0.75_f32).sqrt())
+            };
+            let [a, b] = honeycomb(&u, &v).map(side);
+            Ok(raised(0.5 - a.min(b), g, 1))
+        };
+    "weave" (size(3.0),)
+        "weave(#{size: 3})"
+        |g| {
+            // Strands lie beside each other and go up and down.
+            let [u, v] = plane(g);
+            let strand = |along: &Tree, across: &Tree, first: f32| {
+                let round = 1.0 - (fraction(across) * 2.0 - 1.0).square();
+                let way = along.clone() + across.floor() - first;
+                round * (wave(way * 0.5) * 0.65 + 0.35)
+            };
+            Ok(strand(&u, &v, 0.5).max(strand(&v, &u, 1.5)))
+        };
+    "wood" (size(2.0), share("swing", 0.6), REPEAT, SEED)
+        "wood(#{size: 2, swing: 0.6, repeat: 16, seed: 0})"
+        |g| {
+            // Grain along y: lines that bend around knots, and fibres.
+            let cells = Cells::of(g, 2)?;
+            let [u, v] = plane(g);
+            let bend = cells.noise(&(u.clone() * 0.25), &(v.clone() * 0.0625));
+            let way = u.clone() + bend * (4.0 * g.number(1)) as f32;
+            let fibre = cells.noise(&(u * 4.0), &(v * 0.25));
+            Ok(wave(way) * 0.8 + fibre * 0.2)
+        };
+    "leather" (size(3.0), REPEAT, SEED)
+        "leather(#{size: 3, repeat: 16, seed: 0})"
+        |g| {
+            // Pebbles that are round on top, of different heights.
+            let cells = Cells::of(g, 1)?;
+            let [u, v] = plane(g);
+            let [first, second] = cells.nearest(&u, &v);
+            let rise = ((second - first) * 2.0).min(1.0);
+            let pebble = 1.0 - (1.0 - rise).square();
+            let height = cells.noise(&(u * 0.5), &(v * 0.5)) * 0.3 + 0.7;
+            Ok(pebble * height)
+        };
+    "voronoi" (size(6.0), share("gap", 0.15), share("soft", 0.1), REPEAT, SEED)
+        "voronoi(#{size: 6, gap: 0.15, soft: 0.1, repeat: 16, seed: 0})"
+        |g| {
+            let cells = Cells::of(g, 3)?;
+            let [u, v] = plane(g);
+            let [first, second] = cells.nearest(&u, &v);
+            Ok(raised((second - first) * 0.5, g, 1))
+        };
+    "waves" (size(4.0), share("swing", 0.5))
+        "waves(#{size: 4, swing: 0.5})"
+        |g| {
+            let [u, v] = plane(g);
+            Ok(wave(v + wave(u * (1.0 / 3.0)) * g.number(1) as f32))
+        };
+    "bricks" (size(8.0), share("height", 0.4), share("gap", 0.1),
+        share("soft", 0.05))
+        "bricks(#{size: 8, height: 0.4, gap: 0.1, soft: 0.05})"
+        |g| {
+            let height = g.number(1);
+            if height < 0.05 {
+                return Err("height must be 0.05 or more".to_owned());
+            }
+            let [u, v] = plane(g);
+            let rows = v * over(height);
+            let shift = rows.floor().modulo(2.0) * 0.5;
+            let inside = edge(&(u + shift)).min(edge(&rows) * height as f32);
+            Ok(raised(inside, g, 2))
+        };
+    "dots" (size(4.0), share("radius", 0.35))
+        "dots(#{size: 4, radius: 0.35})"
+        |g| {
+            let [u, v] = plane(g);
+            let apart = |[x, y]: [Tree; 2]| x.square() + y.square();
+            let [a, b] = honeycomb(&u, &v).map(apart);
+            let radius = g.number(1).max(0.01) as f32;
+            Ok((1.0 - a.min(b) * radius.recip().powi(2)).max(0.0))
+        };
+    "ribs" (size(2.0), share("gap", 0.3), share("soft", 0.2))
+        "ribs(#{size: 2, gap: 0.3, soft: 0.2})"
+        |g| {
+            let [u, _] = plane(g);
+            Ok(raised(edge(&u), g, 1))
+        };
+    "scales" (size(5.0), share("soft", 0.1))
+        "scales(#{size: 5, soft: 0.1})"
+        |g| {
+            // Discs in rows, each thickest at its lower end, where it lies on
+            // the row below.
+            let [u, v] = plane(g);
+            let soft = over(g.number(1).max(0.01));
+            let disc = |from: f32| {
+                let x = nearest(&(u.clone() + from));
+                let y = nearest(&(v.clone() + from));
+                let out = (x.square() + y.square()).sqrt();
+                let rim = ((0.5 - out) * soft).max(0.0).min(1.0);
+                rim * (0.5 - y)
+            };
+            Ok(disc(0.0).max(disc(0.5)))
+        };
+    "checker" (size(4.0), share("soft", 0.1))
+        "checker(#{size: 4, soft: 0.1})"
+        |g| {
+            // Both directions change between -1 and 1.
+            let soft = over(g.number(1).max(0.01));
+            let side = |t: Tree| {
+                ((zigzag(t * 0.5) * 2.0 - 1.0) * soft).max(-1.0).min(1.0)
+            };
+            let [u, v] = plane(g);
+            Ok(side(u - 0.5) * side(v - 0.5) * 0.5 + 0.5)
+        };
+];
+
+/// The coordinates in the plane, in units of the size.
+fn plane(g: &Given) -> [Tree; 2] {
+    let unit = over(g.number(0));
+    let (x, y, _) = Tree::axes();
+    [x * unit, y * unit]
+}
+
+fn over(by: f64) -> f32 {
+    (1.0 / by) as f32
+}
+
+/// 0 up to half a gap from a border, then up to 1 within the soft edge. Both are
+/// values of the call, the gap's first.
+fn raised(inside: Tree, g: &Given, gap: usize) -> Tree {
+    let soft = g.number(gap + 1).max(0.01);
+    let up = (inside - (0.5 * g.number(gap)) as f32) * over(soft);
+    up.max(0.0).min(1.0)
+}
+
+fn fraction(t: &Tree) -> Tree {
+    t.modulo(1.0)
+}
+
+/// From the nearest whole number, -0.5 to 0.5.
+fn nearest(t: &Tree) -> Tree {
+    fraction(&(t.clone() + 0.5)) - 0.5
+}
+
+/// Distance from the nearest whole number.
+fn edge(t: &Tree) -> Tree {
+    nearest(t).abs()
+}
+
+/// 1 at whole numbers, 0 between two of them, straight lines between.
+fn zigzag(t: Tree) -> Tree {
+    1.0 - edge(&t) * 2.0
+}
+
+/// As `zigzag`, but smooth.
+fn wave(t: Tree) -> Tree {
+    smooth(&zigzag(t))
+}
+
+fn smooth(t: &Tree) -> Tree {
+    t.square() * (3.0 - t.clone() * 2.0)
+}
+
+/// The place as seen from the nearest centres of the two grids that make a
+/// honeycomb. Centres are 1 apart.
+fn honeycomb(u: &Tree, v: &Tree) -> [[Tree; 2]; 2] {
+    let height = 3.0_f32.sqrt();
+    [0.0, 0.5].map(|from| {
+        let rows = v.clone() * height.recip() + from;
+        [nearest(&(u.clone() + from)), nearest(&rows) * height]
+    })
+}
+
+/// Cells of a grid with numbers that look random and repeat.
+struct Cells {
+    repeat: f32,
+    seed: f32,
+}
+
+impl Cells {
+    /// Those of a call whose values `at` and after it say the cells after which
+    /// they repeat, and the seed.
+    fn of(g: &Given, at: usize) -> Result<Cells, String> {
+        let repeat = whole(g.number(at), "repeat", 1.0, MOST_CELLS)?;
+        let seed = whole(g.number(at + 1), "seed", 0.0, MOST_SEED)?;
+        Ok(Cells {
+            repeat: repeat as f32,
+            seed: seed as f32,
+        })
+    }
+
+    /// A number from 0 to 1 of a cell; `which` tells several of one cell apart.
+    fn random(&self, column: &Tree, row: &Tree, which: f32) -> Tree {
+        let all = self.repeat * self.repeat;
+        // 1, so that there is no zero, whose sign is random, too.
+        let first = 1.0 + all * (2.0 * self.seed + which);
+        let cell = column.modulo(self.repeat);
+        (cell + row.modulo(self.repeat) * self.repeat + first).rand()
+    }
+
+    /// Smooth between random numbers at whole places.
+    fn noise(&self, u: &Tree, v: &Tree) -> Tree {
+        let (column, row) = (u.floor(), v.floor());
+        let [s, t] = [u, v].map(|w| smooth(&fraction(w)));
+        let corner = |i: f32, j: f32| {
+            self.random(&(column.clone() + i), &(row.clone() + j), 0.0)
+        };
+        let between =
+            |a: Tree, b: Tree, t: &Tree| a.clone() + (b - a) * t.clone();
+        let [low, high] =
+            [0.0, 1.0].map(|j| between(corner(0.0, j), corner(1.0, j), &s));
+        between(low, high, &t)
+    }
+
+    /// Distances from the two nearest of points that are scattered, one in each
+    /// cell.
+    fn nearest(&self, u: &Tree, v: &Tree) -> [Tree; 2] {
+        /// Points are so far from the borders of their cells. So all that are
+        /// nearer than 1 + `MARGIN` are in the cells around.
+        const MARGIN: f32 = 0.2;
+        let (column, row) = (u.floor(), v.floor());
+        let [s, t] = [fraction(u), fraction(v)];
+        let farthest = (1.0 + MARGIN).powi(2);
+        let [mut first, mut second] =
+            [(); 2].map(|()| Tree::constant(farthest));
+        for j in [-1.0, 0.0, 1.0] {
+            for i in [-1.0, 0.0, 1.0] {
+                let apart = |from: &Tree, step: f32, which: f32| {
+                    let (column, row) = (column.clone() + i, row.clone() + j);
+                    let at = self.random(&column, &row, which);
+                    let at = at * (1.0 - 2.0 * MARGIN) + (step + MARGIN);
+                    (at - from.clone()).square()
+                };
+                let d = apart(&s, i, 0.0) + apart(&t, j, 1.0);
+                second = second.min(first.max(d.clone()));
+                first = first.min(d);
+            }
+        }
+        [first.sqrt(), second.sqrt()]
+    }
+}
