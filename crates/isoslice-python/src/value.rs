@@ -141,11 +141,16 @@ pub(crate) fn argument(
     if let Some(expr) = expr(given)? {
         return Ok(Argument::Field(expr.get().tree.clone()));
     }
+    if let Ok(flag) = given.cast::<PyBool>() {
+        return Ok(Argument::Flag(flag.is_true()));
+    }
     if given.is_instance_of::<PyInt>()
-        && !given.is_instance_of::<PyBool>()
         && let Ok(whole) = given.extract::<i64>()
     {
         return Ok(Argument::Whole(whole));
+    }
+    if let Ok(text) = given.cast::<PyString>() {
+        return Ok(Argument::Text(text.to_str()?.to_owned()));
     }
     if let Ok(named) = given.cast::<PyDict>() {
         let all = named.iter().map(|(name, value)| {
@@ -153,8 +158,7 @@ pub(crate) fn argument(
         });
         return Ok(Argument::Named(all.collect::<PyResult<_>>()?));
     }
-    let text = given.is_instance_of::<PyString>();
-    if !text && given.hasattr("__len__")? {
+    if given.hasattr("__len__")? {
         let all = given.try_iter()?;
         let all = all.map(|value| argument(&value?, depth + 1));
         return Ok(Argument::List(all.collect::<PyResult<_>>()?));

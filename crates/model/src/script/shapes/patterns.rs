@@ -7,6 +7,9 @@
 //!
 //! What looks random is made of fidget's `rand` of whole numbers, which f32
 //! holds exactly: a pattern is the same on any machine, and in f32 and f64.
+//!
+//! What is irregular is cut off at 1. A body's bounds are found quickly if many
+//! places are equally high, and slowly if one of many peaks is the highest.
 
 use super::rows::{argument, number, rows, whole};
 use super::{Argument, ArgumentKind, Given, Row};
@@ -74,7 +77,7 @@ pub(super) const ROWS: &[Row] = rows![
             let bend = cells.noise(&(u.clone() * 0.25), &(v.clone() * 0.0625));
             let way = u.clone() + bend * (4.0 * g.number(1)) as f32;
             let fibre = cells.noise(&(u * 4.0), &(v * 0.25));
-            Ok(wave(way) * 0.8 + fibre * 0.2)
+            Ok((wave(way) * 0.9 + fibre * 0.25).min(1.0))
         };
     "leather" (size(3.0), REPEAT, SEED)
         "leather(#{size: 3, repeat: 16, seed: 0})"
@@ -83,10 +86,10 @@ pub(super) const ROWS: &[Row] = rows![
             let cells = Cells::of(g, 1)?;
             let [u, v] = plane(g);
             let [first, second] = cells.nearest(&u, &v);
-            let rise = ((second - first) * 2.0).min(1.0);
+            let rise = ((second - first) * 2.5).max(0.0).min(1.0);
             let pebble = 1.0 - (1.0 - rise).square();
-            let height = cells.noise(&(u * 0.5), &(v * 0.5)) * 0.3 + 0.7;
-            Ok(pebble * height)
+            let height = cells.noise(&(u * 0.5), &(v * 0.5)) * 0.6 + 0.7;
+            Ok(pebble * height.min(1.0))
         };
     "voronoi" (size(6.0), share("gap", 0.15), share("soft", 0.1), REPEAT, SEED)
         "voronoi(#{size: 6, gap: 0.15, soft: 0.1, repeat: 16, seed: 0})"
@@ -203,8 +206,9 @@ fn wave(t: Tree) -> Tree {
     smooth(&zigzag(t))
 }
 
+/// From 0 to 1 without a kink. The limit is for intervals, which would find 3.
 fn smooth(t: &Tree) -> Tree {
-    t.square() * (3.0 - t.clone() * 2.0)
+    (t.square() * (3.0 - t.clone() * 2.0)).min(1.0)
 }
 
 /// The place as seen from the nearest centres of the two grids that make a
@@ -251,8 +255,10 @@ impl Cells {
         let corner = |i: f32, j: f32| {
             self.random(&(column.clone() + i), &(row.clone() + j), 0.0)
         };
-        let between =
-            |a: Tree, b: Tree, t: &Tree| a.clone() + (b - a) * t.clone();
+        // Limited for intervals, which do not know that the shares' sum is 1.
+        let between = |a: Tree, b: Tree, t: &Tree| {
+            (a * (1.0 - t.clone()) + b * t.clone()).min(1.0)
+        };
         let [low, high] =
             [0.0, 1.0].map(|j| between(corner(0.0, j), corner(1.0, j), &s));
         between(low, high, &t)
