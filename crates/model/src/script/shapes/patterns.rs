@@ -29,7 +29,10 @@ const fn share(name: &'static str, default: f64) -> Argument {
     argument(name, ArgumentKind::Share, Some(default))
 }
 
-const REPEAT: Argument = number("repeat", Some(16.0));
+const fn repeat(cells: f64) -> Argument {
+    number("repeat", Some(cells))
+}
+
 const SEED: Argument = number("seed", Some(0.0));
 
 pub(super) const ROWS: &[Row] = rows![
@@ -68,8 +71,8 @@ pub(super) const ROWS: &[Row] = rows![
             };
             Ok(strand(&u, &v, 0.5).max(strand(&v, &u, 1.5)))
         };
-    "wood" (size(2.0), share("swing", 0.6), REPEAT, SEED)
-        "wood(#{size: 2, swing: 0.6, repeat: 16, seed: 0})"
+    "wood" (size(2.0), share("swing", 0.6), repeat(8.0), SEED)
+        "wood(#{size: 2, swing: 0.6, repeat: 8, seed: 0})"
         |g| {
             // Grain along y: lines that bend around knots, and fibres.
             let cells = Cells::of(g, 2)?;
@@ -79,7 +82,7 @@ pub(super) const ROWS: &[Row] = rows![
             let fibre = cells.noise(&(u * 4.0), &(v * 0.25));
             Ok((wave(way) * 0.9 + fibre * 0.25).min(1.0))
         };
-    "leather" (size(3.0), REPEAT, SEED)
+    "leather" (size(3.0), repeat(16.0), SEED)
         "leather(#{size: 3, repeat: 16, seed: 0})"
         |g| {
             // Pebbles that are round on top, of different heights.
@@ -88,10 +91,10 @@ pub(super) const ROWS: &[Row] = rows![
             let [first, second] = cells.nearest(&u, &v);
             let rise = ((second - first) * 2.5).max(0.0).min(1.0);
             let pebble = 1.0 - (1.0 - rise).square();
-            let height = cells.noise(&(u * 0.5), &(v * 0.5)) * 0.6 + 0.7;
+            let height = cells.noise(&u, &v) * 0.6 + 0.7;
             Ok(pebble * height.min(1.0))
         };
-    "voronoi" (size(6.0), share("gap", 0.15), share("soft", 0.1), REPEAT, SEED)
+    "voronoi" (size(6.0), share("gap", 0.15), share("soft", 0.1), repeat(16.0), SEED)
         "voronoi(#{size: 6, gap: 0.15, soft: 0.1, repeat: 16, seed: 0})"
         |g| {
             let cells = Cells::of(g, 3)?;
@@ -289,5 +292,150 @@ impl Cells {
             }
         }
         [first.sqrt(), second.sqrt()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::tree;
+    use super::*;
+    use fidget::context::{Context, Node};
+    use isocontour::{SearchOptions, find_bounds};
+    use std::path::Path;
+
+    /// For each pattern how many sizes it repeats after along x and y, as
+    /// docs/textures.md has it.
+    const REPEATS: [(&str, [f32; 2]); 12] = [
+        ("knurl", [1.0, 1.732_050_8]),
+        ("hexagons", [1.0, 1.732_050_8]),
+        ("weave", [2.0, 2.0]),
+        ("wood", [32.0, 128.0]),
+        ("leather", [16.0, 16.0]),
+        ("voronoi", [16.0, 16.0]),
+        ("waves", [3.0, 1.0]),
+        ("bricks", [1.0, 0.8]),
+        ("dots", [1.0, 1.732_050_8]),
+        ("ribs", [1.0, 7.25]),
+        ("scales", [1.0, 1.0]),
+        ("checker", [2.0, 2.0]),
+    ];
+
+    struct Pattern {
+        context: Context,
+        root: Node,
+    }
+
+    impl Pattern {
+        /// That of a call, with sizes of 1 mm.
+        fn of(name: &str) -> Pattern {
+            let mut context = Context::new();
+            let made = tree(&format!("{name}(#{{size: 1}})")).unwrap();
+            let root = context.import(&made);
+            Pattern { context, root }
+        }
+
+        fn at(&self, x: f32, y: f32) -> f32 {
+            self.context.eval_xyz(self.root, x, y, 0.5).unwrap()
+        }
+    }
+
+    fn places() -> impl Iterator<Item = [f32; 2]> {
+        let mut rng = fastrand::Rng::with_seed(3);
+        let mut next = move || 40.0 * rng.f32() - 20.0;
+        std::iter::repeat_with(move || [next(), next()]).take(3000)
+    }
+
+    #[test]
+    fn patterns_reach_from_0_to_1_and_repeat() {
+        for (name, [across, along]) in REPEATS {
+            let pattern = Pattern::of(name);
+            let mut range = [1.0_f32, 0.0];
+            for [x, y] in places() {
+                let v = pattern.at(x, y);
+                assert!((0.0..=1.0).contains(&v), "{name}: {v} at {x}, {y}");
+                range = [range[0].min(v), range[1].max(v)];
+                for [dx, dy] in [[across, 0.0], [0.0, along]] {
+                    let again = pattern.at(x + dx, y + dy);
+                    let off = (again - v).abs();
+                    assert!(off < 3e-3, "{name}: {v}, {again} at {x}, {y}");
+                }
+            }
+            assert!(range[0] < 0.05 && range[1] > 0.95, "{name}: {range:?}");
+        }
+        assert_eq!(ROWS.len(), REPEATS.len());
+    }
+
+    /// No pattern jumps: neither at the borders of cells nor at seams.
+    #[test]
+    fn patterns_have_no_jumps() {
+        for (name, _) in REPEATS {
+            let pattern = Pattern::of(name);
+            for [x, y] in places() {
+                // Cells begin at fractions of the size.
+                for at in [[x, y], [x.round(), y], [x, (2.0 * y).round() / 2.0]] {
+                    let [v, near] = [-1e-4, 1e-4]
+                        .map(|d| pattern.at(at[0] + d, at[1] + d));
+                    let off = (v - near).abs();
+                    assert!(off < 0.02, "{name}: {v}, {near} at {at:?}");
+                }
+            }
+        }
+    }
+
+    /// These are the values on any machine.
+    #[test]
+    fn random_patterns_are_always_the_same() {
+        for (name, wanted) in [
+            ("voronoi", [0.0; 3]),
+            ("leather", [0.0; 3]),
+            ("wood", [0.0; 3]),
+        ] {
+            let pattern = Pattern::of(name);
+            let found = [[0.3, 0.7], [-7.4, 3.2], [12.6, -9.1]]
+                .map(|[x, y]| pattern.at(x, y));
+            for (found, wanted) in found.iter().zip(wanted) {
+                assert!((found - wanted).abs() < 1e-6, "{name}: {found}");
+            }
+        }
+        let other = tree("leather(#{size: 1, seed: 4})").unwrap();
+        let mut context = Context::new();
+        let other = context.import(&other);
+        let other = context.eval_xyz(other, 0.3, 0.7, 0.0).unwrap();
+        let first = Pattern::of("leather").at(0.3, 0.7);
+        assert!((other - first).abs() > 1e-3);
+    }
+
+    /// In a quarter of the work that a search may do, which takes less than a
+    /// second.
+    #[test]
+    fn bounds_of_a_textured_ball_are_found_soon() {
+        for (name, _) in REPEATS {
+            let ball = tree(&format!(
+                "sphere(20).textured(0.5, {name}(), #{{projection: \
+                 \"sphere\", radius: 20, size: 10}})"
+            ));
+            let options = SearchOptions {
+                max_work: SearchOptions::default().max_work / 4,
+                ..SearchOptions::default()
+            };
+            let found = find_bounds(&ball.unwrap(), &options).unwrap();
+            assert!(found.slack_mm <= 1e-4, "{name}: {}", found.slack_mm);
+            let size = found.bounds.max - found.bounds.min;
+            assert!(size.max_element() <= 41.001, "{name}: {size}");
+            assert!(size.min_element() >= 39.999, "{name}: {size}");
+        }
+    }
+
+    #[test]
+    fn the_page_has_every_pattern_with_its_picture() {
+        let page = include_str!("../../../../../docs/textures.md");
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        for row in ROWS {
+            let picture = format!("assets/textures/{}.png", row.name);
+            let cells = format!("| `{}` | ![{}](../{picture}) |", row.example, row.name);
+            assert!(page.contains(&cells), "{cells}");
+            let size = root.join(&picture).metadata().unwrap().len();
+            assert!((500..50_000).contains(&size), "{picture}: {size}");
+        }
     }
 }

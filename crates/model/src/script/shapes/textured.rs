@@ -194,3 +194,160 @@ impl Body {
             .remap_xyz(x - across * go.clone(), y - along * go, z)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{tree, value};
+    use fidget::context::Context;
+    use glam::DVec2;
+    use isocontour::{Detail, Field, Rect, outlines};
+    use std::f64::consts::{PI, TAU};
+
+    #[test]
+    fn a_surface_moves_by_the_picture() {
+        for (text, at, wanted) in [
+            // Values are distances beside the face, less depth times picture.
+            ("b.textured(0.5, p)", [3.0, 0.0, 2.0], 1.0 - 0.5 * 0.3),
+            ("b.textured(0.5, p, #{center: [1, 0, 0]})", [3.0, 0.0, 2.0], 0.9),
+            ("b.textured(0.5, p, #{projection: \"x\"})", [6.0, 3.0, 0.0], 0.85),
+            ("b.textured(0.5, p, #{projection: \"y\"})", [3.0, 6.0, 0.0], 0.85),
+            ("b.textured(0.5, z * 0.1, #{projection: \"solid\"})", [6.0, 0.0, 1.0], 0.95),
+            ("b.textured(0.5, p, #{inward: true})", [3.0, 0.0, 2.0], 1.15),
+            ("b.textured(0.5, p, #{where: x})", [3.0, 0.0, 2.0], 1.0),
+            ("b.textured(0.5, p, #{where: x - 3.5})", [3.0, 0.0, 2.0], 0.85),
+            ("b.textured(0.5, p, #{where: x - 4, blend: 2})", [3.0, 0.0, 2.0], 0.925),
+            ("b.textured(0.5, p, #{projection: \"triplanar\"})", [3.0, 0.0, 2.0], 0.85),
+            ("b.textured(0.5, p, #{projection: \"triplanar\"})", [6.0, 3.0, 0.0], 0.85),
+            ("b.textured(0.5, x * 0.1, #{projection: \"cylinder\", radius: 5})",
+                [0.0, 5.5, 0.0], 0.5 - 0.05 * PI * 2.5),
+        ] {
+            let text = format!(
+                "let b = box([-5, -5, -1], [5, 5, 1]); let p = x * 0.1; {text}"
+            );
+            let [x, y, z] = at;
+            let found = f64::from(value(&text, x, y, z));
+            assert!((found - wanted).abs() < 1e-3, "{text}: {found}");
+        }
+    }
+
+    #[test]
+    fn level_faces_stay_where_they_are() {
+        let way = "#{projection: \"cylinder\", radius: 10, tops: false}";
+        let out = format!("cylinder(10, 6).textured(1, 1 + 0 * x, {way})");
+        let at = |r: f32, z: f32| value(&out, -0.6 * r, 0.8 * r, z);
+        for r in [0.0, 5.0, 9.9, 10.1, 10.9] {
+            assert!(at(r, 2.99) < 0.0 && at(r, -2.99) < 0.0, "{r}");
+            assert!(at(r, 3.01) > 0.0 && at(r, -3.01) > 0.0, "{r}");
+        }
+        assert!(at(11.01, 0.0) > 0.0 && at(11.01, 2.9) > 0.0);
+        // Without it, they move.
+        assert!(value("cylinder(10, 6).textured(1, 1 + 0 * x)", 0.0, 0.0, 3.9) < 0.0);
+        let inward = out.replace("tops", "inward: true, tops");
+        let at = |r: f32, z: f32| value(&inward, 0.8 * r, 0.6 * r, z);
+        assert!(at(8.99, 0.0) < 0.0 && at(9.01, 0.0) > 0.0);
+        assert!(at(5.0, 2.99) < 0.0 && at(5.0, 3.01) > 0.0);
+    }
+
+    /// For any size, on both sides of the half plane at -x.
+    #[test]
+    fn there_is_no_seam() {
+        for pattern in ["knurl", "hexagons", "dots", "ribs", "scales"] {
+            for (size, radius) in [(3.0, 15.0), (2.37, 11.1), (9.0, 1.0)] {
+                for on in ["cylinder", "sphere"] {
+                    let text = format!(
+                        "sphere({radius}).textured(1, {pattern}(#{{size: \
+                         {size}}}), #{{projection: \"{on}\", radius: \
+                         {radius}, size: {size}}})"
+                    );
+                    let mut context = Context::new();
+                    let root = context.import(&tree(&text).unwrap());
+                    for i in 0..40 {
+                        let z = radius as f32 * (i as f32 / 25.0 - 0.8);
+                        let [a, b] = [-1e-7, 1e-7].map(|y| {
+                            let x = -radius as f32;
+                            context.eval_xyz(root, x, y, z).unwrap()
+                        });
+                        assert!((a - b).abs() < 1e-3, "{text}: {a}, {b}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// The outline is that of the formula, to the 5 µm that are promised.
+    #[test]
+    fn outlines_are_those_of_the_formula() {
+        let text = "cylinder(10, 20).textured(0.6, 0.5 + 0.5 * sin(x * 2) * \
+            cos(y), #{projection: \"cylinder\", radius: 10, size: pi, tops: \
+            false})";
+        let rect = Rect {
+            min: DVec2::splat(-12.0),
+            max: DVec2::splat(12.0),
+        };
+        let detail = Detail {
+            accuracy: 0.001,
+            smallest: 0.1,
+        };
+        for z in [-4.0, 1.3] {
+            let field =
+                Field::new(&tree(text).unwrap(), z as f32, rect, 0.2).unwrap();
+            let found = outlines(&field, &[z], detail).unwrap();
+            let ring = &found[0].area.rings[0];
+            assert!(ring.len() > 400, "{}", ring.len());
+            for (i, p) in ring.iter().enumerate() {
+                let next = ring[(i + 1) % ring.len()];
+                for p in [*p, 0.5 * (*p + next)] {
+                    let way = p.to_angle() * 10.0 * (20.0 * PI / TAU / 10.0);
+                    let wanted = 10.3 + 0.3 * (way * 2.0).sin() * z.cos();
+                    let off = p.length() - wanted;
+                    assert!(off.abs() < 0.005, "{off} at {p}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn drawings_are_wrapped() {
+        let text = "extrude_z(rectangle([5, -2], [9, 2]), -1, 0.5).wrapped(8)";
+        let at = |way: f32, z: f32, out: f32| {
+            let (sin, cos) = (way / 8.0).sin_cos();
+            value(text, (8.0 + out) * cos, (8.0 + out) * sin, z)
+        };
+        assert!((at(7.0, 0.0, 0.0) + 0.5).abs() < 1e-5);
+        assert!((at(9.5, 0.0, -0.1) - 0.5).abs() < 1e-5);
+        assert!((at(7.0, 2.25, 0.0) - 0.25).abs() < 1e-5);
+        assert!((at(7.0, 0.0, 0.75) - 0.25).abs() < 1e-5);
+    }
+
+    #[test]
+    fn mistakes_are_explained() {
+        for (options, words) in [
+            ("projection: \"cube\"", "one of \"planar\", \"x\", \"y\""),
+            ("projection: \"cylinder\"", "radius is missing"),
+            ("size: 4", "size and radius are for \"cylinder\""),
+            ("tops: 1", "tops must be true or false"),
+            ("tops: false, angle: 90", "from 5 to 85"),
+            ("top: false", "there is no \"top\""),
+        ] {
+            let text = format!("sphere(5).textured(1, ribs(), #{{{options}}})");
+            let error = tree(&text).unwrap_err();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+        for (text, words) in [
+            ("ribs(#{gap: 2})", "gap must be a number from 0 to 1"),
+            ("voronoi(#{repeat: 1000})", "1 to 256"),
+            ("knurl(#{angle: 0})", "from 5 to 85"),
+            ("sphere(5).textured(1)", "picture is missing"),
+        ] {
+            let error = tree(text).unwrap_err();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
+
+    /// Patterns are numbers to calculate with; what is textured is a body.
+    #[test]
+    fn patterns_are_no_bodies() {
+        assert!(tree("ribs() + dots()").is_ok());
+        assert!(tree("sphere(3).textured(1, ribs()) + sphere(2)").is_err());
+    }
+}
