@@ -14,6 +14,7 @@ mod common;
 mod adhesion;
 mod checked;
 mod compensation;
+mod data;
 mod exposure;
 mod flow_change;
 mod golden;

@@ -7,10 +7,8 @@ use crate::request::loaded;
 use crate::value::{Expr, Field, Operand, arguments, from_json, parameters};
 use crate::work::at_work;
 use fidget::context::{Tree, TreeOp};
-use fidget::eval::{BulkEvaluator, Function, MathFunction, Tape};
 use fidget::var::Var;
-use fidget::vm::VmFunction;
-use isocontour::expand;
+use isocontour::{FieldError, Values, expand, known_data};
 use isoslice::limits::Limits;
 use isoslice::model::{self, Allowed, Argument, Parameter};
 use pyo3::basic::CompareOp;
@@ -377,33 +375,16 @@ pub(crate) fn evaluate(of: Field, places: Vec<[f64; 3]>) -> PyResult<Vec<f64>> {
 }
 
 fn values(tree: &Tree, places: &[[f64; 3]]) -> PyResult<Vec<f64>> {
-    let failed = |what: String| PyValueError::new_err(what);
-    let (context, root) = expand(tree).map_err(plain)?;
-    let function = VmFunction::new(&context, &[root])
-        .map_err(|error| failed(error.to_string()))?;
-    let tape = function.float_slice_tape(Default::default());
-    let mut columns = vec![Vec::new(); tape.vars().len()];
-    for (axis, variable) in [Var::X, Var::Y, Var::Z].iter().enumerate() {
-        if let Some(at) = tape.vars().get(variable)
-            && let Some(column) = columns.get_mut(at)
-        {
-            *column = places.iter().map(|p| p[axis] as f32).collect();
-        }
-    }
-    if columns.is_empty() {
-        // A constant has no columns that would say how many values there are.
-        let root = context.get_op(root);
-        let value = match root {
-            Some(fidget::context::Op::Const(c)) => f64::from(c.0),
-            _ => return Err(failed("the field is no constant".to_owned())),
-        };
-        return Ok(vec![value; places.len()]);
-    }
-    let mut evaluator = VmFunction::new_float_slice_eval();
-    let found = evaluator
-        .eval(&tape, &columns)
-        .map_err(|error| failed(error.to_string()))?;
-    Ok(found[0].iter().map(|&v| f64::from(v)).collect())
+    expand(tree).map_err(plain)?;
+    let failed = |e: FieldError| PyValueError::new_err(e.to_string());
+    let values = Values::new(tree, None).map_err(failed)?;
+    let columns = [0, 1, 2].map(|axis| -> Vec<f32> {
+        places.iter().map(|p| p[axis] as f32).collect()
+    });
+    let columns = columns.each_ref().map(|c| &c[..]);
+    let mut found = Vec::new();
+    values.at(&columns, &mut found).map_err(failed)?;
+    Ok(found.into_iter().map(f64::from).collect())
 }
 
 /// Levels of a field's text. What lies deeper is left out.
@@ -419,7 +400,10 @@ fn write_tree(tree: &TreeOp, level: usize, text: &mut String) {
         TreeOp::Input(Var::X) => text.push('x'),
         TreeOp::Input(Var::Y) => text.push('y'),
         TreeOp::Input(Var::Z) => text.push('z'),
-        TreeOp::Input(_) => text.push('?'),
+        TreeOp::Input(v) => match known_data(*v) {
+            Some(data) => text.push_str(data.name()),
+            None => text.push('?'),
+        },
         TreeOp::Const(c) => {
             let _ = write!(text, "{c}");
         }

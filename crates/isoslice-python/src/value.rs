@@ -2,10 +2,13 @@
 //! as settings and as parameters.
 
 use fidget::context::Tree;
+use isocontour::Data;
 use isoslice::model::{Argument, Loaded, Parameter};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Lists and dictionaries inside one another. Places in lists of shapes need
 /// three.
@@ -51,8 +54,22 @@ impl Expr {
     }
 }
 
+/// The data that fields read. It stays as long as Python runs, since nobody
+/// knows which fields are made of which.
+static KEPT: Mutex<Vec<Arc<dyn Data>>> = Mutex::new(Vec::new());
+
+fn keep(all: Vec<Arc<dyn Data>>) {
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    for data in all {
+        if !kept.iter().any(|known| Arc::ptr_eq(known, &data)) {
+            kept.push(data);
+        }
+    }
+}
+
 impl From<Loaded> for Expr {
     fn from(loaded: Loaded) -> Expr {
+        keep(loaded.data);
         Expr {
             tree: loaded.tree,
             body: false,
@@ -149,14 +166,18 @@ pub(crate) fn argument(
     {
         return Ok(Argument::Whole(whole));
     }
-    if let Ok(text) = given.cast::<PyString>() {
-        return Ok(Argument::Text(text.to_str()?.to_owned()));
-    }
     if let Ok(named) = given.cast::<PyDict>() {
         let all = named.iter().map(|(name, value)| {
             Ok((name.extract::<String>()?, argument(&value, depth + 1)?))
         });
         return Ok(Argument::Named(all.collect::<PyResult<_>>()?));
+    }
+    if let Ok(text) = given.cast::<PyString>() {
+        return Ok(Argument::Text(text.to_str()?.to_owned()));
+    }
+    if given.hasattr("__fspath__")? {
+        let path: PathBuf = given.extract()?;
+        return Ok(Argument::Text(path.to_string_lossy().into_owned()));
     }
     if given.hasattr("__len__")? {
         let all = given.try_iter()?;

@@ -358,3 +358,30 @@ def test_importing_it_imports_nothing_slow():
     loaded = set(run.stdout.split())
     assert "isoslice" in loaded
     assert not loaded & {"numpy", "asyncio", "unittest", "IPython"}
+
+
+def test_data_is_a_field(tmp_path):
+    import numpy
+
+    mark = iso.text("IO", size=12, align="centre")
+    assert mark(0, -20, 0) > 0 and mark(0, -20, 5) == mark(0, -20, 0)
+    ramp = numpy.linspace(0, 1, 11, dtype="float32")[None, :].repeat(2, 0)
+    wedge = iso.image(ramp, width=110)
+    assert abs(wedge(55, 5, 0) - 0.5) < 1e-6
+    block = numpy.arange(27, dtype="float32").reshape(3, 3, 3)
+    assert iso.volume(block)(1, 2, 0) == 15
+    table = tmp_path / "s.csv"
+    rows = [f"{i % 3},{i // 3 % 3},{i // 9},{i % 3}" for i in range(27)]
+    table.write_text("\n".join(["x,y,z,v"] + rows))
+    assert abs(iso.samples(table)(0.5, 1, 1) - 0.5) < 1e-6
+    corners = [(0, 0, 0), (10, 0, 0), (0, 10, 0), (0, 0, 10)]
+    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    lines = [f"v {a} {b} {c}" for a, b, c in corners]
+    lines += ["f " + " ".join(str(k + 1) for k in f) for f in faces]
+    path = tmp_path / "corner.obj"
+    path.write_text("\n".join(lines))
+    for corner in (iso.mesh(path), iso.load(path)):
+        assert corner(1, 1, 1) == -1 and corner(-3, 1, 1) == 3
+        assert (corner | iso.sphere(1))(1, 1, 1) < 0
+    with pytest.raises(iso.Error, match="cannot read"):
+        iso.mesh(tmp_path / "absent.stl")

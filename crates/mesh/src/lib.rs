@@ -14,7 +14,7 @@
 //!            │      −2    │  +3            negative where the winding number
 //!            │   ┌────────┼────┐           is above one half
 //!            │   │   −1   │    │   Shells may cross or double one another, and
-//!            └───┼────────┘    │   holes may be open: inside stays inside. The
+//!            └───┼────────┘    │   holes are closed: inside stays inside. The
 //!                │        −1   │   closest triangle may be one in the body.
 //!                └─────────────┘
 //! ```
@@ -45,8 +45,9 @@
 //! | `merge` | makes one vertex of those at the same place |
 //! | `tree`, `shell` | boxes around boxes around triangles |
 //! | `closest`, `four` | the closest point of a triangle; bounds for four at a time |
-//! | `mend` | turns triangles and shells that face the wrong way |
-//! | `rim`, `caps` | edges without a neighbour, and what closes them |
+//! | `repair` | turns, joins and closes triangles so that they bound a body |
+//! | `loops`, `fill` | rims as loops, and triangles that fill them |
+//! | `edges`, `rim`, `cover` | edges without a neighbour, and what covers openings |
 //! | `ray`, `winding`, `sign` | inside or outside |
 //! | `range`, `slopes` | bounds over boxes |
 //! | `section` | exact plane sections |
@@ -57,7 +58,10 @@
 //! - Values depend on the place alone: not on the machine, the number of threads,
 //!   or places that were asked for before.
 //! - Bounds over boxes hold all values in them.
-//! - Sections have no tolerance. Where they are none (a large hole), they say so.
+//! - Triangles that bound a body stay as they are. Others are repaired where that
+//!   needs no guess, and `Facts` tells it.
+//! - Sections have no tolerance. Where they are none, since only winding numbers
+//!   tell what is inside, they say so.
 //! - Files end in triangles or an error that says the place, what is wrong, and
 //!   what to do.
 //!
@@ -67,18 +71,21 @@
 
 #![warn(unreachable_pub)]
 
-mod caps;
 mod closest;
+mod cover;
+mod edges;
 mod error;
 mod facts;
+mod fill;
 mod four;
 mod limits;
-mod mend;
+mod loops;
 mod merge;
 mod mesh;
 mod range;
 mod ray;
 mod read;
+mod repair;
 mod rim;
 mod section;
 mod shell;

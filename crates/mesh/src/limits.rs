@@ -1,6 +1,6 @@
 //! Limits on what is read.
 
-/// Greatest number of triangles. They take 6 GB, and far more are scans that
+/// Greatest number of triangles. They take 4 GB, and far more are scans that
 /// somebody forgot to reduce.
 pub const MOST_TRIANGLES: usize = 50_000_000;
 

@@ -3,7 +3,8 @@
 use crate::closest::Near;
 use crate::error::MeshError;
 use crate::facts::Facts;
-use crate::mend::mend;
+use crate::repair::repair;
+use crate::rim::rim;
 use crate::shell::Shell;
 use crate::sign::Sign;
 use crate::triangles::Triangles;
@@ -66,14 +67,16 @@ impl Mesh {
             return Err(MeshError::Empty);
         }
         let mut facts = Facts::of(&triangles);
+        let triangles = repair(triangles, &mut facts)?;
         let bounds = triangles.bounds();
         let shell = Shell::new(triangles.vertices, triangles.corners);
         isoslice_base::limits::go_on()?;
-        let (shell, open) = mend(shell, &bounds, &mut facts);
-        isoslice_base::limits::go_on()?;
-        facts.open_edges = open.len();
-        let sign = Sign::new(&shell, &open);
-        facts.wide_open = open.len().min(sign.wide_open());
+        let open = if facts.open_edges == 0 {
+            Vec::new()
+        } else {
+            rim(&shell.corners, shell.vertices.len())
+        };
+        let sign = Sign::new(&shell, &bounds, &open)?;
         isoslice_base::limits::go_on()?;
         Ok(Mesh {
             name: name.to_owned(),

@@ -39,6 +39,23 @@ impl Shell {
         direction: Direction,
         counts: impl Fn(usize) -> bool,
     ) -> i64 {
+        let mut sum = 0;
+        self.each_crossing(p, direction, |i, leaves| {
+            if counts(i) {
+                sum += leaves;
+            }
+        });
+        sum
+    }
+
+    /// Calls `see` with triangles that a ray from `p` may meet, and 1 if it meets
+    /// them from behind, −1 if from the front, or 0.
+    pub(crate) fn each_crossing(
+        &self,
+        p: DVec3,
+        direction: Direction,
+        mut see: impl FnMut(usize, i64),
+    ) {
         let k = direction.axis;
         let ray = Ray {
             p,
@@ -47,18 +64,14 @@ impl Shell {
             low: p.to_array().map(below),
             high: p.to_array().map(above),
         };
-        let mut sum = 0;
         self.tree.visit(
             |node| ray.meets(node),
             |first, end| {
                 for i in first..end {
-                    if counts(i) {
-                        sum += ray.leaves(self.triangle(i));
-                    }
+                    see(i, ray.leaves(self.triangle(i)));
                 }
             },
         );
-        sum
     }
 }
 

@@ -4,6 +4,12 @@
 //! way than the other. Without a rim the triangles bound a body, however they
 //! cross or double one another. Then winding numbers are whole.
 
+use crate::edges::each_edge;
+use crate::shell::Shell;
+use glam::DVec3;
+use isoslice_base::sets::Sets;
+use std::collections::BTreeMap;
+
 /// An edge of the rim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RimEdge {
@@ -16,47 +22,51 @@ pub(crate) struct RimEdge {
 
 /// The rim of triangles.
 pub(crate) fn rim(corners: &[[u32; 3]], vertices: usize) -> Vec<RimEdge> {
-    // Edges by their lower vertex: the upper one, and the direction.
-    let mut starts = vec![0u32; vertices + 1];
-    for (a, b) in edges(corners) {
-        starts[a.min(b) as usize + 1] += 1;
-    }
-    for i in 0..vertices {
-        starts[i + 1] += starts[i];
-    }
-    let mut uppers = vec![0u32; 3 * corners.len()];
-    let mut next = starts.clone();
-    for (a, b) in edges(corners) {
-        let (low, high) = (a.min(b), a.max(b));
-        let place = &mut next[low as usize];
-        uppers[*place as usize] = 2 * high + u32::from(a > b);
-        *place += 1;
-    }
-    drop(next);
     let mut rim = Vec::new();
-    for low in 0..vertices {
-        let list = &mut uppers[starts[low] as usize..starts[low + 1] as usize];
-        list.sort_unstable();
-        for same in list.chunk_by(|a, b| a / 2 == b / 2) {
-            let down = same.iter().filter(|e| **e % 2 == 1).count();
-            let up = same.len() - down;
-            let (low, high) = (low as u32, same[0] / 2);
-            let (from, to) = if up > down { (low, high) } else { (high, low) };
-            if up != down {
-                rim.push(RimEdge {
-                    from,
-                    to,
-                    times: up.abs_diff(down) as u32,
-                });
-            }
+    each_edge(corners, vertices, |edge| {
+        if let Some((from, to, times)) = edge.excess() {
+            rim.push(RimEdge { from, to, times });
         }
-    }
+    });
     rim
 }
 
-/// The edges of triangles, in their directions.
-fn edges(corners: &[[u32; 3]]) -> impl Iterator<Item = (u32, u32)> {
-    corners
+/// Triangles that close a rim: from each of its edges to the middle of the edges
+/// that hang together with it.
+pub(crate) fn caps(shell: &Shell, rim: &[RimEdge]) -> Shell {
+    let mut numbers = BTreeMap::new();
+    let mut vertices: Vec<DVec3> = Vec::new();
+    let mut number = |v: u32| {
+        *numbers.entry(v).or_insert_with(|| {
+            vertices.push(shell.vertices[v as usize]);
+            vertices.len() as u32 - 1
+        })
+    };
+    let edges: Vec<(u32, u32, u32)> = rim
         .iter()
-        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+        .map(|e| (number(e.from), number(e.to), e.times))
+        .collect();
+    let mut sets = Sets::new(vertices.len());
+    for &(from, to, _) in &edges {
+        sets.join(from as usize, to as usize);
+    }
+    let mut middles: BTreeMap<usize, (u32, DVec3)> = BTreeMap::new();
+    for (v, place) in vertices.iter().enumerate() {
+        let middle = middles.entry(sets.of(v)).or_default();
+        middle.0 += 1;
+        middle.1 += place;
+    }
+    let mut tops = BTreeMap::new();
+    for (set, (number, sum)) in middles {
+        tops.insert(set, vertices.len() as u32);
+        vertices.push(sum / f64::from(number));
+    }
+    let mut corners = Vec::new();
+    for (from, to, times) in edges {
+        let top = tops[&sets.of(from as usize)];
+        for _ in 0..times {
+            corners.push([top, to, from]);
+        }
+    }
+    Shell::new(vertices, corners)
 }

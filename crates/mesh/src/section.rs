@@ -72,31 +72,33 @@ impl Mesh {
             to: DAffine3::from_translation(-DVec3::Z * z) * to,
             mirrors: to.matrix3.determinant() < 0.0,
         };
-        let near = self.shell.near(&plane);
-        let caps = self.sign.small.as_ref();
-        let caps = caps.map(|caps| (caps, caps.shell.near(&plane)));
-        let rings = |is_above| {
-            let mut cut = Cut {
-                plane: &plane,
-                is_above,
-                segments: Vec::with_capacity(near.len()),
-                touches: false,
-            };
-            cut.add(&self.shell, &near, |v| v);
-            if let Some((caps, near)) = &caps {
-                cut.add(&caps.shell, near, |v| caps.numbers[v as usize]);
-            }
-            Some((chained(&cut.segments)?, cut.touches))
-        };
-        let (above, touches) = rings(true)?;
+        let (above, touches) = self.segments(&plane, true);
+        let above = chained(&above)?;
         if !touches {
             return Some(above);
         }
-        let (below, _) = rings(false)?;
+        let (below, _) = self.segments(&plane, false);
+        let below = chained(&below)?;
         if same(&above, &below) {
             return Some(above);
         }
         Some(above.into_iter().chain(below).collect())
+    }
+
+    /// The segments in a plane, with those of what covers openings, vertices in
+    /// the plane being above it or below it. Also returned: true if there are
+    /// such vertices.
+    fn segments(&self, plane: &Plane, is_above: bool) -> (Vec<Segment>, bool) {
+        let (mut all, mut touches) =
+            self.shell.segments(plane, is_above, |v| v);
+        if let Some(cover) = self.sign.cover() {
+            let number = |v: u32| cover.numbers[v as usize];
+            let (segments, touch) =
+                cover.shell.segments(plane, is_above, number);
+            all.extend(segments);
+            touches |= touch;
+        }
+        (all, touches)
     }
 }
 
@@ -127,41 +129,31 @@ impl Shell {
         });
         near
     }
-}
 
-/// A section to be made.
-struct Cut<'a> {
-    plane: &'a Plane,
-    /// What vertices in the plane count as.
-    is_above: bool,
-    segments: Vec<Segment>,
-    /// Set if there are such vertices.
-    touches: bool,
-}
-
-impl Cut<'_> {
-    /// Adds the segments of triangles. `number` gives the mesh's number of a
+    /// The segments in a plane, vertices in the plane being above it or below
+    /// it. Also returned: true if there are such vertices. `number` names a
     /// vertex.
-    fn add(
-        &mut self,
-        shell: &Shell,
-        near: &[u32],
+    fn segments(
+        &self,
+        plane: &Plane,
+        is_above: bool,
         number: impl Fn(u32) -> u32,
-    ) {
-        for &i in near {
-            let mut corners = shell.corners[i as usize].map(|v| {
-                let p = shell.vertices[v as usize];
-                Corner {
-                    number: number(v),
-                    p: self.plane.to.transform_point3(p),
-                }
+    ) -> (Vec<Segment>, bool) {
+        let near = self.near(plane);
+        let mut segments = Vec::with_capacity(near.len());
+        let mut touches = false;
+        for i in near {
+            let corners = self.corners[i as usize];
+            let mut corners = corners.map(|v| Corner {
+                number: number(v),
+                p: plane.to.transform_point3(self.vertices[v as usize]),
             });
-            if self.plane.mirrors {
+            if plane.mirrors {
                 corners.swap(1, 2);
             }
             let high = corners.map(|c| {
-                self.touches |= c.p.z == 0.0;
-                c.p.z > 0.0 || self.is_above && c.p.z == 0.0
+                touches |= c.p.z == 0.0;
+                if is_above { c.p.z >= 0.0 } else { c.p.z > 0.0 }
             });
             if high[0] == high[1] && high[1] == high[2] {
                 continue;
@@ -169,21 +161,24 @@ impl Cut<'_> {
             let (mut from, mut to) = ((0, DVec2::ZERO), 0);
             for k in 0..3 {
                 let next = (k + 1) % 3;
-                let edge = (corners[k], corners[next]);
                 match (high[k], high[next]) {
                     (true, false) => {
-                        from = (key(edge.0, edge.1), through(edge.0, edge.1));
+                        from = (
+                            key(corners[k], corners[next]),
+                            through(corners[k], corners[next]),
+                        );
                     }
-                    (false, true) => to = key(edge.0, edge.1),
+                    (false, true) => to = key(corners[k], corners[next]),
                     _ => {}
                 }
             }
-            self.segments.push(Segment {
+            segments.push(Segment {
                 from: from.0,
                 to,
                 start: from.1,
             });
         }
+        (segments, touches)
     }
 }
 

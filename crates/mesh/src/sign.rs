@@ -1,14 +1,23 @@
 //! Inside or outside.
 //!
 //! A place is inside where the winding number is above one half. Triangles
-//! without a rim have whole winding numbers, which a ray counts exactly. Those
-//! with a rim are closed by caps: the ray counts both. Small caps are taken for
-//! what is missing. What large ones cover of the sphere of sight is taken off
-//! again. So the cost is that of a ray and of the large holes.
+//! without a rim have whole winding numbers, which a ray counts exactly. A rim
+//! that repairs have left is closed by a cover, if that changes nothing of what
+//! is inside (see `cover.rs`). Otherwise it is closed by caps: the ray counts
+//! both, and what the caps cover of the sphere of sight is taken off again. So
+//! the cost is that of a ray and of the holes.
+//!
+//! ```text
+//!     ______               the caps (dotted) make it closed: the ray counts 1,
+//!    /      \   p inside   the cap covers c of the sphere of sight at p, so
+//!   |   p →  |             the winding number at p is 1 − c
+//!    \......./
+//! ```
 
-use crate::caps::{Caps, caps};
+use crate::cover::Cover;
+use crate::error::MeshError;
 use crate::ray::Direction;
-use crate::rim::RimEdge;
+use crate::rim::{RimEdge, caps};
 use crate::shell::Shell;
 use crate::tree::{Child, child, gap};
 use crate::winding::Winding;
@@ -18,18 +27,14 @@ use std::f64::consts::PI;
 
 /// How winding numbers of a mesh are found.
 #[derive(Debug)]
-pub(crate) struct Sign {
-    /// The small caps.
-    pub small: Option<Caps>,
-    large: Large,
-}
-
-/// What small caps do not close.
-#[derive(Debug)]
-enum Large {
-    Nothing,
+pub(crate) enum Sign {
+    /// There is no rim.
+    Closed,
+    /// There is a rim, and what is inside is as with a cover over it.
+    Covered(Box<Cover>),
+    /// There is a rim, and caps that close it.
     Capped {
-        caps: Shell,
+        caps: Box<Shell>,
         winding: Winding,
         /// For each node of the caps, the length of the rim below it.
         lengths: Vec<f64>,
@@ -39,46 +44,48 @@ enum Large {
 }
 
 impl Sign {
-    pub(crate) fn new(shell: &Shell, rim: &[RimEdge]) -> Sign {
+    pub(crate) fn new(
+        shell: &Shell,
+        bounds: &Bounds,
+        rim: &[RimEdge],
+    ) -> Result<Sign, MeshError> {
         if rim.is_empty() {
-            return Sign {
-                small: None,
-                large: Large::Nothing,
-            };
+            return Ok(Sign::Closed);
         }
-        let (small, large) = caps(shell, rim);
-        let Some(large) = large else {
-            return Sign {
-                small,
-                large: Large::Nothing,
-            };
-        };
-        if large.shell.corners.len() > shell.corners.len() / 2 {
-            return Sign {
-                small: None,
-                large: Large::Loose(Winding::new(shell)),
-            };
+        let open = Sign::open(shell, rim);
+        let (cover, places) = Cover::new(shell, rim)?;
+        let agrees = cover.agrees(
+            shell,
+            &places,
+            |p| outwards(bounds, p),
+            |p| open.winding(shell, bounds, p),
+        );
+        Ok(if agrees {
+            Sign::Covered(Box::new(cover))
+        } else {
+            open
+        })
+    }
+
+    /// Of triangles that stay open.
+    pub(crate) fn open(shell: &Shell, rim: &[RimEdge]) -> Sign {
+        let edges: u64 = rim.iter().map(|e| u64::from(e.times)).sum();
+        if edges > shell.corners.len() as u64 / 2 {
+            return Sign::Loose(Winding::new(shell));
         }
-        let large = Large::Capped {
-            winding: Winding::new(&large.shell),
-            lengths: lengths(&large.shell),
-            caps: large.shell,
-        };
-        Sign { small, large }
+        let caps = Box::new(caps(shell, rim));
+        let winding = Winding::new(&caps);
+        let lengths = lengths(&caps);
+        Sign::Capped {
+            caps,
+            winding,
+            lengths,
+        }
     }
 
     /// True if winding numbers change at triangles only.
     pub(crate) fn is_closed(&self) -> bool {
-        self.small.is_none() && matches!(self.large, Large::Nothing)
-    }
-
-    /// The number of edges of the rim that small caps do not close.
-    pub(crate) fn wide_open(&self) -> usize {
-        match &self.large {
-            Large::Nothing => 0,
-            Large::Capped { caps, .. } => caps.corners.len(),
-            Large::Loose(_) => usize::MAX,
-        }
+        matches!(self, Sign::Closed)
     }
 
     /// The winding number of `shell` at a place.
@@ -88,16 +95,16 @@ impl Sign {
         bounds: &Bounds,
         p: DVec3,
     ) -> f64 {
-        let way = outwards(bounds, p);
-        let count = |shell: &Shell| shell.crossings(p, way, |_| true);
-        let small = self.small.as_ref().map_or(0, |caps| count(&caps.shell));
-        match &self.large {
-            Large::Nothing => (count(shell) + small) as f64,
-            Large::Capped { caps, winding, .. } => {
-                let all = count(shell) + small + count(caps);
+        let direction = outwards(bounds, p);
+        match self {
+            Sign::Closed => shell.crossings(p, direction, |_| true) as f64,
+            Sign::Covered(cover) => cover.winding(shell, p, direction) as f64,
+            Sign::Capped { caps, winding, .. } => {
+                let all = shell.crossings(p, direction, |_| true)
+                    + caps.crossings(p, direction, |_| true);
                 all as f64 - winding.at(caps, p)
             }
-            Large::Loose(winding) => winding.at(shell, p),
+            Sign::Loose(winding) => winding.at(shell, p),
         }
     }
 
@@ -109,20 +116,11 @@ impl Sign {
             min: over.min - margin,
             max: over.max + margin,
         };
-        !matches!(self.large, Large::Nothing) || self.is_capped(&grown)
-    }
-
-    /// True if a small cap may meet a box.
-    fn is_capped(&self, over: &Bounds) -> bool {
-        let Some(caps) = &self.small else {
-            return false;
-        };
-        let mut meets = false;
-        let near = |node: &crate::tree::Node| {
-            [0, 1, 2, 3].map(|i| gap(over, &node.bounds(i)) == 0.0)
-        };
-        caps.shell.tree.visit(near, |_, _| meets = true);
-        meets
+        match self {
+            Sign::Closed => false,
+            Sign::Covered(cover) => cover.meets(&grown),
+            Sign::Capped { .. } | Sign::Loose(_) => true,
+        }
     }
 
     /// By how much the winding number may differ from that in the middle of a
@@ -132,13 +130,12 @@ impl Sign {
     /// piece changes it by no more than its length by the square of its
     /// distance, by 4π.
     pub(crate) fn change(&self, over: &Bounds) -> f64 {
-        if self.is_capped(over) {
-            return f64::INFINITY;
-        }
-        match &self.large {
-            Large::Nothing => 0.0,
-            Large::Loose(_) => f64::INFINITY,
-            Large::Capped { caps, lengths, .. } => {
+        match self {
+            Sign::Closed => 0.0,
+            Sign::Covered(cover) if cover.meets(over) => f64::INFINITY,
+            Sign::Covered(_) => 0.0,
+            Sign::Loose(_) => f64::INFINITY,
+            Sign::Capped { caps, lengths, .. } => {
                 let mut sum = 0.0;
                 let mut todo = vec![0];
                 while let Some(at) = todo.pop() {
@@ -170,14 +167,20 @@ impl Sign {
         }
     }
 
+    /// What closes the triangles, in sections as for the sign.
+    pub(crate) fn cover(&self) -> Option<&Cover> {
+        match self {
+            Sign::Covered(cover) => Some(cover),
+            _ => None,
+        }
+    }
+
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let small = self.small.as_ref().map_or(0, |caps| {
-            caps.shell.bytes() + caps.numbers.capacity() * size_of::<u32>()
-        });
-        let large = match &self.large {
-            Large::Nothing => 0,
-            Large::Capped {
+        match self {
+            Sign::Closed => 0,
+            Sign::Covered(cover) => cover.bytes(),
+            Sign::Capped {
                 caps,
                 winding,
                 lengths,
@@ -186,9 +189,8 @@ impl Sign {
                     + winding.bytes()
                     + lengths.capacity() * size_of::<f64>()
             }
-            Large::Loose(winding) => winding.bytes(),
-        };
-        small + large
+            Sign::Loose(winding) => winding.bytes(),
+        }
     }
 }
 

@@ -3,29 +3,26 @@
 //! In: the folder of the script or formula, and names in it. Out: expressions
 //! that read the files' data.
 //!
-//! A model reads only what lies in its own folder or below it: no absolute
-//! path, no `..`, and no link that leads out. A file that has not changed is
-//! read once, as long as somebody uses it.
+//! A file that has not changed is read once, as long as somebody uses it.
 
+use super::folder::Folder;
 use super::kinds::{Asked, Kind, Made, kind};
+use super::lock;
 use super::options::Options;
 use fidget::context::Tree;
 use isocontour::{Data, call};
-use isoslice_base::files;
 use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant, SystemTime};
 
 /// The files that one model may read, and what it has read.
 pub(crate) struct Files {
-    /// None: any file may be read.
-    folder: Option<PathBuf>,
+    folder: Folder,
     taken: Taken,
     /// An expression does not keep its data.
     kept: Mutex<Vec<Arc<dyn Data>>>,
-    read: Mutex<Vec<PathBuf>>,
     notes: Mutex<Vec<String>>,
 }
 
@@ -60,20 +57,19 @@ impl Default for Files {
 impl Files {
     /// The files in a folder.
     pub(crate) fn within(folder: &Path) -> Files {
-        let here = folder.as_os_str().is_empty();
-        Files {
-            folder: Some(if here { ".".into() } else { folder.into() }),
-            ..Files::anywhere()
-        }
+        Files::of(Folder::new(Some(folder)))
     }
 
     /// All files, for programs that have them anyway.
     pub(crate) fn anywhere() -> Files {
+        Files::of(Folder::new(None))
+    }
+
+    fn of(folder: Folder) -> Files {
         Files {
-            folder: None,
+            folder,
             taken: Taken::default(),
             kept: Mutex::default(),
-            read: Mutex::default(),
             notes: Mutex::default(),
         }
     }
@@ -85,7 +81,7 @@ impl Files {
 
     /// The files that were read.
     pub(crate) fn read(&self) -> Vec<PathBuf> {
-        lock(&self.read).clone()
+        self.folder.found()
     }
 
     /// What users should know of what was read, in sentences.
@@ -105,7 +101,7 @@ impl Files {
         options: &Options,
     ) -> Result<Tree, String> {
         let path = if kind.of_file {
-            self.find(text)?
+            self.folder.find(text)?
         } else {
             PathBuf::new()
         };
@@ -134,7 +130,7 @@ impl Files {
             text,
             path,
             options,
-            files: self,
+            folder: &self.folder,
         };
         let Made { data, notes } = known_or_made(kind, &asked)?;
         self.taken.add(data.bytes() as u64, begin.elapsed());
@@ -148,43 +144,6 @@ impl Files {
         let tree = call(&data, [x, y, z]);
         lock(&self.kept).push(data);
         Ok(tree)
-    }
-
-    /// The path of a file that may be read.
-    pub(super) fn find(&self, name: &str) -> Result<PathBuf, String> {
-        let Some(folder) = &self.folder else {
-            return Ok(name.into());
-        };
-        let shown = name.escape_default();
-        let is_plain = Path::new(name)
-            .components()
-            .all(|c| matches!(c, Component::Normal(_)));
-        if name.is_empty() || !is_plain {
-            return Err(format!(
-                "\"{shown}\" is not the name of a file in the model's own \
-                 folder; a model reads only what lies there or in folders \
-                 below, as in \"part.stl\" or \"parts/part.stl\""
-            ));
-        }
-        let path = folder.join(name);
-        let absent =
-            |e: std::io::Error| format!("cannot read {}: {e}", path.display());
-        let real = fs::canonicalize(&path).map_err(absent)?;
-        let folder = fs::canonicalize(folder).map_err(absent)?;
-        if !real.starts_with(folder) {
-            return Err(format!(
-                "{} is a link that leads out of the model's folder; copy the \
-                 file there",
-                path.display()
-            ));
-        }
-        lock(&self.read).push(path.clone());
-        Ok(path)
-    }
-
-    /// The bytes of a file, at most so many.
-    pub(super) fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
-        files::read(path, most).map_err(|e| e.to_string())
     }
 }
 
@@ -210,7 +169,8 @@ struct Known {
 fn known_or_made(kind: &Kind, asked: &Asked<'_>) -> Result<Made, String> {
     static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
     if !kind.of_file {
-        return kind.make(asked);
+        let made = kind.make(asked);
+        return made.map_err(|e| format!("{}: {e}", kind.name));
     }
     let path = asked.path;
     let failed = |e: &dyn std::fmt::Display| {
@@ -249,8 +209,4 @@ fn known_or_made(kind: &Kind, asked: &Asked<'_>) -> Result<Made, String> {
         });
     }
     Ok(made)
-}
-
-fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
-    of.lock().unwrap_or_else(PoisonError::into_inner)
 }

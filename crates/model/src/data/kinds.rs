@@ -1,6 +1,6 @@
 //! The functions that make data: of files, and of a text.
 
-use super::files::Files;
+use super::folder::Folder;
 use super::options::{Options, Reader};
 use glam::DVec3;
 use isocontour::Data;
@@ -58,12 +58,12 @@ pub(super) struct Asked<'a> {
     /// The file, if it is the name of one.
     pub path: &'a Path,
     pub options: &'a Options,
-    pub files: &'a Files,
+    pub folder: &'a Folder,
 }
 
 impl Asked<'_> {
     fn bytes(&self, most: u64) -> Result<Vec<u8>, String> {
-        Files::bytes(self.path, most)
+        Folder::bytes(self.path, most)
     }
 }
 
@@ -161,10 +161,9 @@ fn mesh(asked: &Asked<'_>) -> Result<Made, String> {
     let name = format!("mesh({:?})", asked.text);
     let mesh = Mesh::new(&name, triangles).map_err(|e| e.to_string())?;
     let facts = mesh.facts();
-    let mut notes = Vec::new();
-    if !facts.is_sound() {
-        notes.push(format!("{}: {facts}", asked.text));
-    }
+    let left_out = facts.left_out.iter().map(|what| format!("left out {what}"));
+    let told = facts.repairs().into_iter().chain(left_out);
+    let notes = told.map(|what| format!("{}: {what}", asked.text)).collect();
     Ok(Made {
         data: Arc::new(mesh),
         notes,
@@ -216,10 +215,13 @@ fn text(asked: &Asked<'_>) -> Result<Made, String> {
     };
     let font = given.text("font")?;
     given.finish()?;
+    if asked.text.trim().is_empty() {
+        return Err("it has no letter that can be seen".to_owned());
+    }
     let font = match font {
         Some(name) => {
-            let path = asked.files.find(&name)?;
-            let bytes = Files::bytes(&path, MOST_FONT_BYTES);
+            let path = asked.folder.find(&name)?;
+            let bytes = Folder::bytes(&path, MOST_FONT_BYTES);
             Some(bytes.map_err(|e| format!("{}: {e}", path.display()))?)
         }
         None => None,

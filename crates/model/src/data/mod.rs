@@ -4,12 +4,20 @@
 //! |---|---|
 //! | `kinds` | the functions that make data, with their options |
 //! | `options` | reads options by their names |
-//! | `files` | finds files that a model may read, and reads each once |
+//! | `folder` | the files that a model may read |
+//! | `files` | reads each file once |
 
 mod files;
+mod folder;
 mod kinds;
 mod options;
 
 pub(crate) use files::Files;
 pub(crate) use kinds::{KINDS, is_mesh, kind};
 pub(crate) use options::{Given, Options};
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -6,10 +6,13 @@
 
 use super::bodies::Bodies;
 use super::error::{ScriptError, explain};
+use super::functions::add_data;
 use super::limits::{GO_ON, ScriptLimits};
 use super::shape::describe;
 use super::{Arc, AtomicU8, Dynamic, Engine, Tree, engine};
+use crate::data::Files;
 use rhai::{Map, Scope};
+use std::sync::LazyLock;
 
 /// An argument of a function.
 #[derive(Clone, Debug)]
@@ -20,7 +23,7 @@ pub enum Argument {
     Number(f64),
     /// True or false.
     Flag(bool),
-    /// A word, such as the name of an axis.
+    /// A text, such as the name of a file.
     Text(String),
     /// A field.
     Field(Tree),
@@ -65,8 +68,14 @@ impl Argument {
     }
 }
 
-/// Calls a function of docs/shapes.md, docs/textures.md or docs/functions.md.
-/// The result is a field or a number.
+/// The data of programs' expressions. It stays as long as the program runs,
+/// since nobody knows what a program still holds.
+static FILES: LazyLock<Arc<Files>> =
+    LazyLock::new(|| Arc::new(Files::anywhere()));
+
+/// Calls a function of docs/shapes.md, docs/textures.md, docs/functions.md or
+/// docs/data.md. Names of files are those of the program's own folder. The
+/// result is a field or a number.
 ///
 /// ```
 /// use isoslice_model::{Argument, call};
@@ -86,11 +95,16 @@ pub fn call(
 ) -> Result<Argument, ScriptError> {
     thread_local! {
         /// Making one takes as long as many calls.
-        static ENGINE: Engine = engine(
-            ScriptLimits::default().operations,
-            &Arc::new(AtomicU8::new(GO_ON)),
-            &Bodies::default(),
-        );
+        static ENGINE: Engine = {
+            let bodies = Bodies::default();
+            let mut engine = engine(
+                ScriptLimits::default().operations,
+                &Arc::new(AtomicU8::new(GO_ON)),
+                &bodies,
+            );
+            add_data(&mut engine, &FILES, &bodies);
+            engine
+        };
     }
     let failed = |message| ScriptError::Failed {
         line: None,

@@ -20,7 +20,8 @@ pub use isocontour::plane::nearest_on;
 use super::{Area, Rect, Ring};
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use segment::{crossing, is_left};
+use segment::{box_meets, crossing, is_left};
+use std::sync::OnceLock;
 
 /// Edges by the cells they pass through.
 ///
@@ -44,6 +45,8 @@ pub struct EdgeGrid {
     /// Where each cell's edges begin in `members`; one more than cells.
     starts: Vec<u32>,
     members: Vec<u32>,
+    /// For each cell whether a place in it is inside, once that was asked for.
+    insides: OnceLock<Vec<bool>>,
 }
 
 /// Greatest number of cells per edge. A finer grid costs memory and saves
@@ -135,6 +138,7 @@ impl EdgeGrid {
             rows,
             starts: Vec::new(),
             members: Vec::new(),
+            insides: OnceLock::new(),
         };
         // Count, sum up, then fill from the back of each cell's share.
         let mut starts = vec![0; columns * rows + 1];
@@ -156,14 +160,18 @@ impl EdgeGrid {
 
     /// The cells of all edges, with the edges' numbers.
     fn walk_all(&self, mut visit: impl FnMut(usize, u32)) {
+        for i in self.edges() {
+            let (a, b) = self.edge(i);
+            self.walk(a, b, |c| visit(c, i as u32));
+        }
+    }
+
+    /// The numbers of all edges.
+    fn edges(&self) -> impl Iterator<Item = usize> {
         let ends = self.chains.iter().skip(1).map(|c| c.0 as usize);
         let ends = ends.chain([self.points.len()]);
-        for (chain, end) in self.chains.iter().zip(ends) {
-            for i in chain.0 as usize..end - 1 {
-                let (a, b) = self.edge(i);
-                self.walk(a, b, |c| visit(c, i as u32));
-            }
-        }
+        let chains = self.chains.iter().zip(ends);
+        chains.flat_map(|(chain, end)| chain.0 as usize..end - 1)
     }
 
     /// The number of what an edge belongs to.
@@ -239,33 +247,69 @@ impl EdgeGrid {
     /// True if the point is inside the area (even–odd rule; points on the
     /// border may count either way).
     pub fn contains(&self, p: DVec2) -> bool {
-        let top = self.origin.y + self.rows as f64 * self.cell;
-        if self.members.is_empty() || p.y < self.origin.y || p.y > top {
+        let size = DVec2::new(self.columns as f64, self.rows as f64);
+        let corner = self.origin + self.cell * size;
+        let within = p.cmpge(self.origin).all() && p.cmple(corner).all();
+        if self.members.is_empty() || !within {
             return false;
         }
-        let row = self.row(p.y);
-        // Count the edges crossed on the way to the nearer side: rings are crossed
-        // an even number of times in all. Each crossing is counted in the one cell
-        // that has it.
-        let own = self.column(p.x);
-        let to_left = 2 * own < self.columns;
-        let way = if to_left {
-            0..=own
-        } else {
-            own..=self.columns - 1
+        let (column, row) = (self.column(p.x), self.row(p.y));
+        let cell = row * self.columns + column;
+        let begin = self.begin(column, row);
+        let (lo, hi) = (begin.min(p), begin.max(p));
+        let crossed = |&&m: &&u32| {
+            let (a, b) = self.edge(m as usize);
+            box_meets(a, b, lo, hi)
+                && is_left(begin, p, a) != is_left(begin, p, b)
+                && is_left(a, b, begin) != is_left(a, b, p)
         };
-        let mut inside = false;
-        for column in way {
-            for &m in self.members(row * self.columns + column) {
-                let (a, b) = self.edge(m as usize);
-                if (a.y > p.y) == (b.y > p.y) {
+        let crossed = self.members(cell).iter().filter(crossed).count();
+        let insides = self.insides.get_or_init(|| self.find_insides());
+        insides[cell] ^ (crossed % 2 == 1)
+    }
+
+    /// The place of a cell at which ways to points in the cell begin. It is a share
+    /// of the cell that no usual edge runs through, as many do through middles and
+    /// corners.
+    fn begin(&self, column: usize, row: usize) -> DVec2 {
+        const SHARE: DVec2 = DVec2::new(0.381_966, 0.270_091);
+        let cell = DVec2::new(column as f64, row as f64);
+        self.origin + (cell + SHARE) * self.cell
+    }
+
+    /// For each cell whether the place at which ways begin is inside the area.
+    fn find_insides(&self) -> Vec<bool> {
+        let mut insides = vec![false; self.columns * self.rows];
+        // The place is inside if an odd number of edges is crossed on the way to it
+        // from the left. Each edge is noted where the first place right of it is.
+        for (a, b) in self.edges().map(|i| self.edge(i)) {
+            let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+            let slope = (high.x - low.x) / (high.y - low.y);
+            for row in self.row(low.y)..=self.row(high.y) {
+                let y = self.begin(0, row).y;
+                if (low.y > y) == (high.y > y) {
                     continue;
                 }
-                let x = a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
-                inside ^= (x < p.x) == to_left && self.column(x) == column;
+                let is_right =
+                    |column| !is_left(low, high, self.begin(column, row));
+                let mut column = self.column(low.x + slope * (y - low.y));
+                while column > 0 && is_right(column - 1) {
+                    column -= 1;
+                }
+                while column < self.columns && !is_right(column) {
+                    column += 1;
+                }
+                if column < self.columns {
+                    insides[row * self.columns + column] ^= true;
+                }
             }
         }
-        inside
+        for row in insides.chunks_mut(self.columns) {
+            for column in 1..row.len() {
+                row[column] ^= row[column - 1];
+            }
+        }
+        insides
     }
 
     /// The places at which the segment from `a` to `b` crosses or touches

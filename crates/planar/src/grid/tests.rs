@@ -38,6 +38,27 @@ fn clearance_of_a_star() {
     }
 }
 
+/// Borders and corners lie on those of the cells.
+#[test]
+fn what_is_inside_is_known_anywhere_among_many_islands() {
+    let islands = (0..400).map(|i| {
+        let at = 3.0 * DVec2::new(f64::from(i % 20), f64::from(i / 20));
+        crate::rect(at.x, at.y, at.x + 2.0, at.y + 1.0)
+    });
+    let area: Area = islands.collect();
+    let grid = EdgeGrid::new(&area, 0.5);
+    for i in 0..124 * 124 {
+        let k = DVec2::new(f64::from(i % 124), f64::from(i / 124));
+        let p = 0.5 * k - 0.75;
+        let island = p.rem_euclid(DVec2::splat(3.0));
+        let meant = (p.cmpge(DVec2::ZERO).all()
+            && p.cmplt(DVec2::splat(60.0)).all())
+            && island.x < 2.0
+            && island.y < 1.0;
+        assert_eq!(grid.contains(p), meant, "{p}");
+    }
+}
+
 #[test]
 fn inside_crossings_and_nearest_agree_with_the_area() {
     let ring: Vec<DVec2> = (0..60)

@@ -372,9 +372,10 @@ mod tests {
             let pattern = Pattern::of(name);
             for [x, y] in places() {
                 // Cells begin at fractions of the size.
-                for at in [[x, y], [x.round(), y], [x, (2.0 * y).round() / 2.0]] {
-                    let [v, near] = [-1e-4, 1e-4]
-                        .map(|d| pattern.at(at[0] + d, at[1] + d));
+                for at in [[x, y], [x.round(), y], [x, (2.0 * y).round() / 2.0]]
+                {
+                    let [v, near] =
+                        [-1e-4, 1e-4].map(|d| pattern.at(at[0] + d, at[1] + d));
                     let off = (v - near).abs();
                     assert!(off < 0.02, "{name}: {v}, {near} at {at:?}");
                 }
@@ -432,7 +433,10 @@ mod tests {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         for row in ROWS {
             let picture = format!("assets/textures/{}.png", row.name);
-            let cells = format!("| `{}` | ![{}](../{picture}) |", row.example, row.name);
+            let cells = format!(
+                "| `{}` | ![{}](../{picture}) |",
+                row.example, row.name
+            );
             assert!(page.contains(&cells), "{cells}");
             let size = root.join(&picture).metadata().unwrap().len();
             assert!((500..50_000).contains(&size), "{picture}: {size}");

@@ -208,18 +208,53 @@ mod tests {
         for (text, at, wanted) in [
             // Values are distances beside the face, less depth times picture.
             ("b.textured(0.5, p)", [3.0, 0.0, 2.0], 1.0 - 0.5 * 0.3),
-            ("b.textured(0.5, p, #{center: [1, 0, 0]})", [3.0, 0.0, 2.0], 0.9),
-            ("b.textured(0.5, p, #{projection: \"x\"})", [6.0, 3.0, 0.0], 0.85),
-            ("b.textured(0.5, p, #{projection: \"y\"})", [3.0, 6.0, 0.0], 0.85),
-            ("b.textured(0.5, z * 0.1, #{projection: \"solid\"})", [6.0, 0.0, 1.0], 0.95),
+            (
+                "b.textured(0.5, p, #{center: [1, 0, 0]})",
+                [3.0, 0.0, 2.0],
+                0.9,
+            ),
+            (
+                "b.textured(0.5, p, #{projection: \"x\"})",
+                [6.0, 3.0, 0.0],
+                0.85,
+            ),
+            (
+                "b.textured(0.5, p, #{projection: \"y\"})",
+                [3.0, 6.0, 0.0],
+                0.85,
+            ),
+            (
+                "b.textured(0.5, z * 0.1, #{projection: \"solid\"})",
+                [6.0, 0.0, 1.0],
+                0.95,
+            ),
             ("b.textured(0.5, p, #{inward: true})", [3.0, 0.0, 2.0], 1.15),
             ("b.textured(0.5, p, #{where: x})", [3.0, 0.0, 2.0], 1.0),
-            ("b.textured(0.5, p, #{where: x - 3.5})", [3.0, 0.0, 2.0], 0.85),
-            ("b.textured(0.5, p, #{where: x - 4, blend: 2})", [3.0, 0.0, 2.0], 0.925),
-            ("b.textured(0.5, p, #{projection: \"triplanar\"})", [3.0, 0.0, 2.0], 0.85),
-            ("b.textured(0.5, p, #{projection: \"triplanar\"})", [6.0, 3.0, 0.0], 0.85),
-            ("b.textured(0.5, x * 0.1, #{projection: \"cylinder\", radius: 5})",
-                [0.0, 5.5, 0.0], 0.5 - 0.05 * PI * 2.5),
+            (
+                "b.textured(0.5, p, #{where: x - 3.5})",
+                [3.0, 0.0, 2.0],
+                0.85,
+            ),
+            (
+                "b.textured(0.5, p, #{where: x - 4, blend: 2})",
+                [3.0, 0.0, 2.0],
+                0.925,
+            ),
+            (
+                "b.textured(0.5, p, #{projection: \"triplanar\"})",
+                [3.0, 0.0, 2.0],
+                0.85,
+            ),
+            (
+                "b.textured(0.5, p, #{projection: \"triplanar\"})",
+                [6.0, 3.0, 0.0],
+                0.85,
+            ),
+            (
+                "b.textured(0.5, x * 0.1, #{projection: \"cylinder\", radius: 5})",
+                [0.0, 5.5, 0.0],
+                0.5 - 0.05 * PI * 2.5,
+            ),
         ] {
             let text = format!(
                 "let b = box([-5, -5, -1], [5, 5, 1]); let p = x * 0.1; {text}"
@@ -241,7 +276,10 @@ mod tests {
         }
         assert!(at(11.01, 0.0) > 0.0 && at(11.01, 2.9) > 0.0);
         // Without it, they move.
-        assert!(value("cylinder(10, 6).textured(1, 1 + 0 * x)", 0.0, 0.0, 3.9) < 0.0);
+        assert!(
+            value("cylinder(10, 6).textured(1, 1 + 0 * x)", 0.0, 0.0, 3.9)
+                < 0.0
+        );
         let inward = out.replace("tops", "inward: true, tops");
         let at = |r: f32, z: f32| value(&inward, 0.8 * r, 0.6 * r, z);
         assert!(at(8.99, 0.0) < 0.0 && at(9.01, 0.0) > 0.0);

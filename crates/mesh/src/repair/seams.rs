@@ -1,0 +1,158 @@
+//! Rims that lie on one another.
+//!
+//! Rounding makes two vertices of one, or puts a vertex of one side on the edge
+//! of the other:
+//!
+//! ```text
+//!   ───────A──────────────B───     the upper triangle has the edge AB,
+//!   ───────A─────C────────B───     the lower ones have AC and CB
+//! ```
+//!
+//! Vertices of rims that are as near as rounding are made one. A vertex on an
+//! edge parts it: a triangle A, C, B without an area is put between.
+
+use super::Work;
+use crate::edges::each_edge;
+use crate::tree::{Node, Tree, above, below};
+use glam::DVec3;
+use isoslice_base::sets::Sets;
+use std::cell::Cell;
+
+/// What is nearer than this share of the mesh's size is at the same place: some
+/// roundings of f32.
+const NEAR: f64 = 1e-6;
+/// Nodes of the tree and edges that are looked at, by edge of the rim. Usual rims
+/// take 7 to 16. Where all edges lie on one another, not all are looked at.
+const LOOKS: usize = 40;
+
+/// Edges with an odd number of triangles, and places on them.
+struct Rim {
+    /// From and to, as more triangles go.
+    edges: Vec<[u32; 2]>,
+    reach: f64,
+}
+
+impl Rim {
+    fn of(vertices: &[DVec3], corners: &[[u32; 3]]) -> Rim {
+        let mut edges = Vec::new();
+        each_edge(corners, vertices.len(), |edge| {
+            if let Some((from, to, more)) = edge.excess()
+                && more % 2 == 1
+            {
+                edges.push([from, to]);
+            }
+        });
+        let low = vertices.iter().fold(DVec3::INFINITY, |a, b| a.min(*b));
+        let high = vertices.iter().fold(DVec3::NEG_INFINITY, |a, b| a.max(*b));
+        Rim {
+            edges,
+            reach: NEAR * (high - low).max_element(),
+        }
+    }
+
+    /// Calls `see` with vertices of the rim and the numbers of edges that may be
+    /// near to them.
+    fn each_near(&self, vertices: &[DVec3], mut see: impl FnMut(u32, usize)) {
+        let edges: Vec<[u32; 3]> =
+            self.edges.iter().map(|[a, b]| [*a, *b, *b]).collect();
+        let (tree, order) = Tree::new(vertices, &edges);
+        let looks = Cell::new(0);
+        let look = || looks.set(looks.get() + 1);
+        let mut is_seen = vec![false; vertices.len()];
+        // What follows one another in the tree is near in memory.
+        let ends = order.iter().flat_map(|edge| self.edges[*edge as usize]);
+        for end in ends {
+            if std::mem::replace(&mut is_seen[end as usize], true) {
+                continue;
+            }
+            let p = vertices[end as usize];
+            let low = (p - self.reach).to_array().map(below);
+            let high = (p + self.reach).to_array().map(above);
+            if looks.get() > LOOKS * edges.len() {
+                return;
+            }
+            tree.visit(
+                |node| {
+                    look();
+                    meets(node, low, high)
+                },
+                |first, after| {
+                    for edge in &order[first..after] {
+                        look();
+                        see(end, *edge as usize);
+                    }
+                },
+            );
+        }
+    }
+}
+
+/// The boxes of a node that meet a box.
+fn meets(node: &Node, low: [f32; 3], high: [f32; 3]) -> [bool; 4] {
+    [0, 1, 2, 3].map(|i| {
+        (0..3).all(|k| node.min[k][i] <= high[k] && node.max[k][i] >= low[k])
+    })
+}
+
+/// Makes vertices of rims one that are at the same place. Returns how many are
+/// gone.
+pub(super) fn weld(vertices: &[DVec3], corners: &mut Vec<[u32; 3]>) -> usize {
+    let rim = Rim::of(vertices, corners);
+    let mut sets = Sets::new(vertices.len());
+    let mut welded = 0;
+    rim.each_near(vertices, |end, edge| {
+        for other in rim.edges[edge] {
+            let one = sets.of(end as usize);
+            let other = sets.of(other as usize);
+            if vertices[one].distance(vertices[other]) <= rim.reach
+                && sets.join(one, other)
+            {
+                welded += 1;
+            }
+        }
+    });
+    if welded > 0 {
+        for corner in corners.as_flattened_mut() {
+            *corner = sets.of(*corner as usize) as u32;
+        }
+        corners.retain(|[a, b, c]| a != b && b != c && c != a);
+    }
+    welded
+}
+
+/// Parts edges of rims at the vertices of rims that lie on them. Returns how
+/// many vertices did.
+pub(super) fn part_edges(work: &mut Work) -> usize {
+    let rim = Rim::of(&work.vertices, &work.corners);
+    let mut places = Vec::new();
+    rim.each_near(&work.vertices, |vertex, edge| {
+        let [from, to] = rim.edges[edge];
+        if vertex == from || vertex == to {
+            return;
+        }
+        let [p, a, b] = [vertex, from, to].map(|v| work.vertices[v as usize]);
+        let along = (p - a).dot(b - a) / (b - a).length_squared();
+        if along > 0.0
+            && along < 1.0
+            && p.distance(a.lerp(b, along)) <= rim.reach
+            // Each vertex lies on one edge, if not many lie on one another.
+            && places.len() < rim.edges.len()
+        {
+            places.push((edge, along, vertex));
+        }
+    });
+    places.sort_unstable_by(|a, b| {
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2))
+    });
+    for on in places.chunk_by(|a, b| a.0 == b.0) {
+        if !work.has_room(on.len()) {
+            break;
+        }
+        let [mut from, to] = rim.edges[on[0].0];
+        for (_, _, vertex) in on {
+            work.add([to, from, *vertex]);
+            from = *vertex;
+        }
+    }
+    places.len()
+}
