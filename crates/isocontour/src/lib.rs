@@ -56,6 +56,7 @@ mod cuboid;
 mod data;
 mod expand;
 mod field;
+mod grid;
 mod interval;
 mod lean;
 pub mod level;
@@ -73,12 +74,13 @@ pub use contour::{
     Detail, Outline, Phase, outline_of, outlines, outlines_in_phases,
 };
 pub use cuboid::Bounds;
-pub use data::{Data, call, data_of, known as known_data};
+pub use data::{Crossing, Data, call, data_of, known as known_data};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES, expand, expand_with};
 pub use field::{
-    Batch, Bound, Field, FieldError, Grid, Hit, LEAF, Lattice, Leaf, NODES,
-    SLAB, Sampler, Sight, Values, Visit, apart,
+    Batch, Bound, Field, FieldError, Hit, LEAF, Lattice, Leaf, NODES, SLAB,
+    Sampler, Sight, Values, Visit, apart,
 };
+pub use grid::Grid;
 pub use lean::{Lean, LeanError, LeanOptions, lean};
 pub use plane::{Area, Rect, Ring};
 pub use shift::{digits, shifted};

@@ -51,6 +51,7 @@
 //! | `ray`, `winding`, `sign` | inside or outside |
 //! | `range`, `slopes` | bounds over boxes |
 //! | `section` | exact plane sections |
+//! | `lines` | where lines of sight cross the surface |
 //!
 //! Guarantees:
 //! - Distances are those to the closest triangle, exact but for roundings of f64.
@@ -79,6 +80,7 @@ mod facts;
 mod fill;
 mod four;
 mod limits;
+mod lines;
 mod loops;
 mod merge;
 mod mesh;

@@ -9,7 +9,7 @@ use crate::shell::Shell;
 use crate::sign::Sign;
 use crate::triangles::Triangles;
 use glam::{DAffine3, DVec3};
-use isocontour::{Bounds, Data, Ring};
+use isocontour::{Bounds, Crossing, Data, Grid, Ring};
 use std::cell::Cell;
 
 /// Places that are farther than this along an axis, mm, are so far that the
@@ -229,5 +229,9 @@ impl Data for Mesh {
 
     fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
         self.section_at(place, z)
+    }
+
+    fn crossings(&self, lines: &Grid) -> Option<Vec<Crossing>> {
+        self.crossed_by(lines)
     }
 }

@@ -10,7 +10,7 @@
 
 use crate::shell::Shell;
 use crate::tree::{Node, above, below};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
 /// A direction along an axis.
@@ -97,28 +97,8 @@ impl Ray {
     /// 1 if the ray meets a triangle from behind, −1 if from the front.
     fn leaves(&self, triangle: [DVec3; 3]) -> i64 {
         let [u, v, w] = self.axes;
-        let flat = |q: DVec3| Coord { x: q[u], y: q[v] };
-        let p = flat(self.p);
-        // How often the triangle goes round the place, as seen along the axis.
-        let mut around = 0;
-        for i in 0..3 {
-            let (a, b) = (flat(triangle[i]), flat(triangle[(i + 1) % 3]));
-            let is_upward = a.y <= p.y;
-            if is_upward == (b.y <= p.y) {
-                continue;
-            }
-            let (low, high) = if is_upward { (a, b) } else { (b, a) };
-            let is_left = if p.x < low.x.min(high.x) {
-                true
-            } else if p.x > low.x.max(high.x) {
-                false
-            } else {
-                orient2d(low, high, p) > 0.0
-            };
-            if is_left {
-                around += if is_upward { 1 } else { -1 };
-            }
-        }
+        let flat = |q: DVec3| DVec2::new(q[u], q[v]);
+        let around = around(triangle.map(flat), flat(self.p));
         if around == 0 {
             return 0;
         }
@@ -137,4 +117,29 @@ impl Ray {
             _ => 0,
         }
     }
+}
+
+/// How often a triangle goes round a place, counter-clockwise.
+pub(crate) fn around(triangle: [DVec2; 3], p: DVec2) -> i64 {
+    let coord = |q: DVec2| Coord { x: q.x, y: q.y };
+    let mut around = 0;
+    for i in 0..3 {
+        let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
+        let is_upward = a.y <= p.y;
+        if is_upward == (b.y <= p.y) {
+            continue;
+        }
+        let (low, high) = if is_upward { (a, b) } else { (b, a) };
+        let is_left = if p.x < low.x.min(high.x) {
+            true
+        } else if p.x > low.x.max(high.x) {
+            false
+        } else {
+            orient2d(coord(low), coord(high), coord(p)) > 0.0
+        };
+        if is_left {
+            around += if is_upward { 1 } else { -1 };
+        }
+    }
+    around
 }

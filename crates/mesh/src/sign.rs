@@ -175,6 +175,12 @@ impl Sign {
         }
     }
 
+    /// True if winding numbers are whole, and change at triangles only and at
+    /// those of the cover.
+    pub(crate) fn is_whole(&self) -> bool {
+        matches!(self, Sign::Closed | Sign::Covered(_))
+    }
+
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         match self {

@@ -23,6 +23,7 @@ mod over;
 pub(crate) use over::{range_over, slopes_over};
 
 use crate::cuboid::Bounds;
+use crate::grid::Grid;
 use crate::plane::Ring;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, TreeOp};
 use fidget::var::Var;
@@ -98,6 +99,24 @@ pub trait Data: Send + Sync {
         let _ = (place, z);
         None
     }
+
+    /// Where lines go into the body, and out of it, if that is known exactly:
+    /// sorted by line, then by depth. All lines begin outside.
+    fn crossings(&self, lines: &Grid) -> Option<Vec<Crossing>> {
+        let _ = lines;
+        None
+    }
+}
+
+/// A place where a line crosses the surface of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The number of the line, row by row of a grid.
+    pub line: u32,
+    /// The distance along the line, in samples.
+    pub depth: f64,
+    /// The gradient there: it leads out of the body.
+    pub gradient: DVec3,
 }
 
 impl fmt::Debug for dyn Data {

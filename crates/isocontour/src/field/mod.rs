@@ -48,7 +48,7 @@ mod workspace;
 
 pub use boxes::Bound;
 pub use lattice::Lattice;
-pub use sight::{Grid, Hit, Sight};
+pub use sight::{Hit, Sight};
 pub use values::Values;
 
 use crate::Length;

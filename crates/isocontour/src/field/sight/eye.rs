@@ -1,6 +1,7 @@
 //! Looks along the lines of one column of tiles: tiles, blocks, boxes, samples.
 //! Each is looked at only where the larger one is undecided.
 
+use super::spans::{crossings, hits};
 use super::{Grid, Hit, Sight};
 use crate::field::boxes::Boxes;
 use crate::field::calls::Calls;
@@ -90,11 +91,41 @@ impl<'a> Eye<'a> {
                 gradient: Vec3::ZERO,
             });
         }
-        if !self.is_covered([i, j, 0], TILE) {
+        if !self.is_covered([i, j, 0], TILE) && !self.cross()? {
             self.tiles(at)?;
         }
         left.iter().for_each(|&line| self.hits[line] = None);
         Ok(())
+    }
+
+    /// Looks along the lines of the column at once, if the part is a solid that
+    /// knows where they cross it.
+    fn cross(&mut self) -> Result<bool, FieldError> {
+        let Some(solid) = &self.sight.solid else {
+            return Ok(false);
+        };
+        let Grid {
+            origin,
+            steps,
+            size,
+        } = *self.grid;
+        let [i, j] = self.at;
+        let [width, height] = [0, 1].map(|a| TILE.min(size[a] - self.at[a]));
+        let lines = Grid {
+            origin: origin + steps[0] * i as f64 + steps[1] * j as f64,
+            steps,
+            size: [width, height, size[2]],
+        };
+        self.sight.cancel.check()?;
+        self.sight.spend(&self.sight.f, width * height)?;
+        let Some(found) = crossings(solid, &lines) else {
+            return Ok(false);
+        };
+        hits(&found, &lines, &mut |line, hit| {
+            let line = line / width * TILE + line % width;
+            self.hits[line].get_or_insert(hit);
+        });
+        Ok(true)
     }
 
     /// Looks through the tiles of a column, which stand behind one another, the

@@ -1,4 +1,5 @@
 use super::*;
+use glam::DVec3;
 
 /// Samples everything.
 fn dense(tree: &Tree, grid: &Grid) -> Vec<Option<usize>> {
