@@ -192,7 +192,7 @@ def test_textures_take_words_and_flags():
     tile = iso.box((0, 0, 0), (9, 9, 2)).textured(
         0.5, iso.checker(size=3), projection="z", inward=True
     )
-    assert tile(1.5, 1.5, 1.9) < 0 < tile(4.5, 1.5, 1.9)
+    assert tile(4.5, 1.5, 1.9) < 0 < tile(1.5, 1.5, 1.9)
     with pytest.raises(iso.Error, match="triplanar"):
         iso.sphere(3).textured(1, iso.ribs(), projection="cube")
 

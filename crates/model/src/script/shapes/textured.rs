@@ -55,11 +55,11 @@ pub(super) const ROWS: &[Row] = rows![
 ];
 
 fn textured(g: &Given) -> Result<Tree, String> {
-    let body = Body::of(g.shape(0));
+    let body = Body { field: g.shape(0) };
     let depth = g.number(1);
     let mut height = projected(g, &body)? * depth as f32;
     if let Some(part) = part(g, depth) {
-        height = height * part;
+        height *= part;
     }
     let inward = g.number(11) != 0.0;
     let way = if inward { -1.0 } else { 1.0 };
@@ -71,7 +71,7 @@ fn textured(g: &Given) -> Result<Tree, String> {
     if !(5.0..=85.0).contains(&angle) {
         return Err("angle must be from 5 to 85 degrees".to_owned());
     }
-    let level = body.from_the_side(depth, angle, way);
+    let level = body.seen_from_the_side(depth, angle, way);
     Ok(if inward {
         moved.min(level)
     } else {
@@ -139,16 +139,12 @@ fn projected(g: &Given, body: &Body) -> Result<Tree, String> {
     })
 }
 
-/// A body and how it changes along each axis, in one step.
+/// The field of a body, a distance near its surface.
 struct Body {
     field: Tree,
 }
 
 impl Body {
-    fn of(field: Tree) -> Body {
-        Body { field }
-    }
-
     /// The change in one step along each axis: differences, since data such as
     /// a mesh has no formula of its slope.
     fn changes(&self) -> [Tree; 3] {
@@ -179,7 +175,7 @@ impl Body {
     /// inside by so much that the face may move by the depth. At a level face it
     /// is the body itself. So level faces stay where they are, up to their
     /// rims.
-    fn from_the_side(&self, depth: f64, angle: f64, way: f32) -> Tree {
+    fn seen_from_the_side(&self, depth: f64, angle: f64, way: f32) -> Tree {
         // At an angle a, a place at a distance d comes to
         // d cos²a - below sin²a. This is 0 for the depth at the angle that is
         // given.
