@@ -86,3 +86,18 @@ gallery() {
 }
 
 gallery
+
+# textures: a tile with each pattern of docs/textures.md.
+textures() {
+    local name
+    mkdir -p assets/textures
+    for name in $(sed -n 's/^| `\([a-z]*\)(.*assets.*/\1/p' docs/textures.md); do
+        echo "box([-15, -15, 0], [15, 15, 4])
+            .textured(1, $name(), #{projection: \"z\"})
+            & box([-15, -15, 0.5], [15, 15, 9])" >"$work/$name.rhai"
+        target/release/isoslice render "$work/$name.rhai" --pixels 180x135 \
+            -o "assets/textures/$name.png" --quiet
+    done
+}
+
+textures

@@ -606,7 +606,8 @@ fn typical_mistakes_are_told_what_to_write() {
         ("slice none.rhai", "cannot read none.rhai: check its name"),
         ("slice parts", "parts is a folder; "),
         ("slice ok", "did you mean ok.rhai?"),
-        ("slice a.stl", "a.stl is a mesh or a drawing"),
+        ("slice a.stl", "cannot read a.stl"),
+        ("slice a.step", "export it as .stl, .obj, .ply or .3mf"),
         ("slice ok.gcode", "check and preview read that"),
         ("slice sqrt(x^2+y^2)-3", "write -e 'sqrt(x^2+y^2)-3'"),
         (

@@ -1,4 +1,5 @@
-//! The gallery: each model is on the page, and is sliced as its head says.
+//! The gallery: each model is on the page, and is sliced as its head says. So are
+//! the examples with textures.
 
 use assert_cmd::Command;
 use std::fs;
@@ -41,7 +42,9 @@ fn every_model_is_on_the_page_with_its_picture() {
 #[test]
 fn every_model_is_sliced_as_its_head_says_without_a_warning() {
     let folder = tempfile::tempdir().unwrap();
-    for model in models() {
+    let textured = ["knurled-knob", "labelled-mug"]
+        .map(|name| root().join(format!("examples/{name}.rhai")));
+    for model in models().into_iter().chain(textured) {
         let text = fs::read_to_string(&model).unwrap();
         let said = text.lines().find_map(|l| l.strip_prefix("//   isoslice "));
         let words = said.unwrap().split_whitespace();

@@ -242,7 +242,7 @@ fn mistakes_are_explained_and_leave_nothing_behind() {
         (&["preview", "none.gcode"][..], "cannot read none.gcode"),
         (&["preview", "poem.gcode"], "poem.gcode prints nothing"),
         (&["preview", "part.bgcode"], "binary G-code"),
-        (&["preview", "part.stl"], "is a mesh"),
+        (&["preview", "part.step"], "is a drawing"),
         (&["preview", "odd.gcode", "--size", "9"], "for models"),
         (&["preview", "odd.gcode", "--set", "walls=1"], "for models"),
         (

@@ -594,7 +594,7 @@ fn files_are_loaded_by_their_extension() {
     let loaded = load(&file("slab.VM", vm), &[]).unwrap();
     assert_eq!(loaded.name, "slab");
     let error = |s: &Source| load(s, &[]).err().unwrap().to_string();
-    let e = error(&file("a.stl", b""));
+    let e = error(&file("a.step", b""));
     assert!(e.contains(".rhai") && e.contains(".vm"), "{e}");
     let e = error(&file("a", b""));
     assert!(e.contains("no extension"), "{e}");

@@ -158,8 +158,10 @@ pub(crate) fn argument(
     if let Some(expr) = expr(given)? {
         return Ok(Argument::Field(expr.get().tree.clone()));
     }
+    if let Ok(flag) = given.cast::<PyBool>() {
+        return Ok(Argument::Flag(flag.is_true()));
+    }
     if given.is_instance_of::<PyInt>()
-        && !given.is_instance_of::<PyBool>()
         && let Ok(whole) = given.extract::<i64>()
     {
         return Ok(Argument::Whole(whole));

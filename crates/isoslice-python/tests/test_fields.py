@@ -175,7 +175,8 @@ assert sdf.sphere(2).expr(0, 0, 3) == 1
 
 
 def test_every_shape_of_scripts_is_there():
-    text = (ROOT / "docs" / "shapes.md").read_text()
+    pages = [ROOT / "docs" / f"{page}.md" for page in ("shapes", "textures")]
+    text = "".join(page.read_text() for page in pages)
     rows = [line for line in text.splitlines() if line.startswith("| `")]
     calls = [re.findall(r"`([^`]*)`", row.split("|")[1]) for row in rows]
     methods = {n for c in calls for n in re.findall(r"f\.(\w+)\(", " ".join(c))}
@@ -185,6 +186,15 @@ def test_every_shape_of_scripts_is_there():
     assert len(methods) > 12 and len(functions) > 20
     assert {n for n in methods if not hasattr(Expr, n)} == set()
     assert {n for n in functions if not hasattr(iso, n)} == set()
+
+
+def test_textures_take_words_and_flags():
+    tile = iso.box((0, 0, 0), (9, 9, 2)).textured(
+        0.5, iso.checker(size=3), projection="z", inward=True
+    )
+    assert tile(4.5, 1.5, 1.9) < 0 < tile(1.5, 1.5, 1.9)
+    with pytest.raises(iso.Error, match="triplanar"):
+        iso.sphere(3).textured(1, iso.ribs(), projection="cube")
 
 
 def test_shapes_are_distances():

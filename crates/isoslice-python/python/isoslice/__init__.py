@@ -118,6 +118,20 @@ from ._shapes import (
     union,
     wedge,
 )
+from ._textures import (
+    bricks,
+    checker,
+    dots,
+    hexagons,
+    knurl,
+    leather,
+    ribs,
+    scales,
+    voronoi,
+    waves,
+    weave,
+    wood,
+)
 from ._geo import Outline
 from ._slice import (
     Part,

@@ -21,6 +21,8 @@ pub enum Argument {
     Whole(i64),
     /// Any number.
     Number(f64),
+    /// True or false.
+    Flag(bool),
     /// A text, such as the name of a file.
     Text(String),
     /// A field.
@@ -48,6 +50,7 @@ impl Argument {
         match self {
             Argument::Whole(number) => number.into(),
             Argument::Number(number) => number.into(),
+            Argument::Flag(flag) => flag.into(),
             Argument::Text(text) => text.into(),
             Argument::Field(tree) => Dynamic::from(tree),
             Argument::List(all) => {
@@ -70,9 +73,9 @@ impl Argument {
 static FILES: LazyLock<Arc<Files>> =
     LazyLock::new(|| Arc::new(Files::anywhere()));
 
-/// Calls a function of docs/shapes.md, docs/functions.md or docs/data.md. Names
-/// of files are those of the program's own folder. The result is a
-/// field or a number.
+/// Calls a function of docs/shapes.md, docs/textures.md, docs/functions.md or
+/// docs/data.md. Names of files are those of the program's own folder. The
+/// result is a field or a number.
 ///
 /// ```
 /// use isoslice_model::{Argument, call};
@@ -170,6 +173,18 @@ mod tests {
         assert_eq!(value(&call("pow", cube).unwrap(), -2.0, 0.0, 0.0), -8.0);
         let half = call("fract", vec![Argument::Number(2.5)]).unwrap();
         assert!(matches!(half, Argument::Number(0.5)), "{half:?}");
+        let about = vec![
+            Argument::Field(Tree::x()),
+            Argument::Number(1.0),
+            call("checker", Vec::new()).unwrap(),
+            Argument::Named(vec![
+                ("projection".to_owned(), Argument::Text("z".to_owned())),
+                ("inward".to_owned(), Argument::Flag(true)),
+            ]),
+        ];
+        let deep = call("textured", about).unwrap();
+        assert_eq!(value(&deep, -2.0, 2.0, 0.0), -2.0);
+        assert_eq!(value(&deep, 2.0, 2.0, 0.0), 3.0);
         let two = call("floor", vec![Argument::Number(2.5)]).unwrap();
         assert!(matches!(two, Argument::Whole(2)), "{two:?}");
     }

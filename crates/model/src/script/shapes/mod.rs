@@ -4,7 +4,7 @@
 //! are told apart by what they are (a place, a number, a shape) and numbers
 //! by their order: `cylinder(5, 20)`, `cylinder([0, 0, 10], 5, 20)`. What has
 //! a default may be left out. An operation is also a method: `f.twist(40)`.
-//! docs/shapes.md is the list for users.
+//! docs/shapes.md and docs/textures.md are the lists for users.
 //!
 //! Guaranteed: lengths that must be positive are positive, and numbers are
 //! finite. Shapes whose row says `exact` are distances in mm.
@@ -12,10 +12,12 @@
 mod convex;
 mod fidgets;
 mod flush;
+mod patterns;
 mod read;
 mod rows;
 #[cfg(test)]
 mod tests;
+mod textured;
 
 use super::bodies::Bodies;
 use super::limits::MOST_VALUES;
@@ -36,6 +38,12 @@ enum ArgumentKind {
     Length,
     /// Any number.
     Number,
+    /// A number from 0 to 1.
+    Share,
+    /// true or false, as 1 or 0.
+    Flag,
+    /// One of these words, as its index.
+    Word(&'static [&'static str]),
     /// A place, or three lengths: `[x, y]` or `[x, y, z]`.
     Place,
     /// A place in the plane: `[x, y]`.
@@ -55,8 +63,15 @@ enum ArgumentKind {
 }
 
 impl ArgumentKind {
-    fn wanted(self) -> &'static str {
-        match self {
+    fn wanted(self) -> String {
+        let plain = match self {
+            ArgumentKind::Word(words) => {
+                let words = words.iter().map(|word| format!("{word:?}"));
+                let words: Vec<_> = words.collect();
+                return format!("one of {}", words.join(", "));
+            }
+            ArgumentKind::Share => "a number from 0 to 1",
+            ArgumentKind::Flag => "true or false",
             ArgumentKind::Positive => "a number above 0",
             ArgumentKind::Length => "a number of 0 or more",
             ArgumentKind::Number => "a number",
@@ -73,7 +88,8 @@ impl ArgumentKind {
             ArgumentKind::Points => {
                 "three places or more, [[0, 0], [10, 0], [0, 5]]"
             }
-        }
+        };
+        plain.to_owned()
     }
 }
 
@@ -167,7 +183,12 @@ const FORMER: [(&str, &str); 2] = [("from", "start"), ("to", "end")];
 
 /// All shapes and operations.
 fn rows() -> impl Iterator<Item = &'static Row> {
-    fidgets::ROWS.iter().chain(rows::ROWS)
+    bodies().chain(patterns::ROWS)
+}
+
+/// Those that make bodies.
+fn bodies() -> impl Iterator<Item = &'static Row> {
+    fidgets::ROWS.iter().chain(rows::ROWS).chain(textured::ROWS)
 }
 
 /// Makes the shapes known to scripts.
@@ -179,7 +200,9 @@ pub(super) fn add_shapes(engine: &mut Engine, bodies: &Bodies) {
         } else {
             row.arguments.len()
         };
-        for count in 1..=most {
+        let least =
+            usize::from(row.arguments.iter().any(|a| a.default.is_none()));
+        for count in least..=most {
             // The values may be of any type: they tell which call is meant.
             let types = vec![TypeId::of::<Dynamic>(); count];
             let bodies = bodies.clone();
@@ -194,7 +217,11 @@ pub(super) fn add_shapes(engine: &mut Engine, bodies: &Bodies) {
                             row.name, row.example
                         )
                     })?;
-                    Outcome::Ok(bodies.mark(made))
+                    Outcome::Ok(if makes_body(row.name, false) {
+                        bodies.mark(made)
+                    } else {
+                        made
+                    })
                 },
             );
         }
@@ -212,7 +239,7 @@ pub(super) fn example(name: &str) -> Option<&'static str> {
 /// alone.
 pub fn makes_body(name: &str, of_bodies: bool) -> bool {
     let chosen = of_bodies && matches!(name, "min" | "max");
-    chosen || names().any(|known| known == name)
+    chosen || bodies().any(|row| row.name == name)
 }
 
 /// A call with an array, if this is an operation on any number of shapes.
@@ -325,6 +352,7 @@ impl Argument {
             ArgumentKind::Place | ArgumentKind::Spot => {
                 Value::Place(DVec3::splat(number))
             }
+            ArgumentKind::Shape => Value::Shape(Tree::constant(number as f32)),
             ArgumentKind::Axis => Value::Axis(Axis::Z),
             ArgumentKind::Plane => Value::Plane(Plane::YZ),
             _ => Value::Number(number),

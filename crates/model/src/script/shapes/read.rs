@@ -25,7 +25,10 @@ pub(super) fn may_be(kind: ArgumentKind, value: &Dynamic) -> bool {
         ArgumentKind::Points => value.is_array(),
         ArgumentKind::Positive
         | ArgumentKind::Length
+        | ArgumentKind::Share
         | ArgumentKind::Number => number,
+        ArgumentKind::Flag => value.is_bool(),
+        ArgumentKind::Word(_) => value.is_string(),
     }
 }
 
@@ -49,6 +52,16 @@ pub(super) fn read(kind: ArgumentKind, value: &Dynamic) -> Option<Value> {
         ArgumentKind::Positive => allowed(|n| n > 0.0),
         ArgumentKind::Length => allowed(|n| n >= 0.0),
         ArgumentKind::Number => allowed(|_| true),
+        ArgumentKind::Share => allowed(|n| (0.0..=1.0).contains(&n)),
+        ArgumentKind::Flag => {
+            let flag = value.as_bool().ok();
+            flag.map(|flag| Value::Number(f64::from(u8::from(flag))))
+        }
+        ArgumentKind::Word(words) => {
+            let given = word(value)?;
+            let at = words.iter().position(|word| *word == given);
+            at.map(|at| Value::Number(at as f64))
+        }
     }
 }
 

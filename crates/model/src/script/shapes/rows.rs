@@ -13,7 +13,7 @@ const MOST_COPIES: f64 = 1000.0;
 /// Greatest number of corners of a polygon.
 const MOST_CORNERS: usize = 1000;
 
-const fn argument(
+pub(super) const fn argument(
     name: &'static str,
     kind: ArgumentKind,
     default: Option<f64>,
@@ -52,13 +52,13 @@ const POINTS: Argument = argument("points", ArgumentKind::Points, None);
 const CENTER: Argument = argument("center", ArgumentKind::Place, Some(0.0));
 
 macro_rules! rows {
-    ($($name:literal ($($argument:expr),*) $example:literal
-       |$g:pat_param| $build:expr;)*) => {
+    ($($name:literal ($($argument:expr),* $(,)?) $example:literal
+       $build:expr;)*) => {
         &[$(Row {
             name: $name,
             arguments: &[$($argument),*],
             example: $example,
-            build: |$g| $build,
+            build: $build,
         }),*]
     };
 }
@@ -380,7 +380,12 @@ fn fits(edge: f64, most: f64) -> Result<(), String> {
     }
 }
 
-fn whole(n: f64, what: &str, least: f64, most: f64) -> Result<usize, String> {
+pub(super) fn whole(
+    n: f64,
+    what: &str,
+    least: f64,
+    most: f64,
+) -> Result<usize, String> {
     if n.fract() == 0.0 && (least..=most).contains(&n) {
         Ok(n as usize)
     } else {

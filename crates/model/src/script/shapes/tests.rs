@@ -3,7 +3,7 @@ use super::convex::area;
 use super::*;
 use fidget::context::Context;
 
-fn tree(text: &str) -> Result<Tree, String> {
+pub(super) fn tree(text: &str) -> Result<Tree, String> {
     let limits = ScriptLimits {
         memory_bytes: u64::MAX,
         ..ScriptLimits::default()
@@ -191,7 +191,7 @@ fn any_simple_polygon_has_its_inside() {
     }
 }
 
-fn value(text: &str, x: f32, y: f32, z: f32) -> f32 {
+pub(super) fn value(text: &str, x: f32, y: f32, z: f32) -> f32 {
     let mut context = Context::new();
     let node = context.import(&tree(text).unwrap());
     context.eval_xyz(node, x, y, z).unwrap()
