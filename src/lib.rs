@@ -208,9 +208,10 @@ pub mod model {
     #[doc(inline)]
     pub use isoslice_model::{PlaceError, Placement, ProbeError};
     #[doc(inline)]
-    pub use isoslice_model::{
-        ScriptError, ScriptLimits, Source, SourceKind, is_mesh,
-    };
+    pub use isoslice_model::{ScriptError, ScriptLimits, Source, SourceKind};
+    // For the command line.
+    #[doc(hidden)]
+    pub use isoslice_model::is_mesh;
     #[doc(inline)]
     pub use isoslice_model::{VmError, call, load, load_within, makes_body};
     #[doc(inline)]
