@@ -86,7 +86,6 @@ examples! {
     gyroid_ball "gyroid-ball",
     heat_exchanger "heat-exchanger",
     knurled_knob "knurled-knob",
-    labelled_mug "labelled-mug",
     lattice_part "lattice-part" "infill=gyroid",
     threaded_knob "threaded-knob" "infill=expr: sin(x) + sin(y) + sin(z)",
     twisted_vase "twisted-vase" "wall_offset=field",

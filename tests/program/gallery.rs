@@ -42,7 +42,7 @@ fn every_model_is_on_the_page_with_its_picture() {
 #[test]
 fn every_model_is_sliced_as_its_head_says_without_a_warning() {
     let folder = tempfile::tempdir().unwrap();
-    let textured = ["knurled-knob", "labelled-mug"]
+    let textured = ["knurled-knob", "data/labelled-mug"]
         .map(|name| root().join(format!("examples/{name}.rhai")));
     for model in models().into_iter().chain(textured) {
         let text = fs::read_to_string(&model).unwrap();

@@ -312,7 +312,7 @@ fn on(
     let taken = closed(&unite(&taken), 0.5 * space, TOLERANCE);
     let more = more(way);
     let lines = lines_of(&patches);
-    let area = covered(&lines, angle, 0.5 * space + TOLERANCE);
+    let area = covered(&lines, 0.5 * space + TOLERANCE);
     // What the lines have taken of the sparse area has no infill, either.
     let sparse = difference(over.sparse, &taken);
     let meant = parts.into_iter().flat_map(|part| part.rings);
@@ -387,19 +387,11 @@ fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
     lines.map(|bead| bead.stroke.path().collect()).collect()
 }
 
-/// What straight lines cover that run in a direction and reach `half` to both sides.
-/// Their strips are united where they lie level: the sweep compares all edges whose
-/// boxes meet, and those of two slanting strips do, however far apart they are.
-fn covered(lines: &[Vec<DVec2>], angle: Degrees, half: Mm) -> Area {
-    let along = DVec2::from_angle(angle.to_radians());
-    let level = |p: &DVec2| DVec2::new(along.dot(*p), along.perp_dot(*p));
+/// What straight lines cover that reach `half` to both sides.
+fn covered(lines: &[Vec<DVec2>], half: Mm) -> Area {
     let ways = lines.iter().flat_map(|line| line.windows(2));
-    let strips =
-        ways.filter_map(|way| strip(level(&way[0]), level(&way[1]), half));
-    let mut area = unite(&strips.collect());
-    let points = area.rings.iter_mut().flatten();
-    points.for_each(|p| *p = along.rotate(*p));
-    area
+    let strips = ways.filter_map(|way| strip(way[0], way[1], half));
+    unite(&strips.collect())
 }
 
 /// The rectangle on both sides of a way; nothing if it has no length.
