@@ -23,7 +23,7 @@ pub(super) fn excerpt(
     error: &anyhow::Error,
     text: impl FnOnce(&str) -> Option<String>,
 ) -> Option<String> {
-    let LoadError::Script { file, error } = of_loading(error)? else {
+    let LoadError::Script { file, error, .. } = of_loading(error)? else {
         return None;
     };
     let text = text(file)?;

@@ -264,6 +264,23 @@ fn what_cannot_be_watched_is_said_at_once() {
 /// The parts of a plate file are shown where they stand, each with its own
 /// parameters, and whichever file changes, they are sliced again.
 #[test]
+fn a_file_of_data_that_is_missing_from_the_start_is_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    fs::write(file("sign.rhai"), "max(svg(\"logo.svg\"), abs(z) - 1)").unwrap();
+    let watch = Watch::start(folder.path(), &["sign.rhai"]);
+    let wrong = watch.state(|state| state["fault"].is_object());
+    let text = wrong["fault"]["text"].as_str().unwrap();
+    assert!(text.contains("logo.svg"), "{text}");
+    let page = "<svg xmlns='http://www.w3.org/2000/svg' width='9mm' \
+        height='9mm' viewBox='0 0 9 9'><path d='M0 0H9V9H0Z'/></svg>";
+    fs::write(file("logo.svg"), page).unwrap();
+    watch.state(|state| {
+        state["fault"].is_null() && state["model"]["size"][0] == 9.0
+    });
+}
+
+#[test]
 fn a_plate_file_and_its_models_are_watched() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);

@@ -54,10 +54,7 @@ impl Drawing {
         if closed.iter().flat_map(|o| o.curves()).any(far) {
             return Err("a coordinate is no number, or beyond 1 km".into());
         }
-        let area = Area::new(&closed).ok_or(
-            "its outlines cross one another too often; unite them (Inkscape: \
-             Path > Union)",
-        )?;
+        let area = Area::new(&closed)?;
         if area.bounds().size().min_element() <= 0.0 {
             let mut problem =
                 "nothing in it is an area; fill its shapes".to_owned();

@@ -30,3 +30,8 @@ impl DrawingError {
 
 /// What is wrong, before the name is known.
 pub(crate) type Problem<T> = Result<T, String>;
+
+/// Lets work go on unless it is to stop.
+pub(crate) fn go_on() -> Problem<()> {
+    isoslice_base::limits::go_on().map_err(|stopped| stopped.to_string())
+}

@@ -1,4 +1,4 @@
-use crate::{Drawing, Fill, Outline};
+use crate::{Drawing, Fill, Outline, TextOptions};
 use glam::{DAffine2, DAffine3, DVec2, DVec3};
 use isocontour::{Bounds, Data};
 
@@ -344,4 +344,43 @@ fn sections_go_round_what_is_inside() {
         };
         assert!(drawn.section(&flat, 0.0).is_none());
     }
+}
+
+/// Rays are cast along y in what is wide, and along x in what is high.
+#[test]
+fn wide_and_high_areas_are_one_function() {
+    for fill in [Fill::NonZero, Fill::EvenOdd] {
+        let mut row = Outline::new(fill);
+        for i in 0..30 {
+            let centre = DVec2::new(7.0 * f64::from(i), f64::from(i % 3));
+            row.ellipse(centre, DVec2::new(5.0, 3.0));
+            row.rectangle(centre, centre + DVec2::new(2.0, 9.0));
+        }
+        let mirror = DAffine2::from_cols(DVec2::Y, DVec2::X, DVec2::ZERO);
+        let wide = drawing(&[row.clone()]);
+        let high = drawing(&[row.mapped(mirror)]);
+        let [min, max] = wide.bounds();
+        let mut inside = 0;
+        for p in points(20_000, 1.0) {
+            let p = min + (p + 0.5) * (max - min);
+            let [a, b] = [(&wide, p), (&high, DVec2::new(p.y, p.x))]
+                .map(|(of, p)| of.value(p.extend(0.0)));
+            assert!((a - b).abs() < 1e-9, "{p}: {a} {b}");
+            inside += usize::from(a < 0.0);
+        }
+        assert!((4000..16_000).contains(&inside), "{inside}");
+    }
+}
+
+#[test]
+fn stopped_work_makes_no_drawing() {
+    use isoslice_base::limits::{Limits, Watch};
+    let watch = Watch::new(Limits::default());
+    watch.cancel();
+    let made = std::cell::Cell::new(true);
+    let stopped = watch.run(|| {
+        let text = Drawing::from_text("a", None, &TextOptions::default());
+        made.set(text.is_ok());
+    });
+    assert!(stopped.is_err() && !made.get());
 }

@@ -18,7 +18,7 @@ use crate::shell::Shell;
 use crate::tree::{Node, gap};
 use glam::DVec3;
 use isocontour::Bounds;
-use isoslice_base::limits::is_stopped;
+use isoslice_base::limits::{go_on, is_stopped};
 use rayon::prelude::*;
 
 /// Places at which covers are compared with winding numbers. If all triangles lie
@@ -63,6 +63,7 @@ impl Cover {
         let mut corners = Vec::new();
         let mut places = Vec::new();
         for found in loops(&shell.vertices, &shell.corners, &edges) {
+            go_on()?;
             let ring: Vec<u32> =
                 found.iter().map(|e| edges[*e as usize].from).collect();
             let mut lid = filler.fill(&ring)?;

@@ -6,6 +6,7 @@ use super::script::ScriptError;
 use super::vm::VmError;
 use isocontour::ExpandError;
 use isoslice_base::encoding::NotText;
+use std::path::PathBuf;
 
 /// Why a model cannot be loaded. The user can mend all of them, except
 /// `ScriptError::Bug`.
@@ -71,6 +72,8 @@ pub enum LoadError {
     Formula {
         /// Name of the formula.
         file: String,
+        /// The files of data that it has named so far.
+        data: Vec<PathBuf>,
         /// What is wrong.
         error: FormulaError,
     },
@@ -79,6 +82,8 @@ pub enum LoadError {
     Script {
         /// File.
         file: String,
+        /// The files of data that it has named so far.
+        data: Vec<PathBuf>,
         /// What is wrong.
         error: Box<ScriptError>,
     },
@@ -95,7 +100,22 @@ pub enum LoadError {
     Expression {
         /// File.
         file: String,
+        /// The files of data that it names.
+        data: Vec<PathBuf>,
         /// What is wrong.
         error: ExpandError,
     },
+}
+
+impl LoadError {
+    /// The files of data that the model has named before it failed, those that
+    /// are missing included: once they change, it may load.
+    pub fn data_files(&self) -> &[PathBuf] {
+        match self {
+            LoadError::Formula { data, .. }
+            | LoadError::Script { data, .. }
+            | LoadError::Expression { data, .. } => data,
+            _ => &[],
+        }
+    }
 }

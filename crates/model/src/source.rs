@@ -203,11 +203,7 @@ pub fn load_within(
         Source::File(path) if is_mesh(path) => {
             no_parameters()?;
             let tree = files.mesh(path).map_err(LoadError::Mesh)?;
-            let loaded = counted(file, name, tree, Vec::new())?;
-            return Ok(Loaded {
-                notes: files.notes(),
-                ..loaded
-            });
+            return counted(file, name, tree, Vec::new(), &files);
         }
         Source::File(path) => {
             let kind = kind_of(path)?;
@@ -222,7 +218,13 @@ pub fn load_within(
             tree, parameters, ..
         } => {
             no_parameters()?;
-            return counted(file, name, tree.clone(), parameters.clone());
+            return counted(
+                file,
+                name,
+                tree.clone(),
+                parameters.clone(),
+                &files,
+            );
         }
     };
     let (tree, parameters) =
@@ -242,6 +244,7 @@ pub fn load_within(
                 let tree = parse_formula(text(&bytes, &file)?, &files)
                     .map_err(|error| LoadError::Formula {
                         file: file.clone(),
+                        data: files.read(),
                         error,
                     })?;
                 (tree, Vec::new())
@@ -251,17 +254,13 @@ pub fn load_within(
                     run_script(text(&bytes, &file)?, defines, limits, &files)
                         .map_err(|error| LoadError::Script {
                         file: file.clone(),
+                        data: files.read(),
                         error: Box::new(error),
                     })?;
                 (script.tree, script.parameters)
             }
         };
-    let loaded = counted(file, name, tree, parameters)?;
-    Ok(Loaded {
-        files: files.read(),
-        notes: files.notes(),
-        ..loaded
-    })
+    counted(file, name, tree, parameters, &files)
 }
 
 /// A model whose operations are counted.
@@ -270,14 +269,19 @@ fn counted(
     name: String,
     tree: Tree,
     parameters: Vec<Parameter>,
+    files: &Files,
 ) -> Result<Loaded, LoadError> {
     let (context, _) =
-        expand(&tree).map_err(|error| LoadError::Expression { file, error })?;
+        expand(&tree).map_err(|error| LoadError::Expression {
+            file,
+            data: files.read(),
+            error,
+        })?;
     Ok(Loaded {
         name,
         data: data_of(&tree),
-        files: Vec::new(),
-        notes: Vec::new(),
+        files: files.read(),
+        notes: files.notes(),
         tree,
         parameters,
         expression_size: context.len(),

@@ -29,3 +29,8 @@ impl DataError {
 
 /// What is wrong with a file, before its name is known.
 pub(crate) type Problem<T> = Result<T, String>;
+
+/// Lets work go on unless it is to stop.
+pub(crate) fn go_on() -> Problem<()> {
+    isoslice_base::limits::go_on().map_err(|stopped| stopped.to_string())
+}

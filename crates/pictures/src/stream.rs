@@ -1,7 +1,7 @@
 //! Reads numbers from bytes, compressed or not, without trust in how many a
 //! header says there are.
 
-use crate::error::Problem;
+use crate::error::{Problem, go_on};
 use crate::numbers::{Kind, Numbers};
 use flate2::bufread::MultiGzDecoder;
 use std::io::Read;
@@ -79,6 +79,7 @@ impl<'a> Unzipped<'a> {
         let mut numbers = kind.list(count);
         let mut part = vec![0; PART];
         while left > 0 {
+            go_on()?;
             let next = left.min(PART);
             let into = part.get_mut(..next).unwrap_or_default();
             self.bytes(into)?;

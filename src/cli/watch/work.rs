@@ -11,13 +11,13 @@ use super::session::{
 };
 use super::subject::{Read, Subject};
 use crate::cli::args::Gathered;
-use crate::cli::excerpt::excerpt;
+use crate::cli::excerpt::{excerpt, of_loading};
 use crate::cli::limits::{GRACE, ThreadArgs};
 use crate::cli::terminal;
 use anyhow::Context;
 use isoslice::files::{Output, read_text};
 use isoslice::limits::{Limits, Reason, Stopped, Watch, doing};
-use isoslice::model::Model;
+use isoslice::model::{LoadError, Model};
 use isoslice::pipeline::{self, Options, Summary};
 use isoslice::plate::Plate;
 use isoslice::preview::{Slabs, Toolpath};
@@ -113,8 +113,8 @@ fn make(
     let gathered = &read.gathered;
     let listed = list(gathered, choice);
     session.tell(|state| {
-        // Files that a model read last time count until it is read again: one
-        // that is missing now may come back.
+        // Files of data that the model read last time count until it is read
+        // again.
         let mut files = read.files(job);
         let others = state.files.iter().filter(|file| !files.contains(file));
         let others: Vec<PathBuf> = others.cloned().collect();
@@ -136,11 +136,19 @@ fn make(
     // script may have them again: some editors empty a file before they write
     // it.
     let lenient = session.lock().model.is_some();
-    let subject = read.load(job, choice, lenient)?;
+    let loaded = read.load(job, choice, lenient);
     session.tell(|state| {
         state.files = read.files(job);
-        state.files.extend(subject.data_files());
+        match &loaded {
+            Ok(subject) => state.files.extend(subject.data_files()),
+            // What is missing may appear.
+            Err(error) => {
+                let named = of_loading(error).map(LoadError::data_files);
+                state.files.extend_from_slice(named.unwrap_or_default());
+            }
+        }
     });
+    let subject = loaded?;
     let glimpse = glimpse(session, job, gathered, &subject.plate);
     let shown = show(session, job, subject, glimpse, wanted)?;
     let (gcode, summary) = slice(session, job, &shown.subject.plate)?;

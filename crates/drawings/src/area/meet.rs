@@ -1,6 +1,7 @@
 //! Where pieces of outlines meet.
 
 use crate::curve::Curve;
+use crate::error::{Problem, go_on};
 use crate::tree::Tree;
 use glam::DVec2;
 
@@ -12,19 +13,25 @@ const MOST_PAIRS: usize = 4_000_000;
 /// the ends of either are.
 const MOST_PARTS: usize = 1500;
 
+/// The most pairs of parts of all pieces. They take half a minute.
+const MOST_ALL_PARTS: usize = 500_000_000;
+
 /// The most places where pieces meet.
 const MOST_MEETINGS: usize = 1 << 21;
 
-/// Parameters of each piece at which it meets another, rising. None if there
-/// are too many.
+/// Parameters of each piece at which it meets another, rising.
+///
+/// # Errors
+/// If there are too many, or work was stopped.
 pub(super) fn meetings(
     pieces: &[Curve],
     tree: &Tree,
     flat: f64,
-) -> Option<Vec<Vec<f64>>> {
+) -> Problem<Vec<Vec<f64>>> {
     let mut at: Vec<Vec<f64>> = vec![Vec::new(); pieces.len()];
-    let (mut pairs, mut found) = (0, 0);
+    let (mut pairs, mut found, mut parts) = (0, 0, 0);
     for (i, a) in pieces.iter().enumerate() {
+        go_on()?;
         let bounds = a.bounds().wider(flat);
         let mut near = Vec::new();
         let meets =
@@ -38,7 +45,7 @@ pub(super) fn meetings(
         for j in near {
             let b = &pieces[j];
             let before = found;
-            cross(a, b, flat, |s, t| {
+            parts += cross(a, b, flat, |s, t| {
                 at[i].push(s);
                 at[j].push(t);
                 found += 1;
@@ -59,14 +66,21 @@ pub(super) fn meetings(
                 at[j].extend(touches(b, p, flat));
             }
         }
-        if pairs >= MOST_PAIRS || found > MOST_MEETINGS {
-            return None;
+        if pairs >= MOST_PAIRS
+            || found > MOST_MEETINGS
+            || parts > MOST_ALL_PARTS
+        {
+            return Err(
+                "its outlines cross one another too often; unite them \
+                        (Inkscape: Path > Union)"
+                    .into(),
+            );
         }
     }
     for (piece, at) in pieces.iter().zip(&mut at) {
         tidy(piece, at, flat);
     }
-    Some(at)
+    Ok(at)
 }
 
 /// Sorts parameters, and leaves out those that are at an end or double.
@@ -133,8 +147,14 @@ impl Part {
     }
 }
 
-/// Calls a function with the parameters at which two pieces cross.
-fn cross(a: &Curve, b: &Curve, flat: f64, mut f: impl FnMut(f64, f64)) {
+/// Calls a function with the parameters at which two pieces cross. Returns how
+/// many pairs of parts were looked at.
+fn cross(
+    a: &Curve,
+    b: &Curve,
+    flat: f64,
+    mut f: impl FnMut(f64, f64),
+) -> usize {
     let part = |curve: &Curve| Part {
         curve: *curve,
         from: 0.0,
@@ -151,7 +171,7 @@ fn cross(a: &Curve, b: &Curve, flat: f64, mut f: impl FnMut(f64, f64)) {
             // They nearly lie on one another. What is wrong of a part's side
             // is wrong of a thirty-second of the piece at most.
             (1..32).map(|i| f64::from(i) / 32.0).for_each(|t| f(t, t));
-            return;
+            break;
         }
         if a.curve.bow() <= flat && b.curve.bow() <= flat {
             if let Some((s, t)) = of_lines(&a.curve, &b.curve) {
@@ -168,6 +188,7 @@ fn cross(a: &Curve, b: &Curve, flat: f64, mut f: impl FnMut(f64, f64)) {
             todo.extend(b.halves().map(|half| (a, half)));
         }
     }
+    parts
 }
 
 /// Where two chords cross.

@@ -13,6 +13,7 @@ mod slopes;
 mod winding;
 
 use crate::curve::{Box2, Curve};
+use crate::error::{Problem, go_on};
 use crate::outline::{Fill, Outline};
 use crate::tree::Tree;
 use glam::DVec2;
@@ -65,9 +66,11 @@ pub(crate) struct Nearest {
 }
 
 impl Area {
-    /// What is inside outlines, the last of which is on top. None if they meet
-    /// too often.
-    pub(crate) fn new(outlines: &[Outline]) -> Option<Area> {
+    /// What is inside outlines, the last of which is on top.
+    ///
+    /// # Errors
+    /// If they meet too often, or work was stopped.
+    pub(crate) fn new(outlines: &[Outline]) -> Problem<Area> {
         let shapes: Vec<Shape> = outlines
             .iter()
             .map(|o| Shape {
@@ -94,18 +97,10 @@ impl Area {
         let curves: Vec<Curve> = pieces.into_iter().map(|p| p.0).collect();
         let boxes = curves.iter().map(Curve::bounds).collect();
         let met = meet::meetings(&curves, &Tree::new(boxes), 100.0 * flat)?;
-        let border: Vec<Edge> = curves
-            .par_iter()
-            .zip(&met)
-            .flat_map_iter(|(curve, at)| {
-                let parts = curve.cut(at).into_iter();
-                parts.filter_map(|part| edge(&winding, part, 1e4 * flat))
-            })
-            .collect();
-        let mut edges = border;
+        let mut edges = border(&winding, &curves, &met, 1e4 * flat)?;
         smooth_ends(&mut edges);
         let boxes = edges.iter().map(|e| e.piece.curve.bounds()).collect();
-        Some(Area {
+        Ok(Area {
             winding,
             tree: Tree::new(boxes),
             edges,
@@ -180,6 +175,29 @@ impl Area {
         };
         (far * sign, gradient)
     }
+}
+
+/// The parts of curves, which are cut where they meet, that are the border.
+fn border(
+    winding: &Winding,
+    curves: &[Curve],
+    met: &[Vec<f64>],
+    step: f64,
+) -> Problem<Vec<Edge>> {
+    /// Curves after which it is asked whether to stop. They take some tens of
+    /// milliseconds.
+    const BLOCK: usize = 4096;
+    let mut border = Vec::new();
+    for (curves, met) in curves.chunks(BLOCK).zip(met.chunks(BLOCK)) {
+        go_on()?;
+        let parts = |(curve, at): (&Curve, &Vec<f64>)| {
+            let parts = curve.cut(at).into_iter();
+            parts.filter_map(|part| edge(winding, part, step))
+        };
+        let both = curves.par_iter().zip(met);
+        border.par_extend(both.flat_map_iter(parts));
+    }
+    Ok(border)
 }
 
 /// A part of an outline as a part of the border, if it is one.

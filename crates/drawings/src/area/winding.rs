@@ -3,6 +3,9 @@
 //! A ray to the right from the point crosses pieces, each of which rises or
 //! falls. A piece holds its lower end and not its upper, so that the ray meets
 //! a ring at each passage once.
+//!
+//! A ray along a line of text would meet half its letters. So what is wide is
+//! mirrored, x for y, and rays are as short as the area is high.
 
 use super::Shape;
 use crate::curve::{Box2, Curve};
@@ -13,6 +16,8 @@ use glam::DVec2;
 /// The pieces of all shapes.
 #[derive(Debug)]
 pub(super) struct Winding {
+    /// True if the pieces are mirrored, and places have to be.
+    mirrored: bool,
     pieces: Vec<(Curve, u32)>,
     tree: Tree,
     shapes: Vec<Shape>,
@@ -23,11 +28,20 @@ type Met = (u32, i32);
 
 impl Winding {
     pub(super) fn new(
-        pieces: Vec<(Curve, u32)>,
+        mut pieces: Vec<(Curve, u32)>,
         shapes: Vec<Shape>,
     ) -> Winding {
+        let boxes = pieces.iter().map(|(c, _)| c.bounds());
+        let size = boxes.fold(Box2::NONE, Box2::union).size();
+        let mirrored = size.x > size.y;
+        if mirrored {
+            for (piece, _) in &mut pieces {
+                *piece = piece.map(mirror);
+            }
+        }
         let boxes = pieces.iter().map(|(c, _)| c.bounds()).collect();
         Winding {
+            mirrored,
             pieces,
             tree: Tree::new(boxes),
             shapes,
@@ -35,7 +49,16 @@ impl Winding {
     }
 
     pub(super) fn bounds(&self) -> Box2 {
-        self.tree.bounds()
+        let Box2 { min, max } = self.tree.bounds();
+        Box2 {
+            min: self.seen(min),
+            max: self.seen(max),
+        }
+    }
+
+    /// A place as the pieces have it, and back.
+    fn seen(&self, p: DVec2) -> DVec2 {
+        if self.mirrored { mirror(p) } else { p }
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -43,6 +66,7 @@ impl Winding {
     }
 
     pub(super) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        tell(&[u8::from(self.mirrored)]);
         for (piece, shape) in &self.pieces {
             tell(&shape.to_le_bytes());
             tell(&[piece.degree() as u8]);
@@ -63,6 +87,7 @@ impl Winding {
     /// Whether a point is inside: what the last shape says that covers it and
     /// is seen there.
     pub(super) fn is_inside(&self, p: DVec2) -> bool {
+        let p = self.seen(p);
         let mut first: Met = (0, 0);
         let mut others: Vec<Met> = Vec::new();
         let ahead =
@@ -103,6 +128,10 @@ impl Winding {
         let top = others.iter().filter(seen).max_by_key(|met| met.0);
         top.and_then(|met| shape(met.0)).is_some_and(|s| !s.cuts)
     }
+}
+
+fn mirror(p: DVec2) -> DVec2 {
+    DVec2::new(p.y, p.x)
 }
 
 /// How a ray to the right from a point passes a piece: 1 where it rises, -1

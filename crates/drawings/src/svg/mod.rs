@@ -15,7 +15,7 @@ mod walk;
 
 use crate::area::Area;
 use crate::drawing::Drawing;
-use crate::error::{DrawingError, Problem};
+use crate::error::{DrawingError, Problem, go_on};
 use crate::outline::Outline;
 use glam::{DAffine2, DVec2};
 use roxmltree::{Document, Node, NodeId, ParsingOptions};
@@ -33,6 +33,15 @@ const MOST_NODES: u32 = 1_000_000;
 
 /// The most rules of its style sheets.
 const MOST_RULES: usize = 1000;
+
+/// The most bytes of its style sheets. Wherever a rule is not as it should be,
+/// all of the sheet before it is read again, for the line's number.
+const MOST_SHEET_BYTES: usize = 4 << 20;
+
+/// The most parts of a rule's selector, such as the two of `g path`. Whether an
+/// element matches takes a time that grows with the depth of the drawing for
+/// each part.
+const MOST_SELECTOR_PARTS: usize = 8;
 
 /// Millimetres of a pixel: 96 pixels are an inch.
 const PIXEL: f64 = 25.4 / 96.0;
@@ -152,19 +161,54 @@ fn read(name: &str, bytes: &[u8], options: &SvgOptions) -> Problem<Drawing> {
 
 /// The rules of a document's style sheets.
 fn sheet<'a>(document: &'a Document<'_>) -> Problem<Sheet<'a>> {
-    let mut rules = StyleSheet::new();
-    for node in document.descendants() {
-        if node.tag_name().name() == "style" {
-            rules.parse_more(node.text().unwrap_or(""));
-        }
-    }
-    if rules.rules.len() > MOST_RULES {
+    let is_sheet = |node: &Node| node.tag_name().name() == "style";
+    let sheets = document.descendants().filter(is_sheet);
+    let texts: Vec<&str> = sheets.filter_map(|node| node.text()).collect();
+    let selectors: usize = texts.iter().map(|text| selectors(text)).sum();
+    if selectors > MOST_RULES {
         return Err(format!(
             "its style sheets have more than {MOST_RULES} rules; save it as \
              plain SVG"
         ));
     }
+    if texts.iter().map(|text| text.len()).sum::<usize>() > MOST_SHEET_BYTES {
+        return Err("its style sheets have more than 4 MB; save it as plain \
+                    SVG"
+        .into());
+    }
+    let mut rules = StyleSheet::new();
+    for text in texts {
+        go_on()?;
+        rules.parse_more(text);
+    }
+    let long = rules.rules.iter().map(|rule| rule.selector.to_string());
+    if let Some(long) =
+        long.into_iter().find(|s| parts(s) > MOST_SELECTOR_PARTS)
+    {
+        let shown: String = long.chars().take(40).collect();
+        return Err(format!(
+            "its style sheet has a rule for `{shown}…`, of more than \
+             {MOST_SELECTOR_PARTS} parts; save it as plain SVG"
+        ));
+    }
     Ok(Sheet { rules })
+}
+
+/// About how many selectors a style sheet has, before anybody reads it: each of
+/// a list before a brace makes a rule.
+fn selectors(sheet: &str) -> usize {
+    let lists = sheet.split('{').rev().skip(1);
+    let count = |list: &str| {
+        let list = list.rsplit('}').next().unwrap_or_default();
+        1 + list.matches(',').count()
+    };
+    lists.map(count).sum()
+}
+
+/// Number of elements that a selector names.
+fn parts(selector: &str) -> usize {
+    let words = selector.split_whitespace();
+    words.filter(|word| !matches!(*word, ">" | "+")).count()
 }
 
 /// Elements by their names, the first of each.
@@ -229,11 +273,7 @@ fn place_all(outlines: &mut [Outline], options: &SvgOptions) -> Problem<()> {
     if options.anchor == Anchor::Page && sized == [None; 2] {
         return Ok(());
     }
-    let Some(area) = Area::new(outlines) else {
-        // The drawing itself says why.
-        return Ok(());
-    };
-    let bounds = area.bounds();
+    let bounds = Area::new(outlines)?.bounds();
     let size = bounds.size();
     if !(size.is_finite() && size.min_element() > 0.0) {
         return Ok(());

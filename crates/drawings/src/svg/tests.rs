@@ -452,3 +452,34 @@ fn any_text_does_no_harm() {
         }
     }
 }
+
+#[test]
+fn style_sheets_that_would_take_long_are_refused() {
+    let square = "<path d='M0 0H10V10H0Z'/>";
+    let deep = format!("{}{square}{}", "<g>".repeat(60), "</g>".repeat(60));
+    let refused = |inner: &str, wanted: &str| {
+        let e = read(&page(inner)).unwrap_err().to_string();
+        assert!(e.contains(wanted), "{e}");
+    };
+    // Whether this matches takes 60 over 24 steps.
+    let long = format!("x {} path", "* ".repeat(24));
+    let sheet = format!("<style>{long}{{fill:red}}</style>{deep}");
+    refused(&sheet, "`x * * *");
+    let most = "g > g + g > g g g g path{fill:none}";
+    drawn(&format!("<style>{most}</style>{square}"));
+    // Rules, and how they are written: one sheet, many, and a list.
+    let rules: Vec<String> =
+        (0..20_000).map(|i| format!(".c{i}{{fill:red}}")).collect();
+    let one = format!("<style>{}</style>{square}", rules.concat());
+    refused(&one, "more than 1000 rules");
+    let sheet = |rule: &String| format!("<style>{rule}</style>");
+    let many: String = rules.iter().map(sheet).collect();
+    refused(&(many + square), "more than 1000 rules");
+    let list = vec![".a"; 20_000].join(",");
+    refused(
+        &format!("<style>{list}{{fill:red}}</style>{square}"),
+        "more than 1000 rules",
+    );
+    let large = "/* */".repeat(1 << 20);
+    refused(&format!("<style>{large}</style>{square}"), "4 MB");
+}

@@ -4,7 +4,7 @@ use super::style::{Own, Paint, Style};
 use super::view::{Share, attribute, fit, length, transform, view_box};
 use super::{Sheet, shapes};
 use crate::area::MOST_CURVES;
-use crate::error::Problem;
+use crate::error::{Problem, go_on};
 use crate::outline::Outline;
 use crate::stroke::{Pen, stroke};
 use glam::{DAffine2, DVec2};
@@ -110,6 +110,7 @@ impl<'a> Walk<'a> {
         style: &Style,
         place: Place,
     ) -> Problem<()> {
+        go_on()?;
         self.elements += 1;
         if self.elements > MOST_ELEMENTS {
             return Err(format!(
@@ -345,6 +346,7 @@ impl<'a> Walk<'a> {
             };
             let from = made.len();
             for strand in &path.strands {
+                go_on()?;
                 stroke(strand, &pen, &mut made);
                 if made.len() > MOST_CURVES {
                     break;

@@ -231,6 +231,7 @@ pub fn script_words(
     operations(&shape.tree, tell).map_err(|error| {
         failed(LoadError::Expression {
             file: path.clone(),
+            data: shape.files.clone(),
             error,
         })
     })

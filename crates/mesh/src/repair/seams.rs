@@ -15,6 +15,7 @@ use super::Work;
 use crate::edges::each_edge;
 use crate::tree::{Node, Tree, above, below};
 use glam::DVec3;
+use isoslice_base::limits::is_stopped;
 use isoslice_base::sets::Sets;
 use std::cell::Cell;
 
@@ -64,6 +65,10 @@ impl Rim {
         for end in ends {
             if std::mem::replace(&mut is_seen[end as usize], true) {
                 continue;
+            }
+            // The caller asks as well, and drops what is unfinished.
+            if is_stopped() {
+                return;
             }
             let p = vertices[end as usize];
             let low = (p - self.reach).to_array().map(below);

@@ -9,43 +9,36 @@ use super::folder::Folder;
 use super::kinds::{Asked, Kind, Made, kind};
 use super::lock;
 use super::options::Options;
+use super::taken::Taken;
 use fidget::context::Tree;
 use isocontour::{Data, call};
+use isoslice_base::units::human_bytes;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, Weak};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::SystemTime;
+
+/// Greatest memory of a model's data, bytes: as much as a whole run may take.
+const MOST_DATA_BYTES: u64 = 4 << 30;
+/// Greatest number of times that a model has data made. A calendar has a text
+/// for each day.
+const MOST_MADE: u64 = 1000;
 
 /// The files that one model may read, and what it has read.
 pub(crate) struct Files {
     folder: Folder,
     taken: Taken,
     /// An expression does not keep its data.
-    kept: Mutex<Vec<Arc<dyn Data>>>,
-    notes: Mutex<Vec<String>>,
+    kept: Mutex<Kept>,
 }
 
-/// What the reading of data took, which no script is blamed for.
-#[derive(Clone, Default)]
-pub(crate) struct Taken(Arc<[AtomicU64; 2]>);
-
-impl Taken {
-    /// The data's memory, in bytes.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.0[0].load(Ordering::Relaxed)
-    }
-
-    /// The time that the reading took.
-    pub(crate) fn time(&self) -> Duration {
-        Duration::from_micros(self.0[1].load(Ordering::Relaxed))
-    }
-
-    fn add(&self, bytes: u64, time: Duration) {
-        let time = u64::try_from(time.as_micros()).unwrap_or(u64::MAX);
-        self.0[0].fetch_add(bytes, Ordering::Relaxed);
-        self.0[1].fetch_add(time, Ordering::Relaxed);
-    }
+/// The data of a model, each once.
+#[derive(Default)]
+struct Kept {
+    data: Vec<Arc<dyn Data>>,
+    notes: Vec<String>,
+    /// What the data takes, bytes.
+    bytes: u64,
 }
 
 impl Default for Files {
@@ -70,11 +63,10 @@ impl Files {
             folder,
             taken: Taken::default(),
             kept: Mutex::default(),
-            notes: Mutex::default(),
         }
     }
 
-    /// What the reading took so far. It goes on counting.
+    /// What the making of data took so far. It goes on counting.
     pub(crate) fn taken(&self) -> Taken {
         self.taken.clone()
     }
@@ -86,7 +78,7 @@ impl Files {
 
     /// What users should know of what was read, in sentences.
     pub(crate) fn notes(&self) -> Vec<String> {
-        lock(&self.notes).clone()
+        lock(&self.kept).notes.clone()
     }
 
     /// What a function makes of a file, or of a text, as a function of x, y
@@ -100,12 +92,9 @@ impl Files {
         text: &str,
         options: &Options,
     ) -> Result<Tree, String> {
-        let path = if kind.of_file {
-            self.folder.find(text)?
-        } else {
-            PathBuf::new()
-        };
-        self.made(kind, text, &path, options)
+        let file = kind.file_of(text, options);
+        let path = file.map(|name| self.folder.find(name)).transpose()?;
+        self.made(kind, text, path.as_deref(), options)
     }
 
     /// A mesh's file as a function of x, y and z.
@@ -115,26 +104,22 @@ impl Files {
     pub(crate) fn mesh(&self, path: &Path) -> Result<Tree, String> {
         let kind = kind("mesh").ok_or("meshes are not known")?;
         let shown = path.file_name().unwrap_or_default().to_string_lossy();
-        self.made(kind, &shown, path, &Options::new())
+        self.made(kind, &shown, Some(path), &Options::new())
     }
 
     fn made(
         &self,
         kind: &Kind,
         text: &str,
-        path: &Path,
+        path: Option<&Path>,
         options: &Options,
     ) -> Result<Tree, String> {
-        let begin = Instant::now();
         let asked = Asked {
             text,
             path,
             options,
-            folder: &self.folder,
         };
-        let Made { data, notes } = known_or_made(kind, &asked)?;
-        self.taken.add(data.bytes() as u64, begin.elapsed());
-        lock(&self.notes).extend(notes);
+        let Made { data, notes } = known_or_made(kind, &asked, &self.taken)?;
         let (x, y, z) = Tree::axes();
         let z = if data.is_flat() {
             Tree::constant(0.0)
@@ -142,54 +127,104 @@ impl Files {
             z
         };
         let tree = call(&data, [x, y, z]);
-        lock(&self.kept).push(data);
+        lock(&self.kept).keep(data, notes)?;
         Ok(tree)
     }
 }
 
-/// A version of a file, and what was asked of it.
+impl Kept {
+    /// Keeps data, unless it is kept already.
+    fn keep(
+        &mut self,
+        data: Arc<dyn Data>,
+        notes: Vec<String>,
+    ) -> Result<(), String> {
+        if self.data.iter().any(|kept| Arc::ptr_eq(kept, &data)) {
+            return Ok(());
+        }
+        self.bytes = self.bytes.saturating_add(data.bytes() as u64);
+        if self.bytes > MOST_DATA_BYTES {
+            return Err(format!(
+                "with {} the model's data takes more than {}; read fewer or \
+                 smaller files",
+                data.name(),
+                human_bytes(MOST_DATA_BYTES)
+            ));
+        }
+        self.notes.extend(notes);
+        self.data.push(data);
+        Ok(())
+    }
+}
+
+/// What was asked of a function, with the version of the file that it reads.
 #[derive(PartialEq)]
 struct Version {
     asked: String,
+    file: Option<FileVersion>,
+}
+
+/// A version of a file.
+#[derive(PartialEq)]
+struct FileVersion {
     path: PathBuf,
     length: u64,
     changed: SystemTime,
 }
 
-/// Data in use, with the version of the file that it is from, and what users
-/// should know of it.
+impl Version {
+    /// None if the system does not tell when the file was changed.
+    fn of(kind: &Kind, asked: &Asked<'_>) -> Result<Option<Version>, String> {
+        let file = match asked.path {
+            None => None,
+            Some(path) => match FileVersion::of(path)? {
+                None => return Ok(None),
+                known => known,
+            },
+        };
+        let all = (kind.name, asked.text, asked.options);
+        let asked = format!("{all:?}");
+        Ok(Some(Version { asked, file }))
+    }
+}
+
+impl FileVersion {
+    /// None if the system does not tell when the file was changed.
+    fn of(path: &Path) -> Result<Option<FileVersion>, String> {
+        let failed = |e: &dyn std::fmt::Display| {
+            format!("cannot read {}: {e}", path.display())
+        };
+        let facts = fs::metadata(path).map_err(|e| failed(&e))?;
+        if !facts.is_file() {
+            return Err(failed(&"it is not a file"));
+        }
+        let version = || {
+            Some(FileVersion {
+                path: fs::canonicalize(path).ok()?,
+                length: facts.len(),
+                changed: facts.modified().ok()?,
+            })
+        };
+        Ok(version())
+    }
+}
+
+/// Data in use, with what was asked for it, and what users should know of it.
 struct Known {
     version: Version,
     data: Weak<dyn Data>,
     notes: Vec<String>,
 }
 
-/// What a function makes. What somebody uses is made once of a file that has
-/// not changed.
-fn known_or_made(kind: &Kind, asked: &Asked<'_>) -> Result<Made, String> {
+/// What a function makes. What somebody uses is made once of a text, and of a
+/// file that has not changed.
+fn known_or_made(
+    kind: &Kind,
+    asked: &Asked<'_>,
+    taken: &Taken,
+) -> Result<Made, String> {
     static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
-    if !kind.of_file {
-        let made = kind.make(asked);
-        return made.map_err(|e| format!("{}: {e}", kind.name));
-    }
-    let path = asked.path;
-    let failed = |e: &dyn std::fmt::Display| {
-        format!("cannot read {}: {e}", path.display())
-    };
-    let facts = fs::metadata(path).map_err(|e| failed(&e))?;
-    if !facts.is_file() {
-        return Err(failed(&"it is not a file"));
-    }
-    let version = || {
-        let all = (kind.name, asked.text, asked.options);
-        Some(Version {
-            asked: format!("{all:?}"),
-            path: fs::canonicalize(path).ok()?,
-            length: facts.len(),
-            changed: facts.modified().ok()?,
-        })
-    };
-    let version = version();
+    let version = Version::of(kind, asked)?;
     let is_same = |known: &&Known| Some(&known.version) == version.as_ref();
     let same = lock(&KNOWN).iter().find(is_same).and_then(|known| {
         let notes = known.notes.clone();
@@ -198,9 +233,14 @@ fn known_or_made(kind: &Kind, asked: &Asked<'_>) -> Result<Made, String> {
     if let Some(made) = same {
         return Ok(made);
     }
-    let made = kind
-        .make(asked)
-        .map_err(|e| format!("{}: {e}", path.display()))?;
+    if taken.times() >= MOST_MADE {
+        return Err(format!(
+            "{} makes data more than {MOST_MADE} times in one model; repeat \
+             it with % (modulo) of a coordinate instead of loops",
+            kind.name
+        ));
+    }
+    let made = taken.making(|| kind.make(asked))?;
     if let Some(version) = version {
         let mut known = lock(&KNOWN);
         known.retain(|known| known.data.strong_count() > 0);

@@ -4,15 +4,19 @@
 
 use super::lock;
 use isoslice_base::files;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Mutex;
+
+/// Greatest number of files of a model, those that are not there included.
+const MOST_FILES: usize = 1000;
 
 /// A folder, and what was found in it.
 pub(super) struct Folder {
     /// None: any file may be read.
     path: Option<PathBuf>,
-    found: Mutex<Vec<PathBuf>>,
+    found: Mutex<BTreeSet<PathBuf>>,
 }
 
 impl Folder {
@@ -31,7 +35,7 @@ impl Folder {
 
     /// The files that were found.
     pub(super) fn found(&self) -> Vec<PathBuf> {
-        lock(&self.found).clone()
+        lock(&self.found).iter().cloned().collect()
     }
 
     /// The path of a file that may be read.
@@ -51,8 +55,7 @@ impl Folder {
             ));
         }
         let path = folder.join(name);
-        // What is not there may appear, and whoever watches waits for that.
-        lock(&self.found).push(path.clone());
+        self.note(&path)?;
         let absent =
             |e: std::io::Error| format!("cannot read {}: {e}", path.display());
         let real = fs::canonicalize(&path).map_err(absent)?;
@@ -65,6 +68,23 @@ impl Folder {
             ));
         }
         Ok(path)
+    }
+
+    /// Notes a path. What is not there may appear, and whoever watches waits
+    /// for that.
+    fn note(&self, path: &Path) -> Result<(), String> {
+        let mut found = lock(&self.found);
+        if found.contains(path) {
+            return Ok(());
+        }
+        if found.len() >= MOST_FILES {
+            return Err(format!(
+                "{}: a model reads {MOST_FILES} files at most",
+                path.display()
+            ));
+        }
+        found.insert(path.to_owned());
+        Ok(())
     }
 
     /// The bytes of a file, at most so many.

@@ -1,7 +1,7 @@
 //! The functions that make data: of files, and of a text.
 
 use super::folder::Folder;
-use super::options::{Options, Reader};
+use super::options::{Given, Options, Reader};
 use glam::DVec3;
 use isocontour::Data;
 use isoslice_drawings::{
@@ -55,15 +55,18 @@ pub(crate) struct Kind {
 pub(super) struct Asked<'a> {
     /// The first value: the name of a file, or a text.
     pub text: &'a str,
-    /// The file, if it is the name of one.
-    pub path: &'a Path,
+    /// The file to read, if there is one.
+    pub path: Option<&'a Path>,
     pub options: &'a Options,
-    pub folder: &'a Folder,
 }
 
 impl Asked<'_> {
+    fn file(&self) -> Result<&Path, String> {
+        self.path.ok_or_else(|| "it needs a file".to_owned())
+    }
+
     fn bytes(&self, most: u64) -> Result<Vec<u8>, String> {
-        Folder::bytes(self.path, most)
+        Folder::bytes(self.file()?, most)
     }
 }
 
@@ -119,8 +122,28 @@ pub(crate) fn kind(name: &str) -> Option<&'static Kind> {
 }
 
 impl Kind {
+    /// The name of the file that a call reads: a text may have a font.
+    pub(super) fn file_of<'a>(
+        &self,
+        text: &'a str,
+        options: &'a Options,
+    ) -> Option<&'a str> {
+        match options.get("font") {
+            _ if self.of_file => Some(text),
+            Some(Given::Text(font)) => Some(font),
+            _ => None,
+        }
+    }
+
+    /// Makes data. Messages name the file, or the text.
     pub(super) fn make(&self, asked: &Asked<'_>) -> Result<Made, String> {
-        (self.make)(asked)
+        let made = (self.make)(asked);
+        match asked.path {
+            Some(path) if self.of_file => {
+                made.map_err(|e| format!("{}: {e}", path.display()))
+            }
+            _ => made,
+        }
     }
 }
 
@@ -150,12 +173,13 @@ fn extension(path: &Path) -> String {
 
 fn mesh(asked: &Asked<'_>) -> Result<Made, String> {
     Reader::new("mesh", asked.options).finish()?;
-    let format = Format::of_extension(&extension(asked.path));
+    let path = asked.file()?;
+    let format = Format::of_extension(&extension(path));
     let format = format.ok_or(
         "its name is not known as a mesh's; meshes are .stl, .obj, .ply and \
          .3mf files",
     )?;
-    let file = File::open(asked.path).map_err(|e| e.to_string())?;
+    let file = File::open(path).map_err(|e| e.to_string())?;
     let triangles = isoslice_mesh::read(BufReader::new(file), format)
         .map_err(|e| e.to_string())?;
     let name = format!("mesh({:?})", asked.text);
@@ -187,7 +211,8 @@ fn svg(asked: &Asked<'_>) -> Result<Made, String> {
     };
     given.finish()?;
     let bytes = asked.bytes(MOST_SVG_BYTES as u64)?;
-    drawn(Drawing::from_svg(asked.text, &bytes, &options))
+    let made = Drawing::from_svg(asked.text, &bytes, &options);
+    Ok(drawn(made.map_err(|e| e.problem().to_owned())?))
 }
 
 fn text(asked: &Asked<'_>) -> Result<Made, String> {
@@ -213,33 +238,28 @@ fn text(asked: &Asked<'_>) -> Result<Made, String> {
         line_mm: given.number("line")?,
         spacing_mm: given.number("spacing")?.unwrap_or_default(),
     };
-    let font = given.text("font")?;
+    given.text("font")?;
     given.finish()?;
     if asked.text.trim().is_empty() {
-        return Err("it has no letter that can be seen".to_owned());
+        return Err("text: it has no letter that can be seen".to_owned());
     }
-    let font = match font {
-        Some(name) => {
-            let path = asked.folder.find(&name)?;
-            let bytes = Folder::bytes(&path, MOST_FONT_BYTES);
-            Some(bytes.map_err(|e| format!("{}: {e}", path.display()))?)
-        }
-        None => None,
+    let read = |path: &Path| {
+        let bytes = Folder::bytes(path, MOST_FONT_BYTES);
+        bytes.map_err(|e| format!("text: {}: {e}", path.display()))
     };
-    drawn(Drawing::from_text(asked.text, font.as_deref(), &options))
+    let font = asked.path.map(read).transpose()?;
+    let made = Drawing::from_text(asked.text, font.as_deref(), &options);
+    Ok(drawn(made.map_err(|e| e.to_string())?))
 }
 
-/// A drawing that was made, with its warnings.
-fn drawn(
-    made: Result<Drawing, isoslice_drawings::DrawingError>,
-) -> Result<Made, String> {
-    let drawing = made.map_err(|e| e.problem().to_owned())?;
+/// A drawing, with its warnings.
+fn drawn(drawing: Drawing) -> Made {
     let name = drawing.name();
     let notes = drawing.warnings().iter().map(|w| format!("{name}: {w}"));
-    Ok(Made {
+    Made {
         notes: notes.collect(),
         data: Arc::new(drawing),
-    })
+    }
 }
 
 fn image(asked: &Asked<'_>) -> Result<Made, String> {

@@ -6,11 +6,15 @@
 //! | `options` | reads options by their names |
 //! | `folder` | the files that a model may read |
 //! | `files` | reads each file once |
+//! | `taken` | what the making of data takes |
 
 mod files;
 mod folder;
 mod kinds;
 mod options;
+mod taken;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use files::Files;
 pub use kinds::is_mesh;

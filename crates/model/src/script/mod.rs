@@ -51,7 +51,9 @@ use cpu_time::ProcessTime;
 use error::explain;
 use fidget::context::Tree;
 use functions::{Shared, add_data, add_draw, add_param, add_places};
-use isoslice_base::limits::{Cancelled, doing, is_stopped, resident_bytes};
+use isoslice_base::limits::{
+    Cancelled, Watch, doing, is_stopped, resident_bytes,
+};
 use limits::{GO_ON, Stop};
 use named::add_names;
 use operators::add_operators;
@@ -101,8 +103,10 @@ pub(super) fn run_script(
     let work = {
         let (text, defines) = (text.to_owned(), defines.to_vec());
         let (limits, stop) = (*limits, stop.clone());
-        let files = files.clone();
+        let (files, watch) = (files.clone(), Watch::current());
         move || {
+            // Readers of data ask the watch whether to stop.
+            Watch::adopt(watch.as_ref());
             let result = run_here(&text, &defines, &limits, &stop, &files);
             // Nobody receives the result if it took too long.
             let _ = sender.send(result);
@@ -166,13 +170,17 @@ pub(super) fn run_script(
             }
             let grown =
                 |before| resident_bytes().map(|now| now.saturating_sub(before));
+            let is_beyond = |most: u64| {
+                let grown = before.and_then(grown);
+                grown.is_some_and(|grown| grown > most)
+            };
             // What data takes is bounded by the sizes of files.
             let allowed = limits.time + taken.time();
-            let memory = limits.memory_bytes.saturating_add(taken.bytes());
+            let memory = taken.bytes();
+            let memory = memory.map(|b| limits.memory_bytes.saturating_add(b));
             let why = if spent() > allowed {
                 Stop::Time
-            } else if before.and_then(grown).is_some_and(|grown| grown > memory)
-            {
+            } else if memory.is_some_and(is_beyond) {
                 Stop::Memory
             } else {
                 continue;

@@ -2,7 +2,7 @@
 //! semicolons, tabs or spaces.
 
 use super::{Read, SamplesOptions};
-use crate::error::Problem;
+use crate::error::{Problem, go_on};
 use glam::DVec3;
 
 /// The most samples of a file.
@@ -88,6 +88,7 @@ pub(super) fn read(text: &str, options: &SamplesOptions) -> Problem<Read> {
         flat: columns.z.is_none(),
     };
     for (number, line) in lines {
+        go_on()?;
         let fields = between.fields(line);
         let get = |column: usize| {
             let text = fields.get(column).copied().unwrap_or("");

@@ -14,7 +14,7 @@ mod tests;
 mod tree;
 mod vtu;
 
-use crate::error::{DataError, Problem};
+use crate::error::{DataError, Problem, go_on};
 use glam::{DMat3, DVec3};
 use isocontour::{Bounds, Data};
 use rayon::prelude::*;
@@ -208,7 +208,10 @@ impl Samples {
                 points[i]
             ));
         }
+        go_on()?;
+        let (points, values) = once(&points, &values, options.between);
         let (tree, order) = Tree::new(&points);
+        go_on()?;
         let sorted = |i: &u32| *i as usize;
         let points: Vec<DVec3> =
             order.iter().map(|i| points[sorted(i)]).collect();
@@ -216,10 +219,7 @@ impl Samples {
             order.iter().map(|i| values[sorted(i)]).collect();
         let slopes = match options.between {
             Between::Nearest => Vec::new(),
-            Between::Linear => (0..points.len())
-                .into_par_iter()
-                .map(|i| slope(i, &points, &values, &tree))
-                .collect(),
+            Between::Linear => all_slopes(&points, &values, &tree)?,
         };
         let known = |i: usize| Known {
             values: [values[i]; 2],
@@ -320,6 +320,58 @@ impl Samples {
             self.mean(p, near)
         }
     }
+}
+
+/// Places and values, each place once. Its value is the mean of those there, or
+/// the first one if values are not to be mixed. The nearest samples of a place
+/// would otherwise be any of those that lie on one another, and all of them be
+/// looked at.
+fn once(
+    points: &[DVec3],
+    values: &[f64],
+    between: Between,
+) -> (Vec<DVec3>, Vec<f64>) {
+    // Adding 0 makes no difference but for -0.
+    let key = |i: &usize| (points[*i] + 0.0).to_array().map(f64::to_bits);
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.par_sort_unstable_by_key(|i| (key(i), *i));
+    let mut kept: Vec<(usize, f64)> = order
+        .chunk_by(|a, b| key(a) == key(b))
+        .map(|same| {
+            let first = values[same[0]];
+            let value = match between {
+                Between::Nearest => first,
+                Between::Linear => mean_of(same.iter().map(|i| values[*i])),
+            };
+            (same[0], value)
+        })
+        .collect();
+    kept.sort_unstable_by_key(|(i, _)| *i);
+    kept.into_iter().map(|(i, v)| (points[i], v)).unzip()
+}
+
+fn mean_of(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    values.sum::<f64>() / count
+}
+
+/// The slopes of all samples' planes.
+fn all_slopes(
+    points: &[DVec3],
+    values: &[f64],
+    tree: &Tree,
+) -> Problem<Vec<DVec3>> {
+    /// Samples after which it is asked whether to stop. They take some tens of
+    /// milliseconds.
+    const BLOCK: usize = 4096;
+    let mut slopes = Vec::with_capacity(points.len());
+    for from in (0..points.len()).step_by(BLOCK) {
+        go_on()?;
+        let block = from..points.len().min(from + BLOCK);
+        let of = |i| slope(i, points, values, tree);
+        slopes.par_extend(block.into_par_iter().map(of));
+    }
+    Ok(slopes)
 }
 
 /// The slope of the plane through a sample that is closest to its neighbours.

@@ -395,3 +395,37 @@ fn broken_vtu_files_are_refused_with_words() {
         }
     }
 }
+
+#[test]
+fn samples_at_one_place_count_as_their_mean() {
+    let place = DVec3::new(1.0, 2.0, 3.0);
+    let far = DVec3::new(9.0, 2.0, 3.0);
+    // All of them would be the nearest of each.
+    let mut points = vec![place; 200_000];
+    points.push(far);
+    let mut values: Vec<f64> = (0..200_000).map(|i| f64::from(i % 2)).collect();
+    values.push(4.0);
+    for (between, wanted) in [(Between::Linear, 0.5), (Between::Nearest, 0.0)] {
+        let (points, values) = (points.clone(), values.clone());
+        let samples =
+            Samples::from_points("x", points, values, &options(between));
+        let samples = samples.unwrap();
+        assert_eq!(samples.len(), 2);
+        assert_eq!(samples.value(place), wanted);
+        assert_eq!(samples.value(far), 4.0);
+    }
+}
+
+#[test]
+fn stopped_work_makes_no_samples() {
+    use isoslice_base::limits::{Limits, Watch};
+    let watch = Watch::new(Limits::default());
+    watch.cancel();
+    let made = std::cell::Cell::new(true);
+    let stopped = watch.run(|| {
+        let text = b"0,0,0,1\n1,0,0,2\n";
+        let read = Samples::read("x", text, &options(Between::Linear));
+        made.set(read.is_ok());
+    });
+    assert!(stopped.is_err() && !made.get());
+}

@@ -5,7 +5,7 @@
 //! may be compressed in blocks by zlib.
 
 use super::{Read, SamplesOptions};
-use crate::error::Problem;
+use crate::error::{Problem, go_on};
 use crate::numbers::{Kind, Numbers};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -102,6 +102,7 @@ pub(super) fn read(bytes: &[u8], options: &SamplesOptions) -> Problem<Read> {
     };
     let pieces = root.descendants().filter(|n| n.has_tag_name("Piece"));
     for piece in pieces {
+        go_on()?;
         file.piece(piece, options, &mut read)?;
     }
     Ok(read)
@@ -371,6 +372,7 @@ impl File<'_> {
         let mut at = (3 + blocks) * self.count;
         let mut out = Vec::new();
         for block in 0..blocks {
+            go_on()?;
             let length = self.word(bytes, 3 + block)?;
             let end = at.saturating_add(length);
             let part = bytes.get(at..end).ok_or("it ends too early")?;

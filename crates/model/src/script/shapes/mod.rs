@@ -34,6 +34,9 @@ use std::any::TypeId;
 enum ArgumentKind {
     /// A length of more than 0, or another number of more than 0.
     Positive,
+    /// The size of a pattern. f32 has the values of smaller and larger ones,
+    /// but no longer of places in them.
+    Size,
     /// A length that may be 0.
     Length,
     /// Any number.
@@ -73,6 +76,7 @@ impl ArgumentKind {
             ArgumentKind::Share => "a number from 0 to 1",
             ArgumentKind::Flag => "true or false",
             ArgumentKind::Positive => "a number above 0",
+            ArgumentKind::Size => "a size from 0.001 to 1000000 mm",
             ArgumentKind::Length => "a number of 0 or more",
             ArgumentKind::Number => "a number",
             ArgumentKind::Place => "a place such as [0, 0, 10]",

@@ -22,7 +22,7 @@ const MOST_CELLS: f64 = 256.0;
 const MOST_SEED: f64 = 100.0;
 
 const fn size(mm: f64) -> Argument {
-    argument("size", ArgumentKind::Positive, Some(mm))
+    argument("size", ArgumentKind::Size, Some(mm))
 }
 
 const fn share(name: &'static str, default: f64) -> Argument {
@@ -46,7 +46,8 @@ pub(super) const ROWS: &[Row] = rows![
             let [u, v] = plane(g);
             let across = v * angle.to_radians().tan() as f32;
             let [a, b] = [u.clone() + across.clone(), u - across];
-            Ok((zigzag(a).min(zigzag(b)) * over(1.0 - g.number(2))).min(1.0))
+            let steep = over((1.0 - g.number(2)).max(0.01));
+            Ok((zigzag(a).min(zigzag(b)) * steep).min(1.0))
         };
     "hexagons" (size(6.0), share("gap", 0.15), share("soft", 0.1))
         "hexagons(#{size: 6, gap: 0.15, soft: 0.1})"
@@ -364,6 +365,50 @@ mod tests {
             assert!(range[0] < 0.05 && range[1] > 0.95, "{name}: {range:?}");
         }
         assert_eq!(ROWS.len(), REPEATS.len());
+    }
+
+    /// Also where a share is nothing or all, and of the least and the greatest
+    /// size.
+    #[test]
+    fn patterns_are_numbers_at_the_ends_of_their_shares() {
+        for row in ROWS {
+            let shares = row
+                .arguments
+                .iter()
+                .filter(|argument| argument.kind == ArgumentKind::Share);
+            let mut calls = vec![
+                format!("{}(#{{size: 0.001}})", row.name),
+                format!("{}(#{{size: 1000000}})", row.name),
+            ];
+            for share in shares {
+                for end in [0, 1] {
+                    let name = share.name;
+                    calls.push(format!(
+                        "{}(#{{size: 1, {name}: {end}}})",
+                        row.name
+                    ));
+                }
+            }
+            for call in calls {
+                let made = match tree(&call) {
+                    Ok(made) => made,
+                    Err(e) if e.to_string().contains("must be") => continue,
+                    Err(e) => panic!("{call}: {e}"),
+                };
+                let mut context = Context::new();
+                let root = context.import(&made);
+                let pattern = Pattern { context, root };
+                let ends = [[0.0, 0.0], [1.0, 0.5], [0.5, 0.25]];
+                for [x, y] in places().take(300).chain(ends) {
+                    let v = pattern.at(x, y);
+                    assert!((0.0..=1.0).contains(&v), "{call}: {v} {x} {y}");
+                }
+            }
+            for size in ["0", "1e-4", "1e7", "1e300"] {
+                let call = format!("{}(#{{size: {size}}})", row.name);
+                assert!(tree(&call).is_err(), "{call}");
+            }
+        }
     }
 
     /// No pattern jumps: neither at the borders of cells nor at seams.

@@ -24,6 +24,7 @@ pub(super) fn may_be(kind: ArgumentKind, value: &Dynamic) -> bool {
         ArgumentKind::Plane => plane(value).is_some(),
         ArgumentKind::Points => value.is_array(),
         ArgumentKind::Positive
+        | ArgumentKind::Size
         | ArgumentKind::Length
         | ArgumentKind::Share
         | ArgumentKind::Number => number,
@@ -50,6 +51,7 @@ pub(super) fn read(kind: ArgumentKind, value: &Dynamic) -> Option<Value> {
         ArgumentKind::Plane => plane(value).map(Value::Plane),
         ArgumentKind::Points => points(value).map(Value::Points),
         ArgumentKind::Positive => allowed(|n| n > 0.0),
+        ArgumentKind::Size => allowed(|n| (1e-3..=1e6).contains(&n)),
         ArgumentKind::Length => allowed(|n| n >= 0.0),
         ArgumentKind::Number => allowed(|_| true),
         ArgumentKind::Share => allowed(|n| (0.0..=1.0).contains(&n)),

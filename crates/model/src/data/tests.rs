@@ -1,0 +1,97 @@
+use super::taken::Taken;
+use super::{Files, Options, kind};
+use crate::{LoadError, ScriptLimits, Source, load, load_within};
+use std::fs;
+use std::time::Duration;
+
+fn script(text: &str) -> Source {
+    Source::script("part", text)
+}
+
+#[test]
+fn a_script_is_not_blamed_for_the_making_of_data() {
+    // The letters take a second, in a script that may take a tenth.
+    let letters = "ABCDefgh".repeat(700);
+    let limits = ScriptLimits {
+        time: Duration::from_millis(100),
+        ..ScriptLimits::default()
+    };
+    let text = format!("max(text(\"{letters}\"), abs(z) - 1)");
+    load_within(&script(&text), &[], &limits).unwrap();
+    let endless = "let t = 0; while true { t += 1; } x";
+    assert!(load_within(&script(endless), &[], &limits).is_err());
+}
+
+#[test]
+fn what_is_being_made_counts_at_once() {
+    let taken = Taken::default();
+    let held = taken.making(|| {
+        assert_eq!(taken.bytes(), None);
+        std::thread::sleep(Duration::from_millis(20));
+        assert!(taken.time() >= Duration::from_millis(20));
+        vec![1_u8; 50 << 20]
+    });
+    assert!(taken.bytes().unwrap() > 40 << 20, "{:?}", taken.bytes());
+    assert!(taken.time() >= Duration::from_millis(20));
+    assert_eq!(taken.times(), 1);
+    drop(held);
+}
+
+#[test]
+fn equal_calls_make_data_once() {
+    let files = Files::default();
+    let text = kind("text").unwrap();
+    let made = |letters: &str| files.call(text, letters, &Options::new());
+    for _ in 0..5 {
+        made("one").unwrap();
+        made("two").unwrap();
+    }
+    assert_eq!(files.taken().times(), 2);
+    // A missing letter is told of once for each text.
+    for _ in 0..3 {
+        made("\u{4e2d}a").unwrap();
+    }
+    assert_eq!(files.notes().len(), 1, "{:?}", files.notes());
+}
+
+#[test]
+fn a_script_makes_data_a_bounded_number_of_times() {
+    let many = "for i in 0..2000 { text(i.to_string()); } x";
+    let error = load(&script(many), &[]).err().unwrap().to_string();
+    assert!(error.contains("more than 1000 times"), "{error}");
+    // Neither does it look for ever more files.
+    let files = Files::default();
+    let mesh = kind("mesh").unwrap();
+    for i in 0..3000 {
+        let name = format!("{i}.stl");
+        assert!(files.call(mesh, &name, &Options::new()).is_err());
+    }
+    assert_eq!(files.read().len(), 1000);
+}
+
+#[test]
+fn an_error_names_the_files_that_were_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("part.rhai");
+    fs::write(&path, "max(svg(\"logo.svg\"), abs(z) - 1)").unwrap();
+    let error = load(&Source::File(path), &[]).err().unwrap();
+    assert!(matches!(error, LoadError::Script { .. }), "{error}");
+    assert_eq!(error.data_files(), [folder.path().join("logo.svg")]);
+    let formula = Source::formula("part", "max(svg(\"logo.svg\"), z)");
+    let error = load(&formula, &[]).err().unwrap();
+    assert_eq!(error.data_files().len(), 1, "{error}");
+}
+
+#[test]
+fn messages_of_texts_name_the_function_once() {
+    for (call, wanted) in [
+        ("text(\"a\", #{sise: 3})", "text has no option"),
+        ("text(\"a\", #{size: \"b\"})", "text: size is a number"),
+        ("text(\" \")", "text: it has no letter"),
+        ("text(\"a\", #{size: -1})", "text(\"a\"): its size is -1 mm"),
+    ] {
+        let error = load(&script(call), &[]).err().unwrap().to_string();
+        assert!(error.contains(wanted), "{error}");
+        assert!(!error.contains("text: text"), "{error}");
+    }
+}
