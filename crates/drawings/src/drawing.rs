@@ -150,6 +150,10 @@ impl Data for Drawing {
         self.area.bytes()
     }
 
+    fn has_section(&self) -> bool {
+        true
+    }
+
     /// It has one wherever x and y of the data depend on those of the place.
     fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
         let [x, y] = [place.x_axis, place.y_axis].map(|a| a.truncate());

@@ -58,13 +58,30 @@ impl Solid {
             Solid::Data { data, place } => data.extent(place),
             Solid::Union(both) => {
                 let [a, b] = &**both;
-                let (a, b) = (a.extent()?, b.extent()?);
-                Some(Bounds {
-                    min: a.min.min(b.min),
-                    max: a.max.max(b.max),
-                })
+                Some(a.extent()?.union(b.extent()?))
             }
             _ => None,
+        }
+    }
+
+    /// True if all of its data has sections.
+    pub fn has_sections(&self) -> bool {
+        self.all(&|data| data.has_section())
+    }
+
+    /// True if all of its data knows where lines cross it.
+    pub(crate) fn has_crossings(&self) -> bool {
+        self.all(&|data| data.has_crossings())
+    }
+
+    fn all(&self, is: &dyn Fn(&dyn Data) -> bool) -> bool {
+        match self {
+            Solid::Data { data, .. } => is(&**data),
+            Solid::HalfSpace { .. } | Solid::Constant(_) => true,
+            Solid::Union(both) | Solid::Common(both) => {
+                both.iter().all(|one| one.all(is))
+            }
+            Solid::Outside(of) => of.all(is),
         }
     }
 }
@@ -416,6 +433,51 @@ mod tests {
             deep = deep.clone() + deep;
         }
         assert!(solid(&ball().max(deep)).is_some());
+    }
+
+    #[test]
+    fn one_without_sections_leaves_none_of_the_whole() {
+        struct Cut;
+        impl Data for Cut {
+            fn name(&self) -> &str {
+                "cut"
+            }
+
+            fn at(&self, p: DVec3) -> (f64, DVec3) {
+                (p.x, DVec3::X)
+            }
+
+            fn range(&self, over: &Bounds) -> [f64; 2] {
+                [over.min.x, over.max.x]
+            }
+
+            fn slopes(&self, _: &Bounds) -> [[f64; 2]; 3] {
+                [[1.0; 2], [0.0; 2], [0.0; 2]]
+            }
+
+            fn contents(&self, _: &mut dyn FnMut(&[u8])) {}
+
+            fn bytes(&self) -> usize {
+                0
+            }
+
+            fn has_section(&self) -> bool {
+                true
+            }
+        }
+        let data: [Arc<dyn Data>; 2] = [Arc::new(Cut), Arc::new(Ball)];
+        let (x, y, z) = Tree::axes();
+        let [cut, ball] = data
+            .each_ref()
+            .map(|d| call(d, [x.clone(), y.clone(), z.clone()]));
+        let known = |tree: Tree| {
+            let solid = solid(&tree).unwrap();
+            [solid.has_sections(), solid.has_crossings()]
+        };
+        let plane = || z.clone() - 1.0;
+        assert_eq!(known(cut.max(plane())), [true, false]);
+        assert_eq!(known(ball.max(plane())), [false, false]);
+        assert_eq!(known(cut.min(-ball)), [false, false]);
     }
 
     #[test]

@@ -217,6 +217,24 @@ fn a_fourth_variable_may_say_where_data_is_asked() {
     assert_eq!(out, [0.0]);
 }
 
+/// Each call has the one before it in all of its coordinates: 3³⁰ ways lead to
+/// the innermost one, and none is gone twice.
+#[test]
+fn calls_deep_in_calls_are_looked_at_once() {
+    let ball: Arc<dyn Data> = Arc::new(Ball(5.0));
+    let [x, y, _] = axes();
+    let mut f = call(&ball, [x.clone(), y.clone(), x.clone()]);
+    for _ in 0..30 {
+        let at = [x.clone(), y.clone(), y.clone()];
+        f = call(&ball, at.map(|axis| axis + f.clone() * 0.01));
+    }
+    let values = Values::new(&f, None).unwrap();
+    assert!(values.depend_on(1) && !values.depend_on(2));
+    let mut out = Vec::new();
+    values.at(&[&[0.0], &[0.0], &[0.0]], &mut out).unwrap();
+    assert!(out[0] < 0.0, "{out:?}");
+}
+
 #[test]
 fn an_expression_does_not_keep_data() {
     let data: Arc<dyn Data> = Arc::new(Ball(5.0));

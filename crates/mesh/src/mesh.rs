@@ -227,8 +227,16 @@ impl Data for Mesh {
         is_finite.then_some(all)
     }
 
+    fn has_section(&self) -> bool {
+        true
+    }
+
     fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
         self.section_at(place, z)
+    }
+
+    fn has_crossings(&self) -> bool {
+        true
     }
 
     fn crossings(&self, lines: &Grid) -> Option<Vec<Crossing>> {

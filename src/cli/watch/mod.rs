@@ -160,7 +160,7 @@ fn or_end(work: impl FnOnce()) {
 
 /// Waits for files to change.
 fn watch_files(session: &Session) {
-    let mut stamps = Stamps::default();
+    let mut stamps = Stamps::new();
     loop {
         let files = session.lock().files.clone();
         if stamps.changed(&files) {

@@ -18,8 +18,10 @@ const PATIENCE: u32 = 30;
 type Look = Vec<Option<(SystemTime, u64)>>;
 
 /// Remembers what files were like.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Stamps {
+    /// When the last change was reported, and files began to be read anew.
+    reported: SystemTime,
     files: Vec<PathBuf>,
     /// The stamps when a change was reported last.
     known: Look,
@@ -29,17 +31,30 @@ pub(super) struct Stamps {
 }
 
 impl Stamps {
+    /// The files are read from now on.
+    pub(super) fn new() -> Stamps {
+        Stamps {
+            reported: SystemTime::now(),
+            files: Vec::new(),
+            known: Look::new(),
+            last: Look::new(),
+            missing: 0,
+        }
+    }
+
     /// True if a file has changed since the last change that was reported, and
     /// has stayed the same since the look before, so that nobody is writing it.
-    /// Files that are new in the list count as unchanged.
+    /// Files that are new in the list count as unchanged, but for those that
+    /// were written after the reading began, which may have missed them.
     pub(super) fn changed(&mut self, files: &[PathBuf]) -> bool {
         let now: Look = files.iter().map(|file| stamp(file)).collect();
         if self.files != files {
             let old = self.files.iter().zip(&self.known);
             let old: Vec<_> = old.map(|(f, s)| (f.clone(), *s)).collect();
-            let known = |file: &PathBuf, now| {
+            let known = |file: &PathBuf, now: Option<(SystemTime, u64)>| {
                 let before = old.iter().find(|(f, _)| f == file);
-                before.map_or(now, |(_, stamp)| *stamp)
+                let read = now.filter(|(at, _)| *at <= self.reported);
+                before.map_or(read, |(_, stamp)| *stamp)
             };
             self.known =
                 files.iter().zip(&now).map(|(f, s)| known(f, *s)).collect();
@@ -59,6 +74,7 @@ impl Stamps {
             return false;
         }
         self.known.clone_from(&self.last);
+        self.reported = SystemTime::now();
         true
     }
 }
@@ -79,7 +95,7 @@ mod tests {
         let file = folder.path().join("part.rhai");
         let files = [file.clone()];
         fs::write(&file, "x").unwrap();
-        let mut stamps = Stamps::default();
+        let mut stamps = Stamps::new();
         assert!(!stamps.changed(&files));
         assert!(!stamps.changed(&files));
         fs::write(&file, "x + 1").unwrap();
@@ -94,12 +110,28 @@ mod tests {
     }
 
     #[test]
+    fn a_file_that_came_before_it_was_listed_is_told_of() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| folder.path().join(name);
+        fs::write(file("part.rhai"), "x").unwrap();
+        fs::write(file("old.svg"), "x").unwrap();
+        let mut stamps = Stamps::new();
+        assert!(!stamps.changed(&[file("part.rhai")]));
+        let listed = [file("part.rhai"), file("old.svg"), file("new.svg")];
+        std::thread::sleep(Duration::from_millis(20));
+        fs::write(file("new.svg"), "x").unwrap();
+        assert!(!stamps.changed(&listed), "it may still be written");
+        assert!(stamps.changed(&listed));
+        assert!(!stamps.changed(&listed));
+    }
+
+    #[test]
     fn a_file_may_be_missing_for_a_moment() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("part.rhai");
         let files = [file.clone()];
         fs::write(&file, "x").unwrap();
-        let mut stamps = Stamps::default();
+        let mut stamps = Stamps::new();
         assert!(!stamps.changed(&files));
         fs::remove_file(&file).unwrap();
         for _ in 1..PATIENCE {

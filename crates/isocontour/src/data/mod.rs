@@ -20,7 +20,7 @@
 
 mod over;
 
-pub(crate) use over::{range_over, slopes_over};
+pub(crate) use over::{derivatives, range_over};
 
 use crate::cuboid::Bounds;
 use crate::grid::Grid;
@@ -90,6 +90,13 @@ pub trait Data: Send + Sync {
         None
     }
 
+    /// True if it has a [section](Data::section), wherever it is placed but for
+    /// special cases. What never has one makes none of the work in vain that
+    /// sections of others would be.
+    fn has_section(&self) -> bool {
+        false
+    }
+
     /// Its exact section, if it has one: the rings around the places (x, y)
     /// where it is below zero at `place` of (x, y, z). They are closed and
     /// oriented, and may cross: inside is what they go round counter-clockwise
@@ -98,6 +105,11 @@ pub trait Data: Send + Sync {
     fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
         let _ = (place, z);
         None
+    }
+
+    /// True if it knows where lines [cross](Data::crossings) its surface.
+    fn has_crossings(&self) -> bool {
+        false
     }
 
     /// Where lines go into the body, and out of it, if that is known exactly:

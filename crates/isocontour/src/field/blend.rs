@@ -42,7 +42,7 @@ pub(super) fn branched(ctx: &mut Context, root: Node) -> Node {
         Some(Op::Unary(UnaryOpcode::Exp, u)) => Some(*u),
         _ => None,
     };
-    let order = in_order(ctx, root);
+    let order = in_order(ctx, root, &HashMap::new());
     let mut any = false;
     let mut made: HashMap<Node, Term> = HashMap::new();
     for node in &order {

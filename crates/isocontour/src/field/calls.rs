@@ -16,7 +16,7 @@ use super::hoist::{in_order, rest};
 use super::lanes::{Lanes, Seed, Slopes};
 use super::source::Source;
 use super::{FieldError, bug};
-use crate::data::{Data, call_of, range_over, slopes_over};
+use crate::data::{Data, call_of, derivatives, range_over};
 use crate::interval::Interval;
 use fidget::context::{Context, Node, Tree};
 use fidget::eval::{Function, MathFunction};
@@ -40,6 +40,9 @@ pub(super) struct Called {
 pub(super) struct Call {
     data: Arc<dyn Data>,
     at: [Argument; 3],
+    /// For each coordinate, whether the call depends on it, perhaps by calls in
+    /// its arguments.
+    reads: [bool; 4],
 }
 
 /// A coordinate of the place at which data is asked.
@@ -67,16 +70,16 @@ impl Called {
             .enumerate()
             .map(|(axis, v)| (v, Source::Coordinate(axis)))
             .collect();
-        let order = in_order(&ctx, root);
         let mut taken = HashMap::new();
+        let order = in_order(&ctx, root, &taken);
         let mut calls = Vec::new();
         for &node in &order {
             let Some(call) = call_of(&ctx, node) else {
                 continue;
             };
             let argument = |node| {
-                let tree = rest(&ctx, &in_order(&ctx, node), &taken);
-                Argument::new(&tree, &sources)
+                let order = in_order(&ctx, node, &taken);
+                Argument::new(&rest(&ctx, &order, &taken), &sources)
             };
             let [x, y, z] = call.at;
             let at = [argument(x)?, argument(y)?, argument(z)?];
@@ -84,12 +87,16 @@ impl Called {
             let var = Var::new();
             taken.insert(node, var);
             sources.insert(var, Source::Call(calls.len()));
-            calls.push(Call { data, at });
+            let read = at.iter().flat_map(|a| &a.sources);
+            let reads = [0, 1, 2, 3]
+                .map(|c| read.clone().any(|source| reads(&calls, *source, c)));
+            calls.push(Call { data, at, reads });
         }
         let (context, root) = if calls.is_empty() {
             (ctx, root)
         } else {
             let mut context = Context::new();
+            let order = in_order(&ctx, root, &taken);
             let root = context.import(&rest(&ctx, &order, &taken));
             (context, root)
         };
@@ -151,10 +158,7 @@ impl Argument {
 pub(super) fn reads(calls: &[Call], source: Source, coordinate: usize) -> bool {
     match source {
         Source::Coordinate(a) | Source::Part(a, _) => a == coordinate,
-        Source::Call(k) => {
-            let mut of = calls[k].at.iter().flat_map(|a| &a.sources);
-            of.any(|&source| reads(calls, source, coordinate))
-        }
+        Source::Call(k) => calls[k].reads[coordinate],
     }
 }
 
@@ -388,13 +392,9 @@ impl<'a> Calls<'a> {
                     };
                     self.alone.slope(&a.f, &input)
                 });
-                let v = range_over(&*call.data, at.map(|a| a.v));
-                let by = slopes_over(&*call.data, at.map(|a| a.v));
-                let along = |d: usize| {
-                    let [x, y, z] = [0, 1, 2].map(|i| by[i].mul(at[i].d[d]));
-                    x.add(y).add(z)
-                };
-                let d = [along(0), along(1)];
+                let places = at.map(|a| a.v);
+                let v = range_over(&*call.data, places);
+                let d = derivatives(&*call.data, places, at.map(|a| a.d));
                 own[0].push(Slope { v, d });
             }
         }

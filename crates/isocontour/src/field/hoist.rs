@@ -69,8 +69,13 @@ fn cost_of(op: &Op) -> u32 {
     }
 }
 
-/// Nodes on which `root` depends, operands before the nodes that use them.
-pub(super) fn in_order(ctx: &Context, root: Node) -> Vec<Node> {
+/// Nodes on which `root` depends, operands before the nodes that use them. What
+/// is below `taken` nodes alone is left out.
+pub(super) fn in_order(
+    ctx: &Context,
+    root: Node,
+    taken: &HashMap<Node, Var>,
+) -> Vec<Node> {
     let mut order = Vec::new();
     let mut seen: HashMap<Node, bool> = HashMap::new();
     let mut todo = vec![root];
@@ -78,7 +83,9 @@ pub(super) fn in_order(ctx: &Context, root: Node) -> Vec<Node> {
         match seen.get(&node) {
             None => {
                 seen.insert(node, false);
-                if let Some(op) = ctx.get_op(node) {
+                if let Some(op) = ctx.get_op(node)
+                    && !taken.contains_key(&node)
+                {
                     todo.extend(
                         op.iter_children().filter(|c| !seen.contains_key(c)),
                     );
@@ -99,7 +106,7 @@ pub(super) fn in_order(ctx: &Context, root: Node) -> Vec<Node> {
 
 /// Takes the one-coordinate parts out of the expression `root`.
 pub(super) fn hoist(ctx: &Context, root: Node) -> Hoisted {
-    let order = in_order(ctx, root);
+    let order = in_order(ctx, root, &HashMap::new());
     let mut known: HashMap<Node, Known> = HashMap::new();
     for &node in &order {
         let Some(op) = ctx.get_op(node) else { continue };

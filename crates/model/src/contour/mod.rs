@@ -6,7 +6,7 @@
 mod sections;
 
 use fidget::context::Tree;
-use isocontour::{Cancel, Phase, outline_of, outlines_in_phases, solid};
+use isocontour::{Cancel, Phase, Solid, outline_of, outlines_in_phases, solid};
 use isoslice_base::limits;
 use isoslice_base::timings::{Lap, Stage, Timings};
 use isoslice_base::units::Mm;
@@ -45,6 +45,7 @@ pub fn field(
     let cancel = limits::Watch::hook();
     let sampled = isocontour::Field::new(tree, depth, bounds, spacing)?;
     let solid = if depth == 0.0 { solid(tree) } else { None };
+    let solid = solid.filter(Solid::has_sections);
     Ok(Field {
         sampled: sampled.with_cancel(cancel.clone()),
         sections: solid.map(|s| Sections::new(s, bounds)),

@@ -75,7 +75,7 @@ impl Sight {
         let (f, sources) = called.function()?;
         Ok(Sight {
             f,
-            solid: solid(tree),
+            solid: solid(tree).filter(Solid::has_crossings),
             sources,
             calls: called.calls,
             most: u64::MAX,
