@@ -516,6 +516,30 @@ fn everything_solid_has_the_volume_of_the_part() {
     }
 }
 
+/// A wall just thicker than its lines leaves a hair between them. Nothing is laid
+/// in a hair, and nothing across the bore.
+#[test]
+fn a_tube_as_thick_as_its_lines_is_filled_once() {
+    let s = settings(&[]);
+    for step in 0..12 {
+        let thick = 1.66 + 0.006 * f64::from(step);
+        let text = format!(
+            "max(abs(sqrt(x^2+y^2) - 20) - {}, abs(z - 0.4) - 0.4)",
+            0.5 * thick
+        );
+        let layers = parse(&slice(&formula(&text, &s), &s, 2).0);
+        let fed: f64 = layers.iter().map(Layer::fed).sum();
+        let volume = fed * PI * 0.25 * 1.75_f64.powi(2);
+        let filled = volume / (PI * 40.0 * thick * 0.8);
+        assert!((0.9..1.05).contains(&filled), "{thick}: {filled}");
+        for m in layers.iter().flat_map(Layer::prints) {
+            let (a, b) = m.ends();
+            let r = a.midpoint(b).distance(middle(&s));
+            assert!(r > 20.0 - thick, "{thick}: {m:?}");
+        }
+    }
+}
+
 /// The least thickness of solid below a dome's surface, along its normal,
 /// over slopes from `from` to `to` degrees.
 fn shell(from: f64, to: f64, assignments: &[&str]) -> f64 {

@@ -138,22 +138,61 @@ impl Area {
     /// The connected parts, each an outer ring followed by its holes, in the
     /// order of the outer rings.
     pub fn islands(&self) -> Vec<Area> {
-        let (outers, holes): (Vec<&Ring>, Vec<&Ring>) =
-            self.rings.iter().partition(|r| signed_area(r) > 0.0);
-        let mut islands: Vec<Area> =
-            outers.iter().map(|r| Area::from((*r).clone())).collect();
-        if holes.is_empty() {
+        let is_outer = |r: &Ring| signed_area(r) > 0.0;
+        let outers = self.rings.iter().filter(|r| is_outer(r));
+        let mut islands: Vec<Area> = outers.cloned().map(Area::from).collect();
+        if islands.len() == self.rings.len() {
             return islands;
         }
-        // Of the outer rings around a hole the smallest is the hole's own.
-        let nest = nest::Nest::new(outers.iter().copied());
-        for hole in holes {
-            let owner = hole.first().and_then(|&p| nest.around(p));
-            if let Some(i) = owner {
-                islands[i].rings.push(hole.clone());
+        // The island that each outer ring is of.
+        let mut count = 0..;
+        let own = |r| if is_outer(r) { count.next() } else { None };
+        let own: Vec<Option<usize>> = self.rings.iter().map(own).collect();
+        let nest = nest::Nest::new(self.rings.iter());
+        for (i, hole) in self.rings.iter().enumerate() {
+            let owner = || self.owner(i, &own, &nest);
+            if own[i].is_none()
+                && let Some(island) = owner()
+            {
+                islands[island].rings.push(hole.clone());
             }
         }
         islands
+    }
+
+    /// The island that the hole with number `i` is in, given those of the outer
+    /// rings: the island of the smallest ring around a point of the hole. But rings
+    /// that were thinned may cross by what thinning moves them. Then a point may lie
+    /// outside of the ring around the hole, and so in a hole of another ring, or in
+    /// an island within the hole, and another point tells. Where the strip between
+    /// both rings is a hair, all points may lie outside; then a point of the outer
+    /// ring lies in the hole.
+    fn owner(
+        &self,
+        i: usize,
+        own: &[Option<usize>],
+        nest: &nest::Nest,
+    ) -> Option<usize> {
+        let hole = &self.rings[i];
+        let around = |p: DVec2| {
+            let ring = nest.around_but(p, i)?;
+            let holds = nest.content(ring) >= nest.content(i);
+            if holds { own[ring] } else { None }
+        };
+        let inside_out = || {
+            let meets = |k: usize| {
+                self.rings[k].iter().any(|&p| ring_contains(hole, p))
+            };
+            (0..own.len())
+                .filter(|&k| own[k].is_some() && meets(k))
+                .max_by(|&a, &b| nest.content(a).total_cmp(&nest.content(b)))
+                .and_then(|k| own[k])
+        };
+        let middles = || edges(hole).map(|(a, b)| a.midpoint(b));
+        hole.iter()
+            .find_map(|&p| around(p))
+            .or_else(|| middles().find_map(around))
+            .or_else(inside_out)
     }
 }
 
@@ -291,6 +330,46 @@ mod tests {
         let hole = reversed(ring);
         assert!(!ring_contains(&hole, point_beside(&hole).unwrap()));
         assert_eq!(point_beside(&[]), None);
+    }
+
+    #[test]
+    fn a_hole_whose_points_lie_outside_stays_in_its_ring() {
+        // The hole's corners stand out of the frame's sides by a micrometre.
+        let frame = square(0.0, 0.0, 10.0);
+        let corners = [(10.001, 0.0), (0.0, -10.001), (-10.001, 0.0)];
+        let hole: Ring = corners
+            .into_iter()
+            .chain([(0.0, 10.001)])
+            .map(|(x, y)| DVec2::new(x, y))
+            .collect();
+        let plate = square(0.0, 0.0, 30.0);
+        let around = reversed(square(0.0, 0.0, 20.0));
+        let area = Area::from_iter([
+            plate.clone(),
+            around,
+            frame.clone(),
+            hole.clone(),
+        ]);
+        let islands = area.islands();
+        assert_eq!(islands[1].rings, vec![frame, hole]);
+        // A hair of a strip: the frame lies inside of its own hole.
+        let frame = square(50.0, 0.0, 10.0);
+        let hole = reversed(square(50.0, 0.0, 10.001));
+        let islands =
+            Area::from_iter([plate, frame.clone(), hole.clone()]).islands();
+        assert_eq!(islands[1].rings, vec![frame, hole]);
+        // A hole's corner in the island within the hole.
+        let outer = square(0.0, 0.0, 30.0);
+        let hole = reversed(square(0.0, 0.0, 10.0));
+        let island: Ring =
+            [(-9.0, -9.0), (9.0, -10.5), (9.0, 9.0), (-9.0, 9.0)]
+                .map(|(x, y)| DVec2::new(x, y))
+                .to_vec();
+        let islands = Area::from_iter([outer, hole, island]).islands();
+        assert_eq!(
+            islands.iter().map(|i| i.rings.len()).collect::<Vec<_>>(),
+            [2, 1]
+        );
     }
 
     #[test]

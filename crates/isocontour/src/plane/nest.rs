@@ -88,9 +88,19 @@ impl Nest {
         (k.max(0.0) as usize).min(self.starts.len() - 2)
     }
 
+    /// Content of a ring, by its number.
+    pub fn content(&self, ring: usize) -> Content {
+        self.contents[ring]
+    }
+
     /// The number of the smallest ring around the point (points on a ring
     /// may count either way).
     pub fn around(&self, p: DVec2) -> Option<usize> {
+        self.around_but(p, usize::MAX)
+    }
+
+    /// The number of the smallest ring around the point, of all but one.
+    pub fn around_but(&self, p: DVec2, except: usize) -> Option<usize> {
         let k = self.of(p.y);
         let (from, to) = (self.starts[k], self.starts[k + 1]);
         let members = &self.members[from as usize..to as usize];
@@ -112,7 +122,7 @@ impl Nest {
             let ring = ring as usize;
             let smaller =
                 |best: usize| self.contents[ring] < self.contents[best];
-            if inside && best.is_none_or(smaller) {
+            if inside && ring != except && best.is_none_or(smaller) {
                 best = Some(ring);
             }
         }
