@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = std::env::args().nth(1).ok_or("usage: distance FILE")?;
     let extension = Path::new(&file).extension().unwrap_or_default();
     let format = Format::of_extension(&extension.to_string_lossy())
-        .ok_or("it is no STL, OBJ, PLY or 3MF file")?;
+        .ok_or("it is no STL, OBJ or PLY file")?;
     let mesh = Mesh::new(&file, read(File::open(&file)?, format)?)?;
     eprintln!("{}", mesh.facts());
     let mut out = BufWriter::new(stdout().lock());

@@ -37,17 +37,34 @@ pub enum MeshError {
         crate::limits::MOST_TRIANGLES / 1_000_000
     )]
     TooMany,
+    /// There are too many struts.
+    #[error(
+        "it has more than {} million beams; cut it into parts",
+        crate::limits::MOST_STRUTS / 1_000_000
+    )]
+    TooManyStruts,
 }
 
 impl MeshError {
     /// What is wrong at a place.
-    pub(crate) fn at(
+    pub fn at(
         place: impl std::fmt::Display,
         what: impl Into<String>,
     ) -> MeshError {
         MeshError::Wrong {
             at: place.to_string(),
             what: what.into(),
+        }
+    }
+
+    /// The same error, of a part of the file that is named.
+    pub fn within(self, place: &str) -> MeshError {
+        match self {
+            MeshError::Wrong { at, what } => {
+                MeshError::at(format_args!("{place}, {at}"), what)
+            }
+            MeshError::File(what) => MeshError::at(place, what),
+            other => other,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Meshes as functions of x, y and z: signed distances, bounds, plane sections.
 //!
-//! In: a file (STL, OBJ, PLY or 3MF), of unknown origin. Out: a [`Mesh`], which
+//! In: a file (STL, OBJ or PLY), of unknown origin, or triangles that another
+//! crate collects. Out: a [`Mesh`], which
 //! is [`isocontour::Data`]: a leaf of any expression.
 //!
 //! ```text
@@ -52,6 +53,7 @@
 //! | `range`, `slopes` | bounds over boxes |
 //! | `section` | exact plane sections |
 //! | `lines` | where lines of sight cross the surface |
+//! | `struts` | struts of lattices, which need no triangles |
 //!
 //! Guarantees:
 //! - Distances are those to the closest triangle, exact but for roundings of f64.
@@ -93,6 +95,7 @@ mod section;
 mod shell;
 mod sign;
 mod slopes;
+mod struts;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -101,7 +104,8 @@ mod winding;
 
 pub use error::MeshError;
 pub use facts::Facts;
-pub use limits::MOST_TRIANGLES;
+pub use limits::{MOST_STRUTS, MOST_TRIANGLES};
 pub use mesh::Mesh;
 pub use read::{Format, read};
-pub use triangles::Triangles;
+pub use struts::{Cap, Strut, Struts};
+pub use triangles::{Collector, Triangles};

@@ -21,6 +21,12 @@ pub(crate) struct Merger {
     seed: u64,
 }
 
+impl Default for Merger {
+    fn default() -> Merger {
+        Merger::new()
+    }
+}
+
 impl Merger {
     pub(crate) fn new() -> Merger {
         Merger {

@@ -15,7 +15,7 @@
 use crate::closest::{Near, closest};
 use crate::mesh::Mesh;
 use crate::shell::Shell;
-use crate::tree::{Child, child, gap};
+use crate::tree::{Child, child, corners, gap};
 use glam::DVec3;
 use isocontour::Bounds;
 
@@ -185,18 +185,4 @@ impl Mesh {
             None
         }
     }
-}
-
-/// The corners of a box.
-fn corners(over: &Bounds) -> [DVec3; 8] {
-    [0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
-        let end = |k: usize| {
-            if i >> k & 1 == 0 {
-                over.min[k]
-            } else {
-                over.max[k]
-            }
-        };
-        DVec3::new(end(0), end(1), end(2))
-    })
 }

@@ -134,14 +134,14 @@ impl Shell {
 }
 
 /// Distances from a place to boxes, in f32.
-struct Reach {
+pub(crate) struct Reach {
     p: [f32; 3],
     /// How far distances may be off, by rounding of the place.
     slack: f64,
 }
 
 impl Reach {
-    fn around(p: DVec3) -> Reach {
+    pub(crate) fn around(p: DVec3) -> Reach {
         Reach {
             p: p.to_array().map(|x| x as f32),
             // Half a unit of the last place along each axis, and as much for the
@@ -153,7 +153,7 @@ impl Reach {
     /// A box may hold what is within the root of `square` if its own square is
     /// not above this.
     #[inline]
-    fn limit(&self, square: f64) -> f32 {
+    pub(crate) fn limit(&self, square: f64) -> f32 {
         let d = square.sqrt() + self.slack;
         // The sum of squares has a few roundings of its own.
         ((d * d * (1.0 + 1e-6)) as f32).min(f32::MAX) + f32::MIN_POSITIVE
@@ -161,7 +161,7 @@ impl Reach {
 
     /// Squares of the distances to the four boxes of a node.
     #[inline]
-    fn squares(&self, node: &Node) -> [f32; 4] {
+    pub(crate) fn squares(&self, node: &Node) -> [f32; 4] {
         let mut squares = Vec4::ZERO;
         for k in 0..3 {
             let p = Vec4::splat(self.p[k]);

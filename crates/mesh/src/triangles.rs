@@ -49,24 +49,24 @@ impl Triangles {
 }
 
 /// Collects triangles.
-#[derive(Debug)]
-pub(crate) struct Collector {
+#[derive(Debug, Default)]
+pub struct Collector {
     merger: Merger,
     corners: Vec<[u32; 3]>,
     dropped: usize,
 }
 
 impl Collector {
-    pub(crate) fn new() -> Collector {
-        Collector {
-            merger: Merger::new(),
-            corners: Vec::new(),
-            dropped: 0,
-        }
+    /// Nothing yet.
+    pub fn new() -> Collector {
+        Collector::default()
     }
 
     /// The number of a vertex. `place` says where in the file it is.
-    pub(crate) fn vertex(
+    ///
+    /// # Errors
+    /// If it is too far away, or not finite.
+    pub fn vertex(
         &mut self,
         p: DVec3,
         place: impl FnOnce() -> String,
@@ -84,10 +84,10 @@ impl Collector {
     }
 
     /// Adds a triangle of vertices.
-    pub(crate) fn triangle(
-        &mut self,
-        corners: [u32; 3],
-    ) -> Result<(), MeshError> {
+    ///
+    /// # Errors
+    /// If there are too many.
+    pub fn triangle(&mut self, corners: [u32; 3]) -> Result<(), MeshError> {
         let [a, b, c] = corners;
         if a == b || b == c || c == a {
             self.dropped += 1;
@@ -108,7 +108,11 @@ impl Collector {
         &self.merger.vertices
     }
 
-    pub(crate) fn finish(self) -> Result<Triangles, MeshError> {
+    /// The triangles.
+    ///
+    /// # Errors
+    /// If there are none.
+    pub fn finish(self) -> Result<Triangles, MeshError> {
         if self.corners.is_empty() {
             return Err(MeshError::Empty);
         }

@@ -6,7 +6,6 @@ mod polygon;
 mod stl;
 #[cfg(test)]
 mod tests;
-mod threemf;
 mod words;
 
 use crate::error::MeshError;
@@ -22,8 +21,6 @@ pub enum Format {
     Obj,
     /// Stanford's list of vertices and faces, as text or binary.
     Ply,
-    /// The archive of the 3MF Consortium.
-    ThreeMf,
 }
 
 impl Format {
@@ -33,7 +30,6 @@ impl Format {
             "stl" => Some(Format::Stl),
             "obj" => Some(Format::Obj),
             "ply" => Some(Format::Ply),
-            "3mf" => Some(Format::ThreeMf),
             _ => None,
         }
     }
@@ -54,6 +50,5 @@ pub fn read(
         Format::Stl => stl::read(source, length),
         Format::Obj => obj::read(source),
         Format::Ply => ply::read(source),
-        Format::ThreeMf => threemf::read(source),
     }
 }

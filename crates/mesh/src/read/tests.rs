@@ -6,8 +6,7 @@ use crate::mesh::Mesh;
 use crate::triangles::Triangles;
 use glam::DVec3;
 use isocontour::Data;
-use std::io::{Cursor, Write};
-use zip::write::{SimpleFileOptions, ZipWriter};
+use std::io::Cursor;
 
 fn of(format: Format, bytes: &[u8]) -> Result<Triangles, MeshError> {
     read(Cursor::new(bytes), format)
@@ -119,62 +118,8 @@ fn ply(encoding: &str) -> Vec<u8> {
     bytes
 }
 
-fn archive(files: &[(&str, &str)]) -> Vec<u8> {
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, text) in files {
-        zip.start_file(*name, SimpleFileOptions::default()).unwrap();
-        zip.write_all(text.as_bytes()).unwrap();
-    }
-    zip.finish().unwrap().into_inner()
-}
-
-const CORE: &str = "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
-     xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" \
-     xmlns:v=\"http://schemas.3mf.io/3dmanufacturing/volumetric/2022/01\"";
-
-fn model(unit: &str, resources: &str, items: &str) -> String {
-    format!(
-        "<?xml version=\"1.0\"?>\n<model unit=\"{unit}\" {CORE}>\n\
-         <resources>{resources}</resources><build>{items}</build></model>"
-    )
-}
-
-fn cube_mesh() -> String {
-    let vertices: String = (0..8)
-        .map(|i| {
-            let [x, y, z] = corner(i);
-            format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
-        })
-        .collect();
-    let triangles: String = faces()
-        .iter()
-        .map(|[a, b, c]| {
-            format!("<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\" />")
-        })
-        .collect();
-    format!(
-        "<mesh><vertices>{vertices}</vertices><triangles>{triangles}\
-         </triangles></mesh>"
-    )
-}
-
-fn cube_object(id: u32, more: &str) -> String {
-    format!("<object id=\"{id}\" {more}>{}</object>", cube_mesh())
-}
-
-const ROOT: &str = "3D/3dmodel.model";
-
-fn package(model: &str) -> Vec<u8> {
-    archive(&[(ROOT, model)])
-}
-
 #[test]
 fn a_cube_is_a_cube_in_all_formats() {
-    let three_mf = package(&model(
-        "millimeter",
-        &cube_object(1, ""),
-        "<item objectid=\"1\"/>",
-    ));
     for (format, bytes) in [
         (Format::Stl, stl_binary(b"name")),
         (Format::Stl, stl_binary(b"solid name")),
@@ -183,7 +128,6 @@ fn a_cube_is_a_cube_in_all_formats() {
         (Format::Ply, ply("ascii")),
         (Format::Ply, ply("binary_little_endian")),
         (Format::Ply, ply("binary_big_endian")),
-        (Format::ThreeMf, three_mf),
     ] {
         let triangles = of(format, &bytes).unwrap();
         assert_eq!(triangles.corners.len(), 12, "{format:?}");
@@ -193,99 +137,6 @@ fn a_cube_is_a_cube_in_all_formats() {
         assert_eq!(mesh.value(DVec3::splat(0.5)), -0.5, "{format:?}");
         assert_eq!(mesh.facts().turned, 0, "{format:?}");
     }
-}
-
-#[test]
-fn units_transforms_and_components_of_3mf() {
-    let resources = format!(
-        "{}<object id=\"2\"><components>\
-         <component objectid=\"1\" transform=\"2 0 0 0 2 0 0 0 2 5 0 0\"/>\
-         <component objectid=\"1\" transform=\"-1 0 0 0 1 0 0 0 1 0 0 0\"/>\
-         </components></object>",
-        cube_object(1, "")
-    );
-    let items = "<item objectid=\"2\" transform=\"0 1 0 -1 0 0 0 0 1 0 0 10\"/>\
-         <item objectid=\"1\" printable=\"0\"/>";
-    let bytes = package(&model("inch", &resources, items));
-    let triangles = of(Format::ThreeMf, &bytes).unwrap();
-    assert_eq!(triangles.corners.len(), 24);
-    assert_eq!(triangles.unit, Some("inch"));
-    assert_eq!(triangles.left_out, ["an object that is not printable"]);
-    // x goes to y, y to −x.
-    let bounds = triangles.bounds();
-    let min = DVec3::new(-2.0, -1.0, 10.0) * 25.4;
-    let max = DVec3::new(0.0, 7.0, 12.0) * 25.4;
-    assert!(bounds.min.distance(min) < 1e-9);
-    assert!(bounds.max.distance(max) < 1e-9);
-    let mesh = Mesh::new("cubes", triangles).unwrap();
-    assert_eq!(mesh.facts().turned, 0);
-    assert!(mesh.facts().is_sound());
-}
-
-#[test]
-fn production_and_projects_of_slicers() {
-    let part = |name: &str| {
-        format!(
-            "<object id=\"8\"><components>\
-             <component p:path=\"/3D/Objects/{name}\" objectid=\"1\"/>\
-             <component p:path=\"/3D/Objects/{name}\" objectid=\"2\" \
-             transform=\"1 0 0 0 1 0 0 0 1 3 0 0\"/></components></object>"
-        )
-    };
-    let other = model(
-        "millimeter",
-        &(cube_object(1, "") + &cube_object(2, "")),
-        "",
-    );
-    let config = "<config><object id=\"8\"><part id=\"1\" \
-         subtype=\"normal_part\"/><part id=\"2\" subtype=\"negative_part\"/>\
-         </object></config>";
-    let item = "<item objectid=\"8\"/>";
-    let bytes = archive(&[
-        (
-            "_rels/.rels",
-            "<Relationships><Relationship Target=\"/3D/main.model\" Id=\"a\" \
-             Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/>\
-             </Relationships>",
-        ),
-        (
-            "3D/main.model",
-            &model("millimeter", &part("a.model"), item),
-        ),
-        ("3D/Objects/a.model", &other),
-        ("Metadata/model_settings.config", config),
-    ]);
-    let triangles = of(Format::ThreeMf, &bytes).unwrap();
-    assert_eq!(triangles.corners.len(), 12);
-    assert_eq!(triangles.left_out, ["a negative volume"]);
-    let of_prusa = "<config><object id=\"1\"><volume firstid=\"0\" \
-         lastid=\"7\"/><volume firstid=\"8\" lastid=\"11\"><metadata \
-         type=\"volume\" key=\"modifier\" value=\"1\"/><metadata type=\"volume\" \
-         key=\"volume_type\" value=\"ParameterModifier\"/></volume></object>\
-         </config>";
-    let cube = model(
-        "millimeter",
-        &cube_object(1, "type=\"model\""),
-        "<item objectid=\"1\"/>",
-    );
-    let bytes = archive(&[
-        (ROOT, &cube),
-        ("Metadata/Slic3r_PE_model.config", of_prusa),
-    ]);
-    let triangles = of(Format::ThreeMf, &bytes).unwrap();
-    assert_eq!(triangles.corners.len(), 8);
-    assert_eq!(triangles.left_out, ["a modifier"]);
-    let of_cura = format!(
-        "<object id=\"2\"><metadatagroup><metadata name=\"cura:infill_mesh\">\
-         True</metadata></metadatagroup>{}</object>{}",
-        cube_mesh(),
-        cube_object(1, "")
-    );
-    let items = "<item objectid=\"1\"/><item objectid=\"2\"/>";
-    let bytes = package(&model("millimeter", &of_cura, items));
-    let triangles = of(Format::ThreeMf, &bytes).unwrap();
-    assert_eq!(triangles.corners.len(), 12);
-    assert_eq!(triangles.left_out, ["a modifier"]);
 }
 
 #[test]
@@ -324,54 +175,7 @@ fn hostile_files_are_refused_with_the_reason() {
     let xyz = "property float x\nproperty float y\nproperty float z\n";
     let list = "element face 1\nproperty list int int vertex_index\n";
     let vertices = |n: u64| format!("element vertex {n}\n{xyz}");
-    let deep: String = (0..100).map(|_| "<a>").collect();
-    let chain: String = (2..60)
-        .map(|i| {
-            format!(
-                "<object id=\"{i}\"><components><component objectid=\"{}\"/>\
-                 <component objectid=\"{}\"/></components></object>",
-                i - 1,
-                i - 1
-            )
-        })
-        .collect::<String>()
-        + &cube_object(1, "");
-    let wide = &chain[..chain.len()];
-    let laughs = |last: u32| {
-        model("millimeter", wide, &format!("<item objectid=\"{last}\"/>"))
-    };
-    let of_model = |resources: &str, items: &str| {
-        package(&model("millimeter", resources, items))
-    };
-    let item = "<item objectid=\"1\"/>";
-    let circle = "<object id=\"1\"><components><component objectid=\"2\"/>\
-        </components></object><object id=\"2\"><components><component \
-        objectid=\"1\"/></components></object>";
-    let required = |name: &str| {
-        model("inch", "", "")
-            .replace("unit=\"inch\"", &format!("requiredextensions=\"{name}\""))
-    };
-    let spaces = " ".repeat(40 << 20);
-    let many: Vec<(String, String)> = (0..10_001)
-        .map(|i| (i.to_string(), String::new()))
-        .collect();
-    let many: Vec<(&str, &str)> =
-        many.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
-    let vertex = "<vertex x=\"1\" y=\"1\" z=\"1\"/>";
-    let relation = |mode: &str| {
-        format!(
-            "<Relationship Target=\"/a\" Type=\"a/3dmodel\" \
-             TargetMode=\"{mode}\"/>"
-        )
-    };
-    let one = |inside: &str| {
-        let object = format!(
-            "<object id=\"1\"><mesh><vertices>{vertex}{vertex}{vertex}</vertices>\
-             <triangles>{inside}</triangles></mesh></object>"
-        );
-        of_model(&object, item)
-    };
-    use Format::{Obj, Ply, Stl, ThreeMf};
+    use Format::{Obj, Ply, Stl};
     let cases: Vec<(Format, Vec<u8>, &str)> = vec![
         (Stl, vec![], "too short"),
         (Stl, b"solid".to_vec(), "no triangles"),
@@ -516,145 +320,6 @@ fn hostile_files_are_refused_with_the_reason() {
             ply_head(&"comment\n".repeat(2000)).into(),
             "its head has no end",
         ),
-        (ThreeMf, vec![], "archive is damaged"),
-        (ThreeMf, b"PK\x03\x04".to_vec(), "archive is damaged"),
-        (
-            ThreeMf,
-            archive(&[("a", "b")]),
-            "there is no 3D/3dmodel.model",
-        ),
-        (ThreeMf, archive(&many), "more than 10000 files"),
-        (ThreeMf, package(""), "there is no model"),
-        (ThreeMf, package("<a/>"), "the first element is no model"),
-        (ThreeMf, package("<model><"), "byte 8"),
-        (ThreeMf, package("<model>"), "cut off"),
-        (ThreeMf, package("<model></a>"), "byte 8"),
-        (
-            ThreeMf,
-            package("<!DOCTYPE a [<!ENTITY b \"c\">]><model/>"),
-            "document type",
-        ),
-        (
-            ThreeMf,
-            package(&format!("<model>{deep}")),
-            "elements inside",
-        ),
-        (
-            ThreeMf,
-            package("<model unit=\"mile\"/>"),
-            "\"mile\" is no unit",
-        ),
-        (
-            ThreeMf,
-            package("<model unit=\"&b;\"/>"),
-            "unit cannot be read",
-        ),
-        (ThreeMf, package("<model/>"), "nothing is to be built"),
-        (ThreeMf, package(&required("v")), "requires the extension"),
-        (ThreeMf, package(&required("w")), "without naming it"),
-        (ThreeMf, package(&required("p")), "nothing is to be built"),
-        (
-            ThreeMf,
-            package(&format!("<model>{spaces}</model>")),
-            "more than 1 MB",
-        ),
-        (
-            ThreeMf,
-            package(&format!("<model>{}</model>", "<a/>".repeat(10 << 20))),
-            "unpacks to far more",
-        ),
-        (ThreeMf, of_model("", item), "there is no object 1"),
-        (ThreeMf, of_model("<object/>", ""), "no attribute id"),
-        (ThreeMf, of_model("<object id=\"-1\"/>", ""), "id is \"-1\""),
-        (
-            ThreeMf,
-            of_model("<object id=\"1\"/><object id=\"1\"/>", ""),
-            "a second object 1",
-        ),
-        (
-            ThreeMf,
-            of_model("<object id=\"1\"><object id=\"2\"/></object>", ""),
-            "inside an object",
-        ),
-        (
-            ThreeMf,
-            of_model("<object id=\"1\"/>", item),
-            "no triangles",
-        ),
-        (ThreeMf, of_model(circle, item), "holds itself"),
-        (ThreeMf, package(&laughs(59)), "too many objects inside"),
-        (ThreeMf, package(&laughs(30)), "more than 100000 objects"),
-        (
-            ThreeMf,
-            of_model("", "<item objectid=\"1\" transform=\"1 2\"/>"),
-            "twelve finite numbers",
-        ),
-        (
-            ThreeMf,
-            of_model(
-                &cube_object(1, ""),
-                "<item objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 1 0 0 inf\"/>",
-            ),
-            "twelve finite numbers",
-        ),
-        (
-            ThreeMf,
-            of_model(
-                &cube_object(1, ""),
-                "<item objectid=\"1\" transform=\"1e300 0 0 0 1 0 0 0 1 0 0 0\"/>",
-            ),
-            "object 1, vertex 1: this coordinate is farther",
-        ),
-        (
-            ThreeMf,
-            of_model("", "<item objectid=\"1\" p:path=\"/../../etc/passwd\"/>"),
-            "there is no /../../etc/passwd",
-        ),
-        (
-            ThreeMf,
-            of_model("<object id=\"1\" type=\"bear\"/>", item),
-            "\"bear\" is no type of objects",
-        ),
-        (
-            ThreeMf,
-            of_model("<object id=\"1\" type=\"other\"/>", item),
-            "object 1 is to be built, and",
-        ),
-        (
-            ThreeMf,
-            archive(&[("_rels/.rels", &relation("").repeat(2))]),
-            "two models",
-        ),
-        (
-            ThreeMf,
-            archive(&[("_rels/.rels", &relation("External"))]),
-            "not in the archive",
-        ),
-        (
-            ThreeMf,
-            one("<triangle v1=\"0\" v2=\"1\" v3=\"3\"/>"),
-            "triangle 0: it names a vertex that there is not",
-        ),
-        (
-            ThreeMf,
-            one("<triangle v1=\"0\" v2=\"1\"/>"),
-            "no attribute v3",
-        ),
-        (
-            ThreeMf,
-            one("<triangle v1=\"0\" v2=\"1\" v3=\"4294967296\"/>"),
-            "v3 is \"4294967296\"",
-        ),
-        (
-            ThreeMf,
-            one("<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>"),
-            "no triangles",
-        ),
-        (
-            ThreeMf,
-            of_model(&cube_object(1, "type=\"support\""), item),
-            "no triangles",
-        ),
     ];
     for (format, bytes, why) in cases {
         let said = match of(format, &bytes) {
@@ -669,15 +334,12 @@ fn hostile_files_are_refused_with_the_reason() {
 #[test]
 fn changed_files_never_panic() {
     let mut rng = fastrand::Rng::with_seed(11);
-    let cube =
-        model("millimeter", &cube_object(1, ""), "<item objectid=\"1\"/>");
     let files = [
         (Format::Stl, stl_binary(b"solid")),
         (Format::Stl, stl_text().into_bytes()),
         (Format::Obj, obj().into_bytes()),
         (Format::Ply, ply("ascii")),
         (Format::Ply, ply("binary_big_endian")),
-        (Format::ThreeMf, package(&cube)),
     ];
     for (format, bytes) in files {
         for _ in 0..400 {

@@ -6,7 +6,7 @@
 //! are looked at. Both halves are parted again, which makes a node of four.
 
 use super::{DEEPEST, LEAF, Node, Tree, above, below, leaf};
-use glam::DVec3;
+use isocontour::Bounds;
 use rayon::prelude::*;
 
 /// Parts of a list's longest side.
@@ -17,7 +17,7 @@ const SHARED: usize = 1 << 14;
 /// are halved. 27 halvings leave nothing of 2²⁷ triangles.
 const BY_SURFACE: usize = DEEPEST - 28;
 
-/// A triangle's box.
+/// The box of a triangle or a strut.
 #[derive(Clone, Copy)]
 struct Item {
     min: [f32; 3],
@@ -70,15 +70,13 @@ struct Part<'a> {
 }
 
 pub(super) fn build(
-    vertices: &[DVec3],
-    corners: &[[u32; 3]],
+    count: usize,
+    around: impl Fn(usize) -> Bounds + Sync,
 ) -> (Tree, Vec<u32>) {
-    let mut items: Vec<Item> = corners
-        .par_iter()
-        .enumerate()
-        .map(|(number, corners)| {
-            let [a, b, c] = corners.map(|i| vertices[i as usize]);
-            let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+    let mut items: Vec<Item> = (0..count)
+        .into_par_iter()
+        .map(|number| {
+            let Bounds { min, max } = around(number);
             Item {
                 min: min.to_array().map(below),
                 number: number as u32,
@@ -287,6 +285,7 @@ fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
 mod tests {
     use super::super::{Child, child};
     use super::*;
+    use glam::DVec3;
 
     fn check(vertices: &[DVec3], corners: &[[u32; 3]]) {
         let (tree, order) = Tree::new(vertices, corners);

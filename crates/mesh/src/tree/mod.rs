@@ -120,7 +120,21 @@ impl Tree {
         vertices: &[DVec3],
         corners: &[[u32; 3]],
     ) -> (Tree, Vec<u32>) {
-        build::build(vertices, corners)
+        Tree::of(corners.len(), |i| {
+            let [a, b, c] = corners[i].map(|i| vertices[i as usize]);
+            Bounds {
+                min: a.min(b).min(c),
+                max: a.max(b).max(c),
+            }
+        })
+    }
+
+    /// Sorts so many things, no more than 2²⁷, by the boxes around them.
+    pub(crate) fn of(
+        count: usize,
+        around: impl Fn(usize) -> Bounds + Sync,
+    ) -> (Tree, Vec<u32>) {
+        build::build(count, around)
     }
 
     /// Calls `visit` with the first triangle and the one after the last of each
@@ -159,6 +173,20 @@ impl Tree {
 pub(crate) fn gap(a: &Bounds, b: &Bounds) -> f64 {
     let apart = (a.min - b.max).max(b.min - a.max);
     apart.max(DVec3::ZERO).length()
+}
+
+/// The corners of a box.
+pub(crate) fn corners(over: &Bounds) -> [DVec3; 8] {
+    [0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
+        let end = |k: usize| {
+            if i >> k & 1 == 0 {
+                over.min[k]
+            } else {
+                over.max[k]
+            }
+        };
+        DVec3::new(end(0), end(1), end(2))
+    })
 }
 
 /// The greatest number of f32 that is not above `x`.

@@ -11,7 +11,7 @@ use super::lock;
 use super::options::Options;
 use super::taken::Taken;
 use fidget::context::Tree;
-use isocontour::{Data, call};
+use isocontour::Data;
 use isoslice_base::units::human_bytes;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -119,40 +119,36 @@ impl Files {
             path,
             options,
         };
-        let Made { data, notes } = known_or_made(kind, &asked, &self.taken)?;
-        let (x, y, z) = Tree::axes();
-        let z = if data.is_flat() {
-            Tree::constant(0.0)
-        } else {
-            z
-        };
-        let tree = call(&data, [x, y, z]);
+        let Made { tree, data, notes } =
+            known_or_made(kind, &asked, &self.taken)?;
         lock(&self.kept).keep(data, notes)?;
         Ok(tree)
     }
 }
 
 impl Kept {
-    /// Keeps data, unless it is kept already.
+    /// Keeps what was made of a file or a text, unless it is kept already.
     fn keep(
         &mut self,
-        data: Arc<dyn Data>,
+        made: Vec<Arc<dyn Data>>,
         notes: Vec<String>,
     ) -> Result<(), String> {
-        if self.data.iter().any(|kept| Arc::ptr_eq(kept, &data)) {
-            return Ok(());
-        }
-        self.bytes = self.bytes.saturating_add(data.bytes() as u64);
-        if self.bytes > MOST_DATA_BYTES {
-            return Err(format!(
-                "with {} the model's data takes more than {}; read fewer or \
-                 smaller files",
-                data.name(),
-                human_bytes(MOST_DATA_BYTES)
-            ));
+        for data in made {
+            if self.data.iter().any(|kept| Arc::ptr_eq(kept, &data)) {
+                return Ok(());
+            }
+            self.bytes = self.bytes.saturating_add(data.bytes() as u64);
+            if self.bytes > MOST_DATA_BYTES {
+                return Err(format!(
+                    "with {} the model's data takes more than {}; read fewer \
+                     or smaller files",
+                    data.name(),
+                    human_bytes(MOST_DATA_BYTES)
+                ));
+            }
+            self.data.push(data);
         }
         self.notes.extend(notes);
-        self.data.push(data);
         Ok(())
     }
 }
@@ -212,8 +208,26 @@ impl FileVersion {
 /// Data in use, with what was asked for it, and what users should know of it.
 struct Known {
     version: Version,
-    data: Weak<dyn Data>,
+    tree: Tree,
+    data: Vec<Weak<dyn Data>>,
     notes: Vec<String>,
+}
+
+impl Known {
+    /// What is known, if all of its data is still in use.
+    fn made(&self) -> Option<Made> {
+        Some(Made {
+            tree: self.tree.clone(),
+            data: self.data.iter().map(Weak::upgrade).collect::<Option<_>>()?,
+            notes: self.notes.clone(),
+        })
+    }
+
+    /// True if somebody may still use it.
+    fn is_in_use(&self) -> bool {
+        !self.data.is_empty()
+            && self.data.iter().all(|data| data.strong_count() > 0)
+    }
 }
 
 /// What a function makes. What somebody uses is made once of a text, and of a
@@ -226,10 +240,7 @@ fn known_or_made(
     static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
     let version = Version::of(kind, asked)?;
     let is_same = |known: &&Known| Some(&known.version) == version.as_ref();
-    let same = lock(&KNOWN).iter().find(is_same).and_then(|known| {
-        let notes = known.notes.clone();
-        known.data.upgrade().map(|data| Made { data, notes })
-    });
+    let same = lock(&KNOWN).iter().find(is_same).and_then(Known::made);
     if let Some(made) = same {
         return Ok(made);
     }
@@ -243,10 +254,11 @@ fn known_or_made(
     let made = taken.making(|| kind.make(asked))?;
     if let Some(version) = version {
         let mut known = lock(&KNOWN);
-        known.retain(|known| known.data.strong_count() > 0);
+        known.retain(Known::is_in_use);
         known.push(Known {
             version,
-            data: Arc::downgrade(&made.data),
+            tree: made.tree.clone(),
+            data: made.data.iter().map(Arc::downgrade).collect(),
             notes: made.notes.clone(),
         });
     }

@@ -2,8 +2,9 @@
 
 use super::folder::Folder;
 use super::options::{Given, Options, Reader};
+use fidget::context::Tree;
 use glam::DVec3;
-use isocontour::Data;
+use isocontour::{Data, call};
 use isoslice_drawings::{
     Align, Anchor, Drawing, MOST_SVG_BYTES, SvgOptions, TextOptions, Vertical,
     White,
@@ -25,15 +26,29 @@ const MOST_FONT_BYTES: u64 = 64 << 20;
 
 /// What was made, and what its user should know.
 pub(super) struct Made {
-    pub data: Arc<dyn Data>,
+    pub tree: Tree,
+    /// The data in the expression, which does not keep it.
+    pub data: Vec<Arc<dyn Data>>,
     pub notes: Vec<String>,
 }
 
 impl Made {
     fn plain(data: impl Data + 'static) -> Made {
+        Made::leaf(Arc::new(data), Vec::new())
+    }
+
+    /// Data at x, y and z.
+    fn leaf(data: Arc<dyn Data>, notes: Vec<String>) -> Made {
+        let (x, y, z) = Tree::axes();
+        let z = if data.is_flat() {
+            Tree::constant(0.0)
+        } else {
+            z
+        };
         Made {
-            data: Arc::new(data),
-            notes: Vec::new(),
+            tree: call(&data, [x, y, z]),
+            data: vec![data],
+            notes,
         }
     }
 }
@@ -158,11 +173,15 @@ const BORDER: &[(&str, Border)] = &[
     ("mirror", Border::Mirror),
 ];
 
+/// The ends of names of 3MF files, which may hold more than meshes.
+const OF_3MF: &str = "3mf";
+
 /// True for the name of a mesh's file. A plate of G-code, `part.gcode.3mf`, is
 /// none.
 pub fn is_mesh(path: &Path) -> bool {
     let inner = path.file_stem().map(Path::new).map(extension);
-    Format::of_extension(&extension(path)).is_some()
+    let of = extension(path);
+    (of == OF_3MF || Format::of_extension(&of).is_some())
         && inner.as_deref() != Some("gcode")
 }
 
@@ -174,24 +193,31 @@ fn extension(path: &Path) -> String {
 fn mesh(asked: &Asked<'_>) -> Result<Made, String> {
     Reader::new("mesh", asked.options).finish()?;
     let path = asked.file()?;
+    let name = format!("mesh({:?})", asked.text);
+    let open = || {
+        let file = File::open(path).map_err(|e| e.to_string())?;
+        Ok::<_, String>(BufReader::new(file))
+    };
+    let noted = |what: String| format!("{}: {what}", asked.text);
+    if extension(path) == OF_3MF {
+        let body = isoslice_threemf::read(&name, open()?);
+        let body = body.map_err(|e| e.to_string())?;
+        return Ok(Made {
+            tree: body.tree,
+            data: body.data,
+            notes: body.notes.into_iter().map(noted).collect(),
+        });
+    }
     let format = Format::of_extension(&extension(path));
     let format = format.ok_or(
         "its name is not known as a mesh's; meshes are .stl, .obj, .ply and \
          .3mf files",
     )?;
-    let file = File::open(path).map_err(|e| e.to_string())?;
-    let triangles = isoslice_mesh::read(BufReader::new(file), format)
-        .map_err(|e| e.to_string())?;
-    let name = format!("mesh({:?})", asked.text);
+    let triangles =
+        isoslice_mesh::read(open()?, format).map_err(|e| e.to_string())?;
     let mesh = Mesh::new(&name, triangles).map_err(|e| e.to_string())?;
-    let facts = mesh.facts();
-    let left_out = facts.left_out.iter().map(|what| format!("left out {what}"));
-    let told = facts.repairs().into_iter().chain(left_out);
-    let notes = told.map(|what| format!("{}: {what}", asked.text)).collect();
-    Ok(Made {
-        data: Arc::new(mesh),
-        notes,
-    })
+    let notes = mesh.facts().repairs().into_iter().map(noted).collect();
+    Ok(Made::leaf(Arc::new(mesh), notes))
 }
 
 fn svg(asked: &Asked<'_>) -> Result<Made, String> {
@@ -256,10 +282,8 @@ fn text(asked: &Asked<'_>) -> Result<Made, String> {
 fn drawn(drawing: Drawing) -> Made {
     let name = drawing.name();
     let notes = drawing.warnings().iter().map(|w| format!("{name}: {w}"));
-    Made {
-        notes: notes.collect(),
-        data: Arc::new(drawing),
-    }
+    let notes = notes.collect();
+    Made::leaf(Arc::new(drawing), notes)
 }
 
 fn image(asked: &Asked<'_>) -> Result<Made, String> {

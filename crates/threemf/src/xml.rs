@@ -1,9 +1,11 @@
 //! XML, of unknown origin: elements one after another.
 
-use crate::error::MeshError;
+use crate::space::Space;
+use isoslice_mesh::MeshError;
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event as Raw};
-use quick_xml::reader::Reader;
+use quick_xml::name::ResolveResult;
+use quick_xml::reader::NsReader;
 use std::io::{self, BufRead, BufReader, Read};
 use std::str::FromStr;
 
@@ -13,27 +15,41 @@ const LONGEST: usize = 1 << 20;
 const DEEPEST: usize = 64;
 
 /// What follows in a file.
-pub(super) enum Event<'a> {
+pub(crate) enum Event<'a> {
     Start(Element<'a>),
-    /// The end of an element, also of one that has no content.
-    End(&'a str),
+    /// The end of an element, also of one that has no content: where its name
+    /// is from, and the name.
+    End(Space, &'a str),
     Text(String),
 }
 
 /// An element's start.
-pub(super) struct Element<'a> {
+pub(crate) struct Element<'a> {
+    space: Space,
     raw: &'a BytesStart<'a>,
     at: &'a dyn Fn() -> String,
 }
 
-impl Element<'_> {
-    /// The name, with its prefix if it has one.
-    pub(super) fn name(&self) -> &str {
-        self.raw.name().0
+impl<'a> Element<'a> {
+    fn new(
+        space: Space,
+        raw: &'a BytesStart<'a>,
+        at: &'a dyn Fn() -> String,
+    ) -> Element<'a> {
+        Element { space, raw, at }
+    }
+    /// Where its name is from.
+    pub(crate) fn space(&self) -> Space {
+        self.space
+    }
+
+    /// The name, without its prefix.
+    pub(crate) fn name(&self) -> &str {
+        self.raw.local_name().into_inner()
     }
 
     /// Why the element cannot be used.
-    pub(super) fn wrong(&self, what: impl Into<String>) -> MeshError {
+    pub(crate) fn wrong(&self, what: impl Into<String>) -> MeshError {
         MeshError::at((self.at)(), what)
     }
 
@@ -50,7 +66,7 @@ impl Element<'_> {
     }
 
     /// An attribute as text.
-    pub(super) fn text(&self, name: &str) -> Result<Option<String>, MeshError> {
+    pub(crate) fn text(&self, name: &str) -> Result<Option<String>, MeshError> {
         let Some(attribute) = self.attribute(name) else {
             return Ok(None);
         };
@@ -63,7 +79,7 @@ impl Element<'_> {
     }
 
     /// An attribute by the end of its name, whatever its prefix is.
-    pub(super) fn text_of_any(
+    pub(crate) fn text_of_any(
         &self,
         local: &str,
     ) -> Result<Option<String>, MeshError> {
@@ -80,7 +96,7 @@ impl Element<'_> {
     }
 
     /// Attributes that name a prefix: prefix and namespace.
-    pub(super) fn prefixes(&self) -> Vec<(String, String)> {
+    pub(crate) fn prefixes(&self) -> Vec<(String, String)> {
         let mut attributes = self.raw.attributes();
         let named = attributes.with_checks(false).filter_map(Result::ok);
         named
@@ -92,7 +108,7 @@ impl Element<'_> {
     }
 
     /// An attribute that has to be a number.
-    pub(super) fn number<T: FromStr>(
+    pub(crate) fn number<T: FromStr>(
         &self,
         name: &str,
     ) -> Result<T, MeshError> {
@@ -103,19 +119,27 @@ impl Element<'_> {
             None => self.wrong(format!("there is no attribute {name}")),
             Some(value) => self.wrong(format!(
                 "the attribute {name} is {:?}, which is no number that it may be",
-                crate::read::words::shortened(value.as_bytes())
+                shortened(value)
             )),
         })
     }
 }
 
+/// The beginning of a word, for messages.
+fn shortened(word: &str) -> String {
+    if word.chars().count() <= 30 {
+        return word.to_owned();
+    }
+    word.chars().take(30).chain(['…']).collect()
+}
+
 /// Calls `see` with all that is in a file. `name` is that of the file.
-pub(super) fn read(
+pub(crate) fn read(
     name: &str,
     bytes: &mut dyn Read,
     mut see: impl FnMut(Event) -> Result<(), MeshError>,
 ) -> Result<(), MeshError> {
-    let mut reader = Reader::from_reader(Short {
+    let mut reader = NsReader::from_reader(Short {
         source: BufReader::with_capacity(1 << 16, bytes),
         left: LONGEST,
     });
@@ -127,9 +151,14 @@ pub(super) fn read(
         reader.get_mut().left = LONGEST;
         let before = reader.buffer_position();
         let at = || format!("{name}, byte {}", before + 1);
-        let event = reader
-            .read_event_into(&mut buffer)
+        let (space, event) = reader
+            .read_resolved_event_into(&mut buffer)
             .map_err(|e| MeshError::at(at(), e.to_string()))?;
+        let space = match space {
+            ResolveResult::Bound(namespace) => Space::of(namespace.0),
+            ResolveResult::Unbound => Space::Core,
+            ResolveResult::Unknown(_) => Space::Other,
+        };
         count = count.wrapping_add(1);
         if count.is_multiple_of(65_536) {
             isoslice_base::limits::go_on()?;
@@ -141,15 +170,15 @@ pub(super) fn read(
                     let what = "elements inside elements inside elements …";
                     return Err(MeshError::at(at(), what));
                 }
-                see(Event::Start(Element { raw: &raw, at: &at }))?;
+                see(Event::Start(Element::new(space, &raw, &at)))?;
             }
             Raw::Empty(raw) => {
-                see(Event::Start(Element { raw: &raw, at: &at }))?;
-                see(Event::End(raw.name().0))?;
+                see(Event::Start(Element::new(space, &raw, &at)))?;
+                see(Event::End(space, raw.local_name().into_inner()))?;
             }
             Raw::End(raw) => {
                 depth = depth.saturating_sub(1);
-                see(Event::End(raw.name().0))?;
+                see(Event::End(space, raw.local_name().into_inner()))?;
             }
             Raw::Text(text) => {
                 let text = text.to_string();

@@ -8,9 +8,9 @@
 //!   <object id="2"> <part id="1" subtype="modifier_part">
 //! ```
 
-use super::package::Package;
-use super::xml::{self, Element, Event};
-use crate::error::MeshError;
+use crate::package::Package;
+use crate::xml::{self, Element, Event};
+use isoslice_mesh::MeshError;
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 
@@ -22,7 +22,7 @@ const MOST: usize = 100_000;
 
 /// What is no part of the body.
 #[derive(Debug, Default)]
-pub(super) struct Marks {
+pub(crate) struct Marks {
     /// By object: the first triangle, the last one, and what they are.
     triangles: BTreeMap<u32, Vec<(usize, usize, &'static str)>>,
     /// By object and component.
@@ -30,7 +30,7 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    pub(super) fn read<R: Read + Seek>(
+    pub(crate) fn read<R: Read + Seek>(
         package: &mut Package<R>,
     ) -> Result<Marks, MeshError> {
         let mut marks = Marks::default();
@@ -98,7 +98,7 @@ impl Marks {
     }
 
     /// What a triangle of an object is, if it is no part of the body.
-    pub(super) fn of_triangle(
+    pub(crate) fn of_triangle(
         &self,
         object: u32,
         triangle: usize,
@@ -111,7 +111,7 @@ impl Marks {
     }
 
     /// What a component of an object is, if it is no part of the body.
-    pub(super) fn of_part(
+    pub(crate) fn of_part(
         &self,
         object: u32,
         component: u32,

@@ -1,16 +1,19 @@
 //! A model file: objects, and what is to be built of them.
 
-use super::package::Package;
-use super::xml::{self, Element, Event};
-use crate::error::MeshError;
-use crate::limits::MOST_TRIANGLES;
-use glam::{DAffine3, DMat3, DVec3};
+use crate::lattice::Lattice;
+use crate::package::Package;
+use crate::space::Space;
+use crate::transform::transform;
+use crate::xml::{self, Element, Event};
+use glam::{DAffine3, DVec3};
+use isoslice_mesh::{MOST_TRIANGLES, MeshError};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
+use std::rc::Rc;
 
 /// A unit of lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unit {
+pub(crate) enum Unit {
     Micron,
     Millimetre,
     Centimetre,
@@ -30,7 +33,7 @@ impl Unit {
     ];
 
     /// As files name it.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Unit::Micron => "micron",
             Unit::Millimetre => "millimeter",
@@ -41,7 +44,7 @@ impl Unit {
         }
     }
 
-    pub(super) fn millimetres(self) -> f64 {
+    pub(crate) fn millimetres(self) -> f64 {
         match self {
             Unit::Micron => 1e-3,
             Unit::Millimetre => 1.0,
@@ -55,7 +58,7 @@ impl Unit {
 
 /// An object at a place.
 #[derive(Clone, Debug)]
-pub(super) struct Reference {
+pub(crate) struct Reference {
     /// The file that has it, if it is another one.
     pub path: Option<String>,
     pub id: u32,
@@ -63,41 +66,40 @@ pub(super) struct Reference {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Item {
+pub(crate) struct Item {
     pub reference: Reference,
     pub is_printable: bool,
 }
 
 /// A mesh, objects at places, or both.
 #[derive(Debug, Default)]
-pub(super) struct Object {
+pub(crate) struct Object {
     pub vertices: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
     pub components: Vec<Reference>,
+    pub lattice: Option<Lattice>,
     /// Why it is no part of the body, if it is none.
     pub left_out: Option<&'static str>,
-    /// True for what stands for an object while its parts are placed.
-    pub is_open: bool,
+}
+
+impl Object {
+    /// True for a mesh that may clip a lattice.
+    fn is_plain_mesh(&self) -> bool {
+        self.components.is_empty()
+            && self.lattice.is_none()
+            && self.left_out.is_none()
+    }
 }
 
 #[derive(Debug)]
-pub(super) struct Model {
+pub(crate) struct Model {
     pub unit: Unit,
-    pub objects: BTreeMap<u32, Object>,
+    pub objects: BTreeMap<u32, Rc<Object>>,
     pub items: Vec<Item>,
 }
 
-/// Extensions of which what changes the shape is read, or which do not change it,
-/// by the ends of their namespaces.
-const KNOWN: [&str; 4] = [
-    "/core/2015/02",
-    "/production/2015/06",
-    "/material/2015/02",
-    "/trianglesets/2021/07",
-];
-
 /// An object of a type that must not be built.
-pub(super) const OTHER: &str = "an object that is not to be printed";
+pub(crate) const OTHER: &str = "an object that is not to be printed";
 
 /// What Cura calls meshes that are no part of the body.
 const OF_CURA: [(&str, &str); 4] = [
@@ -108,7 +110,7 @@ const OF_CURA: [(&str, &str); 4] = [
 ];
 
 /// Reads a model file of an archive.
-pub(super) fn read<R: Read + Seek>(
+pub(crate) fn read<R: Read + Seek>(
     package: &mut Package<R>,
     path: &str,
 ) -> Result<Model, MeshError> {
@@ -118,8 +120,9 @@ pub(super) fn read<R: Read + Seek>(
             objects: BTreeMap::new(),
             items: Vec::new(),
         },
-        prefix: None,
+        is_model: false,
         object: None,
+        is_in_lattice: false,
         says: None,
         is_in_build: false,
     };
@@ -131,7 +134,7 @@ pub(super) fn read<R: Read + Seek>(
             "there is no {path} in its archive; is it a 3MF file?"
         )));
     }
-    if reading.prefix.is_none() {
+    if !reading.is_model {
         return Err(MeshError::at(path, "there is no model in it"));
     }
     Ok(reading.model)
@@ -139,10 +142,10 @@ pub(super) fn read<R: Read + Seek>(
 
 struct Reading {
     model: Model,
-    /// What comes before the names of the core's elements: that of the first
-    /// element, with its colon.
-    prefix: Option<String>,
+    /// True once the first element was read.
+    is_model: bool,
     object: Option<(u32, Object)>,
+    is_in_lattice: bool,
     /// What a text says of the object, if it is true.
     says: Option<&'static str>,
     is_in_build: bool,
@@ -152,8 +155,8 @@ impl Reading {
     fn see(&mut self, event: Event) -> Result<(), MeshError> {
         match event {
             Event::Start(element) => self.start(&element),
-            Event::End(name) => {
-                self.end(name);
+            Event::End(space, name) => {
+                self.end(space, name);
                 Ok(())
             }
             Event::Text(text) => {
@@ -168,19 +171,53 @@ impl Reading {
         }
     }
 
-    /// The name of a core element.
-    fn core<'a>(&self, name: &'a str) -> Option<&'a str> {
-        let rest = name.strip_prefix(self.prefix.as_deref()?)?;
-        (!rest.contains(':')).then_some(rest)
-    }
-
     fn start(&mut self, element: &Element) -> Result<(), MeshError> {
-        if self.prefix.is_none() {
+        if !self.is_model {
             return self.root(element);
         }
-        match (self.core(element.name()), &mut self.object) {
-            (Some("object"), _) => self.object(element),
-            (Some("vertex"), Some((_, object))) => {
+        match element.space() {
+            Space::Core => self.core(element),
+            Space::Beams | Space::Balls => self.lattice(element),
+            _ => Ok(()),
+        }
+    }
+
+    /// An element of a beam lattice.
+    fn lattice(&mut self, element: &Element) -> Result<(), MeshError> {
+        let Some((id, object)) = &mut self.object else {
+            return Err(element.wrong("it is part of no object"));
+        };
+        if element.name() != "beamlattice" {
+            return match &mut object.lattice {
+                Some(lattice) if self.is_in_lattice => {
+                    lattice.see(element, object.vertices.len())
+                }
+                _ => Err(element.wrong("it is part of no lattice")),
+            };
+        }
+        if object.lattice.is_some() {
+            return Err(element.wrong("a second lattice in an object"));
+        }
+        let lattice = Lattice::new(element)?;
+        if let Some((clip, _)) = lattice.clipped {
+            let other = self.model.objects.get(&clip);
+            let is_mesh = other.is_some_and(|o| o.is_plain_mesh());
+            if !is_mesh || clip == *id {
+                return Err(element.wrong(format!(
+                    "it is clipped by object {clip}, which is no mesh without \
+                     a lattice that stands above it"
+                )));
+            }
+        }
+        object.lattice = Some(lattice);
+        self.is_in_lattice = true;
+        Ok(())
+    }
+
+    fn core(&mut self, element: &Element) -> Result<(), MeshError> {
+        match (element.name(), &mut self.object) {
+            ("object", _) => self.object(element),
+            ("vertex", Some((_, object))) => {
                 let p = DVec3::new(
                     element.number("x")?,
                     element.number("y")?,
@@ -189,7 +226,7 @@ impl Reading {
                 object.vertices.push(p);
                 within(object.vertices.len() / 3)
             }
-            (Some("triangle"), Some((_, object))) => {
+            ("triangle", Some((_, object))) => {
                 let corners = [
                     element.number("v1")?,
                     element.number("v2")?,
@@ -198,21 +235,21 @@ impl Reading {
                 object.triangles.push(corners);
                 within(object.triangles.len())
             }
-            (Some("component"), Some((_, object))) => {
+            ("component", Some((_, object))) => {
                 object.components.push(reference(element)?);
                 Ok(())
             }
-            (Some("metadata"), Some(_)) => {
+            ("metadata", Some(_)) => {
                 let name = element.text("name")?.unwrap_or_default();
                 let known = OF_CURA.into_iter().find(|(n, _)| *n == name);
                 self.says = known.map(|(_, what)| what);
                 Ok(())
             }
-            (Some("build"), _) => {
+            ("build", _) => {
                 self.is_in_build = true;
                 Ok(())
             }
-            (Some("item"), _) if self.is_in_build => {
+            ("item", _) if self.is_in_build => {
                 let printable = element.text("printable")?;
                 self.model.items.push(Item {
                     reference: reference(element)?,
@@ -227,25 +264,25 @@ impl Reading {
         }
     }
 
-    fn end(&mut self, name: &str) {
-        match self.core(name) {
-            Some("object") => {
+    fn end(&mut self, space: Space, name: &str) {
+        match (space, name) {
+            (Space::Core, "object") => {
                 if let Some((id, object)) = self.object.take() {
-                    self.model.objects.insert(id, object);
+                    self.model.objects.insert(id, Rc::new(object));
                 }
             }
-            Some("metadata") => self.says = None,
-            Some("build") => self.is_in_build = false,
+            (Space::Core, "metadata") => self.says = None,
+            (Space::Core, "build") => self.is_in_build = false,
+            (Space::Beams, "beamlattice") => self.is_in_lattice = false,
             _ => {}
         }
     }
 
     fn root(&mut self, element: &Element) -> Result<(), MeshError> {
-        let name = element.name();
-        let Some(prefix) = name.strip_suffix("model") else {
+        if (element.space(), element.name()) != (Space::Core, "model") {
             return Err(element.wrong("the first element is no model"));
-        };
-        self.prefix = Some(prefix.to_owned());
+        }
+        self.is_model = true;
         if let Some(name) = element.text("unit")? {
             let unit = Unit::ALL.into_iter().find(|u| u.name() == name);
             self.model.unit = unit.ok_or_else(|| {
@@ -264,7 +301,7 @@ impl Reading {
                     "it requires an extension {prefix:?} without naming it"
                 )));
             };
-            if !KNOWN.iter().any(|known| namespace.ends_with(known)) {
+            if Space::of(namespace) == Space::Other {
                 return Err(element.wrong(format!(
                     "it requires the extension {namespace}, which is not read; \
                      export the part as a mesh of triangles"
@@ -328,22 +365,5 @@ fn reference(element: &Element) -> Result<Reference, MeshError> {
         path,
         id: element.number("objectid")?,
         transform,
-    })
-}
-
-/// Twelve numbers: where the axes go, and where the origin goes.
-fn transform(text: &str) -> Option<DAffine3> {
-    let numbers: Vec<f64> = text
-        .split_whitespace()
-        .map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()))
-        .collect::<Option<_>>()?;
-    let [a, b, c, d, e, f, g, h, i, x, y, z] = numbers.try_into().ok()?;
-    Some(DAffine3 {
-        matrix3: DMat3::from_cols(
-            DVec3::new(a, b, c),
-            DVec3::new(d, e, f),
-            DVec3::new(g, h, i),
-        ),
-        translation: DVec3::new(x, y, z),
     })
 }

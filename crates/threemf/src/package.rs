@@ -1,7 +1,7 @@
 //! The archive, of unknown origin.
 
-use super::xml::{self, Event};
-use crate::error::MeshError;
+use crate::xml::{self, Event};
+use isoslice_mesh::MeshError;
 use std::io::{self, Read, Seek};
 use zip::ZipArchive;
 use zip::result::ZipError;
@@ -26,7 +26,7 @@ const RELATIONSHIPS: &str = "_rels/.rels";
 const MODEL: &str = "3D/3dmodel.model";
 
 /// An archive.
-pub(super) struct Package<R> {
+pub(crate) struct Package<R> {
     archive: ZipArchive<R>,
     /// The bytes that may still be unpacked.
     left: u64,
@@ -37,7 +37,7 @@ impl<R: Read + Seek> Package<R> {
     ///
     /// Its directory is read as a whole, and takes more memory than it is long.
     /// So its headers are counted beforehand.
-    pub(super) fn open(mut source: R) -> Result<Package<R>, MeshError> {
+    pub(crate) fn open(mut source: R) -> Result<Package<R>, MeshError> {
         if headers(&mut source)? > MOST_FILES {
             return Err(MeshError::File(format!(
                 "it is an archive of more than {MOST_FILES} files, and projects \
@@ -57,7 +57,7 @@ impl<R: Read + Seek> Package<R> {
     }
 
     /// Calls `read` with the bytes of a file. None if there is none of that name.
-    pub(super) fn with<T>(
+    pub(crate) fn with<T>(
         &mut self,
         name: &str,
         read: impl FnOnce(&mut dyn Read) -> Result<T, MeshError>,
@@ -79,7 +79,7 @@ impl<R: Read + Seek> Package<R> {
     }
 
     /// The name of the file that has the model.
-    pub(super) fn root(&mut self) -> Result<String, MeshError> {
+    pub(crate) fn root(&mut self) -> Result<String, MeshError> {
         let mut root = None;
         self.with(RELATIONSHIPS, |bytes| {
             xml::read(RELATIONSHIPS, bytes, |event| {

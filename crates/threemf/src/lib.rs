@@ -1,0 +1,64 @@
+//! 3MF files as functions of x, y and z.
+//!
+//! In: an archive, of unknown origin. Out: a [`Body`], an expression that is
+//! negative inside what is to be built.
+//!
+//! ```text
+//!  build: item ── transform ──▶ object ── component, transform ──▶ object
+//!                                                                  │
+//!              mesh: vertices, triangles, beams  ◀─────────────────┘
+//!
+//!  body = min(mesh of all triangles, struts of all beams,
+//!             max(struts that are clipped, ± their mesh), …)
+//! ```
+//!
+//! | module | what it does |
+//! |---|---|
+//! | `package` | the archive, unpacked piece by piece |
+//! | `xml`, `space` | elements, and where their names are from |
+//! | `marks` | what slicers say is no part of the body |
+//! | `model` | objects, and what is to be built of them |
+//! | `lattice` | beam lattices |
+//! | `transform` | transforms, as files write them |
+//! | `build` | places all that is to be built |
+//! | `body` | makes one function of what was placed |
+//!
+//! Read are the core specification, the production extension, by which objects
+//! are in other files of the archive, and beam lattices with their balls.
+//! Projects of PrusaSlicer, OrcaSlicer, Bambu Studio and Cura hold more than the
+//! body: what they call modifiers, negative volumes and supports is left out.
+//!
+//! Guaranteed: files in the archive are unpacked piece by piece, once each, and
+//! bounded in length; objects that hold one another end in an error.
+
+#![warn(unreachable_pub)]
+
+mod body;
+mod build;
+mod lattice;
+mod marks;
+mod model;
+mod package;
+mod space;
+#[cfg(test)]
+mod tests;
+mod transform;
+mod xml;
+
+pub use body::Body;
+pub use isoslice_mesh::MeshError;
+
+use std::io::{Read, Seek};
+
+/// Reads what is to be built of a 3MF file. `name` is how messages call it, such
+/// as `mesh("part.3mf")`.
+///
+/// # Errors
+/// If it cannot be read, or nothing is to be built in it.
+pub fn read(
+    name: &str,
+    mut source: impl Read + Seek,
+) -> Result<Body, MeshError> {
+    source.rewind()?;
+    body::of(name, build::read(source)?)
+}
