@@ -83,7 +83,7 @@ impl Struts {
 /// The gradient of a strut at a place, and by how much that of another place may
 /// differ. None if it may be any.
 fn turned(strut: &Strut, p: DVec3, distance: f64) -> Option<(DVec3, f64)> {
-    let way = strut.from_axis(p)?;
+    let way = strut.way_from_axis(p)?;
     let length = way.length();
     // The sine of the greatest angle between two ways.
     let sine = distance / length;

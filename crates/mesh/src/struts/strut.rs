@@ -116,7 +116,7 @@ impl Strut {
 
     /// The way from the closest place of the axis, if that is the gradient's. It
     /// changes by no more than the place does.
-    pub(super) fn from_axis(&self, p: DVec3) -> Option<DVec3> {
+    pub(super) fn way_from_axis(&self, p: DVec3) -> Option<DVec3> {
         self.is_round().then(|| p - self.on_axis(p))
     }
 
@@ -180,8 +180,8 @@ impl Profile {
     /// The distance of a place of the plane.
     fn nearest(&self, at: DVec2) -> Found {
         match self.side() {
-            Some(side) => self.to_surface(at, side),
-            None => self.to_parts(at),
+            Some(side) => self.surface(at, side),
+            None => self.parts(at),
         }
     }
 
@@ -240,7 +240,7 @@ impl Profile {
     }
 
     /// The distance to the pieces of the surface: the side, and two ends.
-    fn to_surface(&self, at: DVec2, side: [DVec2; 2]) -> Found {
+    fn surface(&self, at: DVec2, side: [DVec2; 2]) -> Found {
         let is_inside = self.is_in_cone(at)
             || self.is_in_ball(0, at)
             || self.is_in_ball(1, at);
@@ -267,13 +267,13 @@ impl Profile {
 
     /// The least of the distances to the cone and the balls at its ends. Inside
     /// the surface may be deeper than that says.
-    fn to_parts(&self, at: DVec2) -> Found {
+    fn parts(&self, at: DVec2) -> Found {
         let bare = Profile {
             caps: [Cap::Butt; 2],
             ..*self
         };
         let cone = [0, 1].map(|e| bare.from(e, DVec2::new(0.0, self.radii[e])));
-        let mut best = bare.to_surface(at, cone);
+        let mut best = bare.surface(at, cone);
         for e in [0, 1] {
             let from = self.from(e, at);
             let is_there = match self.caps[e] {
