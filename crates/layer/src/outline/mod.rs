@@ -363,9 +363,7 @@ mod tests {
     fn radii(area: &Area) -> Vec<f64> {
         let content = |r: &Vec<DVec2>| signed_area(r).abs();
         let rings = area.rings.iter();
-        rings
-            .map(|r| (content(r) / PI).sqrt())
-            .collect()
+        rings.map(|r| (content(r) / PI).sqrt()).collect()
     }
 
     #[test]
