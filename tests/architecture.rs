@@ -51,8 +51,9 @@ const ORDER: &[(&str, Steps)] = &[
             &["stopwatch"],
             // Any loop may ask whether it is to go on.
             &["limits"],
-            // Reading a pipe may take long, so `files` asks `limits` as well.
-            &["files"],
+            // Reading a pipe may take long, so `files` and `archive` ask `limits`
+            // as well.
+            &["files", "archive"],
             // `timings` has a stopwatch for every stage, and knows none of
             // them.
             &["timings"],

@@ -9,6 +9,7 @@
 //! | [`stopwatch`] | measures the processor time of a thread |
 //! | [`limits`] | bounds the time, the work and the memory of a run, and stops it |
 //! | [`named!`] | declares an enum whose values have names |
+//! | [`archive`] | counts the files of an archive before it is opened |
 //! | [`files`] | reads files within limits, and writes them whole or not at all |
 //! | [`timings`] | adds up the time of each stage |
 //!
@@ -19,6 +20,7 @@
 
 #![warn(unreachable_pub)]
 
+pub mod archive;
 pub mod encoding;
 pub mod files;
 pub mod limits;

@@ -78,6 +78,16 @@ pub fn human_bytes(bytes: u64) -> String {
     }
 }
 
+/// A number as people write it: `0.25`, but `1e300` without its zeros.
+pub fn human_number(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && size.is_finite() && !(1e-6..1e15).contains(&size) {
+        format!("{number:e}")
+    } else {
+        number.to_string()
+    }
+}
+
 /// Sine and cosine of an angle, exact at multiples of 90°: a part that is
 /// turned onto its side, or seen from one, keeps its planes along the axes.
 pub fn sin_cos(degrees: Degrees) -> (f64, f64) {

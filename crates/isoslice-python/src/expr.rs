@@ -325,8 +325,8 @@ fn power(base: Argument, exponent: Argument) -> PyResult<Expr> {
     }
 }
 
-/// Calls a function that scripts have: docs/shapes.md, docs/textures.md and
-/// docs/functions.md list them. It makes a field, or a number of numbers alone.
+/// Calls a function that scripts have: docs/shapes.md, docs/textures.md,
+/// docs/functions.md and docs/data.md list them. It makes a field, or a number of numbers alone.
 #[pyfunction]
 #[pyo3(signature = (name, *given, **named))]
 pub(crate) fn call<'py>(

@@ -114,7 +114,6 @@ fn shape(header: &str) -> Problem<Vec<usize>> {
     let axes = inner.split(',').map(str::trim).filter(|n| !n.is_empty());
     let shape: Result<Vec<usize>, _> = axes.map(str::parse).collect();
     let shape = shape.map_err(|_| format!("its shape is ({inner})"))?;
-    // Axes of one number say nothing.
     match shape.len() {
         2 | 3 => Ok(shape),
         n => Err(format!(

@@ -1,6 +1,7 @@
 //! The archive, of unknown origin.
 
 use crate::xml::{self, Event};
+use isoslice_base::archive::headers;
 use isoslice_mesh::MeshError;
 use std::io::{self, Read, Seek};
 use zip::ZipArchive;
@@ -9,8 +10,6 @@ use zip::result::ZipError;
 /// Greatest number of files in an archive. Projects have a dozen, and a few for
 /// each object.
 const MOST_FILES: usize = 10_000;
-/// The header of a file in an archive's directory.
-const HEADER: [u8; 4] = *b"PK\x01\x02";
 /// Greatest length of all files that are read, unpacked, bytes. As many triangles
 /// as are allowed take 5 GB.
 const MOST_BYTES: u64 = 8 << 30;
@@ -33,12 +32,9 @@ pub(crate) struct Package<R> {
 }
 
 impl<R: Read + Seek> Package<R> {
-    /// Opens an archive.
-    ///
-    /// Its directory is read as a whole, and takes more memory than it is long.
-    /// So its headers are counted beforehand.
+    /// Opens an archive, once its headers are counted.
     pub(crate) fn open(mut source: R) -> Result<Package<R>, MeshError> {
-        if headers(&mut source)? > MOST_FILES {
+        if headers(&mut source, MOST_FILES)? > MOST_FILES {
             return Err(MeshError::File(format!(
                 "it is an archive of more than {MOST_FILES} files, and projects \
                  have fewer"
@@ -126,26 +122,4 @@ impl<R: Read> Read for Limited<R> {
         })?;
         Ok(count)
     }
-}
-
-/// Number of headers in a file, counted until there are too many.
-fn headers(source: &mut impl Read) -> io::Result<usize> {
-    let (mut count, mut matched) = (0, 0);
-    let mut piece = vec![0; 1 << 16];
-    while count <= MOST_FILES {
-        let read = source.read(&mut piece)?;
-        if read == 0 {
-            break;
-        }
-        for byte in &piece[..read] {
-            matched = match *byte {
-                byte if byte == HEADER[matched] => matched + 1,
-                byte => usize::from(byte == HEADER[0]),
-            };
-            if matched == HEADER.len() {
-                (count, matched) = (count + 1, 0);
-            }
-        }
-    }
-    Ok(count)
 }

@@ -18,6 +18,7 @@ use crate::drawing::Drawing;
 use crate::error::{DrawingError, Problem, go_on};
 use crate::outline::Outline;
 use glam::{DAffine2, DVec2};
+use isoslice_base::units::human_number;
 use roxmltree::{Document, Node, NodeId, ParsingOptions};
 use simplecss::StyleSheet;
 use std::collections::BTreeMap;
@@ -297,7 +298,8 @@ fn scale(sized: [Option<f64>; 2], size: DVec2) -> Problem<DVec2> {
     for mm in sized.into_iter().flatten() {
         if !(1e-3..=1e6).contains(&mm) {
             return Err(format!(
-                "its size is to be {mm} mm; give one from 0.001 to 1000000"
+                "its size is to be {} mm; give one from 0.001 to 1000000",
+                human_number(mm)
             ));
         }
     }

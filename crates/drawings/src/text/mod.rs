@@ -15,6 +15,7 @@ use crate::error::{DrawingError, Problem};
 use crate::outline::{Fill, Outline};
 use font::Font;
 use glam::{DAffine2, DVec2};
+use isoslice_base::units::human_number;
 
 /// The most characters of a text.
 const MOST_CHARACTERS: usize = 10_000;
@@ -110,7 +111,8 @@ fn draw(
     } = *options;
     if !(1e-3..=1e5).contains(&size_mm) {
         return Err(format!(
-            "its size is {size_mm} mm; give one from 0.001 to 100000"
+            "its size is {} mm; give one from 0.001 to 100000",
+            human_number(size_mm)
         ));
     }
     let far = |mm: f64| !mm.is_finite() || mm.abs() > 1e5;

@@ -5,8 +5,8 @@
 
 use super::pack::hex;
 use flate2::read::DeflateDecoder;
+use isoslice_base::archive::Headers;
 use md5::{Digest, Md5};
-use memchr::memmem;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Take};
 use zip::result::ZipError;
@@ -24,34 +24,6 @@ const MOST_ENTRIES: usize = 10_000;
 const LIKELY: u64 = 64;
 /// A text that is no longer than this is unpacked whatever the ratio, bytes.
 const ALWAYS_UNPACKED: u64 = 1 << 24;
-
-/// Counts the headers that an archive's directory has for its entries.
-///
-/// The directory is read as a whole when an archive is opened, and takes more
-/// memory than it is long. So its entries are counted beforehand. A header may
-/// also stand in an entry by chance, once in some gigabytes.
-#[derive(Default)]
-struct Headers {
-    count: usize,
-    /// The last bytes that were seen, in which a header may begin.
-    tail: Vec<u8>,
-}
-
-impl Headers {
-    const HEADER: &[u8] = b"PK\x01\x02";
-
-    /// Counts the headers in the bytes that follow what was seen before.
-    fn see(&mut self, bytes: &[u8]) {
-        let keep = Self::HEADER.len() - 1;
-        self.tail.extend(&bytes[..bytes.len().min(keep)]);
-        let find =
-            |bytes: &[u8]| memmem::find_iter(bytes, Self::HEADER).count();
-        self.count += find(&self.tail) + find(bytes);
-        let rest = bytes.len().saturating_sub(keep).max(bytes.len().min(keep));
-        self.tail.extend(&bytes[rest..]);
-        self.tail.drain(..self.tail.len().saturating_sub(keep));
-    }
-}
 
 /// Why there is no G-code in an archive.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -144,7 +116,7 @@ impl Opened {
                 return Err(Broken::TooLong.into());
             }
             headers.see(&piece[..read]);
-            if headers.count > MOST_ENTRIES {
+            if headers.count() > MOST_ENTRIES {
                 let what = format!("more than {MOST_ENTRIES} entries");
                 return Err(Broken::Archive(what).into());
             }

@@ -31,7 +31,10 @@ pub(super) fn no_number(step: &Step, operands: &[f64]) -> String {
             op => format!("{op:?}({a}, {b})").to_lowercase(),
         },
         Step::Blend(..) => format!("the blend of {a} and {b}"),
-        Step::Data(..) => "data at a place that is none".to_owned(),
+        Step::Data(..) => {
+            "data at a place of which a coordinate is infinite or NaN"
+                .to_owned()
+        }
         Step::Axis(_) => "a coordinate".to_owned(),
         Step::Const(_) => "a constant of NaN".to_owned(),
     }

@@ -138,10 +138,14 @@ pub(super) fn read(source: impl Read) -> Result<Triangles, MeshError> {
                     continue;
                 };
                 let length = numbers.next(length, element, i)?;
-                if length.is_nan() || !(0.0..=1e9).contains(&length) {
-                    return Err(wrong(element, i, "a list of negative length"));
+                if !(0.0..=1e9).contains(&length) {
+                    let what = format!("a list of {length} numbers");
+                    return Err(wrong(element, i, &what));
                 }
-                for _ in 0..length as u64 {
+                for nth in 0..length as u64 {
+                    if nth % 4096 == 4095 {
+                        isoslice_base::limits::go_on()?;
+                    }
                     let number = numbers.next(property.kind, element, i)?;
                     match property.meaning {
                         Meaning::Corners => {}

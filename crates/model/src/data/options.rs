@@ -1,6 +1,7 @@
 //! Options of functions that read data: `#{ width: 60, border: "repeat" }`.
 
 use crate::param::nearest;
+use isoslice_base::units::human_number;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -18,7 +19,7 @@ pub(crate) enum Given {
 impl fmt::Display for Given {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Given::Number(v) => write!(f, "{v}"),
+            Given::Number(v) => f.write_str(&human_number(*v)),
             Given::Text(t) => write!(f, "{t:?}"),
             Given::List(all) => {
                 let all: Vec<String> =

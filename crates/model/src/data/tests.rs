@@ -1,6 +1,9 @@
 use super::taken::Taken;
 use super::{Files, Options, kind};
-use crate::{LoadError, ScriptLimits, Source, load, load_within};
+use crate::{
+    BuildVolume, LoadError, Placement, ScriptLimits, Source, load, load_within,
+    place,
+};
 use std::fs;
 use std::time::Duration;
 
@@ -94,4 +97,50 @@ fn messages_of_texts_name_the_function_once() {
         assert!(error.contains(wanted), "{error}");
         assert!(!error.contains("text: text"), "{error}");
     }
+}
+
+#[test]
+fn numbers_in_messages_are_short_and_options_are_maps() {
+    for (call, wanted) in [
+        ("text(\"a\", #{size: 1e300})", "the number 1e300"),
+        ("text(\"a\", #{size: 1e30})", "its size is 1e30 mm"),
+        ("sphere(-1e300)", "not the number -1e300"),
+        ("sphere(-2.5)", "not the number -2.5"),
+        ("mesh(\"a.stl\", 1)", "mesh: options are a map"),
+        ("text(\"a\", \"b\")", "text: options are a map"),
+    ] {
+        let error = load(&script(call), &[]).err().unwrap().to_string();
+        assert!(error.contains(wanted), "{error}");
+    }
+}
+
+#[test]
+fn data_alone_that_is_no_body_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let facet = |last: [u8; 3]| {
+        let corner =
+            |p: [u8; 3]| format!("vertex {} {} {}\n", p[0], p[1], p[2]);
+        let corners = [[0, 0, 0], [9, 9, 0], last].map(corner).concat();
+        format!("facet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n")
+    };
+    let facets = [facet([0, 9, 0]), facet([9, 0, 0])].concat();
+    let stl = format!("solid a\n{facets}endsolid a\n");
+    fs::write(folder.path().join("flat.stl"), stl).unwrap();
+    fs::write(folder.path().join("a.csv"), "0,0,0,1\n9,0,0,1\n").unwrap();
+    let path = folder.path().join("part.rhai");
+    let error = |text: &str| {
+        fs::write(&path, text).unwrap();
+        let loaded = load(&Source::File(path.clone()), &[]).unwrap();
+        let volume = BuildVolume {
+            x: 200.0,
+            y: 200.0,
+            z: 200.0,
+        };
+        let placed = place(&loaded, &Placement::default(), volume);
+        placed.err().unwrap().to_string()
+    };
+    let flat = error("mesh(\"flat.stl\")");
+    assert!(flat.starts_with("mesh(\"flat.stl\") is flat"), "{flat}");
+    let numbers = error("samples(\"a.csv\").move([1, 0, 0])");
+    assert!(numbers.contains("samples(\"a.csv\") alone"), "{numbers}");
 }

@@ -10,6 +10,24 @@ pub enum PlaceError {
     /// error says, so that error is no source of this one.
     #[error("{}", of_bounds(.0))]
     Bounds(BoundsError),
+    /// The model is data and nothing else, and that is no body.
+    #[error(
+        "{name} alone is no body: its values are numbers, and nothing says \
+         where a part ends; use it in one, as in max(part, z - 1 - f)"
+    )]
+    NumbersAlone {
+        /// What messages call the data.
+        name: String,
+    },
+    /// The model is data and nothing else, and all of it lies in a plane.
+    #[error(
+        "{name} is flat, and nothing is inside it; give it a thickness, as in \
+         {name} - 0.5, or make it thick in the program that it is from"
+    )]
+    FlatAlone {
+        /// What messages call the data.
+        name: String,
+    },
     /// The placed expression is too large.
     #[error(transparent)]
     Expression(#[from] ExpandError),

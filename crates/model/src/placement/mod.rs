@@ -28,8 +28,8 @@ use super::source::Loaded;
 use fidget::context::Tree;
 use glam::DVec3;
 use isocontour::{
-    Bounds, BoundsError, Data, FoundBounds, SearchOptions, digits, expand,
-    is_flat, shifted,
+    Bounds, BoundsError, Data, FoundBounds, SearchOptions, Solid, digits,
+    expand, is_flat, shifted, solid,
 };
 use isoslice_base::limits;
 use isoslice_settings::Settings;
@@ -282,10 +282,33 @@ pub fn place(
 fn find_bounds(
     tree: &Tree,
     options: &SearchOptions,
-) -> Result<FoundBounds, BoundsError> {
-    limits::doing("bounds", || {
+) -> Result<FoundBounds, PlaceError> {
+    let found = limits::doing("bounds", || {
         isocontour::find_bounds(tree, options, &limits::Watch::hook())
-    })
+    });
+    found.map_err(|error| alone(tree, &error).unwrap_or(error.into()))
+}
+
+/// Why data has no bounds if the model is nothing else. Of other models nobody
+/// can tell that by what they are.
+fn alone(tree: &Tree, error: &BoundsError) -> Option<PlaceError> {
+    let is_vague = matches!(
+        error,
+        BoundsError::Undecided { .. }
+            | BoundsError::Empty { .. }
+            | BoundsError::EverythingInside { .. }
+    );
+    let Some(Solid::Data { data, place }) = solid(tree) else {
+        return None;
+    };
+    let name = data.name().to_owned();
+    let extent = data.extent(&place);
+    match extent.map(|extent| extent.size().min_element()) {
+        _ if !is_vague => None,
+        Some(least) if least <= 0.0 => Some(PlaceError::FlatAlone { name }),
+        None if !data.has_section() => Some(PlaceError::NumbersAlone { name }),
+        _ => None,
+    }
 }
 
 /// Moves the origin of a part that was drawn far from it, if that gives f32 the

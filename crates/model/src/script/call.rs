@@ -74,8 +74,8 @@ static FILES: LazyLock<Arc<Files>> =
     LazyLock::new(|| Arc::new(Files::anywhere()));
 
 /// Calls a function of docs/shapes.md, docs/textures.md, docs/functions.md or
-/// docs/data.md. Names of files are those of the program's own folder. The
-/// result is a field or a number.
+/// docs/data.md. A relative name is one of a file in the current folder, and any
+/// file may be read. The result is a field or a number.
 ///
 /// ```
 /// use isoslice_model::{Argument, call};

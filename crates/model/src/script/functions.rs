@@ -149,6 +149,17 @@ pub(super) fn add_data(
             .register_fn(kind.name, move |text: Text, options: Map| {
                 made(&text, options)
             })
+            .register_fn(
+                kind.name,
+                |_: Text, other: Dynamic| -> Outcome<Tree> {
+                    Err(format!(
+                        "{}: options are a map, as in #{{width: 60}}, not {}",
+                        kind.name,
+                        describe(&other)
+                    )
+                    .into())
+                },
+            )
             .register_fn(kind.name, |other: Dynamic| -> Outcome<Tree> {
                 let (other, example) = (describe(&other), kind.example);
                 let what = if kind.of_file {

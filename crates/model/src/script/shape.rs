@@ -3,6 +3,7 @@
 use crate::term::Term;
 use fidget::context::Tree;
 use fidget::shapes::types::{Vec2, Vec3};
+use isoslice_base::units::human_number;
 use rhai::{Dynamic, EvalAltResult};
 
 /// What a function that scripts call returns.
@@ -88,7 +89,7 @@ pub(super) fn describe(value: &Dynamic) -> String {
     } else if let Ok(v) = value.as_int() {
         format!("the number {v}")
     } else if let Ok(v) = value.as_float() {
-        format!("the number {v}")
+        format!("the number {}", human_number(v))
     } else if value.is::<Tree>() {
         "a shape".to_owned()
     } else if value.is_array() {

@@ -17,6 +17,7 @@ mod vtu;
 use crate::error::{DataError, Problem, go_on};
 use glam::{DMat3, DVec3};
 use isocontour::{Bounds, Data};
+use isoslice_base::units::human_number;
 use rayon::prelude::*;
 use tree::{Near, Tree};
 
@@ -193,6 +194,7 @@ impl Samples {
         }
         let unit = options.unit_mm;
         if !(1e-9..=1e9).contains(&unit) {
+            let unit = human_number(unit);
             return Err(format!("its unit is {unit} mm; 1000 is a metre"));
         }
         let points: Vec<DVec3> = points.iter().map(|p| *p * unit).collect();
