@@ -1,7 +1,9 @@
 //! One function of all that was placed.
 
 use crate::build::{Clipped, Parts};
-use crate::lattice::Side;
+use crate::functions::value::number;
+use crate::lattice::{Side, scale};
+use crate::level::places;
 use fidget::context::Tree;
 use glam::DAffine3;
 use isocontour::{Data, call};
@@ -53,6 +55,10 @@ pub(crate) fn of(name: &str, parts: Parts) -> Result<Body, MeshError> {
     for clipped in parts.clipped {
         trees.push(joining.clipped(clipped)?);
     }
+    for level in parts.levels {
+        trees.push(put(&level.tree, &level.place));
+    }
+    joining.data.extend(parts.data);
     let left_out = parts.left_out.iter().map(|what| format!("left out {what}"));
     joining.notes.extend(left_out);
     let Joining { data, notes, .. } = joining;
@@ -82,30 +88,30 @@ impl Joining<'_> {
                 Side::Outside => tree.max(-mesh),
             };
         }
-        if place == DAffine3::IDENTITY {
-            return Ok(tree);
-        }
-        let back = place.inverse();
-        // Lengths are at most so much shorter in the file than in the part.
-        let columns = back.matrix3.to_cols_array();
-        let norm = columns.iter().map(|x| x * x).sum::<f64>().sqrt();
-        Ok(moved(&tree, &back) / Tree::constant(norm as f32))
+        Ok(put(&tree, &place))
     }
 }
 
-/// A function at the places that a transform leads to.
-fn moved(tree: &Tree, by: &DAffine3) -> Tree {
-    let (x, y, z) = Tree::axes();
-    let rows = by.matrix3.transpose();
-    let at = [0, 1, 2].map(|k| {
-        let row = rows.col(k);
-        let along =
-            |axis: &Tree, by: f64| axis.clone() * Tree::constant(by as f32);
-        along(&x, row.x)
-            + along(&y, row.y)
-            + along(&z, row.z)
-            + Tree::constant(by.translation[k] as f32)
-    });
-    let [x, y, z] = at;
-    tree.remap_xyz(x, y, z)
+/// A function where `place` puts it. It tells a length that is no longer than
+/// the one it told before, seen there.
+fn put(tree: &Tree, place: &DAffine3) -> Tree {
+    if *place == DAffine3::IDENTITY {
+        return tree.clone();
+    }
+    let back = place.inverse();
+    // Lengths before are at most so many times as long as those after.
+    let norm = match scale(&back.matrix3) {
+        Some(scale) => scale,
+        None => {
+            let columns = back.matrix3.to_cols_array();
+            columns.iter().map(|x| x * x).sum::<f64>().sqrt()
+        }
+    };
+    let [x, y, z] = places(&back);
+    let tree = tree.remap_xyz(x, y, z);
+    if norm == 1.0 {
+        tree
+    } else {
+        tree / number(norm)
+    }
 }

@@ -3,15 +3,22 @@
 //! In: an archive. Out: triangles, struts, and lattices that cannot be struts at
 //! their places: those that are clipped, and those that are not scaled evenly.
 
+use crate::collect::{collect, mesh_of, triangles};
+use crate::functions::evaluate::{Budget, Evaluator, Leaves};
 use crate::lattice::{Lattice, Side, scale};
+use crate::leaves::{Files, Known};
+use crate::level::{LevelSet, cuboid, places};
 use crate::marks::Marks;
 use crate::model::{self, Model, OTHER, Object, Reference};
 use crate::package::Package;
+use fidget::context::Tree;
 use glam::{DAffine3, DVec3};
+use isocontour::{Bounds, Data};
 use isoslice_mesh::{Collector, MOST_STRUTS, MeshError, Strut, Triangles};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// Greatest number of objects between an item and a mesh. Slicers use two.
 const DEEPEST: usize = 32;
@@ -21,6 +28,9 @@ const MOST_PLACED: usize = 100_000;
 /// function of its own.
 const MOST_CLIPPED: usize = 1000;
 
+/// Greatest number of level sets that are placed. Each is a function of its own.
+const MOST_LEVELS: usize = 1000;
+
 /// What is to be built.
 #[derive(Default)]
 pub(crate) struct Parts {
@@ -28,6 +38,9 @@ pub(crate) struct Parts {
     pub triangles: Option<Triangles>,
     pub struts: Vec<Strut>,
     pub clipped: Vec<Clipped>,
+    pub levels: Vec<Level>,
+    /// The data of level sets.
+    pub data: Vec<Arc<dyn Data>>,
     /// What is no part of the body, and was left out.
     pub left_out: Vec<String>,
 }
@@ -41,7 +54,16 @@ pub(crate) struct Clipped {
     pub place: DAffine3,
 }
 
-pub(crate) fn read(source: impl Read + Seek) -> Result<Parts, MeshError> {
+/// A level set where it is put.
+pub(crate) struct Level {
+    pub tree: Tree,
+    pub place: DAffine3,
+}
+
+pub(crate) fn read(
+    name: &str,
+    source: impl Read + Seek,
+) -> Result<Parts, MeshError> {
     let mut package = Package::open(source)?;
     let root = package.root()?;
     let marks = Marks::read(&mut package)?;
@@ -51,10 +73,14 @@ pub(crate) fn read(source: impl Read + Seek) -> Result<Parts, MeshError> {
     let mut building = Building {
         package,
         root: root.clone(),
-        models: BTreeMap::from([(root.clone(), model)]),
+        models: BTreeMap::from([(root.clone(), Rc::new(model))]),
         marks,
         all: Collector::new(),
         parts: Parts::default(),
+        name: name.to_owned(),
+        levels: BTreeMap::new(),
+        known: Known::default(),
+        budget: Budget::new(),
         placed: 0,
         open: Vec::new(),
         short: 0,
@@ -80,12 +106,18 @@ pub(crate) fn read(source: impl Read + Seek) -> Result<Parts, MeshError> {
 struct Building<R> {
     package: Package<R>,
     root: String,
-    models: BTreeMap<String, Model>,
+    models: BTreeMap<String, Rc<Model>>,
     marks: Marks,
     /// All triangles.
     all: Collector,
     /// All else.
     parts: Parts,
+    /// How messages call the file.
+    name: String,
+    /// Level sets by file and number, once they were made.
+    levels: BTreeMap<(String, u32), Tree>,
+    known: Known,
+    budget: Budget,
     placed: usize,
     /// The objects that hold what is placed now, with their files.
     open: Vec<(String, u32)>,
@@ -138,7 +170,7 @@ impl<R: Read + Seek> Building<R> {
         isoslice_base::limits::go_on()?;
         if !self.models.contains_key(path) {
             let model = model::read(&mut self.package, path)?;
-            self.models.insert(path.to_owned(), model);
+            self.models.insert(path.to_owned(), Rc::new(model));
         }
         let id = reference.id;
         let object = self.models.get(path).and_then(|m| m.objects.get(&id));
@@ -187,6 +219,10 @@ impl<R: Read + Seek> Building<R> {
             self.add_lattice(path, object, lattice, by)
                 .map_err(|e| e.within(&place))?;
         }
+        if let Some(level) = &object.level {
+            self.add_level(path, id, level, by)
+                .map_err(|e| e.within(&place))?;
+        }
         for component in &object.components {
             let mark = self.marks.of_part(id, component.id);
             if let Some(what) = mark.filter(|_| path == self.root) {
@@ -196,6 +232,74 @@ impl<R: Read + Seek> Building<R> {
             self.place(path, component, by)?;
         }
         Ok(())
+    }
+
+    fn add_level(
+        &mut self,
+        path: &str,
+        id: u32,
+        level: &LevelSet,
+        by: DAffine3,
+    ) -> Result<(), MeshError> {
+        if self.parts.levels.len() >= MOST_LEVELS {
+            return Err(MeshError::File(format!(
+                "more than {MOST_LEVELS} level sets are placed"
+            )));
+        }
+        if by.matrix3.determinant() == 0.0 {
+            return Err(MeshError::File(
+                "its transform makes it flat".to_owned(),
+            ));
+        }
+        let key = (path.to_owned(), id);
+        let tree = match self.levels.get(&key) {
+            Some(tree) => tree.clone(),
+            None => self.level_of(path, level)?,
+        };
+        self.levels.insert(key, tree.clone());
+        self.parts.levels.push(Level { tree, place: by });
+        Ok(())
+    }
+
+    /// A level set as it is in the file.
+    fn level_of(
+        &mut self,
+        path: &str,
+        level: &LevelSet,
+    ) -> Result<Tree, MeshError> {
+        let Some(model) = self.models.get(path).map(Rc::clone) else {
+            return Err(MeshError::at(path, "it is not there"));
+        };
+        if model.has_volume_data {
+            self.leave_out("what varies inside bodies, such as colours");
+        }
+        let around = triangles(&model, path, level.mesh)?;
+        let mut leaves = Files {
+            name: &self.name,
+            path,
+            model: &model,
+            package: &mut self.package,
+            known: &mut self.known,
+            data: &mut self.parts.data,
+        };
+        let at = places(&level.transform);
+        let tree = {
+            let budget = &mut self.budget;
+            Evaluator::new(&model, path, &mut leaves, budget).channel(
+                level.function,
+                &level.channel,
+                at,
+            )?
+        };
+        let tree = level.defined(tree);
+        let bounds = around.bounds();
+        let within = if level.is_in_box || is_box(&around, &bounds) {
+            cuboid(&bounds)
+        } else {
+            let (x, y, z) = Tree::axes();
+            leaves.mesh(level.mesh, [x, y, z])?
+        };
+        Ok(tree.max(within))
     }
 
     fn add_lattice(
@@ -234,7 +338,10 @@ impl<R: Read + Seek> Building<R> {
             ));
         }
         let by_mesh = match lattice.clipped {
-            Some((clip, side)) => Some((self.mesh_of(path, clip, seen)?, side)),
+            Some((clip, side)) => {
+                let model = self.models.get(path).ok_or(MeshError::Empty)?;
+                Some((mesh_of(model, path, clip, seen)?, side))
+            }
             None => None,
         };
         self.parts.clipped.push(Clipped {
@@ -244,70 +351,15 @@ impl<R: Read + Seek> Building<R> {
         });
         Ok(())
     }
-
-    /// The mesh of an object where `by` puts it.
-    fn mesh_of(
-        &self,
-        path: &str,
-        id: u32,
-        by: DAffine3,
-    ) -> Result<Triangles, MeshError> {
-        let object = self.models.get(path).and_then(|m| m.objects.get(&id));
-        let place = format!("{path}, object {id}");
-        let Some(object) = object else {
-            return Err(MeshError::at(place, "it is not there"));
-        };
-        let mut all = Collector::new();
-        collect(&place, id, object, by, None, &mut all)?;
-        all.finish().map_err(|e| e.within(&place))
-    }
 }
 
-/// Adds the triangles of an object where `by` puts them. Returned: what of it is
-/// no part of the body.
-fn collect(
-    place: &str,
-    id: u32,
-    object: &Object,
-    by: DAffine3,
-    marks: Option<&Marks>,
-    all: &mut Collector,
-) -> Result<Vec<&'static str>, MeshError> {
-    let place = |what: &str, i: usize| format!("{place}, {what} {i}");
-    // A vertex of beams alone takes no part in the mesh.
-    let seen = if object.triangles.is_empty() {
-        &[][..]
-    } else {
-        &object.vertices[..]
+/// True if a mesh is the box around it.
+fn is_box(mesh: &Triangles, bounds: &Bounds) -> bool {
+    let is_at_corner = |v: &DVec3| {
+        let ends = v.cmpeq(bounds.min) | v.cmpeq(bounds.max);
+        ends.all()
     };
-    let vertices: Vec<u32> = seen
-        .iter()
-        .enumerate()
-        .map(|(i, v)| {
-            let p = by.transform_point3(*v);
-            all.vertex(p, || place("vertex", i))
-        })
-        .collect::<Result<_, _>>()?;
-    let mirrors = by.matrix3.determinant() < 0.0;
-    let mut left_out = Vec::new();
-    for (i, corners) in object.triangles.iter().enumerate() {
-        if let Some(what) = marks.and_then(|m| m.of_triangle(id, i)) {
-            if !left_out.contains(&what) {
-                left_out.push(what);
-            }
-            continue;
-        }
-        let corner = |k: usize| vertices.get(corners[k] as usize).copied();
-        let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2))
-        else {
-            let count = vertices.len();
-            let what = format!(
-                "it names a vertex that there is not; there are {count}, and \
-                 the first is 0"
-            );
-            return Err(MeshError::at(place("triangle", i), what));
-        };
-        all.triangle(if mirrors { [a, c, b] } else { [a, b, c] })?;
-    }
-    Ok(left_out)
+    mesh.vertices.len() == 8
+        && mesh.corners.len() == 12
+        && mesh.vertices.iter().all(is_at_corner)
 }

@@ -9,7 +9,8 @@
 //!              mesh: vertices, triangles, beams  ◀─────────────────┘
 //!
 //!  body = min(mesh of all triangles, struts of all beams,
-//!             max(struts that are clipped, ± their mesh), …)
+//!             max(struts that are clipped, ± their mesh), …,
+//!             max(function, mesh around it), …)
 //! ```
 //!
 //! | module | what it does |
@@ -19,12 +20,17 @@
 //! | `marks` | what slicers say is no part of the body |
 //! | `model` | objects, and what is to be built of them |
 //! | `lattice` | beam lattices |
+//! | `functions` | functions of nodes and of stacks of pictures |
+//! | `level` | objects that are where a function is below zero |
+//! | `leaves` | meshes and stacks that functions ask for |
 //! | `transform` | transforms, as files write them |
+//! | `collect` | triangles of objects |
 //! | `build` | places all that is to be built |
 //! | `body` | makes one function of what was placed |
 //!
 //! Read are the core specification, the production extension, by which objects
-//! are in other files of the archive, and beam lattices with their balls.
+//! are in other files of the archive, beam lattices with their balls, and level
+//! sets of the volumetric and implicit extensions.
 //! Projects of PrusaSlicer, OrcaSlicer, Bambu Studio and Cura hold more than the
 //! body: what they call modifiers, negative volumes and supports is left out.
 //!
@@ -35,7 +41,11 @@
 
 mod body;
 mod build;
+mod collect;
+mod functions;
 mod lattice;
+mod leaves;
+mod level;
 mod marks;
 mod model;
 mod package;
@@ -60,5 +70,5 @@ pub fn read(
     mut source: impl Read + Seek,
 ) -> Result<Body, MeshError> {
     source.rewind()?;
-    body::of(name, build::read(source)?)
+    body::of(name, build::read(name, source)?)
 }

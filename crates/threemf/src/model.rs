@@ -1,6 +1,10 @@
 //! A model file: objects, and what is to be built of them.
 
+use crate::functions::Function;
+use crate::functions::graph;
+use crate::functions::image::{ImageFunction, Stack};
 use crate::lattice::Lattice;
+use crate::level::LevelSet;
 use crate::package::Package;
 use crate::space::Space;
 use crate::transform::transform;
@@ -78,6 +82,7 @@ pub(crate) struct Object {
     pub triangles: Vec<[u32; 3]>,
     pub components: Vec<Reference>,
     pub lattice: Option<Lattice>,
+    pub level: Option<LevelSet>,
     /// Why it is no part of the body, if it is none.
     pub left_out: Option<&'static str>,
 }
@@ -87,6 +92,7 @@ impl Object {
     fn is_plain_mesh(&self) -> bool {
         self.components.is_empty()
             && self.lattice.is_none()
+            && self.level.is_none()
             && self.left_out.is_none()
     }
 }
@@ -96,6 +102,10 @@ pub(crate) struct Model {
     pub unit: Unit,
     pub objects: BTreeMap<u32, Rc<Object>>,
     pub items: Vec<Item>,
+    pub functions: BTreeMap<u32, Function>,
+    pub stacks: BTreeMap<u32, Stack>,
+    /// True if something varies inside bodies, such as their colour.
+    pub has_volume_data: bool,
 }
 
 /// An object of a type that must not be built.
@@ -119,7 +129,12 @@ pub(crate) fn read<R: Read + Seek>(
             unit: Unit::Millimetre,
             objects: BTreeMap::new(),
             items: Vec::new(),
+            functions: BTreeMap::new(),
+            stacks: BTreeMap::new(),
+            has_volume_data: false,
         },
+        image: None,
+        function: None,
         is_model: false,
         object: None,
         is_in_lattice: false,
@@ -146,6 +161,9 @@ struct Reading {
     is_model: bool,
     object: Option<(u32, Object)>,
     is_in_lattice: bool,
+    /// The number of a stack of pictures, and the stack once it is there.
+    image: Option<(u32, Option<Stack>)>,
+    function: Option<(u32, graph::Reading)>,
     /// What a text says of the object, if it is true.
     says: Option<&'static str>,
     is_in_build: bool,
@@ -178,7 +196,92 @@ impl Reading {
         match element.space() {
             Space::Core => self.core(element),
             Space::Beams | Space::Balls => self.lattice(element),
+            Space::Volumetric => self.volumetric(element),
+            Space::Implicit => self.implicit(element),
             _ => Ok(()),
+        }
+    }
+
+    /// Refuses a second function, or stack, of the same number.
+    fn is_new(&self, element: &Element, id: u32) -> Result<(), MeshError> {
+        if self.model.functions.contains_key(&id)
+            || self.model.stacks.contains_key(&id)
+        {
+            return Err(element.wrong(format!("a second resource {id}")));
+        }
+        Ok(())
+    }
+
+    /// An element of the volumetric extension.
+    fn volumetric(&mut self, element: &Element) -> Result<(), MeshError> {
+        match element.name() {
+            "image3d" => {
+                let id = element.number("id")?;
+                self.is_new(element, id)?;
+                self.image = Some((id, None));
+            }
+            "imagestack" => match &mut self.image {
+                Some((_, stack @ None)) => *stack = Some(Stack::new(element)?),
+                _ => return Err(element.wrong("it is part of no image3d")),
+            },
+            "imagesheet" => match &mut self.image {
+                Some((_, Some(stack))) => stack.add(element)?,
+                _ => return Err(element.wrong("it is part of no stack")),
+            },
+            "functionfromimage3d" => {
+                let id = element.number("id")?;
+                self.is_new(element, id)?;
+                let function = ImageFunction::new(element)?;
+                if !self.model.stacks.contains_key(&function.image) {
+                    return Err(element.wrong(format!(
+                        "there is no image3d {} above it",
+                        function.image
+                    )));
+                }
+                let function = Function::Image(function);
+                self.model.functions.insert(id, function);
+            }
+            "levelset" => {
+                let Some((id, object)) = &mut self.object else {
+                    return Err(element.wrong("it is part of no object"));
+                };
+                if object.level.is_some() {
+                    return Err(
+                        element.wrong("a second level set in an object")
+                    );
+                }
+                let level = LevelSet::new(element)?;
+                if level.mesh == *id {
+                    return Err(element.wrong("it lies in its own object"));
+                }
+                object.level = Some(level);
+            }
+            "boundary" => {
+                return Err(element.wrong(
+                    "a boundary of an earlier draft, which is not read; save \
+                     the part as a level set",
+                ));
+            }
+            "volumedata" => self.model.has_volume_data = true,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// An element of a function of nodes.
+    fn implicit(&mut self, element: &Element) -> Result<(), MeshError> {
+        if element.name() == "implicitfunction" {
+            if self.function.is_some() {
+                return Err(element.wrong("a function inside a function"));
+            }
+            let id = element.number("id")?;
+            self.is_new(element, id)?;
+            self.function = Some((id, graph::Reading::default()));
+            return Ok(());
+        }
+        match &mut self.function {
+            Some((_, reading)) => reading.see(element),
+            None => Err(element.wrong("it is part of no function")),
         }
     }
 
@@ -274,6 +377,20 @@ impl Reading {
             (Space::Core, "metadata") => self.says = None,
             (Space::Core, "build") => self.is_in_build = false,
             (Space::Beams, "beamlattice") => self.is_in_lattice = false,
+            (Space::Volumetric, "image3d") => {
+                if let Some((id, Some(stack))) = self.image.take() {
+                    self.model.stacks.insert(id, stack);
+                }
+            }
+            (Space::Implicit, name) => {
+                if let Some((id, reading)) = &mut self.function
+                    && let Some(graph) = reading.end(name)
+                {
+                    let function = Function::Graph(graph);
+                    self.model.functions.insert(*id, function);
+                    self.function = None;
+                }
+            }
             _ => {}
         }
     }

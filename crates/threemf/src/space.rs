@@ -15,18 +15,24 @@ pub(crate) enum Space {
     Beams,
     /// Balls of beam lattices.
     Balls,
+    /// Level sets, stacks of pictures, and data inside bodies.
+    Volumetric,
+    /// Functions of nodes.
+    Implicit,
     /// Any other one.
     Other,
 }
 
 /// The ends of the namespaces.
-const KNOWN: [(&str, Space); 6] = [
+const KNOWN: [(&str, Space); 8] = [
     ("/core/2015/02", Space::Core),
     ("/production/2015/06", Space::Production),
     ("/material/2015/02", Space::Material),
     ("/trianglesets/2021/07", Space::TriangleSets),
     ("/beamlattice/2017/02", Space::Beams),
     ("/beamlattice/balls/2020/07", Space::Balls),
+    ("/volumetric/2022/01", Space::Volumetric),
+    ("/implicit/2023/12", Space::Implicit),
 ];
 
 impl Space {

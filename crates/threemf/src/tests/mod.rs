@@ -1,12 +1,14 @@
 //! Files, sound ones and hostile ones.
 
 mod core;
+mod functions;
 mod hostile;
 mod lattice;
+mod levels;
 
 use crate::{Body, MeshError, read};
 use glam::{DAffine3, DVec3};
-use isocontour::{Bounds, Values};
+use isocontour::{Bounds, Values, data_of};
 use std::io::{Cursor, Write};
 use zip::write::{SimpleFileOptions, ZipWriter};
 
@@ -35,10 +37,18 @@ pub(super) fn of(bytes: &[u8]) -> Result<Body, MeshError> {
 }
 
 pub(super) fn archive(files: &[(&str, &str)]) -> Vec<u8> {
+    let files: Vec<(&str, &[u8])> = files
+        .iter()
+        .map(|(name, text)| (*name, text.as_bytes()))
+        .collect();
+    archive_of(&files)
+}
+
+pub(super) fn archive_of(files: &[(&str, &[u8])]) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, text) in files {
+    for (name, bytes) in files {
         zip.start_file(*name, SimpleFileOptions::default()).unwrap();
-        zip.write_all(text.as_bytes()).unwrap();
+        zip.write_all(bytes).unwrap();
     }
     zip.finish().unwrap().into_inner()
 }
@@ -47,6 +57,8 @@ pub(super) const CORE: &str = "xmlns=\"http://schemas.microsoft.com/3dmanufactur
      xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" \
      xmlns:b=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02\" \
      xmlns:b2=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/balls/2020/07\" \
+     xmlns:v=\"http://schemas.3mf.io/3dmanufacturing/volumetric/2022/01\" \
+     xmlns:i=\"http://schemas.3mf.io/3dmanufacturing/implicit/2023/12\" \
      xmlns:x=\"http://schemas.3mf.io/3dmanufacturing/other/2030/01\"";
 
 pub(super) fn model(unit: &str, resources: &str, items: &str) -> String {
