@@ -19,6 +19,7 @@
 //! | `xml`, `space` | elements, and where their names are from |
 //! | `marks` | what slicers say is no part of the body |
 //! | `model` | objects, and what is to be built of them |
+//! | `sound` | what a file has to have, though the body does not need it |
 //! | `lattice` | beam lattices |
 //! | `functions` | functions of nodes and of stacks of pictures |
 //! | `level` | objects that are where a function is below zero |
@@ -49,6 +50,7 @@ mod level;
 mod marks;
 mod model;
 mod package;
+mod sound;
 mod space;
 #[cfg(test)]
 mod tests;

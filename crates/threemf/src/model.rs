@@ -6,6 +6,7 @@ use crate::functions::image::{ImageFunction, Stack};
 use crate::lattice::Lattice;
 use crate::level::LevelSet;
 use crate::package::Package;
+use crate::sound::Sound;
 use crate::space::Space;
 use crate::transform::transform;
 use crate::xml::{self, Element, Event};
@@ -138,6 +139,7 @@ pub(crate) fn read<R: Read + Seek>(
         is_model: false,
         object: None,
         is_in_lattice: false,
+        sound: Sound::default(),
         says: None,
         is_in_build: false,
     };
@@ -161,6 +163,7 @@ struct Reading {
     is_model: bool,
     object: Option<(u32, Object)>,
     is_in_lattice: bool,
+    sound: Sound,
     /// The number of a stack of pictures, and the stack once it is there.
     image: Option<(u32, Option<Stack>)>,
     function: Option<(u32, graph::Reading)>,
@@ -193,6 +196,7 @@ impl Reading {
         if !self.is_model {
             return self.root(element);
         }
+        self.sound.see(element)?;
         match element.space() {
             Space::Core => self.core(element),
             Space::Beams | Space::Balls => self.lattice(element),
@@ -202,22 +206,11 @@ impl Reading {
         }
     }
 
-    /// Refuses a second function, or stack, of the same number.
-    fn is_new(&self, element: &Element, id: u32) -> Result<(), MeshError> {
-        if self.model.functions.contains_key(&id)
-            || self.model.stacks.contains_key(&id)
-        {
-            return Err(element.wrong(format!("a second resource {id}")));
-        }
-        Ok(())
-    }
-
     /// An element of the volumetric extension.
     fn volumetric(&mut self, element: &Element) -> Result<(), MeshError> {
         match element.name() {
             "image3d" => {
                 let id = element.number("id")?;
-                self.is_new(element, id)?;
                 self.image = Some((id, None));
             }
             "imagestack" => match &mut self.image {
@@ -230,7 +223,6 @@ impl Reading {
             },
             "functionfromimage3d" => {
                 let id = element.number("id")?;
-                self.is_new(element, id)?;
                 let function = ImageFunction::new(element)?;
                 if !self.model.stacks.contains_key(&function.image) {
                     return Err(element.wrong(format!(
@@ -275,7 +267,6 @@ impl Reading {
                 return Err(element.wrong("a function inside a function"));
             }
             let id = element.number("id")?;
-            self.is_new(element, id)?;
             self.function = Some((id, graph::Reading::default()));
             return Ok(());
         }
@@ -432,9 +423,6 @@ impl Reading {
         let id = element.number("id")?;
         if self.object.is_some() {
             return Err(element.wrong("an object inside an object"));
-        }
-        if self.model.objects.contains_key(&id) {
-            return Err(element.wrong(format!("a second object {id}")));
         }
         let left_out = match element.text("type")?.as_deref() {
             Some("support" | "solidsupport") => Some("a support"),

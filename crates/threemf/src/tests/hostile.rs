@@ -84,7 +84,7 @@ fn hostile_files_are_refused_with_the_reason() {
         (of_model("<object id=\"-1\"/>", ""), "id is \"-1\""),
         (
             of_model("<object id=\"1\"/><object id=\"1\"/>", ""),
-            "a second object 1",
+            "a second resource 1",
         ),
         (
             of_model("<object id=\"1\"><object id=\"2\"/></object>", ""),
@@ -148,6 +148,22 @@ fn hostile_files_are_refused_with_the_reason() {
         (
             of_model(&cube_object(1, "type=\"support\""), ITEM),
             "no triangles",
+        ),
+        (
+            of_model("<m:colorgroup id=\"1\"/><object id=\"1\"/>", ITEM),
+            "a second resource 1",
+        ),
+        (
+            of_model("<m:color/>", ITEM),
+            "no attribute color, which each",
+        ),
+        (
+            of_model("<m:texture2d id=\"1\"/>", ITEM),
+            "no attribute path",
+        ),
+        (
+            of_model("<metadata>a</metadata>", ITEM),
+            "no attribute name",
         ),
     ];
     for (bytes, why) in cases {

@@ -252,7 +252,7 @@ fn wrong_level_sets_are_refused_with_the_reason() {
         ("<v:imagestack/>".to_owned(), "part of no image3d"),
         ("<v:imagesheet/>".to_owned(), "part of no stack"),
         (
-            "<v:volumedata><v:boundary/></v:volumedata>".to_owned(),
+            "<v:volumedata id=\"2\"><v:boundary/></v:volumedata>".to_owned(),
             "earlier draft",
         ),
         (sheet.to_owned(), "it has no path"),

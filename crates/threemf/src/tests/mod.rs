@@ -57,6 +57,7 @@ pub(super) const CORE: &str = "xmlns=\"http://schemas.microsoft.com/3dmanufactur
      xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" \
      xmlns:b=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02\" \
      xmlns:b2=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/balls/2020/07\" \
+     xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\" \
      xmlns:v=\"http://schemas.3mf.io/3dmanufacturing/volumetric/2022/01\" \
      xmlns:i=\"http://schemas.3mf.io/3dmanufacturing/implicit/2023/12\" \
      xmlns:x=\"http://schemas.3mf.io/3dmanufacturing/other/2030/01\"";
