@@ -54,6 +54,9 @@ struct Nearest {
     distance: f64,
 }
 
+/// More than what distances are rounded by, mm, up to 100 km from the origin.
+const ROUNDED: f64 = 1e-6;
+
 impl Struts {
     /// Makes a function of struts. `name` is how messages call it.
     ///
@@ -123,7 +126,12 @@ impl Struts {
             match child(link) {
                 Child::Nothing => {}
                 Child::Leaf(first, end) => {
-                    for near in (first..end).map(look) {
+                    for strut in first..end {
+                        let least = self.struts[strut].at_least(p);
+                        if least > best.distance + ROUNDED {
+                            continue;
+                        }
+                        let near = look(strut);
                         if near.distance < best.distance
                             || (near.distance == best.distance
                                 && near.strut < best.strut)

@@ -70,6 +70,13 @@ impl Strut {
         profile.nearest(at).0
     }
 
+    /// A number that the distance of a place is not below, but for rounding: what
+    /// is within the thickest radius of the axis holds the strut. It costs a tenth
+    /// of the distance itself.
+    pub(super) fn at_least(&self, p: DVec3) -> f64 {
+        p.distance(self.on_axis(p)) - self.thickest()
+    }
+
     /// The distance of a place, and its gradient. On the axis, where there are
     /// many, the gradient is one of them.
     pub(super) fn distance_and_gradient(&self, p: DVec3) -> (f64, DVec3) {
