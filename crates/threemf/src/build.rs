@@ -285,11 +285,8 @@ impl<R: Read + Seek> Building<R> {
         let at = places(&level.transform);
         let tree = {
             let budget = &mut self.budget;
-            Evaluator::new(&model, path, &mut leaves, budget).channel(
-                level.function,
-                &level.channel,
-                at,
-            )?
+            Evaluator::new(&model.functions, path, &mut leaves, budget)
+                .channel(level.function, &level.channel, at)?
         };
         let tree = level.defined(tree);
         let bounds = around.bounds();

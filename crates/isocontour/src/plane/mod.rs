@@ -180,9 +180,10 @@ impl Area {
             if holds { own[ring] } else { None }
         };
         let inside_out = || {
-            let meets = |k: usize| {
-                self.rings[k].iter().any(|&p| ring_contains(hole, p))
-            };
+            let bounds = Rect::around(hole);
+            let holds =
+                |p: &DVec2| bounds.contains(*p) && ring_contains(hole, *p);
+            let meets = |k: usize| self.rings[k].iter().any(holds);
             (0..own.len())
                 .filter(|&k| own[k].is_some() && meets(k))
                 .max_by(|&a, &b| nest.content(a).total_cmp(&nest.content(b)))

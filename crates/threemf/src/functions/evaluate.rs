@@ -5,7 +5,6 @@ use super::graph::{Graph, Link, Node};
 use super::image::{Channel, ImageFunction};
 use super::op;
 use super::value::{Type, Value, number};
-use crate::model::Model;
 use fidget::context::Tree;
 use isoslice_mesh::MeshError;
 use std::collections::BTreeMap;
@@ -45,7 +44,8 @@ impl Budget {
 
 /// Evaluates functions of a model file.
 pub(crate) struct Evaluator<'a, L> {
-    pub model: &'a Model,
+    /// The functions of a model file, by their numbers.
+    pub functions: &'a BTreeMap<u32, Function>,
     /// The name of the file.
     pub path: &'a str,
     pub leaves: &'a mut L,
@@ -56,13 +56,13 @@ pub(crate) struct Evaluator<'a, L> {
 
 impl<'a, L: Leaves> Evaluator<'a, L> {
     pub(crate) fn new(
-        model: &'a Model,
+        functions: &'a BTreeMap<u32, Function>,
         path: &'a str,
         leaves: &'a mut L,
         budget: &'a mut Budget,
     ) -> Self {
         Evaluator {
-            model,
+            functions,
             path,
             leaves,
             budget,
@@ -110,8 +110,8 @@ impl<'a, L: Leaves> Evaluator<'a, L> {
         given: &Named,
         wanted: &[&str],
     ) -> Result<Named, MeshError> {
-        let model = self.model;
-        let Some(function) = model.functions.get(&id) else {
+        let functions = self.functions;
+        let Some(function) = functions.get(&id) else {
             return Err(self.wrong(
                 id,
                 None,

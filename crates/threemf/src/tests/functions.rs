@@ -72,7 +72,7 @@ fn tree_of(functions: &str) -> Result<Tree, MeshError> {
     let model = model::read(&mut package, ROOT)?;
     let mut budget = Budget::new();
     let (x, y, z) = Tree::axes();
-    Evaluator::new(&model, ROOT, &mut Nothing, &mut budget).channel(
+    Evaluator::new(&model.functions, ROOT, &mut Nothing, &mut budget).channel(
         1,
         "shape",
         [x, y, z],
