@@ -261,8 +261,6 @@ fn what_cannot_be_watched_is_said_at_once() {
     }
 }
 
-/// The parts of a plate file are shown where they stand, each with its own
-/// parameters, and whichever file changes, they are sliced again.
 #[test]
 fn a_file_of_data_that_is_missing_from_the_start_is_waited_for() {
     let folder = tempfile::tempdir().unwrap();
@@ -280,6 +278,8 @@ fn a_file_of_data_that_is_missing_from_the_start_is_waited_for() {
     });
 }
 
+/// The parts of a plate file are shown where they stand, each with its own
+/// parameters, and whichever file changes, they are sliced again.
 #[test]
 fn a_plate_file_and_its_models_are_watched() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,7 +3,7 @@
 use crate::build::{Clipped, Parts};
 use crate::functions::value::number;
 use crate::lattice::{Side, scale};
-use crate::level::places;
+use crate::level::{defined_or, places};
 use fidget::context::Tree;
 use glam::DAffine3;
 use isocontour::{Data, call};
@@ -55,8 +55,15 @@ pub(crate) fn of(name: &str, parts: Parts) -> Result<Body, MeshError> {
     for clipped in parts.clipped {
         trees.push(joining.clipped(clipped)?);
     }
+    let is_alone = trees.is_empty() && parts.levels.len() == 1;
     for level in parts.levels {
-        trees.push(put(&level.tree, &level.place));
+        let tree = put(&level.tree, &level.place);
+        // The least of numbers is undefined where one of them is.
+        trees.push(if is_alone {
+            tree
+        } else {
+            defined_or(&tree, 1.0)
+        });
     }
     joining.data.extend(parts.data);
     let left_out = parts.left_out.iter().map(|what| format!("left out {what}"));

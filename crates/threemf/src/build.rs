@@ -246,7 +246,7 @@ impl<R: Read + Seek> Building<R> {
                 "more than {MOST_LEVELS} level sets are placed"
             )));
         }
-        if by.matrix3.determinant() == 0.0 {
+        if !by.inverse().is_finite() {
             return Err(MeshError::File(
                 "its transform makes it flat".to_owned(),
             ));
@@ -329,7 +329,7 @@ impl<R: Read + Seek> Building<R> {
                  along one axis"
             )));
         }
-        if place.matrix3.determinant() == 0.0 {
+        if !place.inverse().is_finite() {
             return Err(MeshError::File(
                 "its transform makes it flat".to_owned(),
             ));
@@ -356,7 +356,15 @@ fn is_box(mesh: &Triangles, bounds: &Bounds) -> bool {
         let ends = v.cmpeq(bounds.min) | v.cmpeq(bounds.max);
         ends.all()
     };
+    // Corners of a triangle that lies on a side have one coordinate alike.
+    let is_on_side = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|i| mesh.vertices.get(i as usize));
+        a.zip(b)
+            .zip(c)
+            .is_some_and(|((a, b), c)| (a.cmpeq(*b) & b.cmpeq(*c)).any())
+    };
     mesh.vertices.len() == 8
         && mesh.corners.len() == 12
         && mesh.vertices.iter().all(is_at_corner)
+        && mesh.corners.iter().all(is_on_side)
 }

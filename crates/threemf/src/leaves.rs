@@ -1,4 +1,5 @@
-//! Meshes and stacks of pictures that functions ask for, each made once.
+//! Meshes that functions ask for, each made once, and stacks of pictures, once for
+//! each function and channel.
 
 use crate::collect::triangles;
 use crate::functions::evaluate::Leaves;

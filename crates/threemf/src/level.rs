@@ -56,12 +56,17 @@ impl LevelSet {
         if self.fallback >= 0.0 || self.fallback.is_nan() {
             return tree;
         }
-        // 0, or undefined. `and` gives its first number if that is 0, else the
-        // second one, and what is undefined is not 0.
-        let defined = tree.compare(tree.clone());
-        let is_defined = defined.not();
-        is_defined.and(tree) + defined.and(number(self.fallback))
+        defined_or(&tree, self.fallback)
     }
+}
+
+/// A function, and a number where it is undefined.
+pub(crate) fn defined_or(tree: &Tree, otherwise: f64) -> Tree {
+    // 0, or undefined. `and` gives its first number if that is 0, else the second
+    // one, and what is undefined is not 0.
+    let defined = tree.compare(tree.clone());
+    let is_defined = defined.not();
+    is_defined.and(tree.clone()) + defined.and(number(otherwise))
 }
 
 /// A box, as a function.

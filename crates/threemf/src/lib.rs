@@ -35,7 +35,7 @@
 //! Projects of PrusaSlicer, OrcaSlicer, Bambu Studio and Cura hold more than the
 //! body: what they call modifiers, negative volumes and supports is left out.
 //!
-//! Guaranteed: files in the archive are unpacked piece by piece, once each, and
+//! Guaranteed: files in the archive are unpacked piece by piece, and
 //! bounded in length; objects that hold one another end in an error.
 
 #![warn(unreachable_pub)]

@@ -254,7 +254,12 @@ fn eased(path: &[DVec2], closed: bool, tolerance: Mm) -> Option<Vec<DVec2>> {
     if closed {
         out.pop();
     }
-    Some(out)
+    // A ring narrower than the tolerance may fold over.
+    Some(if closed && out.len() < 3 {
+        path.to_vec()
+    } else {
+        out
+    })
 }
 
 /// True if the widths between two points are near to those on the straight

@@ -154,7 +154,9 @@ pub(super) fn make(name: &str, given: &[Value]) -> Option<Value> {
             };
             Some(Value::matrix((0..16).map(element).collect()))
         }
-        _ if kinds == [Type::Matrix, Type::Vector] => {
+        "matvecmultiplication" | "matrixvectormultiplication"
+            if kinds == [Type::Matrix, Type::Vector] =>
+        {
             Some(transformed(given[0].parts(), given[1].parts()))
         }
         _ => None,

@@ -76,6 +76,45 @@ fn the_box_around_a_mesh_may_count() {
     assert!(value(&whole, DVec3::ONE) < -0.1);
 }
 
+/// Eight corners of a box and twelve triangles are no box yet: an edge that is
+/// turned cuts a wedge off.
+#[test]
+fn a_box_with_a_turned_edge_is_no_box() {
+    let text = |[a, b, c]: [usize; 3]| {
+        format!("<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\" />")
+    };
+    let turns = |[a, b, c]: [usize; 3]| [[a, b, c], [b, c, a], [c, a, b]];
+    let flat = |corners: [usize; 4]| {
+        let [first, rest @ ..] = corners.map(corner);
+        (0..3).any(|k| rest.iter().all(|p| p[k] == first[k]))
+    };
+    let faces = faces();
+    let pairs = faces
+        .iter()
+        .flat_map(|f| faces.iter().map(move |g| (*f, *g)));
+    let [(f, g), ..] = pairs
+        .flat_map(|(f, g)| {
+            let all = turns(f).into_iter();
+            all.flat_map(move |a| turns(g).map(|b| (a, b)))
+        })
+        .filter(|(f, g)| f[..2] == [g[1], g[0]])
+        .filter(|(f, g)| !flat([f[0], f[1], f[2], g[2]]))
+        .take(1)
+        .collect::<Vec<_>>()[..]
+    else {
+        panic!("no edge");
+    };
+    let of_cube = |wanted: [usize; 3]| {
+        let own = faces.iter().find(|face| turns(**face).contains(&wanted));
+        text(*own.unwrap())
+    };
+    let turned = (ball() + &level(""))
+        .replacen(&of_cube(f), &text([f[0], g[2], f[2]]), 1)
+        .replacen(&of_cube(g), &text([g[2], f[1], f[2]]), 1);
+    assert_eq!(body(&turned, ITEM).data.len(), 1);
+    assert!(body(&(ball() + &level("")), ITEM).data.is_empty());
+}
+
 #[test]
 fn level_sets_are_placed_and_transformed() {
     let moved = level("transform=\"1 0 0 0 1 0 0 0 1 -1 0 0\"");
@@ -101,6 +140,19 @@ fn what_is_undefined_has_the_fallback() {
     is_at(&filled, [0.5, 0.0, 0.0], 0.5f64.ln());
     is_at(&filled, [-0.5, 0.0, 0.0], -1.5);
     is_at(&filled, [0.0, 0.0, 0.0], -2.0);
+}
+
+/// The least of two numbers is undefined where one of them is.
+#[test]
+fn what_is_undefined_takes_nothing_off_other_bodies() {
+    let nodes = node("log", "n", "scalar:A=p.x", "scalar:result");
+    let all =
+        function(5, &nodes, "n.result") + &level("") + &cube_object(9, "");
+    let items = "<item objectid=\"1\"/>\
+                 <item objectid=\"9\" transform=\"1 0 0 0 1 0 0 0 1 -9 0 0\"/>";
+    let both = body(&all, items);
+    is_at(&both, [-8.5, 0.5, 0.5], -0.5);
+    is_at(&both, [0.5, 0.0, 0.0], 0.5f64.ln());
 }
 
 #[test]
