@@ -27,17 +27,22 @@ fn a_script_is_not_blamed_for_the_making_of_data() {
 
 #[test]
 fn what_is_being_made_counts_at_once() {
-    let taken = Taken::default();
-    let held = taken.making(|| {
-        assert_eq!(taken.bytes(), None);
-        std::thread::sleep(Duration::from_millis(20));
+    // The memory is that of the whole process, and other tests give some back
+    // at the same time.
+    let grew = (0..20).any(|_| {
+        let taken = Taken::default();
+        let held = taken.making(|| {
+            assert_eq!(taken.bytes(), None);
+            std::thread::sleep(Duration::from_millis(20));
+            assert!(taken.time() >= Duration::from_millis(20));
+            vec![1_u8; 50 << 20]
+        });
         assert!(taken.time() >= Duration::from_millis(20));
-        vec![1_u8; 50 << 20]
+        assert_eq!(taken.times(), 1);
+        drop(held);
+        taken.bytes().is_some_and(|bytes| bytes > 40 << 20)
     });
-    assert!(taken.bytes().unwrap() > 40 << 20, "{:?}", taken.bytes());
-    assert!(taken.time() >= Duration::from_millis(20));
-    assert_eq!(taken.times(), 1);
-    drop(held);
+    assert!(grew);
 }
 
 #[test]
