@@ -136,9 +136,8 @@ pub fn simplify_line(
     path: &[DVec2],
     closed: bool,
     tolerance: Length,
-) -> Vec<DVec2> {
-    let all = walk(path, closed, tolerance, |_, _| true, true);
-    all.into_iter().map(|(point, _)| point).collect()
+) -> Vec<(DVec2, usize)> {
+    walk(path, closed, tolerance, |_, _| true, true)
 }
 
 /// Thins a path. Edges may meet `between` its points.
