@@ -14,7 +14,9 @@ use crate::package::Package;
 use fidget::context::Tree;
 use glam::{DAffine3, DVec3};
 use isocontour::{Bounds, Data};
-use isoslice_mesh::{Collector, MOST_STRUTS, MeshError, Strut, Triangles};
+use isoslice_mesh::{
+    Collector, MOST_STRUTS, MOST_TRIANGLES, MeshError, Strut, Triangles,
+};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 use std::rc::Rc;
@@ -24,6 +26,13 @@ use std::sync::Arc;
 const DEEPEST: usize = 32;
 /// Greatest number of objects that are placed. Plates hold some hundreds.
 const MOST_PLACED: usize = 100_000;
+/// Greatest number of vertices, triangles and beams that are placed, those that are
+/// left out included: twice as many triangles as there may be.
+const MOST_LOOKED_AT: usize = if cfg!(test) {
+    1_000_000
+} else {
+    2 * MOST_TRIANGLES
+};
 /// Greatest number of lattices that are clipped or not scaled evenly. Each is a
 /// function of its own.
 const MOST_CLIPPED: usize = 1000;
@@ -82,6 +91,8 @@ pub(crate) fn read(
         known: Known::default(),
         budget: Budget::new(),
         placed: 0,
+        looked_at: 0,
+        struts: 0,
         open: Vec::new(),
         short: 0,
     };
@@ -119,6 +130,10 @@ struct Building<R> {
     known: Known,
     budget: Budget,
     placed: usize,
+    /// Number of vertices, triangles and beams that were placed.
+    looked_at: usize,
+    /// Number of struts, those that are clipped included.
+    struts: usize,
     /// The objects that hold what is placed now, with their files.
     open: Vec<(String, u32)>,
     /// Number of beams that were too short.
@@ -210,8 +225,9 @@ impl<R: Read + Seek> Building<R> {
         object: &Object,
         by: DAffine3,
     ) -> Result<(), MeshError> {
-        let marks = (path == self.root).then_some(&self.marks);
         let place = format!("{path}, object {id}");
+        self.look_at(object).map_err(|e| e.within(&place))?;
+        let marks = (path == self.root).then_some(&self.marks);
         for what in collect(&place, id, object, by, marks, &mut self.all)? {
             self.leave_out(what);
         }
@@ -232,6 +248,21 @@ impl<R: Read + Seek> Building<R> {
             self.place(path, component, by)?;
         }
         Ok(())
+    }
+
+    /// Counts the work of placing an object, of which nothing may be left.
+    fn look_at(&mut self, object: &Object) -> Result<(), MeshError> {
+        let beams = object.lattice.as_ref().map_or(0, Lattice::len);
+        self.looked_at +=
+            object.vertices.len() + object.triangles.len() + beams;
+        if self.looked_at <= MOST_LOOKED_AT {
+            return Ok(());
+        }
+        Err(MeshError::File(format!(
+            "objects are placed so often that there are more than {} million \
+             vertices, triangles and beams; place fewer",
+            MOST_LOOKED_AT / 1_000_000
+        )))
     }
 
     fn add_level(
@@ -313,7 +344,8 @@ impl<R: Read + Seek> Building<R> {
         };
         let placed = lattice.placed(&object.vertices, &seen, scale)?;
         self.short += placed.short;
-        if self.parts.struts.len() + placed.struts.len() > MOST_STRUTS {
+        self.struts += placed.struts.len();
+        if self.struts > MOST_STRUTS {
             return Err(MeshError::TooManyStruts);
         }
         if lattice.clipped.is_none() && place == DAffine3::IDENTITY {
@@ -336,8 +368,12 @@ impl<R: Read + Seek> Building<R> {
         }
         let by_mesh = match lattice.clipped {
             Some((clip, side)) => {
-                let model = self.models.get(path).ok_or(MeshError::Empty)?;
-                Some((mesh_of(model, path, clip, seen)?, side))
+                let model = self.models.get(path).map(Rc::clone);
+                let model = model.ok_or(MeshError::Empty)?;
+                if let Some(object) = model.objects.get(&clip) {
+                    self.look_at(object)?;
+                }
+                Some((mesh_of(&model, path, clip, seen)?, side))
             }
             None => None,
         };

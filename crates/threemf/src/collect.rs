@@ -5,6 +5,9 @@ use crate::model::{Model, Object};
 use glam::DAffine3;
 use isoslice_mesh::{Collector, MeshError, Triangles};
 
+/// Triangles between two questions whether to go on.
+const ASK: usize = 1 << 16;
+
 /// The mesh of an object as it is in the file.
 pub(crate) fn triangles(
     model: &Model,
@@ -61,6 +64,9 @@ pub(crate) fn collect(
     let mirrors = by.matrix3.determinant() < 0.0;
     let mut left_out = Vec::new();
     for (i, corners) in object.triangles.iter().enumerate() {
+        if i % ASK == 0 {
+            isoslice_base::limits::go_on()?;
+        }
         if let Some(what) = marks.and_then(|m| m.of_triangle(id, i)) {
             if !left_out.contains(&what) {
                 left_out.push(what);

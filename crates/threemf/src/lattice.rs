@@ -60,6 +60,11 @@ pub(crate) struct Placed {
 }
 
 impl Lattice {
+    /// Number of its beams.
+    pub(crate) fn len(&self) -> usize {
+        self.beams.len()
+    }
+
     /// A lattice without beams, of its element.
     pub(crate) fn new(element: &Element) -> Result<Lattice, MeshError> {
         let cap = cap(element, "cap")?.unwrap_or(Cap::Sphere);

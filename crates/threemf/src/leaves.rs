@@ -1,5 +1,5 @@
-//! Meshes that functions ask for, each made once, and stacks of pictures, once for
-//! each function and channel.
+//! Meshes that functions ask for, each made once, and channels of stacks of
+//! pictures, each made once for each way to read between its pixels.
 
 use crate::collect::triangles;
 use crate::functions::evaluate::Leaves;
@@ -15,10 +15,12 @@ use std::sync::Arc;
 
 /// Greatest number of meshes and stacks.
 const MOST: usize = 1000;
+/// Greatest memory of them all, bytes: as much as a whole run may take.
+const MOST_BYTES: u64 = 4 << 30;
 
 /// Data by file, number, and what of it is asked for.
 #[derive(Default)]
-pub(crate) struct Known(BTreeMap<(String, u32, &'static str), Arc<dyn Data>>);
+pub(crate) struct Known(BTreeMap<(String, u32, String), Arc<dyn Data>>);
 
 /// The data of a model file.
 pub(crate) struct Files<'a, R> {
@@ -36,7 +38,7 @@ impl<R> Files<'_, R> {
     fn known_or_made(
         &mut self,
         id: u32,
-        what: &'static str,
+        what: String,
         make: impl FnOnce(&mut Self) -> Result<Arc<dyn Data>, MeshError>,
     ) -> Result<Arc<dyn Data>, MeshError> {
         let key = (self.path.to_owned(), id, what);
@@ -49,6 +51,15 @@ impl<R> Files<'_, R> {
             )));
         }
         let data = make(self)?;
+        let known = self.known.0.values();
+        let bytes = known.chain([&data]).map(|data| data.bytes() as u64);
+        if bytes.sum::<u64>() > MOST_BYTES {
+            return Err(MeshError::File(
+                "the meshes and pictures that its functions ask for take more \
+                 than 4 GB; scale the pictures down"
+                    .to_owned(),
+            ));
+        }
         self.data.push(data.clone());
         self.known.0.insert(key, data.clone());
         Ok(data)
@@ -57,7 +68,7 @@ impl<R> Files<'_, R> {
 
 impl<R: Read + Seek> Leaves for Files<'_, R> {
     fn mesh(&mut self, id: u32, at: [Tree; 3]) -> Result<Tree, MeshError> {
-        let data = self.known_or_made(id, "mesh", |files| {
+        let data = self.known_or_made(id, "mesh".to_owned(), |files| {
             let triangles = triangles(files.model, files.path, id)?;
             Ok(Arc::new(Mesh::new(files.name, triangles)?))
         })?;
@@ -66,18 +77,12 @@ impl<R: Read + Seek> Leaves for Files<'_, R> {
 
     fn image(
         &mut self,
-        function: u32,
         image: &ImageFunction,
         channel: Channel,
         at: [Tree; 3],
     ) -> Result<Tree, MeshError> {
-        let what = match channel {
-            Channel::Red => "red",
-            Channel::Green => "green",
-            Channel::Blue => "blue",
-            Channel::Alpha => "alpha",
-        };
-        let data = self.known_or_made(function, what, |files| {
+        let what = image.read_as(channel);
+        let data = self.known_or_made(image.image, what, |files| {
             let Some(stack) = files.model.stacks.get(&image.image) else {
                 return Err(MeshError::File("there is no stack".to_owned()));
             };

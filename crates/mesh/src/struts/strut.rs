@@ -272,24 +272,24 @@ impl Profile {
         (sign * best.0, best.1)
     }
 
-    /// The least of the distances to the cone and the balls at its ends. Inside
-    /// the surface may be deeper than that says.
+    /// The least of the distances to the cone with half balls at its ends, and to
+    /// whole balls. Where a ball reaches out of the cone's side, the surface may be
+    /// deeper inside than that says.
     fn parts(&self, at: DVec2) -> Found {
-        let bare = Profile {
-            caps: [Cap::Butt; 2],
+        let halved = |cap| match cap {
+            Cap::Butt => Cap::Butt,
+            Cap::Sphere | Cap::Hemisphere => Cap::Hemisphere,
+        };
+        let half = Profile {
+            caps: self.caps.map(halved),
             ..*self
         };
-        let cone = [0, 1].map(|e| bare.from(e, DVec2::new(0.0, self.radii[e])));
-        let mut best = bare.surface(at, cone);
-        for e in [0, 1] {
+        let cone = [0, 1].map(|e| half.from(e, DVec2::new(0.0, self.radii[e])));
+        let mut best = half.surface(at, cone);
+        for e in [0, 1].into_iter().filter(|&e| self.caps[e] == Cap::Sphere) {
             let from = self.from(e, at);
-            let is_there = match self.caps[e] {
-                Cap::Butt => false,
-                Cap::Sphere => true,
-                Cap::Hemisphere => from.x <= 0.0,
-            };
             let distance = from.length() - self.radii[e];
-            if is_there && distance < best.0 {
+            if distance < best.0 {
                 let out = from.try_normalize().unwrap_or(DVec2::NEG_X);
                 best = (distance, self.back(e, out));
             }

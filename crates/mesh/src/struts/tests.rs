@@ -103,6 +103,23 @@ fn short_struts_are_exact_outside() {
     assert!(inside > 200);
 }
 
+/// Bounds over boxes stand on that.
+#[test]
+fn distances_change_by_no_more_than_the_way() {
+    let mut rng = Rng::with_seed(11);
+    for i in 0..3000 {
+        let s = strut(&mut rng, i % 2 == 0);
+        for _ in 0..40 {
+            // Also across the planes of its ends.
+            let end = s.ends[rng.usize(..2)];
+            let p = end + place(&mut rng, 3.0);
+            let q = p + place(&mut rng, 0.5);
+            let change = (s.distance(p) - s.distance(q)).abs();
+            assert!(change <= p.distance(q) + 1e-12, "{change} {p} {q} {s:?}");
+        }
+    }
+}
+
 #[test]
 fn boxes_are_tight() {
     let mut rng = Rng::with_seed(7);

@@ -27,9 +27,17 @@ const MOST_MADE: u64 = 1000;
 /// The files that one model may read, and what it has read.
 pub(crate) struct Files {
     folder: Folder,
+    most: Most,
     taken: Taken,
     /// An expression does not keep its data.
     kept: Mutex<Kept>,
+}
+
+/// What a model may take.
+#[derive(Clone, Copy)]
+struct Most {
+    bytes: u64,
+    times: u64,
 }
 
 /// The data of a model, each once.
@@ -50,17 +58,27 @@ impl Default for Files {
 impl Files {
     /// The files in a folder.
     pub(crate) fn within(folder: &Path) -> Files {
-        Files::of(Folder::new(Some(folder)))
+        let most = Most {
+            bytes: MOST_DATA_BYTES,
+            times: MOST_MADE,
+        };
+        Files::of(Folder::new(Some(folder)), most)
     }
 
-    /// All files, for programs that have them anyway.
+    /// All files, for programs that have them anyway. They may make any number of
+    /// models.
     pub(crate) fn anywhere() -> Files {
-        Files::of(Folder::new(None))
+        let most = Most {
+            bytes: u64::MAX,
+            times: u64::MAX,
+        };
+        Files::of(Folder::new(None), most)
     }
 
-    fn of(folder: Folder) -> Files {
+    fn of(folder: Folder, most: Most) -> Files {
         Files {
             folder,
+            most,
             taken: Taken::default(),
             kept: Mutex::default(),
         }
@@ -120,8 +138,8 @@ impl Files {
             options,
         };
         let Made { tree, data, notes } =
-            known_or_made(kind, &asked, &self.taken)?;
-        lock(&self.kept).keep(data, notes)?;
+            known_or_made(kind, &asked, &self.taken, self.most.times)?;
+        lock(&self.kept).keep(data, notes, self.most.bytes)?;
         Ok(tree)
     }
 }
@@ -132,18 +150,19 @@ impl Kept {
         &mut self,
         made: Vec<Arc<dyn Data>>,
         notes: Vec<String>,
+        most: u64,
     ) -> Result<(), String> {
         for data in made {
             if self.data.iter().any(|kept| Arc::ptr_eq(kept, &data)) {
                 return Ok(());
             }
             self.bytes = self.bytes.saturating_add(data.bytes() as u64);
-            if self.bytes > MOST_DATA_BYTES {
+            if self.bytes > most {
                 return Err(format!(
                     "with {} the model's data takes more than {}; read fewer \
                      or smaller files",
                     data.name(),
-                    human_bytes(MOST_DATA_BYTES)
+                    human_bytes(most)
                 ));
             }
             self.data.push(data);
@@ -236,6 +255,7 @@ fn known_or_made(
     kind: &Kind,
     asked: &Asked<'_>,
     taken: &Taken,
+    most: u64,
 ) -> Result<Made, String> {
     static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
     let version = Version::of(kind, asked)?;
@@ -244,9 +264,9 @@ fn known_or_made(
     if let Some(made) = same {
         return Ok(made);
     }
-    if taken.times() >= MOST_MADE {
+    if taken.times() >= most {
         return Err(format!(
-            "{} makes data more than {MOST_MADE} times in one model; repeat \
+            "{} makes data more than {most} times in one model; repeat \
              it with % (modulo) of a coordinate instead of loops",
             kind.name
         ));

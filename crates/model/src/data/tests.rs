@@ -62,6 +62,17 @@ fn equal_calls_make_data_once() {
     assert_eq!(files.notes().len(), 1, "{:?}", files.notes());
 }
 
+/// A program that makes a part for each serial number makes many models.
+#[test]
+fn a_program_makes_data_as_often_as_it_likes() {
+    let files = Files::anywhere();
+    let text = kind("text").unwrap();
+    for i in 0..1100 {
+        files.call(text, &i.to_string(), &Options::new()).unwrap();
+    }
+    assert_eq!(files.taken().times(), 1100);
+}
+
 #[test]
 fn a_script_makes_data_a_bounded_number_of_times() {
     let many = "for i in 0..2000 { text(i.to_string()); } x";

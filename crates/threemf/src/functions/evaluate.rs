@@ -26,7 +26,6 @@ pub(crate) trait Leaves {
     /// A channel of a stack at u, v and w, from 0 to 65535.
     fn image(
         &mut self,
-        function: u32,
         image: &ImageFunction,
         channel: Channel,
         at: [Tree; 3],
@@ -302,7 +301,7 @@ impl<'a, L: Leaves> Evaluator<'a, L> {
         };
         let by = number(image.scale / f64::from(u16::MAX));
         let mut channel = |channel: Channel| -> Result<Tree, MeshError> {
-            let read = self.leaves.image(id, image, channel, at.clone())?;
+            let read = self.leaves.image(image, channel, at.clone())?;
             Ok(read * by.clone() + number(image.offset))
         };
         let mut outputs = Named::new();

@@ -63,6 +63,14 @@ impl Channel {
     }
 }
 
+impl ImageFunction {
+    /// What of its stack it reads, and how: functions for which that is the same
+    /// have their numbers in common, before they are scaled.
+    pub(crate) fn read_as(&self, channel: Channel) -> String {
+        format!("{channel:?}, {:?}, {:?}", self.interpolation, self.border)
+    }
+}
+
 impl Stack {
     pub(crate) fn new(element: &Element) -> Result<Stack, MeshError> {
         let stack = Stack {

@@ -18,7 +18,6 @@ impl Leaves for Nothing {
 
     fn image(
         &mut self,
-        _: u32,
         _: &ImageFunction,
         _: Channel,
         _: [Tree; 3],

@@ -175,6 +175,25 @@ fn hostile_files_are_refused_with_the_reason() {
     }
 }
 
+/// A small file may place an object of many vertices so often that nobody waits
+/// for it, though nothing of it is left.
+#[test]
+fn what_is_placed_in_vain_is_counted_too() {
+    let vertices = "<vertex x=\"0\" y=\"0\" z=\"0\"/>".repeat(3000);
+    let resources = format!(
+        "{}<object id=\"2\"><mesh><vertices>{vertices}</vertices><triangles>\
+         <triangle v1=\"0\" v2=\"0\" v3=\"1\"/></triangles></mesh></object>",
+        cube_object(1, "")
+    );
+    let file = |times: usize| {
+        let items = ITEM.to_owned() + &"<item objectid=\"2\"/>".repeat(times);
+        of(&package(&model("millimeter", &resources, &items)))
+    };
+    assert!(file(300).is_ok());
+    let said = file(340).unwrap_err().to_string();
+    assert!(said.contains("objects are placed so often"), "{said}");
+}
+
 /// Any bytes end in a body or an error.
 #[test]
 fn changed_files_never_panic() {

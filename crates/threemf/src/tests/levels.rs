@@ -255,6 +255,31 @@ fn functions_are_of_stacks_of_pictures() {
     assert!(said.contains("function 5: it has no output pink"), "{said}");
 }
 
+/// Two functions that scale one stack differently read its numbers once.
+#[test]
+fn a_stack_is_unpacked_once_for_all_functions_that_read_it_alike() {
+    let sheet = png(png::ColorType::Grayscale, &[0, 51, 102, 153]);
+    let first = level("")
+        .replace("\"shape\"", "\"red\"")
+        .replace("id=\"1\"", "id=\"11\"");
+    let second = "<object id=\"12\"><v:levelset functionid=\"6\" \
+                  channel=\"red\" meshid=\"7\"/></object>";
+    let data = |more: &str| {
+        let level = format!(
+            "<v:functionfromimage3d id=\"6\" image3did=\"3\" {more}/>\
+             {first}{second}<object id=\"1\"><components>\
+             <component objectid=\"11\"/><component objectid=\"12\"/>\
+             </components></object>"
+        );
+        of(&stack(&[&sheet, &sheet], "", &level))
+            .unwrap()
+            .data
+            .len()
+    };
+    assert_eq!(data("valuescale=\"3\""), 1);
+    assert_eq!(data("tilestyleu=\"mirror\""), 2);
+}
+
 #[test]
 fn wrong_level_sets_are_refused_with_the_reason() {
     let all = ball() + &level("");
