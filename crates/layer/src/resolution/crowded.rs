@@ -22,6 +22,11 @@ const SHORT: Mm = 0.3;
 /// short rest where a circle closes is less.
 const TOO_MANY: f64 = 0.7;
 
+/// Share of the greater tolerance that a stretch between long moves may be off. With
+/// all of it 99 % of the walls of a scan are within 8.1 µm of it, not 6.8, and take
+/// 1 % fewer moves.
+const STRETCH: f64 = 0.8;
+
 /// A path that is thinned.
 struct Thinned<'a> {
     path: &'a [DVec2],
@@ -44,7 +49,7 @@ pub(super) fn thinned(
         closed,
         points,
     };
-    thinned.eased(coarse.max(fine))
+    thinned.eased(coarse.max(fine), (STRETCH * coarse).max(fine))
 }
 
 impl Thinned<'_> {
@@ -64,9 +69,11 @@ impl Thinned<'_> {
         is_end || (self.length(k + n - 1) >= SHORT && self.length(k) >= SHORT)
     }
 
-    fn eased(&self, tolerance: Mm) -> Vec<DVec2> {
+    /// The path with fewer points: within one tolerance if there are no long moves
+    /// that meet, else within another one between them.
+    fn eased(&self, whole: Mm, stretch: Mm) -> Vec<DVec2> {
         let n = self.points.len();
-        let more = || alone(simplify_line(self.path, self.closed, tolerance));
+        let more = || alone(simplify_line(self.path, self.closed, whole));
         let Some(first) = (0..n).find(|&k| self.stays(k)) else {
             return more();
         };
@@ -78,7 +85,7 @@ impl Thinned<'_> {
             let to = next.unwrap_or(last);
             if self.is_crowded(from, to) {
                 let run = self.run(from, to);
-                let run = alone(simplify_line(&run, false, tolerance));
+                let run = alone(simplify_line(&run, false, stretch));
                 out.extend(&run[1..]);
             } else {
                 out.extend((from + 1..=to).map(|k| self.at(k)));
