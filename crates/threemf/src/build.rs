@@ -9,7 +9,7 @@ use crate::lattice::{Lattice, Side, scale};
 use crate::leaves::{Files, Known};
 use crate::level::{LevelSet, cuboid, places};
 use crate::marks::Marks;
-use crate::model::{self, Model, OTHER, Object, Reference};
+use crate::model::{self, MOST_PLACED, Model, OTHER, Object, Reference};
 use crate::package::Package;
 use fidget::context::Tree;
 use glam::{DAffine3, DVec3};
@@ -24,8 +24,6 @@ use std::sync::Arc;
 
 /// Greatest number of objects between an item and a mesh. Slicers use two.
 const DEEPEST: usize = 32;
-/// Greatest number of objects that are placed. Plates hold some hundreds.
-const MOST_PLACED: usize = 100_000;
 /// Greatest number of vertices, triangles and beams that are placed, those that are
 /// left out included: twice as many triangles as there may be.
 const MOST_LOOKED_AT: usize = if cfg!(test) {

@@ -109,6 +109,9 @@ pub(crate) struct Model {
     pub has_volume_data: bool,
 }
 
+/// Greatest number of objects that are placed. Plates hold some hundreds.
+pub(crate) const MOST_PLACED: usize = 100_000;
+
 /// An object of a type that must not be built.
 pub(crate) const OTHER: &str = "an object that is not to be printed";
 
@@ -142,6 +145,7 @@ pub(crate) fn read<R: Read + Seek>(
         sound: Sound::default(),
         says: None,
         is_in_build: false,
+        references: 0,
     };
     let found = package.with(path, |bytes| {
         xml::read(path, bytes, |event| reading.see(event))
@@ -170,6 +174,8 @@ struct Reading {
     /// What a text says of the object, if it is true.
     says: Option<&'static str>,
     is_in_build: bool,
+    /// Number of items and components.
+    references: usize,
 }
 
 impl Reading {
@@ -331,7 +337,8 @@ impl Reading {
             }
             ("component", Some((_, object))) => {
                 object.components.push(reference(element)?);
-                Ok(())
+                self.references += 1;
+                few(self.references)
             }
             ("metadata", Some(_)) => {
                 let name = element.text("name")?.unwrap_or_default();
@@ -352,7 +359,8 @@ impl Reading {
                         Some("0" | "false")
                     ),
                 });
-                Ok(())
+                self.references += 1;
+                few(self.references)
             }
             _ => Ok(()),
         }
@@ -452,6 +460,15 @@ fn within(triangles: usize) -> Result<(), MeshError> {
     } else {
         Ok(())
     }
+}
+
+fn few(references: usize) -> Result<(), MeshError> {
+    if references > MOST_PLACED {
+        return Err(MeshError::File(format!(
+            "more than {MOST_PLACED} objects are placed"
+        )));
+    }
+    Ok(())
 }
 
 /// The object that an item or a component names.

@@ -4,7 +4,7 @@ use crate::space::Space;
 use isoslice_mesh::MeshError;
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event as Raw};
-use quick_xml::name::ResolveResult;
+use quick_xml::name::{NamespaceError, ResolveResult};
 use quick_xml::reader::NsReader;
 use std::io::{self, BufRead, BufReader, Read};
 use std::str::FromStr;
@@ -133,6 +133,16 @@ fn shortened(word: &str) -> String {
     word.chars().take(30).chain(['…']).collect()
 }
 
+/// What is wrong, in words that do not tell how to change the program.
+fn said(error: &quick_xml::Error) -> String {
+    match error {
+        quick_xml::Error::Namespace(NamespaceError::TooManyBindings(_)) => {
+            "it declares too many namespaces inside one another".to_owned()
+        }
+        other => other.to_string(),
+    }
+}
+
 /// Calls `see` with all that is in a file. `name` is that of the file.
 pub(crate) fn read(
     name: &str,
@@ -153,7 +163,7 @@ pub(crate) fn read(
         let at = || format!("{name}, byte {}", before + 1);
         let (space, event) = reader
             .read_resolved_event_into(&mut buffer)
-            .map_err(|e| MeshError::at(at(), e.to_string()))?;
+            .map_err(|e| MeshError::at(at(), said(&e)))?;
         let space = match space {
             ResolveResult::Bound(namespace) => Space::of(namespace.0),
             ResolveResult::Unbound => Space::Core,

@@ -194,6 +194,20 @@ fn what_is_placed_in_vain_is_counted_too() {
     assert!(said.contains("objects are placed so often"), "{said}");
 }
 
+#[test]
+fn limits_of_reading_are_told_in_words_of_the_file() {
+    let names: String =
+        (0..300).map(|i| format!(" xmlns:a{i}=\"b\"")).collect();
+    let object = format!("<object id=\"1\"{names}/>");
+    let many = package(&model("millimeter", &object, ITEM));
+    let said = of(&many).unwrap_err().to_string();
+    assert!(said.contains("declares too many namespaces"), "{said}");
+    let items = ITEM.repeat(100_001);
+    let many = package(&model("millimeter", &cube_object(1, ""), &items));
+    let said = of(&many).unwrap_err();
+    assert!(said.to_string().contains("more than 100000"), "{said}");
+}
+
 /// Any bytes end in a body or an error.
 #[test]
 fn changed_files_never_panic() {
