@@ -41,6 +41,14 @@ impl Budget {
     }
 }
 
+/// The number of a resource: that of an input, or the node's own.
+fn resource(node: &Node, given: &Named, input: &str) -> Option<u32> {
+    match given.get(input) {
+        Some(Value::Resource(id)) => Some(*id),
+        _ => node.resource,
+    }
+}
+
 /// Evaluates functions of a model file.
 pub(crate) struct Evaluator<'a, L> {
     /// The functions of a model file, by their numbers.
@@ -243,10 +251,7 @@ impl<'a, L: Leaves> Evaluator<'a, L> {
         node: &Node,
         given: &Named,
     ) -> Result<Named, MeshError> {
-        let called = match given.get("functionID") {
-            Some(Value::Resource(called)) => Some(*called),
-            _ => node.resource,
-        };
+        let called = resource(node, given, "functionID");
         let called = called.ok_or_else(|| {
             self.wrong(id, Some(name), "it says no functionID to call")
         })?;
@@ -269,10 +274,7 @@ impl<'a, L: Leaves> Evaluator<'a, L> {
         node: &Node,
         given: &Named,
     ) -> Result<Value, MeshError> {
-        let mesh = match given.get("mesh") {
-            Some(Value::Resource(mesh)) => Some(*mesh),
-            _ => node.resource,
-        };
+        let mesh = resource(node, given, "mesh");
         let at = given.get("pos").and_then(place);
         let (Some(mesh), Some(at)) = (mesh, at) else {
             let what = "it needs pos, a vector, and mesh, a resource";
