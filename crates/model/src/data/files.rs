@@ -47,6 +47,8 @@ struct Kept {
     notes: Vec<String>,
     /// What the data takes, bytes.
     bytes: u64,
+    /// How often something was asked for that was not kept.
+    times: u64,
 }
 
 impl Default for Files {
@@ -87,6 +89,12 @@ impl Files {
     /// What the making of data took so far. It goes on counting.
     pub(crate) fn taken(&self) -> Taken {
         self.taken.clone()
+    }
+
+    /// How often something new was asked for.
+    #[cfg(test)]
+    pub(super) fn times(&self) -> u64 {
+        lock(&self.kept).times
     }
 
     /// The files that were read.
@@ -137,14 +145,46 @@ impl Files {
             path,
             options,
         };
-        let Made { tree, data, notes } =
-            known_or_made(kind, &asked, &self.taken, self.most.times)?;
+        let version = Version::of(kind, &asked)?;
+        // What other models made counts too: whether a model is refused must
+        // not depend on them.
+        let known = version.as_ref().and_then(known);
+        if let Some(made) = &known
+            && lock(&self.kept).has(made)
+        {
+            return Ok(made.tree.clone());
+        }
+        lock(&self.kept).count(kind, self.most.times)?;
+        let Made { tree, data, notes } = match known {
+            Some(made) => made,
+            None => make(kind, &asked, version, &self.taken)?,
+        };
         lock(&self.kept).keep(data, notes, self.most.bytes)?;
         Ok(tree)
     }
 }
 
 impl Kept {
+    /// True if all that was made is kept already.
+    fn has(&self, made: &Made) -> bool {
+        let is_kept =
+            |data| self.data.iter().any(|kept| Arc::ptr_eq(kept, data));
+        !made.data.is_empty() && made.data.iter().all(is_kept)
+    }
+
+    /// Counts what is asked for, which may be impossible to make.
+    fn count(&mut self, kind: &Kind, most: u64) -> Result<(), String> {
+        if self.times >= most {
+            return Err(format!(
+                "{} makes data more than {most} times in one model; repeat \
+                 it with % (modulo) of a coordinate instead of loops",
+                kind.name
+            ));
+        }
+        self.times += 1;
+        Ok(())
+    }
+
     /// Keeps what was made of a file or a text, unless it is kept already.
     fn keep(
         &mut self,
@@ -249,28 +289,22 @@ impl Known {
     }
 }
 
-/// What a function makes. What somebody uses is made once of a text, and of a
-/// file that has not changed.
-fn known_or_made(
+/// What somebody uses, of all models.
+static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
+
+/// What was made of a text, or of a file that has not changed, and is in use.
+fn known(version: &Version) -> Option<Made> {
+    let known = lock(&KNOWN);
+    known.iter().find(|k| &k.version == version)?.made()
+}
+
+/// Makes what a function makes, and lets other models know.
+fn make(
     kind: &Kind,
     asked: &Asked<'_>,
+    version: Option<Version>,
     taken: &Taken,
-    most: u64,
 ) -> Result<Made, String> {
-    static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
-    let version = Version::of(kind, asked)?;
-    let is_same = |known: &&Known| Some(&known.version) == version.as_ref();
-    let same = lock(&KNOWN).iter().find(is_same).and_then(Known::made);
-    if let Some(made) = same {
-        return Ok(made);
-    }
-    if taken.times() >= most {
-        return Err(format!(
-            "{} makes data more than {most} times in one model; repeat \
-             it with % (modulo) of a coordinate instead of loops",
-            kind.name
-        ));
-    }
     let made = taken.making(|| kind.make(asked))?;
     if let Some(version) = version {
         let mut known = lock(&KNOWN);

@@ -14,7 +14,6 @@ pub(crate) struct Taken(Arc<Mutex<Sums>>);
 
 #[derive(Default)]
 struct Sums {
-    times: u64,
     bytes: u64,
     time: Duration,
     /// When the making began that is under way.
@@ -36,11 +35,6 @@ impl Taken {
         sums.time + now
     }
 
-    /// How often data was made, or could not be.
-    pub(super) fn times(&self) -> u64 {
-        lock(&self.0).times
-    }
-
     /// Makes data, and takes in what that takes.
     pub(super) fn making<T>(&self, make: impl FnOnce() -> T) -> T {
         let before = resident_bytes();
@@ -52,7 +46,6 @@ impl Taken {
         let since = sums.since.take();
         sums.time += since.map_or(Duration::ZERO, |since| since.elapsed());
         sums.bytes = sums.bytes.saturating_add(grown.unwrap_or(0));
-        sums.times += 1;
         made
     }
 }

@@ -14,10 +14,10 @@ fn script(text: &str) -> Source {
 
 #[test]
 fn a_script_is_not_blamed_for_the_making_of_data() {
-    // The letters take a second, in a script that may take a tenth.
+    // The letters take a second, in a script that may take a third.
     let letters = "ABCDefgh".repeat(700);
     let limits = ScriptLimits {
-        time: Duration::from_millis(100),
+        time: Duration::from_millis(300),
         ..ScriptLimits::default()
     };
     let text = format!("max(text(\"{letters}\"), abs(z) - 1)");
@@ -40,7 +40,6 @@ fn what_is_being_made_counts_at_once() {
             black_box(vec![1_u8; 50 << 20])
         });
         assert!(taken.time() >= Duration::from_millis(20));
-        assert_eq!(taken.times(), 1);
         drop(held);
         taken.bytes().is_some_and(|bytes| bytes > 40 << 20)
     });
@@ -56,7 +55,7 @@ fn equal_calls_make_data_once() {
         made("one").unwrap();
         made("two").unwrap();
     }
-    assert_eq!(files.taken().times(), 2);
+    assert_eq!(files.times(), 2);
     // A missing letter is told of once for each text.
     for _ in 0..3 {
         made("\u{4e2d}a").unwrap();
@@ -72,11 +71,17 @@ fn a_program_makes_data_as_often_as_it_likes() {
     for i in 0..1100 {
         files.call(text, &i.to_string(), &Options::new()).unwrap();
     }
-    assert_eq!(files.taken().times(), 1100);
+    assert_eq!(files.times(), 1100);
 }
 
 #[test]
 fn a_script_makes_data_a_bounded_number_of_times() {
+    // Another model has the same texts, and is no reason to allow more.
+    let others = Files::anywhere();
+    let text = kind("text").unwrap();
+    for i in 0..1100 {
+        others.call(text, &i.to_string(), &Options::new()).unwrap();
+    }
     let many = "for i in 0..2000 { text(i.to_string()); } x";
     let error = load(&script(many), &[]).err().unwrap().to_string();
     assert!(error.contains("more than 1000 times"), "{error}");
