@@ -15,7 +15,7 @@ use fidget::var::Var;
 use glam::DVec3;
 
 /// Faces are flush if they are as near as outlines are accurate, mm.
-const FLUSH: f64 = 0.005;
+pub(super) const FLUSH: f64 = 0.005;
 
 /// Directions that differ by less are one: over 200 mm this is 2 µm.
 const PARALLEL: f64 = 1e-5;
@@ -106,14 +106,14 @@ impl Bound {
     }
 }
 
-struct Search {
+pub(super) struct Search {
     /// Operations that may still be looked at.
-    left: usize,
+    pub(super) left: usize,
 }
 
 impl Search {
     /// True if there is no time for one operation more.
-    fn ends(&mut self, depth: usize) -> bool {
+    pub(super) fn ends(&mut self, depth: usize) -> bool {
         let ends = self.left == 0 || depth > DEEPEST;
         self.left = self.left.saturating_sub(1);
         ends
@@ -213,7 +213,7 @@ impl Search {
         constant.or_else(|| self.never_negative(op, depth).then_some(0.0))
     }
 
-    fn never_negative(&mut self, op: &TreeOp, depth: usize) -> bool {
+    pub(super) fn never_negative(&mut self, op: &TreeOp, depth: usize) -> bool {
         if self.ends(depth) {
             return false;
         }
@@ -234,6 +234,11 @@ impl Search {
             ) => self.never_negative(a, depth) && self.never_negative(b, depth),
             _ => false,
         }
+    }
+
+    /// True if the field is n·p + d.
+    pub(super) fn is_linear(&mut self, op: &TreeOp, depth: usize) -> bool {
+        self.linear(op, depth).is_some()
     }
 
     /// The field as n·p + d, if it is that.
@@ -287,7 +292,7 @@ impl Search {
     }
 }
 
-fn constant(op: &TreeOp) -> Option<f64> {
+pub(super) fn constant(op: &TreeOp) -> Option<f64> {
     match op {
         TreeOp::Const(v) => Some((*v).into()),
         _ => None,

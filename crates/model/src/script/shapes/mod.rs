@@ -10,6 +10,7 @@
 //! finite. Shapes whose row says `exact` are distances in mm.
 
 mod convex;
+mod curved;
 mod fidgets;
 mod flush;
 mod patterns;

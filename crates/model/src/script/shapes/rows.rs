@@ -1,6 +1,7 @@
 //! The shapes and operations beside fidget's, one row each.
 
 use super::convex::{area, convex, corner, polygon};
+use super::curved::curved;
 use super::flush::flush;
 use super::{Argument, ArgumentKind, Given, Row};
 use crate::script::shape::union;
@@ -353,7 +354,8 @@ fn ring(x: &Tree, y: &Tree) -> Tree {
 /// fidget's `blend`, whose documentation names its source, up to the faces that
 /// both have in common.
 fn blend(a: Tree, b: Tree, radius: f64) -> Tree {
-    let faces = flush(&a, &b);
+    let mut faces = flush(&a, &b);
+    faces.extend(curved(&a, &b));
     let radius = radius as f32;
     let soft = Tree::from(Blend { a, b, radius });
     faces.into_iter().fold(soft, |part, face| part.max(face))
