@@ -287,9 +287,10 @@ impl Leaves {
         depth: usize,
     ) -> Vec<Leaf> {
         let mut a = self.below(a, flat, depth);
-        let mut b = match a.is_empty() {
-            true => Vec::new(),
-            false => self.below(b, flat, depth),
+        let mut b = if a.is_empty() {
+            Vec::new()
+        } else {
+            self.below(b, flat, depth)
         };
         if b.is_empty() {
             return Vec::new();
