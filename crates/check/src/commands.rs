@@ -1,6 +1,7 @@
 //! The rules about commands that are no moves: heat, homing, motors, macros,
 //! and lines that make no sense.
 
+use super::away::Away;
 use super::words::{self, Effect};
 use super::{Checker, FindingKind, HOMED};
 use glam::DVec3;
@@ -64,13 +65,12 @@ impl Checker<'_> {
                 self.homed |= 1 << i;
             }
         }
-        if (all || words.has(b'Z')) && self.ending.has_printed() {
-            let kind = FindingKind::Changed;
-            self.verdict.add_about(kind, "G28", line, DVec3::NAN, || {
-                "G28 homes z with a print on the bed, which the nozzle or \
-                     the probe may meet"
-                    .into()
-            });
+        if all || words.has(b'Z') {
+            let why = "homes z with a print on the bed that goes on after it: \
+                       the nozzle or the probe would meet the print";
+            self.word(line, "G28", Some(Effect::Disturbs(why)));
+        } else {
+            self.word(line, "G28", Some(Effect::Leaves(words::AWAY)));
         }
     }
 
@@ -173,25 +173,37 @@ impl Checker<'_> {
 
     /// Reports what a command does. Without an effect, the command is unknown.
     fn word(&mut self, line: u64, word: &str, effect: Option<Effect>) {
+        let printed = self.ending.has_printed();
         let (kind, why) = match effect {
             Some(Effect::None) => return,
-            Some(Effect::Disturbs(why)) => {
-                if self.ending.has_printed() {
-                    let why = format!("{word} {why}");
-                    self.hold(
-                        FindingKind::Harmful,
-                        word,
-                        line,
-                        DVec3::NAN,
-                        why,
-                    );
+            Some(Effect::Doubts(why)) => (FindingKind::Changed, why),
+            Some(Effect::Disturbs(why)) => (FindingKind::Harmful, why),
+            Some(Effect::Spoils(why)) if printed => (FindingKind::Harmful, why),
+            Some(Effect::Leaves(why)) => {
+                if printed {
+                    self.away = Some(Away::new(word, line, why));
                 }
                 return;
             }
-            Some(Effect::Warns(why)) => (FindingKind::Changed, why),
-            Some(Effect::Harms(why)) => (FindingKind::Harmful, why),
-            None => (FindingKind::UnknownWord, "is not known"),
+            Some(Effect::Warns(why) | Effect::Spoils(why)) => {
+                return self.told(FindingKind::Changed, word, line, why);
+            }
+            Some(Effect::Harms(why)) => {
+                return self.told(FindingKind::Harmful, word, line, why);
+            }
+            None => {
+                let kind = FindingKind::UnknownWord;
+                return self.told(kind, word, line, "is not known");
+            }
         };
+        // Before and after the print such commands are usual.
+        if printed {
+            let why = format!("{word} {why}");
+            self.hold(kind, word, line, DVec3::NAN, why);
+        }
+    }
+
+    fn told(&mut self, kind: FindingKind, word: &str, line: u64, why: &str) {
         self.verdict.add_about(kind, word, line, DVec3::NAN, || {
             format!("{word} {why}")
         });

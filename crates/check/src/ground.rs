@@ -49,6 +49,11 @@ pub(super) const PLOUGH: Mm = 0.05;
 /// hangs on a single bead.
 const REACH: Mm = 20.0;
 
+/// Length of outer walls that may hang in one layer though their file does not
+/// call them overhangs, mm. Slicers that tell overhangs apart leave a few mm at
+/// their ends.
+const UNCALLED: Mm = 10.0;
+
 /// Share of a layer's cells that may hang: more is not held by the walls.
 const HELD: f64 = 0.1;
 
@@ -100,6 +105,9 @@ struct Layer {
     reported: Cells,
     /// True if the file calls some of its beads bridges or overhangs.
     bridges: bool,
+    /// Cells of outer walls with nothing below, which the file does not call
+    /// overhangs.
+    walls: Cells,
 }
 
 /// A layer that reaches into the air, or hangs there.
@@ -109,6 +117,8 @@ pub(super) struct Adrift {
     pub at: DVec3,
     /// How far it is from what stands.
     pub reach: Mm,
+    /// Length of the outer walls that hang and are not called overhangs.
+    pub walls: Mm,
 }
 
 /// A bead or a travel at the wrong height.
@@ -206,6 +216,9 @@ impl Ground {
                 let (top, how) = (below, How::Low);
                 wrong = wrong.or(Some(Wrong { at, top, how }));
             } else if below < low {
+                if step.role == Role::OuterWall {
+                    self.here.walls.mark(cell);
+                }
                 if below < reaches[1] && !support && wrong.is_none() {
                     wrong = self.hangs(cell, at, z - deepest - self.lift);
                     if wrong.is_some() {
@@ -288,7 +301,21 @@ impl Ground {
                 if !support && islands == 0 && !here.bridges {
                     adrift = way.too_far(&hanging, &printed).map(|cell| {
                         let (at, reach) = (at(cell), way.reach());
-                        Adrift { at, reach }
+                        let walls = 0.0;
+                        Adrift { at, reach, walls }
+                    });
+                }
+                if !support && islands == 0 && adrift.is_none() {
+                    let walls = here.walls.clone().filter(&hanging, true);
+                    let long = CELL * f64::from(walls.count());
+                    let first = walls.first().filter(|_| long > UNCALLED);
+                    adrift = first.map(|cell| {
+                        let (at, reach) = (at(cell), way.reach());
+                        Adrift {
+                            at,
+                            reach,
+                            walls: long,
+                        }
                     });
                 }
             }

@@ -48,6 +48,7 @@
 
 mod again;
 mod alongside;
+mod away;
 mod bed;
 mod cells;
 mod columns;
@@ -71,6 +72,7 @@ pub use rules::Rules;
 pub use verdict::{Finding, FindingKind, Severity, Verdict};
 
 use again::Again;
+use away::Away;
 use ending::Ending;
 use filament::WayBack;
 use finished::Finished;
@@ -145,6 +147,8 @@ struct Checker<'a> {
     own_start: bool,
     /// Findings that count only if something is printed after them.
     held: Vec<Held>,
+    /// A command that has moved the head elsewhere.
+    away: Option<Away>,
     /// The tool in use.
     tool: u32,
     tools: Tools,
@@ -196,6 +200,7 @@ impl<'a> Checker<'a> {
             ending: Ending::default(),
             own_start: false,
             held: Vec::new(),
+            away: None,
             tool: 0,
             tools: Tools::default(),
             fresh_tool: false,
@@ -222,9 +227,12 @@ impl<'a> Checker<'a> {
     fn take<R: Read>(&mut self, event: Event, reader: &Reader<R>) {
         let words = reader.words();
         match event {
-            Event::Move(step) => return self.step(&step),
+            Event::Move(step) => {
+                self.away(&step, words);
+                return self.step(&step);
+            }
             Event::Layer { number, .. } => {
-                self.next_layer();
+                self.next_layer(reader.info().calls_overhangs);
                 // What was purged before the first layer holds nothing.
                 if number == 1 {
                     self.ground.clear();
@@ -539,7 +547,9 @@ impl<'a> Checker<'a> {
             .all(|p| self.rules.reach(p, BESIDE))
     }
 
-    fn next_layer(&mut self) {
+    /// Ends a layer. `calls` is true if the file tells overhangs from other
+    /// walls.
+    fn next_layer(&mut self, calls: bool) {
         self.begun_before = self.begun.take().or(self.begun_before);
         let verdict = &mut self.verdict;
         let layer = self.layer;
@@ -549,13 +559,24 @@ impl<'a> Checker<'a> {
                 format!("layer {layer}: an island begins at {}", place(at))
             });
         });
-        if let Some(Adrift { at, reach }) = adrift {
+        if let Some(adrift) = adrift.filter(|a| a.walls == 0.0 || calls) {
+            let Adrift { at, reach, walls } = adrift;
             verdict.add(FindingKind::Adrift, line, at, || {
+                let what = if walls > 0.0 {
+                    format!(
+                        "has {walls:.0} mm of outer wall in the air which the \
+                         file does not call an overhang, at {}",
+                        place(at)
+                    )
+                } else {
+                    format!(
+                        "reaches {reach:.0} mm into the air, to {}",
+                        place(at)
+                    )
+                };
                 format!(
-                    "layer {layer} reaches {reach:.0} mm into the air, to {}: \
-                     what is printed from there on may be shifted, or need \
-                     supports",
-                    place(at)
+                    "layer {layer} {what}: what is printed from there on may \
+                     be shifted, or need supports"
                 )
             });
         }
@@ -626,7 +647,7 @@ impl<'a> Checker<'a> {
     }
 
     fn finish<R: Read>(&mut self, reader: &Reader<R>) {
-        self.next_layer();
+        self.next_layer(reader.info().calls_overhangs);
         let tally = reader.tally();
         let commands = tally.codes + tally.names;
         if commands == 0 || tally.senseless > commands {

@@ -20,13 +20,21 @@ pub(super) enum Effect {
     /// The command should be looked at. The text says what it does, and
     /// completes a sentence that begins with the command.
     Warns(&'static str),
+    /// The command should be looked at if it stands between two beads.
+    Doubts(&'static str),
     /// The command has no place between two beads of a print.
     Disturbs(&'static str),
+    /// The command has no place between two beads, and should be looked at
+    /// elsewhere.
+    Spoils(&'static str),
+    /// The head is elsewhere after the command, and has to be brought back
+    /// before the next bead.
+    Leaves(&'static str),
     /// The command has no place in a file, or changes what the lines after it
     /// mean.
     Harms(&'static str),
 }
-use Effect::{Disturbs, Harms, Warns};
+use Effect::{Disturbs, Doubts, Harms, Leaves, Spoils, Warns};
 
 /// When a row applies.
 #[derive(Clone, Copy, Debug)]
@@ -61,16 +69,16 @@ impl When {
 /// nor feed: they wait, measure, show, report, light, beep, label, or tell the
 /// firmware how to print well.
 const HARMLESS: &str = "
-    G0 G1 G2 G3 G4 G5 G5.1 G10 G11 G12 G17 G18 G19 G20 G21 G27 G28 G29.2
+    G0 G1 G2 G3 G4 G5 G5.1 G10 G11 G17 G18 G19 G20 G21 G28 G29.2
     G29.4 G29.5 G29.6 G29.7 G29.8 G31 G36 G39 G53 G54 G60
     G69 G75 G77 G81 G82 G83 G86 G87 G88 G89 G90 G91 G98 G99 G150
-    G162 G163 G164 G280 G392 G425 G9001
+    G162 G163 G164 G280 G392 G9001
     M5 M7 M8 M9 M10 M11 M16 M17 M18 M20 M21 M22 M27 M31 M36 M38 M39 M73
     M73.2 M70 M72 M74 M75 M76 M77 M78 M80 M82 M83 M84 M85 M86 M87 M100
     M104 M104.1 M105 M106 M107 M108 M109 M110 M111 M113 M114 M115 M116 M117
     M118 M119 M122 M123 M132 M140 M141 M144 M145 M146 M150 M154 M155 M190
     M191 M192 M200 M204.2 M208 M209 M211 M217 M220 M221 M240 M250 M255 M256
-    M280 M281 M282 M290 M300 M355 M360 M400 M401 M402 M404 M405 M406 M407
+    M281 M282 M290 M300 M355 M400 M404 M405 M406 M407
     M408 M409 M411 M412 M413 M414 M415 M422 M430 M450 M451 M486 M493
     M494 M503 M504 M510 M511 M512 M540 M550 M552 M557 M567 M568 M571
     M572 M573 M575 M577 M578 M586 M591 M593 M595 M603 M604 M614 M615 M616
@@ -96,6 +104,9 @@ const MEMORY: &str = "writes settings to the printer's memory, where they \
                       stay after this print";
 const WAITS: &str = "stops the print until somebody is there";
 const UNSEEN: &str = "moves the head where the check cannot follow";
+pub(super) const AWAY: &str = "moves the head away, and the next bead begins wherever it \
+                    is then: write a travel in x and y, and a move in z, \
+                    before it";
 const PROBES: &str = "measures the bed or moves its motors, with a print on the \
                       bed that goes on after it: the nozzle or the probe \
                       would meet the print";
@@ -121,11 +132,13 @@ macro_rules! rows {
 const ROWS: &[(&str, When, Effect)] = rows! {
     "G6", Always => Harms(UNSEEN);
     "G10", Has(b"L") => Harms(ZERO);
-    "G26", Always => Warns("prints a pattern of the firmware's own");
-    "G29 G30 G32 G33 G34 G35 G76 G80 M48", Always => Disturbs(PROBES);
+    "G12 G27 G42 G61 M361 M362 M363 M364", Always => Leaves(AWAY);
+    "G26", Always => Spoils("prints a pattern of the firmware's own");
+    "G29 G30 G32 G33 G34 G35 G76 G80 G425 M45 M48 M401", Always
+        => Disturbs(PROBES);
     "G29.1", Beyond(b"Z", -1.0, 1.0) => Harms(ZERO);
-    "G38 G38.2 G38.3 G38.4 G38.5 G42 G61 G380 G383 M585", Always
-        => Warns(UNSEEN);
+    "G38 G38.2 G38.3 G38.4 G38.5 M360 M585", Always => Spoils(UNSEEN);
+    "G380 G383", Always => Warns(UNSEEN);
     "G55 G56 G57 G58 G59 G59.1 G59.2 G59.3 M428", Always => Harms(ZERO);
     "G68", Always => Harms("turns every move after it about a point");
     "G92", Has(b"XYZ") => Disturbs(ZERO);
@@ -141,9 +154,11 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M37", Always => Harms("makes the printer simulate and not print");
     "M42", Always => Warns("switches a pin, and the check cannot know of what");
     "M43", Always => Warns("switches pins, and the check cannot know of what");
+    "M98 M402", Always
+        => Doubts("runs what the printer has for it, which may move the head");
     "M81", Always => Disturbs("turns the printer off");
     "M92", Has(b"XYZ") => Harms(STEPS);
-    "M92", Always => Warns(STEPS);
+    "M92", Always => Spoils(STEPS);
     "M106", Beyond(b"S", 0.0, 255.0)
         => Warns("has a fan speed beyond 255, which is full");
     "M112", Always => Harms("is the emergency stop");
@@ -161,7 +176,7 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M205", Beyond(b"XYZE", 0.0, 200.0) => Warns(ABSURD);
     "M205", Beyond(b"J", 0.0, 1.0) => Warns(ABSURD);
     "M206", Beyond(b"XYZ", -1.0, 1.0) => Harms(ZERO);
-    "M206", Beyond(b"XYZ", 0.0, 0.0) => Warns(ZERO);
+    "M206", Beyond(b"XYZ", 0.0, 0.0) => Spoils(ZERO);
     "M207", Beyond(b"S", 0.0, 20.0)
         => Warns("retracts farther than a nozzle can bear");
     "M207", Beyond(b"Z", 0.0, 20.0) => Warns(ABSURD);
@@ -173,18 +188,23 @@ const ROWS: &[(&str, When, Effect)] = rows! {
         => Harms("moves a tool farther than tools are apart");
     "M218", Beyond(b"Z", -5.0, 5.0)
         => Harms("moves a tool farther than tools are apart");
-    "M218", Beyond(b"XYZ", 0.0, 0.0) => Warns("moves a tool's place");
+    "M218", Beyond(b"XYZ", 0.0, 0.0) => Spoils("moves a tool's place");
     "M220", Beyond(b"S", 10.0, 300.0)
         => Warns("has a share of the speed beyond 10 to 300 %");
     "M221", Beyond(b"S", 50.0, 200.0)
         => Warns("has a share of the flow beyond 50 to 200 %");
+    // A probe's pin comes down at small angles.
+    "M280", Beyond(b"S", 60.0, f64::INFINITY)
+        => Doubts("moves a servo, which may bring the probe down");
     "M260", Always => Warns("talks to other devices");
-    "M290", Beyond(b"ZS", -1.0, 1.0) => Harms(ZERO);
+    "M290", Beyond(b"XYZS", -1.0, 1.0) => Harms(ZERO);
+    "M290", Beyond(b"XYZS", 0.0, 0.0)
+        => Warns("moves all that follows by a small step");
     "M301 M304 M305 M306 M307 M308 M309", Always => Warns(CONTROL);
     "M302", Always => Warns("lets cold filament be pushed");
     "M303", Always => Harms("tunes a heater, in the middle of a file");
     "M350", Always
-        => Warns("changes the motors' microsteps, and with it lengths in some \
+        => Spoils("changes the motors' microsteps, and with it lengths in some \
                   firmware");
     "M410", Always => Harms("stops all motors at once");
     "M420 M561", Always => Disturbs(LEVEL);
@@ -194,16 +214,16 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M453", Always => Warns("makes the printer a mill");
     "M500", Always => Warns(MEMORY);
     "M501", Always
-        => Warns("reads the settings back from the printer's memory");
+        => Spoils("reads the settings back from the printer's memory");
     "M502", Always
         => Harms("resets the printer's settings: steps, offsets, limits");
     "M524", Always => Harms("ends the print");
     "M553 M554 M587 M588 M589", Always => Warns(NO_PRINT);
     "M555", Always => Warns("changes what the printer takes commands for");
-    "M556 M665 M666 M852", Always => Warns(SHAPE);
+    "M556 M665 M666 M852", Always => Spoils(SHAPE);
     "M558", Always => Warns("changes the probe");
     "M562", Always => Warns("resets a heater's fault");
-    "M563", Always => Warns("defines a tool anew");
+    "M563", Always => Spoils("defines a tool anew");
     "M564", Is(b'S', 0.0) => Warns(FREE);
     "M564", Is(b'H', 0.0) => Warns("lets axes move that were not homed");
     "M566", Beyond(b"XYZE", 0.0, 12_000.0) => Warns(ABSURD);
@@ -220,7 +240,7 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M702", Always => Warns("unloads filament in the firmware's own way");
     "M851", Beyond(b"Z", -10.0, 10.0)
         => Harms("changes how high the nozzle is over the bed");
-    "M851", Has(b"XYZ") => Warns("changes how high the nozzle is over the bed");
+    "M851", Has(b"XYZ") => Spoils("changes how high the nozzle is over the bed");
     "M900", Beyond(b"KL", 0.0, 200.0) => Warns(ABSURD);
     "M906", Beyond(b"XYZE", 0.0, 3000.0) => Harms(MOTORS);
     "M906", Always => Warns(MOTORS);
@@ -234,7 +254,7 @@ const ROWS: &[(&str, When, Effect)] = rows! {
 /// Commands that are names and neither move nor heat nor feed, or that the
 /// reader follows.
 const HARMLESS_NAMES: &str = "
-    ACTIVATE_EXTRUDER BED_MESH_MAP BED_MESH_OFFSET BED_MESH_OUTPUT
+    ACTIVATE_EXTRUDER BED_MESH_MAP BED_MESH_OUTPUT
     CALC_MEASURED_SKEW CLEAR_PAUSE ECHO EXCLUDE_OBJECT EXCLUDE_OBJECT_DEFINE
     EXCLUDE_OBJECT_END EXCLUDE_OBJECT_START GET_POSITION GET_RETRACTION HELP
     PALETTE_CLEAR QUERY_ENDSTOPS QUERY_FILAMENT_SENSOR QUERY_PROBE RESPOND
@@ -242,7 +262,7 @@ const HARMLESS_NAMES: &str = "
     SET_DOTSTAR SET_FAN_SPEED SET_FILAMENT_SENSOR SET_GCODE_VARIABLE
     SET_HEATER_TEMPERATURE SET_IDLE_TIMEOUT SET_INPUT_SHAPER SET_LED
     SET_LED_TEMPLATE SET_NEOPIXEL SET_PRESSURE_ADVANCE SET_PRINT_STATS_INFO
-    SET_RETRACTION SET_SERVO SET_SMOOTH_TIME SET_TEMPERATURE_FAN_TARGET
+    SET_RETRACTION SET_SMOOTH_TIME SET_TEMPERATURE_FAN_TARGET
     SET_VELOCITY_LIMIT STATUS TEMPERATURE_WAIT TIMELAPSE_TAKE_FRAME
     TURN_OFF_HEATERS BREAK CONTINUE T? TX TC
     DUMP_TMC GLOBAL RESUME SKIP VAR
@@ -250,20 +270,26 @@ const HARMLESS_NAMES: &str = "
 
 /// The effects of the other commands that are names.
 const NAMES: &[(&str, Effect)] = rows! {
-    "@PAUSE BED_SCREWS_ADJUST MANUAL_PROBE PAUSE PROBE_CALIBRATE \
-     Z_ENDSTOP_CALIBRATE" => Warns(WAITS);
+    "@PAUSE PAUSE" => Warns(WAITS);
+    "ANGLE_CALIBRATE AXIS_TWIST_COMPENSATION_CALIBRATE BED_SCREWS_ADJUST \
+     ENDSTOP_PHASE_CALIBRATE MANUAL_PROBE PROBE_CALIBRATE \
+     PROBE_EDDY_CURRENT_CALIBRATE PROBE_EDDY_CURRENT_TAP_CALIBRATE \
+     SHAPER_CALIBRATE TEMPERATURE_PROBE_CALIBRATE TEST_RESONANCES \
+     Z_ENDSTOP_CALIBRATE" => Spoils(PROBES);
     "ABORT CANCEL_PRINT" => Harms("ends the print");
-    "AXIS_TWIST_COMPENSATION_CALIBRATE MANUAL_STEPPER" => Warns(UNSEEN);
+    "MANUAL_STEPPER" => Warns(UNSEEN);
+    "BLTOUCH_DEBUG SET_SERVO"
+        => Doubts("moves a servo, which may bring the probe down");
     "BED_MESH_CALIBRATE BED_TILT_CALIBRATE DELTA_CALIBRATE PROBE \
      PROBE_ACCURACY QUAD_GANTRY_LEVEL SCREWS_TILT_CALCULATE Z_TILT_ADJUST"
         => Disturbs(PROBES);
-    "BED_MESH_CLEAR BED_MESH_PROFILE" => Disturbs(LEVEL);
+    "BED_MESH_CLEAR BED_MESH_OFFSET BED_MESH_PROFILE" => Disturbs(LEVEL);
     "ELIF ELSE IF SET UPDATE_DELAYED_GCODE WHILE" => Warns(LOGIC);
     "FIRMWARE_RESTART RESTART" => Harms("restarts the printer");
     "FORCE_MOVE" => Harms("moves a motor without the printer's knowing where");
     "INIT_TMC SET_TMC_CURRENT SET_TMC_FIELD" => Warns(MOTORS);
     "PID_CALIBRATE" => Harms("tunes a heater, in the middle of a file");
-    "RESTORE_GCODE_STATE" => Warns(RECALL);
+    "RESTORE_DUAL_CARRIAGE_STATE RESTORE_GCODE_STATE" => Warns(RECALL);
     "SAVE_CONFIG" => Harms("writes the printer's settings and restarts it");
     "SDCARD_PRINT_FILE SDCARD_RESET_FILE" => Harms(FILES);
     "SET_DUAL_CARRIAGE" => Warns("takes another carriage");
@@ -271,8 +297,8 @@ const NAMES: &[(&str, Effect)] = rows! {
     "SET_KINEMATIC_POSITION"
         => Harms("tells the printer that the head is elsewhere");
     "SET_PIN" => Warns("switches a pin, and the check cannot know of what");
-    "SET_SKEW SKEW_PROFILE" => Warns(SHAPE);
-    "SET_STEPPER_ENABLE" => Warns("turns motors on or off");
+    "SET_SKEW SET_STEPPER_CARRIAGES SKEW_PROFILE" => Spoils(SHAPE);
+    "SET_STEPPER_ENABLE" => Spoils("turns motors on or off");
     "STEPPER_BUZZ" => Harms(NO_PRINT);
     "SYNC_EXTRUDER_MOTION" => Warns("joins extruders to one another");
     "TUNING_TOWER" => Warns("changes a setting of the printer's by height");
@@ -317,17 +343,30 @@ pub(super) fn of_code(
 /// What a command that is a name does; none if the command is unknown.
 pub(super) fn of_name(named: &Named) -> Option<Effect> {
     if named.is("SET_GCODE_OFFSET") {
-        let far = |key| named.number(key).is_some_and(|n| n.abs() > 1.0);
-        return Some(if ["Z", "Z_ADJUST"].into_iter().any(far) {
-            Warns("moves every height by more than a millimetre")
-        } else {
-            Effect::None
-        });
+        return Some(offset(named));
     }
     let among = |names: &str| names.split_whitespace().any(|n| named.is(n));
     let row = NAMES.iter().find(|(names, _)| among(names));
     let effect = row.map(|(_, effect)| *effect);
     effect.or_else(|| among(HARMLESS_NAMES).then_some(Effect::None))
+}
+
+/// What an offset of Klipper's does, which the reader adds to all places.
+fn offset(named: &Named) -> Effect {
+    let beyond = |most: f64, keys: &[&str]| {
+        let numbers = keys.iter().filter_map(|key| named.number(key));
+        numbers.into_iter().any(|n| n.abs() > most)
+    };
+    let heights = ["Z", "Z_ADJUST"];
+    if beyond(1.0, &heights) {
+        Warns("moves every height by more than a millimetre")
+    } else if beyond(0.0, &["X", "X_ADJUST", "Y", "Y_ADJUST"]) {
+        Disturbs(ZERO)
+    } else if beyond(0.0, &heights) {
+        Doubts("moves all that follows by a small step")
+    } else {
+        Effect::None
+    }
 }
 
 /// A command as it is written: `M104.1`.

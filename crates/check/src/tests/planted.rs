@@ -118,12 +118,129 @@ fn nothing_is_measured_in_the_middle_of_a_print() {
         "Z_TILT_ADJUST",
         "QUAD_GANTRY_LEVEL",
         "PROBE",
+        "G425",
+        "M401",
+        "BED_MESH_OFFSET X=1",
+        "SET_GCODE_OFFSET X=3",
+        // These move the head away.
+        "G12",
+        "G27",
+        "G42 I1 J1",
+        "G61",
     ] {
         let line = format!("{code}\n");
         assert_eq!(found(&line), [(FindingKind::Harmful, 1)], "{code}");
         // Before and after the print these commands are usual.
         let beside = format!("{line}{}{line}", print_with(""));
         assert!(verdict(&beside).counts.is_empty(), "{code}");
+    }
+}
+
+#[test]
+fn axes_are_not_homed_over_a_print() {
+    for code in ["G28", "G28 Z", "g28 w", "G28 X Y"] {
+        let kinds = found(&format!("{code}\n"));
+        assert_eq!(kinds[0], (FindingKind::Harmful, 1), "{code}");
+        let beside = format!("{code}\n{}{code}\n", print_with(""));
+        assert!(verdict(&beside).counts.is_empty(), "{code}");
+    }
+}
+
+/// Some commands are to be looked at anywhere, and are faults in the middle.
+#[test]
+fn no_step_or_offset_changes_in_the_middle_of_a_print() {
+    for code in [
+        "M92 E140",
+        "M851 Z-1.2",
+        "M206 Z-0.2",
+        "M218 T1 X3",
+        "M501",
+        "M666 X0.3",
+        "M350 X32",
+        "G26",
+        "G38.2 Z0",
+        "MANUAL_PROBE",
+        "PROBE_CALIBRATE",
+        "SHAPER_CALIBRATE",
+        "SET_SKEW CLEAR=1",
+        "SET_STEPPER_ENABLE STEPPER=stepper_x ENABLE=0",
+    ] {
+        let line = format!("{code}\n");
+        assert_eq!(found(&line), [(FindingKind::Harmful, 1)], "{code}");
+        let all = verdict(&format!("{line}{}", print_with("")));
+        let kinds: Vec<_> = all.counts.into_iter().collect();
+        assert_eq!(kinds, [(FindingKind::Changed, 1)], "{code}");
+    }
+}
+
+#[test]
+fn what_may_move_something_in_the_middle_is_to_be_looked_at() {
+    for code in [
+        "M280 P0 S10",
+        "M402",
+        "SET_SERVO SERVO=probe ANGLE=10",
+        "SET_GCODE_OFFSET Z=0.05",
+        "SET_GCODE_OFFSET Z_ADJUST=-0.02",
+    ] {
+        let line = format!("{code}\n");
+        assert_eq!(found(&line), [(FindingKind::Changed, 1)], "{code}");
+        let beside = format!("{line}{}{line}", print_with(""));
+        let all = verdict(&beside);
+        assert_eq!(count(&all, FindingKind::Changed), 0, "{code}");
+    }
+    for step in ["M290 Z0.05", "M290 S-0.1", "M290 X1"] {
+        let line = format!("{step}\n");
+        assert_eq!(found(&line), [(FindingKind::Changed, 1)], "{step}");
+    }
+    assert_eq!(found("M290 Z0\n"), []);
+    assert_eq!(found("M280 P0 S90\n"), []);
+}
+
+#[test]
+fn a_head_that_was_parked_is_brought_back() {
+    let back = "G1 X62 Y56 F9000\nG1 Z0.4 F600\nG1 E0.8 F2100\nG1 F1800\n";
+    for park in ["G27", "G12", "G28 X Y", "G61"] {
+        let parked = |back: &str| {
+            let lines = format!("G1 E-0.8 F2100\n{park}\n{back}");
+            let all = verdict(&print_with(&lines));
+            count(&all, FindingKind::Harmful)
+        };
+        assert_eq!(parked(back), 0, "{park}");
+        let flat = back.replace("G1 Z0.4 F600\n", "");
+        assert_eq!(parked(&flat), 1, "{park}");
+    }
+}
+
+/// A file whose slicer calls overhangs by their name has no other walls in the
+/// air.
+#[test]
+fn a_print_that_goes_on_beside_itself_is_found() {
+    let with = |wall: &str, by: f64| {
+        let ring = |z: f64, x: f64| {
+            let [l, r] = [x, x + 20.0];
+            format!(
+                ";LAYER_CHANGE\n;Z:{z:.1}\n;HEIGHT:0.2\n;WIDTH:0.45\n\
+                 ;TYPE:{wall}\nG1 Z{z:.1} F600\nG1 X{l} Y50 F9000\nG1 F1800\n\
+                 G1 X{r} E0.66\nG1 Y70 E0.66\nG1 X{l} E0.66\nG1 Y50 E0.66\n"
+            )
+        };
+        let rings = (1..9).map(|k| {
+            ring(0.2 * f64::from(k), if k < 5 { 50.0 } else { 50.0 + by })
+        });
+        let rings: String = rings.collect();
+        verdict(&format!("G28\nM109 S200\nM83\n{rings}{END}"))
+    };
+    for by in [3.0, 8.0, -3.0] {
+        for wall in ["External perimeter", "Outer wall"] {
+            let all = with(wall, by);
+            assert_eq!(count(&all, FindingKind::Adrift), 1, "{by} {wall}");
+            assert_eq!(all.counts.len(), 1);
+        }
+        // Cura has one name for all outer walls.
+        assert!(with("WALL-OUTER", by).counts.is_empty());
+    }
+    for by in [0.0, 0.3] {
+        assert!(with("External perimeter", by).counts.is_empty(), "{by}");
     }
 }
 

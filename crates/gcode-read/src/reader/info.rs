@@ -37,6 +37,9 @@ pub struct Info {
     /// True once the program's mark after the last layer has come; none if the
     /// program is not known to set one.
     pub ended: Option<bool>,
+    /// True if the file's names of walls are those of slicers that tell
+    /// overhangs apart. Cura does not.
+    pub calls_overhangs: bool,
 }
 
 impl Info {
@@ -115,6 +118,11 @@ impl Info {
 }
 
 impl Info {
+    /// Takes in a comment that says what follows is an outer wall.
+    pub(super) fn outer_wall(&mut self, comment: &[u8]) {
+        self.calls_overhangs = !comment.ends_with(b"WALL-OUTER");
+    }
+
     /// Takes in the mark of a layer.
     pub(super) fn layer_mark(&mut self) {
         if self.ended.is_none() && self.is_ours() {

@@ -165,7 +165,12 @@ impl Parser {
 
     fn comment(&mut self, comment: &[u8]) {
         match tag(comment) {
-            Some(Tag::Role(role)) => self.role = role,
+            Some(Tag::Role(role)) => {
+                if role == Role::OuterWall {
+                    self.info.outer_wall(comment);
+                }
+                self.role = role;
+            }
             Some(Tag::Wipe(wipe)) => self.wipe = wipe,
             Some(Tag::Volumetric) => {
                 let diameter = self.diameter();
