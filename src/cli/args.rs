@@ -12,7 +12,10 @@ use isoslice::model::{
     self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
 };
 use isoslice::plate::Wanted;
-use isoslice::settings::{Builder, Origin, ProfileKind, Settings};
+use isoslice::settings::{
+    Builder, Origin, ProfileKind, Settings, SettingsError,
+};
+use slicerprofile::Counterpart;
 use std::path::{Path, PathBuf};
 
 /// Name of a model that is given as a formula.
@@ -349,6 +352,12 @@ impl SettingsSource {
 
     /// Reads the settings.
     pub(super) fn read(&self) -> anyhow::Result<Gathered> {
+        self.gathered().map_err(|error| {
+            error.downcast().map_or_else(|e| e, |e| explained(e).into())
+        })
+    }
+
+    fn gathered(&self) -> anyhow::Result<Gathered> {
         let profiles = self.profiles.find()?;
         let mut builder = Builder::new();
         let mut files = self.config.clone();
@@ -381,6 +390,37 @@ impl SettingsSource {
             files,
             builder,
         })
+    }
+}
+
+/// An error that says what another slicer's name of a setting is here.
+fn explained(error: SettingsError) -> SettingsError {
+    let SettingsError::UnknownKey { place, key, hint } = error else {
+        return error;
+    };
+    let known = isoslice_settings::foreign_name(&key).is_some()
+        || isoslice_settings::instead(&key).is_some();
+    let hint = match slicerprofile::counterpart(&key) {
+        Some(Counterpart::Settings(names)) if !known => {
+            format!("did you mean {}?", either(&names))
+        }
+        Some(Counterpart::None(why)) if !known => {
+            format!("it is another slicer's: {why}")
+        }
+        _ => hint,
+    };
+    SettingsError::UnknownKey { place, key, hint }
+}
+
+/// Some names, of which one is meant.
+pub(super) fn either(names: &[&str]) -> String {
+    /// More help nobody.
+    const MOST: usize = 5;
+    let names = &names[..names.len().min(MOST)];
+    match names.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
     }
 }
 

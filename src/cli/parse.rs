@@ -3,10 +3,12 @@
 //! A setting is no option. If someone writes one as an option, or uses another
 //! slicer's word, the message says what to write.
 
+use super::args::either;
 use super::{Cli, plain};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use isoslice::settings::{self, Builder};
+use slicerprofile::Counterpart;
 use std::process::exit;
 
 /// Options of other slicers, and words of this program in the wrong place, with
@@ -16,7 +18,7 @@ const WORDS: &[(&str, &str)] = &[
     ("support", SUPPORTS),
     ("support-material", SUPPORTS),
     ("raft", "--set raft.layers=3"),
-    ("brim", "--set brim.place=outer, and brim.width"),
+    ("brim", "--set brim.place=outer --set brim.width=5"),
     ("brim-width", "--set brim.place=outer --set brim.width=5"),
     ("skirt", "--set skirt.loops=1"),
     ("skirts", "--set skirt.loops=1"),
@@ -186,7 +188,7 @@ fn tip(given: &str, value: Option<&str>) -> Option<String> {
     let name = name_of(given).to_lowercase().replace('_', "-");
     if let Some((_, instead)) = WORDS.iter().find(|(word, _)| *word == name) {
         return Some(if instead.starts_with('-') {
-            format!("write {instead}")
+            format!("write {}", with_value(instead, value))
         } else {
             (*instead).to_owned()
         });
@@ -216,10 +218,58 @@ fn tip(given: &str, value: Option<&str>) -> Option<String> {
         })
         .collect();
     if named.is_empty() {
-        let instead = isoslice_settings::instead(&setting)?;
-        return Some(format!("it was a setting: {instead}"));
+        if let Some(instead) = isoslice_settings::instead(&setting) {
+            return Some(format!("it was a setting: {instead}"));
+        }
+        return of_others(&setting, value);
     }
     Some(format!("it is a setting: write {}", named.join(" or ")))
+}
+
+/// What to write instead of another slicer's setting.
+fn of_others(setting: &str, value: Option<&str>) -> Option<String> {
+    let value = value.filter(|v| !v.contains([' ', '"']));
+    if let Some(now) = isoslice_settings::foreign_name(setting) {
+        let is_one = settings::keys().iter().any(|key| key.name == now);
+        if let Some(value) = value.filter(|_| is_one) {
+            return Some(format!("write --set {now}={value}"));
+        }
+        let option = if now.starts_with('-') { "" } else { "--set " };
+        let mut now = now.replace(" = ", "=");
+        now.retain(|c| c != '"');
+        return Some(format!("write {option}{now}"));
+    }
+    match slicerprofile::counterpart(setting)? {
+        Counterpart::Settings(names) => Some(match (&*names, value) {
+            ([name], Some(value)) => format!("write --set {name}={value}"),
+            _ => format!("write --set with {}", either(&names)),
+        }),
+        Counterpart::None(why) => {
+            Some(format!("it is another slicer's: {why}"))
+        }
+    }
+}
+
+/// The words for an option, with the value that was given in place of the one in
+/// the words: a number takes a number's place, and a word a word's.
+fn with_value(instead: &str, value: Option<&str>) -> String {
+    let Some(value) = value.filter(|v| !v.contains([' ', '"', ','])) else {
+        return instead.to_owned();
+    };
+    let is_number =
+        |text: &str| text.trim_end_matches('%').parse::<f64>().is_ok();
+    for way in instead.split(" or ") {
+        let Some((before, now)) = way.rsplit_once('=') else {
+            continue;
+        };
+        if now.contains([' ', ',']) || is_number(now) != is_number(value) {
+            continue;
+        }
+        let share = now.ends_with('%') && !value.ends_with('%');
+        let unit = if share { "%" } else { "" };
+        return format!("{before}={value}{unit}");
+    }
+    instead.to_owned()
 }
 
 #[cfg(test)]
@@ -238,6 +288,33 @@ mod tests {
         assert!(tip("--step-error").contains("layer_heights, such as"));
         assert!(tip("--head-clearance-height=7").contains("45 mm above"));
         assert!(tip("--repotr").is_empty());
+        assert!(tip("--spiral-vase").contains("--set spiral"));
+        assert!(tip("--sparse-infill-density").contains("infill_density"));
+        let given = |option: &str, value| super::tip(option, Some(value));
+        for (option, value, told) in [
+            ("--nozzle", "0.6", "write --set printer.nozzle_diameter=0.6"),
+            ("--infill", "20", "write --set infill_density=20%"),
+            ("--infill", "grid", "write --set infill=grid"),
+            (
+                "--temperature",
+                "200",
+                "write --set filament.nozzle_temperature=200",
+            ),
+            (
+                "--brim",
+                "8",
+                "write --set brim.place=outer --set brim.width=8",
+            ),
+            ("--perimeters", "2", "write --set walls=2"),
+            ("--seam-position", "rear", "write --set seam=rear"),
+            (
+                "--fill-angle",
+                "30",
+                "write --set with infill_angle or skin_angle",
+            ),
+        ] {
+            assert_eq!(given(option, value).as_deref(), Some(told), "{option}");
+        }
         let told = |words: &str| {
             let all = words.split(' ').map(str::to_owned);
             let given = words.split(' ').find(|word| word.starts_with("--"));

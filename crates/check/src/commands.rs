@@ -86,7 +86,9 @@ impl Checker<'_> {
             // Bambu Lab's printers take a filament.
             ('M', 6200) => self.tools.several = true,
             // With a time (S) these commands turn the motors off later.
-            ('M', 180 | 840) if !words.has(b'S') => self.motors_off(words),
+            ('M', 180 | 840) if !words.has(b'S') => {
+                self.motors_off(line, &words::code(letter, tenths), words);
+            }
             // RepRapFirmware's macro for G32 homes.
             ('G', 320) => self.homed = HOMED,
             // This sets a tool's standby temperature only.
@@ -117,13 +119,34 @@ impl Checker<'_> {
 
     /// Takes in that motors are turned off, the named ones or all. Their
     /// positions are unknown from then on.
-    fn motors_off(&mut self, words: &Words) {
+    fn motors_off(&mut self, line: u64, word: &str, words: &Words) {
+        if self.homed == HOMED {
+            self.lose_places(line, word, words);
+        }
         let all = !b"XYZE".iter().any(|l| words.has(*l));
         for (i, letter) in b"XYZ".iter().enumerate() {
             if all || words.has(*letter) {
                 self.homed &= !(1 << i);
             }
         }
+    }
+
+    /// Reports that motors other than the extruder's are turned off in the middle
+    /// of the print.
+    fn lose_places(&mut self, line: u64, word: &str, words: &Words) {
+        let axes = b"XYZ".iter().any(|l| words.has(*l));
+        if axes || !words.has(b'E') {
+            let why = "turns motors off in the middle of the print: the head \
+                       is not where it was";
+            self.word(line, word, Some(Effect::Disturbs(why)));
+        }
+    }
+
+    /// Takes in that the bed is turned off, which lets go of what is printed.
+    pub(super) fn bed_off(&mut self, line: u64) {
+        let why = "turns the bed off in the middle of the print, which may come \
+                   loose from it";
+        self.word(line, "M140", Some(Effect::Doubts(why)));
     }
 
     /// Takes in a command that is a name.

@@ -260,6 +260,9 @@ impl<'a> Checker<'a> {
                 if matches!(heater, Heater::Nozzle(_)) && to <= 0.0 {
                     self.ending.off();
                 }
+                if heater == Heater::Bed && to <= 0.0 {
+                    self.bed_off(line);
+                }
                 self.limit_heat(line, heater, to);
                 // The command may name a standby temperature, too.
                 if let (true, Some(standby)) =

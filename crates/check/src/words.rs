@@ -83,7 +83,7 @@ const HARMLESS: &str = "
     M494 M503 M504 M510 M511 M512 M540 M550 M552 M557 M567 M568 M571
     M572 M573 M575 M577 M578 M586 M591 M593 M595 M603 M604 M614 M615 M616
     M617 M620 M620.1 M620.3 M620.10 M620.11 M621 M622 M622.1 M623 M624 M625
-    M630 M671 M672 M673 M674 M710 M711 M808 M855 M860 M861 M862 M862.1 M862.2
+    M630 M671 M672 M673 M674 M710 M711 M855 M860 M861 M862 M862.1 M862.2
     M862.3 M862.4 M862.5 M862.6 M863 M864 M865 M869 M871 M876 M900 M910 M911
     M919 M951 M953 M954 M955 M956 M960 M961 M969 M970 M970.1 M970.2 M970.3
     M971 M972 M973 M974 M975 M976 M977 M978 M980 M980.3 M981 M982 M982.2
@@ -238,6 +238,7 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M667 M669", Always => Harms(SHAPE);
     "M701", Always => Warns("loads filament in the firmware's own way");
     "M702", Always => Warns("unloads filament in the firmware's own way");
+    "M808", Always => Warns(LOGIC);
     "M851", Beyond(b"Z", -10.0, 10.0)
         => Harms("changes how high the nozzle is over the bed");
     "M851", Has(b"XYZ") => Spoils("changes how high the nozzle is over the bed");
@@ -284,7 +285,8 @@ const NAMES: &[(&str, Effect)] = rows! {
      PROBE_ACCURACY QUAD_GANTRY_LEVEL SCREWS_TILT_CALCULATE Z_TILT_ADJUST"
         => Disturbs(PROBES);
     "BED_MESH_CLEAR BED_MESH_OFFSET BED_MESH_PROFILE" => Disturbs(LEVEL);
-    "ELIF ELSE IF SET UPDATE_DELAYED_GCODE WHILE" => Warns(LOGIC);
+    "ELIF ELSE IF SDCARD_LOOP_BEGIN SET UPDATE_DELAYED_GCODE WHILE"
+        => Warns(LOGIC);
     "FIRMWARE_RESTART RESTART" => Harms("restarts the printer");
     "FORCE_MOVE" => Harms("moves a motor without the printer's knowing where");
     "INIT_TMC SET_TMC_CURRENT SET_TMC_FIELD" => Warns(MOTORS);

@@ -36,9 +36,9 @@ pub enum LoadError {
     },
     /// The file's name is not a model's.
     #[error(
-        "{file} {found}; models are .rhai scripts, .vm files (fidget's text \
-         format) or meshes (.stl, .obj, .ply, .3mf), and a formula is given \
-         with -e: {advice}"
+        "{file} {found}: {advice}; models are .rhai scripts, .vm files \
+         (fidget's text format) or meshes (.stl, .obj, .ply, .3mf), and a \
+         formula is given with -e"
     )]
     NoModel {
         /// File.

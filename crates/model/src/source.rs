@@ -321,7 +321,9 @@ fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
     let advice = match &*found {
         "is a folder" => "name a file in it".to_owned(),
         "is no file" => format!("write -e '{file}', if it is one"),
-        "is G-code" => "check and preview read that".to_owned(),
+        "is G-code" => {
+            "isoslice check and isoslice preview read that".to_owned()
+        }
         _ if script.is_file() => format!("did you mean {}?", script.display()),
         _ if extension.is_none() => "write its whole name".to_owned(),
         _ => "write the part as one, see isoslice new".to_owned(),

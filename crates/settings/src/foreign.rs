@@ -6,6 +6,21 @@
 use super::table::Key;
 use super::value::{Raw, ValueKind};
 
+/// A setting that turns something on, for groups whose first setting leaves it
+/// off.
+const GROUPS: &[(&str, &str, &str)] = &[
+    ("raft", "raft.layers", "3"),
+    ("brim", "brim.place", "outer"),
+    ("skirt", "skirt.loops", "2"),
+    ("fuzzy", "fuzzy.thickness", "0.3"),
+];
+
+/// A setting of a group, and a value that turns something on.
+pub(super) fn example(group: &str) -> Option<(&'static str, &'static str)> {
+    let found = GROUPS.iter().find(|(name, _, _)| *name == group);
+    found.map(|(_, setting, value)| (*setting, *value))
+}
+
 /// Words of other slicers for settings whose names here are too different to be
 /// guessed.
 const NAMES: &[(&str, &str)] = &[
@@ -15,8 +30,62 @@ const NAMES: &[(&str, &str)] = &[
     ("support_enable", SUPPORTS),
     ("supports.enable", SUPPORTS),
     ("support_material", SUPPORTS),
+    ("support", SUPPORTS),
     ("support.type", "support.style"),
     ("vase", "spiral"),
+    ("spiralize", "spiral"),
+    ("spiral_vase", "spiral"),
+    ("adhesion", ADHESION),
+    ("adhesion_type", ADHESION),
+    ("bed_adhesion", ADHESION),
+    ("plate_adhesion", ADHESION),
+    ("nozzle", "printer.nozzle_diameter"),
+    ("nozzle_size", "printer.nozzle_diameter"),
+    ("print_temperature", "filament.nozzle_temperature"),
+    ("printing_temperature", "filament.nozzle_temperature"),
+    ("extruder_temperature", "filament.nozzle_temperature"),
+    ("hotend_temperature", "filament.nozzle_temperature"),
+    ("bed", "filament.bed_temperature"),
+    ("filament_type", "--filament petg"),
+    ("material", "--filament petg"),
+    ("material_type", "--filament petg"),
+    ("quality", "--preset fine"),
+    ("profile", "--printer, --filament or --preset"),
+    ("wall_thickness", "walls, a number of lines"),
+    ("shells", "walls"),
+    ("top_bottom_thickness", "top_layers and bottom_layers"),
+    ("pattern", "infill"),
+    ("infill_pattern", "infill"),
+    ("fill_pattern", "infill"),
+    ("density", "infill_density"),
+    ("fill", "infill_density"),
+    ("adaptive", ADAPTIVE),
+    ("adaptive_layers", ADAPTIVE),
+    ("variable_layer_height", ADAPTIVE),
+    ("overhang_angle", "support.angle"),
+    ("support_material_threshold", "support.angle"),
+    ("retraction_speed", "retract.speed"),
+    ("retraction_amount", "retract.length"),
+    ("retraction_distance", "retract.length"),
+    ("retraction", "retract.length"),
+    ("fuzzy_skin", "fuzzy.thickness"),
+    ("flow_ratio", "filament.flow"),
+    ("extrusion_multiplier", "filament.flow"),
+    ("elephant_foot_compensation", "elephant_foot"),
+    ("elefant_foot_compensation", "elephant_foot"),
+    ("horizontal_expansion", "xy_compensation"),
+    ("skirts", "skirt.loops"),
+    ("bed_size", "printer.bed_x and printer.bed_y"),
+    ("start_gcode", "gcode.start"),
+    ("end_gcode", "gcode.end"),
+    ("seam_position", "seam"),
+    ("gcode_flavor", "gcode.flavour"),
+    ("fan", "cooling.fan_speed"),
+    (
+        "acceleration",
+        "acceleration.outer_wall, or another one of the group \
+                      acceleration",
+    ),
     (
         "line_width",
         "outer_wall_width, inner_wall_width, skin_width or infill_width",
@@ -35,9 +104,12 @@ const NAMES: &[(&str, &str)] = &[
 ];
 
 const SUPPORTS: &str = "supports = \"auto\"";
+const ADAPTIVE: &str = "layer_heights = \"adaptive\"";
+const ADHESION: &str = "brim.place = \"outer\", skirt.loops = 2 or \
+                        raft.layers = 3";
 
 /// What a name of other slicers is here.
-pub(super) fn name(name: &str) -> Option<&'static str> {
+pub fn name(name: &str) -> Option<&'static str> {
     let known = NAMES.iter().find(|(word, _)| *word == name);
     known.map(|(_, now)| *now)
 }
@@ -102,7 +174,101 @@ const VALUES: &[(&str, &[&str], &str)] = &[
         "\"none\" prints none",
     ),
     ("seam", &["back"], "the back is \"rear\""),
+    (
+        "seam",
+        &["sharpest_corner", "sharpest", "corner", "smart", "hidden"],
+        "\"aligned\" takes the best corner",
+    ),
+    (
+        "layer_heights",
+        &[
+            "variable", "varying", "true", "on", "auto", "smart", "dynamic",
+        ],
+        "heights that follow the surface are \"adaptive\"",
+    ),
+    (
+        "layer_heights",
+        &["false", "off", "none"],
+        "equal ones are \"uniform\"",
+    ),
+    (
+        "infill",
+        &[A_NUMBER],
+        "how much of it is infill_density = {}",
+    ),
+    (
+        "infill_density",
+        &[
+            "gyroid",
+            "grid",
+            "cubic",
+            "triangles",
+            "rectilinear",
+            "hexagons",
+            "concentric",
+            "diamond",
+            "honeycomb",
+            "line",
+            "lines",
+            "zigzag",
+            "lightning",
+            "schwarz-p",
+            "neovius",
+            "lidinoid",
+        ],
+        "the pattern is infill = {}",
+    ),
+    (
+        "walls",
+        &["arachne", "classic", "variable"],
+        "it is a number of lines; their widths adapt by themselves",
+    ),
+    (
+        "walls",
+        &[A_LENGTH],
+        "it is a number of lines; their width is outer_wall_width and \
+         inner_wall_width",
+    ),
+    (
+        "top_layers",
+        &["none", "off", "false", "no"],
+        "0 prints none",
+    ),
+    (
+        "bottom_layers",
+        &["none", "off", "false", "no"],
+        "0 prints none",
+    ),
+    (
+        "ironing",
+        &["top", "all", "topmost", "solid", "tops"],
+        "true irons the tops",
+    ),
+    ("spiral", &["vase"], "true prints a vase in one line"),
+    (
+        "gcode.flavour",
+        &["reprapfirmware", "reprap", "duet", "marlin2", "marlin-2"],
+        "Duet's is \"rrf\", and \"marlin\" is any Marlin's",
+    ),
 ];
+
+/// Stands for any number, with or without %, among words.
+const A_NUMBER: &str = "0%";
+/// Stands for any number with mm after it.
+const A_LENGTH: &str = "0mm";
+
+/// True if a word is what a word of the table stands for.
+fn stands_for(known: &str, word: &str) -> bool {
+    let number = |end: char| {
+        let digits = word.trim_end_matches(end).trim_end();
+        digits.parse::<f64>().is_ok_and(f64::is_finite)
+    };
+    match known {
+        A_NUMBER => number('%'),
+        A_LENGTH => word.ends_with("mm") && number('m'),
+        _ => known == word,
+    }
+}
 
 /// What a word of other slicers is here, as the end of a sentence.
 pub(super) fn value(key: &Key, raw: Raw<'_>) -> String {
@@ -132,9 +298,66 @@ pub(super) fn value(key: &Key, raw: Raw<'_>) -> String {
         return format!("; numbers have a point, as in {comma}");
     }
     let known = VALUES.iter().find(|(name, words, _)| {
-        *name == key.name && words.contains(&word.as_str())
+        *name == key.name && words.iter().any(|known| stands_for(known, &word))
     });
     known.map_or_else(String::new, |(_, _, hint)| {
         format!("; {}", hint.replace("{}", &word))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Builder;
+
+    fn told(assignment: &str) -> String {
+        let set = Builder::new().set(assignment).err();
+        set.map_or_else(String::new, |error| error.to_string())
+    }
+
+    #[test]
+    fn what_other_slicers_say_is_understood() {
+        for (assignment, wanted) in [
+            ("spiral_vase=true", "did you mean spiral?"),
+            ("adhesion=brim", "brim.place = \"outer\""),
+            ("nozzle=0.6", "did you mean printer.nozzle_diameter?"),
+            ("adaptive_layers=true", "layer_heights = \"adaptive\""),
+            ("layer_heights=variable", "are \"adaptive\""),
+            ("infill=20%", "infill_density = 20%"),
+            ("infill=20", "infill_density = 20"),
+            ("infill_density=gyroid", "infill = gyroid"),
+            ("infill_density=Honeycomb", "infill = honeycomb"),
+            ("walls=0.8mm", "outer_wall_width"),
+            ("walls=arachne", "by themselves"),
+            ("seam=smart", "\"aligned\""),
+            ("raft=true", "raft.layers = 3"),
+            ("brim=5", "brim.place = outer"),
+            ("support=true", "supports = \"auto\""),
+            ("gcode.flavour=duet", "\"rrf\""),
+        ] {
+            let told = told(assignment);
+            assert!(told.contains(wanted), "{assignment}: {told}");
+        }
+    }
+
+    /// What the tables say can be written.
+    #[test]
+    fn what_is_advised_exists() {
+        let is_key = |name: &str| crate::keys().iter().any(|k| k.name == name);
+        for (word, now) in NAMES {
+            assert!(!is_key(word), "{word}");
+            let first = now.split([' ', ',']).next().unwrap_or_default();
+            assert!(first.starts_with("--") || is_key(first), "{word}: {now}");
+        }
+        for (name, words, _) in VALUES {
+            assert!(is_key(name), "{name}");
+            for word in *words {
+                let given = format!("{name}={word}");
+                assert!(Builder::new().set(&given).is_err(), "{given}");
+            }
+        }
+        for (_, setting, value) in GROUPS {
+            assert_eq!(told(&format!("{setting}={value}")), "");
+        }
+    }
 }

@@ -72,6 +72,7 @@ mod words;
 mod write;
 
 pub use error::{GivenIn, SettingsError};
+pub use foreign::name as foreign_name;
 pub use gone::instead;
 pub use profile::{Origin, Profile, Profiles};
 pub use read::Builder;

@@ -238,11 +238,15 @@ fn unknown(name: &str, place: GivenIn) -> SettingsError {
     let has_plural = table::find(&format!("{name}s")).is_some();
     if table::is_group(name) && !has_plural {
         let first = keys().iter().find(|key| key.group() == name);
+        let first = first.map(|key| (key.name, key.default()));
+        let on = foreign::example(name);
+        let on = on.map(|(setting, value)| (setting, value.to_owned()));
+        let (example, value) = on.or(first).unwrap_or_default();
         return SettingsError::Group {
             place,
             key: name.to_owned(),
-            example: first.map_or("", |key| key.name).to_owned(),
-            value: first.map_or_else(String::new, Key::default),
+            example: example.to_owned(),
+            value,
         };
     }
     SettingsError::UnknownKey {

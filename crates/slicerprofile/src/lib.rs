@@ -47,7 +47,7 @@ pub use error::Error;
 pub use fill::{Filled, fill};
 pub use given::Value;
 pub use source::{Named, Picked, Slicer, Source, both_ends};
-pub use table::{PresetKind, Row, Rule, rows};
+pub use table::{Counterpart, PresetKind, Row, Rule, counterpart, rows};
 pub use template::{
     NotTranslated, Place, foreign_names, translated, understands,
 };

@@ -146,6 +146,18 @@ fn axes_are_not_homed_over_a_print() {
     }
 }
 
+#[test]
+fn motors_keep_their_places() {
+    for code in ["M84", "M18 X", "M84 X Y E"] {
+        let kinds = found(&format!("{code}\n"));
+        assert!(kinds.contains(&(FindingKind::Harmful, 1)), "{code}");
+        let after = format!("{}{code}\n", print_with(""));
+        assert!(verdict(&after).counts.is_empty(), "{code}");
+    }
+    assert_eq!(found("M84 S120\n"), []);
+    assert_eq!(found("M84 E\n"), []);
+}
+
 /// Some commands are to be looked at anywhere, and are faults in the middle.
 #[test]
 fn no_step_or_offset_changes_in_the_middle_of_a_print() {
@@ -177,6 +189,8 @@ fn no_step_or_offset_changes_in_the_middle_of_a_print() {
 fn what_may_move_something_in_the_middle_is_to_be_looked_at() {
     for code in [
         "M280 P0 S10",
+        "M140 S0",
+        "M190 S0",
         "M402",
         "SET_SERVO SERVO=probe ANGLE=10",
         "SET_GCODE_OFFSET Z=0.05",

@@ -74,6 +74,44 @@ fn powers(name: &str) -> Option<String> {
     Some(format!("{variable}^{power}"))
 }
 
+/// Names of shapes and of what is done with them, each with a formula.
+const SHAPES: &[(&[&str], &str)] = &[
+    (&["sphere", "ball"], "sqrt(x^2 + y^2 + z^2) - 10"),
+    (
+        &["cylinder", "circle", "disc", "disk"],
+        "max(sqrt(x^2 + y^2) - 5, abs(z) - 10)",
+    ),
+    (
+        &[
+            "box",
+            "cube",
+            "cuboid",
+            "block",
+            "rectangle",
+            "square_prism",
+        ],
+        "max(abs(x) - 15, abs(y) - 10, abs(z) - 5)",
+    ),
+    (
+        &["torus", "ring"],
+        "sqrt((sqrt(x^2 + y^2) - 15)^2 + z^2) - 4",
+    ),
+    (&["gyroid"], "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)"),
+    (&["union"], "min(f, g)"),
+    (&["intersection", "intersect"], "max(f, g)"),
+    (&["difference", "subtract"], "max(f, -g)"),
+];
+
+/// What to write instead of the name of a shape.
+fn shape(name: &str) -> Option<String> {
+    let name = name.to_lowercase();
+    let found = SHAPES.iter().find(|(names, _)| names.contains(&&*name))?;
+    Some(format!(
+        "; write {}, or a script, which has shapes by name",
+        found.1
+    ))
+}
+
 fn unknown(
     name: &str,
     column: usize,
@@ -81,8 +119,8 @@ fn unknown(
 ) -> Result<Term, FormulaError> {
     let meant = powers(name)
         .or_else(|| nearest(name, known.iter().copied()).map(str::to_owned))
-        .map(|meant| format!("; did you mean `{meant}`?"))
-        .unwrap_or_default();
+        .map(|meant| format!("; did you mean `{meant}`?"));
+    let meant = shape(name).or(meant).unwrap_or_default();
     Err(FormulaError {
         column,
         message: format!(

@@ -189,6 +189,26 @@ pub(crate) fn row_of(slicer: Slicer, key: &str) -> Option<&'static Row> {
     all.find(|row| row.keys.contains(&key))
 }
 
+/// What a key of any slicer becomes, for people who write it as one of
+/// isoslice's settings: their names, or why there is none.
+pub fn counterpart(key: &str) -> Option<Counterpart> {
+    let row = rows().find(|row| row.keys.contains(&key))?;
+    Some(match &row.rule {
+        Rule::To(setting, _) => Counterpart::Settings(vec![setting]),
+        Rule::Made { settings, .. } => Counterpart::Settings(settings.to_vec()),
+        Rule::Ignored(why) | Rule::Lost(_, why) => Counterpart::None(why),
+    })
+}
+
+/// What stands for another slicer's key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Counterpart {
+    /// One or several settings.
+    Settings(Vec<&'static str>),
+    /// Nothing; the reason.
+    None(&'static str),
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
