@@ -9,7 +9,7 @@ use clap_complete::engine::ArgValueCompleter;
 use glam::DVec3;
 use isoslice::files;
 use isoslice::model::{
-    self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
+    self, Bounds, BuildVolume, Loaded, Model, Placement, Source, SourceKind,
 };
 use isoslice::plate::Wanted;
 use isoslice::settings::{
@@ -220,6 +220,30 @@ impl ModelArgs {
 
     /// Loads the model and puts it on the printer.
     pub(super) fn load(&self, settings: &Settings) -> anyhow::Result<Model> {
+        let loaded = self.loaded()?;
+        let placement = self.placement(settings);
+        let volume = BuildVolume::of(settings);
+        Ok(model::place(&loaded, &placement, volume)?)
+    }
+
+    /// Loads the model and turns and scales it, for a printer of any size.
+    pub(super) fn load_anywhere(&self) -> anyhow::Result<Model> {
+        if self.at.is_some() {
+            bail!(
+                "--at is for printing; here the model keeps the coordinates in \
+                 which it is drawn"
+            );
+        }
+        let loaded = self.loaded()?;
+        let placement = Placement {
+            keep_position: false,
+            margin: 0.0,
+            ..self.placement(&Settings::default())
+        };
+        Ok(model::place(&loaded, &placement, BuildVolume::ANY)?)
+    }
+
+    fn loaded(&self) -> anyhow::Result<Loaded> {
         if let Some(path) = self.model.as_deref().filter(|p| is_plate(p)) {
             bail!(
                 "{} is a plate file or a file of settings, not a model; `slice`, \
@@ -228,10 +252,7 @@ impl ModelArgs {
                 path.display()
             );
         }
-        let loaded = model::load(&self.source()?, &self.defines)?;
-        let placement = self.placement(settings);
-        let volume = BuildVolume::of(settings);
-        Ok(model::place(&loaded, &placement, volume)?)
+        Ok(model::load(&self.source()?, &self.defines)?)
     }
 
     /// The files that a command with these settings reads. No output may be one
@@ -245,6 +266,15 @@ impl ModelArgs {
             .chain(&settings.files)
             .map(PathBuf::as_path)
             .collect()
+    }
+
+    /// The model's name with another extension, beside the model.
+    pub(super) fn beside(&self, extension: &str) -> PathBuf {
+        match &self.model {
+            _ if self.is_stdin() => Path::new(STDIN).with_extension(extension),
+            Some(model) => model.with_extension(extension),
+            None => Path::new(FORMULA).with_extension(extension),
+        }
     }
 
     /// True if the model is read from standard input.

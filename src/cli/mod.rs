@@ -9,6 +9,7 @@ mod check;
 mod closed;
 pub(crate) mod complete;
 mod excerpt;
+mod export;
 mod folder;
 mod formats;
 mod hosts;
@@ -55,6 +56,7 @@ Examples:
   isoslice info part.rhai                         size, layers, parameters
   isoslice profiles                               printers, filaments, presets
   isoslice render part.rhai                       a picture, part.png
+  isoslice export part.rhai                       its function, part.3mf
   isoslice send part.gcode --to workshop          to OctoPrint, Klipper, Prusa
   isoslice settings > my.toml                     to edit, for --config my.toml
 
@@ -106,6 +108,8 @@ enum Command {
     Info(Box<info::InfoArgs>),
     /// Draw a shaded picture of a model and its supports, as PNG
     Render(Box<render::RenderArgs>),
+    /// Write a model as a 3MF file whose shape is a function, without triangles
+    Export(Box<export::ExportArgs>),
     /// Send G-code to a printer: OctoPrint, Moonraker (Klipper), PrusaLink
     Send(send::SendArgs),
     /// List, add, remove and test the printers that files are sent to
@@ -137,6 +141,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Check(args) => check::run(&args),
         Command::Info(args) => plate_info::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Send(args) => send::run(&args),
         Command::Printers(args) => printers::run(&args),
         Command::Settings(args) => settings::run(&args),

@@ -1,7 +1,7 @@
 //! `isoslice render`: draws a model straight from its function, and its
 //! supports.
 
-use super::args::{FORMULA, Gathered, ModelArgs, STDIN, SettingsSource};
+use super::args::{Gathered, ModelArgs, SettingsSource};
 use super::limits::{LimitArgs, ThreadArgs, watched};
 use super::output::{self, is_stream};
 use super::plates::{self, PlateArgs};
@@ -180,14 +180,8 @@ impl RenderArgs {
     }
 
     fn output_path(&self) -> PathBuf {
-        match (&self.output, &self.model.model) {
-            (Some(output), _) => output.clone(),
-            _ if self.model.is_stdin() => {
-                Path::new(STDIN).with_extension("png")
-            }
-            (None, Some(model)) => model.with_extension("png"),
-            (None, None) => Path::new(FORMULA).with_extension("png"),
-        }
+        let given = self.output.clone();
+        given.unwrap_or_else(|| self.model.beside("png"))
     }
 }
 

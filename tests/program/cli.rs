@@ -51,6 +51,7 @@ fn help_reads_well() {
         ("help_preview", &["preview", "--help"]),
         ("help_info", &["info", "--help"]),
         ("help_render", &["render", "--help"]),
+        ("help_export", &["export", "--help"]),
         ("help_settings", &["settings", "--help"]),
         ("help_profiles", &["profiles", "--help"]),
         ("help_new", &["new", "--help"]),

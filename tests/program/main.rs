@@ -17,6 +17,7 @@ mod bambu;
 mod cli;
 mod completions;
 mod docs;
+mod export;
 mod gallery;
 mod import;
 mod preview;

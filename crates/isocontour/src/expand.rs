@@ -10,7 +10,7 @@
 //!
 //! Guarantees: no recursion on the stack, whatever the depth of the tree.
 
-use crate::data::known;
+use crate::data::{call_of, known};
 use fidget::context::{Context, Node, Tree, TreeOp};
 use fidget::var::Var;
 use std::collections::{HashMap, HashSet};
@@ -55,6 +55,33 @@ pub fn expand_with(
     let mut context = Context::new();
     let root = context.import(tree);
     Ok((context, root))
+}
+
+/// The nodes that make up an expression, each once and after its operands. A
+/// call of data is one node, whose operands are the coordinates of its place.
+pub fn nodes_of(context: &Context, root: Node) -> Vec<Node> {
+    let mut order = Vec::new();
+    let mut done = HashSet::new();
+    let mut todo = vec![(root, false)];
+    while let Some((node, is_ready)) = todo.pop() {
+        if done.contains(&node) {
+            continue;
+        }
+        if is_ready {
+            done.insert(node);
+            order.push(node);
+            continue;
+        }
+        todo.push((node, true));
+        match (call_of(context, node), context.get_op(node)) {
+            (Some(call), _) => todo.extend(call.at.map(|n| (n, false))),
+            (None, Some(op)) => {
+                todo.extend(op.iter_children().map(|n| (n, false)));
+            }
+            (None, None) => {}
+        }
+    }
+    order
 }
 
 /// One frame of coordinates: the nodes reached from its root without entering

@@ -74,8 +74,10 @@ pub use contour::{
     Detail, Outline, Phase, outline_of, outlines, outlines_in_phases,
 };
 pub use cuboid::Bounds;
-pub use data::{Crossing, Data, call, data_of, known as known_data};
-pub use expand::{ExpandError, MAX_EXPANDED_NODES, expand, expand_with};
+pub use data::{Call, Crossing, Data};
+pub use data::{call, call_of, data_of, known as known_data};
+pub use expand::{ExpandError, MAX_EXPANDED_NODES};
+pub use expand::{expand, expand_with, nodes_of};
 pub use field::{
     Batch, Bound, Field, FieldError, Hit, LEAF, Lattice, Leaf, NODES, SLAB,
     Sampler, Sight, Values, Visit, apart,

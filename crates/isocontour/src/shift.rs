@@ -12,7 +12,7 @@ use crate::cancel::Cancel;
 use crate::cell::Cell;
 use crate::cuboid::Bounds;
 use crate::data::{Call, call, call_of};
-use crate::expand::{ExpandError, expand};
+use crate::expand::{ExpandError, expand, nodes_of};
 use crate::program::{Program, Scratch};
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, UnaryOpcode};
 use fidget::var::Var;
@@ -59,23 +59,11 @@ impl Sum {
 pub fn shifted(tree: &Tree, to: DVec3) -> Result<Tree, ExpandError> {
     let (context, root) = expand(tree)?;
     let mut done: HashMap<_, Sum> = HashMap::new();
-    let mut todo = vec![(root, false)];
-    while let Some((node, ready)) = todo.pop() {
-        if done.contains_key(&node) {
-            continue;
-        }
+    for node in nodes_of(&context, root) {
         let Some(op) = context.get_op(node) else {
             continue;
         };
         let called = call_of(&context, node);
-        if !ready {
-            todo.push((node, true));
-            match called {
-                Some(call) => todo.extend(call.at.map(|c| (c, false))),
-                None => todo.extend(op.iter_children().map(|c| (c, false))),
-            }
-            continue;
-        }
         let axis = |tree: Tree, plus: f64| Sum {
             tree: Some(tree),
             plus,

@@ -1,6 +1,7 @@
 //! What Python does with a field, an `Expr`: operators, functions, values.
 
 use crate::error::plain;
+use crate::export;
 use crate::operation::name_of;
 use crate::pickle::{Step, steps, tree};
 use crate::request::loaded;
@@ -14,8 +15,9 @@ use isoslice::model::{self, Allowed, Argument, Parameter};
 use pyo3::basic::CompareOp;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 /// Python binds `^` weaker than `+`.
 const NO_POWER: &str = "`^` is no power in Python: write x**2";
@@ -264,6 +266,18 @@ impl Expr {
         let parameters = parameters.collect();
         let name = self.name.clone();
         Ok((again, (steps(&self.tree)?, name, parameters, self.body)))
+    }
+
+    /// Writes the field to a 3MF file whose shape is a function of nodes; without
+    /// a file its bytes are the result.
+    #[pyo3(signature = (output = None))]
+    fn to_3mf<'py>(
+        &self,
+        py: Python<'py>,
+        output: Option<PathBuf>,
+    ) -> PyResult<Option<Bound<'py, PyBytes>>> {
+        let bytes = export::to_3mf(py, self, output)?;
+        Ok(bytes.map(|bytes| PyBytes::new(py, &bytes)))
     }
 
     /// Number of distinct operations, constants and variables.

@@ -14,6 +14,7 @@
 //! | `request` | the keywords of `slice`: which model, how it is placed, settings |
 //! | `work` | work without the GIL, with progress, that Ctrl-C ends |
 //! | `output` | the file or the bytes that G-code goes to |
+//! | `export` | fields as 3MF files |
 //! | `sliced` | slicing, and its results |
 //! | `outline` | outlines of layers |
 //! | `list` | settings and profiles that there are |
@@ -23,6 +24,7 @@
 //! text of an error is written here if the library or the command line has it.
 
 mod error;
+mod export;
 mod expr;
 mod list;
 mod operation;

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Name of a model that is given as a formula, or made by a program.
-const FORMULA: &str = "formula";
+pub(crate) const FORMULA: &str = "formula";
 
 /// The keywords that say what is printed, and how.
 #[derive(FromPyObject)]

@@ -385,3 +385,16 @@ def test_data_is_a_field(tmp_path):
         assert (corner | iso.sphere(1))(1, 1, 1) < 0
     with pytest.raises(iso.Error, match="cannot read"):
         iso.mesh(tmp_path / "absent.stl")
+
+
+def test_fields_are_written_as_3mf_and_read_again(tmp_path):
+    part = iso.sqrt(x**2 + y**2 + z**2) - 5 & (x % 3) - 2
+    file = tmp_path / "part.3mf"
+    assert part.to_3mf(file) is None
+    assert file.read_bytes() == part.to_3mf()
+    again = iso.load(file)
+    for place in PLACES:
+        assert again(*place) == part(*place)
+    with pytest.raises(iso.Error, match="it calls rand"):
+        (part + iso.rand(x)).to_3mf(file)
+    assert file.read_bytes() == part.to_3mf()

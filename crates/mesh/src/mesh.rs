@@ -92,6 +92,12 @@ impl Mesh {
         &self.facts
     }
 
+    /// Its vertices, mm, and the corners of its triangles, as they are once they
+    /// are repaired.
+    pub fn triangles(&self) -> (&[DVec3], &[[u32; 3]]) {
+        (&self.shell.vertices, &self.shell.corners)
+    }
+
     /// How often the mesh goes round a place: 1 inside a sound body, 2 where two
     /// overlap, a fraction near holes.
     pub fn winding(&self, p: DVec3) -> f64 {

@@ -16,6 +16,7 @@
 //! | `placement` | scale, rotation and place, by the box that [`isocontour::find_bounds`] finds |
 //! | `together` | makes one model of several |
 //! | `written` | writes a model as words |
+//! | `export` | writes a model as a 3MF file |
 //! | [`expressions`] | evaluates settings that are expressions |
 //! | [`heights`] | finds layers that follow the surface |
 //! | [`contour`] | makes outlines under a run's limits |
@@ -33,6 +34,7 @@ mod allowed;
 pub mod contour;
 mod data;
 mod error;
+mod export;
 pub mod expressions;
 mod formula;
 mod functions;

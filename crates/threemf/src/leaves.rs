@@ -14,7 +14,7 @@ use std::io::{Read, Seek};
 use std::sync::Arc;
 
 /// Greatest number of meshes and stacks.
-const MOST: usize = 1000;
+pub(crate) const MOST: usize = 1000;
 /// Greatest memory of them all, bytes: as much as a whole run may take.
 const MOST_BYTES: u64 = 4 << 30;
 

@@ -1,7 +1,7 @@
-//! 3MF files as functions of x, y and z.
+//! 3MF files as functions of x, y and z, and functions as 3MF files.
 //!
 //! In: an archive, of unknown origin. Out: a [`Body`], an expression that is
-//! negative inside what is to be built.
+//! negative inside what is to be built. [`write`](fn@write) goes the other way.
 //!
 //! ```text
 //!  build: item ── transform ──▶ object ── component, transform ──▶ object
@@ -28,6 +28,7 @@
 //! | `collect` | triangles of objects |
 //! | `build` | places all that is to be built |
 //! | `body` | makes one function of what was placed |
+//! | `write` | writes a function as a file |
 //!
 //! Read are the core specification, the production extension, by which objects
 //! are in other files of the archive, beam lattices with their balls, and level
@@ -55,10 +56,12 @@ mod space;
 #[cfg(test)]
 mod tests;
 mod transform;
+mod write;
 mod xml;
 
 pub use body::Body;
 pub use isoslice_mesh::MeshError;
+pub use write::{ExportError, Part, write};
 
 use std::io::{Read, Seek};
 

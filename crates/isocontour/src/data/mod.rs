@@ -28,6 +28,7 @@ use crate::plane::Ring;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, TreeOp};
 use fidget::var::Var;
 use glam::{DAffine3, DVec3};
+use std::any::Any;
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::sync::{Arc, PoisonError, RwLock, Weak};
@@ -35,7 +36,7 @@ use std::sync::{Arc, PoisonError, RwLock, Weak};
 /// A function of three coordinates that is data.
 ///
 /// It has the same values on any machine and on any thread.
-pub trait Data: Send + Sync {
+pub trait Data: Any + Send + Sync {
     /// How messages name it, such as `mesh("part.stl")`.
     fn name(&self) -> &str;
 
@@ -199,14 +200,16 @@ pub fn data_of(tree: &Tree) -> Vec<Arc<dyn Data>> {
     order
 }
 
-/// A call of data: the data, and the place at which it is asked.
-pub(crate) struct Call {
+/// A call of data.
+pub struct Call {
+    /// The data.
     pub data: Arc<dyn Data>,
+    /// The place at which it is asked.
     pub at: [Node; 3],
 }
 
 /// The call that a node is, if it is one.
-pub(crate) fn call_of(context: &Context, node: Node) -> Option<Call> {
+pub fn call_of(context: &Context, node: Node) -> Option<Call> {
     let mut left = node;
     let mut at = [node; 3];
     for place in at.iter_mut().rev() {

@@ -49,6 +49,13 @@ pub struct BuildVolume {
 }
 
 impl BuildVolume {
+    /// A space that no part fills, for models that are not to be printed.
+    pub const ANY: BuildVolume = BuildVolume {
+        x: 1e9,
+        y: 1e9,
+        z: 1e9,
+    };
+
     /// The space that the printer of these settings can reach.
     pub fn of(settings: &Settings) -> BuildVolume {
         let printer = &settings.printer;

@@ -6,7 +6,7 @@ use isoslice_mesh::MeshError;
 use std::collections::BTreeMap;
 
 /// Greatest number of nodes in a function.
-const MOST_NODES: usize = 200_000;
+pub(crate) const MOST_NODES: usize = 200_000;
 /// Greatest number of inputs or outputs of a function or a node.
 const MOST_LINKS: usize = 1000;
 /// The name that stands for the function's own inputs.

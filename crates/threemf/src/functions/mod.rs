@@ -27,7 +27,7 @@ pub(crate) mod evaluate;
 pub(crate) mod graph;
 pub(crate) mod image;
 mod inverse;
-mod op;
+pub(crate) mod op;
 pub(crate) mod value;
 
 use graph::Graph;

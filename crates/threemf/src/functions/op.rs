@@ -2,7 +2,7 @@
 
 use super::inverse::inverse;
 use super::value::{Type, Value, constant, number};
-use fidget::context::Tree;
+use fidget::context::{BinaryOpcode, Tree, TreeOp, UnaryOpcode};
 use std::f64::consts::{LN_2, LN_10};
 
 /// Whole exponents up to this are multiplied out, so that they work for negative
@@ -31,7 +31,7 @@ const EACH: &[Each] = &[
     each("addition", AB, |v| v[0].clone() + v[1].clone()),
     each("subtraction", AB, |v| v[0].clone() - v[1].clone()),
     each("multiplication", AB, |v| v[0].clone() * v[1].clone()),
-    each("division", AB, |v| v[0].clone() / v[1].clone()),
+    each("division", AB, |v| divided(&v[0], &v[1])),
     each("sin", A, |v| v[0].sin()),
     each("cos", A, |v| v[0].cos()),
     each("tan", A, |v| v[0].tan()),
@@ -69,13 +69,13 @@ const EACH: &[Each] = &[
     each("round", A, |v| v[0].round()),
     each("ceil", A, |v| v[0].ceil()),
     each("floor", A, |v| v[0].floor()),
-    each("sign", A, |v| v[0].compare(number(0.0))),
+    each("sign", A, |v| sign(&v[0])),
     each("fract", A, |v| v[0].clone() - v[0].floor()),
 ];
 
 /// The names of the inputs of a kind of node, of those that need nothing but
 /// their inputs. None for others.
-pub(super) fn inputs(name: &str) -> Option<&'static [&'static str]> {
+pub(crate) fn inputs(name: &str) -> Option<&'static [&'static str]> {
     if let Some(each) = EACH.iter().find(|each| each.name == name) {
         return Some(each.inputs);
     }
@@ -191,6 +191,30 @@ fn transformed(m: &[Tree], v: &[Tree]) -> Value {
     )
 }
 
+fn divided(a: &Tree, b: &Tree) -> Tree {
+    if constant(a) == Some(1.0) {
+        b.recip()
+    } else {
+        a.clone() / b.clone()
+    }
+}
+
+fn sign(a: &Tree) -> Tree {
+    match &**a {
+        // The order of two numbers needs no difference.
+        TreeOp::Binary(BinaryOpcode::Sub, a, b) => {
+            let (a, b) = (a.clone(), b.clone());
+            TreeOp::Binary(BinaryOpcode::Compare, a, b).into()
+        }
+        _ => a.compare(number(0.0)),
+    }
+}
+
+/// True for an absolute value.
+fn is_size(a: &Tree) -> bool {
+    matches!(&**a, TreeOp::Unary(UnaryOpcode::Abs, _))
+}
+
 /// a − b · trunc(a / b). It has the sign of a.
 fn fmod(a: &Tree, b: &Tree) -> Tree {
     // The remainder of positive numbers is exact.
@@ -199,6 +223,9 @@ fn fmod(a: &Tree, b: &Tree) -> Tree {
 
 /// a − b · floor(a / b). It has the sign of b.
 fn modulo(a: &Tree, b: &Tree) -> Tree {
+    if is_size(b) {
+        return a.modulo(b.clone());
+    }
     let sign = b.compare(number(0.0));
     sign.clone() * (sign * a.clone()).modulo(b.abs())
 }
@@ -215,7 +242,23 @@ fn power(a: &Tree, b: &Tree) -> Tree {
 
 /// c where a is below b, else d. What is not taken may be undefined.
 fn select(a: &Tree, b: &Tree, c: &Tree, d: &Tree) -> Tree {
+    if constant(a) == Some(0.0) && is_size(b) {
+        return unless_zero(b, c, d);
+    }
     // `and` gives its first number if that is 0, else the second one.
     let is_below = (-a.compare(b.clone())).max(number(0.0));
     is_below.not().and(d.clone()) + is_below.and(c.clone())
+}
+
+/// `then` where an absolute value is not 0, else `other`.
+fn unless_zero(size: &Tree, then: &Tree, other: &Tree) -> Tree {
+    let is_zero = || size.not();
+    match (&**size, constant(then), constant(other)) {
+        (TreeOp::Unary(_, a), ..) if std::ptr::eq(&**a, then.as_ptr()) => {
+            then.or(other.clone())
+        }
+        (_, Some(0.0), Some(1.0)) => is_zero(),
+        (_, _, Some(0.0)) => size.and(then.clone()),
+        _ => is_zero().and(other.clone()) + size.and(then.clone()),
+    }
 }

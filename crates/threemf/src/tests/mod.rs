@@ -1,6 +1,7 @@
 //! Files, sound ones and hostile ones.
 
 mod core;
+mod export;
 mod functions;
 mod hostile;
 mod lattice;

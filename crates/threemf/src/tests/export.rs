@@ -1,0 +1,429 @@
+//! Functions that are written and read again.
+
+use super::*;
+use crate::level::cuboid;
+use crate::{ExportError, Part, write};
+use fidget::context::{BinaryOpcode, Context, Tree, TreeOp, UnaryOpcode};
+use isocontour::{Data, call, nodes_of};
+use isoslice_mesh::{Mesh, Strut, Struts, Triangles};
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::sync::Arc;
+
+const UNARY: [UnaryOpcode; 17] = [
+    UnaryOpcode::Neg,
+    UnaryOpcode::Abs,
+    UnaryOpcode::Recip,
+    UnaryOpcode::Sqrt,
+    UnaryOpcode::Square,
+    UnaryOpcode::Floor,
+    UnaryOpcode::Ceil,
+    UnaryOpcode::Round,
+    UnaryOpcode::Sin,
+    UnaryOpcode::Cos,
+    UnaryOpcode::Tan,
+    UnaryOpcode::Asin,
+    UnaryOpcode::Acos,
+    UnaryOpcode::Atan,
+    UnaryOpcode::Exp,
+    UnaryOpcode::Ln,
+    UnaryOpcode::Not,
+];
+
+const BINARY: [BinaryOpcode; 11] = [
+    BinaryOpcode::Add,
+    BinaryOpcode::Sub,
+    BinaryOpcode::Mul,
+    BinaryOpcode::Div,
+    BinaryOpcode::Atan,
+    BinaryOpcode::Min,
+    BinaryOpcode::Max,
+    BinaryOpcode::Compare,
+    BinaryOpcode::Mod,
+    BinaryOpcode::And,
+    BinaryOpcode::Or,
+];
+
+/// A box that is as large as all that is tried.
+const BOUNDS: Bounds = Bounds {
+    min: DVec3::splat(-1e6),
+    max: DVec3::splat(1e6),
+};
+
+fn written(tree: &Tree) -> Result<Vec<u8>, ExportError> {
+    write(&Part {
+        name: "part",
+        tree,
+        bounds: BOUNDS,
+        origin: DVec3::ZERO,
+    })
+}
+
+fn unary(op: UnaryOpcode, a: &Tree) -> Tree {
+    match op {
+        UnaryOpcode::Neg => -a.clone(),
+        UnaryOpcode::Abs => a.abs(),
+        UnaryOpcode::Recip => a.recip(),
+        UnaryOpcode::Sqrt => a.sqrt(),
+        UnaryOpcode::Square => a.square(),
+        UnaryOpcode::Floor => a.floor(),
+        UnaryOpcode::Ceil => a.ceil(),
+        UnaryOpcode::Round => a.round(),
+        UnaryOpcode::Sin => a.sin(),
+        UnaryOpcode::Cos => a.cos(),
+        UnaryOpcode::Tan => a.tan(),
+        UnaryOpcode::Asin => a.asin(),
+        UnaryOpcode::Acos => a.acos(),
+        UnaryOpcode::Atan => a.atan(),
+        UnaryOpcode::Exp => a.exp(),
+        UnaryOpcode::Ln => a.ln(),
+        UnaryOpcode::Not => a.not(),
+        UnaryOpcode::Rand => a.rand(),
+    }
+}
+
+fn binary(op: BinaryOpcode, a: &Tree, b: &Tree) -> Tree {
+    let (a, b) = (a.clone(), b.clone());
+    match op {
+        BinaryOpcode::Add => a + b,
+        BinaryOpcode::Sub => a - b,
+        BinaryOpcode::Mul => a * b,
+        BinaryOpcode::Div => a / b,
+        BinaryOpcode::Atan => a.atan2(b),
+        BinaryOpcode::Min => a.min(b),
+        BinaryOpcode::Max => a.max(b),
+        BinaryOpcode::Compare => a.compare(b),
+        BinaryOpcode::Mod => a.modulo(b),
+        BinaryOpcode::And => a.and(b),
+        BinaryOpcode::Or => a.or(b),
+        BinaryOpcode::Mix => a.mix(b),
+    }
+}
+
+/// The model file of an archive.
+fn text(bytes: &[u8]) -> String {
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+    let mut text = String::new();
+    let mut file = archive.by_name(ROOT).unwrap();
+    file.read_to_string(&mut text).unwrap();
+    text
+}
+
+/// The text between two others.
+fn between<'a>(text: &'a str, before: &str, after: &str) -> Option<&'a str> {
+    let (_, rest) = text.split_once(before)?;
+    Some(rest.split_once(after)?.0)
+}
+
+/// What the specification says of a node's value.
+fn by_specification(kind: &str, v: &[f64]) -> f64 {
+    match kind {
+        "addition" => v[0] + v[1],
+        "subtraction" => v[0] - v[1],
+        "multiplication" => v[0] * v[1],
+        "division" => v[0] / v[1],
+        "abs" => v[0].abs(),
+        "sqrt" => v[0].sqrt(),
+        "floor" => v[0].floor(),
+        "ceil" => v[0].ceil(),
+        "round" => v[0].round(),
+        "sin" => v[0].sin(),
+        "cos" => v[0].cos(),
+        "tan" => v[0].tan(),
+        "arcsin" => v[0].asin(),
+        "arccos" => v[0].acos(),
+        "arctan" => v[0].atan(),
+        "arctan2" => v[0].atan2(v[1]),
+        "exp" => v[0].exp(),
+        "log" => v[0].ln(),
+        "min" => v[0].min(v[1]),
+        "max" => v[0].max(v[1]),
+        "mod" => v[0] - v[1] * (v[0] / v[1]).floor(),
+        "sign" if v[0] == 0.0 => 0.0,
+        "sign" => v[0].signum(),
+        "select" if v[0] < v[1] => v[2],
+        "select" => v[3],
+        _ => panic!("{kind} is no node of scalars"),
+    }
+}
+
+/// The value of the function in a model file at a place, and the number of its
+/// nodes. Each node has a line of its own.
+fn evaluated(text: &str, p: [f64; 3]) -> (f64, usize) {
+    let mut values = BTreeMap::new();
+    for (name, value) in ["axes.x", "axes.y", "axes.z"].iter().zip(p) {
+        values.insert((*name).to_owned(), value);
+    }
+    let mut count = 0;
+    for line in text.lines() {
+        let Some(kind) = between(line, "<i:", " ") else {
+            continue;
+        };
+        let Some(name) = between(line, "identifier=\"n", "\"") else {
+            continue;
+        };
+        count += 1;
+        if let Some(number) = between(line, "value=\"", "\"") {
+            values.insert(format!("n{name}.value"), number.parse().unwrap());
+            continue;
+        }
+        let inputs: Vec<f64> = line
+            .split(" ref=\"")
+            .skip(1)
+            .map(|rest| values[rest.split_once('"').unwrap().0])
+            .collect();
+        let value = by_specification(kind, &inputs);
+        values.insert(format!("n{name}.result"), value);
+    }
+    let shape = text.split_once("\"shape\" ref=\"").unwrap().1;
+    (values[shape.split_once('"').unwrap().0], count)
+}
+
+/// Places with zeros, equal coordinates and numbers of both signs among them.
+fn places() -> Vec<[f32; 3]> {
+    let mut rng = fastrand::Rng::with_seed(7);
+    let some = [0.0, 1.0, -1.0, 0.5, -2.5, 3.0];
+    let mut places: Vec<[f32; 3]> = Vec::new();
+    for x in some {
+        places.extend(some.map(|y| [x, y, -x]));
+    }
+    for _ in 0..1000 {
+        places.push([0; 3].map(|_| (6.0 * rng.f64() - 3.0) as f32));
+    }
+    places
+}
+
+fn values(tree: &Tree, places: &[[f32; 3]]) -> Vec<f32> {
+    let [x, y, z] =
+        [0, 1, 2].map(|k| places.iter().map(|p| p[k]).collect::<Vec<f32>>());
+    let mut found = Vec::new();
+    let values = Values::new(tree, None).unwrap();
+    values.at(&[&x, &y, &z], &mut found).unwrap();
+    found
+}
+
+/// Each operation has the values that the specification gives its nodes.
+#[test]
+fn operations_are_nodes_of_equal_values() {
+    let (x, y, _) = Tree::axes();
+    let unary = UNARY.map(|op| (format!("{op:?}"), unary(op, &x)));
+    let binary = BINARY.map(|op| (format!("{op:?}"), binary(op, &x, &y)));
+    for (name, tree) in unary.into_iter().chain(binary) {
+        let text = text(&written(&tree).unwrap());
+        let places = places();
+        for (p, wanted) in places.iter().zip(values(&tree, &places)) {
+            let (found, _) = evaluated(&text, p.map(f64::from));
+            let wanted = f64::from(wanted);
+            if !wanted.is_finite() || !found.is_finite() {
+                let both = !wanted.is_finite() && !found.is_finite();
+                assert!(both, "{name} {p:?}: {found} {wanted}");
+                continue;
+            }
+            // The remainder jumps where it is nearly zero.
+            let off = (found - wanted).abs();
+            let off = if name == "Mod" {
+                off.min((off - f64::from(p[1]).abs()).abs())
+            } else {
+                off
+            };
+            let most = 1e-5 * (1.0 + wanted.abs());
+            assert!(off <= most, "{name} {p:?}: {found} {wanted}");
+        }
+    }
+}
+
+fn random_tree(rng: &mut fastrand::Rng) -> Tree {
+    let (x, y, z) = Tree::axes();
+    let mut all = vec![x, y, z];
+    for constant in [0.0, 1.0, 2.5, -0.3, 1e-7, 1.0 / 3.0] {
+        all.push(Tree::constant(constant));
+    }
+    for _ in 0..rng.usize(2..24) {
+        let a = all[rng.usize(..all.len())].clone();
+        let b = all[rng.usize(..all.len())].clone();
+        all.push(match rng.u8(..12) {
+            0..4 => unary(UNARY[rng.usize(..UNARY.len())], &a),
+            4 => a.remap_xyz(Tree::y(), b, Tree::x() + 0.25),
+            _ => binary(BINARY[rng.usize(..BINARY.len())], &a, &b),
+        });
+    }
+    let last = all.len() - 1;
+    all.swap_remove(last)
+}
+
+/// What is read has the bits of what was written.
+#[test]
+fn what_is_written_comes_back_the_same() {
+    let mut rng = fastrand::Rng::with_seed(52);
+    let places = places();
+    let grown = Bounds {
+        min: BOUNDS.min - 1.0,
+        max: BOUNDS.max + 1.0,
+    };
+    let (mut numbers, mut unwritten) = (0, 0);
+    for i in 0..1000 {
+        let tree = random_tree(&mut rng);
+        let bytes = match written(&tree) {
+            Ok(bytes) => bytes,
+            Err(ExportError::NotFinite(_)) => {
+                unwritten += 1;
+                continue;
+            }
+            Err(other) => panic!("{other}"),
+        };
+        let found = values(&of(&bytes).unwrap().tree, &places);
+        let wanted = values(&tree.max(cuboid(&grown)), &places);
+        for ((p, a), b) in places.iter().zip(found).zip(wanted) {
+            numbers += usize::from(a.is_finite());
+            // The sign of zero says nothing of a shape.
+            let is_same = a == b || a.is_nan() && b.is_nan();
+            assert!(is_same, "tree {i} at {p:?}: {a} {b}\n{tree:?}");
+        }
+    }
+    assert!(numbers > 500_000, "{numbers}");
+    assert!(unwritten < 200, "{unwritten}");
+}
+
+/// An expression with 2⁶⁰ ways from its root to its leaf has 60 nodes.
+#[test]
+fn what_is_shared_is_one_node() {
+    let mut tree = Tree::x();
+    for i in 0..60 {
+        let both = tree.clone() * tree.sin();
+        tree = both + i as f32 * 0.5;
+    }
+    let text = text(&written(&tree).unwrap());
+    let (_, count) = evaluated(&text, [0.5, 0.0, 0.0]);
+    // A sine, a product, a sum and a constant each.
+    assert!(count <= 4 * 60, "{count}");
+}
+
+#[test]
+fn equal_functions_give_equal_bytes() {
+    let make = || {
+        let (x, y, z) = Tree::axes();
+        written(&(x.square() + y.square() + z.square() - 1.0)).unwrap()
+    };
+    assert_eq!(make(), make());
+}
+
+/// Names are what the user calls files.
+#[test]
+fn names_are_escaped() {
+    let tree = Tree::x();
+    let part = Part {
+        name: "a<b>&\"c\u{1}",
+        tree: &tree,
+        bounds: unit_cube(),
+        origin: DVec3::ZERO,
+    };
+    let bytes = write(&part).unwrap();
+    assert!(text(&bytes).contains("name=\"a&lt;b&gt;&amp;&quot;c\""));
+    of(&bytes).unwrap();
+}
+
+/// A function that was drawn far out keeps its place.
+#[test]
+fn the_origin_is_a_transform() {
+    let (x, y, z) = Tree::axes();
+    let tree = (x.square() + y.square() + z.square()).sqrt() - 0.5;
+    let part = Part {
+        name: "ball",
+        tree: &tree,
+        bounds: unit_cube(),
+        origin: DVec3::new(2000.0, 0.0, -30.0),
+    };
+    let body = of(&write(&part).unwrap()).unwrap();
+    assert_eq!(value(&body, DVec3::new(2000.0, 0.0, -30.0)), -0.5);
+    assert_eq!(value(&body, DVec3::new(2000.0, 2.0, -30.0)), 1.5);
+}
+
+fn cube() -> Arc<dyn Data> {
+    let triangles = Triangles {
+        vertices: (0..8).map(|i| corner(i).map(f64::from).into()).collect(),
+        corners: faces().iter().map(|face| face.map(|v| v as u32)).collect(),
+        ..Triangles::default()
+    };
+    Arc::new(Mesh::new("mesh(\"cube.stl\")", triangles).unwrap())
+}
+
+#[test]
+fn meshes_are_objects_of_the_file() {
+    let cube = cube();
+    let (x, y, z) = Tree::axes();
+    let plain = call(&cube, [x.clone(), y.clone(), z.clone()]);
+    let turned = call(&cube, [y, x * 0.5, z + 0.25]);
+    let tree = plain.max(-turned + 0.125);
+    let bytes = written(&tree).unwrap();
+    // The box and the mesh, and the part.
+    assert_eq!(text(&bytes).matches("<object ").count(), 3);
+    let body = of(&bytes).unwrap();
+    assert_eq!(body.data.len(), 1);
+    let places = places();
+    assert_eq!(values(&body.tree, &places), values(&tree, &places));
+}
+
+#[test]
+fn what_files_cannot_say_is_refused_with_the_reason() {
+    let (x, y, z) = Tree::axes();
+    let strut = Strut::ball(DVec3::ZERO, 1.0);
+    let struts: Arc<dyn Data> =
+        Arc::new(Struts::new("mesh(\"l.3mf\")", vec![strut]).unwrap());
+    let lattice = call(&struts, [x.clone(), y.clone(), z.clone()]);
+    let mut long = x.clone();
+    for i in 0..200_001 {
+        long = if i % 2 == 0 { long.sin() } else { long.cos() };
+    }
+    let meshes: Vec<Arc<dyn Data>> = (0..1001).map(|_| cube()).collect();
+    let many = meshes.iter().fold(x.clone(), |all, mesh| {
+        all.min(call(mesh, [x.clone(), y.clone(), z.clone()]))
+    });
+    let cases = [
+        (x.rand(), "it calls rand"),
+        (x.mix(y.clone()), "it calls rand"),
+        (x.clone() + f32::INFINITY, "one of its numbers is inf"),
+        (x.clone() + f32::NAN, "one of its numbers is NaN"),
+        (lattice, "it reads mesh(\"l.3mf\"), and functions"),
+        (long, "more than 200000 nodes"),
+        (many, "more than 1000 meshes"),
+    ];
+    for (tree, why) in cases {
+        let said = written(&tree).unwrap_err().to_string();
+        assert!(said.contains(why), "{why:?}: {said:?}");
+    }
+}
+
+/// As many nodes as may be written are read.
+#[test]
+fn the_largest_function_is_read() {
+    let mut long = Tree::x();
+    for i in 0..199_990 {
+        long = if i % 2 == 0 { long.sin() } else { long.cos() };
+    }
+    of(&written(&long).unwrap()).unwrap();
+}
+
+/// The reader makes single operations of what stands for them.
+#[test]
+fn no_operation_is_added() {
+    let (x, y, _) = Tree::axes();
+    let size = |tree: &Tree| {
+        let mut context = Context::new();
+        let root = context.import(tree);
+        nodes_of(&context, root).len()
+    };
+    let plain = |tree: &Tree| tree.max(cuboid(&BOUNDS));
+    let all = UNARY.map(|op| unary(op, &x)).into_iter();
+    let all = all.chain(BINARY.map(|op| binary(op, &x, &y)));
+    for tree in all {
+        let read = of(&written(&tree).unwrap()).unwrap().tree;
+        // `and`, `not` and `mod` ask whether an absolute value is 0.
+        let is_sized = matches!(
+            &*tree,
+            TreeOp::Unary(UnaryOpcode::Not, _)
+                | TreeOp::Binary(BinaryOpcode::And | BinaryOpcode::Mod, ..)
+        );
+        let most = size(&plain(&tree)) + usize::from(is_sized);
+        assert!(size(&read) <= most, "{tree:?}: {} {most}", size(&read));
+    }
+}
