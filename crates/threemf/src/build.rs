@@ -11,6 +11,7 @@ use crate::level::{LevelSet, cuboid, places};
 use crate::marks::Marks;
 use crate::model::{self, MOST_PLACED, Model, OTHER, Object, Reference};
 use crate::package::Package;
+use crate::relations;
 use fidget::context::Tree;
 use glam::{DAffine3, DVec3};
 use isocontour::{Bounds, Data};
@@ -72,7 +73,7 @@ pub(crate) fn read(
     source: impl Read + Seek,
 ) -> Result<Parts, MeshError> {
     let mut package = Package::open(source)?;
-    let root = package.root()?;
+    let root = relations::read(&mut package)?;
     let marks = Marks::read(&mut package)?;
     let model = model::read(&mut package, &root)?;
     let unit = model.unit;

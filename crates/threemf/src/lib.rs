@@ -16,10 +16,11 @@
 //! | module | what it does |
 //! |---|---|
 //! | `package` | the archive, unpacked piece by piece |
+//! | `relations` | which files of the archive belong to which |
 //! | `xml`, `space` | elements, and where their names are from |
 //! | `marks` | what slicers say is no part of the body |
 //! | `model` | objects, and what is to be built of them |
-//! | `sound` | what a file has to have, though the body does not need it |
+//! | `sound`, `materials` | what a file has to have, though the body does not need it |
 //! | `lattice` | beam lattices |
 //! | `functions` | functions of nodes and of stacks of pictures |
 //! | `level` | objects that are where a function is below zero |
@@ -49,8 +50,10 @@ mod lattice;
 mod leaves;
 mod level;
 mod marks;
+mod materials;
 mod model;
 mod package;
+mod relations;
 mod sound;
 mod space;
 #[cfg(test)]

@@ -203,6 +203,13 @@ impl Reading {
             return self.root(element);
         }
         self.sound.see(element)?;
+        // Published examples have materials of a prefix that they do not declare.
+        let is_resource = self.sound.is_past_head()
+            && self.object.is_none()
+            && !self.is_in_build;
+        if element.space() == Space::Undeclared && !is_resource {
+            return Err(element.undeclared());
+        }
         match element.space() {
             Space::Core => self.core(element),
             Space::Beams | Space::Balls => self.lattice(element),
@@ -399,6 +406,7 @@ impl Reading {
             return Err(element.wrong("the first element is no model"));
         }
         self.is_model = true;
+        self.sound.root(element)?;
         if let Some(name) = element.text("unit")? {
             let unit = Unit::ALL.into_iter().find(|u| u.name() == name);
             self.model.unit = unit.ok_or_else(|| {

@@ -1,8 +1,8 @@
 //! The archive, of unknown origin.
 
-use crate::xml::{self, Event};
 use isoslice_base::archive::headers;
 use isoslice_mesh::MeshError;
+use std::collections::BTreeSet;
 use std::io::{self, Read, Seek};
 use zip::ZipArchive;
 use zip::result::ZipError;
@@ -18,11 +18,6 @@ const MOST_BYTES: u64 = 8 << 30;
 const LIKELY: u64 = 200;
 /// A file that is no longer than this is unpacked whatever the ratio, bytes.
 const ALWAYS_UNPACKED: u64 = 1 << 24;
-
-/// Names the files that an archive is about.
-const RELATIONSHIPS: &str = "_rels/.rels";
-/// The model, unless it is named otherwise.
-const MODEL: &str = "3D/3dmodel.model";
 
 /// An archive.
 pub(crate) struct Package<R> {
@@ -74,37 +69,9 @@ impl<R: Read + Seek> Package<R> {
         result.map(Some)
     }
 
-    /// The name of the file that has the model.
-    pub(crate) fn root(&mut self) -> Result<String, MeshError> {
-        let mut root = None;
-        self.with(RELATIONSHIPS, |bytes| {
-            xml::read(RELATIONSHIPS, bytes, |event| {
-                let Event::Start(element) = event else {
-                    return Ok(());
-                };
-                let is_model = element
-                    .text("Type")?
-                    .is_some_and(|kind| kind.ends_with("/3dmodel"));
-                if element.name() != "Relationship" || !is_model {
-                    return Ok(());
-                }
-                if element.text("TargetMode")?.is_some_and(|m| m == "External")
-                {
-                    return Err(
-                        element.wrong("the model is not in the archive")
-                    );
-                }
-                let target = element.text("Target")?.unwrap_or_default();
-                if root.replace(target).is_some() {
-                    return Err(element.wrong(
-                        "there are two models in the archive; save each as a \
-                         file of its own",
-                    ));
-                }
-                Ok(())
-            })
-        })?;
-        Ok(root.unwrap_or_else(|| MODEL.to_owned()))
+    /// The names of all files, in small letters.
+    pub(crate) fn names(&self) -> BTreeSet<String> {
+        self.archive.file_names().map(str::to_lowercase).collect()
     }
 }
 

@@ -21,6 +21,8 @@ pub(crate) enum Space {
     Implicit,
     /// Any other one.
     Other,
+    /// That of a prefix which is not declared.
+    Undeclared,
 }
 
 /// The ends of the namespaces.

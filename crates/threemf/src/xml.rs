@@ -48,6 +48,16 @@ impl<'a> Element<'a> {
         self.raw.local_name().into_inner()
     }
 
+    /// Why its prefix cannot be used.
+    pub(crate) fn undeclared(&self) -> MeshError {
+        let name = self.raw.name().into_inner();
+        let prefix = name.split(':').next().unwrap_or_default();
+        self.wrong(format!(
+            "the prefix {:?} of an element is not declared",
+            shortened(prefix)
+        ))
+    }
+
     /// Why the element cannot be used.
     pub(crate) fn wrong(&self, what: impl Into<String>) -> MeshError {
         MeshError::at((self.at)(), what)
@@ -105,6 +115,14 @@ impl<'a> Element<'a> {
                 Some((prefix.to_owned(), a.value.into_owned()))
             })
             .collect()
+    }
+
+    /// The prefixes of its attributes.
+    pub(crate) fn prefixes_of_attributes(&self) -> Vec<String> {
+        let mut attributes = self.raw.attributes();
+        let all = attributes.with_checks(false).filter_map(Result::ok);
+        let prefixes = all.filter_map(|a| a.key.0.split_once(':'));
+        prefixes.map(|(prefix, _)| prefix.to_owned()).collect()
     }
 
     /// An attribute that has to be a number.
@@ -167,7 +185,7 @@ pub(crate) fn read(
         let space = match space {
             ResolveResult::Bound(namespace) => Space::of(namespace.0),
             ResolveResult::Unbound => Space::Core,
-            ResolveResult::Unknown(_) => Space::Other,
+            ResolveResult::Unknown(_) => Space::Undeclared,
         };
         count = count.wrapping_add(1);
         if count.is_multiple_of(65_536) {

@@ -39,7 +39,7 @@ fn hostile_files_are_refused_with_the_reason() {
     let vertex = "<vertex x=\"1\" y=\"1\" z=\"1\"/>";
     let relation = |mode: &str| {
         format!(
-            "<Relationship Target=\"/a\" Type=\"a/3dmodel\" \
+            "<Relationship Target=\"/_rels/.rels\" Type=\"a/3dmodel\" \
              TargetMode=\"{mode}\"/>"
         )
     };

@@ -6,6 +6,7 @@ mod functions;
 mod hostile;
 mod lattice;
 mod levels;
+mod refused;
 
 use crate::{Body, MeshError, read};
 use glam::{DAffine3, DVec3};
