@@ -94,6 +94,7 @@ pub(crate) fn read(
         struts: 0,
         open: Vec::new(),
         short: 0,
+        thin: 0,
     };
     let scale = DAffine3::from_scale(DVec3::splat(unit.millimetres()));
     for item in &items {
@@ -137,6 +138,8 @@ struct Building<R> {
     open: Vec<(String, u32)>,
     /// Number of beams that were too short.
     short: usize,
+    /// Number of beams and balls of no thickness.
+    thin: usize,
 }
 
 impl<R: Read + Seek> Building<R> {
@@ -152,6 +155,10 @@ impl<R: Read + Seek> Building<R> {
                 "{} beams that are shorter than their lattice allows",
                 self.short
             );
+            self.leave_out(&what);
+        }
+        if self.thin > 0 {
+            let what = format!("{} beams or balls of no thickness", self.thin);
             self.leave_out(&what);
         }
         let mut parts = self.parts;
@@ -343,6 +350,7 @@ impl<R: Read + Seek> Building<R> {
         };
         let placed = lattice.placed(&object.vertices, &seen, scale)?;
         self.short += placed.short;
+        self.thin += placed.thin;
         self.struts += placed.struts.len();
         if self.struts > MOST_STRUTS {
             return Err(MeshError::TooManyStruts);

@@ -57,6 +57,8 @@ pub(crate) struct Placed {
     pub struts: Vec<Strut>,
     /// Number of beams that are shorter than the lattice allows.
     pub short: usize,
+    /// Number of beams and balls of no thickness.
+    pub thin: usize,
 }
 
 impl Lattice {
@@ -158,12 +160,16 @@ impl Lattice {
         let at = |v: u32| vertices.get(v as usize).copied().unwrap_or_default();
         let seen = |v: u32| by.transform_point3(at(v));
         let mut struts = Vec::new();
-        let mut short = 0;
+        let (mut short, mut thin) = (0, 0);
         for beam in &self.beams {
             let [a, b] = beam.ends;
             let length = at(a).distance(at(b));
             if length < self.min_length || length == 0.0 {
                 short += 1;
+                continue;
+            }
+            if beam.radii == [0.0; 2] {
+                thin += 1;
                 continue;
             }
             struts.push(Strut {
@@ -173,9 +179,17 @@ impl Lattice {
             });
         }
         for (vertex, radius) in self.balls(vertices.len())? {
+            if radius == 0.0 {
+                thin += 1;
+                continue;
+            }
             struts.push(Strut::ball(seen(vertex), radius * scale));
         }
-        Ok(Placed { struts, short })
+        Ok(Placed {
+            struts,
+            short,
+            thin,
+        })
     }
 
     /// The balls: their vertices and radii.

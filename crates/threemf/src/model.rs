@@ -5,7 +5,7 @@ use crate::functions::graph;
 use crate::functions::image::{ImageFunction, Stack};
 use crate::lattice::Lattice;
 use crate::level::LevelSet;
-use crate::package::Package;
+use crate::package::{Held, Package};
 use crate::sound::Sound;
 use crate::space::Space;
 use crate::transform::transform;
@@ -112,6 +112,18 @@ pub(crate) struct Model {
 /// Greatest number of objects that are placed. Plates hold some hundreds.
 pub(crate) const MOST_PLACED: usize = 100_000;
 
+/// Greatest number of vertices, triangles, beams and balls in all files of an archive:
+/// twice as many triangles as there may be.
+const MOST_SHAPES: usize = if cfg!(test) {
+    1_000_000
+} else {
+    2 * MOST_TRIANGLES
+};
+
+/// Greatest number of nodes, inputs and outputs in all files of an archive. Each
+/// takes some 100 bytes. The largest function that is written has 1.6 million.
+const MOST_NODES: usize = if cfg!(test) { 1_300_000 } else { 4_000_000 };
+
 /// An object of a type that must not be built.
 pub(crate) const OTHER: &str = "an object that is not to be printed";
 
@@ -146,10 +158,12 @@ pub(crate) fn read<R: Read + Seek>(
         says: None,
         is_in_build: false,
         references: 0,
+        held: package.held,
     };
     let found = package.with(path, |bytes| {
         xml::read(path, bytes, |event| reading.see(event))
     })?;
+    package.held = reading.held;
     if found.is_none() {
         return Err(MeshError::File(format!(
             "there is no {path} in its archive; is it a 3MF file?"
@@ -176,6 +190,8 @@ struct Reading {
     is_in_build: bool,
     /// Number of items and components.
     references: usize,
+    /// What this file, and those that were read before it, hold.
+    held: Held,
 }
 
 impl Reading {
@@ -210,6 +226,7 @@ impl Reading {
         if element.space() == Space::Undeclared && !is_resource {
             return Err(element.undeclared());
         }
+        self.hold(element)?;
         match element.space() {
             Space::Core => self.core(element),
             Space::Beams | Space::Balls => self.lattice(element),
@@ -217,6 +234,28 @@ impl Reading {
             Space::Implicit => self.implicit(element),
             _ => Ok(()),
         }
+    }
+
+    /// Counts what takes memory.
+    fn hold(&mut self, element: &Element) -> Result<(), MeshError> {
+        match (element.space(), element.name()) {
+            (Space::Core, "vertex" | "triangle")
+            | (Space::Beams | Space::Balls, _) => self.held.shapes += 1,
+            (Space::Implicit, _) => self.held.nodes += 1,
+            _ => {}
+        }
+        let (what, most) = if self.held.shapes > MOST_SHAPES {
+            ("vertices, triangles and beams", MOST_SHAPES)
+        } else if self.held.nodes > MOST_NODES {
+            ("nodes, inputs and outputs", MOST_NODES)
+        } else {
+            return Ok(());
+        };
+        Err(element.wrong(format!(
+            "more than {} million {what} in the file; save what is to be built \
+             alone",
+            most / 1_000_000
+        )))
     }
 
     /// An element of the volumetric extension.

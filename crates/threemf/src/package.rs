@@ -24,6 +24,17 @@ pub(crate) struct Package<R> {
     archive: ZipArchive<R>,
     /// The bytes that may still be unpacked.
     left: u64,
+    /// What its model files hold so far.
+    pub held: Held,
+}
+
+/// What model files hold.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Held {
+    /// Number of vertices, triangles, beams and balls.
+    pub shapes: usize,
+    /// Number of nodes of functions, of their inputs and of their outputs.
+    pub nodes: usize,
 }
 
 impl<R: Read + Seek> Package<R> {
@@ -44,6 +55,7 @@ impl<R: Read + Seek> Package<R> {
         Ok(Package {
             archive,
             left: MOST_BYTES,
+            held: Held::default(),
         })
     }
 

@@ -194,6 +194,57 @@ fn what_is_placed_in_vain_is_counted_too() {
     assert!(said.contains("objects are placed so often"), "{said}");
 }
 
+/// An archive that is not packed: text that repeats packs better than models do.
+fn stored(model: &str) -> Vec<u8> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default()
+        .compression_method(zip::CompressionMethod::Stored);
+    zip.start_file(ROOT, options).unwrap();
+    zip.write_all(model.as_bytes()).unwrap();
+    zip.finish().unwrap().into_inner()
+}
+
+/// Nothing has to be placed to take memory.
+#[test]
+fn what_is_held_is_counted_in_all_files() {
+    let vertices = "<vertex x=\"0\" y=\"0\" z=\"0\"/>".repeat(200_000);
+    let object = |id: u32| {
+        format!(
+            "<object id=\"{id}\"><mesh><vertices>{vertices}</vertices></mesh>\
+             </object>"
+        )
+    };
+    let other = model("millimeter", &(object(1) + &object(2)), "");
+    let file = |objects: u32| {
+        let own: String = (10..10 + objects).map(&object).collect();
+        let items = "<item p:path=\"/b.model\" objectid=\"1\"/>".to_owned()
+            + "<item p:path=\"/b.model\" objectid=\"1\"/><item objectid=\"9\"/>";
+        let root = model("millimeter", &(own + &cube_object(9, "")), &items);
+        of(&archive(&[(ROOT, &root), ("b.model", &other)]))
+    };
+    assert!(file(2).is_ok());
+    let said = file(3).unwrap_err().to_string();
+    assert!(said.starts_with("/b.model, byte"), "{said}");
+    assert!(said.contains("1 million vertices, triangles and"), "{said}");
+    let outs = "<i:scalar identifier=\"a\"/>".repeat(900);
+    let node = |i: u32| {
+        format!("<i:sin identifier=\"n{i}\"><i:out>{outs}</i:out></i:sin>")
+    };
+    let function = |id: u32| {
+        let nodes: String = (0..500).map(node).collect();
+        format!("<i:implicitfunction id=\"{id}\">{nodes}</i:implicitfunction>")
+    };
+    let file = |functions: u32| {
+        let all: String = (1..=functions).map(function).collect();
+        let all = model("millimeter", &(all + &cube_object(9, "")), ITEM)
+            .replace("objectid=\"1\"", "objectid=\"9\"");
+        of(&stored(&all))
+    };
+    assert!(file(2).is_ok());
+    let said = file(3).unwrap_err().to_string();
+    assert!(said.contains("1 million nodes, inputs and"), "{said}");
+}
+
 #[test]
 fn limits_of_reading_are_told_in_words_of_the_file() {
     let names: String =

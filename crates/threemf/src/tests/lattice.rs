@@ -169,6 +169,19 @@ fn short_beams_are_ignored() {
     is_at(&body, [0.0, 5.0, 0.0], 4.0);
 }
 
+/// The specification allows radii of 0.
+#[test]
+fn beams_and_balls_of_no_thickness_are_left_out() {
+    let text = object(1, "b2:ballmode=\"mixed\" b2:ballradius=\"0\"")
+        .replace("r1=\"0.5\"", "r1=\"0\"");
+    let body = body(&text, ITEM);
+    assert_eq!(body.notes, ["left out 2 beams or balls of no thickness"]);
+    is_at(&body, [5.0, 0.0, 0.0], -1.0);
+    // An end may be sharp.
+    let cone = object(1, "").replace("r1=\"0.5\"", "r1=\"0\" r2=\"1\"");
+    of(&package(&model("millimeter", &cone, ITEM))).unwrap();
+}
+
 #[test]
 fn wrong_lattices_are_refused_with_the_reason() {
     let beam = |beam: &str| beams(1, "", beam);
@@ -186,7 +199,7 @@ fn wrong_lattices_are_refused_with_the_reason() {
             beam("<b:beam v1=\"0\" v2=\"1\" r1=\"1e30\"/>"),
             "thicker than",
         ),
-        (beam("<b:beam v1=\"0\" v2=\"1\" r1=\"0\"/>"), "not above 0"),
+        (beam("<b:beam v1=\"0\" v2=\"1\" r1=\"0\"/>"), "no triangles"),
         (
             beam("<b:beam v1=\"0\" v2=\"1\" cap1=\"hat\"/>"),
             "no end of",
