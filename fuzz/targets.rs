@@ -5,6 +5,9 @@
 //! The fuzzer's programs include this file, and so does
 //! `tests/fuzz_replay.rs`, which runs each function over its seeds.
 
+#[path = "data.rs"]
+mod data;
+
 use glam::DVec3;
 use isocontour::{Cancel, SearchOptions, find_bounds};
 use isoslice::check::{Rules, check};
@@ -23,7 +26,7 @@ use std::time::Duration;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 11] = [
     ("vm", vm),
     ("rhai", rhai),
     ("formula", formula),
@@ -31,6 +34,10 @@ pub const TARGETS: [Target; 7] = [
     ("template", template),
     ("slice", slice),
     ("gcode", gcode),
+    ("mesh", mesh),
+    ("drawing", drawing),
+    ("picture", picture),
+    ("threemf", threemf),
 ];
 
 /// Loads a model as far as its bounds, with little effort.
@@ -220,4 +227,24 @@ pub fn gcode(bytes: &[u8]) {
             panic!("{error}");
         }
     }
+}
+
+/// Meshes: STL, OBJ and PLY.
+pub fn mesh(bytes: &[u8]) {
+    data::mesh(bytes);
+}
+
+/// SVG drawings.
+pub fn drawing(bytes: &[u8]) {
+    data::drawing(bytes);
+}
+
+/// Pictures, volumes and samples.
+pub fn picture(bytes: &[u8]) {
+    data::picture(bytes);
+}
+
+/// Models of 3MF files.
+pub fn threemf(bytes: &[u8]) {
+    data::threemf(bytes);
 }

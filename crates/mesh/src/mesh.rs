@@ -68,6 +68,13 @@ impl Mesh {
         }
         let mut facts = Facts::of(&triangles);
         let triangles = repair(triangles, &mut facts)?;
+        if triangles.corners.is_empty() {
+            return Err(MeshError::File(
+                "its triangles have no area, or cancel one another: nothing is \
+                 left of them; export the part again"
+                    .to_owned(),
+            ));
+        }
         let bounds = triangles.bounds();
         let shell = Shell::new(triangles.vertices, triangles.corners);
         isoslice_base::limits::go_on()?;

@@ -541,3 +541,15 @@ fn doubled_triangles_in_a_part_of_a_shell_are_one() {
     assert_eq!(mesh.facts().doubled, 90);
     assert!(mesh.value(DVec3::ZERO) < -4.8);
 }
+
+/// A fuzzer found these two needles, which are as good as one edge.
+#[test]
+fn triangles_of_which_nothing_is_left_are_refused() {
+    let tiny = f64::from(f32::from_bits(1 << 14));
+    let faces = [
+        [DVec3::Z * tiny, DVec3::ZERO, DVec3::X * 5.9e-39],
+        [DVec3::Y * tiny, DVec3::ZERO, DVec3::X * 4.0],
+    ];
+    let said = Mesh::new("mesh", triangles(&faces)).unwrap_err();
+    assert!(said.to_string().contains("nothing is left"), "{said}");
+}
