@@ -5,7 +5,7 @@
 
 use super::across::Upper;
 use super::held::Limits;
-use super::piece::{OverhangPiece, piece};
+use super::piece::{Both, OverhangPiece, piece};
 use super::printed::Printed;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::crop;
@@ -50,8 +50,12 @@ pub(super) fn ledges(
         let under = crop(&below.area().rings, wide);
         let under = Printed::part(under.clone(), &under, upper.plan);
         let islands = upper.over(&own, &under).must.islands();
+        if islands.is_empty() {
+            return Vec::new();
+        }
+        let both = Both::new(&own.area, below);
         let of_island = |area: Area| {
-            let piece = piece(&area, &own.area, below, upper);
+            let piece = piece(&area, &both, upper);
             Ledge {
                 counts: limits.harm(piece.reach),
                 area,

@@ -6,7 +6,7 @@
 //! reach is the one that the summary of a run has.
 
 use super::across::{Across, Upper};
-use super::piece::{OverhangPiece, piece};
+use super::piece::{Both, OverhangPiece, piece};
 use super::places::{Found, Places};
 use super::plan::OverhangPlan;
 use super::track::Far;
@@ -85,6 +85,7 @@ impl Needs<'_> {
             height: self.spans[i].height(),
             plan,
         };
+        let both = Both::new(here, &below);
         let of_island = |area: Area| {
             let around = area.bounds();
             let near = boxes.meeting(around);
@@ -98,7 +99,7 @@ impl Needs<'_> {
                     reach: 0.0,
                     at: begins[k].at,
                 },
-                None => piece(&area, here, &below, upper),
+                None => piece(&area, &both, upper),
             };
             (self.farthest(piece, around, upper.number), around)
         };

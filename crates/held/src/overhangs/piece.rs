@@ -8,7 +8,8 @@ use super::across::{Across, Upper};
 use super::held::Limits;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
-use isoslice_planar::clip::{crop, difference, intersection};
+use isoslice_layer::cover::neighbour::Neighbour;
+use isoslice_planar::clip::{difference, intersection};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, hatch};
 use isoslice_planar::offset::offset;
@@ -38,18 +39,36 @@ const FINE: Mm = 0.1;
 /// it hangs.
 const SHARE_OF_LONG_BRIDGES: f64 = 0.5;
 
-/// What hangs in `island`. `here` is what the layer has around it.
+/// A layer and the one below it, sorted by place: there may be an island over each
+/// of thousands of pins.
+pub(super) struct Both<'a> {
+    here: Neighbour<'a>,
+    under: Neighbour<'a>,
+    grid: &'a EdgeGrid,
+}
+
+impl<'a> Both<'a> {
+    /// `here` is what the layer has around the islands that will be asked for.
+    pub(super) fn new(here: &'a Area, below: &'a Solid<'_>) -> Both<'a> {
+        Both {
+            here: Neighbour::new(here),
+            under: Neighbour::new(below.area()),
+            grid: below.grid(),
+        }
+    }
+}
+
+/// What hangs in `island`.
 pub(super) fn piece(
     island: &Area,
-    here: &Area,
-    below: &Solid<'_>,
+    both: &Both<'_>,
     upper: Upper<'_>,
 ) -> OverhangPiece {
     let limits = Limits::new(upper.height, upper.plan);
     let around = offset(island, limits.held + TOLERANCE, TOLERANCE);
     let rect = around.bounds();
-    let under = crop(&below.area().rings, rect);
-    let open = difference(&crop(&here.rings, rect), &under);
+    let under = both.under.within(rect);
+    let open = difference(&both.here.within(rect), &under);
     let gaps = intersection(&open, &around);
     // Beside the island lies what bridges span, which does not hang.
     let held = intersection(&gaps, &offset(&under, limits.held, TOLERANCE));
@@ -61,15 +80,14 @@ pub(super) fn piece(
         at: DVec2::ZERO,
     };
     let narrow = 2.0 * (limits.held + limits.harmless);
-    (piece.reach, piece.at) =
-        farthest(island, narrow, |p| away(below.grid(), p));
+    (piece.reach, piece.at) = farthest(island, narrow, |p| away(both.grid, p));
     let long = rect.size().length() > upper.plan.bridge_max;
     if !long && !limits.harm(piece.reach) {
         return piece;
     }
     let lines = gaps.islands().into_iter();
     let lines = lines.filter_map(|gap| {
-        Some((gap.content(), Across::new(&gap, below.grid(), upper)?))
+        Some((gap.content(), Across::new(&gap, both.grid, upper)?))
     });
     let lines: Vec<(Mm2, Across)> = lines.collect();
     let long = lines
@@ -86,7 +104,7 @@ pub(super) fn piece(
     let bridges = lines.iter().flat_map(|(_, across)| across.bridges());
     let bridges = bridges.map(|line| (0, (line.from, line.to)));
     let bridges = EdgeGrid::of(bridges, 1.0);
-    let from_all = |p| away(below.grid(), p).min(away(&bridges, p));
+    let from_all = |p| away(both.grid, p).min(away(&bridges, p));
     (piece.reach, piece.at) = farthest(island, narrow, from_all);
     piece
 }
