@@ -230,9 +230,8 @@ fn tip(given: &str, value: Option<&str>) -> Option<String> {
 fn of_others(setting: &str, value: Option<&str>) -> Option<String> {
     let value = value.filter(|v| !v.contains([' ', '"']));
     if let Some(now) = isoslice_settings::foreign_name(setting) {
-        let is_one = settings::keys().iter().any(|key| key.name == now);
-        if let Some(value) = value.filter(|_| is_one) {
-            return Some(format!("write --set {now}={value}"));
+        if let Some(assignment) = assignment(now, value) {
+            return Some(format!("write --set {assignment}"));
         }
         let option = if now.starts_with('-') { "" } else { "--set " };
         let mut now = now.replace(" = ", "=");
@@ -240,14 +239,27 @@ fn of_others(setting: &str, value: Option<&str>) -> Option<String> {
         return Some(format!("write {option}{now}"));
     }
     match slicerprofile::counterpart(setting)? {
-        Counterpart::Settings(names) => Some(match (&*names, value) {
-            ([name], Some(value)) => format!("write --set {name}={value}"),
+        Counterpart::Settings(names) => Some(match &*names {
+            [name] => format!("write --set {}", assignment(name, value)?),
             _ => format!("write --set with {}", either(&names)),
         }),
         Counterpart::None(why) => {
             Some(format!("it is another slicer's: {why}"))
         }
     }
+}
+
+/// The assignment of a value, or of a likely one; none if there is no such setting.
+fn assignment(name: &str, value: Option<&str>) -> Option<String> {
+    let key = settings::keys().iter().find(|key| key.name == name)?;
+    let default = key.default();
+    let likely = match &*default {
+        // Who writes the option wants it.
+        "false" => "true",
+        text if text.contains(['\n', '"']) => "VALUE",
+        text => text,
+    };
+    Some(format!("{name}={}", value.unwrap_or(likely)))
 }
 
 /// The words for an option, with the value that was given in place of the one in
@@ -288,7 +300,7 @@ mod tests {
         assert!(tip("--step-error").contains("layer_heights, such as"));
         assert!(tip("--head-clearance-height=7").contains("45 mm above"));
         assert!(tip("--repotr").is_empty());
-        assert!(tip("--spiral-vase").contains("--set spiral"));
+        assert!(tip("--spiral-vase").contains("--set spiral=true"));
         assert!(tip("--sparse-infill-density").contains("infill_density"));
         let given = |option: &str, value| super::tip(option, Some(value));
         for (option, value, told) in [

@@ -23,6 +23,19 @@ fn precedence_is_that_of_mathematics() {
     assert_eq!(value("(x^2)^3", 2.0, 0.0, 0.0), 64.0);
 }
 
+/// What is written in place of a shape's name is a formula, negative inside.
+#[test]
+fn shapes_by_name_are_told_as_formulas() {
+    for name in ["sphere 5", "cube(10)", "Cylinder(3, 4)", "torus", "box"] {
+        let error = parse_formula(name, &Files::default()).unwrap_err();
+        let told = error.to_string();
+        let written = told.split_once("; write ").expect(&told).1;
+        let (written, _) = written.split_once(", or a script").unwrap();
+        let at = if name == "torus" { 15.0 } else { 0.0 };
+        assert!(value(written, at, 0.0, 0.0) < 0.0, "{written}");
+    }
+}
+
 #[test]
 fn functions_and_constants() {
     assert_eq!(value("sqrt(x^2+y^2+z^2) - 15", 9.0, 0.0, 12.0), 0.0);
