@@ -609,7 +609,7 @@ fn typical_mistakes_are_told_what_to_write() {
         ("slice ok", "did you mean ok.rhai?"),
         ("slice a.stl", "cannot read a.stl"),
         ("slice a.step", "export it as .stl, .obj, .ply or .3mf"),
-        ("slice ok.gcode", "check and preview read that"),
+        ("slice ok.gcode", "isoslice preview read that"),
         ("slice sqrt(x^2+y^2)-3", "write -e 'sqrt(x^2+y^2)-3'"),
         (
             "slice ok.rhai --set walls 3",
@@ -648,6 +648,16 @@ fn typical_mistakes_are_told_what_to_write() {
         ("slice -e x^2+y^2=9", "write a - b for a < b or a = b"),
         ("render ok.rhai -o ok.jpg", "render draws PNG pictures"),
         ("slice ok.rhai --set wall=3", "did you mean walls?"),
+        ("slice ok.rhai --spiral-vase", "write --set spiral=true"),
+        ("slice ok.rhai --nozzle 0.6", "printer.nozzle_diameter=0.6"),
+        (
+            "slice ok.rhai --set sparse_infill_density=20",
+            "did you mean infill_density?",
+        ),
+        (
+            "slice ok.rhai --set wall_generator=arachne",
+            "it is another slicer's: isoslice measures",
+        ),
         ("slice ok.rhai --set support=auto", "did you mean supports?"),
         (
             "slice ok.rhai --set line_width=0.5",

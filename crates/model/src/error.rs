@@ -36,7 +36,7 @@ pub enum LoadError {
     },
     /// The file's name is not a model's.
     #[error(
-        "{file} {found}: {advice}; models are .rhai scripts, .vm files \
+        "{file} {found}; {advice}; models are .rhai scripts, .vm files \
          (fidget's text format) or meshes (.stl, .obj, .ply, .3mf), and a \
          formula is given with -e"
     )]

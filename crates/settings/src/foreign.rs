@@ -30,7 +30,6 @@ const NAMES: &[(&str, &str)] = &[
     ("support_enable", SUPPORTS),
     ("supports.enable", SUPPORTS),
     ("support_material", SUPPORTS),
-    ("support", SUPPORTS),
     ("support.type", "support.style"),
     ("vase", "spiral"),
     ("spiralize", "spiral"),
@@ -332,7 +331,7 @@ mod tests {
             ("seam=smart", "\"aligned\""),
             ("raft=true", "raft.layers = 3"),
             ("brim=5", "brim.place = outer"),
-            ("support=true", "supports = \"auto\""),
+            ("support=true", "did you mean supports?"),
             ("gcode.flavour=duet", "\"rrf\""),
         ] {
             let told = told(assignment);
