@@ -7,10 +7,12 @@ use std::path::{Path, PathBuf};
 /// Extensions of files that are not G-code, and what to do instead.
 const OTHERS: &[(&[&str], &str)] = &[
     (
-        &[
-            "stl", "3mf", "obj", "ply", "amf", "off", "step", "stp", "iges",
-        ],
+        &["stl", "obj", "ply", "amf", "off", "step", "stp", "iges"],
         "that is a mesh or a drawing, and isoslice makes none",
+    ),
+    (
+        &["3mf"],
+        "that is a model: isoslice export MODEL -o FILE.3mf writes its function",
     ),
     (
         &["png", "jpg", "jpeg", "qoi", "webp", "gif"],

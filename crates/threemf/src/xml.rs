@@ -157,6 +157,7 @@ fn said(error: &quick_xml::Error) -> String {
         quick_xml::Error::Namespace(NamespaceError::TooManyBindings(_)) => {
             "it declares too many namespaces inside one another".to_owned()
         }
+        quick_xml::Error::Io(error) => error.to_string(),
         other => other.to_string(),
     }
 }

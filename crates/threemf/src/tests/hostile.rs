@@ -73,7 +73,7 @@ fn hostile_files_are_refused_with_the_reason() {
         (package(&required("p")), "nothing is to be built"),
         (
             package(&format!("<model>{spaces}</model>")),
-            "more than 1 MB",
+            "byte 8: an element of more than 1 MB",
         ),
         (
             package(&format!("<model>{}</model>", "<a/>".repeat(10 << 20))),
