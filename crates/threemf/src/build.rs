@@ -14,7 +14,8 @@ use crate::package::Package;
 use crate::relations;
 use fidget::context::Tree;
 use glam::{DAffine3, DVec3};
-use isocontour::{Bounds, Data};
+use isocontour::{Bounds, Data, SearchOptions, find_bounds};
+use isoslice_base::limits::Watch;
 use isoslice_mesh::{
     Collector, MOST_STRUTS, MOST_TRIANGLES, MeshError, Strut, Triangles,
 };
@@ -38,6 +39,12 @@ const MOST_CLIPPED: usize = 1000;
 
 /// Greatest number of level sets that are placed. Each is a function of its own.
 const MOST_LEVELS: usize = 1000;
+
+/// Greatest number of level sets for which is found out whether their boxes cut
+/// anything off.
+const MOST_UNBOXED: usize = 4;
+/// Interval operations for that: they take less than a second.
+const UNBOXED_WORK: u64 = 4_000_000;
 
 /// What is to be built.
 #[derive(Default)]
@@ -328,6 +335,10 @@ impl<R: Read + Seek> Building<R> {
         let tree = level.defined(tree);
         let bounds = around.bounds();
         let within = if level.is_in_box || is_box(&around, &bounds) {
+            let is_tried = self.levels.len() < MOST_UNBOXED;
+            if is_tried && is_inside(&tree, &bounds)? {
+                return Ok(tree);
+            }
             cuboid(&bounds)
         } else {
             let (x, y, z) = Tree::axes();
@@ -391,6 +402,21 @@ impl<R: Read + Seek> Building<R> {
         });
         Ok(())
     }
+}
+
+/// True if a box surely cuts nothing off. Without the box a function is the one that
+/// was written, operation by operation.
+fn is_inside(tree: &Tree, around: &Bounds) -> Result<bool, MeshError> {
+    let options = SearchOptions {
+        max_work: UNBOXED_WORK,
+        ..SearchOptions::default()
+    };
+    let found = find_bounds(tree, &options, &Watch::hook());
+    isoslice_base::limits::go_on()?;
+    Ok(found.is_ok_and(|found| {
+        let Bounds { min, max } = found.bounds;
+        min.cmpgt(around.min).all() && max.cmplt(around.max).all()
+    }))
 }
 
 /// True if a mesh is the box around it.
