@@ -9,8 +9,10 @@ const HEIGHT: f64 = 0.2;
 const RADIUS: f64 = 10.0;
 
 /// Four walls and nothing else.
-const BASE: [&str; 9] = [
+const BASE: [&str; 10] = [
     "walls=4",
+    // Walls that do not go on in the outer one: a lower wall cannot.
+    "seam_gap=0.01",
     "infill_density=0",
     "top_layers=0",
     "bottom_layers=0",

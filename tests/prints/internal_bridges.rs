@@ -4,6 +4,7 @@ use crate::common;
 use crate::common::head::Head;
 use glam::{DVec2, DVec3, IVec2};
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 /// A move that extrudes, with its role.
 struct Step {
@@ -16,8 +17,20 @@ struct Step {
     speed: f64,
     /// Speed of the fan, 0 to 255.
     fan: f64,
+    /// Height of the layer, mm.
+    height: f64,
     /// True if no other move lies between it and the one before.
     goes_on: bool,
+}
+
+impl Step {
+    /// True for a way from line to line: as wide as high, it fills less of the layer
+    /// than any line.
+    fn is_way(&self) -> bool {
+        let filament = 0.25 * PI * 1.75_f64.powi(2);
+        let area = self.fed * filament / self.from.distance(self.to);
+        area / self.height < 0.25
+    }
 }
 
 const BASE: [&str; 4] = [
@@ -38,13 +51,16 @@ fn layers(formula: &str, more: &[&str]) -> Vec<Vec<Step>> {
     let end = gcode.find("; end of layers").unwrap();
     let mut head = Head::new(DVec3::new(110.0, 110.0, 0.0));
     let (mut role, mut layers) = ("", Vec::new());
-    let (mut goes_on, mut fan) = (false, 0.0);
+    let (mut goes_on, mut fan, mut height) = (false, 0.0, 0.0);
     for line in gcode[..end].lines() {
         if line.starts_with(";LAYER_CHANGE") {
             layers.push(Vec::new());
         }
         if let Some(name) = line.strip_prefix(";TYPE:") {
             role = name;
+        }
+        if let Some(value) = line.strip_prefix(";HEIGHT:") {
+            height = value.parse().unwrap();
         }
         if let Some(value) = line.strip_prefix("M106 S") {
             fan = value.parse().unwrap();
@@ -61,6 +77,7 @@ fn layers(formula: &str, more: &[&str]) -> Vec<Vec<Step>> {
                 fed: step.fed,
                 speed: step.speed,
                 fan,
+                height,
                 goes_on,
             });
         }
@@ -71,6 +88,7 @@ fn layers(formula: &str, more: &[&str]) -> Vec<Vec<Step>> {
 
 const BRIDGE: &str = "Internal Bridge";
 const INFILL: &str = "Sparse infill";
+const GAP: &str = "Gap infill";
 /// The names of all walls end with this.
 const WALL: &str = " wall";
 
@@ -129,22 +147,39 @@ fn judged(layers: &[Vec<Step>]) -> (f64, usize, usize) {
         }
         let is_infill = |s: &&Step| s.role == INFILL;
         let infill = Cells::new(below.iter().filter(is_infill));
-        // What is solid holds a line beside it as well as one on it.
+        // What is solid holds a line beside it as well as one on it. Its lines end up
+        // to 0.15 mm earlier where they turn back.
         let solid = Cells::new(below.iter().filter(|s| !is_infill(s)));
-        let walls = own.iter().filter(|s| s.role.ends_with(WALL));
+        // Where walls go on in one another, a way lies instead of their ends.
+        let walls = own
+            .iter()
+            .filter(|s| s.role.ends_with(WALL) || s.role == GAP && s.is_way());
         let walls = Cells::new(walls);
-        let held = |p: DVec2| {
-            infill.near(p, HALF)
-                || solid.near(p, HALF + 0.1)
-                || walls.near(p, 2.0 * HALF)
+        let held = |p: DVec2, more: f64| {
+            infill.near(p, HALF + more)
+                || solid.near(p, HALF + 0.25 + more)
+                || walls.near(p, 2.0 * HALF + more)
+        };
+        // A line that turns back into the next one has given 0.15 mm for the way, and
+        // still lies on what holds it with its side.
+        let turns = |i: usize| {
+            let goes_on = bridges.get(i).is_some_and(|step| step.goes_on);
+            if goes_on { 0.15 } else { 0.0 }
+        };
+        // Lines go on in one another by ways, which may end what they begin.
+        let begins = |i: usize| {
+            let before = i.checked_sub(1).map(|i| bridges[i]);
+            let step = bridges.get(i);
+            step.zip(before).is_none_or(|(step, before)| {
+                !step.goes_on || step.is_way() || before.is_way()
+            })
         };
         let mut run = 0.0;
         for (i, step) in bridges.iter().enumerate() {
-            let first = !step.goes_on;
-            let last = bridges.get(i + 1).is_none_or(|next| !next.goes_on);
-            free += usize::from(first && !held(step.from));
-            free += usize::from(last && !held(step.to));
-            lines += usize::from(first);
+            let (first, last) = (begins(i), begins(i + 1));
+            free += usize::from(first && !held(step.from, turns(i)));
+            free += usize::from(last && !held(step.to, turns(i + 1)));
+            lines += usize::from(first && !step.is_way());
             if first {
                 run = 0.0;
             }
@@ -152,7 +187,11 @@ fn judged(layers: &[Vec<Step>]) -> (f64, usize, usize) {
             let count = (length / 0.05).ceil();
             for k in 0..count as usize {
                 let p = step.from.lerp(step.to, k as f64 / count);
-                run = if held(p) { 0.0 } else { run + length / count };
+                run = if held(p, 0.0) {
+                    0.0
+                } else {
+                    run + length / count
+                };
                 longest = longest.max(run);
             }
         }
@@ -197,7 +236,7 @@ fn a_top_has_one_layer_across_the_infill() {
     let inside = (24.0 - 4.0 * 0.407) * (18.0 - 4.0 * 0.407);
     let laid: f64 = layers[16]
         .iter()
-        .filter(|s| s.role == BRIDGE)
+        .filter(|s| s.role == BRIDGE && !s.is_way())
         .map(|s| s.from.distance(s.to) * 0.407)
         .sum();
     assert!((laid / inside - 1.0).abs() < 0.03, "{laid} {inside}");

@@ -7,12 +7,12 @@
 //! ```
 //!
 //! In: a layer's beads in print order. Out: these beads, of which some go on in
-//! the next one. Tops keep their ends, and so do bridges, whose lines have to
-//! hang straight; only a stub goes on in the one beside it, and gives what the way
-//! lays. An outer wall keeps its whole length: where a way leads from its end or to
-//! it, the hidden stroke at the other end of the way gives some of what the way lays.
-//! A way stays off the outer walls: it comes no nearer to the outline than a wall
-//! beside them or than its ends do.
+//! the next one. The lines of tops keep their ends; only a stub goes on in the one
+//! beside it, and gives what the way lays. The lines of bridges go on only in lines
+//! right beside them, so that they end where something holds them. An outer wall keeps
+//! its whole length: where a way leads from it or to it, the hidden stroke at the other
+//! end of the way gives what the way lays. A way stays off the outer walls: it comes no
+//! nearer to the outline than a wall beside them or than its ends do.
 
 use super::{OrderPlan, jobs};
 use glam::DVec2;
@@ -23,6 +23,10 @@ use std::cell::OnceCell;
 
 /// Longest way from a stroke to the next, in widths.
 const REACH: f64 = 3.4;
+/// Longest way from a line of a bridge to the next, in widths, and what each of them
+/// gives for it at most, mm: what is under its end is wider.
+const STRANDS: f64 = 2.0;
+const STRAND_GIVES: Mm = 0.15;
 /// How far a way may lead back along a hidden stroke, in widths: it lies on what
 /// has just been printed, or soon will be.
 const BACK: f64 = 2.5;
@@ -41,11 +45,10 @@ const WALLS: f64 = 0.99;
 /// Share of what a way between a skin's strokes lays that has to be taken from
 /// the strokes, which leave corners open.
 const SKINS: f64 = 0.5;
-/// Share of what a way at an outer wall lays that is taken from the hidden
-/// stroke. The rest fills the corner where the wall ends.
+/// Share of what a way at the end of an outer wall lays that is taken from the
+/// hidden stroke. The rest fills the corner where the wall ends.
 const CORNERS: f64 = 0.5;
-/// A stroke of a top or of an internal bridge that is shorter than this goes on in
-/// the next one, mm: a way to it shows less than a stroke that begins and ends there.
+/// A stroke of a top that is shorter than this goes on in the next one, mm: a way to it shows less than a stroke that begins and ends there.
 const STUB: Mm = 1.0;
 /// Slack in distances from the outline, mm.
 const OFF_OUTLINE: Mm = 0.03;
@@ -121,7 +124,9 @@ impl Link {
         let mean = 0.5 * (a.width() + b.width());
         // Strokes may end in a point.
         let wide = mean.max(0.5 * (before.stroke.width + after.stroke.width));
-        if way <= 0.0 || way > REACH * wide {
+        let strands = is_strand(before.role) && is_strand(after.role);
+        let reach = if strands { STRANDS } else { REACH } * wide;
+        if way <= 0.0 || way > reach {
             return None;
         }
         let (back, ahead) = (a.back(b.at)?, b.back(a.at)?);
@@ -144,8 +149,12 @@ impl Link {
             return (fits && way <= GAP * wide).then_some(link);
         }
         let most = [a.gives(), b.gives()];
-        let beside = before.role.shows() || after.role.shows();
-        let part = if beside { CORNERS } else { 1.0 };
+        let corner = |b: &Bead| b.role.shows() && !b.stroke.closed;
+        let part = if corner(before) || corner(after) {
+            CORNERS
+        } else {
+            1.0
+        };
         let mut all = 0.0;
         for _ in 0..ROUNDS {
             all = part * way * share / own;
@@ -158,7 +167,7 @@ impl Link {
         }
         let enough = if walls { WALLS } else { SKINS };
         // Where the ends give way for it, a way may grow too long.
-        (way <= REACH * wide && link.taken[0] + link.taken[1] >= enough * all)
+        (way <= reach && link.taken[0] + link.taken[1] >= enough * all)
             .then_some(link)
     }
 
@@ -235,41 +244,45 @@ impl End<'_> {
 
     /// Length that may be taken from here: what shows gives nothing.
     fn gives(&self) -> Mm {
-        if self.bead.role.shows()
-            || joins_stubs(self.bead.role) && !is_stub(self.bead)
-        {
-            0.0
-        } else {
-            SHARE * self.bead.stroke.length()
+        let bead = self.bead;
+        let most = SHARE * bead.stroke.length();
+        match bead.role {
+            role if role.shows() => 0.0,
+            Role::TopSkin if !is_stub(bead) => 0.0,
+            role if is_strand(role) => most.min(STRAND_GIVES),
+            _ => most,
         }
     }
 }
 
 /// True if a way may lead from one bead to the next: nobody sees where they end,
 /// or one of them is an outer wall that ends inside the part. An open wall ends
-/// where others meet it. A closed one ends at its seam; a way may lead from
-/// there into the gap behind it, unless the seam is a gap or a scarf.
+/// where others meet it. A closed one begins and ends at its seam; a way may lead
+/// there from the wall behind it, and from there into a gap, unless the seam is a gap
+/// or a scarf. To an inner wall the end of an outer one is wiped.
 fn may_go_on(before: &Bead, after: &Bead, plan: &OrderPlan) -> bool {
     let hides = |bead: &Bead| hidden(bead.role, plan);
     let open =
         |bead: &Bead| bead.role == Role::OuterWall && !bead.stroke.closed;
-    let seam = before.role == Role::OuterWall
-        && before.stroke.closed
-        && plan.whole_seams;
+    let closed =
+        |bead: &Bead| bead.role == Role::OuterWall && bead.stroke.closed;
+    let enters = closed(after) && is_wall(before.role) && plan.enters_seams;
+    let leaves =
+        closed(before) && after.role == Role::GapFill && plan.whole_seams;
     let may = hides(before) && (hides(after) || open(after))
         || open(before) && hides(after)
-        || seam && after.role == Role::GapFill;
-    let stub = before.role == after.role
-        && joins_stubs(before.role)
-        && plan.skin_meets_ring
-        && [before, after].into_iter().any(is_stub);
-    (may || stub) && [before, after].iter().all(|b| b.plane != Plane::HalfLower)
+        || enters
+        || leaves;
+    let alike = before.role == after.role && plan.skin_meets_ring;
+    let stub = || [before, after].into_iter().any(is_stub);
+    let skin = alike
+        && (is_strand(before.role) || before.role == Role::TopSkin && stub());
+    (may || skin) && [before, after].iter().all(|b| b.plane != Plane::HalfLower)
 }
 
-/// True if strokes of a role keep their ends, unless one of them is a stub: a top is
-/// seen, and the lines of bridges end where something holds them.
-fn joins_stubs(role: Role) -> bool {
-    matches!(role, Role::TopSkin | Role::InternalBridge)
+/// True for lines that hang between what holds their ends.
+fn is_strand(role: Role) -> bool {
+    matches!(role, Role::Bridge | Role::InternalBridge)
 }
 
 /// True for a stroke that is too short to be one of its own.
@@ -311,6 +324,7 @@ fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
 mod tests {
     use super::*;
     use isoslice_planar::{Area, rect};
+    use isoslice_settings::Varying;
     use isoslice_settings::testing::{plan_with, usual_plan};
 
     const WIDTH: f64 = 0.45;
@@ -434,13 +448,7 @@ mod tests {
         assert!(pair(inner, inner, 0.4));
         assert!(pair(Role::InternalSkin, Role::BottomSkin, 1.4));
         assert!(!pair(inner, inner, 1.6));
-        let shows = [
-            Role::Overhang,
-            Role::TopSkin,
-            Role::Bridge,
-            Role::Ironing,
-            Role::Skirt,
-        ];
+        let shows = [Role::Overhang, Role::TopSkin, Role::Ironing, Role::Skirt];
         for role in shows {
             assert!(!pair(role, role, 0.4), "{role:?}");
             assert!(!pair(inner, role, 0.4), "{role:?}");
@@ -453,26 +461,84 @@ mod tests {
     #[test]
     fn a_stub_goes_on_in_the_stroke_beside_it() {
         let y = apart();
-        for role in [Role::TopSkin, Role::InternalBridge] {
-            let long = line(role, &[(0.0, 0.0), (5.0, 0.0)]);
-            let stub = line(role, &[(5.0, y), (4.3, y)]);
-            for both in [[&long, &stub], [&stub, &long]] {
-                let mut both = both.map(Clone::clone);
-                if both[0] == stub {
-                    both.iter_mut().for_each(|b| b.stroke.reverse());
-                }
-                let found = linked_inside(&both);
-                assert_eq!(strokes(&found), 1, "{role:?}");
-                // The long stroke keeps both of its ends.
-                let longer = both.iter().find(|b| !is_stub(b)).unwrap();
-                assert!(found.contains(longer), "{role:?}");
-                let share = laid(&found) / laid(&both);
-                assert!((share - 1.0).abs() < 0.01, "{role:?}: {share}");
+        let role = Role::TopSkin;
+        let long = line(role, &[(0.0, 0.0), (5.0, 0.0)]);
+        let stub = line(role, &[(5.0, y), (4.3, y)]);
+        for both in [[&long, &stub], [&stub, &long]] {
+            let mut both = both.map(Clone::clone);
+            if both[0] == stub {
+                both.iter_mut().for_each(|b| b.stroke.reverse());
             }
+            let found = linked_inside(&both);
+            assert_eq!(strokes(&found), 1);
+            // The long stroke keeps both of its ends.
+            let longer = both.iter().find(|b| !is_stub(b)).unwrap();
+            assert!(found.contains(longer));
+            let share = laid(&found) / laid(&both);
+            assert!((share - 1.0).abs() < 0.01, "{share}");
         }
-        let bridge = line(Role::Bridge, &[(5.0, y), (4.3, y)]);
-        let both = [line(Role::Bridge, &[(0.0, 0.0), (5.0, 0.0)]), bridge];
-        assert_eq!(linked_inside(&both), both);
+    }
+
+    #[test]
+    fn lines_of_bridges_are_one_stroke_with_those_beside_them() {
+        let y = apart();
+        for role in [Role::InternalBridge, Role::Bridge] {
+            let there = line(role, &[(0.0, 0.0), (5.0, 0.0)]);
+            let back = line(role, &[(5.2, y), (-0.1, y)]);
+            let again = line(role, &[(0.0, 2.0 * y), (5.0, 2.0 * y)]);
+            let all = [there, back, again];
+            let found = linked_inside(&all);
+            assert_eq!((found.len(), strokes(&found)), (5, 1), "{role:?}");
+            let share = laid(&found) / laid(&all);
+            assert!((share - 1.0).abs() < 2e-3, "{role:?}: {share}");
+            for (k, line) in all.iter().enumerate() {
+                let less = line.stroke.length() - found[2 * k].stroke.length();
+                assert!(less < 0.3, "{role:?}: {less}");
+            }
+            assert!((found[1].stroke.width - HEIGHT).abs() < 1e-9);
+            assert!(found.iter().all(|b| b.role == role));
+            // Skin that is to lie apart from what is around it has no way there.
+            let apart = plan_with(OrderPlan::of, |s| s.skin_ring_gap = 0.2);
+            assert_eq!(linked(all.to_vec(), &far_away(), &apart), all);
+            // Lines over different gaps stay apart.
+            let far = line(role, &[(6.0, y), (9.0, y)]);
+            let both = [all[0].clone(), far];
+            assert_eq!(linked_inside(&both), both);
+        }
+    }
+
+    /// Two loops side by side, both of which begin near a corner.
+    #[test]
+    fn an_inner_wall_goes_on_in_the_outer_one_at_its_seam() {
+        let wall = |role: Role, half: f64| {
+            let points = rect(-half, -half, half, half).rings.remove(0);
+            Bead::new(role, Stroke::new(points, true, WIDTH), HEIGHT)
+        };
+        let outer = wall(Role::OuterWall, 5.0);
+        let inner = wall(Role::InnerWall, 5.0 - apart());
+        let outline = rect(-5.225, -5.225, 5.225, 5.225);
+        let solid = EdgeGrid::new(&outline, 1.0);
+        let both = [inner, outer];
+        let found = linked_in(&solid, &both);
+        assert_eq!(found.len(), 3);
+        assert_eq!(found[2], both[1]);
+        let way = &found[1].stroke.points;
+        assert_eq!(way.first().copied(), jobs::end(&found[0]));
+        assert_eq!(way.last(), found[2].stroke.points.first());
+        let share = laid(&found) / laid(&both);
+        assert!((share - 1.0).abs() < 1e-3, "{share}");
+        // The end of the outer wall is wiped.
+        let turned = [both[1].clone(), both[0].clone()];
+        assert_eq!(linked_in(&solid, &turned), turned);
+        for (seam_gap, seam_scarf, contour_z) in
+            [(0.1, 0.0, 0.0), (0.0, 5.0, 0.0), (0.0, 0.0, 100.0)]
+        {
+            let apart = plan_with(OrderPlan::of, |s| {
+                (s.seam_gap, s.seam_scarf) = (seam_gap, seam_scarf.into());
+                s.contour_z = Varying::Constant(contour_z);
+            });
+            assert_eq!(linked(both.to_vec(), &solid, &apart), both);
+        }
     }
 
     /// What a way of the narrowest width lays, mm².
@@ -526,7 +592,7 @@ mod tests {
         assert_eq!(found[0], both[0]);
         assert_eq!(found[1].stroke.points[0], corner);
         assert_eq!(found[1].stroke.points[1], found[2].stroke.points[0]);
-        // No way leads from a seam that is a gap or a scarf, nor to a seam.
+        // No way leads from a seam that is a gap or a scarf, nor to one far away.
         for (seam_gap, seam_scarf) in [(0.1, 0.0), (0.0, 5.0)] {
             let apart = plan_with(OrderPlan::of, |s| {
                 (s.seam_gap, s.seam_scarf) = (seam_gap, seam_scarf.into());

@@ -18,6 +18,9 @@ pub struct OrderPlan {
     pub(super) outer_width: Mm,
     /// True if a closed outer wall ends where it begins, in full width.
     pub(super) whole_seams: bool,
+    /// True if a way may lead from an inner wall to where an outer wall begins. It
+    /// would be a step where beads follow the surface in z.
+    pub(super) enters_seams: bool,
     /// True if lines of skin end at the ring around them, without a gap.
     pub(super) skin_meets_ring: bool,
 }
@@ -25,6 +28,8 @@ pub struct OrderPlan {
 impl OrderPlan {
     /// The plan that settings ask for.
     pub fn of(s: &Settings) -> OrderPlan {
+        let whole_seams = s.seam_gap <= 0.0 && s.seam_scarf.length <= 0.0;
+        let level = s.contour_z == Varying::Constant(0.0);
         OrderPlan {
             inner_first: s.wall_order == WallOrder::InnerFirst,
             inner_first_at_overhangs: s.wall_order
@@ -32,7 +37,8 @@ impl OrderPlan {
             turns_overhangs: s.overhang_reverse,
             begins_anywhere: s.seam == Varying::Constant(SeamRule::Nearest),
             outer_width: s.outer_wall_width(),
-            whole_seams: s.seam_gap <= 0.0 && s.seam_scarf.length <= 0.0,
+            whole_seams,
+            enters_seams: whole_seams && level,
             skin_meets_ring: s.skin_ring_gap <= 0.0,
         }
     }
