@@ -431,7 +431,7 @@ fn explained(error: SettingsError) -> SettingsError {
     let known = isoslice_settings::foreign_name(&key).is_some()
         || isoslice_settings::instead(&key).is_some();
     let hint = match slicerprofile::counterpart(&key) {
-        Some(Counterpart::Settings(names)) if !known => {
+        Some(Counterpart::Keys(names)) if !known => {
             format!("did you mean {}?", either(&names))
         }
         Some(Counterpart::None(why)) if !known => {

@@ -239,7 +239,7 @@ fn of_others(setting: &str, value: Option<&str>) -> Option<String> {
         return Some(format!("write {option}{now}"));
     }
     match slicerprofile::counterpart(setting)? {
-        Counterpart::Settings(names) => Some(match &*names {
+        Counterpart::Keys(names) => Some(match &*names {
             [name] => format!("write --set {}", assignment(name, value)?),
             _ => format!("write --set with {}", either(&names)),
         }),

@@ -194,8 +194,8 @@ pub(crate) fn row_of(slicer: Slicer, key: &str) -> Option<&'static Row> {
 pub fn counterpart(key: &str) -> Option<Counterpart> {
     let row = rows().find(|row| row.keys.contains(&key))?;
     Some(match &row.rule {
-        Rule::To(setting, _) => Counterpart::Settings(vec![setting]),
-        Rule::Made { settings, .. } => Counterpart::Settings(settings.to_vec()),
+        Rule::To(setting, _) => Counterpart::Keys(vec![setting]),
+        Rule::Made { settings, .. } => Counterpart::Keys(settings.to_vec()),
         Rule::Ignored(why) | Rule::Lost(_, why) => Counterpart::None(why),
     })
 }
@@ -204,7 +204,7 @@ pub fn counterpart(key: &str) -> Option<Counterpart> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Counterpart {
     /// One or several settings.
-    Settings(Vec<&'static str>),
+    Keys(Vec<&'static str>),
     /// Nothing; the reason.
     None(&'static str),
 }
