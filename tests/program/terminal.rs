@@ -168,7 +168,7 @@ fn usual_mistakes_are_told_what_to_write() {
     for (args, words) in [
         (&["--supports"][..], "--set supports=auto"),
         (&["--layer-height", "0.1"], "--set layer_height=0.1"),
-        (&["--infill=30"], "infill_density=25%"),
+        (&["--infill=30"], "--set infill_density=30%"),
         (&["--nozzle-temperature=1"], "filament.nozzle_temperature"),
         (
             &["--set", "temperature=200"],
