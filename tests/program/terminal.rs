@@ -172,7 +172,7 @@ fn usual_mistakes_are_told_what_to_write() {
         (&["--nozzle-temperature=1"], "filament.nozzle_temperature"),
         (
             &["--set", "temperature=200"],
-            "filament.nozzle_temperature or filament.bed_temperature",
+            "filament.nozzle_temperature or filament.first_layer_nozzle",
         ),
         (
             &["--set", "outer_wall=30"],
