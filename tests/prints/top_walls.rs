@@ -65,8 +65,9 @@ fn inner_walls_go_around_what_the_next_layer_covers() {
                 assert!((layer.fed() - usual[i].fed()).abs() < 1e-3);
             }
         }
+        // A wall to whose beginning an inner wall leads ends up to 0.1 mm earlier.
         let outer = layer.length(OUTER_WALL);
-        assert!((outer - usual[i].length(OUTER_WALL)).abs() < 0.01);
+        assert!((outer - usual[i].length(OUTER_WALL)).abs() < 0.1);
         // Nothing is left out, and nothing is laid twice.
         let area = if i <= TOP { 600.0 } else { 100.0 };
         let share = share(layer, area);

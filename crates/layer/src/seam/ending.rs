@@ -22,7 +22,7 @@ use crate::resolution::Resolution;
 use crate::walls::Support;
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
-use isoslice_planar::bead::{Bead, Role, Stroke, cross_section};
+use isoslice_planar::bead::{Bead, Role, Stroke, cross_section, spacing};
 use isoslice_planar::grid::EdgeGrid;
 
 /// A bead, and what follows it.
@@ -64,7 +64,7 @@ pub fn endings(
 ) -> Vec<Ended> {
     let rises = plan.rises && !first;
     let mut beads = beads.into_iter().peekable();
-    let mut out = Vec::with_capacity(beads.len());
+    let mut out: Vec<Ended> = Vec::with_capacity(beads.len());
     while let Some(bead) = beads.next() {
         // A way that leads from a seam into the part is as good as a wipe.
         let goes_on = beads.peek().is_some_and(|next| {
@@ -79,7 +79,10 @@ pub fn endings(
         let length = bead.stroke.length();
         // At least half of a loop stays as it is.
         let scarf = plan.scarf.min(0.5 * length);
-        let gap = plan.gap.min(0.5 * length);
+        let way = out
+            .last()
+            .map_or(0.0, |before| entered(&bead, &before.bead));
+        let gap = (plan.gap + way).min(0.5 * length);
         let beads = if scarf > 0.0 && rises {
             let whole = opened(&bead, length + scarf - gap, &[], None);
             let scarf = Scarf {
@@ -103,6 +106,18 @@ pub fn endings(
         out.extend(all);
     }
     out
+}
+
+/// Length of a wall, mm, that a way to its beginning lays beside its middle. The wall
+/// ends earlier by as much, or a seam would get a tenth too much.
+fn entered(wall: &Bead, before: &Bead) -> Mm {
+    let leads_here = before.role == Role::GapFill
+        && before.stroke.points.last() == wall.stroke.points.first();
+    if !leads_here {
+        return 0.0;
+    }
+    let plane = |b: &Bead| spacing(b.stroke.width, b.stroke.width, b.height);
+    0.5 * wall.stroke.width * plane(before) / plane(wall)
 }
 
 /// The beads, with walls cut where they begin or cease to hang over what holds
@@ -307,6 +322,30 @@ mod tests {
         // A tiny loop is not opened as a whole.
         let tiny = ended(wall(0.05), &plan(0.0, 2.0, 0.0)).bead;
         assert!((tiny.stroke.length() - 0.2).abs() < 1e-9);
+    }
+
+    /// The way's half within the wall and the wall lay what the wall did.
+    #[test]
+    fn a_wall_ends_earlier_where_a_way_leads_to_its_beginning() {
+        let wall = wall(9.775);
+        let begin = wall.stroke.points[0];
+        let way = |to: DVec2| {
+            let points = vec![DVec2::splat(-9.3), to];
+            let stroke = Stroke::new(points, false, 0.2);
+            Bead::new(Role::GapFill, stroke, 0.2)
+        };
+        let grid = EdgeGrid::new(&Area::from(square_ring(10.0)), 1.0);
+        let after = |way: Bead| {
+            let beads = vec![way, wall.clone()];
+            endings(beads, &grid, false, &plan(0.0, 0.0, 0.0)).remove(1)
+        };
+        let own = after(way(begin)).bead.stroke;
+        assert!(!own.closed && own.points[0] == begin);
+        let less = 4.0 * 2.0 * 9.775 - own.length();
+        let flat = 0.2 * (1.0 - std::f64::consts::FRAC_PI_4);
+        let meant = 0.225 * (0.2 - flat) / (0.45 - flat);
+        assert!((less - meant).abs() < 1e-9, "{less} {meant}");
+        assert_eq!(after(way(begin + DVec2::X)).bead, wall);
     }
 
     #[test]
