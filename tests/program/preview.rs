@@ -81,9 +81,9 @@ fn our_own_files_are_read_as_they_were_meant() {
         }
         assert_eq!(layers, 15);
         // A ring of 10 mm less a width, in each of 15 layers; chords of
-        // 5 µm accuracy.
+        // 5 µm accuracy. It ends 0.087 mm early, as a way leads to its beginning.
         let length: f64 = outer.iter().map(|m| m.length()).sum();
-        let expected = 15.0 * PI * (10.0 - outer[0].width);
+        let expected = 15.0 * (PI * (10.0 - outer[0].width) - 0.087);
         assert!((length / expected - 1.0).abs() < 2e-3, "{length}");
         assert!(reader.info().generator.as_deref().is_some_and(|name| {
             name == concat!("isoslice ", env!("CARGO_PKG_VERSION"))
