@@ -147,24 +147,17 @@ fn judged(layers: &[Vec<Step>]) -> (f64, usize, usize) {
         }
         let is_infill = |s: &&Step| s.role == INFILL;
         let infill = Cells::new(below.iter().filter(is_infill));
-        // What is solid holds a line beside it as well as one on it. Its lines end up
-        // to 0.15 mm earlier where they turn back.
+        // What is solid holds a line beside it as well as one on it.
         let solid = Cells::new(below.iter().filter(|s| !is_infill(s)));
         // Where walls go on in one another, a way lies instead of their ends.
         let walls = own
             .iter()
             .filter(|s| s.role.ends_with(WALL) || s.role == GAP && s.is_way());
         let walls = Cells::new(walls);
-        let held = |p: DVec2, more: f64| {
-            infill.near(p, HALF + more)
-                || solid.near(p, HALF + 0.25 + more)
-                || walls.near(p, 2.0 * HALF + more)
-        };
-        // A line that turns back into the next one has given 0.15 mm for the way, and
-        // still lies on what holds it with its side.
-        let turns = |i: usize| {
-            let goes_on = bridges.get(i).is_some_and(|step| step.goes_on);
-            if goes_on { 0.15 } else { 0.0 }
+        let held = |p: DVec2| {
+            infill.near(p, HALF)
+                || solid.near(p, HALF + 0.1)
+                || walls.near(p, 2.0 * HALF)
         };
         // Lines go on in one another by ways, which may end what they begin.
         let begins = |i: usize| {
@@ -177,8 +170,8 @@ fn judged(layers: &[Vec<Step>]) -> (f64, usize, usize) {
         let mut run = 0.0;
         for (i, step) in bridges.iter().enumerate() {
             let (first, last) = (begins(i), begins(i + 1));
-            free += usize::from(first && !held(step.from, turns(i)));
-            free += usize::from(last && !held(step.to, turns(i + 1)));
+            free += usize::from(first && !held(step.from));
+            free += usize::from(last && !held(step.to));
             lines += usize::from(first && !step.is_way());
             if first {
                 run = 0.0;
@@ -187,11 +180,7 @@ fn judged(layers: &[Vec<Step>]) -> (f64, usize, usize) {
             let count = (length / 0.05).ceil();
             for k in 0..count as usize {
                 let p = step.from.lerp(step.to, k as f64 / count);
-                run = if held(p, 0.0) {
-                    0.0
-                } else {
-                    run + length / count
-                };
+                run = if held(p) { 0.0 } else { run + length / count };
                 longest = longest.max(run);
             }
         }

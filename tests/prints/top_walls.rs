@@ -65,9 +65,13 @@ fn inner_walls_go_around_what_the_next_layer_covers() {
                 assert!((layer.fed() - usual[i].fed()).abs() < 1e-3);
             }
         }
-        // A wall to whose beginning an inner wall leads ends up to 0.1 mm earlier.
-        let outer = layer.length(OUTER_WALL);
-        assert!((outer - usual[i].length(OUTER_WALL)).abs() < 0.1);
+        // A wall to whose beginning an inner wall leads ends earlier by what the way
+        // lays within it. The tops of plate and tower have no such way.
+        let flat = HEIGHT * (1.0 - std::f64::consts::FRAC_PI_4);
+        let way = 0.225 * (HEIGHT - flat) / (0.45 - flat);
+        let more = if i == TOP || i == 19 { way } else { 0.0 };
+        let outer = layer.length(OUTER_WALL) - more;
+        assert!((outer - usual[i].length(OUTER_WALL)).abs() < 0.01);
         // Nothing is left out, and nothing is laid twice.
         let area = if i <= TOP { 600.0 } else { 100.0 };
         let share = share(layer, area);

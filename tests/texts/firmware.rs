@@ -121,7 +121,7 @@ fn each_example(
     all.push(&flavour);
     for example in examples() {
         let (model, settings) = example.place(&all);
-        let (gcode, _) = slice_layers(&model, &settings, "1..10", 2);
+        let (gcode, _) = slice_layers(&model, &settings, "1..24", 2);
         assert_known(&gcode, known);
         let count =
             |command| commands(&gcode).filter(|c| word(c) == command).count();

@@ -8,11 +8,12 @@
 //!
 //! In: a layer's beads in print order. Out: these beads, of which some go on in
 //! the next one. The lines of tops keep their ends; only a stub goes on in the one
-//! beside it, and gives what the way lays. The lines of bridges go on only in lines
-//! right beside them, so that they end where something holds them. An outer wall keeps
-//! its whole length: where a way leads from it or to it, the hidden stroke at the other
-//! end of the way gives what the way lays. A way stays off the outer walls: it comes no
-//! nearer to the outline than a wall beside them or than its ends do.
+//! beside it, and gives what the way lays. The lines of bridges keep their ends, where
+//! something holds them, and become narrower by what the way lays. An outer wall stays as
+//! it is here: where a way leads from it or to it, the hidden stroke at the other end of
+//! the way gives what the way lays beside the wall; a closed wall to which one leads ends
+//! earlier by the rest, once it gets its end (`seam::ending`). A way stays off the outer
+//! walls: it comes no nearer to the outline than a wall beside them or than its ends do.
 
 use super::{OrderPlan, jobs};
 use glam::DVec2;
@@ -23,10 +24,11 @@ use std::cell::OnceCell;
 
 /// Longest way from a stroke to the next, in widths.
 const REACH: f64 = 3.4;
-/// Longest way from a line of a bridge to the next, in widths, and what each of them
-/// gives for it at most, mm: what is under its end is wider.
+/// Longest way from a line of a bridge to the next, in widths: little of it hangs beside
+/// what holds the lines.
 const STRANDS: f64 = 2.0;
-const STRAND_GIVES: Mm = 0.15;
+/// Share of its width that a line of a bridge gives for a way.
+const NARROWER: f64 = 0.05;
 /// How far a way may lead back along a hidden stroke, in widths: it lies on what
 /// has just been printed, or soon will be.
 const BACK: f64 = 2.5;
@@ -48,7 +50,8 @@ const SKINS: f64 = 0.5;
 /// Share of what a way at the end of an outer wall lays that is taken from the
 /// hidden stroke. The rest fills the corner where the wall ends.
 const CORNERS: f64 = 0.5;
-/// A stroke of a top that is shorter than this goes on in the next one, mm: a way to it shows less than a stroke that begins and ends there.
+/// A stroke of a top that is shorter than this goes on in the next one, mm: a way to it
+/// shows less than a stroke that begins and ends there.
 const STUB: Mm = 1.0;
 /// Slack in distances from the outline, mm.
 const OFF_OUTLINE: Mm = 0.03;
@@ -88,7 +91,9 @@ pub fn linked(
                 (&mut *before, true, link.taken[0]),
                 (&mut bead, false, link.taken[1]),
             ] {
-                if taken > 0.0 {
+                if taken > 0.0 && is_strand(bead.role) {
+                    bead.stroke = narrowed(bead, taken);
+                } else if taken > 0.0 {
                     bead.stroke = shortened(bead, last, taken);
                 }
             }
@@ -108,7 +113,7 @@ struct Link {
     /// Width of the way between the two beads.
     width: Mm,
     /// Lengths that are taken from the end of the first bead and from the
-    /// beginning of the second one.
+    /// beginning of the second one; from lines of bridges, what these lengths lay.
     taken: [Mm; 2],
     /// True if the way fills a gap between two beads that point at each other.
     fills: bool,
@@ -165,8 +170,8 @@ impl Link {
             let half = most[0].min(0.5 * all);
             link.taken[1] = most[1].min(all - half);
             link.taken[0] = most[0].min(all - link.taken[1]);
-            link.from = before.stroke.place(true, link.taken[0])?;
-            link.to = after.stroke.place(false, link.taken[1])?;
+            link.from = a.without(link.taken[0])?;
+            link.to = b.without(link.taken[1])?;
             way = link.from.distance(link.to);
         }
         let enough = if walls { WALLS } else { SKINS };
@@ -246,16 +251,24 @@ impl End<'_> {
         if self.bead.role.shows() { BESIDE } else { BACK }
     }
 
+    /// Where the bead ends once a length of it was taken.
+    fn without(&self, taken: Mm) -> Option<DVec2> {
+        if is_strand(self.bead.role) {
+            return Some(self.at);
+        }
+        self.bead.stroke.place(self.last, taken)
+    }
+
     /// Length that may be taken from here: what shows gives nothing.
     fn gives(&self) -> Mm {
         let bead = self.bead;
-        let most = SHARE * bead.stroke.length();
-        match bead.role {
+        let share = match bead.role {
             role if role.shows() => 0.0,
             Role::TopSkin if !is_stub(bead) => 0.0,
-            role if is_strand(role) => most.min(STRAND_GIVES),
-            _ => most,
-        }
+            role if is_strand(role) => NARROWER,
+            _ => SHARE,
+        };
+        share * bead.stroke.length()
     }
 }
 
@@ -316,6 +329,17 @@ fn hidden(role: Role, plan: &OrderPlan) -> bool {
         Role::InternalSkin | Role::BottomSkin => plan.skin_meets_ring,
         _ => false,
     }
+}
+
+/// A bead's stroke, as long as before, without what a length of it lays.
+fn narrowed(bead: &Bead, length: Mm) -> Stroke {
+    let mut stroke = bead.stroke.clone();
+    let share = length / stroke.length();
+    let less =
+        |width: &mut Mm| *width -= share * spacing(*width, *width, bead.height);
+    less(&mut stroke.width);
+    stroke.widths.iter_mut().for_each(less);
+    stroke
 }
 
 /// A bead's stroke, open, without a length of its end or its beginning.
@@ -496,8 +520,10 @@ mod tests {
             let share = laid(&found) / laid(&all);
             assert!((share - 1.0).abs() < 2e-3, "{role:?}: {share}");
             for (k, line) in all.iter().enumerate() {
-                let less = line.stroke.length() - found[2 * k].stroke.length();
-                assert!(less < 0.3, "{role:?}: {less}");
+                let own = &found[2 * k].stroke;
+                assert_eq!(own.points, line.stroke.points, "{role:?}");
+                let less = 1.0 - own.width / line.stroke.width;
+                assert!((0.005..0.1).contains(&less), "{role:?}: {less}");
             }
             assert!((found[1].stroke.width - HEIGHT).abs() < 1e-9);
             assert!(found.iter().all(|b| b.role == role));
