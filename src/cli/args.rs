@@ -444,7 +444,7 @@ fn explained(error: SettingsError) -> SettingsError {
 
 /// Some names, of which one is meant.
 pub(super) fn either(names: &[&str]) -> String {
-    /// More help nobody.
+    /// More names than this help nobody.
     const MOST: usize = 5;
     let names = &names[..names.len().min(MOST)];
     match names.split_last() {

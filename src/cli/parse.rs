@@ -7,7 +7,7 @@ use super::args::either;
 use super::{Cli, plain};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use isoslice::settings::{self, Builder};
+use isoslice::settings::{self, Builder, Key};
 use slicerprofile::Counterpart;
 use std::process::exit;
 
@@ -38,9 +38,9 @@ const WORDS: &[(&str, &str)] = &[
         "speed",
         "--set speed.outer_wall=40, and others of the group speed",
     ),
-    ("material", "--filament petg"),
+    ("material", "--filament NAME"),
     ("profile", "--printer, --filament or --preset"),
-    ("quality", "--preset fine"),
+    ("quality", "--preset NAME"),
     ("load", "--config FILE"),
     ("settings", "--config FILE"),
     ("center", "--at X,Y"),
@@ -203,19 +203,7 @@ fn tip(given: &str, value: Option<&str>) -> Option<String> {
                 || key.name.replace('.', "_") == setting
         })
         .take(3)
-        .map(|key| {
-            if let Some(value) = value.filter(|v| !v.contains([' ', '"'])) {
-                return format!("--set {}={value}", key.name);
-            }
-            let length = key.length(Builder::new().settings());
-            let default =
-                length.map_or_else(|| key.default(), |mm| mm.to_string());
-            if default.contains(['\n', '"']) {
-                format!("--set {}=VALUE", key.name)
-            } else {
-                format!("--set {}={default}", key.name)
-            }
-        })
+        .map(|key| format!("--set {}", assignment(key, value)))
         .collect();
     if named.is_empty() {
         if let Some(instead) = isoslice_settings::instead(&setting) {
@@ -228,19 +216,18 @@ fn tip(given: &str, value: Option<&str>) -> Option<String> {
 
 /// What to write instead of another slicer's setting.
 fn of_others(setting: &str, value: Option<&str>) -> Option<String> {
-    let value = value.filter(|v| !v.contains([' ', '"']));
+    let key_of = |name: &str| settings::keys().iter().find(|k| k.name == name);
     if let Some(now) = isoslice_settings::foreign_name(setting) {
-        if let Some(assignment) = assignment(now, value) {
-            return Some(format!("write --set {assignment}"));
-        }
-        let option = if now.starts_with('-') { "" } else { "--set " };
-        let mut now = now.replace(" = ", "=");
-        now.retain(|c| c != '"');
-        return Some(format!("write {option}{now}"));
+        return Some(match key_of(now) {
+            Some(key) => format!("write --set {}", assignment(key, value)),
+            None => in_words(now, value),
+        });
     }
     match slicerprofile::counterpart(setting)? {
         Counterpart::Keys(names) => Some(match &*names {
-            [name] => format!("write --set {}", assignment(name, value)?),
+            [name] => {
+                format!("write --set {}", assignment(key_of(name)?, value))
+            }
             _ => format!("write --set with {}", either(&names)),
         }),
         Counterpart::None(why) => {
@@ -249,25 +236,47 @@ fn of_others(setting: &str, value: Option<&str>) -> Option<String> {
     }
 }
 
-/// The assignment of a value, or of a likely one; none if there is no such setting.
-fn assignment(name: &str, value: Option<&str>) -> Option<String> {
-    let key = settings::keys().iter().find(|key| key.name == name)?;
-    let default = key.default();
+/// What another slicer's setting is here, where that is no name alone: options, one
+/// assignment, or several ways in words.
+fn in_words(now: &str, value: Option<&str>) -> String {
+    if now.starts_with('-') {
+        return format!("write {}", with_value(now, value));
+    }
+    // NAME = VALUE, and no more words.
+    let is_one = now.split_whitespace().count() == 3 && now.contains(" = ");
+    if is_one {
+        let mut one = now.replace(" = ", "=");
+        one.retain(|c| c != '"');
+        return format!("write --set {one}");
+    }
+    format!("isoslice has {now}")
+}
+
+/// The assignment of a value to a setting, or of a likely one.
+fn assignment(key: &Key, value: Option<&str>) -> String {
+    if let Some(value) = value.filter(|v| !v.contains([' ', '"'])) {
+        return format!("{}={value}", key.name);
+    }
+    let length = key.length(Builder::new().settings());
+    let default = length.map_or_else(|| key.default(), |mm| mm.to_string());
     let likely = match &*default {
         // Who writes the option wants it.
         "false" => "true",
         text if text.contains(['\n', '"']) => "VALUE",
         text => text,
     };
-    Some(format!("{name}={}", value.unwrap_or(likely)))
+    format!("{}={likely}", key.name)
 }
 
-/// The words for an option, with the value that was given in place of the one in
-/// the words: a number takes a number's place, and a word a word's.
+/// The words for an option, with the value that was given in place of NAME, or of the
+/// value in the words: a number takes a number's place, and a word a word's.
 fn with_value(instead: &str, value: Option<&str>) -> String {
     let Some(value) = value.filter(|v| !v.contains([' ', '"', ','])) else {
         return instead.to_owned();
     };
+    if instead.contains("NAME") {
+        return instead.replace("NAME", &value.to_lowercase());
+    }
     let is_number =
         |text: &str| text.trim_end_matches('%').parse::<f64>().is_ok();
     for way in instead.split(" or ") {
@@ -318,6 +327,19 @@ mod tests {
                 "write --set brim.place=outer --set brim.width=8",
             ),
             ("--perimeters", "2", "write --set walls=2"),
+            ("--filament-type", "PLA", "write --filament pla"),
+            ("--quality", "fine", "write --preset fine"),
+            ("--enable-support", "1", "write --set supports=auto"),
+            (
+                "--wall-thickness",
+                "1.2",
+                "isoslice has walls, a number of lines",
+            ),
+            (
+                "--bed-size",
+                "220",
+                "isoslice has printer.bed_x and printer.bed_y",
+            ),
             ("--seam-position", "rear", "write --set seam=rear"),
             (
                 "--fill-angle",

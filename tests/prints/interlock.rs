@@ -11,7 +11,8 @@ const RADIUS: f64 = 10.0;
 /// Four walls and nothing else.
 const BASE: [&str; 10] = [
     "walls=4",
-    // Walls that do not go on in the outer one: a lower wall cannot.
+    // With gaps at seams no wall goes on in the outer one, which lowered walls
+    // cannot do either.
     "seam_gap=0.01",
     "infill_density=0",
     "top_layers=0",

@@ -120,10 +120,15 @@ impl Checker<'_> {
     /// Takes in that motors are turned off, the named ones or all. Their
     /// positions are unknown from then on.
     fn motors_off(&mut self, line: u64, word: &str, words: &Words) {
-        if self.homed == HOMED {
-            self.lose_places(line, word, words);
-        }
         let all = !b"XYZE".iter().any(|l| words.has(*l));
+        let places = all || b"XYZ".iter().any(|l| words.has(*l));
+        // Motors that are off already have lost their places, and beads after that
+        // are reported.
+        if self.homed == HOMED && places {
+            let why = "turns motors off in the middle of the print: the head \
+                       is not where it was";
+            self.word(line, word, Some(Effect::Disturbs(why)));
+        }
         for (i, letter) in b"XYZ".iter().enumerate() {
             if all || words.has(*letter) {
                 self.homed &= !(1 << i);
@@ -131,22 +136,11 @@ impl Checker<'_> {
         }
     }
 
-    /// Reports that motors other than the extruder's are turned off in the middle
-    /// of the print.
-    fn lose_places(&mut self, line: u64, word: &str, words: &Words) {
-        let axes = b"XYZ".iter().any(|l| words.has(*l));
-        if axes || !words.has(b'E') {
-            let why = "turns motors off in the middle of the print: the head \
-                       is not where it was";
-            self.word(line, word, Some(Effect::Disturbs(why)));
-        }
-    }
-
-    /// Takes in that the bed is turned off, which lets go of what is printed.
-    pub(super) fn bed_off(&mut self, line: u64) {
-        let why = "turns the bed off in the middle of the print, which may come \
-                   loose from it";
-        self.word(line, "M140", Some(Effect::Doubts(why)));
+    /// Takes in that a command turns the bed off, which lets go of what is printed.
+    pub(super) fn bed_off(&mut self, line: u64, word: &str) {
+        let why = "turns the bed off in the middle of the print: the print may \
+                   come loose from it";
+        self.word(line, word, Some(Effect::Doubts(why)));
     }
 
     /// Takes in a command that is a name.

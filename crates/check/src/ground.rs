@@ -112,13 +112,12 @@ struct Layer {
 
 /// A layer that reaches into the air, or hangs there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Adrift {
-    /// A place that hangs.
-    pub at: DVec3,
-    /// How far it is from what stands.
-    pub reach: Mm,
-    /// Length of the outer walls that hang and are not called overhangs.
-    pub walls: Mm,
+pub(super) enum Adrift {
+    /// A place that hangs, and how far it is from what stands.
+    Reaches(DVec3, Mm),
+    /// A place where an outer wall hangs that the file does not call an overhang, and
+    /// the length of all such walls.
+    Walls(DVec3, Mm),
 }
 
 /// A bead or a travel at the wrong height.
@@ -273,9 +272,11 @@ impl Ground {
     }
 
     /// Ends a layer; `found` is told where islands begin in the air. Returns
-    /// where the rest of the layer reaches too far into the air.
+    /// where the rest of the layer reaches too far into the air. `calls` is true if the
+    /// file tells overhangs from other walls.
     pub(super) fn next_layer(
         &mut self,
+        calls: bool,
         mut found: impl FnMut(DVec3),
     ) -> Option<Adrift> {
         let here = std::mem::take(&mut self.here);
@@ -299,24 +300,15 @@ impl Ground {
                     found(at(cell));
                 });
                 if !support && islands == 0 && !here.bridges {
-                    adrift = way.too_far(&hanging, &printed).map(|cell| {
-                        let (at, reach) = (at(cell), way.reach());
-                        let walls = 0.0;
-                        Adrift { at, reach, walls }
-                    });
+                    let far = way.too_far(&hanging, &printed);
+                    adrift =
+                        far.map(|cell| Adrift::Reaches(at(cell), way.reach()));
                 }
-                if !support && islands == 0 && adrift.is_none() {
+                if !support && islands == 0 && adrift.is_none() && calls {
                     let walls = here.walls.clone().filter(&hanging, true);
                     let long = CELL * f64::from(walls.count());
                     let first = walls.first().filter(|_| long > UNCALLED);
-                    adrift = first.map(|cell| {
-                        let (at, reach) = (at(cell), way.reach());
-                        Adrift {
-                            at,
-                            reach,
-                            walls: long,
-                        }
-                    });
+                    adrift = first.map(|cell| Adrift::Walls(at(cell), long));
                 }
             }
         }

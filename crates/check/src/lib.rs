@@ -261,7 +261,13 @@ impl<'a> Checker<'a> {
                     self.ending.off();
                 }
                 if heater == Heater::Bed && to <= 0.0 {
-                    self.bed_off(line);
+                    let named = "SET_HEATER_TEMPERATURE";
+                    let word = match wait {
+                        _ if reader.named().is(named) => named,
+                        true => "M190",
+                        false => "M140",
+                    };
+                    self.bed_off(line, word);
                 }
                 self.limit_heat(line, heater, to);
                 // The command may name a standby temperature, too.
@@ -557,26 +563,27 @@ impl<'a> Checker<'a> {
         let verdict = &mut self.verdict;
         let layer = self.layer;
         let line = self.layer_line.take().unwrap_or(0);
-        let adrift = self.ground.next_layer(|at| {
+        let adrift = self.ground.next_layer(calls, |at| {
             verdict.add(FindingKind::InTheAir, line, at, || {
                 format!("layer {layer}: an island begins at {}", place(at))
             });
         });
-        if let Some(adrift) = adrift.filter(|a| a.walls == 0.0 || calls) {
-            let Adrift { at, reach, walls } = adrift;
+        let adrift = adrift.map(|adrift| match adrift {
+            Adrift::Reaches(at, reach) => {
+                let to = place(at);
+                (at, format!("reaches {reach:.0} mm into the air, to {to}"))
+            }
+            Adrift::Walls(at, length) => {
+                let what = format!(
+                    "has {length:.0} mm of outer wall in the air which the file \
+                     does not call an overhang, at {}",
+                    place(at)
+                );
+                (at, what)
+            }
+        });
+        if let Some((at, what)) = adrift {
             verdict.add(FindingKind::Adrift, line, at, || {
-                let what = if walls > 0.0 {
-                    format!(
-                        "has {walls:.0} mm of outer wall in the air which the \
-                         file does not call an overhang, at {}",
-                        place(at)
-                    )
-                } else {
-                    format!(
-                        "reaches {reach:.0} mm into the air, to {}",
-                        place(at)
-                    )
-                };
                 format!(
                     "layer {layer} {what}: what is printed from there on may \
                      be shifted, or need supports"

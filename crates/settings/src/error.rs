@@ -116,9 +116,9 @@ pub enum SettingsError {
         place: GivenIn,
         /// The group.
         key: String,
-        /// The group's first key.
+        /// A setting of the group, to show how one is written.
         example: String,
-        /// The first key's default.
+        /// A value for it, which turns something on where the default does not.
         value: String,
     },
     /// There is no such profile.

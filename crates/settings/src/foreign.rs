@@ -10,7 +10,7 @@ use super::value::{Raw, ValueKind};
 /// off.
 const GROUPS: &[(&str, &str, &str)] = &[
     ("raft", "raft.layers", "3"),
-    ("brim", "brim.place", "outer"),
+    ("brim", "brim.place", "\"outer\""),
     ("skirt", "skirt.loops", "2"),
     ("fuzzy", "fuzzy.thickness", "0.3"),
 ];
@@ -45,10 +45,10 @@ const NAMES: &[(&str, &str)] = &[
     ("extruder_temperature", "filament.nozzle_temperature"),
     ("hotend_temperature", "filament.nozzle_temperature"),
     ("bed", "filament.bed_temperature"),
-    ("filament_type", "--filament petg"),
-    ("material", "--filament petg"),
-    ("material_type", "--filament petg"),
-    ("quality", "--preset fine"),
+    ("filament_type", "--filament NAME"),
+    ("material", "--filament NAME"),
+    ("material_type", "--filament NAME"),
+    ("quality", "--preset NAME"),
     ("profile", "--printer, --filament or --preset"),
     ("wall_thickness", "walls, a number of lines"),
     ("shells", "walls"),
@@ -206,16 +206,21 @@ const VALUES: &[(&str, &[&str], &str)] = &[
             "hexagons",
             "concentric",
             "diamond",
-            "honeycomb",
-            "line",
-            "lines",
-            "zigzag",
-            "lightning",
             "schwarz-p",
             "neovius",
             "lidinoid",
         ],
-        "the pattern is infill = {}",
+        "the pattern is infill = \"{}\"",
+    ),
+    (
+        "infill_density",
+        &["line", "lines", "zigzag"],
+        "the pattern is infill = \"rectilinear\"",
+    ),
+    (
+        "infill_density",
+        &["honeycomb"],
+        "the pattern is infill = \"hexagons\"",
     ),
     (
         "walls",
@@ -324,13 +329,13 @@ mod tests {
             ("layer_heights=variable", "are \"adaptive\""),
             ("infill=20%", "infill_density = 20%"),
             ("infill=20", "infill_density = 20"),
-            ("infill_density=gyroid", "infill = gyroid"),
-            ("infill_density=Honeycomb", "infill = honeycomb"),
+            ("infill_density=gyroid", "infill = \"gyroid\""),
+            ("infill_density=Honeycomb", "infill = \"hexagons\""),
             ("walls=0.8mm", "outer_wall_width"),
             ("walls=arachne", "by themselves"),
             ("seam=smart", "\"aligned\""),
             ("raft=true", "raft.layers = 3"),
-            ("brim=5", "brim.place = outer"),
+            ("brim=5", "brim.place = \"outer\""),
             ("support=true", "did you mean supports?"),
             ("gcode.flavour=duet", "\"rrf\""),
         ] {
@@ -348,11 +353,18 @@ mod tests {
             let first = now.split([' ', ',']).next().unwrap_or_default();
             assert!(first.starts_with("--") || is_key(first), "{word}: {now}");
         }
-        for (name, words, _) in VALUES {
+        for (name, words, hint) in VALUES {
             assert!(is_key(name), "{name}");
             for word in *words {
                 let given = format!("{name}={word}");
                 assert!(Builder::new().set(&given).is_err(), "{given}");
+                let hint = hint.replace("{}", word);
+                if let Some((before, value)) = hint.split_once(" = ") {
+                    let key = before.rsplit(' ').next().unwrap_or_default();
+                    let end = [' ', ',', ';'];
+                    let value = value.split(end).next().unwrap_or_default();
+                    assert_eq!(told(&format!("{key}={value}")), "", "{hint}");
+                }
             }
         }
         for (_, setting, value) in GROUPS {

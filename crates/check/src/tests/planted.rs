@@ -191,6 +191,7 @@ fn what_may_move_something_in_the_middle_is_to_be_looked_at() {
         "M280 P0 S10",
         "M140 S0",
         "M190 S0",
+        "SET_HEATER_TEMPERATURE HEATER=heater_bed TARGET=0",
         "M402",
         "SET_SERVO SERVO=probe ANGLE=10",
         "SET_GCODE_OFFSET Z=0.05",
@@ -198,6 +199,9 @@ fn what_may_move_something_in_the_middle_is_to_be_looked_at() {
     ] {
         let line = format!("{code}\n");
         assert_eq!(found(&line), [(FindingKind::Changed, 1)], "{code}");
+        let word = code.split(' ').next().unwrap();
+        let told = verdict(&print_with(&line)).findings;
+        assert!(told.iter().any(|f| f.message.starts_with(word)), "{code}");
         let beside = format!("{line}{}{line}", print_with(""));
         let all = verdict(&beside);
         assert_eq!(count(&all, FindingKind::Changed), 0, "{code}");

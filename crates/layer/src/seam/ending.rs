@@ -108,8 +108,9 @@ pub fn endings(
     out
 }
 
-/// Length of a wall, mm, that a way to its beginning lays beside its middle. The wall
-/// ends earlier by as much, or a seam would get a tenth too much.
+/// Length of a closed wall, mm, with the volume of what a way to its beginning lays
+/// within it, which is half of the wall's width of the way. The wall ends earlier by as
+/// much; otherwise its seam would get a tenth too much.
 fn entered(wall: &Bead, before: &Bead) -> Mm {
     let leads_here = before.role == Role::GapFill
         && before.stroke.points.last() == wall.stroke.points.first();
@@ -324,7 +325,7 @@ mod tests {
         assert!((tiny.stroke.length() - 0.2).abs() < 1e-9);
     }
 
-    /// The way's half within the wall and the wall lay what the wall did.
+    /// The wall and what lies within it of the way lay what the wall alone did.
     #[test]
     fn a_wall_ends_earlier_where_a_way_leads_to_its_beginning() {
         let wall = wall(9.775);

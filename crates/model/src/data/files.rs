@@ -13,6 +13,7 @@ use super::taken::Taken;
 use fidget::context::Tree;
 use isocontour::Data;
 use isoslice_base::units::human_bytes;
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, Weak};
@@ -49,6 +50,8 @@ struct Kept {
     bytes: u64,
     /// How often something was asked for that was not kept.
     times: u64,
+    /// What was made of each thing that was asked for.
+    trees: HashMap<Version, Tree>,
 }
 
 impl Default for Files {
@@ -146,37 +149,32 @@ impl Files {
             options,
         };
         let version = Version::of(kind, &asked)?;
+        let own = |version| lock(&self.kept).trees.get(version).cloned();
+        if let Some(tree) = version.as_ref().and_then(own) {
+            return Ok(tree);
+        }
         // What other models made counts too: whether a model is refused must
         // not depend on them.
-        let known = version.as_ref().and_then(known);
-        if let Some(made) = &known
-            && lock(&self.kept).has(made)
-        {
-            return Ok(made.tree.clone());
-        }
         lock(&self.kept).count(kind, self.most.times)?;
-        let Made { tree, data, notes } = match known {
+        let Made { tree, data, notes } = match version.as_ref().and_then(known)
+        {
             Some(made) => made,
-            None => make(kind, &asked, version, &self.taken)?,
+            None => make(kind, &asked, version.clone(), &self.taken)?,
         };
-        lock(&self.kept).keep(data, notes, self.most.bytes)?;
+        let mut kept = lock(&self.kept);
+        kept.keep(data, notes, self.most.bytes)?;
+        kept.trees
+            .extend(version.map(|version| (version, tree.clone())));
         Ok(tree)
     }
 }
 
 impl Kept {
-    /// True if all that was made is kept already.
-    fn has(&self, made: &Made) -> bool {
-        let is_kept =
-            |data| self.data.iter().any(|kept| Arc::ptr_eq(kept, data));
-        !made.data.is_empty() && made.data.iter().all(is_kept)
-    }
-
     /// Counts what is asked for, which may be impossible to make.
     fn count(&mut self, kind: &Kind, most: u64) -> Result<(), String> {
         if self.times >= most {
             return Err(format!(
-                "{} makes data more than {most} times in one model; repeat \
+                "{} makes data more than {most} times in one script; repeat \
                  it with % (modulo) of a coordinate instead of loops",
                 kind.name
             ));
@@ -213,14 +211,14 @@ impl Kept {
 }
 
 /// What was asked of a function, with the version of the file that it reads.
-#[derive(PartialEq)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 struct Version {
     asked: String,
     file: Option<FileVersion>,
 }
 
 /// A version of a file.
-#[derive(PartialEq)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 struct FileVersion {
     path: PathBuf,
     length: u64,

@@ -49,7 +49,8 @@ pub struct BuildVolume {
 }
 
 impl BuildVolume {
-    /// A space that no part fills, for models that are not to be printed.
+    /// A space larger than any part whose bounds can be found, for models that are
+    /// not to be printed.
     pub const ANY: BuildVolume = BuildVolume {
         x: 1e9,
         y: 1e9,

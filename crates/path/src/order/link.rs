@@ -10,10 +10,12 @@
 //! the next one. The lines of tops keep their ends; only a stub goes on in the one
 //! beside it, and gives what the way lays. The lines of bridges keep their ends, where
 //! something holds them, and become narrower by what the way lays. An outer wall stays as
-//! it is here: where a way leads from it or to it, the hidden stroke at the other end of
-//! the way gives what the way lays beside the wall; a closed wall to which one leads ends
-//! earlier by the rest, once it gets its end (`seam::ending`). A way stays off the outer
-//! walls: it comes no nearer to the outline than a wall beside them or than its ends do.
+//! it is here. Where a way leads from or to an open one, the hidden stroke at the other
+//! end gives half of what the way lays, and the rest fills the corner. Where a way leads
+//! to the seam of a closed one, the hidden stroke gives what lies beside the wall, and the
+//! wall ends earlier by the rest once it gets its end (`isoslice_layer::seam::ending`).
+//! A way stays off the outer walls: it comes no nearer to the outline than a wall beside
+//! them or than its ends do.
 
 use super::{OrderPlan, jobs};
 use glam::DVec2;
@@ -47,7 +49,7 @@ const WALLS: f64 = 0.99;
 /// Share of what a way between a skin's strokes lays that has to be taken from
 /// the strokes, which leave corners open.
 const SKINS: f64 = 0.5;
-/// Share of what a way at the end of an outer wall lays that is taken from the
+/// Share of what a way at the end of an open outer wall lays that is taken from the
 /// hidden stroke. The rest fills the corner where the wall ends.
 const CORNERS: f64 = 0.5;
 /// A stroke of a top that is shorter than this goes on in the next one, mm: a way to it

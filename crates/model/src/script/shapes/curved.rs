@@ -15,9 +15,12 @@ use super::flush::{FLUSH, Search, constant};
 use fidget::context::{BinaryOpcode, Context, Tree, TreeOp, UnaryOpcode};
 use std::sync::Arc;
 
-/// Operations that are looked at in one field. A field that has as many takes
-/// some 10 ms.
+/// Operations that are looked at in one field, and that are evaluated at the places of
+/// both. A field that has as many takes some 10 ms.
 const MOST_STEPS: usize = 20_000;
+
+/// Comparisons of two functions that one blend makes. Most end at the first place.
+const MOST_COMPARED: usize = 200_000;
 
 /// Functions of one field that are kept.
 const MOST_LEAVES: usize = 256;
@@ -45,8 +48,9 @@ struct Leaf {
     /// Functions that this one is nowhere greater than: the faces of what is cut
     /// out, from inside.
     cut: Vec<Leaf>,
-    /// A ball lies in three cylinders. Two balls have none of them in common
-    /// unless something else has, too.
+    /// True for what was found under a square root. A ball lies in three such
+    /// cylinders, and so do all other balls about the same axes: two functions that are
+    /// both from under a root are not taken for a common face.
     of_root: bool,
     values: Vec<f32>,
 }
@@ -62,34 +66,64 @@ pub(super) fn curved(a: &Tree, b: &Tree) -> Vec<Tree> {
     for leaf in a.iter_mut().chain(&mut b) {
         leaf.measure(&mut left);
     }
-    let mut faces = Vec::new();
-    common(&a, &b, &mut faces);
+    let mut faces = Common::of(&a, &b);
     faces.truncate(MOST_FACES);
     faces.into_iter().map(|face| face.field).collect()
 }
 
 fn leaves(field: &Tree) -> Vec<Leaf> {
-    let search = Search { left: MOST_STEPS };
-    Leaves { search }.below(field, false, 0)
+    Leaves::new().below(field, false, 0)
 }
 
-/// What leaves of one field have in common with those of another. What lies
-/// within a function that is common has nothing to add.
-fn common(a: &[Leaf], b: &[Leaf], faces: &mut Vec<Leaf>) {
-    let mut all_b = Vec::new();
-    flat(b, &mut all_b);
-    for leaf in a {
-        match all_b.iter().find(|of_b| leaf.shares(of_b)) {
-            Some(of_b) => faces.push(leaf.lower(of_b)),
-            None => common(&leaf.within, b, faces),
+/// What leaves of one field have in common with those of another.
+struct Common<'a> {
+    /// All leaves of the other field.
+    others: Vec<&'a Leaf>,
+    faces: Vec<Leaf>,
+    /// Comparisons that may still be made.
+    left: usize,
+}
+
+impl<'a> Common<'a> {
+    /// Nothing yet in common with these leaves.
+    fn new(leaves: &'a [Leaf]) -> Self {
+        let mut others = Vec::new();
+        with_inner(leaves, &mut others);
+        Common {
+            others,
+            faces: Vec::new(),
+            left: MOST_COMPARED,
+        }
+    }
+
+    fn of(a: &[Leaf], b: &'a [Leaf]) -> Vec<Leaf> {
+        let mut common = Common::new(b);
+        common.search(a);
+        common.faces
+    }
+
+    /// Looks for leaves among the others. What lies within a function that is common
+    /// has nothing to add.
+    fn search(&mut self, leaves: &[Leaf]) {
+        for leaf in leaves {
+            if self.faces.len() >= MOST_LEAVES {
+                return;
+            }
+            let left = &mut self.left;
+            let same = self.others.iter().find(|of| leaf.shares(of, left));
+            match same {
+                Some(other) => self.faces.push(leaf.lower(other)),
+                None => self.search(&leaf.within),
+            }
         }
     }
 }
 
-fn flat<'a>(leaves: &'a [Leaf], all: &mut Vec<&'a Leaf>) {
+/// Adds leaves, and those that lie within them, to all.
+fn with_inner<'a>(leaves: &'a [Leaf], all: &mut Vec<&'a Leaf>) {
     for leaf in leaves {
         all.push(leaf);
-        flat(&leaf.within, all);
+        with_inner(&leaf.within, all);
     }
 }
 
@@ -139,10 +173,20 @@ impl Leaf {
             && self.values.iter().zip(&other.values).all(close)
     }
 
-    fn shares(&self, other: &Leaf) -> bool {
+    /// True if both leaves, or what is cut out of both, are one function. With no
+    /// comparisons left none is.
+    fn shares(&self, other: &Leaf, left: &mut usize) -> bool {
+        let mut is_one = |a: &Leaf, b: &Leaf| {
+            let may = *left > 0;
+            *left = left.saturating_sub(1);
+            may && a.equals(b)
+        };
         let alone = !(self.of_root && other.of_root);
-        let cut = |of: &Leaf| other.cut.iter().any(|to| of.equals(to));
-        (alone && self.equals(other)) || self.cut.iter().any(cut)
+        let mut cuts = self
+            .cut
+            .iter()
+            .flat_map(|a| other.cut.iter().map(move |b| (a, b)));
+        alone && is_one(self, other) || cuts.any(|(a, b)| is_one(a, b))
     }
 
     fn lower(&self, other: &Leaf) -> Leaf {
@@ -155,6 +199,11 @@ struct Leaves {
 }
 
 impl Leaves {
+    fn new() -> Self {
+        let search = Search { left: MOST_STEPS };
+        Leaves { search }
+    }
+
     /// Functions that a field is nowhere less than. Planes are among them only
     /// if `flat`: `flush` finds them in all but what is bent.
     fn below(&mut self, op: &TreeOp, flat: bool, depth: usize) -> Vec<Leaf> {
@@ -298,9 +347,7 @@ impl Leaves {
         for leaf in a.iter_mut().chain(&mut b) {
             leaf.measure(&mut self.search.left);
         }
-        let mut all = Vec::new();
-        common(&a, &b, &mut all);
-        all
+        Common::of(&a, &b)
     }
 
     /// A body less what is cut out of it is nowhere less than the negative of
@@ -308,7 +355,7 @@ impl Leaves {
     fn cut(&mut self, of: &TreeOp, depth: usize) -> Leaf {
         let cut = self.mapped(of, true, depth, &|f| -f.clone());
         let mut all = Vec::new();
-        flat(&cut, &mut all);
+        with_inner(&cut, &mut all);
         let cut = all.into_iter().filter(|leaf| !leaf.of_root);
         let cut = cut.take(MOST_LEAVES).map(|leaf| Leaf {
             within: Vec::new(),
@@ -567,8 +614,32 @@ mod tests {
                 _ => (field.abs() + other.abs()).sqrt() - 2.0,
             };
         }
-        let start = std::time::Instant::now();
+        let mut found = Leaves::new();
+        let all = found.below(&field, false, 0);
+        assert_eq!(found.search.left, 0);
+        assert!(all.len() <= MOST_LEAVES);
         assert!(curved(&field, &field).len() <= MOST_FACES);
-        assert!(start.elapsed().as_secs() < 5);
+    }
+
+    /// Bodies of many round faces that have none in common.
+    #[test]
+    fn comparisons_are_bounded() {
+        let body = |radius: f32| {
+            let (x, y, _) = Tree::axes();
+            let post = |i: u16| {
+                let x = x.clone() - 0.1 * f32::from(i);
+                (x.square() + y.square()).sqrt() - radius
+            };
+            (1..300).map(post).fold(post(0), |all, post| all.max(post))
+        };
+        let [mut a, mut b] = [body(3.0), body(4.0)].map(|f| leaves(&f));
+        let mut left = usize::MAX;
+        for leaf in a.iter_mut().chain(&mut b) {
+            leaf.measure(&mut left);
+        }
+        let mut common = Common::new(&b);
+        common.search(&a);
+        assert_eq!(common.left, 0);
+        assert!(common.faces.is_empty());
     }
 }
