@@ -249,7 +249,7 @@ fn in_words(now: &str, value: Option<&str>) -> String {
         one.retain(|c| c != '"');
         return format!("write --set {one}");
     }
-    format!("isoslice has {now}")
+    format!("isoslice has {now}; write --set NAME=VALUE")
 }
 
 /// The assignment of a value to a setting, or of a likely one.
@@ -333,12 +333,12 @@ mod tests {
             (
                 "--wall-thickness",
                 "1.2",
-                "isoslice has walls, a number of lines",
+                "isoslice has walls, a number of lines; write --set NAME=VALUE",
             ),
             (
                 "--bed-size",
                 "220",
-                "isoslice has printer.bed_x and printer.bed_y",
+                "isoslice has printer.bed_x and printer.bed_y; write --set NAME=VALUE",
             ),
             ("--seam-position", "rear", "write --set seam=rear"),
             (
