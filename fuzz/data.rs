@@ -92,7 +92,7 @@ pub(super) fn threemf(text: &[u8]) {
     };
     let at = |k: usize| PLACES.map(|p| p[k] as f32);
     let mut found = Vec::new();
-    // Refused or not: it must come back.
+    // Whether or not values are refused, the call has to return.
     let _ = values.at(&[&at(0), &at(1), &at(2)], &mut found);
     let part = Part {
         name: "fuzz",

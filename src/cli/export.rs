@@ -15,9 +15,9 @@ Examples:
   isoslice export -e 'sqrt(x^2+y^2+z^2) - 15' -o ball.3mf
   isoslice slice ball.3mf
 
-The file has no triangles: its shape is a function of nodes, as the implicit
-extension of 3MF has it. Few other programs read that. Meshes of the model are
-in the file; drawings, pictures and other data cannot be.";
+The shape in the file is a function of nodes, not a mesh, as the implicit
+extension of 3MF has it. Few other programs read that. Meshes that the model
+reads go along; drawings, pictures and other data cannot.";
 
 /// Arguments of `isoslice export`.
 #[derive(Args, Debug)]
@@ -55,9 +55,12 @@ fn export(args: &ExportArgs) -> anyhow::Result<()> {
             path.display()
         );
     }
-    let inputs: Vec<&Path> = args.model.model.as_deref().into_iter().collect();
-    let mut output = output::create(&path, &inputs)?;
     let model = args.model.load_anywhere()?;
+    // A script may read a mesh of its own name, part.3mf for part.rhai, which is
+    // known once it has run.
+    let inputs = args.model.model.iter().chain(&model.files);
+    let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+    let mut output = output::create(&path, &inputs)?;
     terminal::warn(&model.warnings);
     let bytes = model
         .to_3mf()

@@ -108,7 +108,7 @@ enum Command {
     Info(Box<info::InfoArgs>),
     /// Draw a shaded picture of a model and its supports, as PNG
     Render(Box<render::RenderArgs>),
-    /// Write a model as a 3MF file whose shape is a function, without triangles
+    /// Write a model as a 3MF file whose shape is a function, not a mesh
     Export(Box<export::ExportArgs>),
     /// Send G-code to a printer: OctoPrint, Moonraker (Klipper), PrusaLink
     Send(send::SendArgs),

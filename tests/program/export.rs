@@ -127,6 +127,39 @@ fn files_are_named_after_the_model() {
     assert!(streamed.get_output().stdout == bytes);
 }
 
+/// `part.3mf` is the default name for `part.rhai`, and may be what it reads.
+#[test]
+fn files_that_the_model_reads_are_not_replaced() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let ball = "sqrt(x^2 + y^2 + z^2) - 9";
+    isoslice(&folder)
+        .args(["export", "-e", ball, "-o", "part.3mf"])
+        .assert()
+        .success();
+    let data = fs::read(path("part.3mf")).unwrap();
+    fs::write(path("part.rhai"), "mesh(\"part.3mf\")").unwrap();
+    let formula = "mesh(\"part.3mf\") - 1";
+    let cases: [&[&str]; 3] = [
+        &["part.rhai", "--size", "20"],
+        &["-e", formula, "-o", "./part.3mf"],
+        &["part.3mf"],
+    ];
+    for args in cases {
+        isoslice(&folder)
+            .arg("export")
+            .args(args)
+            .assert()
+            .code(1)
+            .stderr(contains("part.3mf is also an input"));
+        assert!(fs::read(path("part.3mf")).unwrap() == data, "{args:?}");
+    }
+    isoslice(&folder)
+        .args(["export", "part.rhai", "--size", "20", "-o", "other.3mf"])
+        .assert()
+        .success();
+}
+
 /// It does not matter how large a printer is.
 #[test]
 fn parts_of_any_size_are_exported() {

@@ -59,6 +59,9 @@ pub fn expand_with(
 
 /// The nodes that make up an expression, each once and after its operands. A
 /// call of data is one node, whose operands are the coordinates of its place.
+///
+/// What tells expressions from one another walks for itself: a fingerprint has
+/// each operation inside a call, and an order that must never change.
 pub fn nodes_of(context: &Context, root: Node) -> Vec<Node> {
     let mut order = Vec::new();
     let mut done = HashSet::new();

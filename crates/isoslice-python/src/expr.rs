@@ -1,17 +1,19 @@
 //! What Python does with a field, an `Expr`: operators, functions, values.
 
 use crate::error::plain;
-use crate::export;
+use crate::export::{self, warn};
 use crate::operation::name_of;
 use crate::pickle::{Step, steps, tree};
 use crate::request::loaded;
-use crate::value::{Expr, Field, Operand, arguments, from_json, parameters};
+use crate::value::{
+    Expr, Field, Operand, arguments, from_json, keep, parameters,
+};
 use crate::work::at_work;
 use fidget::context::{Tree, TreeOp};
 use fidget::var::Var;
-use isocontour::{FieldError, Values, expand, known_data};
+use isocontour::{FieldError, Values, data_of, expand, known_data};
 use isoslice::limits::Limits;
-use isoslice::model::{self, Allowed, Argument, Parameter};
+use isoslice::model::{self, Allowed, Argument, Parameter, Source};
 use pyo3::basic::CompareOp;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -269,14 +271,16 @@ impl Expr {
     }
 
     /// Writes the field to a 3MF file whose shape is a function of nodes; without
-    /// a file its bytes are the result.
+    /// a file its bytes are the result. What the user should know is a
+    /// SliceWarning. The file must be none that the field's data was read from.
     #[pyo3(signature = (output = None))]
     fn to_3mf<'py>(
         &self,
         py: Python<'py>,
         output: Option<PathBuf>,
     ) -> PyResult<Option<Bound<'py, PyBytes>>> {
-        let bytes = export::to_3mf(py, self, output)?;
+        let (bytes, warnings) = export::to_3mf(py, self, output)?;
+        warn(py, &warnings)?;
         Ok(bytes.map(|bytes| PyBytes::new(py, &bytes)))
     }
 
@@ -356,6 +360,11 @@ pub(crate) fn call<'py>(
     let body = model::makes_body(name, given.iter().all(is_body));
     Ok(match made {
         Argument::Field(tree) => {
+            let named = given.iter().filter_map(|v| v.extract().ok());
+            let files: Vec<PathBuf> = named.collect();
+            if !files.is_empty() {
+                keep(data_of(&tree), &files);
+            }
             let made = Expr::from(tree).with_body(body);
             made.into_pyobject(py)?.into_any()
         }
@@ -378,8 +387,14 @@ pub(crate) fn load(
     let source = crate::request::source(kind, text, name)?;
     let defines = parameters(params)?;
     let limits = Limits::of_slicing();
-    at_work(py, limits, None, move |_| loaded(&source, &defines))
-        .map(Expr::from)
+    let loaded = at_work(py, limits, None, move |_| {
+        let mut loaded = loaded(&source, &defines)?;
+        if let Source::File(path) = source {
+            loaded.files.push(path);
+        }
+        Ok(loaded)
+    });
+    loaded.map(Expr::from)
 }
 
 /// Values of a field at places.

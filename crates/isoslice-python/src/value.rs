@@ -2,13 +2,13 @@
 //! as settings and as parameters.
 
 use fidget::context::Tree;
-use isocontour::Data;
+use isocontour::{Data, data_of};
 use isoslice::model::{Argument, Loaded, Parameter};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
-use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::path::{PathBuf, absolute};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Lists and dictionaries inside one another. Places in lists of shapes need
 /// three.
@@ -56,20 +56,52 @@ impl Expr {
 
 /// The data that fields read. It stays as long as Python runs, since nobody
 /// knows which fields are made of which.
-static KEPT: Mutex<Vec<Arc<dyn Data>>> = Mutex::new(Vec::new());
+static KEPT: Mutex<Vec<Kept>> = Mutex::new(Vec::new());
 
-fn keep(all: Vec<Arc<dyn Data>>) {
-    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+/// Data, and the files that were read for it. Other data may be from some of
+/// them.
+struct Kept {
+    data: Arc<dyn Data>,
+    files: Vec<PathBuf>,
+}
+
+fn kept() -> MutexGuard<'static, Vec<Kept>> {
+    KEPT.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Keeps data, for which `files` were read.
+pub(crate) fn keep(all: Vec<Arc<dyn Data>>, files: &[PathBuf]) {
+    // The program may change its folder.
+    let whole = |file: &PathBuf| absolute(file).unwrap_or(file.clone());
+    let files: Vec<PathBuf> = files.iter().map(whole).collect();
+    let mut kept = kept();
     for data in all {
-        if !kept.iter().any(|known| Arc::ptr_eq(known, &data)) {
-            kept.push(data);
+        match kept.iter_mut().find(|k| Arc::ptr_eq(&k.data, &data)) {
+            Some(known) => {
+                let new = files.iter().filter(|f| !known.files.contains(f));
+                let new: Vec<PathBuf> = new.cloned().collect();
+                known.files.extend(new);
+            }
+            None => kept.push(Kept {
+                data,
+                files: files.clone(),
+            }),
         }
     }
 }
 
+/// The files that were read for a field's data.
+pub(crate) fn files_of(tree: &Tree) -> Vec<PathBuf> {
+    let read = data_of(tree);
+    let is_read = |k: &&Kept| read.iter().any(|d| Arc::ptr_eq(d, &k.data));
+    let kept = kept();
+    let files = kept.iter().filter(is_read).flat_map(|k| &k.files);
+    files.cloned().collect()
+}
+
 impl From<Loaded> for Expr {
     fn from(loaded: Loaded) -> Expr {
-        keep(loaded.data);
+        keep(loaded.data, &loaded.files);
         Expr {
             tree: loaded.tree,
             body: false,

@@ -398,3 +398,30 @@ def test_fields_are_written_as_3mf_and_read_again(tmp_path):
     with pytest.raises(iso.Error, match="it calls rand"):
         (part + iso.rand(x)).to_3mf(file)
     assert file.read_bytes() == part.to_3mf()
+
+
+def test_what_a_field_reads_is_not_replaced_by_it(tmp_path, monkeypatch):
+    corners = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\n"
+    (tmp_path / "a.obj").write_text(corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    data = tmp_path / "a.3mf"
+    iso.load(tmp_path / "a.obj").to_3mf(data)
+    (tmp_path / "a.rhai").write_text('mesh("a.3mf")')
+    monkeypatch.chdir(tmp_path)
+    read = [iso.mesh("a.3mf"), iso.load("a.3mf"), iso.load(tmp_path / "a.rhai")]
+    monkeypatch.chdir("/")
+    whole = data.read_bytes()
+    for field in read:
+        for part in field, (field | iso.sphere(3)).remap(x + 1, y, z):
+            with pytest.raises(iso.Error, match="a.3mf is also an input"):
+                part.to_3mf(data)
+            assert data.read_bytes() == whole
+    iso.sphere(3).to_3mf(data)
+    assert data.read_bytes() != whole
+
+
+def test_what_should_be_known_of_a_3mf_file_is_a_warning():
+    tiny = iso.sqrt(x**2 + y**2 + z**2) - 0.05
+    with pytest.warns(iso.SliceWarning, match="only 0.100 mm large") as told:
+        assert tiny.to_3mf()
+    assert len(told) == 1
+    assert told[0].filename == __file__

@@ -61,7 +61,11 @@ impl Materials {
         }
         let id = element.number("id")?;
         if self.0.len() >= MOST {
-            return Err(element.wrong("more resources than a file has"));
+            return Err(element.wrong(format!(
+                "more than {} million resources, and no file needs so many; \
+                 save the part alone",
+                MOST / 1_000_000
+            )));
         }
         if self.0.insert(id, kind).is_some() {
             return Err(element.wrong(format!("a second resource {id}")));

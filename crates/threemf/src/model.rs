@@ -114,7 +114,7 @@ pub(crate) const MOST_PLACED: usize = 100_000;
 
 /// Greatest number of vertices, triangles, beams and balls in all files of an archive:
 /// twice as many triangles as there may be.
-const MOST_SHAPES: usize = if cfg!(test) {
+pub(crate) const MOST_SHAPES: usize = if cfg!(test) {
     1_000_000
 } else {
     2 * MOST_TRIANGLES
@@ -512,7 +512,8 @@ fn within(triangles: usize) -> Result<(), MeshError> {
 fn few(references: usize) -> Result<(), MeshError> {
     if references > MOST_PLACED {
         return Err(MeshError::File(format!(
-            "more than {MOST_PLACED} objects are placed"
+            "more than {MOST_PLACED} objects are placed; save fewer of them on \
+             a plate"
         )));
     }
     Ok(())

@@ -104,7 +104,10 @@ impl<'a> Relations<'a> {
     fn see(&mut self, element: &Element) -> Result<(), MeshError> {
         self.count += 1;
         if self.count > MOST {
-            return Err(element.wrong("more relationships than a file has"));
+            return Err(element.wrong(format!(
+                "more than {MOST} relationships, and no file needs so many; \
+                 save the part alone"
+            )));
         }
         let kind = element.text("Type")?.unwrap_or_default();
         if !NEEDED.iter().any(|end| kind.ends_with(end)) {

@@ -93,7 +93,10 @@ impl Sound {
     fn name(&mut self, element: &Element) -> Result<(), MeshError> {
         let name = element.text("name")?.unwrap_or_default();
         if self.names.len() >= MOST {
-            return Err(element.wrong("more metadata than a file has"));
+            return Err(element.wrong(format!(
+                "more than {MOST} names of metadata, and no file needs so \
+                 many; save the part without them"
+            )));
         }
         if self.names.contains(&name) && name != "Description" {
             return Err(element.wrong(format!(

@@ -19,7 +19,7 @@ Layers = Union[str, int, "tuple[int, int]"]
 
 
 class SliceWarning(UserWarning):
-    """What the user should know of a print."""
+    """What the user should know of a print, or of a file."""
 
 
 @dataclass(frozen=True)

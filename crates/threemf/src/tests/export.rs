@@ -4,6 +4,7 @@ use super::*;
 use crate::level::cuboid;
 use crate::{ExportError, Part, write};
 use fidget::context::{BinaryOpcode, Context, Tree, TreeOp, UnaryOpcode};
+use fidget::var::Var;
 use isocontour::{Data, call, nodes_of};
 use isoslice_mesh::{Mesh, Strut, Struts, Triangles};
 use std::collections::BTreeMap;
@@ -44,6 +45,27 @@ const BINARY: [BinaryOpcode; 11] = [
     BinaryOpcode::Or,
 ];
 
+const AXES: [Var; 3] = [Var::X, Var::Y, Var::Z];
+
+/// Each operation, of x or of x and y.
+fn operations() -> impl Iterator<Item = TreeOp> {
+    let [x, y, _] = AXES.map(|axis| Arc::new(TreeOp::Input(axis)));
+    let of_x = x.clone();
+    let unary = UNARY.map(|op| TreeOp::Unary(op, of_x.clone()));
+    let binary = BINARY.map(|op| TreeOp::Binary(op, x.clone(), y.clone()));
+    unary.into_iter().chain(binary)
+}
+
+/// An expression of `count` operations, one of the other.
+fn long(count: usize) -> Tree {
+    (0..count).fold(
+        Tree::x(),
+        |long, i| {
+            if i % 2 == 0 { long.sin() } else { long.cos() }
+        },
+    )
+}
+
 /// A box that is as large as all that is tried.
 const BOUNDS: Bounds = Bounds {
     min: DVec3::splat(-1e6),
@@ -57,47 +79,6 @@ fn written(tree: &Tree) -> Result<Vec<u8>, ExportError> {
         bounds: BOUNDS,
         origin: DVec3::ZERO,
     })
-}
-
-fn unary(op: UnaryOpcode, a: &Tree) -> Tree {
-    match op {
-        UnaryOpcode::Neg => -a.clone(),
-        UnaryOpcode::Abs => a.abs(),
-        UnaryOpcode::Recip => a.recip(),
-        UnaryOpcode::Sqrt => a.sqrt(),
-        UnaryOpcode::Square => a.square(),
-        UnaryOpcode::Floor => a.floor(),
-        UnaryOpcode::Ceil => a.ceil(),
-        UnaryOpcode::Round => a.round(),
-        UnaryOpcode::Sin => a.sin(),
-        UnaryOpcode::Cos => a.cos(),
-        UnaryOpcode::Tan => a.tan(),
-        UnaryOpcode::Asin => a.asin(),
-        UnaryOpcode::Acos => a.acos(),
-        UnaryOpcode::Atan => a.atan(),
-        UnaryOpcode::Exp => a.exp(),
-        UnaryOpcode::Ln => a.ln(),
-        UnaryOpcode::Not => a.not(),
-        UnaryOpcode::Rand => a.rand(),
-    }
-}
-
-fn binary(op: BinaryOpcode, a: &Tree, b: &Tree) -> Tree {
-    let (a, b) = (a.clone(), b.clone());
-    match op {
-        BinaryOpcode::Add => a + b,
-        BinaryOpcode::Sub => a - b,
-        BinaryOpcode::Mul => a * b,
-        BinaryOpcode::Div => a / b,
-        BinaryOpcode::Atan => a.atan2(b),
-        BinaryOpcode::Min => a.min(b),
-        BinaryOpcode::Max => a.max(b),
-        BinaryOpcode::Compare => a.compare(b),
-        BinaryOpcode::Mod => a.modulo(b),
-        BinaryOpcode::And => a.and(b),
-        BinaryOpcode::Or => a.or(b),
-        BinaryOpcode::Mix => a.mix(b),
-    }
 }
 
 /// The model file of an archive.
@@ -205,10 +186,13 @@ fn values(tree: &Tree, places: &[[f32; 3]]) -> Vec<f32> {
 /// Each operation has the values that the specification gives its nodes.
 #[test]
 fn operations_are_nodes_of_equal_values() {
-    let (x, y, _) = Tree::axes();
-    let unary = UNARY.map(|op| (format!("{op:?}"), unary(op, &x)));
-    let binary = BINARY.map(|op| (format!("{op:?}"), binary(op, &x, &y)));
-    for (name, tree) in unary.into_iter().chain(binary) {
+    for op in operations() {
+        let name = match op {
+            TreeOp::Unary(op, _) => format!("{op:?}"),
+            TreeOp::Binary(op, ..) => format!("{op:?}"),
+            _ => String::new(),
+        };
+        let tree = Tree::from(op);
         let text = text(&written(&tree).unwrap());
         let places = places();
         for (p, wanted) in places.iter().zip(values(&tree, &places)) {
@@ -233,22 +217,30 @@ fn operations_are_nodes_of_equal_values() {
 }
 
 fn random_tree(rng: &mut fastrand::Rng) -> Tree {
-    let (x, y, z) = Tree::axes();
-    let mut all = vec![x, y, z];
+    let [x, y, z] = AXES.map(|axis| Arc::new(TreeOp::Input(axis)));
+    let shift = Arc::new(TreeOp::Const(0.25));
+    let shifted = Arc::new(TreeOp::Binary(BinaryOpcode::Add, x.clone(), shift));
+    let mut all = vec![x, y.clone(), z];
     for constant in [0.0, 1.0, 2.5, -0.3, 1e-7, 1.0 / 3.0] {
-        all.push(Tree::constant(constant));
+        all.push(Arc::new(TreeOp::Const(constant)));
     }
+    let mut last = TreeOp::Const(0.0);
     for _ in 0..rng.usize(2..24) {
+        all.push(Arc::new(last));
         let a = all[rng.usize(..all.len())].clone();
         let b = all[rng.usize(..all.len())].clone();
-        all.push(match rng.u8(..12) {
-            0..4 => unary(UNARY[rng.usize(..UNARY.len())], &a),
-            4 => a.remap_xyz(Tree::y(), b, Tree::x() + 0.25),
-            _ => binary(BINARY[rng.usize(..BINARY.len())], &a, &b),
-        });
+        last = match rng.u8(..12) {
+            0..4 => TreeOp::Unary(UNARY[rng.usize(..UNARY.len())], a),
+            4 => TreeOp::RemapAxes {
+                target: a,
+                x: y.clone(),
+                y: b,
+                z: shifted.clone(),
+            },
+            _ => TreeOp::Binary(BINARY[rng.usize(..BINARY.len())], a, b),
+        };
     }
-    let last = all.len() - 1;
-    all.swap_remove(last)
+    last.into()
 }
 
 /// What is read has the bits of what was written.
@@ -370,10 +362,18 @@ fn the_origin_is_a_transform() {
 fn cube() -> Arc<dyn Data> {
     let triangles = Triangles {
         vertices: (0..8).map(|i| corner(i).map(f64::from).into()).collect(),
-        corners: faces().iter().map(|face| face.map(|v| v as u32)).collect(),
+        corners: faces(),
         ..Triangles::default()
     };
     Arc::new(Mesh::new("mesh(\"cube.stl\")", triangles).unwrap())
+}
+
+/// What is in any of some meshes.
+fn of_meshes(meshes: &[Arc<dyn Data>]) -> Tree {
+    let (x, y, z) = Tree::axes();
+    let at = [x, y, z];
+    let all = meshes.iter().map(|mesh| call(mesh, at.clone()));
+    all.reduce(|a, b| a.min(b)).unwrap()
 }
 
 #[test]
@@ -399,21 +399,15 @@ fn what_files_cannot_say_is_refused_with_the_reason() {
     let struts: Arc<dyn Data> =
         Arc::new(Struts::new("mesh(\"l.3mf\")", vec![strut]).unwrap());
     let lattice = call(&struts, [x.clone(), y.clone(), z.clone()]);
-    let mut long = x.clone();
-    for i in 0..200_001 {
-        long = if i % 2 == 0 { long.sin() } else { long.cos() };
-    }
     let meshes: Vec<Arc<dyn Data>> = (0..1001).map(|_| cube()).collect();
-    let many = meshes.iter().fold(x.clone(), |all, mesh| {
-        all.min(call(mesh, [x.clone(), y.clone(), z.clone()]))
-    });
+    let many = of_meshes(&meshes);
     let cases = [
         (x.rand(), "it calls rand"),
         (x.mix(y.clone()), "it calls rand"),
         (x.clone() + f32::INFINITY, "one of its numbers is inf"),
         (x.clone() + f32::NAN, "one of its numbers is NaN"),
         (lattice, "it reads mesh(\"l.3mf\"), and functions"),
-        (long, "more than 200000 nodes"),
+        (long(200_000), "more than 200000 nodes"),
         (many, "more than 1000 meshes"),
     ];
     for (tree, why) in cases {
@@ -425,26 +419,90 @@ fn what_files_cannot_say_is_refused_with_the_reason() {
 /// As many nodes as may be written are read.
 #[test]
 fn the_largest_function_is_read() {
-    let mut long = Tree::x();
-    for i in 0..199_990 {
-        long = if i % 2 == 0 { long.sin() } else { long.cos() };
+    // One node takes the place apart.
+    let bytes = written(&long(199_999)).unwrap();
+    let (_, count) = evaluated(&text(&bytes), [0.5, 0.0, 0.0]);
+    assert_eq!(1 + count, 200_000);
+    of(&bytes).unwrap();
+}
+
+/// A ball of `rings` rings of corners, and one more corner in a face of it if
+/// `split`.
+fn ball(rings: u32, around: u32, split: bool) -> Triangles {
+    let at = |ring: u32, k: u32| {
+        let up = std::f64::consts::PI * f64::from(ring) / f64::from(rings + 1);
+        let turn = std::f64::consts::TAU * f64::from(k) / f64::from(around);
+        let out = up.sin();
+        DVec3::new(out * turn.cos(), out * turn.sin(), up.cos())
+    };
+    let mut ball = Triangles {
+        vertices: vec![DVec3::Z, DVec3::NEG_Z],
+        ..Triangles::default()
+    };
+    let number = |ring: u32, k: u32| match ring {
+        0 => 0,
+        ring if ring > rings => 1,
+        ring => 2 + (ring - 1) * around + k % around,
+    };
+    for ring in 1..=rings {
+        ball.vertices.extend((0..around).map(|k| at(ring, k)));
     }
-    of(&written(&long).unwrap()).unwrap();
+    for (ring, k) in (0..=rings).flat_map(|r| (0..around).map(move |k| (r, k)))
+    {
+        let [a, b] = [k, k + 1].map(|k| number(ring, k));
+        let [c, d] = [k, k + 1].map(|k| number(ring + 1, k));
+        let both = [[a, c, d], [a, d, b]];
+        let is_face =
+            |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        ball.corners.extend(both.into_iter().filter(is_face));
+    }
+    if split && let Some([a, b, c]) = ball.corners.pop() {
+        let middle = ball.vertices.len() as u32;
+        let corners = [a, b, c].map(|v| ball.vertices[v as usize]);
+        ball.vertices.push(corners.iter().sum::<DVec3>() / 3.0);
+        let parts = [[a, b, middle], [b, c, middle], [c, a, middle]];
+        ball.corners.extend(parts);
+    }
+    ball
+}
+
+/// As many vertices and triangles as may be written are read, those of several
+/// meshes together.
+#[test]
+fn the_largest_meshes_are_read() {
+    // A closed mesh of n vertices has 2 n - 4 triangles. Four meshes and the box
+    // have a million in all.
+    let four = |split: bool| -> Vec<Arc<dyn Data>> {
+        let one = |i: u32| -> Arc<dyn Data> {
+            let triangles = ball(197, 423, split && i == 0);
+            Arc::new(Mesh::new("mesh(\"a.stl\")", triangles).unwrap())
+        };
+        (0..4).map(one).collect()
+    };
+    let meshes = four(false);
+    let bytes = written(&of_meshes(&meshes)).unwrap();
+    let text = text(&bytes);
+    let count = |what: &str| text.matches(what).count();
+    assert_eq!(count("<vertex ") + count("<triangle "), 1_000_000);
+    of(&bytes).unwrap();
+    let meshes = four(true);
+    let said = written(&of_meshes(&meshes)).unwrap_err().to_string();
+    assert!(
+        said.contains("more than 1 million vertices and tri"),
+        "{said}"
+    );
 }
 
 /// The reader makes single operations of what stands for them.
 #[test]
 fn no_operation_is_added() {
-    let (x, y, _) = Tree::axes();
     let size = |tree: &Tree| {
         let mut context = Context::new();
         let root = context.import(tree);
         nodes_of(&context, root).len()
     };
     let plain = |tree: &Tree| tree.max(cuboid(&BOUNDS));
-    let all = UNARY.map(|op| unary(op, &x)).into_iter();
-    let all = all.chain(BINARY.map(|op| binary(op, &x, &y)));
-    for tree in all {
+    for tree in operations().map(Tree::from) {
         let read = of(&written(&tree).unwrap()).unwrap().tree;
         // `and`, `not` and `mod` ask whether an absolute value is 0.
         let is_sized = matches!(

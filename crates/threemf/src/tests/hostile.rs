@@ -256,7 +256,37 @@ fn limits_of_reading_are_told_in_words_of_the_file() {
     let items = ITEM.repeat(100_001);
     let many = package(&model("millimeter", &cube_object(1, ""), &items));
     let said = of(&many).unwrap_err();
-    assert!(said.to_string().contains("more than 100000"), "{said}");
+    let why = "more than 100000 objects are placed; save fewer of them";
+    assert!(said.to_string().contains(why), "{said}");
+    let cube = model("millimeter", &cube_object(1, ""), ITEM);
+    let relations = "<Relationship Target=\"a\" Type=\"b\"/>".repeat(100_001);
+    let relations = format!("<Relationships>{relations}</Relationships>");
+    let metadata: String = (0..10_001)
+        .map(|i| format!("<metadata name=\"{i}\"/>"))
+        .collect();
+    let metadata =
+        cube.replace("<resources>", &format!("{metadata}<resources>"));
+    let groups: String = (10..1_000_010)
+        .map(|i| format!("<m:colorgroup id=\"{i}\"/>"))
+        .collect();
+    let groups = cube.replace("<resources>", &format!("<resources>{groups}"));
+    for (files, why) in [
+        (
+            [("_rels/.rels", &*relations), (ROOT, &*cube)],
+            "more than 100000 relationships, and no file needs so many; save",
+        ),
+        (
+            [("a", ""), (ROOT, &metadata)],
+            "more than 10000 names of metadata, and no file needs so many; save",
+        ),
+        (
+            [("a", ""), (ROOT, &groups)],
+            "more than 1 million resources, and no file needs so many; save",
+        ),
+    ] {
+        let said = of(&archive(&files)).unwrap_err().to_string();
+        assert!(said.contains(why), "{why:?}: {said:?}");
+    }
 }
 
 /// Any bytes end in a body or an error.

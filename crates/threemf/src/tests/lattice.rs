@@ -159,7 +159,8 @@ fn triangles_and_beams_are_one_body() {
 fn short_beams_are_ignored() {
     let text = object(1, "").replace("0.001", "11");
     let error = of(&package(&model("millimeter", &text, ITEM))).unwrap_err();
-    assert!(error.to_string().contains("no triangles"), "{error}");
+    let left = "nothing is left to build: its beams are too short";
+    assert!(error.to_string().contains(left), "{error}");
     let longer = text.replace("x=\"10\"", "x=\"12\"");
     let body = body(&longer, ITEM);
     assert_eq!(
@@ -199,7 +200,10 @@ fn wrong_lattices_are_refused_with_the_reason() {
             beam("<b:beam v1=\"0\" v2=\"1\" r1=\"1e30\"/>"),
             "thicker than",
         ),
-        (beam("<b:beam v1=\"0\" v2=\"1\" r1=\"0\"/>"), "no triangles"),
+        (
+            beam("<b:beam v1=\"0\" v2=\"1\" r1=\"0\"/>"),
+            "nothing is left to build: its beams are too short or have no",
+        ),
         (
             beam("<b:beam v1=\"0\" v2=\"1\" cap1=\"hat\"/>"),
             "no end of",

@@ -80,11 +80,11 @@ fn the_box_around_a_mesh_may_count() {
 /// turned cuts a wedge off.
 #[test]
 fn a_box_with_a_turned_edge_is_no_box() {
-    let text = |[a, b, c]: [usize; 3]| {
+    let text = |[a, b, c]: [u32; 3]| {
         format!("<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\" />")
     };
-    let turns = |[a, b, c]: [usize; 3]| [[a, b, c], [b, c, a], [c, a, b]];
-    let flat = |corners: [usize; 4]| {
+    let turns = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]];
+    let flat = |corners: [u32; 4]| {
         let [first, rest @ ..] = corners.map(corner);
         (0..3).any(|k| rest.iter().all(|p| p[k] == first[k]))
     };
@@ -104,7 +104,7 @@ fn a_box_with_a_turned_edge_is_no_box() {
     else {
         panic!("no edge");
     };
-    let of_cube = |wanted: [usize; 3]| {
+    let of_cube = |wanted: [u32; 3]| {
         let own = faces.iter().find(|face| turns(**face).contains(&wanted));
         text(*own.unwrap())
     };

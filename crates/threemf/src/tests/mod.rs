@@ -8,29 +8,21 @@ mod lattice;
 mod levels;
 mod refused;
 
+use crate::write::mesh::SIDES;
 use crate::{Body, MeshError, read};
 use glam::{DAffine3, DVec3};
 use isocontour::{Bounds, Values, data_of};
 use std::io::{Cursor, Write};
 use zip::write::{SimpleFileOptions, ZipWriter};
 
-/// A unit cube's quadrilaterals.
-const SIDES: [[usize; 4]; 6] = [
-    [0, 2, 3, 1],
-    [4, 5, 7, 6],
-    [0, 1, 5, 4],
-    [2, 6, 7, 3],
-    [0, 4, 6, 2],
-    [1, 3, 7, 5],
-];
-
-fn corner(i: usize) -> [f32; 3] {
+fn corner(i: u32) -> [f32; 3] {
     [0, 1, 2].map(|k| (i >> k & 1) as f32)
 }
 
-fn faces() -> Vec<[usize; 3]> {
-    let halves = |&[a, b, c, d]: &[usize; 4]| [[a, b, c], [a, c, d]];
-    SIDES.iter().flat_map(halves).collect()
+/// The faces of a cube.
+fn faces() -> Vec<[u32; 3]> {
+    let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    SIDES.into_iter().flat_map(halves).collect()
 }
 
 /// What is made of an archive's bytes.

@@ -1,6 +1,7 @@
 //! Why a function cannot be a 3MF file.
 
 use crate::functions::graph::MOST_NODES;
+use crate::model::MOST_SHAPES;
 use isocontour::{Cancelled, ExpandError};
 use std::io;
 
@@ -48,4 +49,12 @@ pub enum ExportError {
          is read; join them in the program that made them"
     )]
     TooManyMeshes(usize),
+    /// The meshes are larger than what is read again.
+    #[error(
+        "its meshes have more than {} million vertices and triangles together, \
+         and no 3MF file with more is read; reduce them in the program that \
+         made them",
+        MOST_SHAPES / 1_000_000
+    )]
+    TooManyShapes,
 }

@@ -11,7 +11,7 @@ const ASK: usize = 1 << 16;
 
 /// The sides of a box, counter-clockwise as seen from outside. Bit k of a corner's
 /// number says on which end of axis k it is.
-const SIDES: [[u32; 4]; 6] = [
+pub(crate) const SIDES: [[u32; 4]; 6] = [
     [0, 2, 3, 1],
     [4, 5, 7, 6],
     [0, 1, 5, 4],
@@ -19,6 +19,9 @@ const SIDES: [[u32; 4]; 6] = [
     [0, 4, 6, 2],
     [1, 3, 7, 5],
 ];
+
+/// Number of vertices and triangles of a box.
+pub(super) const CUBOID: usize = 8 + 2 * SIDES.len();
 
 /// Writes a box.
 pub(super) fn cuboid(

@@ -19,18 +19,20 @@
 //! | `mesh` | writes triangles |
 //! | `error` | says what cannot be written |
 //!
-//! Guaranteed: equal functions give equal bytes; what is written is within the
-//! limits of the reader.
+//! Guaranteed: equal functions give equal bytes; what is written has no more
+//! nodes, meshes, vertices and triangles than are read.
 
 mod error;
-mod mesh;
+pub(crate) mod mesh;
 mod nodes;
 
 pub use error::ExportError;
 
+use crate::model::MOST_SHAPES;
 use fidget::context::Tree;
 use glam::DVec3;
 use isocontour::{Bounds, expand};
+use isoslice_mesh::Mesh;
 use mesh::{cuboid, triangles};
 use nodes::Nodes;
 use quick_xml::escape::escape;
@@ -43,9 +45,9 @@ use zip::{CompressionMethod, ZipWriter};
 /// and the function keeps its values near it.
 const MARGIN: f64 = 1.0;
 
-/// Length of the text of a vertex and two triangles, as many as there are of them,
-/// bytes.
-const LINE: u64 = 160;
+/// Length of the text of a vertex or a triangle, bytes: triangles take 53 at most,
+/// vertices some 80.
+const LINE: u64 = 100;
 
 const TYPES: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
     <Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\">\n\
@@ -89,10 +91,11 @@ pub struct Part<'a> {
 pub fn write(part: &Part) -> Result<Vec<u8>, ExportError> {
     let (context, root) = expand(part.tree)?;
     let nodes = Nodes::new(&context, root, 2)?;
-    let meshes = nodes.meshes.iter().filter_map(Nodes::mesh_of);
-    let vertices: u64 =
-        meshes.map(|mesh| mesh.triangles().0.len() as u64).sum();
-    let is_large = LINE * vertices > u64::from(u32::MAX / 2);
+    let shapes = shapes(&nodes);
+    if shapes > MOST_SHAPES {
+        return Err(ExportError::TooManyShapes);
+    }
+    let is_large = LINE * shapes as u64 > u64::from(u32::MAX / 2);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, text) in [
         ("[Content_Types].xml", TYPES),
@@ -108,6 +111,16 @@ pub fn write(part: &Part) -> Result<Vec<u8>, ExportError> {
     model(part, &nodes, &mut out)?;
     out.into_inner().map_err(|e| e.into_error())?;
     Ok(zip.finish().map_err(io_error)?.into_inner())
+}
+
+/// Number of vertices and triangles of a file.
+fn shapes(nodes: &Nodes) -> usize {
+    let meshes = nodes.meshes.iter().filter_map(Nodes::mesh_of);
+    let of_mesh = |mesh: &Mesh| {
+        let (vertices, corners) = mesh.triangles();
+        vertices.len() + corners.len()
+    };
+    mesh::CUBOID + meshes.map(of_mesh).sum::<usize>()
 }
 
 /// Writes the model file.
