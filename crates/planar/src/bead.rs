@@ -256,9 +256,14 @@ impl Stroke {
         }
     }
 
-    /// An open stroke without a share of its length at its end, if `last` is
-    /// true, or else at its beginning.
-    pub fn shortened(&self, last: bool, share: f64) -> Stroke {
+    /// An open stroke without a length at its end, if `last` is true, or else at its
+    /// beginning.
+    pub fn shortened(&self, last: bool, length: Mm) -> Stroke {
+        let whole = self.length();
+        if length <= 0.0 || whole <= 0.0 {
+            return self.clone();
+        }
+        let share = length / whole;
         if last {
             self.part(0.0, 1.0 - share)
         } else {

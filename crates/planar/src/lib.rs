@@ -16,6 +16,7 @@
 //! | [`hatch`] | draws parallel lines across an area |
 //! | [`border`] | cuts any lines at an area, and follows its border |
 //! | [`zero`] | finds where a function is zero near an area |
+//! | [`joints`] | puts pieces together whose ends go on in one another |
 //! | [`clusters`] | puts islands whose boxes meet together |
 //! | [`grid`] | answers which edges are near a place; [`places`] counts along rings |
 //! | [`nest`] | tells which ring is around a point |
@@ -46,6 +47,7 @@ pub mod curve;
 pub mod grid;
 pub mod hatch;
 mod hull;
+pub mod joints;
 pub mod offset;
 pub mod opening;
 #[cfg(test)]

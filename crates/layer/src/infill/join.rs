@@ -17,22 +17,13 @@ use super::pairing::{Way, pairs};
 use isoslice_base::sets::Sets;
 use isoslice_base::units::Mm;
 use isoslice_planar::border::{Border, BorderPlace, LinePiece};
+use isoslice_planar::joints::{self, Joints};
 
 /// An end of a piece on the border.
 #[derive(Clone, Copy, Debug)]
 struct End {
     foot: BorderPlace,
-    /// For a piece's first point, twice the piece's number; for its last point,
-    /// one more.
-    number: usize,
-}
-
-/// A join: the end that it leaves, the end that it leads to, and whether it
-/// goes along the ring.
-#[derive(Clone, Copy, Debug)]
-struct Link {
-    to: usize,
-    forward: bool,
+    number: joints::End,
 }
 
 /// The pieces, joined where the way along the border is at most `limit`.
@@ -42,7 +33,9 @@ pub(super) fn join(
     limit: Mm,
 ) -> Vec<LinePiece> {
     let ends = ends(&pieces);
-    let mut links: Vec<Option<Link>> = vec![None; 2 * pieces.len()];
+    let mut joints = Joints::new(pieces.len());
+    // True for ends from which the way goes along the ring.
+    let mut ahead = vec![false; 2 * pieces.len()];
     // Which pieces are on one path.
     let mut paths = Sets::new(pieces.len());
     // Short joins come first, so that a long join does not take an end away
@@ -53,20 +46,19 @@ pub(super) fn join(
             if isoslice_base::limits::is_stopped() {
                 break;
             }
-            found.extend(joins(ring, &links, &mut paths, border, limit));
+            found.extend(joins(ring, &joints, &mut paths, border, limit));
         }
         // Of joins that would make a path return to itself, the longest is
         // refused.
         found.sort_unstable();
         for (_, a, b) in found {
             if paths.join(a / 2, b / 2) {
-                let link = |to, forward| Some(Link { to, forward });
-                links[a] = link(b, true);
-                links[b] = link(a, false);
+                joints.join(a, b);
+                ahead[a] = true;
             }
         }
     }
-    walk(pieces, &links, border)
+    walk(pieces, &joints, &ahead, border)
 }
 
 /// The ends of pieces on the border, ring by ring and in the order along it.
@@ -90,7 +82,7 @@ fn ends(pieces: &[LinePiece]) -> Vec<End> {
 /// paths, each with its way and the numbers of its ends.
 fn joins(
     ring: &[End],
-    links: &[Option<Link>],
+    joints: &Joints,
     paths: &mut Sets,
     border: &Border<'_>,
     limit: Mm,
@@ -98,7 +90,7 @@ fn joins(
     let next = |i: usize| &ring[(i + 1) % ring.len()];
     let mut way = |i: usize| {
         let (a, b) = (&ring[i], next(i));
-        let free = [a, b].iter().all(|end| links[end.number].is_none());
+        let free = [a, b].iter().all(|end| joints.is_free(end.number));
         let apart = paths.of(a.number / 2) != paths.of(b.number / 2);
         let way = border.way(a.foot, b.foot);
         let fits = free && apart && way <= limit;
@@ -114,58 +106,58 @@ fn joins(
 /// Micrometres of a millimetre.
 const MICROMETRES: f64 = 1e3;
 
-/// Follows the links from every end that has no link.
+/// Puts the pieces together. `ahead` tells from which ends the way goes along the ring.
 fn walk(
     pieces: Vec<LinePiece>,
-    links: &[Option<Link>],
+    joints: &Joints,
+    ahead: &[bool],
     border: &Border<'_>,
 ) -> Vec<LinePiece> {
     let mut pieces: Vec<Option<LinePiece>> =
         pieces.into_iter().map(Some).collect();
     let mut joined = Vec::new();
-    for start in 0..links.len() {
+    for chain in joints.chains() {
         if isoslice_base::limits::is_stopped() {
             break;
         }
-        if links[start].is_some() {
-            continue;
-        }
-        let Some(mut path) = take(&mut pieces, start) else {
-            continue;
-        };
-        let mut end = start ^ 1;
-        while let Some(link) = links[end] {
-            let Some(next) = take(&mut pieces, link.to) else {
-                break;
+        let mut path: Option<LinePiece> = None;
+        for (i, reversed) in chain.pieces {
+            let Some(next) = pieces[i].take() else {
+                continue;
+            };
+            let next = if reversed { turned(next) } else { next };
+            let Some(path) = &mut path else {
+                path = Some(next);
+                continue;
             };
             if let (Some(a), Some(b)) = (path.to, next.from) {
-                let way = if link.forward {
-                    border.between(a, b)
-                } else {
+                // The way leads to the piece's end that it begins with.
+                let back = ahead[2 * i + usize::from(reversed)];
+                let way = if back {
                     let mut way = border.between(b, a);
                     way.reverse();
                     way
+                } else {
+                    border.between(a, b)
                 };
                 path.points.extend(way);
             }
             path.points.extend(next.points);
             path.to = next.to;
-            end = link.to ^ 1;
         }
-        path.points.dedup();
-        joined.push(path);
+        if let Some(mut path) = path {
+            path.points.dedup();
+            joined.push(path);
+        }
     }
     joined
 }
 
-/// The piece with that end as its first point.
-fn take(pieces: &mut [Option<LinePiece>], end: usize) -> Option<LinePiece> {
-    let mut piece = pieces[end / 2].take()?;
-    if end % 2 == 1 {
-        piece.points.reverse();
-        std::mem::swap(&mut piece.from, &mut piece.to);
-    }
-    Some(piece)
+/// A piece from its last point to its first.
+fn turned(mut piece: LinePiece) -> LinePiece {
+    piece.points.reverse();
+    std::mem::swap(&mut piece.from, &mut piece.to);
+    piece
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Stroke, narrowest};
 use isoslice_planar::grid::EdgeGrid;
+use isoslice_planar::joints::Joints;
 
 /// The turns between lines.
 #[derive(Clone, Copy, Debug)]
@@ -101,31 +102,33 @@ pub(super) fn join(
     after: &[Vec<u32>],
     turns: Turns<'_>,
 ) -> Joined {
-    let links = links(&lines, after, turns);
-    // The turn over which each line goes on, and whether a stroke begins with
-    // it.
+    let mut joints = Joints::new(lines.len());
+    // The turn over which each line goes on to the next row, and the one over which
+    // it is reached from the row before.
     let mut next: Vec<Option<Turn>> = vec![None; lines.len()];
-    let mut begins = vec![true; lines.len()];
-    for link in links {
-        next[link.lines[0]] = Some(link);
-        begins[link.lines[1]] = false;
+    let mut before: Vec<Option<Turn>> = vec![None; lines.len()];
+    for turn in links(&lines, after, turns) {
+        let [i, k] = turn.lines;
+        let last = usize::from(turn.last);
+        joints.join(2 * i + last, 2 * k + last);
+        next[i] = Some(turn);
+        before[k] = Some(turn);
     }
     let mut stroke_of = vec![0; lines.len()];
     let mut strokes: Vec<Stroke> = Vec::new();
-    for first in (0..lines.len()).filter(|&i| begins[i]) {
+    for chain in joints.chains() {
         if isoslice_base::limits::is_stopped() {
             return Joined::default();
         }
+        let first = chain.pieces[0].0;
         let mut stroke = Stroke::new(Vec::new(), false, lines[first].1.width);
-        let (mut at, mut turn_before) = (first, None);
-        loop {
-            stroke_of[at] = strokes.len() as u32;
-            turns.append(&mut stroke, &lines[at].1, turn_before, next[at]);
-            turn_before = next[at];
-            match turn_before {
-                Some(turn) => at = turn.lines[1],
-                None => break,
+        for (i, reversed) in chain.pieces {
+            stroke_of[i] = strokes.len() as u32;
+            let mut line = lines[i].1.clone();
+            if reversed {
+                line.reverse();
             }
+            turns.append(&mut stroke, line, before[i], next[i]);
         }
         if next[first].is_none() {
             stroke.widths.clone_from(&lines[first].1.widths);
@@ -135,7 +138,7 @@ pub(super) fn join(
     let mut waits: Vec<Vec<u32>> = Vec::new();
     let mut one_way = Vec::new();
     if !after.is_empty() {
-        let firsts = (0..lines.len()).filter(|&i| begins[i]);
+        let firsts = (0..lines.len()).filter(|&i| before[i].is_none());
         one_way.extend(firsts.map(|i| next[i].is_some()));
         waits.resize(strokes.len(), Vec::new());
         for (line, before) in after.iter().enumerate() {
@@ -289,14 +292,10 @@ impl Turns<'_> {
     fn append(
         &self,
         stroke: &mut Stroke,
-        line: &Stroke,
+        line: Stroke,
         before: Option<Turn>,
         after: Option<Turn>,
     ) {
-        let mut line = line.clone();
-        if before.is_some_and(|t| t.last) || after.is_some_and(|t| !t.last) {
-            line.reverse();
-        }
         let early = |turn: Option<Turn>, k: usize| {
             turn.map_or(0.0, |t| t.early[k] / line.length())
         };

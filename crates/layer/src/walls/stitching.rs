@@ -20,6 +20,7 @@ use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::{EdgeGrid, nearest_on};
+use isoslice_planar::joints::{self, Joints};
 
 /// Greatest turn between two strokes that go on in one another, radians.
 const TURN: f64 = 1.75;
@@ -112,6 +113,11 @@ impl End {
         })
     }
 
+    /// The end's number among those of all strokes.
+    fn number(&self) -> joints::End {
+        2 * self.stroke + usize::from(self.last)
+    }
+
     /// The cost of joining two ends, if they belong together: their turn, and
     /// their distance in widths. The pairs that cost the least are joined
     /// first.
@@ -158,19 +164,19 @@ pub(super) fn join(
         .filter_map(|(i, last)| End::new(&strokes, i, last))
         .collect();
     let pairs = pairs(&strokes, &ends, &room);
-    let mut links = Links(vec![[None; 2]; strokes.len()]);
+    let mut joints = Joints::new(strokes.len());
     for &(a, b) in &pairs {
-        let (a, b) = (&ends[a], &ends[b]);
-        links.0[a.stroke][usize::from(a.last)] = Some((b.stroke, b.last));
-        links.0[b.stroke][usize::from(b.last)] = Some((a.stroke, a.last));
+        joints.join(ends[a].number(), ends[b].number());
     }
     for &(a, b) in &pairs {
         let length = ramp([&ends[a], &ends[b]], &strokes, &room);
         for end in [&ends[a], &ends[b]] {
-            shorten(&mut strokes[end.stroke], end.last, length);
+            let stroke = &mut strokes[end.stroke];
+            let taken = length.min(SHARE * stroke.length());
+            *stroke = stroke.shortened(end.last, taken);
         }
     }
-    let joined = links.chains(strokes, count, &room);
+    let joined = chains(strokes, count, &joints, &room);
     let widest = ends.iter().map(|e| e.width).fold(0.0, f64::max);
     let taken = overlap.map(|most| move |p: DVec2| room(p).width <= most);
     let joined = stop_short(joined, widest, taken);
@@ -191,13 +197,6 @@ fn pairs(
     let points = ends.iter().enumerate().map(|(i, e)| (i, (e.at, e.at)));
     let grid = EdgeGrid::of(points, reach);
     let lines = EdgeGrid::of_lines(strokes.iter().map(Stroke::path), widest);
-    // A way across that crosses a stroke would be laid over it.
-    let crossed = |from: DVec2, to: DVec2| {
-        let mut crossed = false;
-        let (from, to) = (from.lerp(to, 0.01), to.lerp(from, 0.01));
-        lines.visit_crossed(from, to, |_, _| crossed = true);
-        crossed
-    };
     let mut all: Vec<(f64, usize, usize)> = Vec::new();
     let mut near = Vec::new();
     for (i, end) in ends.iter().enumerate() {
@@ -216,7 +215,8 @@ fn pairs(
             if let Some(cost) = end.cost(other)
                 && room(end.at.midpoint(other.at)).width
                     > 0.35 * (end.width + other.width)
-                && !crossed(end.at, other.at)
+                // A way across that crosses a stroke would be laid over it.
+                && !lines.crosses_way(end.at, other.at)
             {
                 all.push((cost, i, j));
             }
@@ -283,19 +283,6 @@ fn across(
     })
 }
 
-/// Takes a length from one end of an open stroke, but no great share of it.
-fn shorten(stroke: &mut Stroke, last: bool, length: Mm) {
-    let whole = stroke.length();
-    if length <= 0.0 || whole <= 0.0 {
-        return;
-    }
-    *stroke = stroke.shortened(last, (length / whole).min(SHARE));
-}
-
-/// For each stroke, at its first and at its last point: the stroke in which it
-/// goes on there, and whether it goes on from the last point of that stroke.
-struct Links(Vec<[Option<(usize, bool)>; 2]>);
-
 /// Strokes that have become one.
 struct Chain {
     stroke: Stroke,
@@ -303,51 +290,36 @@ struct Chain {
     ring: bool,
 }
 
-impl Links {
-    /// Puts strokes together to chains. The first `rings` strokes are pieces of
-    /// rings.
-    fn chains(
-        &self,
-        strokes: Vec<Stroke>,
-        rings: usize,
-        room: &impl Fn(DVec2) -> Space,
-    ) -> Vec<Chain> {
-        let mut strokes: Vec<Option<Stroke>> =
-            strokes.into_iter().map(Some).collect();
-        let mut all = Vec::with_capacity(strokes.len());
-        // A chain begins where it has an end, or anywhere if it has none.
-        let ends = |i: &usize| self.0[*i].contains(&None);
-        let count = strokes.len();
-        for first in (0..count).filter(ends).chain(0..count) {
-            let Some(stroke) = strokes[first].take() else {
-                continue;
-            };
-            let mut chain = Chain {
-                stroke,
-                ring: first < rings,
-            };
-            // The end at which the chain goes on.
-            let mut last = self.0[first][0].is_none();
-            if !last {
-                chain.stroke.reverse();
+/// Puts strokes together to chains. The first `rings` strokes are pieces of rings.
+fn chains(
+    strokes: Vec<Stroke>,
+    rings: usize,
+    joints: &Joints,
+    room: &impl Fn(DVec2) -> Space,
+) -> Vec<Chain> {
+    let mut all = Vec::with_capacity(strokes.len());
+    for joints::Chain { pieces, closed } in joints.chains() {
+        let mut pieces = pieces.into_iter().map(|(i, reversed)| {
+            let mut stroke = strokes[i].clone();
+            if reversed {
+                stroke.reverse();
             }
-            let mut at = first;
-            while let Some((next, at_last)) = self.0[at][usize::from(last)] {
-                let Some(mut stroke) = strokes[next].take() else {
-                    chain.close(room);
-                    break;
-                };
-                if at_last {
-                    stroke.reverse();
-                }
-                chain.go_on(&stroke, room);
-                chain.ring |= next < rings;
-                (at, last) = (next, !at_last);
-            }
-            all.push(chain);
+            (stroke, i < rings)
+        });
+        let Some((stroke, ring)) = pieces.next() else {
+            continue;
+        };
+        let mut chain = Chain { stroke, ring };
+        for (stroke, ring) in pieces {
+            chain.go_on(&stroke, room);
+            chain.ring |= ring;
         }
-        all
+        if closed {
+            chain.close(room);
+        }
+        all.push(chain);
     }
+    all
 }
 
 impl Chain {

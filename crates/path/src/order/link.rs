@@ -96,7 +96,7 @@ pub fn linked(
                 if taken > 0.0 && is_strand(bead.role) {
                     bead.stroke = narrowed(bead, taken);
                 } else if taken > 0.0 {
-                    bead.stroke = shortened(bead, last, taken);
+                    bead.stroke = bead.stroke.opened().shortened(last, taken);
                 }
             }
             let way = link.bead(before, &bead);
@@ -200,11 +200,7 @@ impl Link {
     /// True if the way crosses a line. Where strips cross, one bead goes through,
     /// and those that it interrupts point at each other from its sides.
     fn crosses(&self, lines: &EdgeGrid) -> bool {
-        let (from, to) = (self.from, self.to);
-        let (from, to) = (from.lerp(to, 0.01), to.lerp(from, 0.01));
-        let mut crosses = false;
-        lines.visit_crossed(from, to, |_, _| crosses = true);
-        crosses
+        lines.crosses_way(self.from, self.to)
     }
 
     /// The way as a bead between two that have been shortened. Between walls
@@ -342,12 +338,6 @@ fn narrowed(bead: &Bead, length: Mm) -> Stroke {
     less(&mut stroke.width);
     stroke.widths.iter_mut().for_each(less);
     stroke
-}
-
-/// A bead's stroke, open, without a length of its end or its beginning.
-fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
-    let open = bead.stroke.opened();
-    open.shortened(last, length / open.length())
 }
 
 #[cfg(test)]

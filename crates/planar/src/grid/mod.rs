@@ -329,6 +329,17 @@ impl EdgeGrid {
         found
     }
 
+    /// True if the way from one place to another crosses an edge, not at its own ends,
+    /// which may lie on edges.
+    pub fn crosses_way(&self, from: DVec2, to: DVec2) -> bool {
+        /// Share of the way at both ends that is not looked at.
+        const ENDS: f64 = 0.01;
+        let (from, to) = (from.lerp(to, ENDS), to.lerp(from, ENDS));
+        let mut crosses = false;
+        self.visit_crossed(from, to, |_, _| crosses = true);
+        crosses
+    }
+
     /// Calls `visit` with every edge that the segment from `a` to `b` crosses,
     /// and with the place of the crossing, as a fraction of the segment's
     /// length. It may name a crossing more than once. An end of an edge that is
