@@ -105,7 +105,7 @@ impl Bits {
         Bits(std::array::from_fn(|row| {
             let at = |k: i32| IVec2::new(x * SIDE + k, y * SIDE + row as i32);
             let is = |k: i32| is(at(k), row, k as usize);
-            let marked = (0..SIDE).filter(|k| self.0[row] & (1 << k) != 0);
+            let marked = marked(self.0[row]);
             marked.filter(|&k| is(k)).fold(0, |all, k| all | 1 << k)
         }))
     }
@@ -124,12 +124,28 @@ impl Bits {
         &self,
         (x, y): Place,
     ) -> impl Iterator<Item = IVec2> + use<> {
-        let rows = (0..SIDE).zip(self.0).filter(|(_, word)| *word != 0);
-        rows.flat_map(move |(row, word)| {
-            let marked = (0..SIDE).filter(move |k| word & (1 << k) != 0);
-            marked.map(move |k| IVec2::new(x * SIDE + k, y * SIDE + row))
+        let places = self.places();
+        places.map(move |(row, column)| {
+            IVec2::new(x * SIDE + column as i32, y * SIDE + row as i32)
         })
     }
+
+    /// Rows and columns of the marked cells, row by row.
+    pub(super) fn places(
+        &self,
+    ) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let rows = self.0.into_iter().enumerate();
+        rows.flat_map(|(row, word)| {
+            marked(word).map(move |k| (row, k as usize))
+        })
+    }
+}
+
+/// The numbers of a word's marked bits.
+fn marked(word: u32) -> impl Iterator<Item = i32> {
+    let next = |left: &u32| Some(left & (left - 1)).filter(|left| *left != 0);
+    let first = Some(word).filter(|word| *word != 0);
+    std::iter::successors(first, next).map(|left| left.trailing_zeros() as i32)
 }
 
 /// A set of cells.

@@ -71,6 +71,16 @@ pub(super) struct Seen {
     pub low: f64,
 }
 
+/// From where to where a bead reaches: up to `top`, and down to `low` if something
+/// is there, or else to `deep`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    pub low: f32,
+    pub deep: f32,
+    pub top: f32,
+    pub support: bool,
+}
+
 /// Cells side by side, and the beads of the layer that is printed in them.
 struct Tile {
     columns: [[Column; SIDE as usize]; SIDE as usize],
@@ -130,16 +140,15 @@ impl Columns {
         self.tiles.len()
     }
 
-    /// Takes in a part of a bead that reaches up to `top`, and down to the first of
-    /// `reaches` if something is there, or else to the second. Returns the top of
-    /// the layers below it.
-    pub(super) fn lay(
-        &mut self,
-        cell: IVec2,
-        reaches: [f64; 2],
-        top: f64,
-        support: bool,
-    ) -> Option<f64> {
+    /// Takes in a part of a bead. Returns the top of the layers below it.
+    #[inline]
+    pub(super) fn lay(&mut self, cell: IVec2, bead: Reach) -> Option<f64> {
+        let Reach {
+            low,
+            deep,
+            top,
+            support,
+        } = bead;
         let (place, row, column) = split(cell);
         let index = self.tile(place)?;
         let layer = self.layer;
@@ -159,9 +168,7 @@ impl Columns {
         of.mark(row, column);
         let own = &mut tile.columns[row][column];
         *own = own.at(layer);
-        let [low, deep] = reaches.map(|z| z as f32);
         let low = if own.below >= low { low } else { deep };
-        let top = top as f32;
         if low < own.low {
             own.low = low;
         }
@@ -210,7 +217,14 @@ impl Columns {
     /// Of some cells of the layer, the deepest and highest reach of beads, and the
     /// highest and lowest: what lies between both holds all of their beads.
     pub(super) fn spread(&self, cells: &Cells) -> Option<[Seen; 2]> {
-        let mut all = cells.all().filter_map(|cell| self.at(cell));
+        let of_tile = |(place, bits): (Place, &Bits)| {
+            let tile = self.known(place)?;
+            let seen = move |(row, column): (usize, usize)| {
+                self.seen(tile.columns[row][column])
+            };
+            Some(bits.places().filter_map(seen))
+        };
+        let mut all = cells.tiles().filter_map(of_tile).flatten();
         let first = all.next()?;
         Some(all.fold([first; 2], |[deep, high], seen| {
             let (low, top) = (deep.low.min(seen.low), deep.top.max(seen.top));
@@ -241,17 +255,22 @@ impl Columns {
         near.any(|near| self.at(near).is_some_and(|seen| is(&seen)))
     }
 
-    /// The tile at a place, if something was printed there.
+    /// The tile at a place, if something was printed there. Mostly it is the one that
+    /// was asked for last.
+    #[inline]
     fn known(&self, place: Place) -> Option<&Tile> {
         let index = match self.last.get() {
             Some((last, index)) if last == place => index,
-            _ => {
-                let index = *self.places.get(&place)?;
-                self.last.set(Some((place, index)));
-                index
-            }
+            _ => self.look_up(place)?,
         };
         Some(&self.tiles[index])
+    }
+
+    /// The number of the tile at a place, if something was printed there.
+    fn look_up(&self, place: Place) -> Option<usize> {
+        let index = *self.places.get(&place)?;
+        self.last.set(Some((place, index)));
+        Some(index)
     }
 
     fn seen(&self, column: Column) -> Option<Seen> {
@@ -290,20 +309,22 @@ impl Columns {
     }
 
     /// The tile at a place, which is made if there is room for it.
+    #[inline]
     fn tile(&mut self, place: Place) -> Option<usize> {
-        let index = match self.last.get() {
-            Some((last, index)) if last == place => return Some(index),
-            _ => match self.places.get(&place) {
-                Some(index) => *index,
-                None if self.tiles.len() < MOST_TILES => {
-                    self.tiles.push(Tile::new());
-                    let index = self.tiles.len() - 1;
-                    self.places.insert(place, index);
-                    index
-                }
-                None => return None,
-            },
-        };
+        match self.last.get() {
+            Some((last, index)) if last == place => Some(index),
+            _ => self.look_up(place).or_else(|| self.make(place)),
+        }
+    }
+
+    /// Makes the tile at a place, if there is room for it.
+    fn make(&mut self, place: Place) -> Option<usize> {
+        let index = self.tiles.len();
+        if index >= MOST_TILES {
+            return None;
+        }
+        self.tiles.push(Tile::new());
+        self.places.insert(place, index);
         self.last.set(Some((place, index)));
         Some(index)
     }
@@ -313,14 +334,25 @@ impl Columns {
 mod tests {
     use super::*;
 
+    /// A bead that reaches from one height up to another.
+    fn reach(low: f32, top: f32, support: bool) -> Reach {
+        let deep = low;
+        Reach {
+            low,
+            deep,
+            top,
+            support,
+        }
+    }
+
     #[test]
     fn a_layer_lies_on_those_below_and_not_on_itself() {
         let mut columns = Columns::default();
         let cell = IVec2::new(-3, 70);
         assert!(columns.at(cell).is_none());
-        let below = columns.lay(cell, [0.0; 2], 0.2, true).unwrap();
+        let below = columns.lay(cell, reach(0.0, 0.2, true)).unwrap();
         assert!(below.is_infinite());
-        let below = columns.lay(cell, [0.3; 2], 0.5, false).unwrap();
+        let below = columns.lay(cell, reach(0.3, 0.5, false)).unwrap();
         assert!(below.is_infinite(), "one layer");
         let seen = columns.at(cell).unwrap();
         assert!((seen.low, seen.on_support) == (0.0, false), "{seen:?}");
@@ -328,7 +360,7 @@ mod tests {
         let seen = columns.at(cell).unwrap();
         assert_eq!((seen.below, seen.top), (0.5, 0.5));
         assert!(!seen.on_support && seen.low.is_infinite());
-        assert_eq!(columns.lay(cell, [0.5; 2], 0.7, true), Some(0.5));
+        assert_eq!(columns.lay(cell, reach(0.5, 0.7, true)), Some(0.5));
         columns.next_layer();
         columns.next_layer();
         let seen = columns.at(cell).unwrap();
@@ -341,7 +373,7 @@ mod tests {
         let mut columns = Columns::default();
         for k in 0..2 * MOST_TILES as i32 {
             let cell = IVec2::new(SIDE * (k % 128), SIDE * (k / 128));
-            let known = columns.lay(cell, [0.0; 2], 0.2, false).is_some();
+            let known = columns.lay(cell, reach(0.0, 0.2, false)).is_some();
             assert_eq!(known, k < MOST_TILES as i32);
         }
         assert_eq!(columns.tiles(), MOST_TILES);

@@ -70,6 +70,45 @@ pub(super) struct Flow {
 /// if this is known: what other files have printed is not.
 type Lies = Option<(Mm, bool)>;
 
+/// Places of a bead one after the other that lie on the same, and in one window.
+#[derive(Clone, Copy, Debug, Default)]
+struct Run {
+    window: Place,
+    on: Lies,
+    /// A bit for each of the window's cells that has a place.
+    cells: u64,
+    /// Number of places.
+    count: f64,
+}
+
+impl Run {
+    /// A run without places yet, in the window of a cell.
+    fn new(cell: IVec2, on: Lies) -> Run {
+        Run {
+            window: window_of(cell),
+            on,
+            ..Run::default()
+        }
+    }
+
+    /// True if a cell is in the run's window.
+    fn has(&self, cell: IVec2) -> bool {
+        self.window == window_of(cell)
+    }
+
+    fn take(&mut self, cell: IVec2) {
+        let within = cell & (SIDE - 1);
+        self.cells |= 1 << (within.y * SIDE + within.x);
+        self.count += 1.0;
+    }
+}
+
+/// The window of a cell.
+fn window_of(cell: IVec2) -> Place {
+    let window = cell >> SIDE.trailing_zeros();
+    (window.x, window.y)
+}
+
 /// What is known of the layer being printed.
 #[derive(Debug, Default)]
 struct Layer {
@@ -127,22 +166,39 @@ impl Flow {
         let count = (from.distance(to) / CELL).ceil().max(1.0);
         let way = (step.to - step.from) / count;
         let length = step.length() / count;
-        // Most of a bead lies on one thing: pieces that do are taken together.
-        let (mut on, mut pieces) = (None, 0.0);
+        let mut run = Run::default();
+        let mut pieces = 0.0;
         for k in 0..count as u32 {
             let at = step.from + (f64::from(k) + 0.5) * way;
             let cell = cell_of(at.truncate());
             let lies = self.rise_at(at.z, cell, ground);
-            if lies != on {
-                self.lies(on, pieces * length, step, area);
-                (on, pieces) = (lies, 0.0);
+            // Most of a bead lies on one thing, and stays in a window for some
+            // cells: pieces that do are taken together.
+            if lies != run.on || !run.has(cell) {
+                self.cover(&run, area * length, step.height);
+                if lies != run.on {
+                    self.lies(run.on, pieces * length, step, area);
+                    pieces = 0.0;
+                }
+                run = Run::new(cell, lies);
             }
+            run.take(cell);
             pieces += 1.0;
-            if let Some((rise, _)) = lies {
-                self.layer.cover(cell, area * length, step.height.max(rise));
-            }
         }
-        self.lies(on, pieces * length, step, area);
+        self.cover(&run, area * length, step.height);
+        self.lies(run.on, pieces * length, step, area);
+    }
+
+    /// Adds the places of a run to their window, each with a volume.
+    fn cover(&mut self, run: &Run, volume: f64, height: Mm) {
+        let Some((rise, _)) = run.on else { return };
+        let Some(window) = self.layer.window(run.window) else {
+            return;
+        };
+        let volume = run.count * volume;
+        window.cells |= run.cells;
+        window.volume += volume;
+        window.weighed += volume * height.max(rise);
     }
 
     /// Takes a length of a bead that lies on the same all along.
@@ -207,15 +263,13 @@ impl Layer {
         self.seen += step.height * length;
     }
 
-    /// Adds a part of a bead to its window.
-    fn cover(&mut self, cell: IVec2, volume: f64, height: Mm) {
-        let window = cell >> SIDE.trailing_zeros();
-        let place = (window.x, window.y);
+    /// The window at a place, if there is room for it.
+    fn window(&mut self, place: Place) -> Option<&mut Window> {
         if self.here.is_none_or(|here| here.0 != place) {
             let count = self.windows.len();
             let index = match self.places.get(&place) {
                 Some(index) => *index,
-                None if count == MOST_WINDOWS => return,
+                None if count == MOST_WINDOWS => return None,
                 None => count,
             };
             if index == count {
@@ -224,12 +278,7 @@ impl Layer {
             }
             self.here = Some((place, index));
         }
-        let Some((_, index)) = self.here else { return };
-        let window = &mut self.windows[index];
-        let within = cell & (SIDE - 1);
-        window.cells |= 1 << (within.y * SIDE + within.x);
-        window.volume += volume;
-        window.weighed += volume * height;
+        self.windows.get_mut(self.here?.1)
     }
 
     /// What is wrong with it, if its flow and its widths should be about these.

@@ -20,7 +20,7 @@
 //! up to half of the next layer, which is no higher than the nozzle is wide.
 
 use super::cells::{CELL, Cells, around, cell_of};
-use super::columns::{Columns, Seen};
+use super::columns::{Columns, Reach, Seen};
 use glam::{DVec3, IVec2};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_gcode_read::reader::{Move, Role};
@@ -195,8 +195,9 @@ impl Ground {
         }
         let goes_on = before.is_some();
         let deepest = depth(step, area, 2.0 * self.lift);
+        let height = step.height;
         for (cell, at) in places(step, 0.0).skip(usize::from(goes_on)) {
-            let (z, height) = (at.z, step.height);
+            let z = at.z;
             let spot = Some(Spot {
                 cell,
                 z,
@@ -207,9 +208,14 @@ impl Ground {
                 continue;
             }
             self.last = None;
-            let low = reach(z, height);
-            let reaches = [low, reach(z, deepest)];
-            let below = self.columns.lay(cell, reaches, z, support);
+            let [low, deep] = [height, deepest].map(|high| reach(z, high));
+            let bead = Reach {
+                low: low as f32,
+                deep: deep as f32,
+                top: z as f32,
+                support,
+            };
+            let below = self.columns.lay(cell, bead);
             let Some(below) = below else { continue };
             if z < below - PLOUGH {
                 let (top, how) = (below, How::Low);
@@ -218,7 +224,7 @@ impl Ground {
                 if step.role == Role::OuterWall {
                     self.here.walls.mark(cell);
                 }
-                if below < reaches[1] && !support && wrong.is_none() {
+                if below < deep && !support && wrong.is_none() {
                     wrong = self.hangs(cell, at, z - deepest - self.lift);
                     if wrong.is_some() {
                         self.here.reported.mark(cell);

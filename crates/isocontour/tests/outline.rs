@@ -414,6 +414,34 @@ fn slabs_of_large_parts_have_fewer_layers() {
     assert_eq!(layers(150.0), 1);
 }
 
+/// A plate is level from its lowest layer to its highest one, and its layers are
+/// the same whether they are found together or one by one. A cone is not level.
+#[test]
+fn layers_that_are_alike_are_known_and_found_together() {
+    const HALF: f64 = 40.0;
+    let (x, y, z) = Tree::axes();
+    let heights: Vec<f64> = (0..15).map(|k| 0.1 + 0.2 * f64::from(k)).collect();
+    let bounds = Rect::new(DVec2::splat(-HALF), DVec2::splat(HALF));
+    let made = |f: Tree| Field::new(&f, 0.0, bounds, 0.1).unwrap();
+    let round = (x.square() + y.square()).sqrt();
+    let sides = (x.abs() - 39.0)
+        .max(y.abs() - 38.5)
+        .max(4.0 - round.clone());
+    let plate = made(sides.max((z.clone() - 1.5).abs() - 1.5));
+    assert!(plate.slab_layers() < heights.len());
+    assert!(plate.is_level(&heights).unwrap());
+    let all = outlines(&plate, &heights, DETAIL).unwrap();
+    for (k, together) in all.iter().enumerate() {
+        let alone = outlines(&plate, &heights[k..=k], DETAIL).unwrap();
+        assert_eq!(together, &alone[0], "layer {k}");
+        assert_eq!(together.area.rings.len(), 2);
+    }
+    // Above its top a plate is empty, which is no level part.
+    assert!(!plate.is_level(&[2.9, 3.1]).unwrap());
+    assert!(!made(round - 30.0 + z).is_level(&heights).unwrap());
+    assert!(!plate.is_level(&[0.1; 33]).unwrap(), "more than a slab");
+}
+
 /// Two discs have a lens in common, once as a part and once as a slit. Its tips
 /// have an angle of a few degrees. They are in the right places however coarse
 /// the lattice and the lines are.

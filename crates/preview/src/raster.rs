@@ -242,7 +242,7 @@ impl Seen {
         }
     }
 
-    /// The depth at a column and row, which are whole numbers; [`BESIDE`] beside
+    /// The depth of the pixel that has a column and row in it; [`BESIDE`] beside
     /// the part, nothing outside the picture.
     pub(super) fn depth(&self, at: Vec2) -> Option<f32> {
         let inside = at.min_element() >= 0.0 && at.x < self.width as f32;
@@ -482,7 +482,12 @@ impl<'a> Subject<'a> {
         wanted: &(dyn Fn(usize, usize) -> bool + Sync),
     ) -> Result<Seen, PictureError> {
         let mut strip = seen.split(&rows, finer);
-        let wanted = |i, j| wanted(i / finer, rows.start + j / finer);
+        let mut marks = Vec::with_capacity(strip.width * rows.len());
+        for row in rows {
+            let pixels = (0..seen.width).map(|x| wanted(x, row));
+            marks.extend(pixels.flat_map(|is| std::iter::repeat_n(is, finer)));
+        }
+        let wanted = |i, j| marks[j / finer * (finer * seen.width) + i];
         self.fill(&mut strip, &wanted)?;
         Ok(strip)
     }

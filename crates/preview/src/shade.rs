@@ -14,7 +14,7 @@
 
 use super::edges::Edges;
 use super::image::Rows;
-use super::raster::{PictureError, Seen, Subject, is_part};
+use super::raster::{BESIDE, PictureError, Seen, Subject, is_part};
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -275,20 +275,28 @@ impl Shadows {
             let depths = &self.depths[row * self.width..(row + 1) * self.width];
             let at_row = p.z + down * (y - p.y) + NEARER;
             let weight = share(j, beyond.y);
-            for i in 0..AROUND {
-                let x = first.x + i as f32;
-                if x < 0.0 {
-                    continue;
-                }
-                let depth = depths.get(x as usize);
-                let own = at_row + right * (x - p.x);
-                if depth.is_some_and(|d| *d > own) {
-                    hidden += weight * share(i, beyond.x);
-                }
+            let around = around(depths, first.x);
+            for (i, depth) in around.into_iter().enumerate() {
+                let own = at_row + right * (first.x + i as f32 - p.x);
+                let share = weight * share(i, beyond.x);
+                hidden += if depth > own { share } else { 0.0 };
             }
         }
         1.0 - hidden / ((AROUND - 1) as f32).powi(2)
     }
+}
+
+/// The depths of a row from a column on; what lies beside the row hides nothing.
+fn around(depths: &[f32], first: f32) -> [f32; AROUND] {
+    let whole = (first >= 0.0)
+        .then(|| depths.get(first as usize..)?.first_chunk::<AROUND>());
+    whole.flatten().copied().unwrap_or_else(|| {
+        std::array::from_fn(|i| {
+            let x = first + i as f32;
+            let depth = (x >= 0.0).then(|| depths.get(x as usize));
+            depth.flatten().copied().unwrap_or(BESIDE)
+        })
+    })
 }
 
 impl<'a> Light<'a> {
@@ -383,10 +391,14 @@ impl<'a> Light<'a> {
     fn hidden(&self, place: Vec3, n: Vec3) -> f32 {
         let far = (1.5 * self.reach).powi(2);
         let hides = |look: &Look| {
-            let at = (place.truncate() + look.step() + 0.5).floor();
+            let at = place.truncate() + look.step() + 0.5;
             let depth = self.seen.depth(at)?;
-            let to = at.extend(depth) - place;
+            let to = at.as_ivec2().as_vec2().extend(depth) - place;
             let rise = n.dot(Vec3::new(to.x, -to.y, to.z)) - FLAT;
+            // Most places hide nothing, and the root is what costs.
+            if rise <= 0.0 {
+                return None;
+            }
             let square = to.length_squared();
             Some(rise / square.sqrt() * (1.0 - square / far).max(0.0))
         };

@@ -13,7 +13,7 @@ use isoslice_layer::exposure::rough;
 use isoslice_layer::outline::Compensation;
 use isoslice_layer::walls::{OUTLINE_SHARE, WallPlan};
 use isoslice_model::contour::{
-    Detail, Field, FieldError, Outline, field, outlines,
+    Detail, Field, FieldError, Outline, SLAB, field, outlines,
 };
 use isoslice_model::expressions::QuantityError;
 use isoslice_planar::{Area, Solid};
@@ -52,6 +52,40 @@ pub(super) fn by_depth(
 }
 
 impl Stages<'_> {
+    /// Layers in slabs, as far as these have some that are `needed`. A slab is the
+    /// unit in which the field is walked, so the division depends neither on the
+    /// threads nor on what is needed. Layers that are surely alike are in one slab.
+    pub(in crate::pipeline) fn slabs<'s>(
+        &self,
+        spans: &'s [LayerSpan],
+        needed: &Range<usize>,
+    ) -> Result<Vec<&'s [LayerSpan]>, SliceError> {
+        let mut slabs = Vec::new();
+        for some in spans.chunks(SLAB) {
+            let is_needed = |slab: &&[LayerSpan]| {
+                slab.iter().any(|s| needed.contains(&s.index))
+            };
+            if is_needed(&some) {
+                let all = some.chunks(self.at_a_time(some)?);
+                slabs.extend(all.filter(is_needed));
+            }
+        }
+        Ok(slabs)
+    }
+
+    /// How many of some layers, at most a slab, are found at a time.
+    fn at_a_time(&self, spans: &[LayerSpan]) -> Result<usize, SliceError> {
+        if !matches!(self.wall_fields, WallFields::None) {
+            return Ok(self.slab_layers());
+        }
+        let z = spans.iter().map(|s| s.sample_z() + self.bed);
+        let z: Vec<Mm> = z.collect();
+        let lap = self.timings.begin(Stage::Field);
+        let count = self.field.at_a_time(&z)?;
+        drop(lap);
+        Ok(count)
+    }
+
     /// The layers of a slab that are `needed`, with their outlines.
     pub(in crate::pipeline) fn layers(
         &self,

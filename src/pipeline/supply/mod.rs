@@ -78,7 +78,7 @@ impl<'a> Supply<'a> {
         } else {
             root::root(paths, pool, made.start)?
         };
-        Ok(Supply::from(paths, pool, extent, root))
+        Supply::from(paths, pool, extent, root)
     }
 
     /// A supply that begins with the layer `root`, as if that had nothing below it
@@ -88,7 +88,7 @@ impl<'a> Supply<'a> {
         pool: &'a ThreadPool,
         extent: Extent,
         root: usize,
-    ) -> Self {
+    ) -> Result<Self, SliceError> {
         let Extent {
             layers,
             made,
@@ -96,20 +96,15 @@ impl<'a> Supply<'a> {
         } = extent;
         let Planned { stages, spans, .. } = paths.planned;
         let needed = stages.needed(&(root..made.end), spans.len());
-        // A slab is the unit in which the field is walked, so the division
-        // must depend neither on the threads nor on the range.
-        let slab = stages.slab_layers();
-        let slabs: VecDeque<&[LayerSpan]> = if glimpse {
+        let slabs = if glimpse {
             spans[needed.clone()].chunks(1).collect()
         } else {
-            let slabs = needed.start / slab..needed.end.div_ceil(slab);
-            let all = spans.chunks(slab).skip(slabs.start);
-            all.take(slabs.len()).collect()
+            stages.slabs(spans, &needed)?
         };
-        Supply {
+        Ok(Supply {
             stages,
             pool,
-            slabs,
+            slabs: slabs.into(),
             glimpse,
             needed,
             outlines: VecDeque::new(),
@@ -119,7 +114,7 @@ impl<'a> Supply<'a> {
             layers,
             paths,
             end: LayerEnd::default(),
-        }
+        })
     }
 
     /// The window's layers that can be filled: as few at a time as keep all

@@ -66,7 +66,7 @@ fn plain(
         made: layers,
         glimpse: false,
     };
-    let mut supply = Supply::from(paths, pool, extent, start);
+    let mut supply = Supply::from(paths, pool, extent, start)?;
     let mut all = Vec::new();
     while let Some(which) = supply.found()? {
         supply.next += which.len();

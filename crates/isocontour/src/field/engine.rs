@@ -13,6 +13,7 @@ use crate::interval::Interval;
 use crate::plane::Rect;
 use fidget::eval::MathFunction;
 use fidget::vm::VmFunction;
+use std::ops::Range;
 
 /// Cells along the side of a slab's tiles. A tile spans all layers of the slab.
 const TILE: usize = 64;
@@ -181,9 +182,45 @@ impl Walk<'_> {
         big: usize,
         small: usize,
         count: usize,
-    ) -> std::ops::Range<usize> {
+    ) -> Range<usize> {
         let end = ((b + 1) * big).min(count);
         b * big / small..end.div_ceil(small)
+    }
+
+    /// Number of the tiles' rows.
+    fn rows(&self) -> usize {
+        self.cells[1].div_ceil(TILE)
+    }
+
+    /// True if the field reads no z in a tile, or has no outline there.
+    fn is_level(
+        &mut self,
+        root: &Expr,
+        at: [usize; 3],
+    ) -> Result<bool, FieldError> {
+        let proof = self.ws.prove(root, self.axes, Level::Tile, at, true)?;
+        let Proof::Ambiguous(own) = proof else {
+            return Ok(true);
+        };
+        let is_level = self.ws.is_level(own.as_ref().unwrap_or(root));
+        if let Some(expr) = own {
+            self.ws.recycle(expr);
+        }
+        Ok(is_level)
+    }
+
+    /// The tiles of some rows in which the field may change its sign.
+    fn tiles(
+        &mut self,
+        root: &Expr,
+        rows: Range<usize>,
+    ) -> Result<Vec<[usize; 3]>, FieldError> {
+        let columns = self.cells[0].div_ceil(TILE);
+        let mut tiles: Vec<[usize; 3]> = rows
+            .flat_map(|j| (0..columns).map(move |i| [i, j, 0]))
+            .collect();
+        self.ws.sift(root, self.axes, Level::Tile, &mut tiles)?;
+        Ok(tiles)
     }
 
     /// Simplifies for tile number `at` of the slab, then looks at its blocks.
@@ -310,15 +347,32 @@ impl Engine {
         let layers = self.plane.layers(z);
         let mut walk = self.walk(&layers, cancel);
         let root = Expr::new(self.root.clone());
-        let [columns, rows] = walk.cells.map(|n| n.div_ceil(TILE));
-        let mut tiles: Vec<[usize; 3]> = (0..rows)
-            .flat_map(|j| (0..columns).map(move |i| [i, j, 0]))
-            .collect();
-        walk.ws.sift(&root, walk.axes, Level::Tile, &mut tiles)?;
-        for [i, j, _] in tiles {
+        let rows = 0..walk.rows();
+        for [i, j, _] in walk.tiles(&root, rows)? {
             walk.tile(&root, [i, j], visit)?;
         }
         Ok(())
+    }
+
+    /// True if proofs of whole tiles show that the layers of a slab are alike.
+    pub(super) fn is_level(
+        &self,
+        z: &[f32],
+        cancel: &Cancel,
+    ) -> Result<bool, FieldError> {
+        let layers = self.plane.layers(z);
+        let mut walk = self.walk(&layers, cancel);
+        let root = Expr::new(self.root.clone());
+        // The first tile that is not level ends the search.
+        for row in 0..walk.rows() {
+            cancel.check()?;
+            for at in walk.tiles(&root, row..row + 1)? {
+                if !walk.is_level(&root, at)? {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
     }
 
     pub(super) fn leaves(

@@ -304,8 +304,20 @@ impl Field {
         &self.lattice
     }
 
+    /// True if the layers at heights `z` are surely alike, all of them: then
+    /// [`SLAB`] of them may be walked at a time, however large the lattice is.
+    ///
+    /// # Errors
+    /// If it is stopped, or if fidget fails, which is a bug.
+    pub fn is_level(&self, z: &[Length]) -> Result<bool, FieldError> {
+        let z: Vec<f32> = z.iter().map(|&z| z as f32).collect();
+        let fits = (1..=SLAB).contains(&z.len());
+        Ok(fits && self.engine.is_level(&z, &self.cancel)?)
+    }
+
     /// Number of layers to walk at a time: [`SLAB`], or a power of two below it
-    /// for a large lattice.
+    /// for a large lattice. Layers that are alike may be more
+    /// ([`Field::is_level`]).
     pub fn slab_layers(&self) -> usize {
         let cells = self.lattice.width() * self.lattice.height();
         let mut layers = SLAB;

@@ -238,7 +238,7 @@ impl<'a> Lines<'a> {
         let along = (to - from.at).normalize_or_zero();
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut done = 0.0;
-        for k in i + 1..=j {
+        for k in way.stops(i + 1, j) {
             let p = way.points[k] - from.at;
             let (on, left, room) = (along.dot(p), along.perp_dot(p), room(k));
             // A line must not lead back along the path.

@@ -47,7 +47,7 @@ pub(super) fn pieces_within(
     if own.widths.len() != own.points.len() || own.points.is_empty() {
         return vec![bead];
     }
-    let way = Way::of(own, lines::step(bead.role), off);
+    let way = Way::of(own, lines::step(bead.role), off, bead.role.shows());
     let lines = Lines::of(&way, &bead, off);
     let joints = lines.joints();
     let arcs = arcs.map_or_else(Vec::new, |off| lines.arcs(off));

@@ -33,6 +33,7 @@ use super::SkinPlan;
 use super::bridge::shared;
 use super::direction::{across, best, common, fan, rows};
 use super::plan::InternalBridgePlan;
+use super::strips::{covered, strip};
 use super::strokes::strokes;
 use super::{Fill, Patch};
 use crate::cover::{Covered, Islands};
@@ -45,7 +46,7 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, hatch};
 use isoslice_planar::offset::offset;
 use isoslice_planar::opening::{closed, opened};
-use isoslice_planar::{Area, Solid, signed_area};
+use isoslice_planar::{Area, Solid};
 
 /// Tolerance of the offsets inside a part; nobody sees them.
 const TOLERANCE: Mm = 0.02;
@@ -312,7 +313,7 @@ fn on(
     let taken = closed(&unite(&taken), 0.5 * space, TOLERANCE);
     let more = more(way);
     let lines = lines_of(&patches);
-    let area = covered(&lines, 0.5 * space + TOLERANCE);
+    let area = covered(&lines, angle, 0.5 * space + TOLERANCE);
     // What the lines have taken of the sparse area has no infill, either.
     let sparse = difference(over.sparse, &taken);
     let meant = parts.into_iter().flat_map(|part| part.rings);
@@ -385,26 +386,6 @@ fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
     let fills = patches.iter().flat_map(|patch| &patch.fills);
     let lines = fills.flat_map(|fill| &fill.lines);
     lines.map(|bead| bead.stroke.path().collect()).collect()
-}
-
-/// What straight lines cover that reach `half` to both sides.
-fn covered(lines: &[Vec<DVec2>], half: Mm) -> Area {
-    let ways = lines.iter().flat_map(|line| line.windows(2));
-    let strips = ways.filter_map(|way| strip(way[0], way[1], half));
-    unite(&strips.collect())
-}
-
-/// The rectangle on both sides of a way; nothing if it has no length.
-fn strip(from: DVec2, to: DVec2, half: Mm) -> Option<Vec<DVec2>> {
-    let along = (to - from).try_normalize()?;
-    let side = half * along.perp();
-    let back = TOLERANCE * along;
-    let mut ring =
-        vec![from - back - side, to - side, to + side, from - back + side];
-    if signed_area(&ring) < 0.0 {
-        ring.reverse();
-    }
-    Some(ring)
 }
 
 /// What lines may end on.

@@ -26,6 +26,7 @@ pub mod internal_bridges;
 mod plan;
 mod roles;
 mod short;
+mod strips;
 mod strokes;
 mod sweep;
 mod zigzag;

@@ -14,7 +14,7 @@ use isoslice_planar::Rect;
 use sections::Sections;
 use std::ops::Range;
 
-pub use isocontour::{Detail, FieldError, Outline};
+pub use isocontour::{Detail, FieldError, Outline, SLAB};
 
 /// A field, ready for its outlines.
 pub struct Field {
@@ -28,6 +28,19 @@ impl Field {
     /// Number of layers whose outlines are found at a time.
     pub fn slab_layers(&self) -> usize {
         self.sampled.slab_layers()
+    }
+
+    /// How many of the layers at heights `z`, from the first one on, are found at a
+    /// time: all of them, if they are surely alike and the field is walked at all.
+    ///
+    /// # Errors
+    /// If it is stopped, or if fidget fails, which is a bug.
+    pub fn at_a_time(&self, z: &[Mm]) -> Result<usize, FieldError> {
+        let usual = self.slab_layers();
+        let alike = z.len() > usual
+            && self.sections.is_none()
+            && self.sampled.is_level(z)?;
+        Ok(if alike { z.len() } else { usual })
     }
 }
 

@@ -12,6 +12,7 @@ use crate::interval::Interval;
 use fidget::eval::Function;
 use fidget::vm::VmFunction;
 use glam::Vec3;
+use std::ops::Range;
 
 /// Samples along the side of a tile.
 pub(super) const TILE: usize = 64;
@@ -36,6 +37,9 @@ pub(super) struct Eye<'a> {
     at: [usize; 2],
     /// What the lines meet, row by row of the tile.
     pub hits: Vec<Option<Hit>>,
+    /// For each row of the tile a bit for each line that has met something or is not
+    /// looked along. What is behind it is not looked at.
+    met: [u64; TILE],
     /// Lines that have just met something, each with its sample.
     fresh: Vec<(usize, usize)>,
     calls: Calls<'a>,
@@ -57,6 +61,7 @@ impl<'a> Eye<'a> {
             grid,
             at: [0; 2],
             hits: vec![None; TILE * TILE],
+            met: [0; TILE],
             fresh: Vec::new(),
             calls: Calls::new(&sight.calls),
             ranges: Boxes::default(),
@@ -79,22 +84,15 @@ impl<'a> Eye<'a> {
         wanted: &(dyn Fn(usize, usize) -> bool + Sync),
     ) -> Result<(), FieldError> {
         self.at = at;
-        // What is behind something met is not looked at.
         let [i, j] = at;
-        let lines = self.lines([i, j, 0], TILE);
-        let left: Vec<usize> = lines
-            .filter(|line| !wanted(i + line % TILE, j + line / TILE))
-            .collect();
-        for &line in &left {
-            self.hits[line] = Some(Hit {
-                depth: 0.0,
-                gradient: Vec3::ZERO,
-            });
+        for line in self.lines([i, j, 0], TILE) {
+            if !wanted(i + line % TILE, j + line / TILE) {
+                self.met[line / TILE] |= 1 << (line % TILE);
+            }
         }
         if !self.is_covered([i, j, 0], TILE) && !self.cross()? {
             self.tiles(at)?;
         }
-        left.iter().for_each(|&line| self.hits[line] = None);
         Ok(())
     }
 
@@ -121,9 +119,12 @@ impl<'a> Eye<'a> {
         let Some(found) = crossings(solid, &lines) else {
             return Ok(false);
         };
+        let (met, all) = (&self.met, &mut self.hits);
         hits(&found, &lines, &mut |line, hit| {
-            let line = line / width * TILE + line % width;
-            self.hits[line].get_or_insert(hit);
+            let [row, column] = [line / width, line % width];
+            if met[row] & 1 << column == 0 {
+                all[row * TILE + column].get_or_insert(hit);
+            }
         });
         Ok(true)
     }
@@ -259,22 +260,34 @@ impl<'a> Eye<'a> {
         [0, 1, 2].map(|c| Interval::new(lo[c], hi[c]))
     }
 
-    /// The lines that pass through a cube.
+    /// The rows and columns of the tile that a cube has.
+    fn sides(&self, at: [usize; 3], size: usize) -> [Range<usize>; 2] {
+        [1, 0].map(|a| {
+            let first = at[a] - self.at[a];
+            first..first + size.min(self.grid.size[a] - at[a])
+        })
+    }
+
+    /// The lines that pass through a cube and are still looked along.
     fn lines(
         &self,
         at: [usize; 3],
         size: usize,
     ) -> impl Iterator<Item = usize> + use<> {
-        let [i, j] = [0, 1].map(|a| at[a] - self.at[a]);
-        let [width, height] =
-            [0, 1].map(|a| size.min(self.grid.size[a] - at[a]));
-        (j..j + height)
-            .flat_map(move |j| (i..i + width).map(move |i| j * TILE + i))
+        let [rows, columns] = self.sides(at, size);
+        let met = self.met;
+        rows.flat_map(move |j| {
+            let row = met[j];
+            let open = columns.clone().filter(move |i| row & 1 << i == 0);
+            open.map(move |i| j * TILE + i)
+        })
     }
 
-    /// True if every line meets something before it reaches a cube.
+    /// True if no line is looked along that reaches a cube.
     fn is_covered(&self, at: [usize; 3], size: usize) -> bool {
-        self.lines(at, size).all(|line| self.hits[line].is_some())
+        let [rows, columns] = self.sides(at, size);
+        let all = u64::MAX >> (TILE - columns.len()) << columns.start;
+        self.met[rows].iter().all(|met| met & all == all)
     }
 
     /// Lets lines that have met nothing meet the front of a cube.
@@ -287,11 +300,9 @@ impl<'a> Eye<'a> {
 
     /// Notes that a line meets its first sample inside.
     fn meet(&mut self, line: usize, sample: usize) {
-        if self.hits[line].is_none() {
-            self.hits[line] = Some(Hit {
-                depth: sample as f32,
-                gradient: Vec3::ZERO,
-            });
+        let (row, bit) = (line / TILE, 1 << (line % TILE));
+        if self.met[row] & bit == 0 {
+            self.met[row] |= bit;
             self.fresh.push((line, sample));
         }
     }
@@ -340,10 +351,8 @@ impl<'a> Eye<'a> {
             }
             let end = (at[2] + BOX).min(self.grid.size[2]);
             for line in self.lines(at, BOX) {
-                if self.hits[line].is_none() {
-                    asked.push((line, [at[2], end]));
-                    (at[2]..end).rev().for_each(|k| self.ask(line, k as f64));
-                }
+                asked.push((line, [at[2], end]));
+                (at[2]..end).rev().for_each(|k| self.ask(line, k as f64));
             }
         }
         let count = self.points[0].len();
