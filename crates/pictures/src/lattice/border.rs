@@ -15,13 +15,18 @@ pub enum Border {
 /// Greatest number of a sample that is distinguished, far beyond any lattice.
 const FAR: f64 = (1_i64 << 40) as f64;
 
-/// The number of the sample at or before a coordinate.
+/// The number of the sample at or before a coordinate. Without `f64::floor`,
+/// which is a call on processors that may lack the instruction.
+#[inline]
 pub(crate) fn floor(u: f64) -> i64 {
-    u.floor().clamp(-FAR, FAR) as i64
+    let u = u.clamp(-FAR, FAR);
+    let whole = u as i64;
+    whole - i64::from(u < whole as f64)
 }
 
 impl Border {
     /// The sample that stands at `i`, of `n`.
+    #[inline]
     pub(crate) fn sample(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         if (0..n).contains(&i) {
@@ -40,6 +45,7 @@ impl Border {
 
     /// A coordinate at which the same stands, and which is not too far away to
     /// be told from its neighbours.
+    #[inline]
     pub(crate) fn near(self, u: f64, n: usize) -> f64 {
         let n = n as f64;
         match self {
@@ -106,6 +112,24 @@ mod tests {
         assert_eq!(row(Border::Clamp), [0, 0, 0, 0, 0, 1, 2, 2, 2, 2, 2]);
         assert_eq!(row(Border::Repeat), [2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0]);
         assert_eq!(row(Border::Mirror), [2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 0]);
+    }
+
+    #[test]
+    fn samples_at_or_before_places() {
+        for (u, i) in [
+            (0.0, 0),
+            (-0.0, 0),
+            (0.99, 0),
+            (1.0, 1),
+            (-1.0, -1),
+            (-1e-9, -1),
+            (-1.5, -2),
+            (1e300, FAR as i64),
+            (f64::NEG_INFINITY, -FAR as i64),
+            (f64::NAN, 0),
+        ] {
+            assert_eq!(floor(u), i, "{u}");
+        }
     }
 
     #[test]

@@ -17,6 +17,30 @@ pub enum Interpolation {
     Cubic,
 }
 
+/// Does the same for each interpolation, with its number of samples as `$n`.
+macro_rules! with_taps {
+    ($how:expr, $n:ident, $known:ident => $body:expr) => {
+        match $how {
+            Interpolation::Nearest => {
+                const $n: usize = 1;
+                let $known = Interpolation::Nearest;
+                $body
+            }
+            Interpolation::Linear => {
+                const $n: usize = 2;
+                let $known = Interpolation::Linear;
+                $body
+            }
+            Interpolation::Cubic => {
+                const $n: usize = 4;
+                let $known = Interpolation::Cubic;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_taps;
+
 /// Weights of Catmull–Rom splines: the coefficients of 1, t, t² and t³ of each
 /// of the four samples around t = 0..1.
 const CUBIC: [[f64; 4]; 4] = [
@@ -60,47 +84,49 @@ impl Interpolation {
     }
 }
 
-/// Samples along one axis with their weights.
+/// Samples along one axis with their weights. `N` is how many an interpolation
+/// weighs, known where the code is made: a picture is asked many million times.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Taps {
-    /// How many there are.
+pub(crate) struct Taps<const N: usize> {
+    /// How many there are: `N`, or 1 on an axis of one sample.
     pub(crate) n: usize,
     /// The numbers of the samples.
-    pub(crate) sample: [usize; 4],
+    pub(crate) sample: [usize; N],
     /// Their weights.
-    pub(crate) weight: [f64; 4],
+    pub(crate) weight: [f64; N],
     /// The derivatives of the weights.
-    pub(crate) slope: [f64; 4],
+    pub(crate) slope: [f64; N],
 }
 
-impl Taps {
+impl<const N: usize> Taps<N> {
     /// The samples around the coordinate `u` on an axis of `n` samples.
+    #[inline(always)]
     pub(crate) fn new(
         how: Interpolation,
         border: Border,
         u: f64,
         n: usize,
-    ) -> Taps {
+    ) -> Taps<N> {
         let mut taps = Taps {
             n: 1,
-            sample: [0; 4],
-            weight: [1.0, 0.0, 0.0, 0.0],
-            slope: [0.0; 4],
+            sample: [0; N],
+            weight: [0.0; N],
+            slope: [0.0; N],
         };
         if n == 1 {
+            taps.weight[0] = 1.0;
             return taps;
         }
         let u = border.near(u, n);
-        let u = if how == Interpolation::Nearest {
-            (u + 0.5).floor()
+        let (cell, t) = if how == Interpolation::Nearest {
+            (floor(u + 0.5), 0.0)
         } else {
-            u
+            let cell = floor(u);
+            (cell, u - cell as f64)
         };
-        let t = u - u.floor();
-        let first = floor(u) + how.reach()[0];
-        let weights = how.weights();
-        taps.n = weights.len();
-        for (k, [a, b, c, d]) in weights.iter().enumerate() {
+        let first = cell + how.reach()[0];
+        taps.n = N;
+        for (k, [a, b, c, d]) in how.weights().iter().take(N).enumerate() {
             taps.sample[k] = border.sample(first + k as i64, n);
             taps.weight[k] = a + t * (b + t * (c + t * d));
             taps.slope[k] = b + t * (2.0 * c + t * (3.0 * d));
@@ -151,7 +177,8 @@ mod tests {
     fn weights_sum_to_one_and_negative_ones_are_bounded() {
         for i in 0..=1000 {
             let u = 5.0 + f64::from(i) / 1000.0;
-            let taps = Taps::new(Interpolation::Cubic, Border::Clamp, u, 99);
+            let taps =
+                Taps::<4>::new(Interpolation::Cubic, Border::Clamp, u, 99);
             let sum: f64 = taps.weight.iter().sum();
             assert!((sum - 1.0).abs() < 1e-15);
             let below: f64 = taps.weight.iter().map(|w| w.min(0.0)).sum();

@@ -26,7 +26,7 @@ pub(crate) use pyramid::Range;
 
 use crate::numbers::{Numbers, with_numbers};
 use glam::DVec3;
-use kernel::Taps;
+use kernel::{Taps, with_taps};
 use pyramid::Pyramid;
 
 /// Where the samples of a lattice are in memory.
@@ -142,18 +142,27 @@ impl Lattice {
     }
 
     /// The samples around a place with their weights, along each axis.
-    fn taps(&self, u: DVec3) -> [Taps; 3] {
-        let u = u.to_array();
-        std::array::from_fn(|a| {
-            Taps::new(self.how, self.border[a], u[a], self.layout.size[a])
-        })
+    #[inline(always)]
+    fn taps<const N: usize>(
+        &self,
+        how: Interpolation,
+        u: DVec3,
+    ) -> [Taps<N>; 3] {
+        let (size, border) = (self.layout.size, self.border);
+        [
+            Taps::new(how, border[0], u.x, size[0]),
+            Taps::new(how, border[1], u.y, size[1]),
+            Taps::new(how, border[2], u.z, size[2]),
+        ]
     }
 
     /// The value and the gradient in coordinates of the lattice.
     pub(crate) fn at(&self, u: DVec3) -> (f64, DVec3) {
-        let taps = self.taps(u);
-        let (value, slope) = with_numbers!(&self.numbers, data => {
-            weighed(&taps, |at| number(data, self.layout, at))
+        let (value, slope) = with_taps!(self.how, N, how => {
+            let taps = self.taps::<N>(how, u);
+            with_numbers!(&self.numbers, data => {
+                weighed(&taps, |at| number(data, self.layout, at))
+            })
         });
         (value * self.scale[0] + self.scale[1], slope * self.scale[0])
     }
@@ -165,16 +174,15 @@ impl Lattice {
         out: &mut Vec<f32>,
     ) {
         let [factor, offset] = self.scale;
-        with_numbers!(&self.numbers, data => {
+        with_taps!(self.how, N, how => with_numbers!(&self.numbers, data => {
             out.extend(places.map(|place| {
                 place.map_or(f32::NAN, |u| {
-                    let value = sum(&self.taps(u), |at| {
-                        number(data, self.layout, at)
-                    });
+                    let taps = self.taps::<N>(how, u);
+                    let value = sum(&taps, |at| number(data, self.layout, at));
                     (value * factor + offset) as f32
                 })
             }));
-        });
+        }));
     }
 }
 
@@ -190,16 +198,16 @@ fn number<T: Copy + Into<f64>>(
 
 /// The weighed sum of samples, and its gradient.
 #[inline]
-fn weighed(
-    [x, y, z]: &[Taps; 3],
+fn weighed<const N: usize>(
+    [x, y, z]: &[Taps<N>; 3],
     get: impl Fn([usize; 3]) -> f64,
 ) -> (f64, DVec3) {
     let (mut value, mut slope) = (0.0, DVec3::ZERO);
-    for k in 0..z.n {
+    for k in 0..z.n.min(N) {
         let (mut v, mut s) = (0.0, DVec3::ZERO);
-        for j in 0..y.n {
+        for j in 0..y.n.min(N) {
             let (mut row, mut along) = (0.0, 0.0);
-            for i in 0..x.n {
+            for i in 0..x.n.min(N) {
                 let at = get([x.sample[i], y.sample[j], z.sample[k]]);
                 row += x.weight[i] * at;
                 along += x.slope[i] * at;
@@ -218,13 +226,16 @@ fn weighed(
 
 /// The weighed sum of samples, as [`weighed`] has it.
 #[inline]
-fn sum([x, y, z]: &[Taps; 3], get: impl Fn([usize; 3]) -> f64) -> f64 {
+fn sum<const N: usize>(
+    [x, y, z]: &[Taps<N>; 3],
+    get: impl Fn([usize; 3]) -> f64,
+) -> f64 {
     let mut value = 0.0;
-    for k in 0..z.n {
+    for k in 0..z.n.min(N) {
         let mut v = 0.0;
-        for j in 0..y.n {
+        for j in 0..y.n.min(N) {
             let mut row = 0.0;
-            for i in 0..x.n {
+            for i in 0..x.n.min(N) {
                 let at = get([x.sample[i], y.sample[j], z.sample[k]]);
                 row += x.weight[i] * at;
             }
