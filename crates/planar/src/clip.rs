@@ -7,6 +7,7 @@
 //! Why not clipper2: its sweep touches every edge in a row at every vertex,
 //! which on a lattice with many covers takes several times as long.
 
+use super::joined::{Cut, joined};
 use super::{Area, Rect, Ring, edges};
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
@@ -64,7 +65,7 @@ pub fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
         return open(a, covers);
     }
     let mut rings = Vec::new();
-    for half in halves(bounds) {
+    for half in halves(bounds).0 {
         let mut a = crop(&a.rings, half);
         // Along the cut a cropped ring runs to and fro.
         a = sweep(&a, FillRule::NonZero);
@@ -80,18 +81,16 @@ pub fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
 /// for each edge.
 const SWEEP_EDGES: usize = 80_000;
 
-/// The lower and the upper half of a box, cut across its longer side.
-fn halves(all: Rect) -> [Rect; 2] {
+/// The lower and the upper half of a box, and the cut across its longer side.
+fn halves(all: Rect) -> ([Rect; 2], Cut) {
     let (mut low, mut high) = (all, all);
     let (size, middle) = (all.size(), all.centre());
     // The middle is put on the grid, so that both sides round the cut alike.
     let middle = (middle * GRID).round() / GRID;
-    if size.x > size.y {
-        (low.max.x, high.min.x) = (middle.x, middle.x)
-    } else {
-        (low.max.y, high.min.y) = (middle.y, middle.y)
-    }
-    [low, high]
+    let axis = usize::from(size.x <= size.y);
+    let at = middle[axis];
+    (low.max[axis], high.min[axis]) = (at, at);
+    ([low, high], Cut { axis, at })
 }
 
 /// What at least one of the covers leaves open, in one sweep.
@@ -172,9 +171,20 @@ pub fn unite(area: &Area) -> Area {
 }
 
 /// The places around which overlapping rings wind more often to the left than
-/// to the right. So the loops of an offset border cancel.
+/// to the right. So the loops of an offset border cancel. One sweep, unless there
+/// are so many edges that it is cut into parts.
 pub(super) fn positive(area: &Area) -> Area {
-    sweep(area, FillRule::Positive)
+    positive_in_parts(area, SWEEP_EDGES)
+}
+
+fn positive_in_parts(area: &Area, most: usize) -> Area {
+    let bounds = area.bounds();
+    if edge_count(area) <= most || bounds.size().max_element() < 1.0 {
+        return sweep(area, FillRule::Positive);
+    }
+    let (boxes, cut) = halves(bounds);
+    let part = |half| positive_in_parts(&crop(&area.rings, half), most);
+    joined(boxes.map(part), cut)
 }
 
 fn sweep(area: &Area, rule: FillRule) -> Area {
@@ -277,6 +287,47 @@ mod tests {
         let open = not_covered_by_all(&a, &[&far, &a]).content();
         let both = intersection(&a, &far).content();
         assert!((open - (a.content() - both)).abs() < 1e-3, "{open}");
+    }
+
+    /// Stars that overlap one another, and run round some places twice.
+    fn stars(seed: u64) -> Area {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let star = |_| {
+            let (n, turns) = (rng.u32(5..30), rng.u32(1..4));
+            let centre = DVec2::new(rng.f64(), rng.f64()) * 12.0;
+            let corner = |k| {
+                let angle = f64::from(k * turns) / f64::from(n);
+                let size = 0.5 + 3.0 * rng.f64();
+                let way = DVec2::from_angle(std::f64::consts::TAU * angle);
+                // Some corners are on a coarse grid, so that edges lie on cuts.
+                let p = centre + way * size;
+                if k % 4 == 0 { p.round() } else { p }
+            };
+            let mut ring: Ring = (0..n).map(corner).collect();
+            if rng.u32(0..3) == 0 {
+                ring.reverse();
+            }
+            ring
+        };
+        (0..40).map(star).collect()
+    }
+
+    #[test]
+    fn sweeps_in_parts_are_like_one() {
+        for seed in 0..40 {
+            let all = stars(seed);
+            let whole = sweep(&all, FillRule::Positive);
+            let parts = positive_in_parts(&all, 50);
+            let off = difference(&whole, &parts).content()
+                + difference(&parts, &whole).content();
+            assert!(off < 1e-3, "{seed}: {off}");
+            assert!((whole.content() - parts.content()).abs() < 1e-3);
+            // Nothing stays cut. Islands that meet in a corner may be one.
+            let [a, b] = [&whole, &parts].map(|area| area.islands().len());
+            assert!(a.abs_diff(b) <= 3, "{seed}: {a} {b}");
+            let (a, b) = (whole.perimeter(), parts.perimeter());
+            assert!((a - b).abs() < 1e-3, "{seed}: {a} {b}");
+        }
     }
 
     #[test]

@@ -21,6 +21,7 @@
 //! | [`grid`] | answers which edges are near a place; [`places`] counts along rings |
 //! | [`nest`] | tells which ring is around a point |
 //! | `box_tree` | tells which boxes meet a box |
+//! | `joined` | puts the halves of an area together that was cut |
 //! | `hull` | draws the convex ring around points |
 //! | `curve` | finds the curve that a polygon stands for |
 //! | `solid` | is an area that can be asked what is where |
@@ -47,6 +48,7 @@ pub mod curve;
 pub mod grid;
 pub mod hatch;
 mod hull;
+mod joined;
 pub mod joints;
 pub mod offset;
 pub mod opening;
