@@ -109,3 +109,28 @@ fn beads_that_rise_have_more_plastic_than_others() {
         }
     }
 }
+
+/// Foams print with little flow, and files with Cura's words do not say how wide
+/// beads are.
+#[test]
+fn any_flow_passes_with_any_comments() {
+    let ring = "max(abs(hypot(x, y) - 6) - 1.5, abs(z - 1) - 1)";
+    for comments in ["prusa", "cura", "none"] {
+        for flow in ["10", "45", "65", "140", "200"] {
+            let own = [
+                &format!("gcode.comments={comments}"),
+                &format!("flow={flow}"),
+                "accuracy=0.02",
+            ];
+            let settings = settings(&own);
+            let model = crate::common::formula(ring, &settings);
+            let sliced = isoslice::pipeline::slice(
+                &model,
+                &settings,
+                &Options::default(),
+                &mut Vec::new(),
+            );
+            assert!(sliced.is_ok(), "{comments} {flow}: {sliced:?}");
+        }
+    }
+}

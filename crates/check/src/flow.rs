@@ -116,6 +116,8 @@ struct Layer {
     /// says.
     volume: f64,
     said: f64,
+    /// True if the file says how wide some of the beads are.
+    says_width: bool,
     /// Volume that fits between the nozzle and what lies below the beads, as wide
     /// as the file says.
     room: f64,
@@ -259,6 +261,7 @@ impl Layer {
         let length = step.length();
         self.line.get_or_insert(step.line);
         self.volume += area * length;
+        self.says_width |= step.says_width;
         self.said += cross_section(step.width, step.height) * length;
         self.seen += step.height * length;
     }
@@ -292,8 +295,14 @@ impl Layer {
             let usual = little * least..=much * most;
             (!usual.contains(&share)).then_some(share)
         };
-        let little = beyond(self.volume / self.said, TOO_LITTLE, f64::INFINITY);
-        let much = || beyond(self.volume / self.room, 0.0, TOO_MUCH);
+        // Where the plastic tells how wide the beads are, it fills them whatever
+        // the flow is.
+        let own = |share: f64, little: f64, much: f64| {
+            let share = if self.says_width { share } else { share * most };
+            beyond(share, little, much)
+        };
+        let little = own(self.volume / self.said, TOO_LITTLE, f64::INFINITY);
+        let much = || own(self.volume / self.room, 0.0, TOO_MUCH);
         // Sparse infill may leave no cell uncovered, so that only too much is
         // wrong there.
         let filled = || beyond(self.filled()?, 0.0, TOO_MUCH);

@@ -143,6 +143,8 @@ pub struct Move {
     pub layer: u32,
     /// Width of the bead, if it prints.
     pub width: Mm,
+    /// True if comments say this width; else it is that of a bead of this plastic.
+    pub says_width: bool,
     /// Height of the bead, if it prints.
     pub height: Mm,
     /// The tool in use.

@@ -156,6 +156,11 @@ impl Layering {
         self.said_height.unwrap_or(self.height)
     }
 
+    /// True if comments say how wide beads printed now are.
+    pub(super) fn says_width(&self) -> bool {
+        self.said_width.is_some()
+    }
+
     /// Width of a bead printed now, whose cross-section is `area`.
     pub(super) fn width(&self, area: Mm2) -> Mm {
         self.said_width

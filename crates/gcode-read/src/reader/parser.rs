@@ -484,6 +484,7 @@ impl Parser {
             role: self.role,
             layer: self.layering.number,
             width: 0.0,
+            says_width: false,
             height: 0.0,
             tool: self.machine.state.tool,
             wipe: self.wipe,
@@ -496,6 +497,7 @@ impl Parser {
             let diameter = self.diameter();
             step.layer = self.layering.number;
             step.width = self.layering.width(step.area(diameter));
+            step.says_width = self.layering.says_width();
             step.height = self.layering.height();
         }
         if to != from {
