@@ -113,24 +113,32 @@ fn beads_that_rise_have_more_plastic_than_others() {
 /// Foams print with little flow, and files with Cura's words do not say how wide
 /// beads are.
 #[test]
-fn any_flow_passes_with_any_comments() {
-    let ring = "max(abs(hypot(x, y) - 6) - 1.5, abs(z - 1) - 1)";
+fn any_plastic_passes_with_any_comments() {
+    let wheel = "max(hypot(x, y) - 7 - 0.5*sin(9*atan2(y, x)), abs(z - 1) - 1)";
     for comments in ["prusa", "cura", "none"] {
-        for flow in ["10", "45", "65", "140", "200"] {
+        for plastic in [
+            "flow=10",
+            "flow=45",
+            "flow=65",
+            "flow=200",
+            "bead_width=50",
+            "bead_width=180",
+            "bead_width=expr: 50 + 130*step(x, 0)",
+        ] {
             let own = [
                 &format!("gcode.comments={comments}"),
-                &format!("flow={flow}"),
+                plastic,
                 "accuracy=0.02",
             ];
             let settings = settings(&own);
-            let model = crate::common::formula(ring, &settings);
+            let model = crate::common::formula(wheel, &settings);
             let sliced = isoslice::pipeline::slice(
                 &model,
                 &settings,
                 &Options::default(),
                 &mut Vec::new(),
             );
-            assert!(sliced.is_ok(), "{comments} {flow}: {sliced:?}");
+            assert!(sliced.is_ok(), "{comments} {plastic}: {sliced:?}");
         }
     }
 }

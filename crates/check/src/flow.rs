@@ -212,7 +212,12 @@ impl Flow {
         };
         self.layer.standing += area * length;
         self.layer.upright += height * length;
-        if !over_support {
+        // What hangs above the bed beside what has been printed on it does not lie
+        // on it.
+        let over_bed = self.bed.is_some_and(|bed| {
+            self.rise.has_begun() && step.to.z - rise < bed + ROUNDING
+        });
+        if !over_support && !over_bed {
             let named = step.role != Role::Unknown;
             self.rise.bead(rise, length, area, step.height, named);
         }

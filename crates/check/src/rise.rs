@@ -125,6 +125,11 @@ impl Rise {
         beads.said += said * length;
     }
 
+    /// True once a layer is known.
+    pub(super) fn has_begun(&self) -> bool {
+        self.layers > 0
+    }
+
     /// Ends the layer with this number.
     pub(super) fn next_layer(&mut self, number: u32) -> Option<Wrong> {
         let here = summed(&self.beads);

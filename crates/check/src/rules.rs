@@ -91,8 +91,8 @@ impl Rules {
             // pulled back.
             missing: NOT_PRIMED + (-settings.retract.extra_prime).max(0.0),
             prime: MORE + settings.retract.extra_prime.max(0.0),
-            flow: flow(settings),
-            widths: widths(settings),
+            flow: spread(flow(settings), settings),
+            widths: spread(widths(settings), settings),
             travel: settings.travel_speed(),
             base: 0.0,
             speed: printer.max_speed,
@@ -171,6 +171,17 @@ impl Rules {
 /// The range that holds two others.
 fn both([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     [a.min(c), b.max(d)]
+}
+
+/// A range of what beads have, for beads that `bead_width` makes narrower or wider
+/// where they lie. An expression may ask for all that the setting takes.
+fn spread([least, most]: [f64; 2], settings: &Settings) -> [f64; 2] {
+    let share = settings.bead_width.constant();
+    let [narrow, wide] = share.map_or([50.0, 180.0], |share| [share; 2]);
+    [
+        least * (narrow / 100.0).min(1.0),
+        most * (wide / 100.0).max(1.0),
+    ]
 }
 
 /// The least and the greatest flow of beads with these settings, as shares. An

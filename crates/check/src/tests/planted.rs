@@ -336,6 +336,19 @@ fn no_layer_is_left_out() {
     assert_eq!(bare(&[1, 2, 3, 5, 6, 8, 9]), [(FindingKind::Jump, 2)]);
 }
 
+/// A part that stands on an edge hangs above the bed on both sides.
+#[test]
+fn what_hangs_above_the_bed_is_no_missing_layer() {
+    let beside = |z| layer(z).replace("X50", "X64").replace("X62", "X76");
+    let head = "G28\nM109 S200\nM83\n;TYPE:Perimeter\n";
+    let hanging = format!("{}{}{}", layer(0.2), beside(0.4), beside(0.6));
+    let text = format!("{head}{hanging}{END}");
+    let jumps = |text: &str| count(&verdict(text), FindingKind::Jump);
+    assert_eq!(jumps(&text), 0);
+    let missing = format!("{head}{}{}{END}", layer(0.2), layer(0.6));
+    assert_eq!(jumps(&missing), 1);
+}
+
 #[test]
 fn the_print_is_not_shifted() {
     for shift in ["G92 X60\n", "G92 Y50\n", "G92 X50 Y50 E0\n", "G92\n"] {
