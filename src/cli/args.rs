@@ -110,6 +110,10 @@ pub(super) struct ModelArgs {
     )]
     height: Option<f64>,
 
+    /// Lay a mesh on its largest flat side, before it is rotated
+    #[arg(long, help_heading = "Placement")]
+    lay: bool,
+
     /// Rotate about the x axis, degrees; x first, then y, then z
     #[arg(
         long,
@@ -178,6 +182,7 @@ impl ModelArgs {
         Placement {
             scale: self.scale,
             size: self.size,
+            lay: self.lay,
             rotate: [self.rotate_x, self.rotate_y, self.rotate_z],
             at: self.at,
             keep_position: self.keep_position,

@@ -3,6 +3,7 @@
 
 use super::args::{Gathered, ModelArgs, SettingsSource};
 use super::limits::LimitArgs;
+use super::summary::flat_side;
 use super::{plain, print_json, terminal};
 use anyhow::Context;
 use clap::Args;
@@ -79,6 +80,8 @@ pub(super) fn show(args: &InfoArgs, gathered: &Gathered) -> anyhow::Result<()> {
 struct Json<'a> {
     model: &'a str,
     size_mm: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    laid_mm2: Option<f64>,
     bounds_mm: [[f64; 3]; 2],
     on_the_bed_mm: [[f64; 3]; 2],
     /// Number of planned layers. A last layer in which nothing is as thick as a
@@ -127,6 +130,7 @@ impl<'a> Json<'a> {
         Ok(Json {
             model: &model.name,
             size_mm: model.bounds.size().to_array(),
+            laid_mm2: model.laid,
             bounds_mm: corners(model.drawn_bounds()),
             on_the_bed_mm: corners(raised.printed_bounds()),
             layer_count: spans.len(),
@@ -334,6 +338,9 @@ fn describe(
     let mut text = String::new();
     writeln!(text, "{}", plain::line(&model.name))?;
     writeln!(text, "  size        {}", dimensions(size))?;
+    if let Some(area) = model.laid {
+        writeln!(text, "  lies on     {}", flat_side(area))?;
+    }
     let drawn = model.drawn_bounds();
     writeln!(
         text,

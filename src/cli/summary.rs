@@ -115,6 +115,8 @@ struct PartJson<'a> {
     name: &'a str,
     copies: usize,
     size_mm: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    laid_mm2: Option<f64>,
     layer_count: usize,
     filament_mm: f64,
 }
@@ -125,6 +127,7 @@ impl PartJson<'_> {
             name: &part.name,
             copies: part.copies,
             size_mm: part.size.to_array(),
+            laid_mm2: part.laid,
             layer_count: part.layer_count,
             filament_mm: part.filament_length,
         }
@@ -285,6 +288,11 @@ fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
     Some((count, first.at))
 }
 
+/// The flat side on which a part was laid.
+pub(super) fn flat_side(area: f64) -> String {
+    format!("a flat side of {area:.1} mm²")
+}
+
 /// The lines of the summary about the parts, if there are several.
 fn describe_parts(summary: &Summary, rows: &mut Rows) {
     if summary.parts.iter().map(|part| part.copies).sum::<usize>() < 2 {
@@ -312,6 +320,9 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
         last: "",
     };
     rows.add("size", dimensions(summary.size));
+    for area in summary.parts.iter().filter_map(|part| part.laid) {
+        rows.add("lies on", flat_side(area));
+    }
     let (layers, count) = (&summary.layers, summary.layer_count);
     let which = if *layers == (0..count) {
         count.to_string()

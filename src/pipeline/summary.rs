@@ -89,6 +89,8 @@ pub struct PartSummary {
     pub copies: usize,
     /// Extent of the part.
     pub size: DVec3,
+    /// Area of the flat side on which the part was laid, if it was.
+    pub laid: Option<Mm2>,
     /// Number of the part's layers.
     pub layer_count: usize,
     /// Filament that each copy takes, with its supports and its brim.
@@ -153,6 +155,7 @@ impl Summary {
                 name: part.model.name.clone(),
                 copies: part.places.len(),
                 size: part.model.bounds.size(),
+                laid: part.model.laid,
                 layer_count: spans.len(),
                 filament_length: done.extruded[place] / per_mm,
             });

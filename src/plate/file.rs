@@ -46,8 +46,9 @@ const LARGEST_BED: f64 = 10_000.0;
 
 /// Keys of the file, and of a part.
 const KEYS: [&str; 2] = ["settings", "part"];
-const PART: [&str; 8] = [
-    "model", "copies", "params", "at", "rotate", "scale", "size", "settings",
+const PART: [&str; 9] = [
+    "model", "copies", "params", "at", "lay", "rotate", "scale", "size",
+    "settings",
 ];
 
 impl PlateFile {
@@ -294,6 +295,14 @@ impl File<'_> {
                 Err(self.wrong(at.span().start, how))
             }
         });
+        let lay = table.get("lay").map(|lay| match lay.get_ref() {
+            DeValue::Boolean(lay) => Ok(*lay),
+            _ => {
+                let how = "lay says whether the part is laid on its largest \
+                           flat side; write lay = true";
+                Err(self.wrong(lay.span().start, how.to_owned()))
+            }
+        });
         let rotate = table.get("rotate").map(|rotate| {
             let how = "rotate is an angle about the z axis in degrees, or \
                        three, about x, y and z; write rotate = 90 or rotate = \
@@ -332,6 +341,7 @@ impl File<'_> {
             placement: Placement {
                 scale: scale.transpose()?,
                 size: size.transpose()?,
+                lay: lay.transpose()?.unwrap_or_default(),
                 rotate: rotate.transpose()?.unwrap_or_default(),
                 ..Placement::default()
             },

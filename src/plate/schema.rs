@@ -53,6 +53,10 @@ impl PlateFile {
                     several(2),
                     "Where the middle of its box stands on the bed, mm.",
                 ),
+                "lay": {
+                    "type": "boolean",
+                    "description": "Whether it is laid on its largest flat side.",
+                },
                 "rotate": {
                     "anyOf": [number, several(3)],
                     "description": "Degrees about z, or about x, y and z.",

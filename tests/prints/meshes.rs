@@ -158,6 +158,56 @@ fn a_turned_mesh_prints_as_the_turned_formula() {
     assert_alike(&a, &b, 5e-3);
 }
 
+#[test]
+fn a_laid_mesh_lies_on_its_largest_side() {
+    let turn = glam::DMat3::from_axis_angle(
+        glam::DVec3::new(1.0, -2.0, 0.5).normalize(),
+        2.2,
+    );
+    let oblique = block([-10.0, -6.0, 0.0], [10.0, 6.0, 4.0])
+        .iter()
+        .map(|t| t.map(|p| turn * glam::DVec3::from(p.map(f64::from))))
+        .map(|t| t.map(|p| p.as_vec3().to_array()))
+        .collect::<Vec<_>>();
+    let folder = folder(&[("oblique.stl", stl(&oblique))]);
+    let settings = settings(&[]);
+    let laid = Placement {
+        lay: true,
+        size: Some(40.0),
+        ..Placement::default()
+    };
+    let file = Source::File(folder.path().join("oblique.stl"));
+    let model = placed(&file, &[], &laid, &settings);
+    let size = model.bounds.size();
+    assert!((size.max_element() - 40.0).abs() < 1e-3, "{size}");
+    // The block of 20 × 12 × 4 mm lies flat, at some angle about z.
+    let scale = model.laid.unwrap() / (20.0 * 12.0);
+    assert!((size.z - 4.0 * scale.sqrt()).abs() < 1e-3, "{size}");
+    // Another side is a quarter turn away.
+    let upright = Placement {
+        rotate: [0.0, 90.0, 0.0],
+        size: None,
+        ..laid
+    };
+    let model = placed(&file, &[], &upright, &settings);
+    assert!(model.bounds.size().z > 11.9, "{}", model.bounds.size());
+    // A block that lies already is not turned, and functions have no sides.
+    let still = Placement {
+        lay: true,
+        ..Placement::default()
+    };
+    let file = Source::File(folder.path().join("block.stl"));
+    let size = placed(&file, &[], &still, &settings).bounds.size();
+    assert!((size - glam::DVec3::new(20.0, 12.0, 4.0)).length() < 1e-3);
+    let ball = load(&Source::formula("f", "sqrt(x*x+y*y+z*z)-5"), &[]).unwrap();
+    let volume = isoslice::model::BuildVolume::ANY;
+    let error = isoslice::model::place(&ball, &still, volume).err().unwrap();
+    assert!(
+        error.to_string().starts_with("--lay: flat sides"),
+        "{error}"
+    );
+}
+
 /// The layer in the middle of which the two bodies meet holds both.
 #[test]
 fn bodies_that_share_a_level_face_lose_no_layer() {

@@ -39,6 +39,7 @@ pub(crate) struct Keywords<'py> {
     size: Option<f64>,
     scale: Option<f64>,
     height: Option<f64>,
+    lay: bool,
     rotate: Option<[f64; 3]>,
     at: Option<(f64, f64)>,
     keep_position: bool,
@@ -65,6 +66,7 @@ pub(crate) struct PartGiven<'py> {
     copies: u64,
     params: Option<Bound<'py, PyDict>>,
     at: Option<(f64, f64)>,
+    lay: bool,
     rotate: Option<Angles>,
     scale: Option<f64>,
     size: Option<f64>,
@@ -173,6 +175,7 @@ impl Request {
                 wanted.placement.scale = part.scale;
                 wanted.placement.size = part.size;
             }
+            wanted.placement.lay |= part.lay;
             match part.rotate {
                 None => {}
                 Some(Angles::All(angles)) => wanted.placement.rotate = angles,
@@ -449,6 +452,7 @@ impl Keywords<'_> {
             || self.size.is_some()
             || self.scale.is_some()
             || self.height.is_some()
+            || self.lay
             || self.rotate.is_some()
             || self.at.is_some()
             || self.keep_position
@@ -471,6 +475,7 @@ impl Keywords<'_> {
         Ok(Placement {
             scale: self.scale,
             size: self.size,
+            lay: self.lay,
             rotate: self.rotate.unwrap_or_default(),
             at: self.at,
             keep_position: self.keep_position,

@@ -300,7 +300,7 @@ def test_values_that_make_no_sense():
     junk += [[1, 2, 3], {"a": 1}, lambda: 1, (1, "b"), [[0] * 3, [math.nan] * 3]]
     keywords = (
         "params name settings printer filament preset profiles config size "
-        "scale height rotate at keep_position bounds layers format report "
+        "scale height lay rotate at keep_position bounds layers format report "
         "check svg threads time_limit memory_limit progress walls speed"
     ).split()
     fine = []

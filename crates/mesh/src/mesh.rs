@@ -240,6 +240,10 @@ impl Data for Mesh {
         is_finite.then_some(all)
     }
 
+    fn corners(&self) -> Option<&[DVec3]> {
+        Some(&self.shell.vertices)
+    }
+
     fn has_section(&self) -> bool {
         true
     }

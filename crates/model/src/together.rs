@@ -57,6 +57,7 @@ pub fn together<'a>(
         offset: DVec3::ZERO,
         lift,
         origin: DVec3::ZERO,
+        laid: None,
         parameters: Vec::new(),
         warnings: Vec::new(),
         expression_size: size,

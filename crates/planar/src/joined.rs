@@ -12,6 +12,7 @@
 //! Out: rings around what is in either half. A ring that meets the line in single
 //! points only stays as it is.
 
+use super::joints::{Chain, Joints};
 use super::{Area, Ring, edges};
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -146,24 +147,22 @@ fn linked(chains: &[Ring], cut: Cut) -> Vec<Ring> {
         add(a, b, true);
         add(d, c, false);
     }
-    let mut after = vec![None; chains.len()];
+    let mut joints = Joints::new(chains.len());
     for ends in ends.values_mut() {
-        pair(ends, &mut after);
+        pair(ends, &mut joints);
     }
-    let mut rings = Vec::new();
-    for first in 0..chains.len() {
-        let mut ring = Ring::new();
-        let mut now = first;
-        while let Some(then) = after[now].take() {
-            let points = &chains[now];
-            ring.extend_from_slice(&points[..points.len() - 1]);
-            now = then;
-        }
-        if ring.len() >= 3 {
-            rings.push(ring);
-        }
-    }
-    rings
+    // Rings begin at the last end of a piece, and so lead backwards.
+    let ring = |chain: &Chain| -> Ring {
+        let pieces = chain.pieces.iter().rev().map(|(i, _)| &chains[*i]);
+        let points = pieces.flat_map(|p| p.iter().take(p.len() - 1));
+        points.copied().collect()
+    };
+    joints
+        .chains()
+        .iter()
+        .map(ring)
+        .filter(|r| r.len() >= 3)
+        .collect()
 }
 
 /// The first two and the last two points of a chain, which has two at least.
@@ -176,17 +175,11 @@ fn both_ends(points: &[DVec2]) -> [DVec2; 4] {
     }
 }
 
-/// Tells for each chain that ends at a place which one goes on there: the next
-/// one clockwise, since the inside is to the left.
-fn pair(ends: &mut [End], after: &mut [Option<usize>]) {
-    let open = ends.len() / 2;
-    if let [a, b] = ends {
-        let (from, to) = if a.begins { (b, a) } else { (a, b) };
-        after[from.chain] = Some(to.chain);
-        return;
-    }
+/// Joins each chain that ends at a place to the one that begins there next,
+/// clockwise, since the inside is to the left.
+fn pair(ends: &mut [End], joints: &mut Joints) {
     ends.sort_by(|a, b| turn(b.way).total_cmp(&turn(a.way)));
-    let mut waiting = Vec::with_capacity(open);
+    let mut waiting = Vec::new();
     // Twice round: what waits at the end of the first time goes on in the second.
     let mut taken = vec![false; ends.len()];
     for (i, end) in ends.iter().enumerate().chain(ends.iter().enumerate()) {
@@ -199,7 +192,7 @@ fn pair(ends: &mut [End], after: &mut [Option<usize>]) {
             (true, false) => {
                 if let Some(from) = waiting.pop() {
                     taken[i] = true;
-                    after[from] = Some(end.chain);
+                    joints.join(2 * from + 1, 2 * end.chain);
                 }
             }
         }

@@ -91,6 +91,12 @@ pub trait Data: Any + Send + Sync {
         None
     }
 
+    /// The corners of the body, of which its convex hull is that too, if they are
+    /// known.
+    fn corners(&self) -> Option<&[DVec3]> {
+        None
+    }
+
     /// True if it has a [section](Data::section), wherever it is placed but for
     /// special cases. What never has one makes none of the work in vain that
     /// sections of others would be.

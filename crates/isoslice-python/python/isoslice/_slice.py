@@ -32,6 +32,7 @@ class Part:
     params: values of the script's parameters, if the model is a file.
     at: where on the bed the middle of the part goes, mm. Default: it is
         arranged with the others.
+    lay: lay a mesh on its largest flat side, before it is rotated.
     rotate: an angle about z, or angles about x, then y, then z, degrees.
     scale: factor on all lengths.
     size: length of the part's largest side, mm.
@@ -43,6 +44,7 @@ class Part:
     copies: int = 1
     params: Optional[Mapping[str, Any]] = None
     at: Optional[Sequence[float]] = None
+    lay: bool = False
     rotate: Union[float, Sequence[float], None] = None
     scale: Optional[float] = None
     size: Optional[float] = None
@@ -66,6 +68,7 @@ def slice(
     size: Optional[float] = None,
     scale: Optional[float] = None,
     height: Optional[float] = None,
+    lay: bool = False,
     rotate: Optional[Sequence[float]] = None,
     at: Optional[Sequence[float]] = None,
     keep_position: bool = False,
@@ -108,6 +111,7 @@ def slice(
     size: length of the part's largest side, mm.
     scale: factor on all lengths.
     height: height to which a model that does not depend on z is raised, mm.
+    lay: lay a mesh on its largest flat side, before it is rotated.
     rotate: angles about x, then y, then z, degrees.
     at: where on the bed the middle of the part goes, mm.
     keep_position: take the model's coordinates as the printer's.
@@ -164,6 +168,7 @@ def outlines(
     size: Optional[float] = None,
     scale: Optional[float] = None,
     height: Optional[float] = None,
+    lay: bool = False,
     rotate: Optional[Sequence[float]] = None,
     at: Optional[Sequence[float]] = None,
     keep_position: bool = False,

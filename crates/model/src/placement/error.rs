@@ -55,6 +55,13 @@ pub enum PlaceError {
          leave the option out, or make the model larger with --size or --scale"
     )]
     HasHeight,
+    /// The flat sides of a model are not known.
+    #[error(
+        "--lay: flat sides are known of meshes and of unions of them, and this \
+         model is something else, or flat; turn it with --rotate-x, --rotate-y \
+         and --rotate-z"
+    )]
+    NoSides,
     /// The part is larger than the printer.
     #[error(
         "the part does not fit the printer: {size} mm, the printer has \

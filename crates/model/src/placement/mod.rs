@@ -19,6 +19,8 @@
 //! way to flatten its foot.
 
 mod error;
+mod hull;
+mod lay;
 mod transform;
 
 pub use error::PlaceError;
@@ -26,13 +28,14 @@ pub use error::PlaceError;
 use super::param::Parameter;
 use super::source::Loaded;
 use fidget::context::Tree;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use isocontour::{
     Bounds, BoundsError, Data, FoundBounds, SearchOptions, Solid, digits,
     expand, is_flat, shifted, solid,
 };
 use isoslice_base::limits;
 use isoslice_settings::Settings;
+use lay::{down, largest_side};
 use std::path::PathBuf;
 use std::sync::Arc;
 use transform::{box_field, mapped, rotation};
@@ -76,6 +79,9 @@ pub struct Placement {
     /// Length of the largest side of the box around the rotated part, mm, to
     /// which the model is scaled. Default value: none.
     pub size: Option<f64>,
+    /// Lay a mesh on the largest flat side of its convex hull, before it is
+    /// rotated. Default value: false.
+    pub lay: bool,
     /// Angles about x, then y, then z, degrees, counter-clockwise seen from
     /// the axis' tip. Default value: no rotation.
     pub rotate: [f64; 3],
@@ -119,6 +125,8 @@ pub struct Model {
     /// drawn (and turned and scaled), mm. It is 0, except for models that were
     /// drawn so far out that f32 has too few digits there.
     pub origin: DVec3,
+    /// Area of the flat side on which the model was laid, mm², if it was.
+    pub laid: Option<f64>,
     /// Parameters the script declares.
     pub parameters: Vec<Parameter>,
     /// What the user should know, in sentences.
@@ -191,12 +199,15 @@ pub fn place(
 
     // The size is that of the turned part, so the part is turned, then
     // measured, then scaled.
-    let turned = placement.rotate.iter().any(|a| a % 360.0 != 0.0);
-    let rotation = rotation(placement.rotate);
     let clipped = match &placement.bounds {
         None => loaded.tree.clone(),
         Some(bounds) => loaded.tree.max(box_field(bounds)),
     };
+    let side = placement.lay.then(|| largest_side(&clipped)).transpose()?;
+    let laid = side.map_or(DMat3::IDENTITY, |side| down(side.out));
+    let turned = placement.rotate.iter().any(|a| a % 360.0 != 0.0)
+        || laid != DMat3::IDENTITY;
+    let rotation = rotation(placement.rotate) * laid;
     let found = if turned {
         let options = SearchOptions::default();
         find_bounds(&mapped(&clipped, rotation, 1.0), &options)?
@@ -280,6 +291,7 @@ pub fn place(
         offset: offset + origin,
         lift: 0.0,
         origin,
+        laid: side.map(|side| side.area * scale * scale),
         parameters: loaded.parameters.clone(),
         warnings,
         expression_size,
