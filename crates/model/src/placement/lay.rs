@@ -23,13 +23,14 @@ pub(super) struct Side {
 }
 
 /// How far from its plane a side's corners may be, as a share of the part's size:
-/// 0.01 mm of 100.
+/// 0.01 mm of 100. With 0.001, the bottom of a bulging teapot is still no side, and
+/// sides are less exact.
 const FLAT: f64 = 1e-4;
 /// Directions are from the middle of a cube to the points of a lattice on it, so many
 /// from the middle of a face to its border.
 const HALF: i32 = 4;
-/// The most corners that join the hull one by one. Each side of it looks for one;
-/// parts of the collection of test meshes take 20 at most.
+/// The most corners that join the hull one by one: a bound on time. The side that is
+/// largest by then is laid down, and may be a little aslant.
 const ROUNDS: usize = 200;
 /// Sides whose areas differ by less than this share are equally large. Of them
 /// the one that is lowest already is taken.
