@@ -10,6 +10,7 @@
 use super::cells::{Bits, Cells, Place, SIDE, Tiles, around, split};
 use glam::IVec2;
 use std::cell::Cell;
+use std::ops::RangeInclusive;
 
 /// Greatest number of tiles.
 const MOST_TILES: usize = 1 << 13;
@@ -208,6 +209,26 @@ impl Columns {
             let is = |cell: IVec2, row: usize, column: usize| {
                 let seen = self.seen(tile.columns[row][column]);
                 seen.is_some_and(|seen| is(cell, &seen))
+            };
+            Some((place, bits.which(place, is)))
+        });
+        Cells::of(all)
+    }
+
+    /// Those of some cells in which the top of the layers below lies within a range,
+    /// which is another one for tops of supports.
+    pub(super) fn within(
+        &self,
+        cells: &Cells,
+        range: impl Fn(bool) -> RangeInclusive<f64>,
+    ) -> Cells {
+        let ranges = [false, true].map(range);
+        let all = cells.tiles().filter_map(|(place, bits)| {
+            let tile = self.known(place)?;
+            let is = |_, row: usize, column: usize| {
+                let own = tile.columns[row][column].at(self.layer);
+                let support = own.stamp & BELOW_SUPPORT != 0;
+                ranges[usize::from(support)].contains(&own.below.into())
             };
             Some((place, bits.which(place, is)))
         });

@@ -26,6 +26,7 @@ use isoslice_base::units::{Mm, Mm2};
 use isoslice_gcode_read::reader::{Move, Role};
 use isoslice_planar::bead::height_of;
 use std::f64::consts::FRAC_PI_4;
+use std::ops::RangeInclusive;
 
 /// Greatest gap between a support and what it holds above it, and between a
 /// support and what it stands on, if the settings ask for none that is wider.
@@ -337,8 +338,8 @@ impl Ground {
         // deepest holds none. Nearly all beads of a layer lie alike.
         let near = searched.grown();
         let beside = |own: &Seen| {
-            let holds = |_, seen: &Seen| self.holds(seen, own, support);
-            self.columns.which(&near, holds).grown()
+            let range = |on_support| self.holding(own, support, on_support);
+            self.columns.within(&near, range).grown()
         };
         let searched = searched.filter(&beside(&high), false);
         let doubtful = if self.on_bed(&deep, support) {
@@ -364,12 +365,19 @@ impl Ground {
     /// True if what is below a cell holds beads there, or beside it, that lie as
     /// `own` says.
     fn holds(&self, seen: &Seen, own: &Seen, support: bool) -> bool {
-        let gap = if support || seen.on_support {
-            self.gap
-        } else {
-            0.0
-        };
-        (own.low - gap..=own.top + ROUNDED).contains(&seen.below)
+        let range = self.holding(own, support, seen.on_support);
+        range.contains(&seen.below)
+    }
+
+    /// Where the top of what holds beads lies that lie as `own` says.
+    fn holding(
+        &self,
+        own: &Seen,
+        support: bool,
+        on_support: bool,
+    ) -> RangeInclusive<Mm> {
+        let gap = if support || on_support { self.gap } else { 0.0 };
+        own.low - gap..=own.top + ROUNDED
     }
 }
 

@@ -25,7 +25,7 @@ impl<'a> Stages<'a> {
         let mut spiral = Spiral::new(self.model, self.plans.spiral, spans)?;
         let last_flat = spiral.first() - 1;
         let all = last_flat..spans.len();
-        for slab in spans.chunks(self.slab_layers()) {
+        for slab in self.slabs(spans, &all)? {
             limits::go_on()?;
             // Offset fields are not asked for.
             let none = &WallFields::None;

@@ -139,7 +139,7 @@ impl<'a> Stages<'a> {
         };
         // These are the slabs of printing, since the last bits of an outline depend
         // on its slab, and layers that are not kept are found again there.
-        let slabs: Vec<_> = spans.chunks(self.slab_layers()).collect();
+        let slabs = self.slabs(spans, &ALL_LAYERS)?;
         // Most layers are known for a while only: all of them would take much memory.
         let at_once = SLABS * pool.current_num_threads();
         let mut survey = Survey::default();
@@ -409,7 +409,7 @@ mod tests {
         let points = all.iter().flat_map(|l| &l.area().rings);
         let half = points.map(Vec::len).sum::<usize>() / 2;
         let mut all = all.iter();
-        for slab in spans.chunks(stages.slab_layers()) {
+        for slab in stages.slabs(spans, &ALL_LAYERS).unwrap() {
             let none = &WallFields::None;
             let found =
                 stages.layers_of(&stages.field, none, slab, &(3..spans.len()));

@@ -11,7 +11,7 @@ use crate::field::{FieldError, bug};
 use crate::interval::Interval;
 use fidget::eval::Function;
 use fidget::vm::VmFunction;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::ops::Range;
 
 /// Samples along the side of a tile.
@@ -307,17 +307,29 @@ impl<'a> Eye<'a> {
         }
     }
 
+    /// Where a line begins.
+    fn start(&self, line: usize) -> DVec3 {
+        let Grid { origin, steps, .. } = self.grid;
+        let (i, j) = (line % TILE + self.at[0], line / TILE + self.at[1]);
+        *origin + steps[0] * i as f64 + steps[1] * j as f64
+    }
+
     /// Adds a place to those that are to be evaluated. It may lie between two
     /// samples.
     fn ask(&mut self, line: usize, sample: f64) {
-        let Grid { origin, steps, .. } = self.grid;
-        let (i, j) = (line % TILE + self.at[0], line / TILE + self.at[1]);
-        let p = *origin
-            + steps[0] * i as f64
-            + steps[1] * j as f64
-            + steps[2] * sample;
+        let p = self.start(line) + self.grid.steps[2] * sample;
         for (list, c) in self.points.iter_mut().zip(p.to_array()) {
             list.push(c as f32);
+        }
+    }
+
+    /// Adds samples of a line, the last one first.
+    fn ask_all(&mut self, line: usize, samples: Range<usize>) {
+        let (start, step) = (self.start(line), self.grid.steps[2]);
+        for (a, list) in self.points.iter_mut().enumerate() {
+            for k in samples.clone().rev() {
+                list.push((start[a] + step[a] * k as f64) as f32);
+            }
         }
     }
 
@@ -352,7 +364,7 @@ impl<'a> Eye<'a> {
             let end = (at[2] + BOX).min(self.grid.size[2]);
             for line in self.lines(at, BOX) {
                 asked.push((line, [at[2], end]));
-                (at[2]..end).rev().for_each(|k| self.ask(line, k as f64));
+                self.ask_all(line, at[2]..end);
             }
         }
         let count = self.points[0].len();
