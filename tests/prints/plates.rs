@@ -473,7 +473,7 @@ fn plate_files_say_what_where_and_how() {
     let file = read(
         "settings = { walls = 1, infill_density = 30, layer_height = 0.3 }\n\
          [[part]]\nmodel = \"a.rhai\"\ncopies = 2\nparams = { w = 20 }\n\
-         [[part]]\nmodel = \"a.rhai\"\nat = [50, 60.5]\nrotate = 90\n\
+         [[part]]\nmodel = \"a.rhai\"\nat = [50, 60.5]\nlay = true\nrotate = 90\n\
          settings = { walls = 2, brim.width = 3 }\n",
     )
     .unwrap();
@@ -486,6 +486,7 @@ fn plate_files_say_what_where_and_how() {
     assert_eq!(walls, [4.0, 4.0, 2.0]);
     assert_eq!(file.parts[0].defines, [("w".into(), "20".into())]);
     assert_eq!(file.parts[1].placement.rotate, [0.0, 0.0, 90.0]);
+    assert!(file.parts[1].placement.lay && !file.parts[0].placement.lay);
     assert_eq!(file.parts[1].at, Some((50.0, 60.5)));
     assert_eq!(file.models, [folder.path().join("a.rhai")]);
 
@@ -544,6 +545,7 @@ fn plate_files_say_what_where_and_how() {
             "cannot be given together",
         ),
         ("[[part]]\ncopies = 2\n".into(), ":1: the part has no model"),
+        (format!("{part}lay = 3\n"), ":3: lay says whether"),
         (
             "part = 3\n".into(),
             "write each part below a line of its own",
