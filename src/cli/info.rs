@@ -3,7 +3,6 @@
 
 use super::args::{Gathered, ModelArgs, SettingsSource};
 use super::limits::LimitArgs;
-use super::summary::flat_side;
 use super::{plain, print_json, terminal};
 use anyhow::Context;
 use clap::Args;
@@ -396,6 +395,11 @@ fn describe(
 /// Writes `60.00 × 40.00 × 12.50 mm`.
 pub(super) fn dimensions(size: DVec3) -> String {
     format!("{:.2} × {:.2} × {:.2} mm", size.x, size.y, size.z)
+}
+
+/// The flat side on which a part was laid.
+pub(super) fn flat_side(area: f64) -> String {
+    format!("a flat side of {area:.1} mm²")
 }
 
 fn corner(p: DVec3) -> String {

@@ -1,6 +1,6 @@
 //! The summary of `isoslice slice`, for people and as JSON.
 
-use super::info::{describe_steps, dimensions};
+use super::info::{describe_steps, dimensions, flat_side};
 use super::output::is_stream;
 use super::plain;
 use glam::DVec3;
@@ -286,11 +286,6 @@ fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
     let is_one = |f: &&Finding| f.kind == FindingKind::InTheAir;
     let first = verdict.findings.iter().find(is_one)?;
     Some((count, first.at))
-}
-
-/// The flat side on which a part was laid.
-pub(super) fn flat_side(area: f64) -> String {
-    format!("a flat side of {area:.1} mm²")
 }
 
 /// The lines of the summary about the parts, if there are several.

@@ -141,8 +141,8 @@ fn what_is_on_a_plate_is_told() {
     let part = &schema["properties"]["part"]["items"]["properties"];
     let keys: Vec<&String> = part.as_object().unwrap().keys().collect();
     let known = [
-        "at", "copies", "model", "params", "rotate", "scale", "settings",
-        "size",
+        "at", "copies", "lay", "model", "params", "rotate", "scale",
+        "settings", "size",
     ];
     let mut sorted = keys.clone();
     sorted.sort();
