@@ -66,9 +66,17 @@ pub(super) struct Flow {
     rise: Rise,
 }
 
-/// How far the nozzle is above what lies below it, and whether that is a support,
-/// if this is known: what other files have printed is not.
-type Lies = Option<(Mm, bool)>;
+/// How far the nozzle is above what lies below it, and what that is, if this is
+/// known: what other files have printed is not.
+type Lies = Option<(Mm, Below)>;
+
+/// What lies below a bead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Below {
+    Bed,
+    Part,
+    Support,
+}
 
 /// Places of a bead one after the other that lie on the same, and in one window.
 #[derive(Clone, Copy, Debug, Default)]
@@ -207,17 +215,19 @@ impl Flow {
     fn lies(&mut self, on: Lies, length: Mm, step: &Move, area: Mm2) {
         let height = self.high(on, step.height);
         self.layer.room += cross_section(step.width, height) * length;
-        let Some((rise, over_support)) = on.filter(|_| length > 0.0) else {
+        let Some((rise, below)) = on.filter(|_| length > 0.0) else {
             return;
         };
         self.layer.standing += area * length;
         self.layer.upright += height * length;
-        // What hangs above the bed beside what has been printed on it does not lie
-        // on it.
-        let over_bed = self.bed.is_some_and(|bed| {
-            self.rise.has_begun() && step.to.z - rise < bed + ROUNDING
-        });
-        if !over_support && !over_bed {
+        let tells = match below {
+            Below::Part => true,
+            Below::Support => false,
+            // What hangs above the bed beside what has been printed on it does not
+            // lie on it.
+            Below::Bed => !self.rise.has_begun(),
+        };
+        if tells {
             let named = step.role != Role::Unknown;
             self.rise.bead(rise, length, area, step.height, named);
         }
@@ -225,9 +235,17 @@ impl Flow {
 
     /// What a nozzle at this height lays its bead on in a cell.
     fn rise_at(&self, z: Mm, cell: IVec2, ground: &Ground) -> Lies {
-        let bed = || Some((self.bed?, false));
-        let (below, over_support) = ground.below(cell).or_else(bed)?;
-        Some((z - below, over_support))
+        let printed = ground.below(cell).map(|(top, is_support)| {
+            let below = if is_support {
+                Below::Support
+            } else {
+                Below::Part
+            };
+            (top, below)
+        });
+        let bed = || Some((self.bed?, Below::Bed));
+        let (top, below) = printed.or_else(bed)?;
+        Some((z - top, below))
     }
 
     /// How high a bead is at a place, if the file says `said`.
@@ -300,8 +318,8 @@ impl Layer {
             let usual = little * least..=much * most;
             (!usual.contains(&share)).then_some(share)
         };
-        // Where the plastic tells how wide the beads are, it fills them whatever
-        // the flow is.
+        // If the file does not say how wide beads are, that follows from their
+        // plastic, and the share is 1 whatever the flow is.
         let own = |share: f64, little: f64, much: f64| {
             let share = if self.says_width { share } else { share * most };
             beyond(share, little, much)

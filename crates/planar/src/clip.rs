@@ -86,7 +86,8 @@ fn halves(all: Rect) -> ([Rect; 2], Cut) {
     let (mut low, mut high) = (all, all);
     let (size, middle) = (all.size(), all.centre());
     // The middle is put on the grid, so that both sides round the cut alike.
-    let middle = (middle * GRID).round() / GRID;
+    // Adding zero makes −0 a plain 0.
+    let middle = (middle * GRID).round() / GRID + 0.0;
     let axis = usize::from(size.x <= size.y);
     let at = middle[axis];
     (low.max[axis], high.min[axis]) = (at, at);

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! In: for each end the end in which it goes on. Out: chains, each piece in one of
-//! them once. Which ends go on in which is for those to say that know why: walls,
-//! skin and infill ask different things of a joint.
+//! them once. The callers decide which ends go on in which: walls, skin, infill and
+//! borders that were cut have rules of their own for that.
 
 /// An end of a piece. Piece `i` has two, its first end `2 i` and its last one
 /// `2 i + 1`.
@@ -39,6 +39,7 @@ impl Joints {
 
     /// Lets two ends go on in one another. Both have to be free.
     pub fn join(&mut self, a: End, b: End) {
+        debug_assert!(self.is_free(a) && self.is_free(b), "{a} {b}");
         self.0[a] = Some(b);
         self.0[b] = Some(a);
     }
@@ -69,7 +70,7 @@ impl Joints {
             taken[end / 2] = true;
             pieces.push((end / 2, end % 2 == 1));
             match self.0[end ^ 1] {
-                Some(next) if next != begin => end = next,
+                Some(next) if !taken[next / 2] => end = next,
                 next => {
                     let closed = next.is_some();
                     return Chain { pieces, closed };

@@ -99,8 +99,8 @@ pub enum Phase {
     Closing,
 }
 
-/// Outlines of the layers at heights `z`, at most a slab of them
-/// ([`Field::slab_layers`]).
+/// Outlines of the layers at heights `z`: at most [`crate::SLAB`] of them that are alike
+/// ([`Field::is_level`]), or [`Field::slab_layers`] others.
 ///
 /// # Errors
 /// If the field changes its sign finer than `detail.smallest` over large parts

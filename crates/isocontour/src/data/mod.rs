@@ -91,8 +91,7 @@ pub trait Data: Any + Send + Sync {
         None
     }
 
-    /// The corners of the body, of which its convex hull is that too, if they are
-    /// known.
+    /// Points whose convex hull is that of the body, if such points are known.
     fn corners(&self) -> Option<&[DVec3]> {
         None
     }

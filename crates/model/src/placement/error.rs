@@ -57,9 +57,9 @@ pub enum PlaceError {
     HasHeight,
     /// The flat sides of a model are not known.
     #[error(
-        "--lay: flat sides are known of meshes and of unions of them, and this \
-         model is something else, or flat; turn it with --rotate-x, --rotate-y \
-         and --rotate-z"
+        "--lay: flat sides are known of meshes and of unions of up to 200 of \
+         them without --bounds, and this model is something else, or flat; turn \
+         it with --rotate-x, --rotate-y and --rotate-z"
     )]
     NoSides,
     /// The part is larger than the printer.

@@ -1,9 +1,9 @@
 //! The side on which a body lies best: the largest flat one of its convex hull.
 //!
 //! In: the corners of a body, millions perhaps. Out: the direction out of that
-//! side, and its area. A table lies on its four feet as well as a block on a face.
+//! side, and its area. The area of a table's feet is that of the hull around all four.
 //!
-//! The hull is that of the corners that are farthest in some hundred directions.
+//! The hull is that of the corners that are farthest in 386 directions.
 //! Its largest side is right if no other corner is beyond it; one that is joins
 //! the hull, and the search goes on.
 
@@ -12,6 +12,7 @@ use super::hull::{Face, hull, out_of};
 use fidget::context::Tree;
 use glam::{DMat3, DVec2, DVec3};
 use isocontour::{Solid, solid};
+use isoslice_base::limits;
 
 /// The flat side on which a part lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +34,7 @@ const HALF: i32 = 4;
 /// largest by then is laid down, and may be a little aslant.
 const ROUNDS: usize = 200;
 /// Sides whose areas differ by less than this share are equally large. Of them
-/// the one that is lowest already is taken.
+/// the one that faces down most already is taken.
 const ALIKE: f64 = 1e-3;
 /// Components of a direction that are less than this are those of numbers that
 /// were rounded to 24 bits.
@@ -79,6 +80,10 @@ fn side_of(corners: &[DVec3]) -> Option<Side> {
     let mut chosen = extremes(corners);
     let mut best = None;
     for _ in 0..ROUNDS {
+        // The search for bounds, which comes next, tells of the stop.
+        if limits::is_stopped() {
+            break;
+        }
         let faces = hull(&chosen, slack);
         let out = largest(&faces, &chosen, slack)?;
         let level = farthest(&chosen, out).dot(out);
@@ -120,6 +125,9 @@ fn extremes(corners: &[DVec3]) -> Vec<DVec3> {
     {
         if [i, j, k].iter().all(|n| n.abs() < HALF) {
             continue;
+        }
+        if limits::is_stopped() {
+            break;
         }
         let out = DVec3::new(i.into(), j.into(), k.into());
         let p = farthest(corners, out);
