@@ -12,8 +12,8 @@
 //!
 //! Data flows one way, roughly from the top of this list to its end. Most parts
 //! of the way are crates in `crates/`. `CONTRIBUTING.md` has their order, which
-//! Cargo keeps. Inside `base`, `layer`, `held`, `gcode-read`, `path` and
-//! `src`, `tests/architecture.rs` keeps the order of the modules.
+//! Cargo keeps. Inside `base`, `layer`, `held`, `gcode-read` and `path`,
+//! `tests/architecture.rs` keeps the order of the modules.
 //!
 //! 1. [`model`] reads a script, fidget's `.vm` text or a formula, bounds the
 //!    part by interval arithmetic and places it on the bed. [`settings`] say
@@ -50,7 +50,6 @@
 //! 10. [`gcode`] writes the G-code, [`bgcode`] packs it for Prusa's printers
 //!     and [`package`] for Bambu Lab's. [`reader`] reads G-code of any slicer,
 //!     and [`mod@check`] tells whether it is safe to run. [`preview`] draws it.
-//!     [`report`] measures how far outlines and walls are from f = 0.
 //!
 //! The types that flow are a [`Model`], its
 //! [`LayerSpan`](layers::LayerSpan)s, for each span an
@@ -64,12 +63,12 @@
 //!
 //! [`pipeline`] runs these stages over a window of layers that moves up the
 //! part, on any number of threads, which does not change the result.
-//! `pipeline/write.rs` has the steps of a run, `pipeline/stages` what is done
-//! for many layers at a time. [`timings`] measures the stages, [`limits`] stops
-//! them when they take too much time or memory, [`files`] reads files,
-//! [`encoding`] reads text from bytes, [`units`] names units, [`sets`] joins
-//! what belongs together, [`named!`] names the values of enums, and [`random`] makes
-//! numbers that look random.
+//! Its `write.rs` has the steps of a run, `stages` what is done for many layers
+//! at a time, and `report` measures how far outlines and walls are from f = 0.
+//! [`timings`] measures the stages, [`limits`] stops them when they take too much
+//! time or memory, [`files`] reads files, [`encoding`] reads text from bytes,
+//! [`units`] names units, [`sets`] joins what belongs together, [`named!`] names
+//! the values of enums, and [`random`] makes numbers that look random.
 //!
 //! The program around this library is the command line, `src/cli`. The crate
 //! `slicerprofile` reads profiles of other slicers for it. `CONTRIBUTING.md`
@@ -137,10 +136,6 @@
 //!
 #![doc = include_str!("../docs/glossary.md")]
 #![warn(unreachable_pub)]
-
-pub mod pipeline;
-pub mod plate;
-mod report;
 
 /// Checks whether G-code, of any slicer, is safe to run.
 pub mod check {
@@ -218,6 +213,24 @@ pub mod model {
     pub use isoslice_model::{parse_vm, place};
 }
 
+/// The stages, run over the layers of a plate.
+pub mod pipeline {
+    #[doc(inline)]
+    pub use isoslice_pipeline::{Options, PartSummary, Share, SliceError};
+    #[doc(inline)]
+    pub use isoslice_pipeline::{Summary, Survey, supports, survey};
+    #[doc(inline)]
+    pub use isoslice_pipeline::{slice, slice_plate, split};
+}
+
+/// A plate: what is printed in one go.
+pub mod plate {
+    #[doc(inline)]
+    pub use isoslice_plate::Wanted;
+    #[doc(inline)]
+    pub use isoslice_plate::{Part, PartPlace, Plate, PlateError, PlateFile};
+}
+
 /// Pictures and pages of models and of G-code.
 pub mod preview {
     #[doc(inline)]
@@ -262,6 +275,7 @@ pub use isoslice_gcode::{TemplateError, settings_in_gcode};
 pub use isoslice_gcode_read::bgcode::Unpacked;
 #[doc(inline)]
 pub use isoslice_held::overhangs::{Hanging, OverhangKind, Sum, Unsupported};
+pub use isoslice_pipeline::{Figures, RoleSum};
 #[doc(no_inline)]
 pub use model::{Model, load, place};
 pub use pipeline::{Options, Share, SliceError, Summary, Survey};
@@ -269,7 +283,6 @@ pub use pipeline::{slice, slice_plate, split, survey};
 pub use plate::Plate;
 #[doc(no_inline)]
 pub use reader::Reader;
-pub use report::{Figures, RoleSum};
 #[doc(no_inline)]
 pub use settings::Settings;
 

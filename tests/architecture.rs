@@ -108,17 +108,7 @@ const ORDER: &[(&str, Steps)] = &[
             &["pace"],
         ],
     ),
-    (
-        "src",
-        &[
-            // `plate` has the parts to print, with their brims.
-            &["plate"],
-            &["report"],
-            &["pipeline"],
-            &["cli"],
-            &["main"],
-        ],
-    ),
+    ("src", &[&["cli"], &["main"]]),
 ];
 
 /// Files that import one another in a circle, by folder. No others may, and
@@ -156,19 +146,19 @@ const KNOWING: &[&str] = &[
     "crates/check/src/rules.rs",
     "crates/model/src/placement/mod.rs",
     "crates/preview/src/toolpath.rs",
-    "src/pipeline/plans.rs",
+    "crates/pipeline/src/plans.rs",
     // Who reads settings.
     "crates/gcode/src/join/file.rs",
     "crates/isoslice-python/src/request.rs",
     "src/cli/args.rs",
     "src/cli/new.rs",
     "src/cli/settings.rs",
-    "src/plate/schema.rs",
+    "crates/plate/src/schema.rs",
     // What users of the library call.
     "src/lib.rs",
-    "src/pipeline/hanging.rs",
-    "src/pipeline/run.rs",
-    "src/plate/mod.rs",
+    "crates/pipeline/src/hanging.rs",
+    "crates/pipeline/src/run.rs",
+    "crates/plate/src/lib.rs",
     // Tests of the settings, and what gives all other tests theirs.
     "tests/common/mod.rs",
     "tests/texts/hostile.rs",

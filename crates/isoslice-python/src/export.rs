@@ -24,7 +24,7 @@ pub(crate) fn to_3mf(
         tree: field.tree.clone(),
         parameters: Vec::new(),
     };
-    let inputs = files_of(&field.tree);
+    let inputs = files_of(field);
     at_work(py, Limits::of_slicing(), None, move |_| {
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
         let mut output = Output::create(output, &inputs)?;

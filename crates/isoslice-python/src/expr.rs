@@ -325,6 +325,7 @@ pub(crate) fn unpickled_expr(
         tree: tree(&steps)?,
         name,
         parameters: parameters.collect(),
+        files: Vec::new(),
     })
 }
 

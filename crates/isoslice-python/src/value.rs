@@ -34,6 +34,9 @@ pub(crate) struct Expr {
     pub(crate) name: Option<String>,
     /// Parameters of the script that the field was read from.
     pub(crate) parameters: Vec<Parameter>,
+    /// Files that the field was read from. Whatever is made of the field has
+    /// none but those of its data.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 impl From<Tree> for Expr {
@@ -43,6 +46,7 @@ impl From<Tree> for Expr {
             body: false,
             name: None,
             parameters: Vec::new(),
+            files: Vec::new(),
         }
     }
 }
@@ -69,11 +73,15 @@ fn kept() -> MutexGuard<'static, Vec<Kept>> {
     KEPT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Files by paths that stay theirs when the program changes its folder.
+fn whole(files: &[PathBuf]) -> Vec<PathBuf> {
+    let whole = |file: &PathBuf| absolute(file).unwrap_or(file.clone());
+    files.iter().map(whole).collect()
+}
+
 /// Keeps data, for which `files` were read.
 pub(crate) fn keep(all: Vec<Arc<dyn Data>>, files: &[PathBuf]) {
-    // The program may change its folder.
-    let whole = |file: &PathBuf| absolute(file).unwrap_or(file.clone());
-    let files: Vec<PathBuf> = files.iter().map(whole).collect();
+    let files = whole(files);
     let mut kept = kept();
     for data in all {
         match kept.iter_mut().find(|k| Arc::ptr_eq(&k.data, &data)) {
@@ -90,13 +98,13 @@ pub(crate) fn keep(all: Vec<Arc<dyn Data>>, files: &[PathBuf]) {
     }
 }
 
-/// The files that were read for a field's data.
-pub(crate) fn files_of(tree: &Tree) -> Vec<PathBuf> {
-    let read = data_of(tree);
+/// The files that were read for a field, or for its data.
+pub(crate) fn files_of(field: &Expr) -> Vec<PathBuf> {
+    let read = data_of(&field.tree);
     let is_read = |k: &&Kept| read.iter().any(|d| Arc::ptr_eq(d, &k.data));
     let kept = kept();
     let files = kept.iter().filter(is_read).flat_map(|k| &k.files);
-    files.cloned().collect()
+    files.chain(&field.files).cloned().collect()
 }
 
 impl From<Loaded> for Expr {
@@ -107,6 +115,7 @@ impl From<Loaded> for Expr {
             body: false,
             name: Some(loaded.name),
             parameters: loaded.parameters,
+            files: whole(&loaded.files),
         }
     }
 }

@@ -398,6 +398,8 @@ def test_fields_are_written_as_3mf_and_read_again(tmp_path):
     with pytest.raises(iso.Error, match="it calls rand"):
         (part + iso.rand(x)).to_3mf(file)
     assert file.read_bytes() == part.to_3mf()
+    with pytest.raises(iso.Error, match="part.3mf is also an input"):
+        again.to_3mf(file)
 
 
 def test_what_a_field_reads_is_not_replaced_by_it(tmp_path, monkeypatch):
