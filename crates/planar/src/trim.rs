@@ -143,6 +143,47 @@ struct Event {
     last: usize,
 }
 
+/// Places that are taken one after another.
+struct Places {
+    grid: EdgeGrid,
+    /// For each place, where it is, and whether it is still there.
+    all: Vec<(DVec2, bool)>,
+    /// How far from the place that was asked for one may be.
+    reach: Mm,
+}
+
+impl Places {
+    fn new(places: impl Iterator<Item = DVec2> + Clone, reach: Mm) -> Places {
+        let points = places.clone().map(|p| (p, p)).enumerate();
+        Places {
+            grid: EdgeGrid::of(points, reach),
+            all: places.map(|p| (p, true)).collect(),
+            reach,
+        }
+    }
+
+    /// Takes the nearest place that is within reach and still there.
+    fn take_nearest(&mut self, p: DVec2) -> Option<usize> {
+        let mut nearest: Option<(f64, usize)> = None;
+        self.grid.visit_near(p, p, self.reach, |i| {
+            let (at, there) = self.all[i];
+            let this = (at.distance(p), i);
+            if there && nearest.is_none_or(|best| this < best) {
+                nearest = Some(this);
+            }
+        });
+        let (_, i) = nearest?;
+        self.all[i].1 = false;
+        Some(i)
+    }
+
+    /// The numbers of the places that nobody took.
+    fn left(&self) -> impl Iterator<Item = usize> {
+        let all = self.all.iter().enumerate();
+        all.filter_map(|(i, &(_, there))| there.then_some(i))
+    }
+}
+
 impl Moved<'_> {
     /// What is left of the rings; none if that does not close.
     pub(super) fn trim(mut self) -> Option<Vec<Ring>> {
@@ -207,19 +248,15 @@ impl Moved<'_> {
             next[piece] = Some(follows);
         }
         let at = |event: usize| crossings[events[event].crossing].at;
-        let mut begins: Vec<usize> = (0..events.len())
+        let begins: Vec<usize> = (0..events.len())
             .filter(|&i| !gone[i] && !entered[i])
             .collect();
-        // Each end is compared with each beginning.
-        let few = ends.len() <= 64;
+        let mut beginnings =
+            Places::new(begins.iter().map(|&i| at(i)), GAP * self.slack);
         for (piece, follows) in ends {
             let end = events[piece].next;
-            let off = |i: usize| at(i).distance(at(end));
-            let nearest = (0..begins.len())
-                .min_by(|&i, &j| off(begins[i]).total_cmp(&off(begins[j])))
-                .filter(|&i| few && off(begins[i]) < GAP * self.slack);
-            if let Some(i) = nearest {
-                next[piece] = Some(begins.swap_remove(i));
+            if let Some(i) = beginnings.take_nearest(at(end)) {
+                next[piece] = Some(begins[i]);
                 continue;
             }
             loose.push(at(end));
@@ -228,6 +265,7 @@ impl Moved<'_> {
             loose.extend(near[follows]);
             loose.extend(near[crossings[events[end].crossing].begins]);
         }
+        let begins = beginnings.left().map(|i| begins[i]);
         for i in begins {
             loose.push(at(i));
             loose.extend(near[events[i].last]);

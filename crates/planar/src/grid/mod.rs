@@ -36,6 +36,8 @@ pub struct EdgeGrid {
     /// The first point's number of each ring (or other chain of edges), and
     /// the number of what it belongs to.
     chains: Vec<(u32, u32)>,
+    /// For the first of each `BLOCK` points, the place of its chain in `chains`.
+    blocks: Vec<u32>,
     origin: DVec2,
     cell: Mm,
     /// Cells per millimetre.
@@ -52,6 +54,9 @@ pub struct EdgeGrid {
 /// Greatest number of cells per edge. A finer grid costs memory and saves
 /// nothing.
 const CELLS_PER_EDGE: f64 = 4.0;
+
+/// Points whose chain is looked for from the same place.
+const BLOCK: usize = 16;
 
 impl EdgeGrid {
     /// A grid of the area's edges for questions about the distance `reach`.
@@ -129,6 +134,7 @@ impl EdgeGrid {
         let columns = (size.x / cell) as usize + 1;
         let rows = (size.y / cell) as usize + 1;
         let mut grid = EdgeGrid {
+            blocks: blocks(&chains, points.len()),
             points,
             chains,
             origin,
@@ -176,8 +182,11 @@ impl EdgeGrid {
 
     /// The number of what an edge belongs to.
     pub fn owner(&self, edge: usize) -> usize {
-        let chain = self.chains.partition_point(|c| c.0 as usize <= edge);
-        self.chains[chain - 1].1 as usize
+        let from = self.blocks[edge / BLOCK] as usize;
+        let goes_on = |c: &&(u32, u32)| c.0 as usize <= edge;
+        let further =
+            self.chains[from + 1..].iter().take_while(goes_on).count();
+        self.chains[from + further].1 as usize
     }
 
     /// The ends of an edge.
@@ -367,6 +376,19 @@ impl EdgeGrid {
             }
         });
     }
+}
+
+/// For the first of each `BLOCK` points, the place of its chain.
+fn blocks(chains: &[(u32, u32)], points: usize) -> Vec<u32> {
+    let mut chain = 0;
+    let of_point = |point: usize| {
+        let begins = |c: &(u32, u32)| c.0 as usize <= point;
+        while chains.get(chain + 1).is_some_and(begins) {
+            chain += 1;
+        }
+        chain as u32
+    };
+    (0..points).step_by(BLOCK).map(of_point).collect()
 }
 
 #[cfg(test)]

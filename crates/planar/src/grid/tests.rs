@@ -154,3 +154,28 @@ fn no_edge_is_missed_however_short_it_is() {
         }
     }
 }
+
+/// Chains of very different lengths; looking through all of them is the simple way.
+#[test]
+fn every_edge_has_the_owner_of_its_chain() {
+    let edge =
+        |x: u32| (DVec2::splat(f64::from(x)), DVec2::splat(f64::from(x + 1)));
+    let lengths = [
+        1, 1, 40, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 16, 15, 17, 1, 33, 1,
+    ];
+    let mut all = Vec::new();
+    let mut owners = Vec::new();
+    for (chain, &length) in lengths.iter().enumerate() {
+        let owner = 7 * chain + 3;
+        all.extend((0..length).map(|x| (owner, edge(x))));
+        owners.push((owner, length as usize));
+    }
+    let grid = EdgeGrid::of(all.into_iter(), 1.0);
+    let mut first = 0;
+    for (owner, length) in owners {
+        for number in first..first + length {
+            assert_eq!(grid.owner(number), owner, "{number}");
+        }
+        first += length + 1;
+    }
+}
