@@ -8,6 +8,7 @@
 //! of the next sample. It goes through all samples, is smooth, and linear
 //! functions come back exactly.
 
+mod cells;
 mod csv;
 #[cfg(test)]
 mod tests;
@@ -15,6 +16,7 @@ mod tree;
 mod vtu;
 
 use crate::error::{DataError, Problem, go_on};
+use cells::Cells;
 use glam::{DMat3, DVec3};
 use isocontour::{Bounds, Data};
 use isoslice_base::units::human_number;
@@ -424,6 +426,22 @@ impl Data for Samples {
         self.tree.near(&self.points, p, &mut near);
         let (value, slope) = self.weighed(p, &near.points);
         (value, if self.flat { slope.with_z(0.0) } else { slope })
+    }
+
+    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
+        let mut cells = Cells::new(&self.tree, &self.points, WEIGHED + 1);
+        let places = x.iter().zip(y).zip(z);
+        out.extend(places.map(|((&x, &y), &z)| {
+            let p = DVec3::new(x.into(), y.into(), z.into());
+            if !p.is_finite() {
+                f32::NAN
+            } else if self.slopes.is_empty() {
+                self.value(p) as f32
+            } else {
+                let p = self.place(p);
+                self.weighed(p, &cells.near(p).points).0 as f32
+            }
+        }));
     }
 
     /// Values are means of samples' planes, so they are within those of all

@@ -429,3 +429,41 @@ fn stopped_work_makes_no_samples() {
     });
     assert!(stopped.is_err() && !made.get());
 }
+
+/// Cells must not tell in what is near to a place. Asking for each place alone is the
+/// simple way.
+#[test]
+fn values_in_a_row_are_those_of_single_places() {
+    for between in [Between::Linear, Between::Nearest] {
+        // Many samples are equally far away.
+        let mut even = Vec::new();
+        for i in 0..1000 {
+            let part = |k: i32| f64::from(i / k % 10);
+            even.push(DVec3::new(part(1), part(10), part(100)));
+        }
+        let values: Vec<f64> =
+            (0..1000).map(|i| f64::from(i * 7 % 31)).collect();
+        let even = Samples::from_points("e", even, values, &options(between));
+        let f = |p: DVec3| libm::sin(p.x) + 0.1 * p.y * p.z;
+        let few = scattered(5, f, between);
+        let many = scattered(3000, f, between);
+        for samples in [even.unwrap(), few, many] {
+            // Ways of small steps, with leaps between them.
+            let steps = places(60)
+                .flat_map(|p| (0..20).map(move |k| p + 0.13 * f64::from(k)));
+            let all: Vec<DVec3> =
+                steps.map(|p| p.as_vec3().as_dvec3()).collect();
+            let list = |axis: usize| -> Vec<f32> {
+                all.iter().map(|p| p[axis] as f32).collect()
+            };
+            let [mut x, y, z] = [0, 1, 2].map(list);
+            x[30] = f32::NAN;
+            let mut found = Vec::new();
+            samples.values([&x, &y, &z], &mut found);
+            assert!(found[30].is_nan());
+            for (i, p) in all.iter().enumerate().filter(|(i, _)| *i != 30) {
+                assert_eq!(found[i], samples.value(*p) as f32, "{p}");
+            }
+        }
+    }
+}

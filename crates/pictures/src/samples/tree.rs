@@ -40,14 +40,14 @@ impl Near {
     }
 
     /// The square of the distance beyond which points do not count.
-    fn within2(&self) -> f64 {
+    pub(super) fn within2(&self) -> f64 {
         match self.points.last() {
             Some((far2, _)) if self.points.len() == self.most => *far2,
             _ => f64::INFINITY,
         }
     }
 
-    fn add(&mut self, far2: f64, point: usize) {
+    pub(super) fn add(&mut self, far2: f64, point: usize) {
         let new = (far2, point);
         if self.points.len() < self.most {
             self.points.push(new);
@@ -160,6 +160,29 @@ impl Tree {
             }
             todo.extend(children);
         }
+    }
+
+    /// Adds all points within a distance of a place, each with its distance.
+    pub(super) fn within(
+        &self,
+        points: &[DVec3],
+        p: DVec3,
+        far: f64,
+        found: &mut Vec<(f64, usize)>,
+    ) {
+        let far2 = far * far;
+        self.each(|at, bounds, leaf| {
+            let wanted = distance2(bounds, p) <= far2;
+            if let (true, true, Some(node)) = (wanted, leaf, self.nodes.get(at))
+            {
+                let first = node.first as usize;
+                let all = points.iter().enumerate();
+                let all = all.skip(first).take(node.count as usize);
+                let all = all.map(|(i, q)| ((p - *q).length(), i));
+                found.extend(all.filter(|(away, _)| *away <= far));
+            }
+            wanted
+        });
     }
 }
 
