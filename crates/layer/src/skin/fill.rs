@@ -9,12 +9,12 @@ use super::plan::{Look, SkinPlan};
 use super::roles::Sides;
 use super::strokes::strokes;
 use super::zigzag::{Joined, Turns, join};
-use super::{Fill, Patch, sweep};
+use super::{Fill, Patch, dabs, sweep};
 use crate::cover::Covered;
 use crate::cover::neighbour::Neighbour;
 use crate::view::LayerFace;
-use crate::walls::Lay;
 use crate::walls::patch::{Patch as Around, concentric, patch};
+use crate::walls::{Lay, taken};
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::bead::{Bead, Role, Stroke, spacing};
@@ -23,7 +23,7 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, hatch};
 use isoslice_planar::offset::offset;
 use isoslice_planar::opening::{is_wider, opened};
-use isoslice_planar::{Area, Ring, Solid, edges};
+use isoslice_planar::{Area, Solid, edges};
 use isoslice_settings::SkinPattern;
 use std::cell::OnceCell;
 
@@ -140,7 +140,9 @@ impl Filler<'_> {
             Role::InternalSkin if gap => Role::GapFill,
             role => role,
         };
-        let strokes = concentric(island, lay, TOLERANCE).into_iter();
+        let strokes = concentric(island, lay, TOLERANCE);
+        let strokes = dabs::filling(strokes, island.content(), lay.extra);
+        let strokes = strokes.into_iter();
         let rings = strokes.map(|l| self.bead(role(&l), l));
         let whole = || offset(island, -lay.inner, TOLERANCE);
         Some(Patch {
@@ -377,30 +379,6 @@ impl Filler<'_> {
     fn bead(&self, role: Role, stroke: Stroke) -> Bead {
         Bead::new(role, stroke, self.height)
     }
-}
-
-/// The share of the plane that a line takes, whose bead is wider by `extra`. It
-/// ends square: the round end of a bead has no material of its own.
-fn taken(line: &Stroke, extra: Mm) -> Ring {
-    let side = |k: usize| {
-        let across = across(line, k);
-        let half = 0.5 * (line.width_at(k) - extra).max(0.0);
-        (
-            line.points[k] + across * half,
-            line.points[k] - across * half,
-        )
-    };
-    let (left, mut right): (Vec<_>, Vec<_>) =
-        (0..line.points.len()).map(side).unzip();
-    right.extend(left.into_iter().rev());
-    right
-}
-
-/// The direction to the left of a line at one of its points.
-fn across(line: &Stroke, k: usize) -> DVec2 {
-    let points = &line.points;
-    let (before, after) = (k.saturating_sub(1), (k + 1).min(points.len() - 1));
-    (points[after] - points[before]).normalize_or_zero().perp()
 }
 
 /// The border of an area, if some of the lines are beside each other.

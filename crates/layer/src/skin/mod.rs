@@ -19,6 +19,7 @@
 //! their roles change.
 
 pub mod bridge;
+mod dabs;
 mod direction;
 mod fill;
 mod gaps;
@@ -130,6 +131,7 @@ fn into_walls(skin: &Area, sparse: &Area, reach: Mm) -> Option<Area> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    pub(super) use crate::walls::content_of as laid;
     use glam::DVec2;
     use isoslice_planar::bead::{Role, Stroke, spacing};
     use isoslice_planar::shapes::{circle, disc, moved, rect, square};
@@ -234,16 +236,6 @@ mod tests {
         for ring in rings {
             assert!(ring.stroke.closed && ring.role == Role::BottomSkin);
         }
-    }
-
-    /// Content that a stroke lays, mm². Its share of the plane is its width
-    /// less `less`.
-    pub(super) fn laid(s: &Stroke, less: Mm) -> f64 {
-        let widths = |i: usize| 0.5 * (s.width_at(i) + s.width_at(i + 1));
-        let segments = s.segments().enumerate();
-        segments
-            .map(|(i, (a, b))| a.distance(b) * (widths(i) - less))
-            .sum()
     }
 
     /// Which share of its content each place of an area gets, on average over

@@ -34,6 +34,9 @@ const SQUEEZE: f64 = 0.75;
 const BETWEEN: f64 = 0.8;
 /// Factor by which the sliver between two walls goes on thicker than its bound.
 const WIDEN: f64 = 1.25;
+/// Factor by which what two sides of the innermost wall share goes on thicker than
+/// its bound.
+const STAY: f64 = 1.12;
 /// By how much a bead, alone or between two walls, may be wider where its place
 /// has room for two beads, but only over a short length. Of two beads there, one
 /// would be too short to print, and would leave a pit beside the other.
@@ -53,6 +56,9 @@ const LOOP: f64 = 0.3;
 /// The cost of 1 mm of beads that are as wide or as narrow as they may be. Parts of
 /// less than 5 mm do not change the number of beads twice.
 const STRETCHED: f64 = 0.4;
+/// The cost of 1 mm of walls that share as much as they may: a tenth of a line more
+/// than there is room for.
+const WIDER: f64 = 0.1;
 /// The cost of 1 mm of walls beyond that, beside the end of a loop. A bead of 3 mm
 /// is not worth its ends.
 const PINCHED: f64 = 0.6;
@@ -107,6 +113,9 @@ pub(super) struct Beadings {
     beadings: Vec<Beading>,
     /// Thickness down to which the loop of the first wall leads into tips.
     tips: Option<Mm>,
+    /// The number with which the innermost wall shares what is too thin for a whole
+    /// line. What has more beads is not a matter of walls.
+    shared: Option<usize>,
     /// The thicknesses at which costs change, in order.
     bounds: Vec<Mm>,
 }
@@ -171,8 +180,41 @@ impl Beadings {
         Beadings {
             beadings,
             tips: None,
+            shared: None,
             bounds,
         }
+    }
+
+    /// The numbers where both sides of the innermost wall become wider until a whole
+    /// line of what is `inside` fits between them. That line has a number of its own,
+    /// as its ends cost as much as others.
+    pub(super) fn with_shared(mut self, wall: &Lay, inside: &Lay) -> Beadings {
+        // Thickness that the two sides can take in before they are too wide.
+        let most = 2.0 * (wall.limit + wall.extra - wall.width);
+        let whole = inside.inner.min(most);
+        let shared = self.beadings.len().saturating_sub(1);
+        let Some(last) = self.beadings.last_mut() else {
+            return self;
+        };
+        if whole <= inside.least || inside.limit <= whole {
+            return self;
+        }
+        let (least, depth) = (last.upto, last.upto - inside.least);
+        let upto = depth + inside.limit;
+        let stays = depth + (STAY * whole).min(most);
+        let corner = stays.max(depth + most).min(upto);
+        last.upto = depth + whole;
+        last.range.1 = stays;
+        last.short.1 = corner;
+        self.beadings.push(Beading {
+            upto,
+            range: (least, upto),
+            short: (least, upto),
+        });
+        self.shared = Some(shared);
+        self.bounds.extend([depth + whole, stays, corner, upto]);
+        self.bounds.sort_by(f64::total_cmp);
+        self
     }
 
     /// The numbers where the loop of the first wall leads into tips, down to a
@@ -227,7 +269,8 @@ impl Beadings {
             (thickness - c.upto, most - c.upto, short - c.upto)
         };
         if beyond <= stretch {
-            STRETCHED * beyond / stretch
+            let shares = nominal > number && self.shared == Some(number);
+            (if shares { WIDER } else { STRETCHED }) * beyond / stretch
         } else if tip && number == 2 && self.tips.is_some_and(|t| t < thickness)
         {
             LED
@@ -274,7 +317,7 @@ impl Beadings {
         axis: &Axis,
         bends: Bends<'_>,
     ) -> Vec<(usize, Axis)> {
-        let few = self.beadings.len();
+        let few = self.shared.map_or(self.beadings.len(), |n| n + 1);
         let (thin, thick) = (axis.thinnest(), axis.thickest());
         let (low, high) = (self.number(thin), self.number(thick));
         if low == high

@@ -15,9 +15,9 @@
 //! the lines, which keep their spacing from the wall outside except where they
 //! would become too narrow.
 
-use super::line::{AxisIndex, moved};
+use super::line::{AxisIndex, stations};
 use super::medial_axis::Axis;
-use super::widen::{HIDDEN, Station};
+use super::widen::{HIDDEN, Station, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Stroke, spacing};
@@ -49,32 +49,28 @@ pub(super) fn give_way(
     // A line may lie between two walls that have grown, so that its left side
     // gives way after its right side.
     let narrowed = |line: Stroke, side: f64| {
-        moved(
-            line,
-            &index,
-            reach,
-            tolerance,
-            HIDDEN,
-            |p, across, width, near| {
-                let inwards = side * across.normalize_or_zero();
-                let away = |q: DVec2| inwards.dot((p - q).normalize_or_zero());
-                let overlap = index
-                    .nearest_where(near, p, reach, |q| away(q) > 0.0)
-                    .map(|(q, w)| {
-                        let overlap = spacing(width, w, height) - p.distance(q);
-                        overlap * away(q)
-                    })
-                    .filter(|overlap| *overlap > OVERLAP)
-                    .map(|overlap| overlap.min((1.0 - NARROWEST) * width));
-                Station {
-                    at: p,
-                    across,
-                    width,
-                    moves: overlap.map(|overlap| 0.5 * side * overlap),
-                    narrows: overlap.is_some(),
-                }
-            },
-        )
+        let station = |p: DVec2, across: DVec2, width, near: &[u32]| {
+            let inwards = side * across.normalize_or_zero();
+            let away = |q: DVec2| inwards.dot((p - q).normalize_or_zero());
+            let overlap = index
+                .nearest_where(near, p, reach, |q| away(q) > 0.0)
+                .map(|(q, w)| {
+                    let overlap = spacing(width, w, height) - p.distance(q);
+                    overlap * away(q)
+                })
+                .filter(|overlap| *overlap > OVERLAP)
+                .map(|overlap| overlap.min((1.0 - NARROWEST) * width));
+            Station {
+                at: p,
+                across,
+                width,
+                moves: overlap.map(|overlap| 0.5 * side * overlap),
+                narrows: overlap.is_some(),
+            }
+        };
+        let places = stations(&line, &index, reach, station);
+        let stays = |_: &Station, _| false;
+        widened(places, line.closed, tolerance, HIDDEN, stays).unwrap_or(line)
     };
     let [right, left] = [1.0, -1.0];
     let both = |line| narrowed(narrowed(line, right), left);
@@ -82,7 +78,7 @@ pub(super) fn give_way(
 }
 
 /// The pieces of walls that are wider than `width`.
-fn wider(walls: &[Stroke], width: Mm) -> Vec<Axis> {
+pub(super) fn wider(walls: &[Stroke], width: Mm) -> Vec<Axis> {
     let mut pieces: Vec<Axis> = Vec::new();
     for wall in walls {
         let mut goes_on = false;

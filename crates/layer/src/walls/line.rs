@@ -7,7 +7,7 @@
 //! in, each taking half.
 
 use super::medial_axis::Axis;
-use super::widen::{SEEN, Station, across, widened};
+use super::widen::{CORNER, SEEN, Station, across, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::along::change;
@@ -325,55 +325,89 @@ pub(super) fn absorb(
     away: Mm,
     tolerance: Mm,
 ) -> Vec<Stroke> {
+    widen(lines, slivers, away, tolerance, SEEN, |_, _| false)
+}
+
+/// What lines that nobody sees are beside, and what lies beyond slivers' ends.
+pub(super) struct Inside<'a> {
+    /// The area's edges.
+    pub grid: &'a EdgeGrid,
+    /// Depth in the area at which begins what the lines leave.
+    pub depth: Mm,
+    /// Distance of the lines from there.
+    pub away: Mm,
+}
+
+impl Inside<'_> {
+    /// Widens lines beside slivers. They become narrow again beyond the slivers'
+    /// ends, where there is room for it.
+    pub(super) fn absorb(
+        &self,
+        lines: Vec<Stroke>,
+        slivers: &[Axis],
+        tolerance: Mm,
+    ) -> Vec<Stroke> {
+        // A ball fits there that reaches as far as the line moves its inner side.
+        let room = |place: &Station, moves: Mm| {
+            let radius = 2.0 * moves;
+            let inwards = place.across.normalize_or_zero();
+            let centre = place.at + (self.away + radius) * inwards;
+            self.grid
+                .clear(centre, centre, self.depth + radius - THINNED)
+        };
+        widen(lines, slivers, self.away, tolerance, CORNER, room)
+    }
+}
+
+fn widen(
+    lines: Vec<Stroke>,
+    slivers: &[Axis],
+    away: Mm,
+    tolerance: Mm,
+    slope: f64,
+    room: impl Fn(&Station, Mm) -> bool,
+) -> Vec<Stroke> {
     if slivers.is_empty() {
         return lines;
     }
     let thickest = slivers.iter().map(Axis::thickest).fold(0.0, f64::max);
     let reach = away + 0.5 * thickest + THINNED;
     let index = AxisIndex::new(slivers, reach);
-    lines
-        .into_iter()
-        .map(|line| widen(line, &index, away, reach, tolerance))
-        .collect()
+    let widen = |line: Stroke| {
+        let width = line.width;
+        let station = |p: DVec2, across: DVec2, _, near: &[u32]| {
+            let sliver = index
+                .nearest_of(near, p, reach)
+                .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + THINNED);
+            let left = across.normalize_or_zero();
+            let inwards = |(q, t): (DVec2, Mm)| {
+                0.25 * t * left.dot((q - p).normalize_or_zero())
+            };
+            Station {
+                at: p,
+                across,
+                width,
+                // The line moves straight inwards only: otherwise its outer side
+                // would move as well.
+                moves: sliver.map(inwards),
+                narrows: sliver.is_some_and(|(_, t)| t < 0.0),
+            }
+        };
+        let places = stations(&line, &index, reach, station);
+        widened(places, line.closed, tolerance, slope, &room).unwrap_or(line)
+    };
+    lines.into_iter().map(widen).collect()
 }
 
-fn widen(
-    line: Stroke,
-    index: &AxisIndex<'_>,
-    away: Mm,
-    reach: Mm,
-    tolerance: Mm,
-) -> Stroke {
-    let width = line.width;
-    moved(line, index, reach, tolerance, SEEN, |p, across, _, near| {
-        let sliver = index
-            .nearest_of(near, p, reach)
-            .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + THINNED);
-        let left = across.normalize_or_zero();
-        Station {
-            at: p,
-            across,
-            width,
-            // The line moves straight inwards only: otherwise its outer side
-            // would move as well.
-            moves: sliver
-                .map(|(q, t)| 0.25 * t * left.dot((q - p).normalize_or_zero())),
-            narrows: sliver.is_some_and(|(_, t)| t < 0.0),
-        }
-    })
-}
-
-/// Moves the places of a line that axes come near to. `station` gets a place,
-/// the way across the line there, the line's width, and the axes' segments
-/// within `reach`. `slope` is the greatest change of the line's width along its way.
-pub(super) fn moved(
-    line: Stroke,
+/// The places of a line, which are close together where axes come near to it.
+/// `station` gets a place, the way across the line there, the line's width, and the
+/// axes' segments within `reach`.
+pub(super) fn stations(
+    line: &Stroke,
     index: &AxisIndex<'_>,
     reach: Mm,
-    tolerance: Mm,
-    slope: f64,
     station: impl Fn(DVec2, DVec2, Mm, &[u32]) -> Station,
-) -> Stroke {
+) -> Vec<Station> {
     let n = line.points.len();
     let mut places: Vec<Station> = Vec::with_capacity(n);
     let mut near = Vec::new();
@@ -386,7 +420,7 @@ pub(super) fn moved(
         let (a, b) = (line.points[k], line.points[(k + 1) % n]);
         let (v, w) = (line.width_at(k), line.width_at(k + 1));
         let along = (b - a).normalize_or_zero();
-        let at_a = across(&line, k);
+        let at_a = across(line, k);
         if clear {
             near.clear();
             places.push(station(a, at_a, v, &[]));
@@ -413,10 +447,10 @@ pub(super) fn moved(
         }
     }
     if let (false, [_, .., b]) = (line.closed, line.points.as_slice()) {
-        let across = across(&line, n - 1);
+        let across = across(line, n - 1);
         places.push(station(*b, across, line.width_at(n - 1), &near));
     }
-    widened(places, line.closed, tolerance, slope).unwrap_or(line)
+    places
 }
 
 #[cfg(test)]

@@ -13,8 +13,8 @@
 //! Where the part, or what the walls leave of it, is too thin for two walls
 //! side by side, one bead along its middle ([`medial_axis`]) takes their place, as
 //! wide as the place is thick. What is too thin even for that widens the walls
-//! beside it ([`mod@line`]), and so does an even strip that is too thin for a
-//! whole line ([`shared`]). Extruded area per area of part stays the same. How
+//! beside it ([`mod@line`]), and so does what the last wall leaves that is too
+//! thin for a whole line ([`shared`]). Extruded area per area of part stays the same. How
 //! many beads lie side by side is decided along whole axes ([`beading`]), and
 //! strokes go on in one another where they meet ([`stitching`]).
 
@@ -51,14 +51,14 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Rect, Solid, path_length, signed_area};
-use line::{absorb, cut, within};
+use line::{Inside, absorb, cut, within};
 use loops::lead_into_tips;
 use medial_axis::{Axes, Axis, axes};
 pub use overhang::Support;
 pub use plan::{ThinPlan, WallPlan};
 use pocket::Left;
 pub use reach::Reach;
-use shared::Sharing;
+pub(crate) use shared::{content_of, taken};
 use std::collections::HashSet;
 use stitching::Space;
 
@@ -460,7 +460,14 @@ fn laid(
         if let (1.., Some(begins)) = (first, pair.first_mut()) {
             *begins = begins.after(2.0 * tolerance);
         }
+        // The outer wall is seen. Walls of supports are as thin as can be. Where
+        // beads follow the surface, a wide closed wall would end up to 0.03 mm
+        // higher or lower than it begins.
+        let shared = next == count && count > 1 && seen && plan.level;
         let mut beadings = Beadings::new(&pair, Some(lays[next]));
+        if shared {
+            beadings = beadings.with_shared(&pair[pair.len() - 1], &lays[next]);
+        }
         if first == 0 && seen {
             beadings = beadings.with_tips(pair[0].tips(height));
         }
@@ -475,20 +482,10 @@ fn laid(
         let places = skeleton.thin_places(&beadings);
         let nodes = skeleton.nodes(beadings.limit());
         // The border of the filled area is not seen, so it may be coarser.
-        let left = if next == count { accuracy } else { tolerance };
-        let depth = pair.iter().map(|lay| lay.inner).sum();
-        let rest = skeleton.shrunk(depth, left);
-        let sharing =
-            Sharing::new(&pair[pair.len() - 1], &lays[next], accuracy);
-        // The outer wall is seen. Walls of supports are as thin as can be. Where
-        // beads follow the surface, a wide closed wall would end up to 0.03 mm
-        // higher or lower than it begins.
-        let shared = next == count && count > 1 && seen && plan.level;
-        let strips = if shared {
-            sharing.strips(&rest, accuracy)
-        } else {
-            Vec::new()
-        };
+        let thinned = if next == count { accuracy } else { tolerance };
+        let depth: Mm = pair.iter().map(|lay| lay.inner).sum();
+        let around = 0.35 * (2.0 * depth + lays[next].least);
+        let mut left = skeleton.shrunk(depth, thinned);
         let depths = pair.iter().scan(0.0, |next, lay| {
             let depth = std::mem::replace(next, *next + lay.inner);
             Some(depth + lay.centre)
@@ -529,15 +526,18 @@ fn laid(
                 );
             }
             depth += lay.inner;
-            let mut slivers = places.slivers(2 * k + 2, depth);
-            if k + 1 == pair.len() {
-                slivers.extend(sharing.shares(&strips));
-            }
+            let slivers = places.slivers(2 * k + 2, depth);
             let away = lay.inner - lay.centre;
             // The axes that the widths follow are found to a share of the
             // accuracy.
             let fine = 0.4 * accuracy;
-            let mut walls = absorb(walls, &slivers, away, fine);
+            let shares = shared && k + 1 == pair.len();
+            let mut walls = if shares {
+                let grid = solid.grid();
+                Inside { grid, depth, away }.absorb(walls, &slivers, fine)
+            } else {
+                absorb(walls, &slivers, away, fine)
+            };
             if outer && seen {
                 walls = lead_into_tips(walls, &places.tips(lay, fine), lay);
             }
@@ -549,10 +549,11 @@ fn laid(
                 }
                 None => [within(walls, solid.grid()), beads],
             };
-            // Inside the last wall, beads of skin fill what the thinnest of
-            // them fits into.
+            // Inside the last wall, beads of skin fill what a whole line fits into, or
+            // the thinnest if the wall does not share it.
             let radius = match pair.get(k + 1) {
                 Some(wall) => wall.centre + DOT * wall.width,
+                None if shares => lays[next].centre,
                 None => 0.5 * lays[next].least,
             };
             let mut beside = places.beads(2 * k + 4, depth);
@@ -561,7 +562,7 @@ fn laid(
                     .all(|((a, _), (b, _))| dots.clear(a, b, 0.5 * lay.width))
             });
             beside.extend(places.beads(2 * k + 3, depth));
-            let left = Left {
+            let pockets = Left {
                 grid: solid.grid(),
                 depth,
                 away,
@@ -569,16 +570,23 @@ fn laid(
                 radius,
                 beads: &beside,
                 nodes: &nodes,
-                around: 0.35 * beadings.limit(),
+                around,
+                shares,
             };
-            lines.push(if seen {
-                left.shared(walls, fine)
+            let walls = if seen {
+                pockets.shared(walls, fine)
             } else {
                 walls
-            });
+            };
+            if shares {
+                let lays = (lay, &lays[next]);
+                let shares = (&*walls, &*slivers);
+                left = shared::without(left, shares, lays, accuracy);
+            }
+            lines.push(walls);
             thin.push(beads);
         }
-        area = sharing.without(rest, &strips);
+        area = left;
         if let Some(above) = above.filter(|_| next == around_tops) {
             divided = divide(&area, above);
             if let Some(divided) = &divided {

@@ -14,7 +14,7 @@
 
 use super::line::AxisIndex;
 use super::medial_axis::Axis;
-use super::widen::{Station, across, widened};
+use super::widen::{CORNER, Station, across, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
@@ -31,9 +31,6 @@ const THINNED: Mm = 0.01;
 const EXACT: Mm = 0.002;
 /// Greatest number of times that a ball shrinks.
 const ROUNDS: usize = 8;
-/// Greatest change of a line's width along its way beside a pocket. Around a corner
-/// of a strip the way is so short that a gentler one would leave the pocket open.
-const SLOPE: f64 = 0.5;
 /// Directions in which a place for other beads is looked for.
 const AROUND: usize = 8;
 
@@ -55,6 +52,8 @@ pub(super) struct Left<'a> {
     pub nodes: &'a EdgeGrid,
     /// Greatest distance of a pocket from such an end.
     pub around: Mm,
+    /// True if walls may be wide where skin would be.
+    pub shares: bool,
 }
 
 impl Left<'_> {
@@ -88,10 +87,11 @@ impl Left<'_> {
         let n = line.points.len();
         let segments = if line.closed { n } else { n.saturating_sub(1) };
         let mut places: Vec<Station> = Vec::with_capacity(n);
+        // Slivers may have widened it already.
+        let more = |width: Mm| (width - self.width).max(0.0);
         let mut push = |p: DVec2, width: Mm, across: DVec2, near: bool| {
             let inwards = across.normalize_or_zero();
-            // Slivers may have widened it already.
-            let more = (width - self.width).max(0.0);
+            let more = more(width);
             let usual = p - 0.5 * more * inwards;
             let ball = if near {
                 self.pocket(usual, inwards, more, beads).unwrap_or(0.0)
@@ -137,7 +137,13 @@ impl Left<'_> {
                 places[i].moves = None;
             }
         }
-        widened(places, line.closed, tolerance, SLOPE).unwrap_or(line)
+        let room = |place: &Station, moves: Mm| {
+            let inwards = place.across.normalize_or_zero();
+            let radius = more(place.width) + 2.0 * moves;
+            let on = self.away + radius - 0.5 * more(place.width);
+            self.shares && self.fits(place.at + on * inwards, radius)
+        };
+        widened(places, line.closed, tolerance, CORNER, room).unwrap_or(line)
     }
 
     /// True if there is room for other beads all along a segment.
@@ -146,6 +152,11 @@ impl Left<'_> {
         // The wall's own border is no nearer than this.
         self.grid
             .clear(a + up, b + up, self.depth + self.radius - THINNED)
+    }
+
+    /// True if a ball fits into what the wall leaves.
+    fn fits(&self, p: DVec2, radius: Mm) -> bool {
+        self.grid.clear(p, p, self.depth + radius - THINNED)
     }
 
     /// The radius of the ball that touches what the wall leaves beside a place
@@ -158,10 +169,7 @@ impl Left<'_> {
         filled: Mm,
         beads: &AxisIndex<'_>,
     ) -> Option<Mm> {
-        let fits = |p: DVec2, radius: Mm| {
-            let distance = self.depth + radius - THINNED;
-            self.grid.clear(p, p, distance)
-        };
+        let fits = |p, radius| self.fits(p, radius);
         let base = p + self.away * inwards;
         if !fits(base + LEAST * inwards, LEAST) {
             return None;

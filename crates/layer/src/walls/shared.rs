@@ -1,310 +1,118 @@
-//! Even strips of what the walls leave, which the walls beside them take in.
+//! What the walls take of the area inside them.
 //!
 //! ```text
-//!   ━━━━━━━━━━━━━━━━━━━━━━   A part of 2 mm has room for four lines and a
-//!   ══════════════════════   narrow bead. Where it is as thick all around a
-//!   ┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄   hole, the inner walls on both sides become
-//!   ══════════════════════   wider and share the place of the bead: four
-//!   ━━━━━━━━━━━━━━━━━━━━━━   strokes take less time than five.
+//!   ━━━━━━━━━━━━━━━━━━━┓     A part of 2 mm has room for four lines and a
+//!   ═══════════════╗   ┃     narrow bead. The inner walls on both sides become
+//!                  ╚═  ┗━━   wider and share the place of the bead: four
+//!                  ╔═  ┏━━   strokes take less time than five. The walls are
+//!   ═══════════════╝   ┃     narrow again where there is room for whole lines,
+//!   ━━━━━━━━━━━━━━━━━━━┛     which begin where the walls end.
 //! ```
 //!
-//! A strip is only shared if it is closed and even all around, and if no other one
-//! meets it. Where a strip ends, its walls would have to become narrow again within
-//! the length of its bead's round end. Where strips meet, walls would leave a hole.
-//! Where the thickness changes, a narrow bead changes more quickly than walls on both
-//! sides of it.
-//!
-//! In: the area that the walls leave, and how its lines are laid. Out: the
-//! strips that are shared, as closed axes, and what is left without them.
+//! In: the area that the walls leave where they have their usual width, and the last
+//! wall. Out: what is left of the area beside that wall.
 
 use super::Lay;
-use super::cell;
-use super::line::AxisIndex;
-use super::medial_axis::{Axis, axes};
+use super::give::wider;
+use super::medial_axis::Axis;
 use super::widen::across;
-use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::clip::difference;
 use isoslice_planar::opening::is_wider;
-use isoslice_planar::{Area, Solid, edges};
+use isoslice_planar::{Area, BoxTree, Rect, Ring};
 
-/// Length over which a strip has to be even, in lines.
+/// Length from which on a strip is not just a place where strips meet, in lines.
 const LONG: f64 = 10.0;
-/// By how much its thickness may vary over this length, in lines.
-const EVEN: f64 = 0.1;
-/// Longest place between even ones at which the thickness may differ, in lines:
-/// as in a corner.
-const CORNER: f64 = 5.0;
-/// Least length of a strip for each of its corners, in lines. The walls leave a pit
-/// of about 0.05 mm² in a corner of 90°.
-const EACH: f64 = 40.0;
-/// Greatest thickness of a strip that is a line's or less in some place, as a share
-/// of that bound.
-const STAY: f64 = 1.12;
-/// Least thickness of a strip, in lines.
-const NOTHING: f64 = 0.1;
-/// Distance of the places at which a strip is looked at, in lines.
-const STRIP_STEP: f64 = 0.5;
-/// Distance of the places at which strips are looked for, in lines.
-const LOOK: f64 = 2.0;
-/// How much farther than a strip reaches on each side its area is taken off, mm:
-/// the borders of what is left are thinned, and must not reach back into
-/// the strip.
-const THINNED: Mm = 0.02;
 /// Pieces of what is left are looked at if they are smaller than this, mm²:
 /// some are remains that no bead fits into.
 const SMALL: Mm2 = 1.0;
 
-/// What is shared, as thicknesses.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sharing {
-    /// Width of a line.
-    line: Mm,
-    /// Thickness below which the walls take everything in anyway.
-    taken: Mm,
-    /// Thickness up to which a strip is shared: a whole line does not fit.
-    whole: Mm,
-    /// Thickness that two walls can take in before they are too wide.
-    most: Mm,
-    /// Slack in thicknesses that are equal but for thinning.
+/// What is left of an area beside a wall, some of whose lines share `strips` and are
+/// wider than usual, there and beyond. Lines of `skin` are laid in what is left.
+/// Borders are off by `slack`.
+pub(super) fn without(
+    area: Area,
+    (walls, strips): (&[Stroke], &[Axis]),
+    (wall, skin): (&Lay, &Lay),
     slack: Mm,
-}
-
-impl Sharing {
-    /// What two sides of a wall share before `line` fits between them, in areas that
-    /// are thinned to `tolerance`.
-    pub(super) fn new(wall: &Lay, line: &Lay, tolerance: Mm) -> Sharing {
-        let most = 2.0 * (wall.limit + wall.extra - wall.width);
-        Sharing {
-            line: line.width,
-            taken: line.least,
-            whole: line.inner.min(most),
-            most,
-            slack: THINNED.max(tolerance),
-        }
+) -> Area {
+    if area.is_empty() {
+        return area;
     }
-
-    /// The greatest thickness at which an even strip goes on.
-    fn stays(&self) -> Mm {
-        (STAY * self.whole).min(self.most)
+    let wider = wider(walls, wall.width).into_iter();
+    let band =
+        |line: Axis, extra: Mm| taken(&line.stroke(-extra), -2.0 * slack);
+    let taken: Vec<Ring> = wider.map(|line| band(line, wall.extra)).collect();
+    if taken.is_empty() {
+        return area;
     }
-
-    /// The greatest thickness of a corner. The walls leave open what is thicker than
-    /// they can take in, which is less than a tenth of their width.
-    fn corner(&self) -> Mm {
-        STAY * self.most
-    }
-
-    /// The strips of an area that are shared.
-    pub(super) fn strips(&self, area: &Area, tolerance: Mm) -> Vec<Axis> {
-        if area.is_empty() || self.whole <= self.taken {
-            return Vec::new();
-        }
-        let solid = Solid::of(area, cell(area));
-        if !self.may_have_strips(&solid) {
-            return Vec::new();
-        }
-        let all = axes(&solid, self.corner(), tolerance).axes;
-        let (closed, open): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|axis| axis.closed);
-        let thick = |strip: &Axis| strip.thickest() > self.taken;
-        let shared = closed.into_iter().filter(|strip| {
-            thick(strip) && self.is_even(strip) && !self.meets(strip, &open)
-        });
-        shared.collect()
-    }
-
-    /// True if one of some open axes ends at a strip: walls that share the strip
-    /// would leave a hole there.
-    fn meets(&self, strip: &Axis, open: &[Axis]) -> bool {
-        let strip = std::slice::from_ref(strip);
-        let index = AxisIndex::new(strip, self.whole);
-        let ends = open.iter().flat_map(|axis| {
-            axis.points.first().into_iter().chain(axis.points.last())
-        });
-        let mut ends = ends.copied();
-        ends.any(|end| index.nearest(end, self.whole).is_some())
-    }
-
-    /// What the walls beside strips take in of them.
-    pub(super) fn shares(&self, strips: &[Axis]) -> Vec<Axis> {
-        let mut shares = strips.to_vec();
-        let all = shares.iter_mut().flat_map(|s| &mut s.thickness);
-        all.for_each(|t| *t = t.min(self.most));
-        shares
-    }
-
-    /// False if some places along an area's border tell that it has no strips. The
-    /// area of a lattice has many axes, which take long to find.
-    fn may_have_strips(&self, solid: &Solid<'_>) -> bool {
-        // A strip's first and last place may lie between two of these places.
-        let long = (LONG - 2.0 * LOOK) * self.line;
-        let even = EVEN * self.line + self.slack;
-        solid.area().rings.iter().any(|ring| {
-            if isoslice_base::limits::is_stopped() {
-                return false;
-            }
-            // The length of an even stretch, and its thicknesses.
-            let mut stretch = None;
-            let (mut at, mut next) = (0.0, 0.0);
-            for (a, b) in edges(ring) {
-                let length = a.distance(b);
-                let left = (b - a).perp().normalize_or_zero();
-                while next < at + length {
-                    let p = a.lerp(b, (next - at) / length);
-                    let (begin, low, high) =
-                        stretch.unwrap_or((next, f64::INFINITY, 0.0));
-                    stretch = self.thickness(p, left, solid).map(|t| {
-                        let (low, high) = (t.min(low), t.max(high));
-                        if high - low <= even {
-                            (begin, low, high)
-                        } else {
-                            (next, t, t)
-                        }
-                    });
-                    if stretch.is_some_and(|s| next - s.0 >= long) {
-                        return true;
-                    }
-                    next += LOOK * self.line;
-                }
-                at += length;
-            }
-            false
-        })
-    }
-
-    /// The thickness of an area at a place on its border, if it is that of a
-    /// strip. The area is to the `left`.
-    fn thickness(
-        &self,
-        p: DVec2,
-        left: DVec2,
-        solid: &Solid<'_>,
-    ) -> Option<Mm> {
-        let most = self.stays() + self.slack;
-        // From here the other side of a strip is nearer than this one.
-        let other = p + most * left;
-        let (_, q) = solid.grid().nearest_edge(other, most - self.slack)?;
-        let t = (q - p).dot(left);
-        (self.slack..=most).contains(&t).then_some(t)
-    }
-
-    /// True if a closed axis is even all around, but for corners.
-    fn is_even(&self, axis: &Axis) -> bool {
-        let mut places = places(axis, STRIP_STEP * self.line);
-        self.mark(&mut places);
-        let Some(first) = places.iter().position(|p| p.even) else {
-            return false;
-        };
-        places.rotate_left(first);
-        let pieces = places.chunk_by(|a, b| a.even == b.even);
-        let corners: Vec<_> = pieces.filter(|all| !all[0].even).collect();
-        let least = EACH * self.line * corners.len() as f64;
-        places.iter().any(|p| p.sure)
-            && axis.length() >= least
-            && corners.iter().all(|all| self.is_corner(all))
-    }
-
-    /// Marks the places of stretches that are long and even.
-    fn mark(&self, places: &mut [Place]) {
-        let n = places.len();
-        let range = NOTHING * self.line..=self.stays();
-        for first in 0..n {
-            let mut length = 0.0;
-            let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-            for k in first..first + n {
-                let place = places[k % n];
-                low = low.min(place.thickness);
-                high = high.max(place.thickness);
-                if !range.contains(&place.thickness)
-                    || high - low > EVEN * self.line
-                {
-                    break;
-                }
-                if k > first {
-                    length += place.at.distance(places[(k - 1) % n].at);
-                }
-                if length >= LONG * self.line {
-                    for j in first..=k {
-                        places[j % n].even = true;
-                        places[j % n].sure |= high <= self.whole;
-                    }
-                    break;
-                }
-            }
-        }
-    }
-
-    /// True if places between even ones are a corner that the walls can take in.
-    fn is_corner(&self, places: &[Place]) -> bool {
-        let steps = places.windows(2).map(|p| p[0].at.distance(p[1].at));
-        let length = steps.sum::<Mm>() + 2.0 * STRIP_STEP * self.line;
-        let range = NOTHING * self.line..=self.corner();
-        length <= CORNER * self.line
-            && places.iter().all(|p| range.contains(&p.thickness))
-    }
-
-    /// What is left of an area without its strips.
-    pub(super) fn without(&self, area: Area, strips: &[Axis]) -> Area {
-        if strips.is_empty() {
-            return area;
-        }
-        let taken = strips.iter().flat_map(|s| borders(s, self.slack));
-        let taken = taken.collect();
-        let prints = |part: &Area| {
-            part.content() > SMALL || is_wider(part, self.taken, self.slack)
-        };
-        let left = difference(&area, &taken).islands();
-        let left = left.into_iter().filter(prints);
-        left.flat_map(|part| part.rings).collect()
-    }
-}
-
-/// A place on an axis.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    at: DVec2,
-    thickness: Mm,
-    /// True in a strip.
-    even: bool,
-    /// True where the strip alone would be shared.
-    sure: bool,
-}
-
-/// Places along a closed axis that are no farther than `step` from each other.
-fn places(axis: &Axis, step: Mm) -> Vec<Place> {
-    let n = axis.points.len();
-    let mut places = Vec::new();
-    for k in 0..n {
-        let next = (k + 1) % n;
-        let (a, b) = (axis.points[k], axis.points[next]);
-        let (v, w) = (axis.thickness[k], axis.thickness[next]);
-        let count = (a.distance(b) / step).ceil().clamp(1.0, 1e6);
-        places.extend((0..count as usize).map(|i| {
-            let t = i as f64 / count;
-            Place {
-                at: a.lerp(b, t),
-                thickness: v + t * (w - v),
-                even: false,
-                sure: false,
-            }
-        }));
-    }
-    places
-}
-
-/// The borders of a closed strip, `slack` beyond it.
-fn borders(strip: &Axis, slack: Mm) -> [Vec<DVec2>; 2] {
-    let way = Stroke::new(strip.points.clone(), true, 0.0);
-    let side = |sign: f64| -> Vec<DVec2> {
-        let all = strip.points.iter().zip(&strip.thickness).enumerate();
-        all.map(|(k, (p, t))| *p + sign * (0.5 * t + slack) * across(&way, k))
-            .collect()
+    // In a corner of a strip that would have a line of its own, walls leave a little.
+    // A dab there is not worth its ways.
+    let long = |s: &&Axis| s.length() > LONG * skin.width;
+    let strips = strips.iter().filter(long);
+    let strips = strips.filter(|s| mean_thickness(s) > skin.least);
+    let strips: Area = strips.map(|s| band(s.opened(), 0.0)).collect();
+    let in_strips = |part: &Area| {
+        let outside = difference(part, &strips).content();
+        part.content() < skin.width * skin.width
+            && outside < 0.5 * part.content()
     };
-    let (left, mut right) = (side(1.0), side(-1.0));
-    right.reverse();
-    [left, right]
+    let prints = |part: &Area| {
+        part.content() > SMALL
+            || (is_wider(part, skin.least, slack) && !in_strips(part))
+    };
+    let boxes = taken.iter().map(Rect::around);
+    let tree = BoxTree::new(boxes.enumerate());
+    let mut left = Area::EMPTY;
+    for island in area.islands() {
+        let beside = tree.meeting(island.bounds());
+        let beside: Area = beside.map(|k| taken[k].clone()).collect();
+        if beside.is_empty() {
+            left.rings.extend(island.rings);
+            continue;
+        }
+        let parts = difference(&island, &beside).islands().into_iter();
+        left.rings
+            .extend(parts.filter(prints).flat_map(|part| part.rings));
+    }
+    left
+}
+
+/// The mean thickness along an axis.
+fn mean_thickness(axis: &Axis) -> Mm {
+    let pieces = axis.segments();
+    let content: Mm2 = pieces
+        .map(|((a, v), (b, w))| 0.5 * (v + w) * a.distance(b))
+        .sum();
+    content / axis.length().max(f64::MIN_POSITIVE)
+}
+
+/// The share of the plane that a line takes, whose bead is wider by `extra`. It
+/// ends square: the round end of a bead has no material of its own.
+pub(crate) fn taken(line: &Stroke, extra: Mm) -> Ring {
+    let side = |k: usize| {
+        let across = across(line, k);
+        let half = 0.5 * (line.width_at(k) - extra).max(0.0);
+        (
+            line.points[k] + across * half,
+            line.points[k] - across * half,
+        )
+    };
+    let (left, mut right): (Vec<_>, Vec<_>) =
+        (0..line.points.len()).map(side).unzip();
+    right.extend(left.into_iter().rev());
+    right
+}
+
+/// Content that a line lays, whose bead is wider by `extra` than its share of the
+/// plane.
+pub(crate) fn content_of(line: &Stroke, extra: Mm) -> Mm2 {
+    let width = |k: usize| 0.5 * (line.width_at(k) + line.width_at(k + 1));
+    let pieces = line.segments().enumerate();
+    pieces
+        .map(|(k, (a, b))| a.distance(b) * (width(k) - extra))
+        .sum()
 }
 
 #[cfg(test)]
@@ -312,9 +120,10 @@ mod tests {
     use super::*;
     use crate::walls::patch::concentric;
     use crate::walls::{ThinPlan, WallPlan, Walls, walls};
+    use glam::DVec2;
     use isoslice_planar::bead::{cross_section, spacing};
-    use isoslice_planar::clip::union;
-    use isoslice_planar::shapes::{circle, rect};
+    use isoslice_planar::clip::{intersection, union};
+    use isoslice_planar::shapes::rect;
     use isoslice_settings::testing::{plan_with, usual_plan};
     use std::f64::consts::{PI, TAU};
 
@@ -447,42 +256,12 @@ mod tests {
         // It wavers about the bound so quickly that no long strip is below it.
         let part = ring(|a| bound + 0.015 * (60.0 * a).sin());
         assert_eq!(numbers(&part).1, 0);
-        // It drifts far across the bound: all of it has a bead.
-        let (found, changes) = numbers(&ring(|a| bound + 0.15 * a.sin()));
-        assert_eq!((found[0], changes), (5, 0));
+        // It drifts far across the bound: the thick half has a bead.
+        let (found, changes) = numbers(&ring(|a| bound - 0.15 * a.cos()));
+        assert_eq!((found[0], changes), (4, 2));
         // Above the bound all around, nothing is shared.
         let (found, changes) = numbers(&ring(|_| bound + 0.02));
         assert_eq!((found[0], changes), (5, 0));
-    }
-
-    #[test]
-    fn only_even_strips_are_shared() {
-        let plan = Lay::inside(WIDTH, HEIGHT, usual_plan(ThinPlan::of));
-        let sharing = Sharing::new(&plan, &plan, 0.005);
-        let strips = |part: &Area| sharing.strips(part, 0.005);
-        let length = |part: &Area| -> f64 {
-            strips(part).iter().map(Axis::length).sum()
-        };
-        // The whole of a ring; what is left of it is nothing.
-        let even = ring(|_| 0.33);
-        let found = strips(&even);
-        assert_eq!(found.len(), 1);
-        assert!(found[0].closed);
-        assert!((found[0].length() - TAU * RADIUS).abs() < 0.1);
-        assert!(sharing.without(even, &found).is_empty());
-        // A twelfth of it is thick.
-        let part = ring(|a| if a < TAU / 12.0 { 2.0 } else { 0.33 });
-        assert_eq!(length(&part), 0.0);
-        // A strip that ends, and one that meets others.
-        let beam = rect(-RADIUS, -0.165, RADIUS, 0.165);
-        assert_eq!(length(&beam), 0.0);
-        assert_eq!(length(&union(&ring(|_| 0.33), &beam)), 0.0);
-        // As on a gyroid: the thickness changes by a tenth of a line in 2 mm.
-        assert_eq!(length(&ring(|a| 0.33 + 0.06 * (20.0 * a).sin())), 0.0);
-        // Too thin, too thick, and no ring.
-        assert_eq!(length(&ring(|_| 0.2)), 0.0);
-        assert_eq!(length(&ring(|_| 0.42)), 0.0);
-        assert_eq!(length(&Area::from(circle(5.0, 400))), 0.0);
     }
 
     /// Of a frame's four lines and a little more the inner walls take all, in
@@ -513,6 +292,71 @@ mod tests {
         }
         let (walls, _) = frame(four + WIDTH);
         assert!((walls.fill.content() - WIDTH * 92.0).abs() < 1.0);
+    }
+
+    /// The tooth of a comb: its inner walls are wide up to its root, where skin or
+    /// infill begins.
+    #[test]
+    fn a_tooth_is_shared_up_to_its_root() {
+        for thick in [1.95, 2.0, 2.05] {
+            let half = 0.5 * thick;
+            let tooth = rect(-half, -1.0, half, 20.0);
+            let part = union(&rect(-9.0, -9.0, 9.0, 0.0), &tooth);
+            let walls = laid(&part);
+            assert!(walls.thin.iter().all(Vec::is_empty), "{thick}");
+            let top = walls.fill.bounds().max.y;
+            assert!(top < 0.0, "{thick}: {top}");
+            // All of the tooth's middle belongs to a wall or to what is left.
+            for step in 0..220 {
+                let p = DVec2::Y * (18.0 - 0.1 * f64::from(step));
+                let open = open(&walls, p);
+                assert!(open < 0.06, "{thick}, {p}: {open}");
+            }
+            // No wall is laid where lines are.
+            let wide = walls.lines[1].iter().map(|l| taken(l, 0.043));
+            let twice = intersection(&walls.fill, &wide.collect());
+            assert!(twice.content() < 0.05, "{thick}: {}", twice.content());
+        }
+    }
+
+    /// Distance of a place from the next wall's edge, and from what the walls leave.
+    fn open(walls: &Walls, p: DVec2) -> Mm {
+        if walls.fill.contains(p) {
+            return 0.0;
+        }
+        let mut least = f64::INFINITY;
+        for stroke in all(walls) {
+            for (k, (a, b)) in stroke.segments().enumerate() {
+                let t = (p - a).dot(b - a) / (b - a).length_squared();
+                let t = t.clamp(0.0, 1.0);
+                let [v, w] = [k, k + 1].map(|i| stroke.width_at(i));
+                let edge = 0.5 * (v + t * (w - v));
+                least = least.min(p.distance(a.lerp(b, t)) - edge);
+            }
+        }
+        least
+    }
+
+    /// Where three strips meet that have room for just four lines, the walls take
+    /// what is between them.
+    #[test]
+    fn walls_take_what_is_too_small_for_a_line_where_strips_meet() {
+        for thick in [1.72, 1.78] {
+            let half = 0.5 * thick;
+            let arm = |k: u32| {
+                let turn = DVec2::from_angle(TAU * f64::from(k) / 3.0);
+                let corners =
+                    [(0.0, -half), (9.0, -half), (9.0, half), (0.0, half)];
+                Area::from(
+                    corners
+                        .map(|(x, y)| turn.rotate(DVec2::new(x, y)))
+                        .to_vec(),
+                )
+            };
+            let part = union(&union(&arm(0), &arm(1)), &arm(2));
+            let open = open(&laid(&part), DVec2::ZERO);
+            assert!(open < 0.03, "{thick}: {open}");
+        }
     }
 
     #[test]
