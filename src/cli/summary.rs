@@ -315,8 +315,15 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
         last: "",
     };
     rows.add("size", dimensions(summary.size));
-    for area in summary.parts.iter().filter_map(|part| part.laid) {
-        rows.add("lies on", flat_side(area));
+    for part in &summary.parts {
+        let Some(side) = part.laid.map(flat_side) else {
+            continue;
+        };
+        let line = match summary.parts.len() {
+            1 => side,
+            _ => format!("{}: {side}", plain::line(&part.name)),
+        };
+        rows.add("lies on", line);
     }
     let (layers, count) = (&summary.layers, summary.layer_count);
     let which = if *layers == (0..count) {

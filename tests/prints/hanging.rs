@@ -333,7 +333,7 @@ fn what_a_thread_in_the_air_would_hold_hangs() {
 fn no_example_hangs() {
     for example in common::examples() {
         let (model, settings) =
-            example.place(&["sample_spacing=0.3", "accuracy=0.05"]);
+            example.place(&["sample_spacing=0.2", "accuracy=0.05"]);
         let summary = slice_layers(&model, &settings, "..", 2).1;
         let (plan, top) = (OverhangPlan::of(&settings), summary.size.z);
         let told = summary.hanging.warnings(top, &plan);

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 /// Coarse settings, which are quick, with all that a firmware can be told.
 const ALL: [&str; 11] = [
-    "sample_spacing=0.6",
+    "sample_spacing=0.2",
     "accuracy=0.05",
     "layer_height=0.3",
     "retract.firmware=true",

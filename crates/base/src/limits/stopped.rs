@@ -150,8 +150,10 @@ fn remedy(stage: Option<&str>) -> &'static str {
         }
         Some("reading") => "Give it a shorter file",
         Some("field" | "contour") => {
-            "Slice some layers at a time (--layers), raise sample_spacing, \
-             or make the expression simpler"
+            // Coarser lattices take longer: their cells have to be divided.
+            "Slice some layers at a time (--layers), set sample_spacing to a \
+             little less than half of outer_wall_width, or make the \
+             expression simpler"
         }
         Some("infill") => {
             "Slice some layers at a time (--layers), or lower infill_density \
