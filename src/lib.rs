@@ -275,11 +275,15 @@ pub use isoslice_gcode::{TemplateError, settings_in_gcode};
 pub use isoslice_gcode_read::bgcode::Unpacked;
 #[doc(inline)]
 pub use isoslice_held::overhangs::{Hanging, OverhangKind, Sum, Unsupported};
+#[doc(inline)]
 pub use isoslice_pipeline::{Figures, RoleSum};
 #[doc(no_inline)]
 pub use model::{Model, load, place};
+#[doc(no_inline)]
 pub use pipeline::{Options, Share, SliceError, Summary, Survey};
+#[doc(no_inline)]
 pub use pipeline::{slice, slice_plate, split, survey};
+#[doc(no_inline)]
 pub use plate::Plate;
 #[doc(no_inline)]
 pub use reader::Reader;
