@@ -14,6 +14,10 @@ pub(super) const EVERY: Duration = Duration::from_millis(15);
 /// change. Some editors remove a file before they write it anew.
 const PATIENCE: u32 = 30;
 
+/// By how much the time of a change may be earlier than the change: the clock of file
+/// systems goes by ticks, of up to 16 ms.
+const TICK: Duration = Duration::from_millis(20);
+
 /// The files at one look: time of the last change and size of each.
 type Look = Vec<Option<(SystemTime, u64)>>;
 
@@ -45,15 +49,20 @@ impl Stamps {
     /// True if a file has changed since the last change that was reported, and
     /// has stayed the same since the look before, so that nobody is writing it.
     /// Files that are new in the list count as unchanged, but for those that
-    /// were written after the reading began, which may have missed them.
+    /// were written after the reading began, which may have missed them. Files that
+    /// the reading named may have been written up to a tick before.
     pub(super) fn changed(&mut self, files: &[PathBuf]) -> bool {
         let now: Look = files.iter().map(|file| stamp(file)).collect();
         if self.files != files {
+            let is_first = self.files.is_empty();
+            let tick = if is_first { Duration::ZERO } else { TICK };
             let old = self.files.iter().zip(&self.known);
             let old: Vec<_> = old.map(|(f, s)| (f.clone(), *s)).collect();
             let known = |file: &PathBuf, now: Option<(SystemTime, u64)>| {
                 let before = old.iter().find(|(f, _)| f == file);
-                let read = now.filter(|(at, _)| *at <= self.reported);
+                let read = now.filter(|(at, _)| {
+                    at.checked_add(tick).is_some_and(|at| at <= self.reported)
+                });
                 before.map_or(read, |(_, stamp)| *stamp)
             };
             self.known =
@@ -114,12 +123,20 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str| folder.path().join(name);
         fs::write(file("part.rhai"), "x").unwrap();
-        fs::write(file("old.svg"), "x").unwrap();
+        let written = |name: &str, at: SystemTime| {
+            let made = fs::File::create(file(name)).unwrap();
+            made.set_modified(at).unwrap();
+        };
         let mut stamps = Stamps::new();
+        let began = stamps.reported;
+        written("old.svg", began - Duration::from_secs(1));
+        // It was written after the reading began, by a clock that goes by ticks.
+        written("new.svg", began - Duration::from_millis(10));
         assert!(!stamps.changed(&[file("part.rhai")]));
-        let listed = [file("part.rhai"), file("old.svg"), file("new.svg")];
-        std::thread::sleep(Duration::from_millis(20));
-        fs::write(file("new.svg"), "x").unwrap();
+        let listed = ["part.rhai", "old.svg"].map(file);
+        assert!(!stamps.changed(&listed));
+        assert!(!stamps.changed(&listed));
+        let listed = ["part.rhai", "old.svg", "new.svg"].map(file);
         assert!(!stamps.changed(&listed), "it may still be written");
         assert!(stamps.changed(&listed));
         assert!(!stamps.changed(&listed));
