@@ -51,6 +51,8 @@
 //! | `report` | measures how far outlines and walls are from f = 0 |
 //! | `tally` | counts over all layers, and warnings that follow from the counts |
 
+#![warn(unreachable_pub)]
+
 mod ahead;
 mod error;
 #[cfg(test)]

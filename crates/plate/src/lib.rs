@@ -25,6 +25,8 @@
 //! brims, do not overlap and are on the bed. Not guaranteed: that everything is
 //! placed that could be.
 
+#![warn(unreachable_pub)]
+
 mod arrange;
 mod error;
 mod file;
@@ -225,6 +227,7 @@ impl Plate {
 
     /// For each place its part's number, and how far it is from where the
     /// part's model was placed.
+    #[doc(hidden)]
     pub fn shifts(&self) -> Vec<(usize, DVec2)> {
         let parts = self.parts.iter().enumerate();
         let places = parts.flat_map(|(k, part)| {
@@ -253,6 +256,7 @@ impl Plate {
     }
 
     /// The box of all that is printed of the parts, on the bed.
+    #[doc(hidden)]
     pub fn reach(&self) -> (DVec3, DVec3) {
         let shifts = self.shifts().into_iter();
         let boxes = shifts.map(|(k, shift)| {
@@ -285,6 +289,7 @@ impl Plate {
 
 impl Part {
     /// The box of all that is printed of the part, where its model was placed.
+    #[doc(hidden)]
     pub fn reach(&self) -> (DVec3, DVec3) {
         let reach = self.settings.reach();
         let reach = DVec3::new(reach, reach, 0.0);
@@ -293,6 +298,7 @@ impl Part {
     }
 
     /// Where there may be supports, where the model was placed.
+    #[doc(hidden)]
     pub fn room(&self) -> Rect {
         let printer = &self.settings.printer;
         self.room.unwrap_or(Rect::new(

@@ -138,6 +138,7 @@ impl Plate {
 
     /// The places in the order in which their parts are printed one by one, as
     /// [`Plate::shifts`] has them; nothing if all grow together.
+    #[doc(hidden)]
     pub fn turns(&self) -> Option<Vec<usize>> {
         if !self.is_one_by_one() || self.place_count() < 2 {
             return None;
@@ -175,6 +176,7 @@ impl Plate {
 
     /// How high the head is to travel to a part, if one as high as `finished`
     /// stands on the bed.
+    #[doc(hidden)]
     pub fn clear_of(finished: Mm) -> Mm {
         finished + ABOVE
     }

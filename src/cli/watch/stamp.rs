@@ -49,8 +49,10 @@ impl Stamps {
     /// True if a file has changed since the last change that was reported, and
     /// has stayed the same since the look before, so that nobody is writing it.
     /// Files that are new in the list count as unchanged, but for those that
-    /// were written after the reading began, which may have missed them. Files that
-    /// the reading named may have been written up to a tick before.
+    /// were written after the reading began, which may have missed them. A file
+    /// that a reading named may be up to a tick younger than it says. The first list
+    /// is the user's, who may just have saved it: with a tick, every start would read
+    /// it twice.
     pub(super) fn changed(&mut self, files: &[PathBuf]) -> bool {
         let now: Look = files.iter().map(|file| stamp(file)).collect();
         if self.files != files {

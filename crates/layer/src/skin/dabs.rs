@@ -35,9 +35,9 @@ pub(super) fn filling(
         return beads;
     }
     let laid: Mm2 = beads.iter().map(|s| content_of(s, extra)).sum();
-    let ends = beads
-        .iter()
-        .flat_map(|s| [0, s.points.len()].map(|k| s.width_at(k)));
+    let ends = beads.iter().flat_map(|s| {
+        [0, s.points.len().saturating_sub(1)].map(|k| s.width_at(k))
+    });
     let wide: Mm2 = ends.map(|width| width * (width - extra)).sum();
     if laid >= content || wide <= 0.0 {
         return beads;
@@ -85,6 +85,11 @@ mod tests {
         // Two of them in one place.
         let (is, _) = filled(vec![bead(0.6), bead(0.5)], 0.9);
         assert!((is - 0.9).abs() < 1e-9, "{is}");
+        // Each end goes on as wide as the line is there, but for the taper between.
+        let points = vec![DVec2::ZERO, DVec2::X * 0.6];
+        let line = Stroke::varying(points, vec![0.5, 0.8], false);
+        let (is, _) = filled(vec![line], 0.6);
+        assert!((is - 0.6).abs() < 0.02, "{is}");
         // No end leaves the place.
         let (_, beads) = filled(vec![bead(0.6)], 2.0);
         assert!((beads[0].length() - 0.6 - 0.64).abs() < 1e-9);

@@ -59,10 +59,10 @@ const STRETCHED: f64 = 0.4;
 /// The cost of 1 mm of walls that share as much as they may: a tenth of a line more
 /// than there is room for.
 const WIDER: f64 = 0.1;
-/// The cost of 1 mm of walls beyond that, beside the end of a loop. A bead of 3 mm
-/// is not worth its ends.
+/// The cost of 1 mm of walls that are wider or narrower than they may be, beside the end
+/// of a loop. A bead of 3 mm is not worth its ends.
 const PINCHED: f64 = 0.6;
-/// What it costs more where those walls have no room any more. Through a neck as
+/// What 1 mm of walls costs more where they have no room any more. Through a neck as
 /// thin as that they would lie on each other.
 const TIGHT: f64 = 2.0;
 /// The cost of 1 mm of a loop in a tip: it leads into corners of 35° or more. The end

@@ -26,7 +26,8 @@ pub(super) const SEEN: f64 = 0.16;
 /// changes its thickness. Around a corner of a strip the way is so short that a gentler
 /// one would leave a pocket open.
 pub(super) const CORNER: f64 = 0.5;
-/// Greatest change of a line's width along its way beyond such a place. The line turns
+/// Greatest change of a line's width along its way beyond the places that it moves for,
+/// where it becomes narrow again. The line turns
 /// by 11°, which a printer drives through at 45 mm/s (with Klipper's usual 5 mm/s at
 /// right angles). At 1.0 a star's inner walls take 8 % longer; at 0.3, 0.24 % of the tops
 /// of combs are filled below 70 %.

@@ -18,7 +18,7 @@ const SIDE: f64 = 0.6;
 const CORNER: f64 = 0.8661;
 /// Cells with more samples are not kept: there the tree is as fast.
 const MOST: usize = 600;
-/// Samples in all cells, 32 bytes each, after which the cells are forgotten.
+/// Samples in all cells, 16 bytes each, after which the cells are forgotten.
 const KEPT: usize = 1 << 17;
 /// Distances are rounded, so that what is hardly too far away is looked at too.
 const SLACK: f64 = 1e-9;
@@ -132,12 +132,12 @@ impl<'a> Cells<'a> {
             found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
             Cell::Known(found)
         };
-        if let Cell::Known(all) = &cell {
-            self.kept += all.len();
-        }
         if self.kept > KEPT {
             self.cells.clear();
             self.kept = 0;
+        }
+        if let Cell::Known(all) = &cell {
+            self.kept += all.len();
         }
         self.cells.insert(key, cell);
     }
