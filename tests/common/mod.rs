@@ -175,8 +175,7 @@ pub fn layers(
     .unwrap();
     let rect = model.bounds.from_above();
     let field =
-        Field::new(&model.tree, 0.0, rect, number(settings, "sample_spacing"))
-            .unwrap();
+        Field::new(&model.tree, 0.0, rect, settings.lattice_spacing()).unwrap();
     let detail = Detail {
         // What the program leaves to outlines.
         accuracy: 0.7 * number(settings, "accuracy"),

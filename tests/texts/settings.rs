@@ -1,6 +1,6 @@
 //! The settings table as a whole, and what its users read when they err.
 
-use crate::common::{number, text};
+use crate::common::{self, number, text};
 use isoslice::settings::{Builder, Key, Settings, SettingsError, keys};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -584,4 +584,22 @@ fn errors_name_the_setting_that_takes_the_value() {
     let said = refused_set(&["layer_height=expr: 0.1 + z/100"]);
     assert!(said.contains("layer_height = expr: 0.1"), "{said}");
     assert!(said.contains("set layer_heights,"), "{said}");
+}
+
+/// A plate of 0.8 mm that stands on its edge hides a hole of 0.3 mm from the
+/// nodes of a coarse lattice.
+#[test]
+fn no_lattice_is_so_coarse_that_a_hole_is_overlooked() {
+    let text = "max(max(max(abs(y) - 0.4, abs(x) - 5), abs(z - 0.3) - 0.3), \
+                0.15 - hypot(x - 0.2, y))";
+    let made = |spacing: &str| {
+        let settings = common::settings(&[spacing, "skirt.loops=0"]);
+        let model = common::formula(text, &settings);
+        let (gcode, _) = common::slice(&model, &settings, 2);
+        let moves = gcode.lines().filter(|line| !line.starts_with(';'));
+        moves.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let half_a_line = made("sample_spacing=0.225");
+    assert_eq!(made("sample_spacing=2"), half_a_line);
+    assert_eq!(made("sample_spacing=0.4"), half_a_line);
 }

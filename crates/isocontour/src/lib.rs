@@ -79,8 +79,8 @@ pub use data::{call, call_of, data_of, known as known_data};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES};
 pub use expand::{expand, expand_with, nodes_of};
 pub use field::{
-    Batch, Bound, Field, FieldError, Hit, LEAF, Lattice, Leaf, NODES, SLAB,
-    Sampler, Sight, Values, Visit, apart,
+    Batch, Field, FieldError, Hit, LEAF, Lattice, Leaf, NODES, SLAB, Sampler,
+    Sight, Values, Visit, apart,
 };
 pub use grid::Grid;
 pub use lean::{Lean, LeanError, LeanOptions, lean};

@@ -368,26 +368,6 @@ fn what_is_thinner_than_the_lattice_is_found() {
     }
 }
 
-/// A wall beside a slit hides the slit from the nodes: no node has the slit's
-/// field, since the block's own border is nearer.
-#[test]
-fn a_hidden_slit_is_found_on_a_coarse_lattice() {
-    let (x, y, _) = Tree::axes();
-    for spacing in [0.4, 1.0, 2.0] {
-        for at in [-0.9_f32, -0.3, 0.2, 0.7] {
-            // The part is 0.8 mm thick and has a hole 0.3 mm wide.
-            let part = (y.abs() - 0.4).max(x.abs() - 5.0);
-            let hole = 0.15 - ((x.clone() - at).square() + y.square()).sqrt();
-            let f = part.max(hole);
-            let o = spaced(&f, 6.0, &[0.0], spacing).remove(0);
-            assert_eq!(o.area.rings.len(), 2, "{spacing} {at}");
-            let content = 8.0 - 0.0225 * std::f64::consts::PI;
-            let off = (o.area.content() - content).abs();
-            assert!(off < ACCURACY * o.area.perimeter(), "{spacing} {at}");
-        }
-    }
-}
-
 /// A crack that the samples show in pieces only is not a string of holes.
 #[test]
 fn cracks_thinner_than_the_accuracy_are_left_out() {

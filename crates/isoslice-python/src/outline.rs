@@ -72,7 +72,7 @@ pub(crate) fn outlines<'py>(
             // What is smaller cannot be printed.
             smallest: 0.25 * request.length("outer_wall_width")?,
         };
-        let spacing = request.length("sample_spacing")?;
+        let spacing = request.settings.lattice_spacing();
         // Below the bed nothing is printed.
         let above = |z: &f64| *z >= 0.0;
         let at: Vec<f64> = z.iter().map(|z| z - model.offset.z).collect();

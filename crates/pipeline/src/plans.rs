@@ -97,7 +97,7 @@ impl Plans {
             seam: settings.seam.clone(),
             fuzzy: settings.fuzzy.clone(),
             growth: settings.xy_compensation.clone(),
-            sample_spacing: settings.sample_spacing,
+            sample_spacing: settings.lattice_spacing(),
             accuracy: settings.accuracy,
             wall_fields: match settings.wall_offset {
                 WallOffset::Distance => WallFieldPlan::None,
@@ -212,7 +212,7 @@ fn used(settings: &Settings) -> Used {
         layer_height: settings.layer_height(),
         first_layer_height: settings.bed_layer_height(),
         accuracy: settings.accuracy,
-        sample_spacing: settings.sample_spacing,
+        sample_spacing: settings.lattice_spacing(),
         walls: settings.walls,
         wall_offset: settings.wall_offset.word(),
         outer_wall_width: settings.outer_wall_width(),

@@ -196,6 +196,14 @@ impl Settings {
         self.thin_min / 100.0 * self.outer_wall_width()
     }
 
+    /// Spacing of the lattice on which outlines are looked for: the one that is
+    /// set, but at most half of the outer wall's width. The cells of a coarser
+    /// lattice have to be searched for what a line could still print, which was
+    /// measured to take up to 30 times as long.
+    pub fn lattice_spacing(&self) -> Mm {
+        self.sample_spacing.min(0.5 * self.outer_wall_width())
+    }
+
     /// Height of the thickest layers above the first.
     pub fn thickest_layer(&self) -> Mm {
         if self.is_uniform() {
@@ -566,6 +574,21 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_lattice_is_no_coarser_than_half_a_line() {
+        let spacing = |set: Mm, width: Mm| {
+            let s = Settings {
+                sample_spacing: set,
+                outer_wall_width: ByNozzle::Length(width),
+                ..Settings::default()
+            };
+            s.lattice_spacing()
+        };
+        assert_eq!(spacing(0.1, 0.4), 0.1);
+        assert_eq!(spacing(2.0, 0.4), 0.2);
+        assert_eq!(spacing(0.1, 0.1), 0.05);
     }
 
     #[test]

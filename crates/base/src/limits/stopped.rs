@@ -150,10 +150,8 @@ fn remedy(stage: Option<&str>) -> &'static str {
         }
         Some("reading") => "Give it a shorter file",
         Some("field" | "contour") => {
-            // Coarser lattices take longer: their cells have to be divided.
-            "Slice some layers at a time (--layers), set sample_spacing to a \
-             little less than half of outer_wall_width, or make the \
-             expression simpler"
+            "Slice some layers at a time (--layers), raise sample_spacing to \
+             half of outer_wall_width, or make the expression simpler"
         }
         Some("infill") => {
             "Slice some layers at a time (--layers), or lower infill_density \

@@ -6,14 +6,12 @@
 //!
 //! Where the straight pieces do not explain the outline, it is followed within
 //! its cell (`trace`). A cell is divided (`divide`) where this fails, where a
-//! saddle's pieces bend, and where the cell may hide something (`doubt`,
-//! `hidden`).
+//! saddle's pieces bend, and where the cell may hide something (`doubt`).
 
 use super::blind::{Blind, judge_planes};
 use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
 use super::edges::{Edge, Edges};
-use super::hidden::hidden;
 use super::link::{Crossing, NONE};
 use super::noise::{Eyes, Noise};
 use super::refine::{Bracket, refine};
@@ -212,15 +210,6 @@ impl<'a> Marcher<'a> {
             &mut self.scratch,
         )?;
         divide.extend(self.unexplained(batch.leaves, &chords, &traced));
-        divide.extend(hidden(
-            batch.leaves,
-            batch.values,
-            &self.z,
-            self.lattice,
-            self.precision.smallest,
-            batch.sampler,
-            &mut self.scratch,
-        )?);
         let mut eyes = Eyes {
             z: &self.z,
             lattice: self.lattice,

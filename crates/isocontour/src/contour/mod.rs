@@ -11,23 +11,21 @@
 //! then moved along their lattice edges onto f = 0 (`refine`), and the outline
 //! is followed between them where it bends or has a corner (`trace`). Some
 //! cells are sampled more finely (`divide`): those that this does not explain,
-//! and those that may hide what is thinner than the lattice is wide (by their
-//! nodes: `doubt`; on coarse lattices by proof: `hidden`). The pieces are
-//! joined at shared lattice edges (`link`), and what is too small is left out
-//! (`small`). Last, the rings are thinned so that they do not cross
-//! (`untangle`, `cut`). A field of which nothing would be left is refused
-//! before any of that (`noise`).
+//! and those whose nodes say that they may hide what is thinner than the lattice
+//! is wide (`doubt`). The pieces are joined at shared lattice edges (`link`),
+//! and what is too small is left out (`small`). Last, the rings are thinned so
+//! that they do not cross (`untangle`, `cut`). A field of which nothing would
+//! be left is refused before any of that (`noise`).
 //!
 //! Inside is f < 0; a NaN is outside. Where the field jumps from one side to
 //! the other, the outline is at the jump. Rings smaller than a given size are
-//! left out and counted. Not guaranteed: on a lattice about as fine as that
-//! size, that a feature without a node in it is found where the field of
-//! another feature hides it.
+//! left out and counted. A disc 1.4 times as wide as a cell always holds a node.
+//! Not guaranteed: that a feature without a node in it is found where the field
+//! of another feature hides it.
 //!
 //! The `contour` crate is the oracle of the tests, not the engine. It works on
 //! the whole grid with hash maps and nested vectors, and decides ambiguous
 //! cells by convention. `march` visits sampled leaves only, and asks the field.
-//! field.
 
 mod blind;
 mod buckets;
@@ -35,7 +33,6 @@ mod cut;
 mod divide;
 mod doubt;
 mod edges;
-mod hidden;
 mod link;
 mod march;
 mod noise;

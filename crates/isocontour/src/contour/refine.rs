@@ -328,8 +328,6 @@ fn slopes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::Bound;
-    use crate::plane::Rect;
 
     /// Evaluates a function of x.
     struct Line<F: Fn(f32) -> f32>(F);
@@ -360,8 +358,6 @@ mod tests {
             let slope = |x: f32| (self.0(x + 1e-4) - self.0(x - 1e-4)) / 2e-4;
             out.extend(x.iter().map(|&x| [(self.0)(x), slope(x), 0.0]));
         }
-
-        fn bounds(&mut self, _: &[(Rect, f32)], _: &mut Vec<Bound>) {}
     }
 
     fn root(f: impl Fn(f32) -> f32) -> f64 {

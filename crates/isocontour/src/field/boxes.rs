@@ -1,83 +1,22 @@
 //! Evaluates functions over single boxes.
 //!
 //! In: a function and, for each of its inputs, the range of its values over a
-//! box, and perhaps of its derivatives. Out: the range of its result, and of
-//! the result's derivatives. With the ranges comes a trace of the branches of
-//! `min`, `max`, `and` and `or` that are never taken in the box. From it fidget
-//! makes a shorter function.
-//!
-//! Where both derivatives are bounded so that the field rises in one direction
-//! everywhere in a box, its outline there is a single line, and the box hides
-//! nothing. Where the field jumps or may be NaN, the derivatives may be
-//! anything.
+//! box. Out: the range of its result. With the ranges comes a trace of the
+//! branches of `min`, `max`, `and` and `or` that are never taken in the box.
+//! From it fidget makes a shorter function.
 //!
 //! Why not fidget's own interval evaluator: it panics where one end of a range
 //! becomes NaN, as ∞ − ∞ does. This one never fails.
 
 use super::signs::{self, Need};
 use crate::interval::Interval;
-use crate::number::Number;
-use crate::number::dual::Dual;
 use crate::number::run::{Pick, run};
 use fidget::vm::{Choice, VmFunction, VmTrace};
-
-/// A range and the ranges of its derivatives along x and y.
-pub(crate) type Slope = Dual<Interval, 2>;
-
-/// What is known of the field over a box in a layer.
-#[derive(Clone, Copy, Debug)]
-pub struct Bound {
-    /// Least and greatest value; infinite if the field may be NaN.
-    pub value: [f64; 2],
-    /// For each axis, the least and greatest derivative.
-    pub slopes: [[f64; 2]; 2],
-}
-
-impl Bound {
-    /// The bound of a field of which nothing is known.
-    pub const UNKNOWN: Bound = Bound {
-        value: [f64::NEG_INFINITY, f64::INFINITY],
-        slopes: [[f64::NEG_INFINITY, f64::INFINITY]; 2],
-    };
-
-    pub(super) fn new(slope: Slope) -> Bound {
-        let ends = |r: Interval| {
-            if r.nan {
-                [f64::NEG_INFINITY, f64::INFINITY]
-            } else {
-                [r.lo, r.hi]
-            }
-        };
-        Bound {
-            value: ends(slope.v),
-            slopes: slope.d.map(ends),
-        }
-    }
-
-    /// True if the field does not change its sign in the box.
-    pub fn is_uniform(&self) -> bool {
-        self.value[0] >= 0.0 || self.value[1] < 0.0
-    }
-
-    /// True if the gradient keeps within 45° of one direction in the box. Then
-    /// an outline there is one line that does not turn by more.
-    pub fn is_simple(&self) -> bool {
-        let [x, y] = self.slopes;
-        let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
-        let within = |dx: f64, dy: f64| {
-            let along = dx * middle[0] + dy * middle[1];
-            let across = dx * middle[1] - dy * middle[0];
-            along > across.abs()
-        };
-        x.iter().all(|&dx| y.iter().all(|&dy| within(dx, dy)))
-    }
-}
 
 /// Evaluates functions over boxes. It is kept between uses for its memory.
 #[derive(Default)]
 pub(crate) struct Boxes {
     ranges: Vec<[Interval; 1]>,
-    slopes: Vec<[Slope; 1]>,
     trace: VmTrace,
     /// For each choice, the side that has the result's sign.
     signs: Vec<Choice>,
@@ -128,26 +67,6 @@ impl Boxes {
         let choices = self.trace.as_mut_slice();
         let more = signs::choose(f, &self.signs, choices, &mut self.needs);
         (range, (simpler || more).then_some(&self.trace))
-    }
-
-    /// The range of the function's (first) output and of its slopes, for given
-    /// ranges and slopes of its inputs.
-    pub(crate) fn slope(
-        &mut self,
-        f: &VmFunction,
-        input: &dyn Fn(usize) -> Slope,
-    ) -> Slope {
-        let tape = f.data().asm();
-        self.slopes.resize(tape.slot_count(), [Slope::splat(0.0)]);
-        let mut out = Slope::splat(0.0);
-        run(
-            tape,
-            &mut self.slopes[..],
-            |slot, [slope]| *slope = input(slot),
-            |[slope]| out = *slope,
-            |_, _, _| {},
-        );
-        out
     }
 }
 
@@ -208,16 +127,6 @@ fn zero(a: Interval) -> Choice {
 /// The range of a function of one variable.
 pub(crate) fn range_of(f: &VmFunction, over: Interval) -> Interval {
     Boxes::default().range(f, &|_| over).0
-}
-
-/// The bounds of a coordinate, number `axis`, over a box.
-pub(crate) fn coordinate(over: Interval, axis: usize) -> Slope {
-    Slope::coordinate(over, axis)
-}
-
-/// The bounds of a function of one variable, coordinate number `axis`.
-pub(crate) fn slope_of(f: &VmFunction, over: Interval, axis: usize) -> Slope {
-    Boxes::default().slope(f, &|_| coordinate(over, axis))
 }
 
 #[cfg(test)]
@@ -306,68 +215,5 @@ pub(crate) mod tests {
         let (range, _) =
             Boxes::default().range(&f, &|_| Interval::new(0.5, 2.0));
         assert!(range.nan && range.lo <= 0.5 && range.hi == f64::INFINITY);
-    }
-
-    /// Along any line through a box the field changes by no more than its
-    /// slopes allow.
-    #[test]
-    fn slopes_hold_the_differences() {
-        let mut rng = fastrand::Rng::with_seed(7);
-        let mut random = || rng.f32();
-        let (mut bounded, mut total) = (0, 0);
-        for (k, tree) in everything().iter().enumerate() {
-            let mut ctx = Context::new();
-            let root = ctx.import(tree);
-            let f = VmFunction::new(&ctx, &[root]).unwrap();
-            let slots = [Var::X, Var::Y, Var::Z].map(|v| f.vars().get(&v));
-            let tape = f.point_tape(Default::default());
-            let mut eval = VmFunction::new_point_eval();
-            let mut value = |p: [f32; 3]| {
-                let mut vars = [0.0; 3];
-                for (slot, v) in slots.into_iter().zip(p) {
-                    if let Some(s) = slot {
-                        vars[s] = v;
-                    }
-                }
-                let vars = &vars[..f.vars().len()];
-                f64::from(eval.eval(&tape, vars).unwrap().0[0])
-            };
-            for _ in 0..300 {
-                let size = [1.5 * random() * random(), random(), 0.0];
-                let lo: [f32; 3] =
-                    std::array::from_fn(|_| 8.0 * random() - 4.0);
-                let input = |i: usize| {
-                    let a = slots.iter().position(|s| *s == Some(i)).unwrap();
-                    let (lo, hi) = (lo[a], lo[a] + size[a]);
-                    coordinate(Interval::new(lo.into(), hi.into()), a)
-                };
-                let slope = Boxes::default().slope(&f, &input);
-                total += 1;
-                if !slope.d.iter().all(|d| d.is_finite() && !d.nan) {
-                    continue;
-                }
-                bounded += 1;
-                for _ in 0..10 {
-                    let mut point = || -> [f32; 3] {
-                        std::array::from_fn(|a| lo[a] + size[a] * random())
-                    };
-                    let (p, q) = (point(), point());
-                    let (a, b) = (value(p), value(q));
-                    let step = [0, 1].map(|a| {
-                        let d = f64::from(q[a]) - f64::from(p[a]);
-                        slope.d[a].mul(Interval::point(d))
-                    });
-                    let change = step[0].add(step[1]);
-                    let slack = 1e-5 * (1.0 + a.abs() + b.abs());
-                    assert!(
-                        change.lo - slack <= b - a
-                            && b - a <= change.hi + slack,
-                        "expression {k}: {} is not in {change:?}",
-                        b - a
-                    );
-                }
-            }
-        }
-        assert!(3 * bounded > total, "{bounded} of {total} are bounded");
     }
 }

@@ -11,12 +11,12 @@
 //!
 //! An argument may read calls that come before its own.
 
-use super::boxes::{Boxes, Slope, coordinate};
+use super::boxes::Boxes;
 use super::hoist::{in_order, rest};
 use super::lanes::{Lanes, Seed, Slopes};
 use super::source::Source;
 use super::{FieldError, bug};
-use crate::data::{Data, call_of, derivatives, range_over};
+use crate::data::{Data, call_of, range_over};
 use crate::interval::Interval;
 use fidget::context::{Context, Node, Tree};
 use fidget::eval::{Function, MathFunction};
@@ -176,7 +176,6 @@ pub(super) struct Calls<'a> {
     values: Vec<Vec<f32>>,
     slopes: Vec<[Vec<f32>; 2]>,
     ranges: Vec<Vec<Interval>>,
-    bounds: Vec<Vec<Slope>>,
 }
 
 impl<'a> Calls<'a> {
@@ -192,7 +191,6 @@ impl<'a> Calls<'a> {
             values: vec![Vec::new(); n],
             slopes: vec![Default::default(); n],
             ranges: vec![Vec::new(); n],
-            bounds: vec![Vec::new(); n],
         }
     }
 
@@ -365,44 +363,6 @@ impl<'a> Calls<'a> {
     /// A call's range over a box.
     pub(super) fn range(&self, k: usize, n: usize) -> Interval {
         self.ranges[k].get(n).copied().unwrap_or(Interval::ANYTHING)
-    }
-
-    /// Evaluates the calls that are read over boxes, with their derivatives
-    /// along x and y.
-    pub(super) fn bound(
-        &mut self,
-        read: impl Iterator<Item = Source>,
-        boxes: &[[Interval; 3]],
-    ) {
-        if !self.need(read) {
-            return;
-        }
-        for k in (0..self.all.len()).filter(|k| self.needed[*k]) {
-            let (before, own) = self.bounds.split_at_mut(k);
-            let call = &self.all[k];
-            own[0].clear();
-            for (n, extent) in boxes.iter().enumerate() {
-                let at = [0, 1, 2].map(|i| {
-                    let a = &call.at[i];
-                    let input = |slot: usize| match a.sources[slot] {
-                        Source::Coordinate(a) | Source::Part(a, _) => {
-                            coordinate(extent[a], a)
-                        }
-                        Source::Call(k) => before[k][n],
-                    };
-                    self.alone.slope(&a.f, &input)
-                });
-                let places = at.map(|a| a.v);
-                let v = range_over(&*call.data, places);
-                let d = derivatives(&*call.data, places, at.map(|a| a.d));
-                own[0].push(Slope { v, d });
-            }
-        }
-    }
-
-    /// A call's range over a box, and those of its derivatives.
-    pub(super) fn bound_of(&self, k: usize, n: usize) -> Slope {
-        self.bounds[k][n]
     }
 }
 

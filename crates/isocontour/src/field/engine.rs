@@ -5,12 +5,9 @@ use super::expr::Expr;
 use super::split::{Axes, Split};
 use super::workspace::{Proof, Workspace};
 use super::{
-    Batch, Bound, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, apart,
-    bug,
+    Batch, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, apart, bug,
 };
 use crate::cancel::Cancel;
-use crate::interval::Interval;
-use crate::plane::Rect;
 use fidget::eval::MathFunction;
 use fidget::vm::VmFunction;
 use std::ops::Range;
@@ -160,17 +157,6 @@ impl Sampler for ExprSampler<'_, '_> {
         out: &mut Vec<[f32; 3]>,
     ) {
         self.ws.slopes(self.expr, self.axes, [x, y, z], out);
-    }
-
-    fn bounds(&mut self, boxes: &[(Rect, f32)], out: &mut Vec<Bound>) {
-        let boxes: Vec<[Interval; 3]> = boxes
-            .iter()
-            .map(|(r, z)| {
-                let [x, y] = [0, 1].map(|k| Interval::new(r.min[k], r.max[k]));
-                [x, y, Interval::point(f64::from(*z))]
-            })
-            .collect();
-        self.ws.bounds(self.expr, &boxes, out);
     }
 }
 

@@ -9,7 +9,6 @@
 //! the time: a value is equal, bit for bit, on any processor. It also equals
 //! fidget's where no function is called; `wide` has functions of its own.
 
-use super::boxes::Slope;
 use crate::interval::Interval;
 use crate::number::Number;
 use crate::number::dual::Dual;
@@ -30,14 +29,11 @@ const DUAL_LANES: usize = 32;
 
 /// Boxes per pass.
 const BOX_LANES: usize = 32;
-/// Boxes per pass with slopes.
-const BOUND_LANES: usize = 16;
 
 type Register = [Wide; LANES / WIDTH];
 type ShortRegister = [Wide; FEW / WIDTH];
 type DualRegister = [Dual<Wide, 2>; DUAL_LANES / WIDTH];
 type SpanRegister = [Span; BOX_LANES / BOXES];
-type BoundRegister = [Dual<Span, 2>; BOUND_LANES / BOXES];
 
 /// What a tape reads at each point, with its slopes.
 #[derive(Clone, Copy)]
@@ -64,7 +60,6 @@ pub(crate) struct Lanes {
     few: Vec<ShortRegister>,
     duals: Vec<DualRegister>,
     spans: Vec<SpanRegister>,
-    bounds: Vec<BoundRegister>,
 }
 
 impl Lanes {
@@ -153,30 +148,6 @@ impl Lanes {
         }
         let registers = &mut self.spans[..];
         Arch::new().dispatch(Ranges {
-            tape,
-            registers,
-            input,
-            count,
-            out,
-        });
-    }
-
-    /// Appends to `out` the ranges of the output and of its slopes; none for a
-    /// box that has to be evaluated alone.
-    pub(crate) fn bounds(
-        &mut self,
-        f: &VmFunction,
-        count: usize,
-        input: &dyn Fn(usize, usize) -> Slope,
-        out: &mut Vec<Option<Slope>>,
-    ) {
-        let tape = f.data().asm();
-        if self.bounds.len() < tape.slot_count() {
-            let zero = [Dual::<Span, 2>::splat(0.0); BOUND_LANES / BOXES];
-            self.bounds.resize(tape.slot_count(), zero);
-        }
-        let registers = &mut self.bounds[..];
-        Arch::new().dispatch(Bounds {
             tape,
             registers,
             input,
@@ -321,52 +292,6 @@ impl WithSimd for Ranges<'_> {
                 |result| {
                     let left = (self.count - from).min(BOX_LANES);
                     let of = |k: usize| result[k / BOXES].get(k % BOXES);
-                    self.out.extend((0..left).map(of));
-                },
-                |_, _, _| {},
-            );
-        }
-    }
-}
-
-struct Bounds<'a> {
-    tape: &'a RegTape,
-    registers: &'a mut [BoundRegister],
-    input: &'a dyn Fn(usize, usize) -> Slope,
-    count: usize,
-    out: &'a mut Vec<Option<Slope>>,
-}
-
-impl WithSimd for Bounds<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let last = self.count.saturating_sub(1);
-        for from in (0..self.count).step_by(BOUND_LANES) {
-            run(
-                self.tape,
-                self.registers,
-                |i, register| {
-                    for k in 0..BOUND_LANES {
-                        let slope = (self.input)(i, (from + k).min(last));
-                        let dual = &mut register[k / BOXES];
-                        dual.v.set(k % BOXES, slope.v);
-                        for (lane, d) in dual.d.iter_mut().zip(slope.d) {
-                            lane.set(k % BOXES, d);
-                        }
-                    }
-                },
-                |result| {
-                    let left = (self.count - from).min(BOUND_LANES);
-                    let of = |k: usize| {
-                        let dual = &result[k / BOXES];
-                        let [dx, dy] = dual.d.map(|d| d.get(k % BOXES));
-                        Some(Slope {
-                            v: dual.v.get(k % BOXES)?,
-                            d: [dx?, dy?],
-                        })
-                    };
                     self.out.extend((0..left).map(of));
                 },
                 |_, _, _| {},

@@ -46,7 +46,6 @@ mod split;
 mod values;
 mod workspace;
 
-pub use boxes::Bound;
 pub use lattice::Lattice;
 pub use sight::{Hit, Sight};
 pub use values::Values;
@@ -156,10 +155,6 @@ pub trait Sampler {
         z: &[f32],
         out: &mut Vec<[f32; 3]>,
     );
-
-    /// Bounds of the field over boxes within leaves of the batch, each at a
-    /// height, written over `out`.
-    fn bounds(&mut self, boxes: &[(Rect, f32)], out: &mut Vec<Bound>);
 }
 
 /// A batch of sampled leaves.

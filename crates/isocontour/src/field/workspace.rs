@@ -1,7 +1,7 @@
 //! Evaluators and buffers: what a thread needs to prove and to sample.
 
 use super::axis::{self, Level, Located};
-use super::boxes::{Bound, Boxes, Slope, coordinate, slope_of};
+use super::boxes::Boxes;
 use super::calls::Calls;
 use super::expr::Expr;
 use super::lanes::{Lanes, Seed, Slopes};
@@ -33,8 +33,6 @@ pub(super) struct Workspace<'a> {
     alone: Boxes,
     /// What is known of each box.
     found: Vec<Option<Interval>>,
-    /// For each input, its bounds over each box.
-    bounds: Vec<Vec<Slope>>,
     lanes: Lanes,
     simplify: <VmFunction as Function>::Workspace,
     axis: axis::Scratch,
@@ -65,7 +63,6 @@ impl<'a> Workspace<'a> {
             calls: Calls::new(&split.calls),
             alone: Boxes::default(),
             found: Vec::new(),
-            bounds: vec![Vec::new(); slots],
             lanes: Lanes::default(),
             simplify: Default::default(),
             axis: axis::Scratch::default(),
@@ -175,56 +172,6 @@ impl<'a> Workspace<'a> {
             Source::Call(call) => self.calls.reads_z(call),
         };
         !expr.inputs().iter().any(reads_z)
-    }
-
-    /// Writes the field's bounds over any boxes to `out`. Boxes are given by
-    /// their extent along each axis.
-    pub(super) fn bounds(
-        &mut self,
-        expr: &Expr,
-        boxes: &[[Interval; 3]],
-        out: &mut Vec<Bound>,
-    ) {
-        let used = expr.inputs();
-        let read = used.iter().map(|&slot| self.sources[slot]);
-        self.calls.bound(read, boxes);
-        let lanes = &mut self.lanes;
-        let mut found = Vec::new();
-        for &slot in used {
-            let bounds = &mut self.bounds[slot];
-            bounds.clear();
-            match self.sources[slot] {
-                Source::Coordinate(a) => {
-                    bounds.extend(boxes.iter().map(|b| coordinate(b[a], a)));
-                }
-                Source::Part(a, p) => {
-                    let f = &self.parts[a][p];
-                    let over = |_: usize, k: usize| coordinate(boxes[k][a], a);
-                    found.clear();
-                    lanes.bounds(f, boxes.len(), &over, &mut found);
-                    bounds.extend(boxes.iter().zip(&found).map(
-                        |(b, found)| {
-                            found.unwrap_or_else(|| slope_of(f, b[a], a))
-                        },
-                    ));
-                }
-                Source::Call(c) => {
-                    let calls = &self.calls;
-                    let all = 0..boxes.len();
-                    bounds.extend(all.map(|k| calls.bound_of(c, k)));
-                }
-            }
-        }
-        let bounds = &self.bounds;
-        let over = |slot: usize, k: usize| bounds[slot][k];
-        found.clear();
-        lanes.bounds(&expr.f, boxes.len(), &over, &mut found);
-        out.clear();
-        for (k, found) in found.into_iter().enumerate() {
-            let boxes = &mut self.alone;
-            let alone = || boxes.slope(&expr.f, &|slot| over(slot, k));
-            out.push(Bound::new(found.unwrap_or_else(alone)));
-        }
     }
 
     /// Writes the field at the nodes of leaves to `out`.

@@ -149,27 +149,29 @@ fn line_widths(
         .map(|(key, _, width)| (key, width))
 }
 
-/// The lattice must be coarser than the accuracy, and should be finer than the
-/// beads.
+/// The lattice must be coarser than the accuracy.
 pub(super) fn sampling(
     s: &Settings,
     warnings: &mut Vec<String>,
 ) -> Result<(), Conflict> {
-    if s.accuracy >= s.sample_spacing {
+    let spacing = s.lattice_spacing();
+    if s.accuracy >= spacing {
         return Err(conflict(
             ["accuracy", "sample_spacing"],
             format!(
-                "accuracy = {} mm is not finer than sample_spacing = {} mm, \
-                 which outlines are refined from; lower accuracy or raise \
-                 sample_spacing",
-                s.accuracy, s.sample_spacing,
+                "accuracy = {} mm is not finer than the lattice that outlines \
+                 are refined from, which is {spacing} mm wide: the lesser of \
+                 sample_spacing and half of outer_wall_width; lower accuracy",
+                s.accuracy,
             ),
         ));
     }
-    if s.sample_spacing > s.outer_wall_width() {
+    // With a fine nozzle, nobody has to lower what is there by default.
+    let by_default = Settings::default().sample_spacing;
+    if s.sample_spacing > spacing.max(by_default) {
         warnings.push(format!(
-            "sample_spacing = {} mm is coarser than outer_wall_width = {} mm: \
-             details that could be printed may be missed; lower it",
+            "sample_spacing = {} mm is more than half of outer_wall_width = {} \
+             mm: {spacing} mm is used, which is quicker and misses less",
             s.sample_spacing,
             s.outer_wall_width(),
         ));
