@@ -118,6 +118,9 @@ pub(super) struct Beadings {
     shared: Option<usize>,
     /// The thicknesses at which costs change, in order.
     bounds: Vec<Mm>,
+    /// For each stretch of thicknesses between bounds, the costs of the borders
+    /// between numbers: an axis asks for each of them at each of its points.
+    borders: Vec<Vec<f64>>,
 }
 
 impl Beadings {
@@ -177,12 +180,29 @@ impl Beadings {
         let mut bounds: Vec<Mm> = beadings.iter().flat_map(of).collect();
         bounds.sort_by(f64::total_cmp);
         bounds.dedup();
-        Beadings {
+        let beadings = Beadings {
             beadings,
             tips: None,
             shared: None,
             bounds,
-        }
+            borders: Vec::new(),
+        };
+        beadings.with_borders()
+    }
+
+    fn with_borders(mut self) -> Beadings {
+        // What lies between two bounds costs the same as its end does.
+        let ends = self.bounds.iter().copied().chain([f64::INFINITY]);
+        self.borders = ends.map(|t| self.borders_at(t)).collect();
+        self
+    }
+
+    /// The costs of all borders where the area has a thickness, those to the same number
+    /// together.
+    fn borders_at(&self, t: Mm) -> Vec<f64> {
+        let all = 0..=self.beadings.len();
+        let pairs = all.clone().flat_map(|n| all.clone().map(move |m| (m, n)));
+        pairs.map(|(m, n)| self.border(m, n, t)).collect()
     }
 
     /// The numbers where both sides of the innermost wall become wider until a whole
@@ -214,7 +234,7 @@ impl Beadings {
         self.shared = Some(shared);
         self.bounds.extend([depth + whole, stays, corner, upto]);
         self.bounds.sort_by(f64::total_cmp);
-        self
+        self.with_borders()
     }
 
     /// The numbers where the loop of the first wall leads into tips, down to a
@@ -223,7 +243,7 @@ impl Beadings {
         self.tips = Some(least);
         let at = self.bounds.partition_point(|b| *b < least);
         self.bounds.insert(at, least);
-        self
+        self.with_borders()
     }
 
     /// The greatest thickness that matters. A bulge that is thicker is left out:
@@ -238,14 +258,14 @@ impl Beadings {
         self.beadings.partition_point(|c| c.upto < thickness)
     }
 
-    /// The cost of 1 mm with a number of beads where the area has a thickness.
+    /// The cost of 1 mm with a number of beads where the area has a thickness, which has
+    /// a `nominal` number of them.
     fn cost(
         &self,
-        number: usize,
+        (nominal, number): (usize, usize),
         thickness: Mm,
         Place { bends, tip }: Place,
     ) -> f64 {
-        let nominal = self.number(thickness);
         let Some(c) = self.beadings.get(number) else {
             return if nominal == number { 0.0 } else { WRONG };
         };
@@ -348,14 +368,15 @@ impl Beadings {
         let bent = self.bent(axis, bends);
         let tips = self.tips(axis);
         let places = bent.into_iter().zip(tips.iter().copied());
-        let costs: Vec<Vec<f64>> = axis
+        let costs: Vec<f64> = axis
             .segments()
             .zip(places)
-            .map(|((a, b), (bends, tip))| {
+            .flat_map(|((a, b), (bends, tip))| {
                 let [length, t] = [a.0.distance(b.0), 0.5 * (a.1 + b.1)];
                 let place = Place { bends, tip };
                 let all = 0..=self.beadings.len();
-                all.map(|n| length * self.cost(n, t, place)).collect()
+                let nominal = self.number(t);
+                all.map(move |n| length * self.cost((nominal, n), t, place))
             })
             .collect();
         if !axis.closed {
@@ -382,23 +403,24 @@ impl Beadings {
     fn cheapest(
         &self,
         axis: &Axis,
-        costs: &[Vec<f64>],
+        costs: &[f64],
         begin: impl Fn(usize) -> f64,
         end: impl Fn(usize) -> f64,
     ) -> (f64, Vec<usize>) {
         let all = 0..=self.beadings.len();
+        let count = self.beadings.len() + 1;
         let mut sums: Vec<f64> = all.clone().map(&begin).collect();
-        let mut from: Vec<Vec<usize>> = Vec::with_capacity(costs.len());
-        for (costs, &t) in costs.iter().zip(&axis.thickness) {
-            let best = all.clone().map(|n| {
-                let by = |m: usize| sums[m] + self.border(m, n, t);
-                let least = |a: &usize, b: &usize| by(*a).total_cmp(&by(*b));
-                let m = all.clone().min_by(least).unwrap_or(n);
-                (by(m) + costs[n], m)
-            });
-            let (next, before) = best.unzip();
-            sums = next;
-            from.push(before);
+        let mut next = Vec::with_capacity(count);
+        let mut from: Vec<usize> = Vec::with_capacity(costs.len());
+        for (costs, &t) in costs.chunks_exact(count).zip(&axis.thickness) {
+            next.clear();
+            let borders = self.borders(t).chunks_exact(count);
+            for (borders, cost) in borders.zip(costs) {
+                let (least, before) = cheapest_before(&sums, borders);
+                next.push(least + cost);
+                from.push(before);
+            }
+            std::mem::swap(&mut sums, &mut next);
         }
         let last = |n: &usize| sums[*n] + end(*n);
         let mut n = all
@@ -406,7 +428,7 @@ impl Beadings {
             .unwrap_or_default();
         let sum = last(&n);
         let mut numbers: Vec<usize> = from
-            .iter()
+            .chunks_exact(count)
             .rev()
             .map(|before| {
                 let number = n;
@@ -416,6 +438,12 @@ impl Beadings {
             .collect();
         numbers.reverse();
         (sum, numbers)
+    }
+
+    /// What `borders_at` gives.
+    fn borders(&self, thickness: Mm) -> &[f64] {
+        let between = self.bounds.partition_point(|b| *b < thickness);
+        self.borders.get(between).map_or(&[], Vec::as_slice)
     }
 
     /// For each segment of an axis, true if it is in a tip that the loop of the first
@@ -478,6 +506,17 @@ impl Beadings {
     }
 }
 
+/// The least of some sums, each with the cost of the border after it, and its place.
+fn cheapest_before(sums: &[f64], borders: &[f64]) -> (f64, usize) {
+    let mut least = (f64::INFINITY, 0);
+    for (place, (sum, border)) in sums.iter().zip(borders).enumerate() {
+        if sum + border < least.0 {
+            least = (sum + border, place);
+        }
+    }
+    least
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -506,6 +545,17 @@ mod tests {
 
     fn numbers(parts: &[(usize, Axis)]) -> Vec<usize> {
         parts.iter().map(|p| p.0).collect()
+    }
+
+    #[test]
+    fn borders_cost_the_same_all_along_a_stretch() {
+        let beadings = beadings().with_tips(0.2);
+        let between = (0..300).map(|k| 0.01 * f64::from(k) + 0.005);
+        for t in beadings.bounds.iter().copied().chain(between) {
+            let found = beadings.borders(t);
+            assert_eq!(found, beadings.borders_at(t), "{t}");
+            assert!(found.iter().any(|cost| *cost > 0.0), "{t}");
+        }
     }
 
     #[test]
@@ -629,7 +679,8 @@ mod tests {
                     tip: false,
                 };
                 for number in 0..6 {
-                    assert!(beadings.cost(number, t, bends) >= 0.0);
+                    let numbers = (beadings.number(t), number);
+                    assert!(beadings.cost(numbers, t, bends) >= 0.0);
                 }
                 let strip = axis(12.0, |_| t);
                 let one = t > outer.least && t <= outer.limit;

@@ -284,9 +284,9 @@ impl<'a> Skeleton<'a> {
         ThinPlaces(parts.collect())
     }
 
-    /// Where strips meet, and their tips.
-    fn nodes(&self, limit: Mm) -> EdgeGrid {
-        points(self.ends(limit).chain(self.nodes.iter().copied()), limit)
+    /// Where strips meet, and their tips, to be looked up within `reach`.
+    fn nodes(&self, limit: Mm, reach: Mm) -> EdgeGrid {
+        points(self.ends(limit).chain(self.nodes.iter().copied()), reach)
     }
 }
 
@@ -480,11 +480,11 @@ fn laid(
         };
         let skeleton = Skeleton::new(solid, beadings.limit(), accuracy);
         let places = skeleton.thin_places(&beadings);
-        let nodes = skeleton.nodes(beadings.limit());
         // The border of the filled area is not seen, so it may be coarser.
         let thinned = if next == count { accuracy } else { tolerance };
         let depth: Mm = pair.iter().map(|lay| lay.inner).sum();
         let around = 0.35 * (2.0 * depth + lays[next].least);
+        let nodes = skeleton.nodes(beadings.limit(), around);
         let mut left = skeleton.shrunk(depth, thinned);
         let depths = pair.iter().scan(0.0, |next, lay| {
             let depth = std::mem::replace(next, *next + lay.inner);

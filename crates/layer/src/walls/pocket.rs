@@ -202,12 +202,33 @@ impl Left<'_> {
                 .is_some_and(|(q, t)| p.distance(q) < 0.5 * (t + radius))
         };
         let centre = base + low * inwards;
-        let laid = (0..AROUND).any(|k| {
+        if bead_near(centre, low) {
+            return None;
+        }
+        (!self.is_laid_around(centre)).then_some(low - 0.5 * THINNED)
+    }
+
+    /// True if there is room for other beads in some direction from a ball's middle.
+    fn is_laid_around(&self, centre: DVec2) -> bool {
+        // What is in the way in one direction often is in the next one as well.
+        let reach = self.depth + self.radius - THINNED;
+        let mut last: Option<u32> = None;
+        let mut clear = |p: DVec2| {
+            let edge = last.as_ref().map_or(&[][..], std::slice::from_ref);
+            if self.grid.nearest_of(edge, p, reach).is_some() {
+                return false;
+            }
+            last = None;
+            self.grid.near(p, p, reach, |edge| {
+                last = Some(edge as u32);
+                false
+            });
+            last.is_none()
+        };
+        (0..AROUND).any(|k| {
             let turn = std::f64::consts::TAU * k as f64 / AROUND as f64;
             let to = DVec2::from_angle(turn) * self.radius;
-            fits(centre + 0.6 * to, self.radius)
-                || fits(centre + 1.2 * to, self.radius)
-        });
-        (!laid && !bead_near(centre, low)).then_some(low - 0.5 * THINNED)
+            clear(centre + 0.6 * to) || clear(centre + 1.2 * to)
+        })
     }
 }

@@ -146,6 +146,8 @@ struct Ends {
     owner: Vec<usize>,
     /// For each run, the ways across from its ends to the beginnings of others.
     links: Vec<Vec<Link>>,
+    /// Length of the longest of these ways.
+    longest: Mm,
 }
 
 /// The way across from the end of a run to where another begins.
@@ -167,10 +169,12 @@ impl Ends {
             reach,
             owner: (0..runs.len()).collect(),
             links: vec![Vec::new(); runs.len()],
+            longest: 0.0,
         }
     }
 
     fn add_link(&mut self, link: Link) {
+        self.longest = self.longest.max(link.0.distance(link.1));
         let mut near = Vec::new();
         let reach = 1e-6 * self.reach;
         self.grid
@@ -193,7 +197,9 @@ impl Ends {
     fn crosses(&self, (a, b): Link) -> bool {
         let mut crosses = false;
         let left = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a) > 0.0;
-        let reach = 2.0 * self.reach;
+        // A way that crosses this one begins no farther away than this. Ends lie a
+        // hair from where they are looked for.
+        let reach = 1.01 * (a.distance(b) + self.longest);
         self.grid.visit_near(a, a, reach, |j| {
             crosses |= self.links[j].iter().any(|&(c, d)| {
                 left(a, b, c) != left(a, b, d) && left(c, d, a) != left(c, d, b)
@@ -208,7 +214,7 @@ impl Ends {
         if !run.closed {
             for ball in run.balls.first().into_iter().chain(run.balls.last()) {
                 let c = ball.centre;
-                self.grid.visit_near(c, c, self.reach, |j| found.push(j));
+                self.grid.visit_near(c, c, ball.far(), |j| found.push(j));
             }
         }
         for j in &mut found {

@@ -486,7 +486,7 @@ fn stop_short(
 
 /// The share of `stroke`, number `i`, that lies neither on another stroke nor where
 /// `taken` says that a bead of another wall lies; 1 if the stroke is too long for a
-/// dab.
+/// dab, or if the share is large.
 fn new_share(
     stroke: &Stroke,
     i: usize,
@@ -509,6 +509,26 @@ fn new_share(
     let step = width / f64::from(PLACES);
     let (low, high) = (low - radius, high + radius);
     let count = ((high - low) / step).ceil();
+    // All that may cover some of them is looked up once.
+    let mut near = Vec::new();
+    for (a, b) in [(a, middle), (middle, b)] {
+        let reach = radius + 0.5 * widest;
+        grid.visit_edges_near(a, b, reach, |edge| near.push(edge));
+    }
+    near.sort_unstable();
+    near.dedup();
+    let others = near.into_iter().map(|edge| (edge, grid.owner(edge)));
+    let others = others.filter(|(_, other)| *other != i);
+    let others: Vec<_> = others.map(|(k, other)| (k, &lines[other])).collect();
+    let lies_on = |p: DVec2| {
+        others.iter().any(|&(edge, line)| {
+            let (a, b) = grid.edge(edge);
+            let q = nearest_on(p, a, b);
+            let off = p.distance(q);
+            let lies = || line.width(edge - line.first, q.distance(a));
+            off < 0.5 * widest && off < 0.5 * lies()
+        })
+    };
     let (mut all, mut new) = (0_u32, 0_u32);
     for k in 0..(count.x * count.y) as usize {
         let k = k as f64;
@@ -521,16 +541,12 @@ fn new_share(
             continue;
         }
         all += 1;
-        let mut covered = taken(p);
-        grid.visit_edges_near(p, p, 0.5 * widest, |edge| {
-            let other = grid.owner(edge);
-            let (a, b) = grid.edge(edge);
-            let q = nearest_on(p, a, b);
-            let lies =
-                lines[other].width(edge - lines[other].first, q.distance(a));
-            covered |= other != i && p.distance(q) < 0.5 * lies;
-        });
+        let covered = lies_on(p) || taken(p);
         new += u32::from(!covered);
+        // However many more there are on the dab, this is enough.
+        if f64::from(new) >= NEW * count.x * count.y {
+            return 1.0;
+        }
     }
     f64::from(new) / f64::from(all.max(1))
 }

@@ -43,8 +43,7 @@ impl EdgeGrid {
     /// The point of the edges nearest to `p` and the number of its edge, if
     /// it is within `reach`.
     pub fn nearest_edge(&self, p: DVec2, reach: Mm) -> Option<(usize, DVec2)> {
-        // All rows are searched in the same columns, so what is far is looked at
-        // only where nothing is near.
+        // What is far is looked at only where nothing is near.
         let mut near = self.cell;
         while near < reach {
             let found = self.nearest_in_rows(p, near);
@@ -66,20 +65,16 @@ impl EdgeGrid {
         // side: what is near the point may rule out all others.
         let (low, high) = (self.row(p.y - reach), self.row(p.y + reach));
         let own = self.row(p.y);
-        // All rows are searched in the same columns. A square root for each
-        // row, which would give fewer columns, takes longer than the edges in
-        // the extra ones.
-        let columns = (self.column(p.x - reach), self.column(p.x + reach) + 1);
-        found.look(self, own, columns, 0.0);
+        found.look(self, own, 0.0);
         // Edges outside the grid are in the cells at its border.
         let side = |row: usize| self.origin.y + row as f64 * self.cell;
         for row in own + 1..=high {
-            if !found.look(self, row, columns, side(row) - p.y) {
+            if !found.look(self, row, side(row) - p.y) {
                 break;
             }
         }
         for row in (low..own).rev() {
-            if !found.look(self, row, columns, p.y - side(row + 1)) {
+            if !found.look(self, row, p.y - side(row + 1)) {
                 break;
             }
         }
@@ -131,23 +126,19 @@ impl Nearest {
         (self.edge != NONE).then_some((self.edge as usize, self.at))
     }
 
-    /// Looks at a row of a grid that is `off` away. False if the row is too far
-    /// away, as are then all rows beyond it.
+    /// Looks at a row of a grid that is `off` away, where it is near enough. False if all
+    /// of it is too far away, as are then all rows beyond it.
     #[inline]
-    fn look(
-        &mut self,
-        grid: &EdgeGrid,
-        row: usize,
-        columns: (usize, usize),
-        off: Mm,
-    ) -> bool {
+    fn look(&mut self, grid: &EdgeGrid, row: usize, off: Mm) -> bool {
         // The limit is a hair wider, since the cells' sides are rounded.
-        if off * off > self.limit + 1e-9 {
+        let left = self.limit + 1e-9 - off * off;
+        if left < 0.0 {
             return false;
         }
+        let half = left.sqrt();
         let first = row * grid.columns;
-        let from = grid.starts[first + columns.0];
-        let to = grid.starts[first + columns.1];
+        let from = grid.starts[first + grid.column(self.p.x - half)];
+        let to = grid.starts[first + grid.column(self.p.x + half) + 1];
         let (from, to) = (from as usize, to as usize);
         for &edge in &grid.members[from..to] {
             self.ask(grid, edge);
