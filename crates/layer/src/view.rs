@@ -1,7 +1,13 @@
 //! A layer and the layers around it, as any stage sees them.
 
-use isoslice_planar::Solid;
+use isoslice_planar::{Area, Solid};
 use isoslice_settings::layers::LayerSpan;
+use std::sync::OnceLock;
+
+/// What lies under the walls of what rises from a layer, once it was asked for.
+/// All who ask have to have the same layer above.
+#[derive(Debug, Default)]
+pub struct Risen(pub(crate) OnceLock<Area>);
 
 /// A layer whose outline is known.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +20,8 @@ pub struct LayerFace<'a> {
     pub rough: &'a Solid<'a>,
     /// What the layer above stands on.
     pub top: &'a Solid<'a>,
+    /// Where what rises from the layer is kept, if more than one layer asks.
+    pub risen: Option<&'a Risen>,
 }
 
 impl LayerFace<'_> {
@@ -52,6 +60,7 @@ impl<'a> LayerView<'a> {
             outline: solid,
             rough: solid,
             top: solid,
+            risen: None,
         };
         let above = above.iter().zip(number + 1..);
         let below = below.iter().zip(1..);

@@ -8,7 +8,7 @@ use isoslice_base::units::{Mm, Mm2};
 use isoslice_held::overhangs::LayerOverhang;
 use isoslice_layer::exposure::FillAreas;
 use isoslice_layer::seam::Ground;
-use isoslice_layer::view::{LayerFace, LayerView};
+use isoslice_layer::view::{LayerFace, LayerView, Risen};
 use isoslice_layer::walls::Walls;
 use isoslice_path::order::LayerBeads;
 use isoslice_planar::{Area, Solid};
@@ -37,6 +37,8 @@ pub(super) struct Layer {
     /// elephant's foot was taken from the outline, the plastic spreads out
     /// again.
     pub squeezed: Option<Arc<Solid<'static>>>,
+    /// Where what rises from the layer is kept.
+    pub risen: Arc<Risen>,
     /// The layer's inside, as long as a layer above may have an equal one.
     pub inside: Option<Arc<Inside>>,
 }
@@ -98,6 +100,7 @@ impl Layer {
         Layer {
             outline,
             rough,
+            risen: Arc::default(),
             ..self.clone()
         }
     }
@@ -127,6 +130,7 @@ impl Layer {
             outline: &self.outline,
             rough: &self.rough,
             top: self.top(),
+            risen: Some(&self.risen),
         }
     }
 

@@ -111,9 +111,11 @@ impl PartPaths<'_> {
                     outline: area,
                     rough: area,
                     top: area,
+                    risen: None,
                 });
                 let here = LayerFace {
                     span: top.span,
+                    risen: None,
                     ..layer
                 };
                 let view = LayerView {

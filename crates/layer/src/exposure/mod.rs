@@ -27,6 +27,7 @@
 //! fill.
 
 mod plan;
+mod risen;
 mod rough;
 mod shells;
 
@@ -37,15 +38,15 @@ use crate::cover::{
     Covered, Exposed, Islands, TOLERANCE, by_island, exposed, near, open,
 };
 use crate::view::{LayerFace, LayerView};
-use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{
     crop, difference, intersection, not_covered_by_all, union, unite,
 };
 use isoslice_planar::offset::offset;
 use isoslice_planar::opening::{is_wider, opened, wide_parts};
-use isoslice_planar::{Area, BoxTree, Rect, Solid};
+use isoslice_planar::{Area, Rect, Solid};
 use isoslice_settings::layers::LayerSpan;
+use risen::under;
 use rough::apart;
 use shells::Shells;
 
@@ -268,45 +269,31 @@ impl<'a> Exposure<'a> {
     /// For each island, what lies under the walls of a part that rises from a
     /// face of this layer, or of one of the layers above whose skin reaches down
     /// to this one.
-    ///
-    /// A part rises where the layer above recedes so far that its walls lie
-    /// beside those below them for the most part. On a slope that is steeper
-    /// than that, walls stand on walls.
     fn under_walls(
         &self,
         islands: &[Area],
         exposed: &[Exposed],
         view: &LayerView<'_>,
     ) -> Vec<Area> {
-        let walls = &self.plan.walls;
-        let (_, depth) = walls.depths(view.here.span.height());
-        let step = 0.5 * walls.inner;
         let all = islands.iter().zip(exposed);
         let asked = all.filter(|(_, e)| **e != Exposed::Everywhere);
         let asked: Vec<&Area> = asked.map(|(island, _)| island).collect();
-        let far = depth + step;
-        let boxes = asked.iter().map(|island| island.bounds().grown(far));
-        let near = boxes.clone().fold(Rect::EMPTY, |all, b| all.union(b));
-        let boxes = BoxTree::new(boxes.enumerate());
+        let near = asked.iter().map(|island| island.bounds());
+        let near = near.fold(Rect::EMPTY, Rect::union);
         let layers = self.covering(self.above.at(view.here.span.index));
-        let above = view.above.iter().take(layers).map(|near| near.rough);
-        let lower = std::iter::once(view.here.rough).chain(above.clone());
+        let above = view.above.iter().take(layers);
+        let lower = std::iter::once(&view.here).chain(above.clone());
         let mut found = Area::EMPTY;
-        for (lower, upper) in lower.zip(above) {
-            if depth <= 0.0
-                || upper.is(lower)
-                || !recedes(lower, upper, step, &boxes)
-            {
-                continue;
-            }
+        for (lower, upper) in lower.zip(above).filter(|_| !asked.is_empty()) {
             if isoslice_base::limits::is_stopped() {
                 break;
             }
-            let here = crop(&lower.area().rings, near);
-            let open = open(&here, upper.area());
-            let wide = offset(&open, -0.5 * step, TOLERANCE);
-            let under = offset(&wide, 0.5 * step + depth, TOLERANCE);
-            found.rings.extend(under.rings);
+            let rings = under(lower, upper, &self.plan.walls, |all| {
+                all.bounds()
+                    .meets(near)
+                    .then(|| crop(&all.rings, near).rings)
+            });
+            found.rings.extend(rings.unwrap_or_default());
         }
         if found.is_empty() {
             return vec![Area::EMPTY; islands.len()];
@@ -314,25 +301,9 @@ impl<'a> Exposure<'a> {
         let all = asked.iter().flat_map(|island| &island.rings);
         let found = intersection(&all.cloned().collect(), &unite(&found));
         // What is thinner than a bead lies beside what holds the walls.
-        let found = opened(&found, 0.5 * walls.skin, TOLERANCE);
+        let found = opened(&found, 0.5 * self.plan.walls.skin, TOLERANCE);
         by_island(islands, found.islands())
     }
-}
-
-/// True if some border of a layer in one of some boxes is farther than `step`
-/// from the border of the layer below, in which it lies.
-fn recedes(
-    lower: &Solid<'_>,
-    upper: &Solid<'_>,
-    step: Mm,
-    boxes: &BoxTree,
-) -> bool {
-    let grid = lower.grid();
-    let near = |p: DVec2| boxes.meeting(Rect::new(p, p)).next().is_some();
-    let mut points = upper.area().rings.iter().flatten();
-    points.any(|&p| {
-        near(p) && grid.nearest_edge(p, step).is_none() && grid.contains(p)
-    })
 }
 
 /// The layers that count on a slope besides the first `layers` on one side of a

@@ -331,6 +331,7 @@ mod tests {
                 outline,
                 rough: outline,
                 top: outline,
+                risen: None,
             },
             from: None,
             seams: &[],

@@ -116,6 +116,7 @@ impl Part {
                 outline,
                 rough: outline,
                 top: outline,
+                risen: None,
             }
         }
         let view = LayerView {

@@ -244,6 +244,7 @@ impl Stages<'_> {
         {
             return Ok(Layer {
                 span,
+                risen: Arc::default(),
                 ..below.clone()
             });
         }
@@ -275,6 +276,7 @@ impl Stages<'_> {
             rough,
             offsets: Arc::new(offsets.into_iter().map(|o| o.1).collect()),
             squeezed: squeezed.map(|area| Arc::new(Solid::new(area))),
+            risen: Arc::default(),
             inside: None,
         })
     }
