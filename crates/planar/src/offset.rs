@@ -102,6 +102,7 @@ pub fn offset_within(
         if m.len() < 3 {
             continue;
         }
+        let mut passed = Passed::default();
         for ((a, b), &origin) in super::edges(&m).zip(&origins) {
             let known = match (room, origin) {
                 (Some(room), Some(edge)) => {
@@ -120,11 +121,12 @@ pub fn offset_within(
                     _ => trim::state(a, b, grid, clearance),
                 }
             };
-            let passed = || [a.midpoint(b), a, b].into_iter().all(beyond);
-            states.push(match known.unwrap_or_else(ask) {
-                State::Clear | State::Mixed if passed() => State::Covered,
-                state => state,
-            });
+            states.push(passed.state(
+                known.unwrap_or_else(ask),
+                [a.midpoint(b), a, b],
+                clearance,
+                beyond,
+            ));
         }
         turned.push((signed_area(ring) > 0.0) != (signed_area(&m) > 0.0));
         rings.push(m);
@@ -152,6 +154,34 @@ pub fn offset_within(
         // A hole's loops cancel against the ring around it, so either all rings
         // go through the sweep or none.
         None => positive(&Area { rings }),
+    }
+}
+
+/// Finds moved edges that have passed through a strip thinner than the slack, one
+/// after another along a ring.
+#[derive(Default)]
+struct Passed {
+    /// Whether the last edge has passed, if it is clear of all edges: then so has a
+    /// clear edge after it, since there is no border between the two.
+    clear: Option<bool>,
+}
+
+impl Passed {
+    /// The state of an edge, which is covered if all of these places on it are
+    /// beyond the border.
+    fn state(
+        &mut self,
+        state: State,
+        places: [DVec2; 3],
+        clearance: Mm,
+        beyond: impl Fn(DVec2) -> bool,
+    ) -> State {
+        let clear = state == State::Clear && clearance > 0.0;
+        let before = self.clear.take().filter(|_| clear);
+        let passed = state != State::Covered
+            && before.unwrap_or_else(|| places.into_iter().all(beyond));
+        self.clear = clear.then_some(passed);
+        if passed { State::Covered } else { state }
     }
 }
 
