@@ -67,6 +67,23 @@ pub(crate) struct Near {
     pub point: DVec3,
 }
 
+impl Near {
+    /// Farther than any triangle.
+    pub(crate) const NOTHING: Near = Near {
+        square: f64::INFINITY,
+        triangle: usize::MAX,
+        point: DVec3::INFINITY,
+    };
+
+    /// True if this triangle counts, and not the other: of several at one distance
+    /// the first counts.
+    #[inline]
+    pub(crate) fn is_closer(&self, other: &Near) -> bool {
+        self.square < other.square
+            || (self.square == other.square && self.triangle < other.triangle)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

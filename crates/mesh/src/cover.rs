@@ -12,6 +12,7 @@
 use crate::error::MeshError;
 use crate::fill::Filler;
 use crate::loops::{Missing, loops};
+use crate::mesh::ROUNDINGS;
 use crate::ray::Direction;
 use crate::rim::RimEdge;
 use crate::shell::Shell;
@@ -20,6 +21,8 @@ use glam::DVec3;
 use isocontour::Bounds;
 use isoslice_base::limits::{go_on, is_stopped};
 use rayon::prelude::*;
+use std::cell::Cell;
+use std::collections::HashSet;
 
 /// Places at which covers are compared with winding numbers. If all triangles lie
 /// on one another, each takes the time of all triangles.
@@ -40,6 +43,8 @@ pub(crate) struct Cover {
     pub shell: Shell,
     /// For each vertex its number among those of the closed triangles.
     pub numbers: Vec<u32>,
+    /// What of the cover does not lie on a triangle that it closes.
+    alone: Shell,
 }
 
 impl Cover {
@@ -70,6 +75,7 @@ impl Cover {
             look(&shell.vertices, &lid, &mut places);
             corners.append(&mut lid);
         }
+        let alone = alone(shell, &corners);
         let mut used: Vec<u32> = corners.as_flattened().to_vec();
         used.sort_unstable();
         used.dedup();
@@ -86,6 +92,7 @@ impl Cover {
             Cover {
                 shell: cover,
                 numbers,
+                alone,
             },
             places,
         ))
@@ -123,18 +130,58 @@ impl Cover {
 
     /// True if a box may meet a triangle of the cover.
     pub(crate) fn meets(&self, over: &Bounds) -> bool {
-        let mut meets = false;
-        let near = |node: &Node| {
-            [0, 1, 2, 3].map(|i| gap(over, &node.bounds(i)) == 0.0)
-        };
-        self.shell.tree.visit(near, |_, _| meets = true);
-        meets
+        meets(&self.shell, over)
+    }
+
+    /// True if a box may meet the cover at a place that is on no triangle.
+    pub(crate) fn is_alone(&self, over: &Bounds) -> bool {
+        meets(&self.alone, over)
     }
 
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        self.shell.bytes() + self.numbers.capacity() * size_of::<u32>()
+        self.shell.bytes()
+            + self.alone.bytes()
+            + self.numbers.capacity() * size_of::<u32>()
     }
+}
+
+/// True if a box may meet a triangle.
+fn meets(shell: &Shell, over: &Bounds) -> bool {
+    let scale = over.min.abs().max(over.max.abs()).max_element();
+    let meets = Cell::new(false);
+    let near = |node: &Node| {
+        let left = !meets.get();
+        [0, 1, 2, 3].map(|i| left && gap(over, &node.bounds(i)) == 0.0)
+    };
+    // The boxes around large triangles hold places that are far from them.
+    shell.tree.visit(near, |first, end| {
+        let touches = |i| shell.apart(i, over) <= ROUNDINGS * scale;
+        meets.set(meets.get() || (first..end).any(touches));
+    });
+    meets.get()
+}
+
+/// What of a cover does not lie on a triangle of the shell. A loose triangle's cover
+/// is its own back.
+fn alone(shell: &Shell, cover: &[[u32; 3]]) -> Shell {
+    let sorted = |mut corners: [u32; 3]| {
+        corners.sort_unstable();
+        corners
+    };
+    let mut left: HashSet<[u32; 3]> =
+        cover.iter().copied().map(sorted).collect();
+    for corners in &shell.corners {
+        left.remove(&sorted(*corners));
+    }
+    let is_left = |corners: &&[u32; 3]| left.contains(&sorted(**corners));
+    let left = cover.iter().filter(is_left);
+    let triangles = left.map(|t| t.map(|v| shell.vertices[v as usize]));
+    let vertices: Vec<DVec3> = triangles.flatten().collect();
+    let corners =
+        (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+    let corners = corners.collect();
+    Shell::new(vertices, corners)
 }
 
 /// Adds places on both sides of the triangles over a loop.

@@ -79,6 +79,7 @@ mod cover;
 mod edges;
 mod error;
 mod facts;
+mod few;
 mod fill;
 mod four;
 mod limits;

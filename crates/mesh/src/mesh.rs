@@ -3,6 +3,7 @@
 use crate::closest::Near;
 use crate::error::MeshError;
 use crate::facts::Facts;
+use crate::few::Few;
 use crate::repair::repair;
 use crate::rim::rim;
 use crate::shell::Shell;
@@ -22,7 +23,7 @@ const FAR_AWAY: f64 = 1e15;
 const INSIDE: f64 = 1e-30;
 
 /// What roundings of coordinates may add to a distance, as a share of them.
-const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+pub(crate) const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 
 /// Distances below this share of the coordinates have no direction that is right
 /// to six digits. There the gradient is the normal of the triangle.
@@ -54,6 +55,13 @@ struct Last {
     place: DVec3,
     distance: f64,
     is_inside: bool,
+}
+
+/// What is known from the places before.
+#[derive(Default)]
+struct Before {
+    last: Option<Last>,
+    few: Few,
 }
 
 impl Mesh {
@@ -133,24 +141,25 @@ impl Mesh {
         }
     }
 
-    /// The value at a place, given what is known of another one near to it. It
-    /// is the same as without.
-    fn next(&self, place: DVec3, last: &mut Option<Last>) -> f64 {
+    /// The value at a place, given what is known of places near to it. It is the
+    /// same as without.
+    fn next(&self, place: DVec3, before: &mut Before) -> f64 {
         if place.abs().max_element() > FAR_AWAY {
             return place.distance(self.bounds.centre());
         }
-        let near = self.nearest(place);
+        let search = || self.nearest(place);
+        let near = before.few.nearest(&self.shell, place, search);
         let distance = near.square.sqrt();
         // No triangle is within the last distance of the last place.
-        let known = last.filter(|last| {
-            self.sign.is_closed()
-                && place.distance(last.place)
-                    < last.distance * (1.0 - 1e-9)
-                        - ROUNDINGS * place.abs().max_element()
+        let known = before.last.filter(|last| {
+            place.distance(last.place)
+                < last.distance * (1.0 - 1e-9)
+                    - ROUNDINGS * place.abs().max_element()
+                && !self.sign.changes(&between(last.place, place))
         });
         let is_inside =
             known.map_or_else(|| self.is_inside(place), |l| l.is_inside);
-        *last = Some(Last {
+        before.last = Some(Last {
             place,
             distance,
             is_inside,
@@ -173,6 +182,14 @@ impl Mesh {
     }
 }
 
+/// The box around two places.
+fn between(a: DVec3, b: DVec3) -> Bounds {
+    Bounds {
+        min: a.min(b),
+        max: a.max(b),
+    }
+}
+
 impl Data for Mesh {
     fn name(&self) -> &str {
         &self.name
@@ -192,15 +209,15 @@ impl Data for Mesh {
     }
 
     fn value(&self, p: DVec3) -> f64 {
-        self.next(p, &mut None)
+        self.next(p, &mut Before::default())
     }
 
     fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
-        let mut last = None;
+        let mut before = Before::default();
         out.extend(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| {
             let p = DVec3::new(x.into(), y.into(), z.into());
             if p.is_finite() {
-                self.next(p, &mut last) as f32
+                self.next(p, &mut before) as f32
             } else {
                 f32::NAN
             }

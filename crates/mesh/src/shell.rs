@@ -66,20 +66,23 @@ impl Shell {
             + self.tree.nodes.capacity() * size_of::<Node>()
     }
 
+    /// How near a triangle is to a place.
+    #[inline]
+    pub(crate) fn look(&self, triangle: usize, p: DVec3) -> Near {
+        let point = closest(p, self.triangle(triangle));
+        Near {
+            square: p.distance_squared(point),
+            triangle,
+            point,
+        }
+    }
+
     /// The triangle that is closest to a place. `guess` may name one that is
     /// near. It makes the search shorter, and never changes what is found: all
     /// triangles within the least distance and some roundings are looked at, and
     /// of several at the same distance the first counts.
     pub(crate) fn nearest(&self, p: DVec3, guess: usize) -> Near {
-        let look = |triangle: usize| {
-            let point = closest(p, self.triangle(triangle));
-            Near {
-                square: p.distance_squared(point),
-                triangle,
-                point,
-            }
-        };
-        let mut best = look(guess);
+        let mut best = self.look(guess, p);
         let reach = Reach::around(p);
         let mut limit = reach.limit(best.square);
         let mut stack = [(0.0f32, 0u32); STACK];
@@ -101,10 +104,8 @@ impl Shell {
                         if bounds[i - first] > limit {
                             continue;
                         }
-                        let near = look(i);
-                        if near.square < best.square
-                            || (near.square == best.square && i < best.triangle)
-                        {
+                        let near = self.look(i, p);
+                        if near.is_closer(&best) {
                             best = near;
                         }
                     }

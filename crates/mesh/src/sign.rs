@@ -108,9 +108,8 @@ impl Sign {
         }
     }
 
-    /// True if the sign may change within a distance of a box at a place that is
-    /// on no triangle.
-    pub(crate) fn may_change(&self, over: &Bounds, within: f64) -> bool {
+    /// True if the rim, or what closes it, may be within a distance of a box.
+    pub(crate) fn is_open(&self, over: &Bounds, within: f64) -> bool {
         let margin = DVec3::splat(within);
         let grown = Bounds {
             min: over.min - margin,
@@ -119,6 +118,15 @@ impl Sign {
         match self {
             Sign::Closed => false,
             Sign::Covered(cover) => cover.meets(&grown),
+            Sign::Capped { .. } | Sign::Loose(_) => true,
+        }
+    }
+
+    /// True if the sign may change in a box at a place that is on no triangle.
+    pub(crate) fn changes(&self, over: &Bounds) -> bool {
+        match self {
+            Sign::Closed => false,
+            Sign::Covered(cover) => cover.is_alone(over),
             Sign::Capped { .. } | Sign::Loose(_) => true,
         }
     }
@@ -132,7 +140,7 @@ impl Sign {
     pub(crate) fn change(&self, over: &Bounds) -> f64 {
         match self {
             Sign::Closed => 0.0,
-            Sign::Covered(cover) if cover.meets(over) => f64::INFINITY,
+            Sign::Covered(cover) if cover.is_alone(over) => f64::INFINITY,
             Sign::Covered(_) => 0.0,
             Sign::Loose(_) => f64::INFINITY,
             Sign::Capped { caps, lengths, .. } => {

@@ -225,6 +225,48 @@ fn values_do_not_depend_on_those_before() {
     assert!(values.iter().all(|v| v.is_nan()));
 }
 
+/// Places of a lattice's leaves: rows of 9, 9 rows to a leaf, 3 leaves.
+fn leaves(step: f32) -> [Vec<f32>; 3] {
+    let mut places: [Vec<f32>; 3] = Default::default();
+    for k in 0..3 * 81 {
+        let (leaf, row, column) = (k / 81, k / 9 % 9, k % 9);
+        places[0].push(step * (8 * leaf + column) as f32);
+        places[1].push(step * row as f32);
+        places[2].push(0.3);
+    }
+    places
+}
+
+#[test]
+fn a_lattice_has_the_values_of_single_places() {
+    let mut random = Random::new(8);
+    let mut loose = Vec::new();
+    for _ in 0..60 {
+        let middle = random.within(4.0);
+        loose.push([(); 3].map(|()| middle + random.within(1.0)));
+    }
+    // Loose triangles, a sheet of two, a closed body, and one with a hole.
+    let sheet = [loose[0], [loose[0][1], loose[0][0], middle(&loose[1])]];
+    let whole = ball(2.0, 3);
+    for faces in [&loose[..], &sheet, &whole, &whole[4..]] {
+        let mesh = mesh(faces);
+        for step in [0.02, 0.1, 0.4] {
+            let [x, y, z] = leaves(step);
+            let mut all = Vec::new();
+            mesh.values([&x, &y, &z], &mut all);
+            for (k, v) in all.into_iter().enumerate() {
+                let p = [x[k], y[k], z[k]].map(f64::from);
+                let alone = mesh.value(DVec3::from_array(p)) as f32;
+                assert_eq!(v, alone, "{step} {p:?}");
+            }
+        }
+    }
+}
+
+fn middle(face: &[DVec3; 3]) -> DVec3 {
+    face.iter().sum::<DVec3>() / 3.0
+}
+
 fn ranges_hold(mesh: &Mesh, seed: u64, count: usize) {
     let mut random = Random::new(seed);
     let size = mesh.bounds.size().max_element();
