@@ -123,16 +123,20 @@ impl Curve {
         }
     }
 
-    /// The way at a parameter, of length 1; zero if there is none.
-    pub(crate) fn way(&self, t: f64) -> DVec2 {
+    /// The derivative at a parameter.
+    fn slope_at(&self, t: f64) -> DVec2 {
         let ([a, b, c], n) = self.slope();
         let u = 1.0 - t;
-        let slope = match n {
+        match n {
             1 => a,
             2 => a * u + b * t,
             _ => (a * u + b * t) * u + (b * u + c * t) * t,
-        };
-        slope.normalize_or_zero()
+        }
+    }
+
+    /// The way at a parameter, of length 1; zero if there is none.
+    pub(crate) fn way(&self, t: f64) -> DVec2 {
+        self.slope_at(t).normalize_or_zero()
     }
 
     /// The way at its start or its end, also where control points coincide.
@@ -216,6 +220,40 @@ impl Curve {
         far.fold(0.0, f64::max).sqrt()
     }
 
+    /// Whether a curve that only rises or falls along both axes is right of a place
+    /// where it is as high as the place. The place is in the box around it.
+    ///
+    /// The curve passes the place's height at one parameter and its x at another.
+    /// Any parameter between the two tells which of them comes first, and to be
+    /// between them the guess need be no closer than they are apart.
+    pub(crate) fn is_right_of(&self, p: DVec2) -> bool {
+        /// A place a millionth of the curve's length away takes 2 or 3 guesses.
+        const GUESSES: usize = 24;
+        let (a, b) = (self.start(), self.end());
+        let is_rightward = b.x > a.x;
+        let rises = (b - a).signum();
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut t = 0.5;
+        for _ in 0..if self.degree == 1 { 0 } else { GUESSES } {
+            let off = self.at(t) - p;
+            let passed = (off * rises).cmpgt(DVec2::ZERO);
+            if passed.x != passed.y {
+                // What is passed later comes farther along the way.
+                return passed.x == is_rightward;
+            }
+            if passed.y {
+                high = t;
+            } else {
+                low = t;
+            }
+            let guess = DVec2::splat(t) - off / self.slope_at(t);
+            let middle = 0.5 * (low + high);
+            let within = |g: f64| if g > low && g < high { g } else { middle };
+            t = 0.5 * (within(guess.x) + within(guess.y));
+        }
+        self.x_at(p.y) > p.x
+    }
+
     /// Where a curve that rises or falls along y is at a height between those
     /// of its ends.
     pub(crate) fn x_at(&self, y: f64) -> f64 {
@@ -233,15 +271,7 @@ impl Curve {
             } else {
                 high = t;
             }
-            let slope = {
-                let ([a, b, c], n) = self.slope();
-                let u = 1.0 - t;
-                match n {
-                    2 => a.y * u + b.y * t,
-                    _ => (a.y * u + b.y * t) * u + (b.y * u + c.y * t) * t,
-                }
-            };
-            let next = t - (p.y - y) / slope;
+            let next = t - (p.y - y) / self.slope_at(t).y;
             let next = if next > low && next < high {
                 next
             } else {
@@ -270,5 +300,41 @@ impl Curve {
 
     pub(crate) fn is_finite(&self) -> bool {
         self.points.iter().all(|p| p.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pieces of curves that rise and fall along either axis.
+    fn pieces() -> Vec<Curve> {
+        let mut rng = fastrand::Rng::with_seed(7);
+        let mut place = || DVec2::new(rng.f64(), rng.f64());
+        (0..400)
+            .flat_map(|i| {
+                let control = [place(), place(), place(), place()];
+                Curve::new(&control[..2 + i % 3]).monotone()
+            })
+            .filter(|c| c.bounds().size().min_element() > 1e-3)
+            .collect()
+    }
+
+    #[test]
+    fn places_beside_a_curve_are_on_their_side() {
+        for piece in pieces() {
+            for i in 1..40 {
+                let on = piece.at(f64::from(i) / 40.0);
+                for off in [1e-1, 1e-4, 1e-8, 1e-11] {
+                    let right = piece.is_right_of(on - DVec2::new(off, 0.0));
+                    let left = piece.is_right_of(on + DVec2::new(off, 0.0));
+                    assert_eq!(
+                        [right, left],
+                        [true, false],
+                        "{piece:?} {on} {off}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -151,7 +151,7 @@ fn passes(piece: &Curve, p: DVec2) -> i32 {
     } else if p.x > a.x.max(b.x) {
         false
     } else {
-        piece.x_at(p.y) > p.x
+        piece.is_right_of(p)
     };
     if right { way } else { 0 }
 }
