@@ -222,8 +222,8 @@ impl<'a> Calls<'a> {
         reads(self.all, Source::Call(k), 2)
     }
 
-    /// About how many operations the calls of a function take at a point.
-    pub(super) fn cost(all: &[Call]) -> u64 {
+    /// About how many operations the calls that are read take at a point.
+    pub(super) fn cost(&mut self, read: impl Iterator<Item = Source>) -> u64 {
         /// A look into a tree of boxes takes about as long as so many operations
         /// of an expression.
         const LOOK: u64 = 200;
@@ -231,7 +231,9 @@ impl<'a> Calls<'a> {
             let arguments = c.at.iter().map(|a| a.f.size() as u64);
             LOOK + arguments.sum::<u64>()
         };
-        all.iter().map(of).sum()
+        self.need(read);
+        let all = self.all.iter().zip(&self.needed);
+        all.filter(|(_, needed)| **needed).map(|(c, _)| of(c)).sum()
     }
 
     /// Evaluates the calls that are read at points.

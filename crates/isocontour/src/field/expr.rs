@@ -1,6 +1,7 @@
 //! An expression in the form in which it is evaluated: whole, or simplified for
 //! a tile.
 
+use super::source::Source;
 use fidget::compiler::RegOp;
 use fidget::vm::VmFunction;
 use std::cell::OnceCell;
@@ -18,6 +19,14 @@ impl Expr {
             f,
             inputs: OnceCell::new(),
         }
+    }
+
+    /// Where the inputs that the function reads are from, given where all are.
+    pub(super) fn read<'s>(
+        &'s self,
+        sources: &'s [Source],
+    ) -> impl Iterator<Item = Source> + 's {
+        self.inputs().iter().map(|&slot| sources[slot])
     }
 
     /// The indices of the inputs that the function reads.

@@ -5,6 +5,7 @@ use super::spans::{crossings, hits};
 use super::{Grid, Hit, Sight};
 use crate::field::boxes::Boxes;
 use crate::field::calls::Calls;
+use crate::field::expr::Expr;
 use crate::field::lanes::{Lanes, Seed, Slopes};
 use crate::field::source::Source;
 use crate::field::{FieldError, bug};
@@ -115,7 +116,7 @@ impl<'a> Eye<'a> {
             size: [width, height, size[2]],
         };
         self.sight.cancel.check()?;
-        self.sight.spend(&self.sight.f, width * height)?;
+        self.spend(&Expr::new(self.sight.f.clone()), width * height)?;
         let Some(found) = crossings(solid, &lines) else {
             return Ok(false);
         };
@@ -129,11 +130,18 @@ impl<'a> Eye<'a> {
         Ok(true)
     }
 
+    /// Notes that a function is evaluated for `count` numbers.
+    fn spend(&mut self, f: &Expr, count: usize) -> Result<(), FieldError> {
+        let calls = self.calls.cost(f.read(&self.sight.sources));
+        let of_one = f.f.size() as u64 + calls;
+        self.sight.spend(of_one * count as u64)
+    }
+
     /// Looks through the tiles of a column, which stand behind one another, the
     /// nearest first. The column's first line of sight is `at`.
     fn tiles(&mut self, at: [usize; 2]) -> Result<(), FieldError> {
         let sight = self.sight;
-        let f = &sight.f;
+        let f = &Expr::new(sight.f.clone());
         let tiles = self.grid.size[2].div_ceil(TILE);
         let tiles = (0..tiles).rev().map(|k| [at[0], at[1], k * TILE]);
         let tiles: Vec<[usize; 3]> = tiles.collect();
@@ -147,7 +155,7 @@ impl<'a> Eye<'a> {
     /// Looks at one cube of a tile's or a block's size.
     fn visit(
         &mut self,
-        f: &VmFunction,
+        f: &Expr,
         at: [usize; 3],
         known: Known,
         size: usize,
@@ -161,19 +169,18 @@ impl<'a> Eye<'a> {
         }
         let sources = &self.sight.sources;
         let extent = self.extent(at, size);
-        let read = sources.iter().copied();
-        self.calls.over(read, std::iter::once(extent));
+        self.calls.over(f.read(sources), std::iter::once(extent));
         let calls = &self.calls;
         let input = |slot: usize| match sources[slot] {
             Source::Coordinate(a) | Source::Part(a, _) => extent[a],
             Source::Call(c) => calls.range(c, 0),
         };
-        let (_, trace) = self.ranges.range(f, &input);
+        let (_, trace) = self.ranges.range(&f.f, &input);
         let own = match trace {
             Some(trace) => {
                 let storage = self.storage.pop().unwrap_or_default();
-                let simpler = f.simplify(trace, storage, &mut self.simplify);
-                Some(simpler.map_err(bug)?)
+                let simpler = f.f.simplify(trace, storage, &mut self.simplify);
+                Some(Expr::new(simpler.map_err(bug)?))
             }
             None => None,
         };
@@ -199,7 +206,7 @@ impl<'a> Eye<'a> {
             self.arrive(g)?;
         }
         if let Some(done) = own {
-            self.storage.extend(done.recycle());
+            self.storage.extend(done.f.recycle());
         }
         Ok(())
     }
@@ -207,29 +214,29 @@ impl<'a> Eye<'a> {
     /// What is known of cubes of one size, where there may be something.
     fn sift(
         &mut self,
-        f: &VmFunction,
+        f: &Expr,
         cubes: &[[usize; 3]],
         size: usize,
     ) -> Result<Vec<([usize; 3], Known)>, FieldError> {
         // A range has two ends.
-        self.sight.spend(f, 2 * cubes.len())?;
+        self.spend(f, 2 * cubes.len())?;
         let sources = &self.sight.sources;
         let extents: Vec<[Interval; 3]> =
             cubes.iter().map(|&at| self.extent(at, size)).collect();
         self.found.clear();
-        let read = sources.iter().copied();
-        self.calls.over(read, extents.iter().copied());
+        self.calls.over(f.read(sources), extents.iter().copied());
         let calls = &self.calls;
         let input = |slot: usize, k: usize| match sources[slot] {
             Source::Coordinate(a) | Source::Part(a, _) => extents[k][a],
             Source::Call(c) => calls.range(c, k),
         };
-        self.lanes.ranges(f, cubes.len(), &input, &mut self.found);
+        self.lanes
+            .ranges(&f.f, cubes.len(), &input, &mut self.found);
         let mut out = Vec::with_capacity(cubes.len());
         for (k, found) in self.found.iter().enumerate() {
             let range = match found {
                 Some(range) => *range,
-                None => self.ranges.range(f, &|slot| input(slot, k)).0,
+                None => self.ranges.range(&f.f, &|slot| input(slot, k)).0,
             };
             let known = match range {
                 _ if range.lo >= 0.0 => Known::Empty,
@@ -334,24 +341,27 @@ impl<'a> Eye<'a> {
     }
 
     /// Values at the points that were asked for.
-    fn evaluate(&mut self, f: &VmFunction, count: usize) {
+    fn evaluate(&mut self, f: &Expr, count: usize) {
         let points = self.points.each_ref().map(|p| &p[..]);
-        let read = self.sight.sources.iter().copied();
-        self.calls.at(read.clone(), &points);
-        let inputs: Vec<&[f32]> = read
-            .map(|s| match s {
+        let sources = &self.sight.sources;
+        self.calls.at(f.read(sources), &points);
+        // Inputs that are not read may have any values, as long as there are
+        // enough.
+        let mut inputs: Vec<&[f32]> = vec![points[0]; sources.len()];
+        for &slot in f.inputs() {
+            inputs[slot] = match sources[slot] {
                 Source::Coordinate(a) | Source::Part(a, _) => points[a],
                 Source::Call(c) => self.calls.values(c),
-            })
-            .collect();
+            };
+        }
         self.values.clear();
-        self.lanes.eval(f, &inputs, count, &mut self.values);
+        self.lanes.eval(&f.f, &inputs, count, &mut self.values);
     }
 
     /// Looks into several boxes beside each other.
     fn boxes(
         &mut self,
-        f: &VmFunction,
+        f: &Expr,
         boxes: &[([usize; 3], Known)],
     ) -> Result<(), FieldError> {
         let mut asked: Vec<(usize, [usize; 2])> = Vec::new();
@@ -368,7 +378,7 @@ impl<'a> Eye<'a> {
             }
         }
         let count = self.points[0].len();
-        self.sight.spend(f, count)?;
+        self.spend(f, count)?;
         self.evaluate(f, count);
         let values = std::mem::take(&mut self.values);
         let mut rest = &values[..];
@@ -385,7 +395,7 @@ impl<'a> Eye<'a> {
 
     /// Finds the gradients where lines have just met something, and with them
     /// the surface itself, which lies between two samples.
-    fn arrive(&mut self, f: &VmFunction) -> Result<(), FieldError> {
+    fn arrive(&mut self, f: &Expr) -> Result<(), FieldError> {
         let mut fresh = std::mem::take(&mut self.fresh);
         self.points.iter_mut().for_each(Vec::clear);
         for &(line, sample) in &fresh {
@@ -414,32 +424,35 @@ impl<'a> Eye<'a> {
     /// Values and gradients at the points that were asked for.
     fn gradients(
         &mut self,
-        f: &VmFunction,
+        f: &Expr,
         count: usize,
     ) -> Result<Vec<(f32, Vec3)>, FieldError> {
         // The gradient takes two evaluations, each of a value and two slopes.
-        self.sight.spend(f, 6 * count)?;
+        self.spend(f, 6 * count)?;
         let points = self.points.each_ref().map(|p| &p[..]);
         // Slopes along x and y come first, then the slope along z.
         for (slopes, along) in
             self.slopes.iter_mut().zip([[0, 1, 2], [1, 2, 0]])
         {
-            let read = self.sight.sources.iter().copied();
-            self.calls.at_with_slopes(read.clone(), points, along);
-            let seeds: Vec<Seed<'_>> = read
-                .map(|s| match s {
-                    Source::Coordinate(a) | Source::Part(a, _) => Seed {
-                        values: points[a],
-                        slopes: Slopes::Coordinate(along[a]),
-                    },
+            let sources = &self.sight.sources;
+            self.calls.at_with_slopes(f.read(sources), points, along);
+            let coordinate = |a: usize| Seed {
+                values: points[a],
+                slopes: Slopes::Coordinate(along[a]),
+            };
+            let mut seeds: Vec<Seed<'_>> =
+                sources.iter().map(|_| coordinate(0)).collect();
+            for &slot in f.inputs() {
+                seeds[slot] = match sources[slot] {
+                    Source::Coordinate(a) | Source::Part(a, _) => coordinate(a),
                     Source::Call(c) => Seed {
                         values: self.calls.values(c),
                         slopes: self.calls.slopes(c),
                     },
-                })
-                .collect();
+                };
+            }
             slopes.clear();
-            self.lanes.slopes(f, &seeds, count, slopes);
+            self.lanes.slopes(&f.f, &seeds, count, slopes);
         }
         let both = self.slopes[0].iter().zip(&self.slopes[1]);
         let joined = |(&[v, x, y], &[_, z, _]): (&[f32; 3], &[f32; 3])| {
@@ -459,7 +472,7 @@ impl<'a> Eye<'a> {
         }
         // The simpler function of a cube does not hold in front of it.
         let sight = self.sight;
-        let f = &sight.f;
+        let f = &Expr::new(sight.f.clone());
         // How far beyond the sample the line is inside, and outside.
         let mut ends = vec![[0.0, 1.0]; lines.len()];
         for _ in 0..HALVES {
@@ -468,7 +481,7 @@ impl<'a> Eye<'a> {
             {
                 self.ask(line, sample as f64 + 0.5 * (inside + outside));
             }
-            sight.spend(f, lines.len())?;
+            self.spend(f, lines.len())?;
             self.evaluate(f, lines.len());
             for (v, ends) in self.values.iter().zip(&mut ends) {
                 let middle = 0.5 * (ends[0] + ends[1]);

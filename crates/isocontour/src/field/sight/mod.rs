@@ -25,7 +25,7 @@ mod tests;
 
 use super::FieldError;
 use super::blend::branched;
-use super::calls::{Call, Called, Calls};
+use super::calls::{Call, Called};
 use super::source::Source;
 use crate::cancel::Cancel;
 use crate::grid::Grid;
@@ -98,10 +98,8 @@ impl Sight {
         self
     }
 
-    /// Notes that a function is evaluated for `count` numbers.
-    fn spend(&self, f: &VmFunction, count: usize) -> Result<(), FieldError> {
-        let of_one = f.size() as u64 + Calls::cost(&self.calls);
-        let now = of_one * count as u64;
+    /// Notes that so many operations are taken.
+    fn spend(&self, now: u64) -> Result<(), FieldError> {
         let taken = self.taken.fetch_add(now, Ordering::Relaxed);
         let most = self.most;
         if taken.saturating_add(now) > most {

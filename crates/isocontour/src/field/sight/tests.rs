@@ -1,5 +1,8 @@
 use super::*;
+use crate::Bounds;
+use crate::data::{Data, call};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Samples everything.
 fn dense(tree: &Tree, grid: &Grid) -> Vec<Option<usize>> {
@@ -177,4 +180,69 @@ fn a_look_has_its_limit() {
         let error = look(100_000).unwrap_err();
         assert!(matches!(error, FieldError::Costly { most: 100_000 }));
     }
+}
+
+/// A ball that counts how often it is asked.
+#[derive(Debug, Default)]
+struct Ball(AtomicU64);
+
+impl Data for Ball {
+    fn name(&self) -> &str {
+        "ball"
+    }
+
+    fn at(&self, p: DVec3) -> (f64, DVec3) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        (p.length() - 2.0, p.normalize_or_zero())
+    }
+
+    fn range(&self, over: &Bounds) -> [f64; 2] {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        let near = DVec3::ZERO.clamp(over.min, over.max);
+        let far = over.min.abs().max(over.max.abs());
+        [near.length() - 2.0, far.length() - 2.0]
+    }
+
+    fn slopes(&self, _: &Bounds) -> [[f64; 2]; 3] {
+        [[-1.0, 1.0]; 3]
+    }
+
+    fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
+        tell(b"ball");
+    }
+
+    fn bytes(&self) -> usize {
+        size_of::<Self>()
+    }
+}
+
+/// How often data is asked where so many copies of it stand side by side.
+fn asked(copies: usize) -> u64 {
+    let ball = Arc::new(Ball::default());
+    let data: Arc<dyn Data> = ball.clone();
+    let (x, y, z) = Tree::axes();
+    let apart = 6.0;
+    let all = (0..copies).map(|k| {
+        let moved = x.clone() - (apart * k as f64) as f32;
+        call(&data, [moved, y.clone(), z.clone()])
+    });
+    let all = all.reduce(|all, one| all.min(one)).unwrap();
+    let step = 0.1;
+    let grid = Grid {
+        origin: DVec3::splat(-3.0),
+        steps: [DVec3::X * step, DVec3::Y * step, DVec3::Z * step],
+        size: [(apart / step) as usize * copies, 60, 60],
+    };
+    let hits = Sight::new(&all).unwrap().look(&grid).unwrap();
+    let met = hits.iter().filter(|hit| hit.is_some()).count();
+    assert!(met > 1100 * copies, "{met}");
+    ball.0.load(Ordering::Relaxed)
+}
+
+/// A plate of copies asks each of them where it may be seen, and not all of them
+/// everywhere.
+#[test]
+fn only_data_that_may_be_seen_is_asked() {
+    let (one, many) = (asked(1), asked(16));
+    assert!(many < 16 * 2 * one, "{one} {many}");
 }
