@@ -3,6 +3,7 @@
 use super::raster::PictureError;
 use isoslice_settings::ImageFormat;
 use std::io::Write;
+use std::sync::LazyLock;
 
 /// Colour behind the part in a format without transparency, sRGB. It is dark,
 /// since the printers' hosts that show such pictures have dark pages.
@@ -166,7 +167,7 @@ pub(super) fn png_by_rows(
 fn over(mut pixel: [f32; 4], background: [u8; 3]) -> [f32; 4] {
     let through = 1.0 - pixel[3];
     for k in 0..3 {
-        pixel[k] += through * linear(background[k]);
+        pixel[k] += through * linear(background[k].into());
     }
     pixel[3] = 1.0;
     pixel
@@ -186,26 +187,25 @@ fn shares(from: f64, length: f64, count: usize) -> Vec<(usize, f32)> {
         .collect()
 }
 
+/// The least brightness, in linear light, of each byte of sRGB but 0. Looking a byte up
+/// takes a quarter of the time that the curve's power does.
+static STEPS: LazyLock<[f32; 255]> =
+    LazyLock::new(|| std::array::from_fn(|byte| linear(byte as f32 + 0.5)));
+
 /// A pixel in sRGB, with colours that are not multiplied by the opacity.
 fn srgb([r, g, b, a]: [f32; 4]) -> [u8; 4] {
-    let byte = |x: f32| (255.0 * x.clamp(0.0, 1.0)).round() as u8;
-    if byte(a) == 0 {
+    let opacity = (255.0 * a.clamp(0.0, 1.0)).round() as u8;
+    if opacity == 0 {
         return [0; 4];
     }
-    let encoded = |x: f32| {
-        let x = (x / a).clamp(0.0, 1.0);
-        byte(if x <= 0.003_130_8 {
-            12.92 * x
-        } else {
-            1.055 * x.powf(1.0 / 2.4) - 0.055
-        })
-    };
-    [encoded(r), encoded(g), encoded(b), byte(a)]
+    let steps = &*STEPS;
+    let byte = |x: f32| steps.partition_point(|least| *least <= x / a) as u8;
+    [byte(r), byte(g), byte(b), opacity]
 }
 
-/// A byte of sRGB in linear light.
-fn linear(byte: u8) -> f32 {
-    let x = f32::from(byte) / 255.0;
+/// A byte of sRGB, or what lies between two, in linear light.
+fn linear(byte: f32) -> f32 {
+    let x = byte / 255.0;
     if x <= 0.040_45 {
         x / 12.92
     } else {
@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn colours_come_back_as_they_were() {
         for byte in 0..=255 {
-            let x = linear(byte);
+            let x = linear(byte.into());
             assert_eq!(srgb([x, x, x, 1.0]), [byte, byte, byte, 255]);
             let half = srgb([0.5 * x, 0.5 * x, 0.5 * x, 0.5]);
             assert_eq!(half, [byte, byte, byte, 128]);

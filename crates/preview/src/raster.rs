@@ -468,7 +468,7 @@ impl<'a> Subject<'a> {
 
     fn look(&self, frame: Frame) -> Result<Seen, PictureError> {
         let mut seen = Seen::of(&frame, self.axes);
-        self.fill(&mut seen, &|_, _| true)?;
+        self.fill(&mut seen, &|_, _| u64::MAX)?;
         Ok(seen)
     }
 
@@ -482,21 +482,26 @@ impl<'a> Subject<'a> {
         wanted: &(dyn Fn(usize, usize) -> bool + Sync),
     ) -> Result<Seen, PictureError> {
         let mut strip = seen.split(&rows, finer);
-        let mut marks = Vec::with_capacity(strip.width * rows.len());
-        for row in rows {
-            let pixels = (0..seen.width).map(|x| wanted(x, row));
-            marks.extend(pixels.flat_map(|is| std::iter::repeat_n(is, finer)));
+        // A bit for each column of the strip, in words of 64, by rows of `seen`.
+        let words = strip.width.div_ceil(64);
+        let mut marks = vec![0u64; words * rows.len()];
+        for (line, row) in marks.chunks_exact_mut(words.max(1)).zip(rows) {
+            let pixels = (0..seen.width).filter(|x| wanted(*x, row));
+            for i in pixels.flat_map(|x| finer * x..finer * (x + 1)) {
+                line[i / 64] |= 1 << (i % 64);
+            }
         }
-        let wanted = |i, j| marks[j / finer * (finer * seen.width) + i];
+        let wanted = |i, j| marks[j / finer * words + i / 64];
         self.fill(&mut strip, &wanted)?;
         Ok(strip)
     }
 
-    /// Fills pixels, given by column and row, with what is seen there.
+    /// Fills the pixels that are `wanted` ([`Sight::look_by_rows`]) with what is
+    /// seen there.
     fn fill(
         &self,
         seen: &mut Seen,
-        wanted: &(dyn Fn(usize, usize) -> bool + Sync),
+        wanted: &(dyn Fn(usize, usize) -> u64 + Sync),
     ) -> Result<(), PictureError> {
         limits::go_on()?;
         let scale = (seen.along.1 / seen.pixel) as f32;

@@ -82,14 +82,13 @@ impl<'a> Eye<'a> {
     pub(super) fn column(
         &mut self,
         at: [usize; 2],
-        wanted: &(dyn Fn(usize, usize) -> bool + Sync),
+        wanted: &(dyn Fn(usize, usize) -> u64 + Sync),
     ) -> Result<(), FieldError> {
         self.at = at;
         let [i, j] = at;
-        for line in self.lines([i, j, 0], TILE) {
-            if !wanted(i + line % TILE, j + line / TILE) {
-                self.met[line / TILE] |= 1 << (line % TILE);
-            }
+        let [rows, _] = self.sides([i, j, 0], TILE);
+        for (row, met) in self.met[rows].iter_mut().enumerate() {
+            *met = !wanted(i, j + row);
         }
         if !self.is_covered([i, j, 0], TILE) && !self.cross()? {
             self.tiles(at)?;
@@ -334,9 +333,8 @@ impl<'a> Eye<'a> {
     fn ask_all(&mut self, line: usize, samples: Range<usize>) {
         let (start, step) = (self.start(line), self.grid.steps[2]);
         for (a, list) in self.points.iter_mut().enumerate() {
-            for k in samples.clone().rev() {
-                list.push((start[a] + step[a] * k as f64) as f32);
-            }
+            let at = |k| (start[a] + step[a] * k as f64) as f32;
+            list.extend(samples.clone().rev().map(at));
         }
     }
 

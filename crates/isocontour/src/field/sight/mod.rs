@@ -116,21 +116,22 @@ impl Sight {
     /// which is a bug.
     pub fn look(&self, grid: &Grid) -> Result<Vec<Option<Hit>>, FieldError> {
         let mut out = Vec::with_capacity(grid.size[0] * grid.size[1]);
-        let all = |_, _| true;
+        let all = |_, _| u64::MAX;
         self.look_by_rows(grid, &all, &mut |row| out.extend_from_slice(row))?;
         Ok(out)
     }
 
     /// Passes on, a row at a time, what each line of sight meets. Only some
-    /// rows are in memory at once. Nothing is met by lines, given by column and
-    /// row, that are not `wanted`.
+    /// rows are in memory at once. `wanted` is asked for 64 lines at a time, given
+    /// by the first one's column, a multiple of 64, and by their row. Nothing is met
+    /// by lines whose bit it does not set; the first line's bit is the lowest.
     ///
     /// # Errors
     /// Those of [`Sight::look`].
     pub fn look_by_rows(
         &self,
         grid: &Grid,
-        wanted: &(dyn Fn(usize, usize) -> bool + Sync),
+        wanted: &(dyn Fn(usize, usize) -> u64 + Sync),
         each: &mut dyn FnMut(&[Option<Hit>]),
     ) -> Result<(), FieldError> {
         /// Number of tiles in memory at once: enough for many threads.

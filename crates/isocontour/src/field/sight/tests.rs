@@ -156,7 +156,11 @@ fn some_lines_meet_what_all_lines_meet() {
     ] {
         let mut some = Vec::new();
         let mut add = |row: &[Option<Hit>]| some.extend_from_slice(row);
-        sight.look_by_rows(&grid, &wanted, &mut add).unwrap();
+        let mask = |i: usize, j: usize| {
+            let bits = (0..64).filter(|k| wanted(i + k, j));
+            bits.fold(0, |mask, k| mask | 1u64 << k)
+        };
+        sight.look_by_rows(&grid, &mask, &mut add).unwrap();
         assert_eq!(some.len(), all.len());
         for (k, (some, all)) in some.iter().zip(&all).enumerate() {
             let is = wanted(k % size[0], k / size[0]);
