@@ -29,8 +29,10 @@ const STEPS: f64 = 8.5;
 const BALLS: usize = 4;
 /// A ball that fewer places ask was not worth its while.
 const WORTH: u32 = 4;
-/// How many places do without a new ball after one that was not worth its while.
-const PAUSE: u32 = 16;
+/// How many places do without a new ball after one that was not worth its while,
+/// and twice as many after each further one, up to so many times as many. Where
+/// triangles are many, no ball is worth its while.
+const PAUSE: [u32; 2] = [16, 64];
 
 /// A ball, and the triangles that may be closest to its places.
 #[derive(Default)]
@@ -53,6 +55,8 @@ pub(crate) struct Few {
     last: Option<(DVec3, f64)>,
     /// How many places do without a new ball.
     pause: u32,
+    /// How many will after the next ball that is not worth its while, as a multiple.
+    times: u32,
 }
 
 impl Few {
@@ -93,9 +97,13 @@ impl Few {
         let found = shell.within(p, all, MOST, &mut ball.triangles);
         (ball.middle, ball.asked) = (p, 0);
         ball.reach = if found { reach } else { 0.0 };
-        if !found || !was_worth {
-            self.pause = PAUSE;
+        if found && was_worth {
+            self.times = 1;
+            return;
         }
+        let [least, most] = PAUSE;
+        self.pause = least * self.times.max(1);
+        self.times = (2 * self.times.max(1)).min(most);
     }
 }
 
