@@ -17,7 +17,7 @@
 
 use super::line::{AxisIndex, stations};
 use super::medial_axis::Axis;
-use super::widen::{HIDDEN, Station, widened};
+use super::widen::{HIDDEN, Station, nowhere, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Stroke, spacing};
@@ -66,11 +66,12 @@ pub(super) fn give_way(
                 width,
                 moves: overlap.map(|overlap| 0.5 * side * overlap),
                 narrows: overlap.is_some(),
+                passed: false,
             }
         };
         let places = stations(&line, &index, reach, station);
-        let stays = |_: &Station, _| false;
-        widened(places, line.closed, tolerance, HIDDEN, stays).unwrap_or(line)
+        widened(places, line.closed, tolerance, HIDDEN, nowhere, nowhere)
+            .unwrap_or(line)
     };
     let [right, left] = [1.0, -1.0];
     let both = |line| narrowed(narrowed(line, right), left);

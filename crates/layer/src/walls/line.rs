@@ -7,7 +7,7 @@
 //! in, each taking half.
 
 use super::medial_axis::Axis;
-use super::widen::{CORNER, SEEN, Station, across, widened};
+use super::widen::{CORNER, SEEN, Station, across, nowhere, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::along::change;
@@ -325,7 +325,7 @@ pub(super) fn absorb(
     away: Mm,
     tolerance: Mm,
 ) -> Vec<Stroke> {
-    widen(lines, slivers, away, tolerance, SEEN, |_, _| false)
+    widen(lines, slivers, away, tolerance, SEEN, nowhere, nowhere)
 }
 
 /// What lines that nobody sees are beside, and what lies beyond slivers' ends.
@@ -348,14 +348,17 @@ impl Inside<'_> {
         tolerance: Mm,
     ) -> Vec<Stroke> {
         // A ball fits there that reaches as far as the line moves its inner side.
-        let room = |place: &Station, moves: Mm| {
+        let fits = |place: &Station, inwards: DVec2, moves: Mm| {
             let radius = 2.0 * moves;
-            let inwards = place.across.normalize_or_zero();
             let centre = place.at + (self.away + radius) * inwards;
             self.grid
                 .clear(centre, centre, self.depth + radius - THINNED)
         };
-        widen(lines, slivers, self.away, tolerance, CORNER, room)
+        let corner = |p: &Station, moves: Mm| fits(p, p.across, moves);
+        let room = |p: &Station, moves: Mm| {
+            fits(p, p.across.normalize_or_zero(), moves)
+        };
+        widen(lines, slivers, self.away, tolerance, CORNER, corner, room)
     }
 }
 
@@ -365,6 +368,7 @@ fn widen(
     away: Mm,
     tolerance: Mm,
     slope: f64,
+    corner: impl Fn(&Station, Mm) -> bool,
     room: impl Fn(&Station, Mm) -> bool,
 ) -> Vec<Stroke> {
     if slivers.is_empty() {
@@ -391,10 +395,12 @@ fn widen(
                 // would move as well.
                 moves: sliver.map(inwards),
                 narrows: sliver.is_some_and(|(_, t)| t < 0.0),
+                passed: false,
             }
         };
         let places = stations(&line, &index, reach, station);
-        widened(places, line.closed, tolerance, slope, &room).unwrap_or(line)
+        widened(places, line.closed, tolerance, slope, &corner, &room)
+            .unwrap_or(line)
     };
     lines.into_iter().map(widen).collect()
 }

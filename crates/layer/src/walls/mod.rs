@@ -580,8 +580,7 @@ fn laid(
             };
             if shares {
                 let lays = (lay, &lays[next]);
-                let shares = (&*walls, &*slivers);
-                left = shared::without(left, shares, lays, accuracy);
+                left = shared::without(left, &walls, lays, accuracy);
             }
             lines.push(walls);
             thin.push(beads);

@@ -14,7 +14,7 @@
 
 use super::line::AxisIndex;
 use super::medial_axis::Axis;
-use super::widen::{CORNER, Station, across, widened};
+use super::widen::{CORNER, Station, across, nowhere, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
@@ -105,6 +105,7 @@ impl Left<'_> {
                 width,
                 moves: (lacks > LEAST).then_some(0.5 * lacks),
                 narrows: false,
+                passed: false,
             });
         };
         let mut near = false;
@@ -143,7 +144,8 @@ impl Left<'_> {
             let on = self.away + radius - 0.5 * more(place.width);
             self.shares && self.fits(place.at + on * inwards, radius)
         };
-        widened(places, line.closed, tolerance, CORNER, room).unwrap_or(line)
+        widened(places, line.closed, tolerance, CORNER, nowhere, room)
+            .unwrap_or(line)
     }
 
     /// True if there is room for other beads all along a segment.

@@ -22,18 +22,15 @@ use isoslice_planar::clip::difference;
 use isoslice_planar::opening::is_wider;
 use isoslice_planar::{Area, BoxTree, Rect, Ring};
 
-/// Length from which on a strip is not just a place where strips meet, in lines.
-const LONG: f64 = 10.0;
 /// Pieces of what is left are looked at if they are smaller than this, mm²:
 /// some are remains that no bead fits into.
 const SMALL: Mm2 = 1.0;
 
-/// What is left of an area beside a wall, some of whose lines share `strips` and are
-/// wider than usual, there and beyond. Lines of `skin` are laid in what is left.
-/// Borders are off by `slack`.
+/// What is left of an area beside a wall, some of whose lines are wider than usual. Lines
+/// of `skin` are laid in what is left. Borders are off by `slack`.
 pub(super) fn without(
     area: Area,
-    (walls, strips): (&[Stroke], &[Axis]),
+    walls: &[Stroke],
     (wall, skin): (&Lay, &Lay),
     slack: Mm,
 ) -> Area {
@@ -41,26 +38,13 @@ pub(super) fn without(
         return area;
     }
     let wider = wider(walls, wall.width).into_iter();
-    let band =
-        |line: Axis, extra: Mm| taken(&line.stroke(-extra), -2.0 * slack);
-    let taken: Vec<Ring> = wider.map(|line| band(line, wall.extra)).collect();
+    let band = |line: Axis| taken(&line.stroke(-wall.extra), -2.0 * slack);
+    let taken: Vec<Ring> = wider.map(band).collect();
     if taken.is_empty() {
         return area;
     }
-    // In a corner of a strip that would have a line of its own, walls leave a little.
-    // A dab there is not worth its ways.
-    let long = |s: &&Axis| s.length() > LONG * skin.width;
-    let strips = strips.iter().filter(long);
-    let strips = strips.filter(|s| mean_thickness(s) > skin.least);
-    let strips: Area = strips.map(|s| band(s.opened(), 0.0)).collect();
-    let in_strips = |part: &Area| {
-        let outside = difference(part, &strips).content();
-        part.content() < skin.width * skin.width
-            && outside < 0.5 * part.content()
-    };
     let prints = |part: &Area| {
-        part.content() > SMALL
-            || (is_wider(part, skin.least, slack) && !in_strips(part))
+        part.content() > SMALL || is_wider(part, skin.least, slack)
     };
     let boxes = taken.iter().map(Rect::around);
     let tree = BoxTree::new(boxes.enumerate());
@@ -77,15 +61,6 @@ pub(super) fn without(
             .extend(parts.filter(prints).flat_map(|part| part.rings));
     }
     left
-}
-
-/// The mean thickness along an axis.
-fn mean_thickness(axis: &Axis) -> Mm {
-    let pieces = axis.segments();
-    let content: Mm2 = pieces
-        .map(|((a, v), (b, w))| 0.5 * (v + w) * a.distance(b))
-        .sum();
-    content / axis.length().max(f64::MIN_POSITIVE)
 }
 
 /// The share of the plane that a line takes, whose bead is wider by `extra`. It
@@ -289,6 +264,15 @@ mod tests {
             let meant = WIDTH + 0.5 * more;
             let usual = widths().filter(|w| (*w - meant).abs() < 0.005);
             assert!(usual.count() >= 8, "{more}: {:?}", walls.lines[1]);
+        }
+        // Around a corner both walls stay wide, and the inner one bulges.
+        for more in [0.25, 0.35] {
+            let (walls, _) = frame(four + more);
+            for step in 0..=20 {
+                let p = DVec2::splat(0.8 + 0.03 * f64::from(step));
+                let open = open(&walls, p);
+                assert!(open < 0.09, "{more}, {p}: {open}");
+            }
         }
         let (walls, _) = frame(four + WIDTH);
         assert!((walls.fill.content() - WIDTH * 92.0).abs() < 1.0);

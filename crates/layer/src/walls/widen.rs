@@ -36,6 +36,9 @@ const AWAY: f64 = 0.4;
 pub(super) const HIDDEN: f64 = 1.0;
 /// Gaps between moving places that are shorter than this do not count, mm.
 const GAP: Mm = 0.6;
+/// Distance of the ends of a gap around the corner of a strip, in widths: what two walls
+/// share around a right angle lies up to 0.9 mm apart on the outer one.
+const CORNER_GAP: f64 = 2.0;
 /// A gap is no longer than this many times the distance of its ends, as around a
 /// corner.
 const ROUND: f64 = 2.0;
@@ -64,9 +67,16 @@ pub(super) struct Station {
     pub moves: Option<Mm>,
     /// True if the line becomes narrower here, not wider.
     pub narrows: bool,
+    /// True if the line goes past here when it moves.
+    pub passed: bool,
 }
 
 impl Station {
+    /// True if the line does not turn here.
+    fn is_straight(&self) -> bool {
+        self.across.length_squared() < 1.0 + 1e-6
+    }
+
     fn moved(&self) -> DVec2 {
         self.at + self.across * self.moves.unwrap_or(0.0)
     }
@@ -104,18 +114,21 @@ pub(super) fn across(line: &Stroke, k: usize) -> DVec2 {
 /// The line with all places moved, thinned to `tolerance`; nothing if no place
 /// moves. `slope` is the greatest change of its width along the way. Where there is
 /// `room` for a place to move by so much, the width changes beyond the places that
-/// move, and not among them.
+/// move, and not among them. Where there is room for it at a `corner`, the line is as wide
+/// there as beside it.
 pub(super) fn widened(
     mut places: Vec<Station>,
     closed: bool,
     tolerance: Mm,
     slope: f64,
+    corner: impl Fn(&Station, Mm) -> bool,
     room: impl Fn(&Station, Mm) -> bool,
 ) -> Option<Stroke> {
     if places.iter().all(|p| p.moves.is_none()) {
         return None;
     }
-    bridge_gaps(&mut places);
+    bridge_gaps(&mut places, closed, &corner);
+    places.retain(|place| !place.passed);
     lead_on(&mut places, closed, 0.5 * slope.min(AWAY), room);
     unfold(&mut places, closed);
     taper(&mut places, closed, slope);
@@ -141,32 +154,74 @@ pub(super) fn widened(
 
 /// Moves the places in a short gap between two places that move to the same
 /// side: in such a gap the line has no room to come back. A line that leads out of a
-/// neck, around a hole, and back to beside where it began has that room.
-fn bridge_gaps(places: &mut [Station]) {
-    let mut last: Option<usize> = None;
+/// neck, around a hole, and back to beside where it began has that room. Around the
+/// corner of a strip the gap is longer, and the places in it have `room`.
+fn bridge_gaps(
+    places: &mut [Station],
+    closed: bool,
+    room: impl Fn(&Station, Mm) -> bool,
+) {
+    let n = places.len();
+    let Some(first) = places.iter().position(|p| p.moves.is_some()) else {
+        return;
+    };
+    let stop = if closed { first + n + 1 } else { n };
+    let mut last = first;
     let mut way = 0.0;
-    for k in 0..places.len() {
-        if let Some(before) = k.checked_sub(1) {
-            way += places[before].at.distance(places[k].at);
+    for k in first + 1..stop {
+        let (before, place) = (places[(k - 1) % n], places[k % n]);
+        way += before.at.distance(place.at);
+        if place.moves.is_some() {
+            let from = std::mem::replace(&mut last, k);
+            bridge(places, from, k, std::mem::take(&mut way), &room);
         }
-        let Some(to) = places[k].moves else {
-            continue;
-        };
-        let gap = std::mem::take(&mut way);
-        if let Some(i) = last.replace(k)
-            && i + 1 < k
-            && let Some(from) = places[i].moves
-            && gap < ROUND * GAP
-            && places[i].at.distance(places[k].at) < GAP
-            && from * to > 0.0
-            && places[i].narrows == places[k].narrows
-        {
-            for j in i + 1..k {
-                let t = (j - i) as f64 / (k - i) as f64;
-                places[j].moves = Some(from + t * (to - from));
-                places[j].narrows = places[i].narrows;
-            }
-        }
+    }
+}
+
+/// Moves the places between two that move, a `way` apart along the line, if they are near
+/// to each other. Numbers of places go on around the line.
+fn bridge(
+    places: &mut [Station],
+    from: usize,
+    to: usize,
+    way: Mm,
+    room: impl Fn(&Station, Mm) -> bool,
+) {
+    let n = places.len();
+    let (a, b) = (places[from % n], places[to % n]);
+    let apart = a.at.distance(b.at);
+    let (Some(v), Some(w)) = (a.moves, b.moves) else {
+        return;
+    };
+    if v * w <= 0.0 || a.narrows != b.narrows || way >= ROUND * apart.max(GAP) {
+        return;
+    }
+    let moves = |k: usize| {
+        let t = (k - from) as f64 / (to - from) as f64;
+        v + t * (w - v)
+    };
+    // A corner that moves passes the places beside it, which lie on straight lines.
+    let corners = || (from + 1..to).filter(|k| !places[k % n].is_straight());
+    // Around a corner to the right nothing is left open.
+    let turns_left = |k: usize| {
+        let [a, b, c] = [k - 1, k, k + 1].map(|i| places[i % n].at);
+        (b - a).perp_dot(c - b) > 0.0
+    };
+    let has_room = |k| turns_left(k) && room(&places[k % n], moves(k));
+    let all_have_room = || corners().all(has_room);
+    let is_near =
+        apart < CORNER_GAP * a.width && !a.narrows && v.min(w) > LEAST;
+    let around_corner =
+        || is_near && corners().next().is_some() && all_have_room();
+    // Around the end of a strip where a closed line begins, the line stays narrow.
+    let is_short = apart < GAP && to < n;
+    if !is_short && !around_corner() {
+        return;
+    }
+    for k in from + 1..to {
+        places[k % n].moves = Some(moves(k));
+        places[k % n].narrows = a.narrows;
+        places[k % n].passed = !is_short && places[k % n].is_straight();
     }
 }
 
@@ -208,6 +263,11 @@ fn lead_on(
     }
 }
 
+/// No room anywhere.
+pub(super) fn nowhere(_: &Station, _: Mm) -> bool {
+    false
+}
+
 /// A place between two others, at a share of the way, that stays where it is.
 fn between(a: &Station, b: &Station, share: f64) -> Station {
     let t = share.min(1.0);
@@ -217,6 +277,7 @@ fn between(a: &Station, b: &Station, share: f64) -> Station {
         width: a.width + t * (b.width - a.width),
         moves: Some(0.0),
         narrows: false,
+        passed: false,
     }
 }
 
@@ -283,6 +344,7 @@ mod tests {
                 width: 0.45,
                 moves: moves(i),
                 narrows: false,
+                passed: false,
             })
             .collect()
     }
@@ -307,7 +369,8 @@ mod tests {
     #[test]
     fn the_outer_side_stays_and_the_width_has_no_steps() {
         let places = row(|i| (40..60).contains(&i).then_some(0.05));
-        let stroke = widened(places, false, 1e-6, SEEN, |_, _| false).unwrap();
+        let stroke =
+            widened(places, false, 1e-6, SEEN, nowhere, nowhere).unwrap();
         let (off, slope) = measured(&stroke);
         assert!(off < 1e-5 && slope < 1.01 * SEEN, "{off} {slope}");
         let widest = stroke.widths.iter().copied().fold(0.0, f64::max);
@@ -327,7 +390,8 @@ mod tests {
         };
         let widths = |room: bool| {
             let stroke =
-                widened(places(), false, 1e-6, CORNER, |_, _| room).unwrap();
+                widened(places(), false, 1e-6, CORNER, nowhere, |_, _| room)
+                    .unwrap();
             let (off, slope) = measured(&stroke);
             assert!(off < 1e-5 && slope < 1.01 * CORNER, "{off} {slope}");
             [3.5, 3.9, 4.0, 5.9, 6.0, 6.5].map(|x| at(&stroke, x))
@@ -346,7 +410,8 @@ mod tests {
             place.at = 2.0 * DVec2::from_angle(0.02 * PI * k as f64);
             place.across = -place.at.normalize();
         }
-        let ring = widened(ring, true, 1e-6, CORNER, |_, _| true).unwrap();
+        let ring =
+            widened(ring, true, 1e-6, CORNER, nowhere, |_, _| true).unwrap();
         let wide = (0..ring.points.len()).filter(|&i| ring.width_at(i) > 0.549);
         let wide: Vec<f64> = wide.map(|i| ring.points[i].to_angle()).collect();
         let [low, high] =
@@ -359,7 +424,8 @@ mod tests {
         let gap = |from: usize, to: usize| {
             let moves = move |i| (!(from..to).contains(&i)).then_some(0.05);
             let stroke =
-                widened(row(moves), false, 1e-6, SEEN, |_, _| false).unwrap();
+                widened(row(moves), false, 1e-6, SEEN, nowhere, nowhere)
+                    .unwrap();
             let n = stroke.points.len();
             (0..n).map(|i| stroke.width_at(i)).fold(1.0, f64::min)
         };
@@ -379,10 +445,12 @@ mod tests {
                     width: 0.45,
                     moves: [0, 100].contains(&i).then_some(0.05),
                     narrows: true,
+                    passed: false,
                 }
             })
             .collect();
-        let stroke = widened(places, false, 1e-6, SEEN, |_, _| false).unwrap();
+        let stroke =
+            widened(places, false, 1e-6, SEEN, nowhere, nowhere).unwrap();
         assert!(stroke.length() > 30.0);
         let far: Vec<f64> = (0..stroke.points.len())
             .filter(|&i| stroke.points[i].x < 0.0)
@@ -401,7 +469,8 @@ mod tests {
             place.across = -DVec2::X;
         }
         places[50].across = DVec2::new(-1.0, 1.0);
-        let stroke = widened(places, false, 1e-6, SEEN, |_, _| false).unwrap();
+        let stroke =
+            widened(places, false, 1e-6, SEEN, nowhere, nowhere).unwrap();
         // It leads to the right and then up, on ramps to the corner and back.
         let least = -0.5 * SEEN - 1e-9;
         for (a, b) in stroke.segments() {
@@ -433,9 +502,12 @@ mod tests {
     #[test]
     fn lines_that_do_not_move_stay_as_they_are() {
         assert_eq!(
-            widened(row(|_| None), false, 1e-6, SEEN, |_, _| false),
+            widened(row(|_| None), false, 1e-6, SEEN, nowhere, nowhere),
             None
         );
-        assert_eq!(widened(Vec::new(), true, 1e-6, SEEN, |_, _| false), None);
+        assert_eq!(
+            widened(Vec::new(), true, 1e-6, SEEN, nowhere, nowhere),
+            None
+        );
     }
 }
