@@ -216,7 +216,7 @@ impl Left<'_> {
         let reach = self.depth + self.radius - THINNED;
         let mut last: Option<u32> = None;
         let mut clear = |p: DVec2| {
-            let edge = last.as_ref().map_or(&[][..], std::slice::from_ref);
+            let edge = last.as_slice();
             if self.grid.nearest_of(edge, p, reach).is_some() {
                 return false;
             }
