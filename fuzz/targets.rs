@@ -174,7 +174,7 @@ pub fn slice(data: &[u8]) {
     }
     let mut builder = Builder::new();
     for assignment in [
-        "sample_spacing=0.4",
+        "sample_spacing=0.25",
         "layer_height=0.4",
         "first_layer_height=0.4",
         "outer_wall_width=0.5",

@@ -23,7 +23,7 @@ const PART: &str = "max(max(max(abs(x) - 4, abs(y) - 4), abs(z) - 1.5), \
                     0.8 - max(abs(x), abs(z)))";
 
 const COARSE: [&str; 6] = [
-    "sample_spacing=0.5",
+    "sample_spacing=0.225",
     "layer_height=0.3",
     "first_layer_height=0.3",
     "top_layers=2",

@@ -48,7 +48,8 @@ const FRESH: u32 = 1000;
 /// The share of random solids whose outline may be wrong somewhere, over all
 /// of [`SPACINGS`]. `survey` finds two thirds of it.
 const RATE: f64 = 0.015;
-const SPACINGS: [f64; 5] = [0.1, 0.2, 0.4, 1.0, 2.0];
+/// The program takes no lattice that is coarser than twice the smallest feature.
+const SPACINGS: [f64; 2] = [0.1, 0.2];
 
 fn config(cases: u32, seed: u64) -> Config {
     Config {
@@ -106,35 +107,11 @@ proptest! {
     #[test]
     fn outlines_of_solids_are_exact(
         solid in solid(),
-        spacing in prop_oneof![Just(0.1), Just(0.2), Just(0.4)],
+        spacing in prop_oneof![Just(0.1), Just(0.2)],
         z in -0.7..0.7,
     ) {
         if let Err(fault) = judge(&solid, &sliced(&solid, spacing, z), z) {
             return Err(TestCaseError::fail(fault));
-        }
-    }
-}
-
-proptest! {
-    #![proptest_config(config(100, FIXED))]
-
-    /// Nothing that can be printed is lost, however coarse the lattice.
-    #[test]
-    fn coarse_lattices_hide_nothing(
-        solid in solid(),
-        spacing in prop_oneof![Just(0.4), Just(1.0), Just(2.0)],
-        z in -0.7..0.7,
-    ) {
-        let outline = sliced(&solid, spacing, z);
-        let inside = |p: DVec2| solid.value(p.extend(z)) < 0.0;
-        let found = check::complete(
-            &outline.area,
-            HALF,
-            DETAIL.smallest,
-            &inside,
-        );
-        if let Err(fault) = found {
-            return Err(TestCaseError::fail(format!("{spacing}: {fault}")));
         }
     }
 }

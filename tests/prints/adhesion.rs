@@ -8,7 +8,7 @@ use isoslice::pipeline::Summary;
 
 /// Coarse settings, which are quick.
 const COARSE: [&str; 4] = [
-    "sample_spacing=0.3",
+    "sample_spacing=0.225",
     "accuracy=0.02",
     "layer_height=0.2",
     "gcode.progress=off",

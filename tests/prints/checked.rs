@@ -24,7 +24,7 @@ fn all_pass(copies: u64, layers: &str, more: &[&str]) {
             let own = [
                 &format!("gcode.comments={comments}"),
                 &format!("layer_height={height}"),
-                "sample_spacing=0.5",
+                "sample_spacing=0.225",
                 "accuracy=0.02",
             ];
             let settings = settings(&[&own[..], more].concat());

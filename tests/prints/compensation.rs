@@ -219,7 +219,7 @@ fn what_is_added_to_the_part_has_to_fit_the_bed() {
         let s = settings(&[
             assignment,
             "skirt.loops=0",
-            "sample_spacing=0.5",
+            "sample_spacing=0.225",
             "infill_density=0",
             "gcode.flavour=klipper",
             "gcode.start=; {{ part_min_x }} {{ part_max_x }}",

@@ -177,8 +177,11 @@ fn wrong_options_are_errors_with_what_is_right() {
 #[test]
 fn the_examples_are_parts() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/data");
-    let settings =
-        settings(&["sample_spacing=0.3", "accuracy=0.05", "layer_height=0.3"]);
+    let settings = settings(&[
+        "sample_spacing=0.225",
+        "accuracy=0.05",
+        "layer_height=0.3",
+    ]);
     for (name, height) in [
         ("filled-pawn", 27.0),
         ("stressed-beam", 16.0),

@@ -25,7 +25,7 @@ fn flow(m: &Move) -> (f64, f64) {
 fn worst(text: &str, most: f64, more: &[&str]) -> (f64, usize, f64) {
     let limit = format!("filament.max_flow_change={most}");
     let mut all = vec![
-        "sample_spacing=0.4",
+        "sample_spacing=0.225",
         "cooling.min_layer_time=0",
         "speed.overhang=8",
         "speed.inner_wall=80",

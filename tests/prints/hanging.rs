@@ -7,7 +7,7 @@ use isoslice::{Hanging, Survey, survey};
 use isoslice_held::overhangs::OverhangPlan;
 
 fn run(text: &str, set: &[&str], layers: &str, threads: usize) -> Summary {
-    let all = [&["sample_spacing=0.3", "accuracy=0.02"], set].concat();
+    let all = [&["sample_spacing=0.225", "accuracy=0.02"], set].concat();
     let settings = settings(&all);
     let model = formula(text, &settings);
     slice_layers(&model, &settings, layers, threads).1
@@ -245,7 +245,7 @@ fn what_a_ledge_has_is_counted_once() {
 
 /// What a survey says of a part, and what a run without supports says.
 fn both(text: &str, set: &[&str]) -> (Survey, Summary) {
-    let all = [&["sample_spacing=0.3", "accuracy=0.005"], set].concat();
+    let all = [&["sample_spacing=0.225", "accuracy=0.005"], set].concat();
     let settings = settings(&all);
     let model = formula(text, &settings);
     let found = survey(&model, &settings, Some(2)).unwrap();

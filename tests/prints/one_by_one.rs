@@ -23,7 +23,7 @@ const PLAIN: [&str; 8] = [
     "gcode.flavour=klipper",
     "gcode.relative_e=true",
     "gcode.progress=off",
-    "sample_spacing=0.5",
+    "sample_spacing=0.225",
     "accuracy=0.02",
 ];
 

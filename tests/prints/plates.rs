@@ -18,7 +18,7 @@ const PLAIN: [&str; 6] = [
     "gcode.flavour=klipper",
     "gcode.relative_e=true",
     "gcode.progress=off",
-    "sample_spacing=0.3",
+    "sample_spacing=0.225",
     "accuracy=0.02",
     "skirt.loops=0",
 ];
@@ -423,7 +423,7 @@ fn layers_of_different_heights_suit_all_parts() {
     let settings = settings(&[
         "layer_heights=adaptive 0.08",
         "accuracy=0.05",
-        "sample_spacing=0.5",
+        "sample_spacing=0.225",
     ]);
     let ball = "max(sqrt(x^2 + y^2 + (z - 6)^2) - 8, max(-z, z - 12))";
     let step = "max(max(abs(x), abs(y)) - 6, max(-z, z - 7.13))";

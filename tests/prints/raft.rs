@@ -11,7 +11,7 @@ use isoslice::settings::Builder;
 
 /// Coarse settings, which are quick.
 const COARSE: [&str; 3] =
-    ["sample_spacing=0.3", "accuracy=0.02", "layer_height=0.2"];
+    ["sample_spacing=0.225", "accuracy=0.02", "layer_height=0.2"];
 /// A block of 20 mm with a hole, 6 mm high.
 const BLOCK: &str =
     "max(max(max(abs(x), abs(y)) - 10, 3 - sqrt(x^2+y^2)), abs(z - 3) - 3)";

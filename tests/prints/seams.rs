@@ -14,7 +14,7 @@ const BARE: [&str; 7] = [
     "top_layers=0",
     "bottom_layers=0",
     "overhang_share=100",
-    "sample_spacing=0.5",
+    "sample_spacing=0.225",
     "skirt.loops=0",
 ];
 
@@ -189,7 +189,7 @@ fn walls_open_at_a_tip_keep_their_direction() {
         let across = if side.ends_with('x') { "y" } else { "x" };
         let wedge = format!("abs({across}) - 0.1*({side})");
         let text = format!("max({wedge}, max({side} - 40, abs(z - 2) - 2))");
-        let settings = settings(&["sample_spacing=0.5", "skirt.loops=0"]);
+        let settings = settings(&["sample_spacing=0.225", "skirt.loops=0"]);
         let (gcode, _) = slice(&formula(&text, &settings), &settings, 2);
         let all = parse(&gcode);
         let skins = |l: &Layer| l.length("Solid infill") > 0.0;

@@ -14,7 +14,7 @@ const GROWTH: f64 = 1.3;
 /// Slices a part again and again, each time stopped later, until it is done.
 #[track_caller]
 fn stops_everywhere(formula: &str, settings: &[&str]) {
-    let coarse = ["sample_spacing=0.5", "layer_height=0.3"];
+    let coarse = ["sample_spacing=0.225", "layer_height=0.3"];
     let settings = common::settings(&[&coarse, settings].concat());
     let model = common::formula(formula, &settings);
     let pictures = tempfile::tempdir().unwrap();

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// Coarse settings, which are quick.
 const COARSE: [&str; 3] =
-    ["sample_spacing=0.3", "accuracy=0.02", "layer_height=0.2"];
+    ["sample_spacing=0.225", "accuracy=0.02", "layer_height=0.2"];
 /// A stem of 8 mm, and from 10 mm on arms of 20 mm on both sides.
 const TEE: &str = "min(max(max(abs(x) - 4, abs(y) - 6), abs(z - 7) - 7), \
                    max(max(abs(x) - 24, abs(y) - 6), abs(z - 12) - 2))";

@@ -28,7 +28,7 @@ fn vase(form: &str, count: usize, more: &[&str], layers: &str) -> String {
         "bottom_layers=2",
         "skirt.loops=0",
         "accuracy=0.03",
-        "sample_spacing=1.5",
+        "sample_spacing=0.225",
     ];
     all.extend(more);
     let settings = common::settings(&all);

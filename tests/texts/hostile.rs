@@ -82,7 +82,7 @@ fn assert_valid(gcode: &str, settings: &Settings, what: &str) {
 
 fn coarse() -> Settings {
     common::settings(&[
-        "sample_spacing=0.3",
+        "sample_spacing=0.225",
         "layer_height=0.3",
         "first_layer_height=0.3",
     ])
@@ -252,7 +252,7 @@ fn fields_that_oscillate_finer_than_can_be_printed() {
         assert!(error.contains("near x ="), "{text}: {error}");
     }
     // The lattice makes no difference.
-    for spacing in ["0.05", "0.3", "1"] {
+    for spacing in ["0.05", "0.1", "0.2"] {
         let spacing = format!("sample_spacing={spacing}");
         let settings = common::settings(&[&spacing, "slit_closing=0.05"]);
         let text = format!("max(sin(97*x)*sin(97*y)*sin(97*z), {CUBE})");
@@ -351,7 +351,7 @@ fn parts_thinner_than_any_bead_nearly_everywhere() {
 #[test]
 fn a_plate_as_large_as_the_bed() {
     let settings = common::settings(&[
-        "sample_spacing=1",
+        "sample_spacing=0.225",
         "layer_height=0.3",
         "first_layer_height=0.3",
         "skirt.loops=0",
@@ -377,7 +377,7 @@ fn check_setting(key: &str, value: f64) {
     let mut builder = Builder::new();
     // What is not tested is coarse, and every feature is on.
     for assignment in [
-        "sample_spacing=0.25",
+        "sample_spacing=0.225",
         "accuracy=0.02",
         "ironing=true",
         "retract.when_crossing=false",

@@ -59,7 +59,7 @@ fn every_firmware_and_every_dialect_of_comments() {
                 "gcode.labels=on",
                 "gcode.progress=on",
                 "gcode.thumbnails=16x16",
-                "sample_spacing=0.6",
+                "sample_spacing=0.225",
             ];
             assert_joins(&plate_of(PART, asked), Format::Text);
         }
@@ -71,7 +71,7 @@ fn binary_files_with_pictures_of_every_format() {
     let asked = &[
         "gcode.flavour=prusa",
         "gcode.thumbnails=16x16, 24x20/QOI, 20x20/JPG",
-        "sample_spacing=0.6",
+        "sample_spacing=0.225",
     ];
     assert_joins(&plate_of(PART, asked), Format::Binary);
 }
@@ -85,7 +85,7 @@ fn totals_in_templates() {
         "retract.extra_prime=0.03",
         "filament.nozzle_temperature=expr: 200 + z/4",
         "filament.cost=25",
-        "sample_spacing=0.6",
+        "sample_spacing=0.225",
         "gcode.end=M117 \"{{ print_time }}\" {{ filament_length }}\n\
          G4 S{{ (print_seconds / 100) | round }}",
         "gcode.layer=M117 {{ layer }} of {{ layer_count }}",
@@ -100,7 +100,7 @@ fn totals_in_templates() {
 #[test]
 fn a_draft_shield_beside_nothing() {
     let settings =
-        settings(&["draft_shield=full", "sample_spacing=0.6", "walls=1"]);
+        settings(&["draft_shield=full", "sample_spacing=0.225", "walls=1"]);
     let pieces = "max(sqrt(x^2 + y^2) - 6, \
                   min(abs(z - 9.5) - 9.5, abs(z - 24.5) - 3.5))";
     let all = [wanted("pieces", pieces, 2, &settings)];
@@ -112,7 +112,7 @@ fn a_draft_shield_beside_nothing() {
 fn plates_of_several_parts() {
     let settings = settings(&[
         "gcode.flavour=klipper",
-        "sample_spacing=0.6",
+        "sample_spacing=0.225",
         "infill_density=30",
     ]);
     let all = [
@@ -124,7 +124,7 @@ fn plates_of_several_parts() {
 }
 
 fn coarse(model: &str, assignments: &[&str], layers: &str) -> Vec<u8> {
-    let mut all = vec!["sample_spacing=0.6", "infill_density=0"];
+    let mut all = vec!["sample_spacing=0.225", "infill_density=0"];
     all.extend(assignments);
     file(&plate_of(model, &all), layers, Format::Text)
 }
@@ -182,7 +182,7 @@ fn other_prints_are_refused() {
     assert!(version != text);
     assert_eq!(why(version.into_bytes()), "version or build of isoslice");
     let binary = file(
-        &plate_of(BALL, &["sample_spacing=0.6", "infill_density=0"]),
+        &plate_of(BALL, &["sample_spacing=0.225", "infill_density=0"]),
         "11..30",
         Format::Binary,
     );
@@ -228,7 +228,7 @@ fn half_written_and_changed_files_are_refused() {
 
 #[test]
 fn ranges_begin_with_slabs_and_have_every_layer() {
-    let settings = settings(&["sample_spacing=0.6", "layer_height=0.05"]);
+    let settings = settings(&["sample_spacing=0.225", "layer_height=0.05"]);
     // This part is wide below and thin above.
     let part = "max(sqrt(x^2 + y^2) - 20 + 0.45*z, max(-z, z - 40))";
     let model: Model = common::formula(part, &settings);
@@ -265,7 +265,7 @@ fn on_the_command_line() {
             "-e",
             model,
             "--set",
-            "sample_spacing=0.6",
+            "sample_spacing=0.225",
             "--set",
             "gcode.thumbnails=",
         ];

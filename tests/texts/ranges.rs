@@ -60,7 +60,7 @@ fn assert_same_in_ranges(plate: &Plate, cuts: &[usize]) {
 
 /// Coarse settings, which are quick, with several slabs of layers.
 const COARSE: [&str; 3] =
-    ["sample_spacing=0.6", "accuracy=0.05", "retract.z_hop=0.3"];
+    ["sample_spacing=0.225", "accuracy=0.05", "retract.z_hop=0.3"];
 
 fn check_example(name: &str, layer_height: &str, cuts: &[usize]) {
     let example = common::example(name);
@@ -122,7 +122,7 @@ fn a_surface_without_steps() {
 fn internal_bridges() {
     let settings = common::settings(&[
         "internal_bridges=true",
-        "sample_spacing=0.3",
+        "sample_spacing=0.225",
         "accuracy=0.05",
     ]);
     // Stairs. One of the layers with internal bridges is the first of the
@@ -141,7 +141,7 @@ fn more_layers_of_internal_bridges() {
         let settings = common::settings(&[
             &layers,
             "infill_density=8",
-            "sample_spacing=0.3",
+            "sample_spacing=0.225",
             "accuracy=0.05",
             "gcode.progress=off",
         ]);

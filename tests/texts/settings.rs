@@ -590,16 +590,21 @@ fn errors_name_the_setting_that_takes_the_value() {
 /// nodes of a coarse lattice.
 #[test]
 fn no_lattice_is_so_coarse_that_a_hole_is_overlooked() {
-    let text = "max(max(max(abs(y) - 0.4, abs(x) - 5), abs(z - 0.3) - 0.3), \
-                0.15 - hypot(x - 0.2, y))";
-    let made = |spacing: &str| {
+    let made = |at: f64, spacing: &str| {
+        let text = format!(
+            "max(max(max(abs(y) - 0.4, abs(x) - 5), abs(z - 0.3) - 0.3), \
+             0.15 - hypot(x - {at}, y))"
+        );
         let settings = common::settings(&[spacing, "skirt.loops=0"]);
-        let model = common::formula(text, &settings);
+        let model = common::formula(&text, &settings);
         let (gcode, _) = common::slice(&model, &settings, 2);
         let moves = gcode.lines().filter(|line| !line.starts_with(';'));
         moves.map(str::to_owned).collect::<Vec<_>>()
     };
-    let half_a_line = made("sample_spacing=0.225");
-    assert_eq!(made("sample_spacing=2"), half_a_line);
-    assert_eq!(made("sample_spacing=0.4"), half_a_line);
+    let plate = made(20.0, "sample_spacing=0.225");
+    for at in [-0.9, -0.3, 0.2, 0.7] {
+        let half_a_line = made(at, "sample_spacing=0.225");
+        assert!(half_a_line != plate, "the hole at {at} is overlooked");
+        assert_eq!(made(at, "sample_spacing=2"), half_a_line);
+    }
 }

@@ -197,9 +197,8 @@ impl Settings {
     }
 
     /// Spacing of the lattice on which outlines are looked for: the one that is
-    /// set, but at most half of the outer wall's width. The cells of a coarser
-    /// lattice have to be searched for what a line could still print, which was
-    /// measured to take up to 30 times as long.
+    /// set, but at most half of the outer wall's width. A coarser lattice would
+    /// overlook what a line can print.
     pub fn lattice_spacing(&self) -> Mm {
         self.sample_spacing.min(0.5 * self.outer_wall_width())
     }

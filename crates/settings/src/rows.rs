@@ -61,7 +61,8 @@ table::settings! {
         /// Spacing of the lattice on which the field is sampled to find the
         /// outlines. Details smaller than this may be missed, and curves
         /// tighter than a few times this are less accurate. It is at most half
-        /// of outer_wall_width, whatever is set: a coarser lattice takes longer.
+        /// of outer_wall_width, whatever is set: a coarser lattice would overlook
+        /// what can be printed.
         sample_spacing: Mm = 0.1, in 0.01..=2.0;
         /// Slits in a layer that are narrower than twice this are closed, so
         /// that bodies that almost touch are printed as one; 0 leaves them

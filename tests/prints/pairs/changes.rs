@@ -51,7 +51,7 @@ impl Plain {
 const BASE: &[&str] = &[
     "layer_height=0.3",
     "first_layer_height=0.3",
-    "sample_spacing=0.3",
+    "sample_spacing=0.225",
     "accuracy=0.02",
     "path_accuracy=0.05",
     "skirt.loops=0",

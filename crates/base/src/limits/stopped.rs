@@ -150,7 +150,7 @@ fn remedy(stage: Option<&str>) -> &'static str {
         }
         Some("reading") => "Give it a shorter file",
         Some("field" | "contour") => {
-            "Slice some layers at a time (--layers), raise sample_spacing to \
+            "Slice some layers at a time (--layers), set sample_spacing to \
              half of outer_wall_width, or make the expression simpler"
         }
         Some("infill") => {

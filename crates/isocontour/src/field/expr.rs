@@ -4,20 +4,20 @@
 use super::source::Source;
 use fidget::compiler::RegOp;
 use fidget::vm::VmFunction;
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 /// A function, and the inputs it reads.
 pub(super) struct Expr {
     pub f: VmFunction,
     /// The inputs, once they have been asked for.
-    inputs: OnceCell<Vec<usize>>,
+    inputs: OnceLock<Vec<usize>>,
 }
 
 impl Expr {
     pub(super) fn new(f: VmFunction) -> Self {
         Expr {
             f,
-            inputs: OnceCell::new(),
+            inputs: OnceLock::new(),
         }
     }
 

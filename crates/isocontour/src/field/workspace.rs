@@ -82,7 +82,7 @@ impl<'a> Workspace<'a> {
         boxes: &[[usize; 3]],
     ) {
         let sources = &self.sources;
-        let read = expr.inputs().iter().map(|&slot| sources[slot]);
+        let read = expr.read(sources);
         let extents = boxes.iter().map(|&at| axes.extent(level, at));
         self.calls.over(read, extents);
     }
@@ -184,7 +184,7 @@ impl<'a> Workspace<'a> {
     ) {
         out.clear();
         let used = expr.inputs();
-        let read = || used.iter().map(|&slot| self.sources[slot]);
+        let read = || expr.read(&self.sources);
         let has_calls = read().any(|s| matches!(s, Source::Call(_)));
         let mut points: [Vec<f32>; 3] = Default::default();
         for leaves in leaves.chunks(AT_ONCE) {
@@ -242,7 +242,7 @@ impl<'a> Workspace<'a> {
     ) {
         let used = expr.inputs();
         self.locate(used, axes, points);
-        let read = used.iter().map(|&slot| self.sources[slot]);
+        let read = expr.read(&self.sources);
         self.calls.at(read, &points);
         for &slot in used {
             if let Source::Part(a, p) = self.sources[slot] {
@@ -278,7 +278,7 @@ impl<'a> Workspace<'a> {
     ) {
         let used = expr.inputs();
         self.locate(used, axes, points);
-        let read = used.iter().map(|&slot| self.sources[slot]);
+        let read = expr.read(&self.sources);
         self.calls.at_with_slopes(read, points, [0, 1, 2]);
         for &slot in used {
             if let Source::Part(a, p) = self.sources[slot] {

@@ -1,7 +1,6 @@
 //! Values together with their derivatives along some axes.
 //!
-//! The chain rule, operation by operation, for eight points or eight boxes at a
-//! time. At a point where an operation has no derivative (a step, |0|, the tip
+//! The chain rule, operation by operation, for eight points at a time or for a box. At a point where an operation has no derivative (a step, |0|, the tip
 //! of `min`), the derivatives are those of one side, or zero. Over a box they
 //! are all that occur, and unknown if there is a step.
 
@@ -214,5 +213,97 @@ impl<T: Component, const D: usize> Number for Dual<T, D> {
     fn or(self, o: Self) -> Self {
         let d = |a, b| T::choose_zero(self.v, b, a);
         self.zip(o, self.v.or(o.v), d)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+    use crate::number::run::run;
+    use crate::number::tests::everything;
+    use fidget::context::Context;
+    use fidget::eval::{Function, MathFunction, TracingEvaluator};
+    use fidget::var::Var;
+    use fidget::vm::VmFunction;
+
+    type Slope = Dual<Interval, 3>;
+
+    fn slope(f: &VmFunction, input: &dyn Fn(usize) -> Slope) -> Slope {
+        let tape = f.data().asm();
+        let mut registers = vec![[Slope::splat(0.0)]; tape.slot_count()];
+        let mut out = Slope::splat(0.0);
+        run(
+            tape,
+            &mut registers[..],
+            |slot, [slope]| *slope = input(slot),
+            |[slope]| out = *slope,
+            |_, _, _| {},
+        );
+        out
+    }
+
+    /// Along any line through a box the field changes by no more than its
+    /// slopes allow.
+    #[test]
+    fn slopes_hold_the_differences() {
+        let mut rng = fastrand::Rng::with_seed(7);
+        let mut random = || rng.f32();
+        let (mut bounded, mut total) = (0, 0);
+        for (k, tree) in everything().iter().enumerate() {
+            let mut ctx = Context::new();
+            let root = ctx.import(tree);
+            let f = VmFunction::new(&ctx, &[root]).unwrap();
+            let slots = [Var::X, Var::Y, Var::Z].map(|v| f.vars().get(&v));
+            let tape = f.point_tape(Default::default());
+            let mut eval = VmFunction::new_point_eval();
+            let mut value = |p: [f32; 3]| {
+                let mut vars = [0.0; 3];
+                for (slot, v) in slots.into_iter().zip(p) {
+                    if let Some(s) = slot {
+                        vars[s] = v;
+                    }
+                }
+                let vars = &vars[..f.vars().len()];
+                f64::from(eval.eval(&tape, vars).unwrap().0[0])
+            };
+            for _ in 0..300 {
+                let size =
+                    [1.5 * random() * random(), random(), 0.5 * random()];
+                let lo: [f32; 3] =
+                    std::array::from_fn(|_| 8.0 * random() - 4.0);
+                let input = |i: usize| {
+                    let a = slots.iter().position(|s| *s == Some(i)).unwrap();
+                    let (lo, hi) = (lo[a], lo[a] + size[a]);
+                    Dual::coordinate(Interval::new(lo.into(), hi.into()), a)
+                };
+                let slope = slope(&f, &input);
+                total += 1;
+                if !slope.d.iter().all(|d| d.is_finite() && !d.nan) {
+                    continue;
+                }
+                bounded += 1;
+                for _ in 0..10 {
+                    let mut point = || -> [f32; 3] {
+                        std::array::from_fn(|a| lo[a] + size[a] * random())
+                    };
+                    let (p, q) = (point(), point());
+                    let (a, b) = (value(p), value(q));
+                    let [x, y, z] = [0, 1, 2].map(|a| {
+                        let d = f64::from(q[a]) - f64::from(p[a]);
+                        slope.d[a].mul(Interval::point(d))
+                    });
+                    let change = x.add(y).add(z);
+                    let slack = 1e-5 * (1.0 + a.abs() + b.abs());
+                    assert!(
+                        change.lo - slack <= b - a
+                            && b - a <= change.hi + slack,
+                        "expression {k}: {} is not in {change:?}",
+                        b - a
+                    );
+                }
+            }
+        }
+        assert!(3 * bounded > total, "{bounded} of {total} are bounded");
     }
 }

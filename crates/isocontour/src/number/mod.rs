@@ -6,7 +6,7 @@
 //! | [`Interval`](crate::interval::Interval) | all values over a box |
 //! | [`Wide`](wide::Wide) | eight values, in f32 |
 //! | [`Span`](span::Span) | all values over each of eight boxes |
-//! | [`Dual`](dual::Dual) | a value of one of these kinds, with its derivatives |
+//! | [`Dual`](dual::Dual) | an `Interval` or a `Wide`, with its derivatives |
 //! | `Slot` of `program/slot.rs` | an `Interval`, its derivatives and the value in the box's middle |
 //!
 //! [`run`](run::run) evaluates fidget's tapes on any kind; `unary` and

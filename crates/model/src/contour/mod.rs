@@ -151,7 +151,10 @@ fn sampled(
 /// What to do about a field that has no outlines.
 pub fn remedy(error: &FieldError) -> &'static str {
     match error {
-        FieldError::TooLarge { .. } => "; raise sample_spacing",
+        FieldError::TooLarge { .. } => {
+            "; raise sample_spacing, up to half of outer_wall_width, or make \
+             the part smaller (--scale)"
+        }
         FieldError::TooFine { .. } => {
             " (lengths are mm in the model's coordinates, as it is turned and \
              scaled; the limit is a quarter of a line's width). Let the \

@@ -154,26 +154,31 @@ pub(super) fn sampling(
     s: &Settings,
     warnings: &mut Vec<String>,
 ) -> Result<(), Conflict> {
-    let spacing = s.lattice_spacing();
+    let (spacing, width) = (s.lattice_spacing(), s.outer_wall_width());
+    let by_width = spacing < s.sample_spacing;
     if s.accuracy >= spacing {
+        let (key, what) = if by_width {
+            let what = format!("half of outer_wall_width = {width} mm");
+            ("outer_wall_width", what)
+        } else {
+            ("sample_spacing", format!("sample_spacing = {spacing} mm"))
+        };
         return Err(conflict(
-            ["accuracy", "sample_spacing"],
+            ["accuracy", key],
             format!(
-                "accuracy = {} mm is not finer than the lattice that outlines \
-                 are refined from, which is {spacing} mm wide: the lesser of \
-                 sample_spacing and half of outer_wall_width; lower accuracy",
+                "accuracy = {} mm is not finer than the lattice which outlines \
+                 are refined from, {what}; lower accuracy or raise {key}",
                 s.accuracy,
             ),
         ));
     }
     // With a fine nozzle, nobody has to lower what is there by default.
-    let by_default = Settings::default().sample_spacing;
-    if s.sample_spacing > spacing.max(by_default) {
+    if by_width && s.sample_spacing != Settings::default().sample_spacing {
         warnings.push(format!(
-            "sample_spacing = {} mm is more than half of outer_wall_width = {} \
-             mm: {spacing} mm is used, which is quicker and misses less",
+            "sample_spacing = {} mm is more than half of outer_wall_width = \
+             {width} mm: {spacing} mm is used, since a coarser lattice would \
+             overlook what can be printed",
             s.sample_spacing,
-            s.outer_wall_width(),
         ));
     }
     Ok(())

@@ -115,7 +115,7 @@ impl<'a> Eye<'a> {
             size: [width, height, size[2]],
         };
         self.sight.cancel.check()?;
-        self.spend(&Expr::new(self.sight.f.clone()), width * height)?;
+        self.spend(&self.sight.f, width * height)?;
         let Some(found) = crossings(solid, &lines) else {
             return Ok(false);
         };
@@ -140,7 +140,7 @@ impl<'a> Eye<'a> {
     /// nearest first. The column's first line of sight is `at`.
     fn tiles(&mut self, at: [usize; 2]) -> Result<(), FieldError> {
         let sight = self.sight;
-        let f = &Expr::new(sight.f.clone());
+        let f = &sight.f;
         let tiles = self.grid.size[2].div_ceil(TILE);
         let tiles = (0..tiles).rev().map(|k| [at[0], at[1], k * TILE]);
         let tiles: Vec<[usize; 3]> = tiles.collect();
@@ -470,7 +470,7 @@ impl<'a> Eye<'a> {
         }
         // The simpler function of a cube does not hold in front of it.
         let sight = self.sight;
-        let f = &Expr::new(sight.f.clone());
+        let f = &sight.f;
         // How far beyond the sample the line is inside, and outside.
         let mut ends = vec![[0.0, 1.0]; lines.len()];
         for _ in 0..HALVES {

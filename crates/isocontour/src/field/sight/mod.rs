@@ -26,13 +26,13 @@ mod tests;
 use super::FieldError;
 use super::blend::branched;
 use super::calls::{Call, Called};
+use super::expr::Expr;
 use super::source::Source;
 use crate::cancel::Cancel;
 use crate::grid::Grid;
 use crate::solid::{Solid, solid};
 use eye::{Eye, TILE};
 use fidget::context::{Context, Tree};
-use fidget::vm::VmFunction;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -48,7 +48,7 @@ pub struct Hit {
 
 /// A part to be looked at.
 pub struct Sight {
-    f: VmFunction,
+    f: Expr,
     /// What is inside, if it is made of data and half-spaces.
     solid: Option<Solid>,
     /// For each input of the function, where its value is from.
@@ -74,7 +74,7 @@ impl Sight {
         let called = Called::new(ctx, root, None)?;
         let (f, sources) = called.function()?;
         Ok(Sight {
-            f,
+            f: Expr::new(f),
             solid: solid(tree).filter(Solid::has_crossings),
             sources,
             calls: called.calls,
