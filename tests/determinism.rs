@@ -17,7 +17,7 @@ use isoslice::pipeline::{self, Options};
 /// The settings are so coarse that all examples take seconds, with everything that
 /// passes from layer to layer.
 const COARSE: [&str; 6] = [
-    "sample_spacing=0.225",
+    "sample_spacing=0.3",
     "accuracy=0.1",
     "printer.nozzle_diameter=0.6",
     "layer_height=0.42",

@@ -107,7 +107,8 @@ proptest! {
     #[test]
     fn outlines_of_solids_are_exact(
         solid in solid(),
-        // Three choices, as ever: the solids are those of earlier versions.
+        // Three choices, as ever, draw the solids of earlier versions. At the
+        // rate that `survey` finds, half of all sets of 150 have a wrong one.
         spacing in prop_oneof![Just(0.1), Just(0.2), Just(0.1)],
         z in -0.7..0.7,
     ) {
@@ -221,7 +222,7 @@ proptest! {
         let Ok(model) = load(&source, &[]) else { return Ok(()) };
         let bounds = Rect::new(DVec2::splat(-2.0), DVec2::splat(2.0));
         let field =
-            Field::new(&model.tree, 0.0, bounds, 0.25).unwrap();
+            Field::new(&model.tree, 0.0, bounds, 0.2).unwrap();
         let layers = [-0.8, 0.01, 0.7];
         let found =
             outlines(&field, &layers, DETAIL).unwrap();

@@ -12,10 +12,9 @@
 use crate::error::MeshError;
 use crate::fill::Filler;
 use crate::loops::{Missing, loops};
-use crate::mesh::ROUNDINGS;
 use crate::ray::Direction;
 use crate::rim::RimEdge;
-use crate::shell::Shell;
+use crate::shell::{ROUNDINGS, Shell};
 use crate::tree::{Node, gap};
 use glam::DVec3;
 use isocontour::Bounds;

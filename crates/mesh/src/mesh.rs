@@ -6,7 +6,7 @@ use crate::facts::Facts;
 use crate::few::Few;
 use crate::repair::repair;
 use crate::rim::rim;
-use crate::shell::Shell;
+use crate::shell::{ROUNDINGS, Shell};
 use crate::sign::Sign;
 use crate::triangles::Triangles;
 use glam::{DAffine3, DVec3};
@@ -21,9 +21,6 @@ const FAR_AWAY: f64 = 1e15;
 /// zero that is none for any length. Triangles inside a body, where shells
 /// cross, make no gaps in it.
 const INSIDE: f64 = 1e-30;
-
-/// What roundings of coordinates may add to a distance, as a share of them.
-pub(crate) const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 
 /// Distances below this share of the coordinates have no direction that is right
 /// to six digits. There the gradient is the normal of the triangle.

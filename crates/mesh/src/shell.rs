@@ -5,6 +5,9 @@ use crate::four;
 use crate::tree::{Child, Node, STACK, Tree, child};
 use glam::{DVec3, Vec4};
 
+/// What roundings of coordinates may add to a distance, as a share of them.
+pub(crate) const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+
 /// Triangles and their tree.
 #[derive(Debug)]
 pub(crate) struct Shell {

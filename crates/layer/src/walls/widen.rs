@@ -155,7 +155,8 @@ pub(super) fn widened(
 /// Moves the places in a short gap between two places that move to the same
 /// side: in such a gap the line has no room to come back. A line that leads out of a
 /// neck, around a hole, and back to beside where it began has that room. Around the
-/// corner of a strip the gap is longer, and the places in it have `room`.
+/// corner of a strip the gap is longer: its corners have `room`, and its other places
+/// are left out, as they lie on straight lines between those.
 fn bridge_gaps(
     places: &mut [Station],
     closed: bool,
@@ -200,7 +201,7 @@ fn bridge(
         let t = (k - from) as f64 / (to - from) as f64;
         v + t * (w - v)
     };
-    // A corner that moves passes the places beside it, which lie on straight lines.
+    // A corner that moves passes the places on the straight lines beside it.
     let corners = || (from + 1..to).filter(|k| !places[k % n].is_straight());
     // Around a corner to the right nothing is left open.
     let turns_left = |k: usize| {
@@ -213,7 +214,7 @@ fn bridge(
         apart < CORNER_GAP * a.width && !a.narrows && v.min(w) > LEAST;
     let around_corner =
         || is_near && corners().next().is_some() && all_have_room();
-    // Around the end of a strip where a closed line begins, the line stays narrow.
+    // Where a closed line begins, no gap is bridged but one around a corner.
     let is_short = apart < GAP && to < n;
     if !is_short && !around_corner() {
         return;
