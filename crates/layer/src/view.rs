@@ -5,7 +5,7 @@ use isoslice_settings::layers::LayerSpan;
 use std::sync::OnceLock;
 
 /// What lies under the walls of what rises from a layer, once it was asked for.
-/// All who ask have to have the same layer above.
+/// All who ask have to have the same layer above, and the same plan of walls.
 #[derive(Debug, Default)]
 pub struct Risen(pub(crate) OnceLock<Area>);
 

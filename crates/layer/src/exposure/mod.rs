@@ -278,13 +278,16 @@ impl<'a> Exposure<'a> {
         let all = islands.iter().zip(exposed);
         let asked = all.filter(|(_, e)| **e != Exposed::Everywhere);
         let asked: Vec<&Area> = asked.map(|(island, _)| island).collect();
+        if asked.is_empty() {
+            return vec![Area::EMPTY; islands.len()];
+        }
         let near = asked.iter().map(|island| island.bounds());
         let near = near.fold(Rect::EMPTY, Rect::union);
         let layers = self.covering(self.above.at(view.here.span.index));
         let above = view.above.iter().take(layers);
         let lower = std::iter::once(&view.here).chain(above.clone());
         let mut found = Area::EMPTY;
-        for (lower, upper) in lower.zip(above).filter(|_| !asked.is_empty()) {
+        for (lower, upper) in lower.zip(above) {
             if isoslice_base::limits::is_stopped() {
                 break;
             }

@@ -83,7 +83,11 @@ mod tests {
         };
         assert_eq!(all(&kept, &above), anew);
         assert!(risen.0.get().is_some());
-        assert_eq!(all(&kept, &above), anew);
+        // The layer above is not looked at again.
+        let other = Solid::new(rect(2.0, 2.0, 4.0, 4.0));
+        let other = LayerView::of(0, &plate, &[&other], &[]).above[0];
+        assert_ne!(all(&here, &other), anew);
+        assert_eq!(all(&kept, &other), anew);
         assert_eq!(all(&above, &above), None);
     }
 }

@@ -171,9 +171,8 @@ impl Left<'_> {
         filled: Mm,
         beads: &AxisIndex<'_>,
     ) -> Option<Mm> {
-        let fits = |p, radius| self.fits(p, radius);
         let base = p + self.away * inwards;
-        if !fits(base + LEAST * inwards, LEAST) {
+        if !self.fits(base + LEAST * inwards, LEAST) {
             return None;
         }
         // A ball shrinks until it touches the border but nowhere reaches over
@@ -210,7 +209,8 @@ impl Left<'_> {
         (!self.is_laid_around(centre)).then_some(low - 0.5 * THINNED)
     }
 
-    /// True if there is room for other beads in some direction from a ball's middle.
+    /// True if other beads are laid around a ball: there is room for them in some
+    /// direction from its middle.
     fn is_laid_around(&self, centre: DVec2) -> bool {
         // What is in the way in one direction often is in the next one as well.
         let reach = self.depth + self.radius - THINNED;

@@ -36,8 +36,9 @@ const AWAY: f64 = 0.4;
 pub(super) const HIDDEN: f64 = 1.0;
 /// Gaps between moving places that are shorter than this do not count, mm.
 const GAP: Mm = 0.6;
-/// Distance of the ends of a gap around the corner of a strip, in widths: what two walls
-/// share around a right angle lies up to 0.9 mm apart on the outer one.
+/// Greatest distance of the ends of a gap around the corner of a strip, in widths of the
+/// line. What two walls of 0.45 mm share around a right angle ends up to 0.9 mm apart on
+/// the outer one.
 const CORNER_GAP: f64 = 2.0;
 /// A gap is no longer than this many times the distance of its ends, as around a
 /// corner.
