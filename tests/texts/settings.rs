@@ -421,6 +421,12 @@ fn settings_that_do_not_work_together_are_refused() {
                 &["skin_width=600%", "printer.nozzle_diameter=2"],
                 &["outer_wall_width=-90%"],
                 &["accuracy=0.1"],
+                &[
+                    "accuracy=0.1",
+                    "outer_wall_width=0.19",
+                    "layer_height=0.1",
+                    "first_layer_height=0.1",
+                ],
                 &["retract.extra_prime=-1"],
                 &[
                     "retract.extra_prime=-0.1",

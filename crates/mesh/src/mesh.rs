@@ -152,7 +152,7 @@ impl Mesh {
             place.distance(last.place)
                 < last.distance * (1.0 - 1e-9)
                     - ROUNDINGS * place.abs().max_element()
-                && !self.sign.changes(&between(last.place, place))
+                && !self.sign.may_change(&between(last.place, place))
         });
         let is_inside =
             known.map_or_else(|| self.is_inside(place), |l| l.is_inside);

@@ -109,7 +109,7 @@ impl Sign {
     }
 
     /// True if the rim, or what closes it, may be within a distance of a box.
-    pub(crate) fn is_open(&self, over: &Bounds, within: f64) -> bool {
+    pub(crate) fn may_be_near_rim(&self, over: &Bounds, within: f64) -> bool {
         let margin = DVec3::splat(within);
         let grown = Bounds {
             min: over.min - margin,
@@ -123,7 +123,7 @@ impl Sign {
     }
 
     /// True if the sign may change in a box at a place that is on no triangle.
-    pub(crate) fn changes(&self, over: &Bounds) -> bool {
+    pub(crate) fn may_change(&self, over: &Bounds) -> bool {
         match self {
             Sign::Closed => false,
             Sign::Covered(cover) => cover.is_alone(over),

@@ -42,7 +42,7 @@ impl Mesh {
             return None;
         }
         let greatest = self.greatest(over) * (1.0 + 1e-9) + 1e-12 * reach;
-        if self.sign.is_open(over, greatest) {
+        if self.sign.may_be_near_rim(over, greatest) {
             return None;
         }
         let plane = self.shell.plane(over, greatest)?;

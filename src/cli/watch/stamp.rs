@@ -32,6 +32,8 @@ pub(super) struct Stamps {
     /// The stamps at the look before this one.
     last: Look,
     missing: u32,
+    /// True once a list of files was given.
+    looked: bool,
 }
 
 impl Stamps {
@@ -43,20 +45,22 @@ impl Stamps {
             known: Look::new(),
             last: Look::new(),
             missing: 0,
+            looked: false,
         }
     }
 
     /// True if a file has changed since the last change that was reported, and
     /// has stayed the same since the look before, so that nobody is writing it.
     /// Files that are new in the list count as unchanged, but for those that
-    /// were written after the reading began, which may have missed them. A file
-    /// that a reading named may be up to a tick younger than it says. The first list
-    /// is the user's, who may just have saved it: with a tick, every start would read
-    /// it twice.
+    /// were written after the reading began, which may have missed them. Their
+    /// times may be too early by a tick, so files that a reading named count as
+    /// written after it if they are no older than a tick before it. The first list is
+    /// the command line's, whose times are believed: a user who has just saved a file
+    /// would have it read twice at every start.
     pub(super) fn changed(&mut self, files: &[PathBuf]) -> bool {
+        let is_first = !std::mem::replace(&mut self.looked, true);
         let now: Look = files.iter().map(|file| stamp(file)).collect();
         if self.files != files {
-            let is_first = self.files.is_empty();
             let tick = if is_first { Duration::ZERO } else { TICK };
             let old = self.files.iter().zip(&self.known);
             let old: Vec<_> = old.map(|(f, s)| (f.clone(), *s)).collect();
@@ -142,6 +146,21 @@ mod tests {
         assert!(!stamps.changed(&listed), "it may still be written");
         assert!(stamps.changed(&listed));
         assert!(!stamps.changed(&listed));
+    }
+
+    /// A formula on the command line is no file, so its first list is empty.
+    #[test]
+    fn a_file_that_a_formula_named_is_told_of() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = [folder.path().join("new.svg")];
+        let mut stamps = Stamps::new();
+        assert!(!stamps.changed(&[]));
+        let made = fs::File::create(&files[0]).unwrap();
+        let at = stamps.reported - Duration::from_millis(10);
+        made.set_modified(at).unwrap();
+        assert!(!stamps.changed(&files), "it may still be written");
+        assert!(stamps.changed(&files));
+        assert!(!stamps.changed(&files));
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! Values together with their derivatives along some axes.
 //!
-//! The chain rule, operation by operation, for eight points at a time or for a box. At a point where an operation has no derivative (a step, |0|, the tip
-//! of `min`), the derivatives are those of one side, or zero. Over a box they
-//! are all that occur, and unknown if there is a step.
+//! The chain rule, operation by operation, for eight points at a time or for a box.
+//! At a point where an operation has no derivative (a step, |0|, the tip of `min`),
+//! the derivatives are those of one side, or zero. Over a box they are all that
+//! occur, and unknown if there is a step.
 
 use super::{Component, Number};
 

@@ -158,7 +158,8 @@ pub(super) fn sampling(
     let by_width = spacing < s.sample_spacing;
     if s.accuracy >= spacing {
         let (key, what) = if by_width {
-            let what = format!("half of outer_wall_width = {width} mm");
+            let what =
+                format!("{spacing} mm, half of outer_wall_width = {width} mm");
             ("outer_wall_width", what)
         } else {
             ("sample_spacing", format!("sample_spacing = {spacing} mm"))
@@ -166,8 +167,9 @@ pub(super) fn sampling(
         return Err(conflict(
             ["accuracy", key],
             format!(
-                "accuracy = {} mm is not finer than the lattice which outlines \
-                 are refined from, {what}; lower accuracy or raise {key}",
+                "accuracy = {} mm is not finer than the lattice that outlines \
+                 are refined from, whose spacing is {what}; lower accuracy or \
+                 raise {key}",
                 s.accuracy,
             ),
         ));
