@@ -14,6 +14,7 @@
 use super::boxes::Boxes;
 use super::hoist::{in_order, rest};
 use super::lanes::{Lanes, Seed, Slopes};
+use super::repeat::Repeat;
 use super::source::Source;
 use super::{FieldError, bug};
 use crate::data::{Data, call_of, range_over};
@@ -23,8 +24,13 @@ use fidget::eval::{Function, MathFunction};
 use fidget::var::Var;
 use fidget::vm::VmFunction;
 use glam::DVec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
+
+/// How many boxes back it is known over what data was asked: a row of a block has
+/// four leaves, and those above it are often the same to a picture that is seen
+/// along y.
+const LAST_BOXES: usize = 4;
 
 /// An expression in which variables stand for the calls of data.
 pub(super) struct Called {
@@ -245,25 +251,58 @@ impl<'a> Calls<'a> {
         if !self.need(read) {
             return;
         }
-        let count = points[0].len();
-        for k in (0..self.all.len()).filter(|k| self.needed[*k]) {
-            let (before, own) = self.values.split_at_mut(k);
-            let call = &self.all[k];
-            for (numbers, a) in self.numbers.iter_mut().zip(&call.at) {
-                let inputs: Vec<&[f32]> = a
-                    .sources
-                    .iter()
-                    .map(|s| match *s {
-                        Source::Coordinate(a) | Source::Part(a, _) => points[a],
-                        Source::Call(k) => &before[k],
-                    })
-                    .collect();
-                numbers.clear();
-                self.lanes.eval(&a.f, &inputs, count, numbers);
-            }
-            let [x, y, z] = &self.numbers;
-            own[0].clear();
-            call.data.values([x, y, z], &mut own[0]);
+        for k in 0..self.all.len() {
+            self.ask(k, points, None);
+        }
+    }
+
+    /// Evaluates the calls that are read at all nodes of leaves.
+    pub(super) fn at_nodes(
+        &mut self,
+        read: impl Iterator<Item = Source>,
+        points: [&[f32]; 3],
+    ) {
+        if !self.need(read) {
+            return;
+        }
+        for k in 0..self.all.len() {
+            self.ask(k, &points, Repeat::of(self.all[k].reads));
+        }
+    }
+
+    /// Evaluates a call at points if it is needed, those before it having been
+    /// evaluated. With `repeat`, the points are the nodes of leaves.
+    fn ask(&mut self, k: usize, points: &[&[f32]], repeat: Option<Repeat>) {
+        if !self.needed[k] {
+            return;
+        }
+        let (before, own) = self.values.split_at_mut(k);
+        let call = &self.all[k];
+        for (numbers, a) in self.numbers.iter_mut().zip(&call.at) {
+            let all = a.sources.iter().map(|s| match *s {
+                Source::Coordinate(a) | Source::Part(a, _) => points[a],
+                Source::Call(k) => &before[k],
+            });
+            let gathered: Vec<Vec<f32>>;
+            let inputs: Vec<&[f32]> = match &repeat {
+                None => all.collect(),
+                Some(repeat) => {
+                    gathered = all.map(|v| repeat.gather(v)).collect();
+                    gathered.iter().map(Vec::as_slice).collect()
+                }
+            };
+            let count = match &repeat {
+                None => points[0].len(),
+                Some(repeat) => repeat.count(points[0].len()),
+            };
+            numbers.clear();
+            self.lanes.eval(&a.f, &inputs, count, numbers);
+        }
+        let [x, y, z] = &self.numbers;
+        own[0].clear();
+        call.data.values([x, y, z], &mut own[0]);
+        if let Some(repeat) = repeat {
+            own[0] = repeat.spread(&own[0]);
         }
     }
 
@@ -348,6 +387,7 @@ impl<'a> Calls<'a> {
             let (before, own) = self.ranges.split_at_mut(k);
             let call = &self.all[k];
             own[0].clear();
+            let mut asked = VecDeque::with_capacity(LAST_BOXES);
             for (n, extent) in boxes.clone().enumerate() {
                 let at = [0, 1, 2].map(|i| {
                     let a = &call.at[i];
@@ -357,7 +397,13 @@ impl<'a> Calls<'a> {
                     };
                     self.alone.range(&a.f, &input).0
                 });
-                own[0].push(range_over(&*call.data, at));
+                let range = match asked.iter().position(|past| *past == at) {
+                    Some(back) => own[0][n - 1 - back],
+                    None => range_over(&*call.data, at),
+                };
+                own[0].push(range);
+                asked.truncate(LAST_BOXES - 1);
+                asked.push_front(at);
             }
         }
     }

@@ -39,6 +39,7 @@ mod expr;
 mod hoist;
 pub(crate) mod lanes;
 mod lattice;
+mod repeat;
 mod sight;
 mod signs;
 mod source;

@@ -194,7 +194,7 @@ impl<'a> Workspace<'a> {
                     spread(axes.along(Source::Coordinate(a)), leaves, values);
                 }
                 let [x, y, z] = &points;
-                self.calls.at(read(), &[x, y, z]);
+                self.calls.at_nodes(read(), [x, y, z]);
             }
             for &slot in used {
                 let values = &mut self.values[slot];

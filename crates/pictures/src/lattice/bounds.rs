@@ -3,7 +3,7 @@
 use super::border::{Border, Stretch, floor};
 use super::kernel::{Interpolation, Stretched};
 use super::pyramid::{NONE, Pyramid, Range, both, widened};
-use super::{Lattice, number};
+use super::{Lattice, Layout, number};
 use crate::numbers::{Numbers, with_numbers};
 
 /// The most cells of a box that are looked at one by one.
@@ -20,7 +20,10 @@ impl Lattice {
             Some(cells) => self.of_cells(&cells, over, false).0,
             None => {
                 let all = self.stretches(over).map(|s| s.samples);
-                let range = self.over(&self.values, all, |at| self.number(at));
+                let range = with_numbers!(&self.numbers, data => {
+                    let get = |at| number(data, self.layout, at);
+                    self.values.range(all.map(|s| s[0]), all.map(|s| s[1]), get)
+                });
                 overshot(range, self.how.overshoot(self.axes())[0])
             }
         };
@@ -107,31 +110,29 @@ impl Lattice {
         with_numbers!(&self.numbers, data => number(data, self.layout, at))
     }
 
-    /// The difference of a sample and the next along an axis; of the last and
-    /// the first, if the axis repeats.
-    fn difference(&self, axis: usize, at: [usize; 3]) -> f64 {
-        let n = self.layout.size[axis];
-        let mut next = at;
-        next[axis] = self.border[axis].sample(at[axis] as i64 + 1, n);
-        self.number(next) - self.number(at)
+    /// The differences of samples and the next ones along an axis.
+    fn steps(&self, axis: usize) -> &Pyramid {
+        let Lattice { layout, border, .. } = *self;
+        self.steps[axis].get_or_init(|| {
+            with_numbers!(&self.numbers, data => {
+                let step = step(data, layout, border[axis], axis);
+                Pyramid::new(layout.size, step)
+            })
+        })
     }
 
-    fn over(
-        &self,
-        pyramid: &Pyramid,
-        samples: [[usize; 2]; 3],
-        get: impl Fn([usize; 3]) -> f64,
-    ) -> Range {
-        pyramid.range(samples.map(|s| s[0]), samples.map(|s| s[1]), get)
+    /// The range of some of the differences along an axis.
+    fn steps_between(&self, axis: usize, samples: [[usize; 2]; 3]) -> Range {
+        let Lattice { layout, border, .. } = *self;
+        let pyramid = self.steps(axis);
+        with_numbers!(&self.numbers, data => {
+            let step = step(data, layout, border[axis], axis);
+            pyramid.range(samples.map(|s| s[0]), samples.map(|s| s[1]), step)
+        })
     }
 
     /// Bounds of derivatives by the differences of samples.
     fn of_differences(&self, over: Ends) -> [Range; 3] {
-        let pyramids = self.differences.get_or_init(|| {
-            [0, 1, 2].map(|axis| {
-                Pyramid::new(self.layout.size, |at| self.difference(axis, at))
-            })
-        });
         let stretches = self.stretches(over);
         let overshoot = self.how.overshoot(self.axes())[1];
         std::array::from_fn(|axis| {
@@ -148,8 +149,7 @@ impl Lattice {
             if inside {
                 samples[axis] = [first, last.saturating_sub(1).max(first)];
             }
-            let get = |at| self.difference(axis, at);
-            let [a, b] = self.over(&pyramids[axis], samples, get);
+            let [a, b] = self.steps_between(axis, samples);
             let range = match self.border[axis] {
                 _ if inside => [a, b],
                 Border::Clamp | Border::Repeat => [a.min(0.0), b.max(0.0)],
@@ -256,6 +256,22 @@ impl Lattice {
             (_, false) => (&weights.value, 3),
             (_, true) => (&weights.slope[..1], 1),
         }
+    }
+}
+
+/// The difference of a sample and the next along an axis; of the last and the
+/// first, if the axis repeats.
+fn step<T: Copy + Into<f64>>(
+    data: &[T],
+    layout: Layout,
+    border: Border,
+    axis: usize,
+) -> impl Fn([usize; 3]) -> f64 {
+    move |at| {
+        let n = layout.size[axis];
+        let mut next = at;
+        next[axis] = border.sample(at[axis] as i64 + 1, n);
+        number(data, layout, next) - number(data, layout, at)
     }
 }
 

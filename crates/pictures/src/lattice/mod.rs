@@ -80,7 +80,7 @@ pub(crate) struct Lattice {
     values: Pyramid,
     /// Of the differences of each sample and the next along each axis, if they
     /// are ever asked for.
-    differences: std::sync::OnceLock<[Pyramid; 3]>,
+    steps: [std::sync::OnceLock<Pyramid>; 3],
     /// What rounding may do to values and to derivatives at most.
     rounding: f64,
 }
@@ -108,7 +108,7 @@ impl Lattice {
             border,
             scale,
             values,
-            differences: std::sync::OnceLock::new(),
+            steps: Default::default(),
             rounding: 256.0 * f64::EPSILON * size,
         }
     }
@@ -134,11 +134,9 @@ impl Lattice {
 
     /// Its memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let differences = self
-            .differences
-            .get()
-            .map_or(0, |all| all.iter().map(Pyramid::bytes).sum());
-        self.numbers.bytes() + self.values.bytes() + differences
+        let steps = self.steps.iter().filter_map(|steps| steps.get());
+        let steps: usize = steps.map(Pyramid::bytes).sum();
+        self.numbers.bytes() + self.values.bytes() + steps
     }
 
     /// The samples around a place with their weights, along each axis.

@@ -86,12 +86,7 @@ impl Pyramid {
         // A picture's blocks of 4 × 4, and a volume's of 8 × 8 × 8, take half
         // a byte and a sixty-fourth for each number.
         let first = if size.contains(&1) { 2 } else { 3 };
-        let point = |at| {
-            let value = get(at);
-            [value, value]
-        };
-        let mut levels =
-            vec![level(first, size, |from, to| scan(from, to, point))];
+        let mut levels = vec![lowest(first, size, get)];
         while let Some(last) = levels.last()
             && last.blocks.iter().any(|n| *n > 3)
         {
@@ -148,6 +143,34 @@ impl Level {
             ..self
         }
     }
+}
+
+/// Blocks of 2ᵏ numbers along each axis. The numbers are taken row by row, since
+/// there may be 60 million of them.
+fn lowest(
+    k: u32,
+    size: [usize; 3],
+    get: impl Fn([usize; 3]) -> f64 + Sync,
+) -> Level {
+    let blocks = size.map(|n| n.div_ceil(1 << k));
+    let [_, b, c] = blocks;
+    let some = |block: usize, n: usize| block << k..((block + 1) << k).min(n);
+    let row = |row: usize| {
+        let mut columns = vec![NONE; size[0]];
+        for z in some(row / b, size[2]) {
+            for y in some(row % b, size[1]) {
+                for (x, range) in columns.iter_mut().enumerate() {
+                    let value = get([x, y, z]);
+                    *range = both(*range, [value, value]);
+                }
+            }
+        }
+        let blocks = columns.chunks(1 << k);
+        let range = |block: &[Range]| block.iter().copied().fold(NONE, both);
+        blocks.map(|b| outward(range(b))).collect::<Vec<_>>()
+    };
+    let ranges = (0..b * c).into_par_iter().flat_map_iter(row).collect();
+    Level { k, blocks, ranges }
 }
 
 /// Blocks of 2ᵏ of what a lattice of some size holds.
