@@ -167,6 +167,11 @@ fn cross(
             continue;
         }
         parts += 1;
+        if lies_beside(&a.curve, &b.curve, flat)
+            || lies_beside(&b.curve, &a.curve, flat)
+        {
+            continue;
+        }
         if parts > MOST_PARTS {
             // They nearly lie on one another. What is wrong of a part's side
             // is wrong of a thirty-second of the piece at most.
@@ -191,6 +196,22 @@ fn cross(
     parts
 }
 
+/// True if a curve is to one side of another one's chord, and farther from it than
+/// that one's bow. The boxes around two curves that are both slant meet long
+/// after that.
+fn lies_beside(curve: &Curve, other: &Curve, flat: f64) -> bool {
+    let (from, way) = (other.start(), other.end() - other.start());
+    let off = |curve: &Curve| {
+        let off = curve.control().iter().map(|p| way.perp_dot(*p - from));
+        off.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], off| {
+            [a.min(off), b.max(off)]
+        })
+    };
+    let ([least, most], [right, left]) = (off(other), off(curve));
+    let gap = flat * way.length();
+    right > most + gap || left < least - gap
+}
+
 /// Where two chords cross.
 fn of_lines(a: &Curve, b: &Curve) -> Option<(f64, f64)> {
     let (u, v) = (a.end() - a.start(), b.end() - b.start());
@@ -200,4 +221,27 @@ fn of_lines(a: &Curve, b: &Curve) -> Option<(f64, f64)> {
     let t = between.perp_dot(u) / across;
     let on = |t: f64| (-1e-9..=1.0 + 1e-9).contains(&t);
     (on(s) && on(t)).then(|| (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A long line that crosses a curve at a small angle.
+    #[test]
+    fn slant_crossings_are_found() {
+        let mut random = fastrand::Rng::with_seed(2);
+        let mut point = || DVec2::new(random.f64(), random.f64()) * 100.0;
+        for k in 0..1000 {
+            let a = Curve::new(&[point(), point(), point(), point()]);
+            let t = f64::from(k) / 1000.0;
+            let (p, along) = (a.at(t), a.way(t).rotate(DVec2::new(1.0, 0.02)));
+            let b = Curve::new(&[p - 50.0 * along, p + 37.0 * along]);
+            let mut near = false;
+            let parts = cross(&a, &b, 1e-8, |s, _| {
+                near |= (a.at(s) - p).length() < 1e-5;
+            });
+            assert!(near && parts < 500, "{k} {parts}");
+        }
+    }
 }
