@@ -10,14 +10,13 @@ use super::kinds::{Asked, Kind, Made, kind};
 use super::lock;
 use super::options::Options;
 use super::taken::Taken;
+use super::version::FileVersion;
 use fidget::context::Tree;
 use isocontour::Data;
 use isoslice_base::units::human_bytes;
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, Weak};
-use std::time::SystemTime;
 
 /// Greatest memory of a model's data, bytes: as much as a whole run may take.
 const MOST_DATA_BYTES: u64 = 4 << 30;
@@ -217,14 +216,6 @@ struct Version {
     file: Option<FileVersion>,
 }
 
-/// A version of a file.
-#[derive(Clone, PartialEq, Eq, Hash)]
-struct FileVersion {
-    path: PathBuf,
-    length: u64,
-    changed: SystemTime,
-}
-
 impl Version {
     /// None if the system does not tell when the file was changed.
     fn of(kind: &Kind, asked: &Asked<'_>) -> Result<Option<Version>, String> {
@@ -238,27 +229,6 @@ impl Version {
         let all = (kind.name, asked.text, asked.options);
         let asked = format!("{all:?}");
         Ok(Some(Version { asked, file }))
-    }
-}
-
-impl FileVersion {
-    /// None if the system does not tell when the file was changed.
-    fn of(path: &Path) -> Result<Option<FileVersion>, String> {
-        let failed = |e: &dyn std::fmt::Display| {
-            format!("cannot read {}: {e}", path.display())
-        };
-        let facts = fs::metadata(path).map_err(|e| failed(&e))?;
-        if !facts.is_file() {
-            return Err(failed(&"it is not a file"));
-        }
-        let version = || {
-            Some(FileVersion {
-                path: fs::canonicalize(path).ok()?,
-                length: facts.len(),
-                changed: facts.modified().ok()?,
-            })
-        };
-        Ok(version())
     }
 }
 

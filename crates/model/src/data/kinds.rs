@@ -2,6 +2,7 @@
 
 use super::folder::Folder;
 use super::options::{Given, Options, Reader};
+use super::pictures::picture;
 use fidget::context::Tree;
 use glam::DVec3;
 use isocontour::{Data, call};
@@ -11,7 +12,7 @@ use isoslice_drawings::{
 };
 use isoslice_mesh::{Format, Mesh};
 use isoslice_pictures::{
-    Axes, Between, Border, Interpolation, Picture, PictureOptions, Samples,
+    Axes, Between, Border, Interpolation, PictureOptions, Samples,
     SamplesOptions, TransparentAs, Volume, VolumeOptions,
 };
 use std::fs::File;
@@ -306,9 +307,9 @@ fn image(asked: &Asked<'_>) -> Result<Made, String> {
         missing: given.number("missing")?,
     };
     given.finish()?;
-    let bytes = asked.bytes(MOST_BYTES)?;
-    let made = Picture::read(asked.text, &bytes, &options);
-    Ok(Made::plain(made.map_err(|e| e.problem().to_owned())?))
+    let bytes = || asked.bytes(MOST_BYTES);
+    let made = picture(asked.file()?, asked.text, &options, bytes)?;
+    Ok(Made::leaf(made, Vec::new()))
 }
 
 fn volume(asked: &Asked<'_>) -> Result<Made, String> {

@@ -12,9 +12,11 @@ mod files;
 mod folder;
 mod kinds;
 mod options;
+mod pictures;
 mod taken;
 #[cfg(test)]
 mod tests;
+mod version;
 
 pub(crate) use files::Files;
 pub use kinds::is_mesh;

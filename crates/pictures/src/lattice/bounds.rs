@@ -20,9 +20,9 @@ impl Lattice {
             Some(cells) => self.of_cells(&cells, over, false).0,
             None => {
                 let all = self.stretches(over).map(|s| s.samples);
-                let range = with_numbers!(&self.numbers, data => {
-                    let get = |at| number(data, self.layout, at);
-                    self.values.range(all.map(|s| s[0]), all.map(|s| s[1]), get)
+                let range = with_numbers!(&self.grid.numbers, data => {
+                    let get = |at| number(data, self.grid.layout, at);
+                    self.grid.values.range(all.map(|s| s[0]), all.map(|s| s[1]), get)
                 });
                 overshot(range, self.how.overshoot(self.axes())[0])
             }
@@ -37,7 +37,7 @@ impl Lattice {
         let over = self.near(over);
         let slopes = if self.how == Interpolation::Nearest {
             let [a, b] = self.range(over);
-            let steps = self.layout.size.map(|n| n > 1);
+            let steps = self.grid.layout.size.map(|n| n > 1);
             let same = b - a <= 2.0 * self.rounding;
             let jumps = [f64::NEG_INFINITY, f64::INFINITY];
             return steps.map(|s| if s && !same { jumps } else { [0.0; 2] });
@@ -55,14 +55,14 @@ impl Lattice {
 
     /// The number of axes along which anything changes.
     fn axes(&self) -> i32 {
-        self.layout.size.iter().filter(|n| **n > 1).count() as i32
+        self.grid.layout.size.iter().filter(|n| **n > 1).count() as i32
     }
 
     /// A box in which the same values stand, with ends that are not too far
     /// away to be counted.
     fn near(&self, over: Ends) -> Ends {
         std::array::from_fn(|a| {
-            let n = self.layout.size[a];
+            let n = self.grid.layout.size[a];
             let [from, to] = over[a];
             let border = self.border[a];
             match border {
@@ -101,20 +101,20 @@ impl Lattice {
         };
         std::array::from_fn(|a| {
             let [from, to] = over[a].map(|u| floor(u + half));
-            let n = self.layout.size[a];
+            let n = self.grid.layout.size[a];
             self.border[a].stretch([from + before, to + after], n)
         })
     }
 
     fn number(&self, at: [usize; 3]) -> f64 {
-        with_numbers!(&self.numbers, data => number(data, self.layout, at))
+        with_numbers!(&self.grid.numbers, data => number(data, self.grid.layout, at))
     }
 
     /// The differences of samples and the next ones along an axis.
     fn steps(&self, axis: usize) -> &Pyramid {
-        let Lattice { layout, border, .. } = *self;
+        let (layout, border) = (self.grid.layout, self.border);
         self.steps[axis].get_or_init(|| {
-            with_numbers!(&self.numbers, data => {
+            with_numbers!(&self.grid.numbers, data => {
                 let step = step(data, layout, border[axis], axis);
                 Pyramid::new(layout.size, step)
             })
@@ -123,9 +123,9 @@ impl Lattice {
 
     /// The range of some of the differences along an axis.
     fn steps_between(&self, axis: usize, samples: [[usize; 2]; 3]) -> Range {
-        let Lattice { layout, border, .. } = *self;
+        let (layout, border) = (self.grid.layout, self.border);
         let pyramid = self.steps(axis);
-        with_numbers!(&self.numbers, data => {
+        with_numbers!(&self.grid.numbers, data => {
             let step = step(data, layout, border[axis], axis);
             pyramid.range(samples.map(|s| s[0]), samples.map(|s| s[1]), step)
         })
@@ -136,7 +136,7 @@ impl Lattice {
         let stretches = self.stretches(over);
         let overshoot = self.how.overshoot(self.axes())[1];
         std::array::from_fn(|axis| {
-            if self.layout.size[axis] == 1 {
+            if self.grid.layout.size[axis] == 1 {
                 return [0.0; 2];
             }
             let mut samples = stretches.map(|s| s.samples);
@@ -189,7 +189,7 @@ impl Lattice {
         over: Ends,
         steep: bool,
     ) -> (Range, [Range; 3]) {
-        let size = self.layout.size;
+        let size = self.grid.layout.size;
         let weights: [Stretched; 3] = std::array::from_fn(|a| {
             let corner = cell[a] as f64;
             let [from, to] = over[a].map(|u| (u - corner).clamp(0.0, 1.0));

@@ -28,6 +28,7 @@ use crate::numbers::{Numbers, with_numbers};
 use glam::DVec3;
 use kernel::{Taps, with_taps};
 use pyramid::Pyramid;
+use std::sync::{Arc, OnceLock};
 
 /// Where the samples of a lattice are in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,58 +69,83 @@ impl Layout {
     }
 }
 
+/// Numbers at the points of a lattice. Many functions may share them.
+#[derive(Debug)]
+pub(crate) struct Grid {
+    numbers: Numbers,
+    layout: Layout,
+    values: Pyramid,
+}
+
+impl Grid {
+    /// The numbers have to be as many as the layout says.
+    pub(crate) fn new(numbers: Numbers, layout: Layout) -> Grid {
+        let values = with_numbers!(&numbers, data => {
+            Pyramid::new(layout.size, |at| number(data, layout, at))
+        });
+        Grid {
+            numbers,
+            layout,
+            values,
+        }
+    }
+
+    /// The number that stands for white.
+    pub(crate) fn white(&self) -> f64 {
+        self.numbers.white()
+    }
+}
+
 /// A function on a lattice. Where it lies in space is for [`Place`] to say.
 #[derive(Debug)]
 pub(crate) struct Lattice {
-    numbers: Numbers,
-    layout: Layout,
+    grid: Arc<Grid>,
     how: Interpolation,
     border: [Border; 3],
     /// A value is a number times the first plus the second.
     scale: [f64; 2],
-    values: Pyramid,
     /// Of the differences of each sample and the next along each axis, if they
     /// are ever asked for.
-    steps: [std::sync::OnceLock<Pyramid>; 3],
+    steps: [OnceLock<Pyramid>; 3],
     /// What rounding may do to values and to derivatives at most.
     rounding: f64,
 }
 
 impl Lattice {
-    /// The numbers have to be as many as the layout says.
+    /// A function on a grid. A value is a number times the first of `scale` plus
+    /// the second.
     pub(crate) fn new(
-        numbers: Numbers,
-        layout: Layout,
+        grid: Arc<Grid>,
         how: Interpolation,
         border: [Border; 3],
         scale: [f64; 2],
     ) -> Lattice {
-        let values = with_numbers!(&numbers, data => {
-            Pyramid::new(layout.size, |at| number(data, layout, at))
-        });
-        let [a, b] = values.all();
+        let [a, b] = grid.values.all();
         // A value is a sum of 64 products, and their sizes sum to twice the
         // greatest number.
         let size = a.abs().max(b.abs()) * scale[0].abs() + scale[1].abs();
         Lattice {
-            numbers,
-            layout,
+            grid,
             how,
             border,
             scale,
-            values,
             steps: Default::default(),
             rounding: 256.0 * f64::EPSILON * size,
         }
     }
 
+    /// The numbers, for other functions of them.
+    pub(crate) fn grid(&self) -> &Arc<Grid> {
+        &self.grid
+    }
+
     pub(crate) fn size(&self) -> [usize; 3] {
-        self.layout.size
+        self.grid.layout.size
     }
 
     /// Tells all on which it depends.
     pub(crate) fn contents(&self, tell: &mut dyn FnMut(&[u8])) {
-        let Layout { size, start, steps } = self.layout;
+        let Layout { size, start, steps } = self.grid.layout;
         let layout = [size, [start; 3], steps.map(isize::cast_unsigned)];
         for n in layout.as_flattened() {
             tell(&(*n as u64).to_le_bytes());
@@ -129,14 +155,14 @@ impl Lattice {
         for v in self.scale {
             tell(&v.to_le_bytes());
         }
-        self.numbers.contents(tell);
+        self.grid.numbers.contents(tell);
     }
 
-    /// Its memory, bytes.
+    /// Its memory, bytes, with that of the numbers, which others may share.
     pub(crate) fn bytes(&self) -> usize {
         let steps = self.steps.iter().filter_map(|steps| steps.get());
         let steps: usize = steps.map(Pyramid::bytes).sum();
-        self.numbers.bytes() + self.values.bytes() + steps
+        self.grid.numbers.bytes() + self.grid.values.bytes() + steps
     }
 
     /// The samples around a place with their weights, along each axis.
@@ -146,7 +172,7 @@ impl Lattice {
         how: Interpolation,
         u: DVec3,
     ) -> [Taps<N>; 3] {
-        let (size, border) = (self.layout.size, self.border);
+        let (size, border) = (self.grid.layout.size, self.border);
         [
             Taps::new(how, border[0], u.x, size[0]),
             Taps::new(how, border[1], u.y, size[1]),
@@ -158,8 +184,8 @@ impl Lattice {
     pub(crate) fn at(&self, u: DVec3) -> (f64, DVec3) {
         let (value, slope) = with_taps!(self.how, N, how => {
             let taps = self.taps::<N>(how, u);
-            with_numbers!(&self.numbers, data => {
-                weighed(&taps, |at| number(data, self.layout, at))
+            with_numbers!(&self.grid.numbers, data => {
+                weighed(&taps, |at| number(data, self.grid.layout, at))
             })
         });
         (value * self.scale[0] + self.scale[1], slope * self.scale[0])
@@ -172,11 +198,11 @@ impl Lattice {
         out: &mut Vec<f32>,
     ) {
         let [factor, offset] = self.scale;
-        with_taps!(self.how, N, how => with_numbers!(&self.numbers, data => {
+        with_taps!(self.how, N, how => with_numbers!(&self.grid.numbers, data => {
             out.extend(places.map(|place| {
                 place.map_or(f32::NAN, |u| {
                     let taps = self.taps::<N>(how, u);
-                    let value = sum(&taps, |at| number(data, self.layout, at));
+                    let value = sum(&taps, |at| number(data, self.grid.layout, at));
                     (value * factor + offset) as f32
                 })
             }));

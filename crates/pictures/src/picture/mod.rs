@@ -12,11 +12,12 @@ mod jpeg;
 mod png;
 
 use crate::error::{DataError, Problem};
-use crate::lattice::{Border, Interpolation, Lattice, Layout, Place};
+use crate::lattice::{Border, Grid, Interpolation, Lattice, Layout, Place};
 use crate::npy;
 use crate::numbers::{Numbers, count};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use isocontour::{Bounds, Data};
+use std::sync::Arc;
 
 /// The most pixels of a picture: 8192 × 8192.
 const MOST_PIXELS: usize = 1 << 26;
@@ -122,6 +123,21 @@ impl Picture {
         made.map_err(|problem| DataError::new(name, problem))
     }
 
+    /// Its pixels once more, laid out otherwise. What is transparent or missing is
+    /// as it was read.
+    ///
+    /// # Errors
+    /// If an option makes no sense.
+    pub fn again(
+        &self,
+        name: &str,
+        options: &PictureOptions,
+    ) -> Result<Picture, DataError> {
+        let grid = self.place.lattice.grid().clone();
+        Picture::of(name, grid, self.pixels(), options)
+            .map_err(|problem| DataError::new(name, problem))
+    }
+
     fn laid_out(
         name: &str,
         pixels: Pixels,
@@ -133,13 +149,22 @@ impl Picture {
         } = pixels;
         numbers.without_nan(options.missing)?;
         let [columns, rows, _] = layout.size;
+        let grid = Arc::new(Grid::new(numbers, layout));
+        Picture::of(name, grid, [columns, rows], options)
+    }
+
+    fn of(
+        name: &str,
+        grid: Arc<Grid>,
+        [columns, rows]: [usize; 2],
+        options: &PictureOptions,
+    ) -> Problem<Picture> {
         let size_mm = size_mm(columns, rows, options)?;
         let pixels = DVec2::new(columns as f64, rows as f64);
         let [x, y] = options.border;
-        let scale = [1.0 / numbers.white(), 0.0];
+        let scale = [1.0 / grid.white(), 0.0];
         let lattice = Lattice::new(
-            numbers,
-            layout,
+            grid,
             options.interpolation,
             [x, y, Border::Clamp],
             scale,

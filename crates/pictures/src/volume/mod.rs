@@ -7,11 +7,12 @@ mod nrrd;
 mod tests;
 
 use crate::error::{DataError, Problem};
-use crate::lattice::{Border, Interpolation, Lattice, Layout, Place};
+use crate::lattice::{Border, Grid, Interpolation, Lattice, Layout, Place};
 use crate::npy;
 use crate::numbers::Numbers;
 use glam::{DAffine3, DMat3, DVec3};
 use isocontour::{Bounds, Data};
+use std::sync::Arc;
 
 /// What the axes of an array are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -143,8 +144,7 @@ impl Volume {
         let from_lattice =
             lies_at(lies.unwrap_or(DAffine3::IDENTITY), options)?;
         let lattice = Lattice::new(
-            numbers,
-            layout,
+            Arc::new(Grid::new(numbers, layout)),
             options.interpolation,
             options.border,
             scale,
