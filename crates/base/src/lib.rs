@@ -7,6 +7,7 @@
 //! | [`random`] | makes numbers that look random, and are the same in every run |
 //! | [`encoding`] | reads text from bytes |
 //! | [`stopwatch`] | measures the processor time of a thread |
+//! | [`parallel`] | finds answers on all threads, in order |
 //! | [`limits`] | bounds the time, the work and the memory of a run, and stops it |
 //! | [`named!`] | declares an enum whose values have names |
 //! | [`archive`] | counts the files of an archive before it is opened |
@@ -25,6 +26,7 @@ pub mod encoding;
 pub mod files;
 pub mod limits;
 mod named;
+pub mod parallel;
 pub mod random;
 pub mod sets;
 pub mod stopwatch;

@@ -11,6 +11,7 @@ use super::layer::{Filled, Layer};
 use super::plans::Plans;
 use crate::report::LayerFigures;
 use glam::DVec2;
+use isoslice_base::parallel;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Mm2, Mm3};
 use isoslice_held::overhangs::LayerOverhang;
@@ -26,7 +27,6 @@ use isoslice_planar::Solid;
 use isoslice_planar::bead::Bead;
 use isoslice_plate::Part;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// What makes the paths of one part.
@@ -194,27 +194,23 @@ impl<'a> PartPaths<'a> {
     ) -> Vec<Result<(Passed, Counted), SliceError>> {
         let take = |filled: &mut Filled| std::mem::take(&mut filled.beads);
         let beads: Vec<LayerBeads> = batch.iter_mut().map(take).collect();
-        let all = batch.par_iter().zip(beads);
-        let begun: Vec<Beginning<'_>> = all
-            .map(|(filled, beads)| self.begin(filled, beads))
-            .collect();
+        let begin = |i: usize, beads| self.begin(&batch[i], beads);
+        let begun = parallel::map_owned(beads, begin);
         let from = |layer: &Beginning<'_>| {
             std::mem::replace(&mut below.planned, layer.begun.end())
         };
         let from: Vec<Option<DVec2>> = begun.iter().map(from).collect();
-        let all = begun.into_par_iter().zip(from);
-        let ordered: Vec<Ordered> =
-            all.map(|(layer, from)| self.finish(layer, from)).collect();
+        let finish = |i: usize, layer| self.finish(layer, from[i]);
+        let ordered = parallel::map_owned(begun, finish);
         let from = |(beads, _): &Ordered| {
             let end = beads.last().and_then(Ended::end);
             std::mem::replace(&mut below.at, end)
         };
         let from: Vec<Option<DVec2>> = ordered.iter().map(from).collect();
-        let all = batch.into_par_iter().zip(ordered).zip(from);
-        all.map(|((filled, (beads, warnings)), from)| {
-            self.path(filled, beads, warnings, from)
+        let all = batch.into_iter().zip(ordered);
+        parallel::map_owned(all, |i, (filled, (beads, warnings))| {
+            self.path(filled, beads, warnings, from[i])
         })
-        .collect()
     }
 
     /// True for the part's first layer, which nothing holds but the bed or a raft.

@@ -20,12 +20,12 @@
 use super::SliceError;
 use glam::DVec2;
 use isoslice_base::limits;
+use isoslice_base::parallel;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_layer::walls::Walls;
 use isoslice_planar::Rect;
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use std::ops::AddAssign;
 
 /// Share of a layer's area that has to be thinner than any line for the sample
@@ -124,8 +124,7 @@ pub(super) fn sample(
     if !middle.is_blank() && !middle.is_suspicious() {
         return Ok(());
     }
-    let rest: Vec<Result<Found, SliceError>> =
-        pool.install(|| (1..WINDOWS).into_par_iter().map(look).collect());
+    let rest = parallel::map_in(pool, WINDOWS - 1, |k| look(k + 1));
     let (mut all, mut looked) = (middle, usize::from(!middle.is_blank()));
     for found in rest {
         let found = found?;

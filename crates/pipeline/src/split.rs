@@ -20,12 +20,12 @@ use super::start::{layers_of, pool, raised};
 use super::{Options, SliceError};
 use isocontour::SLAB;
 use isoslice_base::limits;
+use isoslice_base::parallel;
 use isoslice_base::units::Mm;
 use isoslice_planar::Area;
 use isoslice_plate::{Part, Plate};
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// How many layers are looked at.
@@ -99,9 +99,8 @@ fn costs_of(
         limits::go_on()?;
         cost(stages, &spans[at(k)])
     };
-    let found: Result<Vec<f64>, SliceError> =
-        pool.install(|| (0..looks).into_par_iter().map(look).collect());
-    let found = found?;
+    let found = parallel::map_in(pool, looks, look);
+    let found: Vec<f64> = found.into_iter().collect::<Result<_, _>>()?;
     // Each layer costs as much as the nearest of these layers.
     let nearest = |i: usize| found[(i * looks / count).min(looks - 1)];
     Ok((0..count).map(nearest).collect())

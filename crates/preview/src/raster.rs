@@ -7,16 +7,16 @@
 //! Details thinner than the distance between samples may be missed. The result
 //! does not depend on the number of threads.
 
-use super::slabs::{Face, NONE, Slab, Slabs};
+use super::slabs::{Face, NONE, Slabs};
 use super::view::View;
 use fidget::context::Tree;
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 use isocontour::{FieldError, Grid, Hit, Sight};
 use isoslice_base::limits::{self, Cancelled};
+use isoslice_base::parallel;
 use isoslice_base::units::Mm;
 use isoslice_model::{Bounds, Model};
 use isoslice_planar::hull;
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -215,11 +215,10 @@ impl Seen {
             if isoslice_base::limits::is_stopped() {
                 return;
             }
-            let of = |slab: &Slab| -> Vec<Pixels> {
-                let faces = slab.faces(way, towards);
+            let all = parallel::map(slabs.len(), |i| -> Vec<Pixels> {
+                let faces = slabs[i].faces(way, towards);
                 faces.iter().map(|face| self.pixels(face)).collect()
-            };
-            let all: Vec<Vec<Pixels>> = slabs.par_iter().map(of).collect();
+            });
             all.iter().flatten().for_each(|face| self.cover(face));
         }
     }

@@ -12,12 +12,12 @@ use super::plan::OverhangPlan;
 use super::track::Far;
 use super::{OverhangKind, Unsupported};
 use glam::{DVec2, DVec3};
+use isoslice_base::parallel;
 use isoslice_base::units::Mm;
 use isoslice_layer::floating::floating;
 use isoslice_planar::clip::intersection;
 use isoslice_planar::{Area, BoxTree, Rect, Solid};
 use isoslice_settings::layers::LayerSpan;
-use rayon::prelude::*;
 
 /// What needs a support, and the layers that it is in.
 #[derive(Clone, Copy, Debug)]
@@ -44,9 +44,7 @@ impl Needs<'_> {
         plan: &OverhangPlan,
         place: impl Fn(DVec2, &LayerSpan) -> DVec3,
     ) -> Vec<Unsupported> {
-        let layers = (0..self.needs.len()).into_par_iter();
-        let pieces = layers.map(|i| self.pieces(i, plan));
-        let pieces: Vec<Vec<(OverhangPiece, Rect)>> = pieces.collect();
+        let pieces = parallel::map(self.needs.len(), |i| self.pieces(i, plan));
         let mut places = Places::default();
         for (pieces, span) in pieces.into_iter().zip(self.spans) {
             places.next_layer();

@@ -15,13 +15,13 @@ use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
 use crate::overhangs::{OverhangPlan, without_lips};
 use glam::DVec3;
+use isoslice_base::parallel;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_layer::cover::neighbour::Neighbour;
 use isoslice_planar::clip::{difference, intersection, union, unite};
 use isoslice_planar::clusters::clusters;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
-use rayon::prelude::*;
 
 /// A face needs no support if no gap fits below it and it is no higher above the
 /// bed than this, mm.
@@ -118,9 +118,8 @@ impl Plan {
         plan.enclosed = enclosed(parts, &plan.slices);
         plan.unheld = plan.without(parts, &musts, to);
         if wished {
-            let wanted = needs.par_iter().zip(&musts);
-            let wanted = wanted.map(|(all, must)| difference(all, must));
-            let wanted: Vec<Area> = wanted.collect();
+            let wanted = |i: usize| difference(&needs[i], &musts[i]);
+            let wanted = parallel::map(needs.len(), wanted);
             plan.unmet = plan.without(parts, &wanted, to);
         }
         plan.heights = heights;
@@ -161,7 +160,8 @@ impl Plan {
         // gap beside the part, lines from the part to the support are bridges.
         let beside = plan.xy_gap.min(0.5 * plan.overhangs.bridge_max);
         let near = beside + plan.overhangs.walls.outer;
-        let lost = needs.par_iter().enumerate().map(|(i, need)| {
+        let lost = parallel::map(needs.len(), |i| {
+            let need = &needs[i];
             if need.is_empty() {
                 return Area::EMPTY;
             }
@@ -193,7 +193,7 @@ impl Plan {
             lost.collect()
         });
         let mut unheld = Unheld::default();
-        for (i, area) in lost.collect::<Vec<_>>().into_iter().enumerate() {
+        for (i, area) in lost.into_iter().enumerate() {
             for island in area.islands() {
                 let content = island.content();
                 unheld.area += content;
@@ -234,15 +234,15 @@ fn needs(
     parts: Parts<'_>,
     plan: &OverhangPlan,
 ) -> [Vec<Area>; 2] {
-    let outlines: Vec<_> =
-        parts.outlines.par_iter().map(Neighbour::new).collect();
-    let of_layer = |(i, found): (usize, Found)| {
+    let neighbour = |i: usize| Neighbour::new(&parts.outlines[i]);
+    let outlines = parallel::map(parts.outlines.len(), neighbour);
+    let of_layer = |i: usize, found: Found| {
         let Need { must, wanted } = found.need;
         let must = without_lips(must, i, parts.spans(), &outlines, plan);
         (union(&must, &wanted), must)
     };
-    let layers = found.into_par_iter().enumerate();
-    let (needs, musts) = layers.map(of_layer).unzip();
+    let layers = parallel::map_owned(found, of_layer);
+    let (needs, musts) = layers.into_iter().unzip();
     [needs, musts]
 }
 

@@ -19,11 +19,11 @@
 use super::parts::Parts;
 use super::slice::Slice;
 use glam::{DVec2, DVec3};
+use isoslice_base::parallel;
 use isoslice_base::sets::Sets;
 use isoslice_base::units::{Mm, Mm3};
 use isoslice_planar::nest::Nest;
 use isoslice_planar::{Area, edges, point_beside, signed_area};
-use rayon::prelude::*;
 
 /// Distance from a ring to what is empty beside it, mm.
 const BESIDE: Mm = 0.02;
@@ -88,21 +88,17 @@ pub(super) fn enclosed(parts: Parts<'_>, slices: &[Slice]) -> Enclosed {
     let mut within: Vec<(usize, usize, DVec2, f64)> = Vec::new();
     for begin in (0..outlines.len()).step_by(TOGETHER) {
         let end = outlines.len().min(begin + TOGETHER + 1);
-        let levels: Vec<Level> =
-            (begin..end).into_par_iter().map(level).collect();
-        let pairs: Vec<Vec<[usize; 2]>> = levels
-            .par_windows(2)
-            .map(|pair| joins(&pair[0], &pair[1]))
-            .collect();
+        let levels = parallel::map(end - begin, |i| level(begin + i));
+        let pairs = parallel::map(levels.len() - 1, |i| {
+            joins(&levels[i], &levels[i + 1])
+        });
         for [a, b] in pairs.into_iter().flatten() {
             sets.join(a, b);
         }
-        let here = slices.iter().enumerate().skip(begin).take(TOGETHER);
-        let found: Vec<Vec<_>> = here
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|(j, slice)| islands(&levels[j - begin], j, slice))
-            .collect();
+        let here = slices.len().saturating_sub(begin).min(TOGETHER);
+        let found = parallel::map(here, |i| {
+            islands(&levels[i], begin + i, &slices[begin + i])
+        });
         within.extend(found.into_iter().flatten());
     }
     let outside = sets.of(OUTSIDE);

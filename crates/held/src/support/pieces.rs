@@ -8,12 +8,12 @@ use super::parts::Parts;
 use super::plan::SupportPlan;
 use super::room::Size;
 use super::{SPECK, TOLERANCE};
+use isoslice_base::parallel;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::opening::opened;
 use isoslice_planar::{Area, Rect};
-use rayon::prelude::*;
 
 /// Distance of supports from those ends of the part that are too thin to be
 /// printed, mm: the round ends of lines reach beyond the area of the supports.
@@ -53,7 +53,7 @@ pub(super) fn pieces(
     {
         *lowest = union(lowest, pads);
     }
-    let of_layer = |(j, all): (usize, Area)| {
+    let of_layer = |j: usize, all: Area| {
         if all.is_empty()
             || parts.heights.span(j).is_none()
             || isoslice_base::limits::is_stopped()
@@ -70,7 +70,7 @@ pub(super) fn pieces(
             .map(|island| SupportIsland::new(island, &above, plan))
             .collect()
     };
-    areas.into_par_iter().enumerate().map(of_layer).collect()
+    parallel::map_owned(areas, of_layer)
 }
 
 /// The area that each layer of supports holds right above itself.

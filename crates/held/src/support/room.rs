@@ -24,12 +24,12 @@ use super::parts::Parts;
 use super::plan::SupportPlan;
 use super::survey::thinned;
 use glam::DVec2;
+use isoslice_base::parallel;
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{crop, difference, union, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::opening::opened;
 use isoslice_planar::{Area, Rect, Solid, edges};
-use rayon::prelude::*;
 
 /// How thick branches are.
 #[derive(Clone, Copy, Debug)]
@@ -97,13 +97,12 @@ impl<'a> Room<'a> {
     ) -> Room<'a> {
         // Each outline is beside several layers of supports.
         let beside = BESIDE + TOLERANCE + margin(plan);
-        let outlines = parts.outlines.par_iter();
-        let grown: Vec<Area> =
-            outlines.map(|o| offset(o, beside, TOLERANCE)).collect();
-        let tight: Vec<Area> = (0..count)
-            .into_par_iter()
-            .map(|j| thinned(tight(parts, j, &grown, plan)))
-            .collect();
+        let outlines = parts.outlines;
+        let grown = parallel::map(outlines.len(), |i| {
+            offset(&outlines[i], beside, TOLERANCE)
+        });
+        let tight =
+            parallel::map(count, |j| thinned(tight(parts, j, &grown, plan)));
         drop(grown);
         let closed = || no_way_down(parts, &tight, plan, |_| None);
         let on_part = |j: usize| {

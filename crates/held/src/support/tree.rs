@@ -18,6 +18,7 @@ use super::plan::SupportPlan;
 use super::room::{Room, Size, StandsOn};
 use super::{SPECK, TOLERANCE};
 use glam::DVec2;
+use isoslice_base::parallel;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::clusters::{Cluster, clusters};
@@ -25,7 +26,6 @@ use isoslice_planar::offset::offset;
 use isoslice_planar::opening::is_wider;
 use isoslice_planar::{Area, Rect, Ring, Solid, point_beside, signed_area};
 use isoslice_settings::SupportStyle;
-use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
@@ -94,8 +94,9 @@ pub(super) fn grow(
             plan,
         };
         let goals = goals(&branches, step, tan);
-        let pairs = branches.par_iter_mut().zip(goals);
-        pairs.for_each(|(branch, goal)| branch.lower(goal, step));
+        parallel::change(&mut branches, |k, branch| {
+            branch.lower(goals[k], step);
+        });
         let pieces = branches.into_iter().flat_map(|b| b.pieces(step));
         branches = pieces.collect();
         gather(&mut branches, step);
@@ -105,9 +106,9 @@ pub(super) fn grow(
                 attach(&mut branches, new, step);
             }
         }
-        branches
-            .par_iter_mut()
-            .for_each(|branch| branch.printed = branch.area(step));
+        parallel::change(&mut branches, |_, branch| {
+            branch.printed = branch.area(step);
+        });
         let rings = branches.iter().flat_map(|b| b.printed.rings.clone());
         let rings = rings.collect();
         areas[j] = without_pores(united(&Area { rings }), step);
@@ -343,7 +344,8 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
     let farthest = 2.0 * tan * above.bottom / (1.0 + BELOW);
     let middles: Vec<DVec2> = branches.iter().map(Branch::middle).collect();
     let places = places(&middles);
-    let goal = |(k, branch): (usize, &Branch)| {
+    let goal = |k: usize| {
+        let branch = &branches[k];
         if branch.is_column() || !branch.is_post() {
             return None;
         }
@@ -369,7 +371,7 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
             .take_while(|to| to.distance(from) <= farthest)
             .find(clear)
     };
-    branches.par_iter().enumerate().map(goal).collect()
+    parallel::map(branches.len(), goal)
 }
 
 /// Joins branches of one cell that lie over each other, if both are more than

@@ -16,6 +16,7 @@
 use crate::{Expression, ExpressionError, Model, Place};
 use fidget::context::Tree;
 use glam::{DVec3, IVec3};
+use isoslice_base::parallel;
 use isoslice_base::units::Mm;
 use rayon::prelude::*;
 
@@ -100,7 +101,7 @@ impl DepthMap {
     /// True for each node that is inside.
     fn inside(&self, field: &Expression) -> Vec<bool> {
         let plane = self.size[0] * self.size[1];
-        let planes = (0..self.size[2]).into_par_iter().map(|k| {
+        let planes = parallel::map(self.size[2], |k| {
             let first = k * plane;
             let places: Vec<Place> = (first..first + plane)
                 .map(|i| place(self.point(self.node(i))))
@@ -110,7 +111,7 @@ impl DepthMap {
             // NaN is outside.
             values.iter().map(|v| *v < 0.0).collect::<Vec<bool>>()
         });
-        planes.flatten_iter().collect()
+        planes.concat()
     }
 
     /// Points of the surface, each with a node beside it.
@@ -121,37 +122,34 @@ impl DepthMap {
     ) -> Vec<(usize, SurfacePoint)> {
         let stride = [1, self.size[0], self.size[0] * self.size[1]];
         let plane = stride[2];
-        let planes: Vec<Vec<(usize, SurfacePoint)>> = (0..self.size[2])
-            .into_par_iter()
-            .map(|k| {
-                let mut nodes = Vec::new();
-                // The inner and outer end of each crossed edge.
-                let mut ends: Vec<(DVec3, DVec3)> = Vec::new();
-                for i in k * plane..(k + 1) * plane {
-                    if isoslice_base::limits::is_stopped() {
-                        break;
-                    }
-                    let node = self.node(i);
-                    for axis in 0..3 {
-                        if node[axis] + 1 >= self.size[axis]
-                            || inside[i] == inside[i + stride[axis]]
-                        {
-                            continue;
-                        }
-                        let (a, b) = (self.point(node), {
-                            let mut next = node;
-                            next[axis] += 1;
-                            self.point(next)
-                        });
-                        nodes.push(i);
-                        ends.push(if inside[i] { (a, b) } else { (b, a) });
-                    }
+        let of_plane = |k: usize| {
+            let mut nodes = Vec::new();
+            // The inner and outer end of each crossed edge.
+            let mut ends: Vec<(DVec3, DVec3)> = Vec::new();
+            for i in k * plane..(k + 1) * plane {
+                if isoslice_base::limits::is_stopped() {
+                    break;
                 }
-                let feet = feet_between(field, ends, self.step);
-                nodes.into_iter().zip(feet).collect()
-            })
-            .collect();
-        planes.into_iter().flatten().collect()
+                let node = self.node(i);
+                for axis in 0..3 {
+                    if node[axis] + 1 >= self.size[axis]
+                        || inside[i] == inside[i + stride[axis]]
+                    {
+                        continue;
+                    }
+                    let (a, b) = (self.point(node), {
+                        let mut next = node;
+                        next[axis] += 1;
+                        self.point(next)
+                    });
+                    nodes.push(i);
+                    ends.push(if inside[i] { (a, b) } else { (b, a) });
+                }
+            }
+            let feet = feet_between(field, ends, self.step);
+            nodes.into_iter().zip(feet).collect::<Vec<_>>()
+        };
+        parallel::map(self.size[2], of_plane).concat()
     }
 
     /// Distances of all nodes from their nearest feet.

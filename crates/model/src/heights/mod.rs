@@ -36,12 +36,12 @@ use crate::{Model, Place};
 use glam::DVec2;
 use isocontour::{Lean, LeanError, LeanOptions, lean};
 use isoslice_base::limits;
+use isoslice_base::parallel;
 use isoslice_base::units::Mm;
 use isoslice_settings::layers::{self, LayerSpan, MAX_LAYERS, PlanError};
 use isoslice_settings::{LayerHeights, Varying};
 use limit::Limit;
 pub use plan::HeightPlan;
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// Units of the last digit of G-code in a millimetre. Heights are whole
@@ -265,8 +265,7 @@ fn surface(model: &Model, plan: &HeightPlan) -> Result<Lean, HeightsError> {
     };
     let cancel = limits::Watch::hook();
     let look = |i| lean(&model.tree, &model.bounds, &options(i), &cancel);
-    let found: Vec<Result<Lean, LeanError>> =
-        (0..pieces).into_par_iter().map(look).collect();
+    let found: Vec<Result<Lean, LeanError>> = parallel::map(pieces, look);
     let found: Vec<Lean> = found
         .into_iter()
         .collect::<Result<_, _>>()

@@ -12,11 +12,11 @@ use super::moves::Cause;
 use super::rates::{Rater, Rates, Site};
 use crate::travel::{Move, Travel};
 use glam::DVec2;
+use isoslice_base::parallel;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_model::expressions::QuantityError;
 use isoslice_planar::bead::{Bead, Stroke};
 use isoslice_settings::layers::LayerSpan;
-use rayon::prelude::*;
 
 /// Number of moves that a thread takes at a time.
 const SOME: usize = 64;
@@ -65,16 +65,20 @@ impl<'a> Stretch<'a, '_> {
             Move::Travel(travel) => Ok(Step::Travel(travel)),
             Move::Print(bead) => Ok(Step::Print(self.pieces(bead, span)?)),
         };
-        let steps = |some: Vec<Move>| -> Vec<Result<Step, QuantityError>> {
-            timings.time(Stage::Rates, || some.into_iter().map(step).collect())
+        let steps = |_: usize, some: Vec<Move>| {
+            let steps = some.into_iter().map(step);
+            timings.time(Stage::Rates, || steps.collect::<Result<Vec<_>, _>>())
         };
-        let steps: Vec<_> = moves
-            .into_par_iter()
-            .chunks(SOME)
-            .flat_map_iter(steps)
-            .collect();
+        let mut moves = moves.into_iter();
+        let some = std::iter::from_fn(|| {
+            let some: Vec<Move> = moves.by_ref().take(SOME).collect();
+            (!some.is_empty()).then_some(some)
+        });
+        let steps = parallel::map_owned(some, steps);
         // The error is that of the first move that has one.
-        let steps = steps.into_iter().collect::<Result<_, _>>()?;
+        let steps: Vec<Vec<Step>> =
+            steps.into_iter().collect::<Result<_, _>>()?;
+        let steps = steps.into_iter().flatten().collect();
         Ok(RatedStretch {
             place: self.place,
             plan: self.rater.plan,

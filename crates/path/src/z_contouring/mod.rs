@@ -60,6 +60,7 @@ pub use plan::ZContouringPlan;
 
 use chain::{Chain, Stop};
 use glam::DVec2;
+use isoslice_base::parallel;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Degrees, Mm, Mm2};
 use isoslice_layer::seam::ending::Ended;
@@ -72,7 +73,6 @@ use isoslice_settings::Varying;
 use isoslice_settings::layers::LayerSpan;
 use profile::{Knot, KnotKind};
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use surface::{Facing, Spot, Window};
 
 /// How much steeper than a face of full strength a face is that gets nothing.
@@ -271,7 +271,7 @@ impl<'a> ZContouring<'a> {
                 _ => paths.push((vec![ended], own)),
             }
         }
-        let led = |(path, follows): (Vec<Ended>, bool)| {
+        let led = |_: usize, (path, follows): (Vec<Ended>, bool)| {
             if follows {
                 let _lap = self.timings.begin(Stage::ZContouring);
                 self.chain(path, site, facing)
@@ -279,9 +279,7 @@ impl<'a> ZContouring<'a> {
                 Ok(path)
             }
         };
-        let led: Vec<Result<Vec<Ended>, ZContouringError>> = self
-            .pool
-            .install(|| paths.into_par_iter().map(led).collect());
+        let led = self.pool.install(|| parallel::map_owned(paths, led));
         let led: Vec<Vec<Ended>> = led.into_iter().collect::<Result<_, _>>()?;
         Ok(led.into_iter().flatten().collect())
     }

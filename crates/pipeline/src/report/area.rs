@@ -10,11 +10,11 @@
 
 use super::ReportError;
 use glam::DVec3;
+use isoslice_base::parallel;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Mm, Mm2, Mm3};
 use isoslice_model::Probe;
 use isoslice_planar::Rect;
-use rayon::prelude::*;
 
 /// Samples along a line, at most.
 const MOST_SAMPLES: f64 = 4096.0;
@@ -113,21 +113,19 @@ pub(super) fn volume(
     let size = high - low;
     let lines = lines.div_ceil(GROUPS).max(1) * GROUPS;
     let per_group = lines / GROUPS;
-    let groups: Result<Vec<f64>, ReportError> = (0..GROUPS)
-        .into_par_iter()
-        .map(|group| {
-            timings.time(Stage::Report, || {
-                let mut sum = 0.0;
-                for k in 0..per_group {
-                    let k = (group * per_group + k) as f64 + 0.5;
-                    let y = low.y + size.y * (k / PLASTIC).fract();
-                    let z = low.z + size.z * (k / PLASTIC.powi(2)).fract();
-                    sum += inside(probe, (low.x, high.x), (y, z), pitch)?;
-                }
-                Ok(sum / per_group as f64 * size.y * size.z)
-            })
+    let groups = parallel::map(GROUPS, |group| {
+        timings.time(Stage::Report, || {
+            let mut sum = 0.0;
+            for k in 0..per_group {
+                let k = (group * per_group + k) as f64 + 0.5;
+                let y = low.y + size.y * (k / PLASTIC).fract();
+                let z = low.z + size.z * (k / PLASTIC.powi(2)).fract();
+                sum += inside(probe, (low.x, high.x), (y, z), pitch)?;
+            }
+            Ok(sum / per_group as f64 * size.y * size.z)
         })
-        .collect();
+    });
+    let groups: Result<Vec<f64>, ReportError> = groups.into_iter().collect();
     Ok(mean_of_groups(&groups?))
 }
 

@@ -18,13 +18,13 @@ use crate::SliceError;
 use crate::layer::Layer;
 use glam::DVec2;
 use isoslice_base::limits;
+use isoslice_base::parallel;
 use isoslice_base::units::Mm;
 use isoslice_layer::seam::{BACK, Guide};
 use isoslice_path::order::course;
 use isoslice_planar::{Ring, signed_area};
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Layers from one that is looked at to the next. A seam that moves by 0.2 mm a
@@ -150,12 +150,11 @@ impl Stages<'_> {
         // Some at a time, since a layer may take megabytes.
         for some in looks.chunks(pool.current_num_threads()) {
             limits::go_on()?;
-            let pair = |&i: &usize| {
+            let pair = |k: usize| {
+                let i = some[k];
                 self.only(spans, i.saturating_sub(1).max(lowest)..i + 1)
             };
-            let made: Vec<Result<Vec<Layer>, SliceError>> =
-                pool.install(|| some.par_iter().map(pair).collect());
-            for layers in made {
+            for layers in parallel::map_in(pool, some.len(), pair) {
                 if let [below @ .., layer] = &*layers? {
                     course.look(layer, below.first());
                 }

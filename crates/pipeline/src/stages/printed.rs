@@ -6,11 +6,11 @@ use crate::SliceError;
 use crate::layer::{Inside, Layer};
 use crate::sound::{self, Found};
 use isoslice_base::limits;
+use isoslice_base::parallel;
 use isoslice_model::contour::field_in;
 use isoslice_planar::Rect;
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 
 /// What is known of a layer that was looked at without its neighbours.
 struct Looked {
@@ -58,8 +58,8 @@ impl Stages<'_> {
 
     /// What there is to print in some layers.
     fn look_at(&self, spans: &[LayerSpan]) -> Result<Vec<Looked>, SliceError> {
-        let layers = self.layers(spans, &ALL_LAYERS)?.into_par_iter();
-        let look = |layer: Layer| {
+        let layers = self.layers(spans, &ALL_LAYERS)?;
+        let look = |_: usize, layer: Layer| {
             let inside = self.inside_below(&layer, None);
             let found = found(&layer, &inside);
             if layer.area().is_empty() {
@@ -73,7 +73,7 @@ impl Stages<'_> {
                 && self.skin(&alone, &areas).is_empty());
             Ok(Looked { prints, found })
         };
-        layers.map(look).collect()
+        parallel::map_owned(layers, look).into_iter().collect()
     }
 
     /// What a nozzle can make of a window of a layer.

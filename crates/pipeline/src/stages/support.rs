@@ -10,11 +10,10 @@ use crate::raft::Raft;
 use crate::supported::{Supported, Top};
 use glam::DVec2;
 use isoslice_base::limits;
+use isoslice_base::parallel;
 use isoslice_base::timings::Stage;
 use isoslice_base::units::Mm;
-use isoslice_held::overhangs::{
-    Hanging, LayerOverhang, Needs, Tracker, Unsupported,
-};
+use isoslice_held::overhangs::{Hanging, Needs, Tracker, Unsupported};
 use isoslice_held::support::{
     Asked, Heights, Plan, Survey, Wishes, coarse, held,
 };
@@ -26,7 +25,6 @@ use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 
 /// Number of points of the outlines that are kept from planning supports to
 /// printing. They take about 30 bytes each, so no more than 25 MB whatever the
@@ -145,8 +143,8 @@ impl<'a> Stages<'a> {
         let mut survey = Survey::default();
         let mut known = Vec::new();
         for slabs in slabs.chunks(at_once) {
-            let made: Vec<Result<_, SliceError>> =
-                pool.install(|| slabs.par_iter().map(of_slab).collect());
+            let made =
+                parallel::map_in(pool, slabs.len(), |i| of_slab(&slabs[i]));
             for slab in made {
                 let (above, layers) = slab?;
                 let append = || survey.append(above, asked);
@@ -173,10 +171,9 @@ impl<'a> Stages<'a> {
         layers: &[Layer],
         count: usize,
     ) {
-        let look =
-            |pair: &[Layer]| self.look_over(&pair[1].face(), &pair[0].face());
-        let looks: Vec<Option<LayerOverhang>> =
-            pool.install(|| layers.par_windows(2).map(look).collect());
+        let looks = parallel::map_in(pool, layers.len().max(1) - 1, |i| {
+            self.look_over(&layers[i + 1].face(), &layers[i].face())
+        });
         self.timings.time(Stage::Hang, || {
             for (layer, look) in layers.iter().skip(1).zip(&looks) {
                 let follow = Follow {
@@ -219,9 +216,8 @@ impl<'a> Stages<'a> {
             let coarse = || sections.collect();
             Ok::<_, SliceError>(self.timings.time(Stage::Support, coarse))
         };
-        let slabs = own.par_chunks(self.slab_layers());
-        let made: Vec<Result<Vec<Area>, SliceError>> =
-            pool.install(|| slabs.map(of_slab).collect());
+        let slabs: Vec<_> = own.chunks(self.slab_layers()).collect();
+        let made = parallel::map_in(pool, slabs.len(), |i| of_slab(slabs[i]));
         let made: Vec<Vec<Area>> =
             made.into_iter().collect::<Result<_, _>>()?;
         Ok(Some(made.concat()))

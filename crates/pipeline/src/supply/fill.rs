@@ -8,8 +8,8 @@ use super::super::SliceError;
 use super::super::layer::{Filled, Inside, Layer, view};
 use super::all_or_first;
 use super::lower::Window;
+use isoslice_base::parallel;
 use isoslice_planar::Solid;
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -48,7 +48,7 @@ impl Window<'_> {
             Some(inside) if i < alike => self.fill(i, inside, written),
             _ => self.fill(i, &self.inside(i), written),
         };
-        let filled = group.clone().into_par_iter().map(fill).collect();
+        let filled = parallel::map(group.len(), |k| fill(group.start + k));
         Ok((all_or_first(filled)?, inside))
     }
 

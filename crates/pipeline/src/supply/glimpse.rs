@@ -10,9 +10,9 @@
 use super::super::SliceError;
 use super::super::layer::{Inside, Layer};
 use super::{Supply, all_or_first};
+use isoslice_base::parallel;
 use isoslice_settings::layers::LayerSpan;
 use rayon::join;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 impl<'a> Supply<'a> {
@@ -71,8 +71,9 @@ impl<'a> Supply<'a> {
         spans: &[&[LayerSpan]],
     ) -> Result<Vec<Layer>, SliceError> {
         let stages = self.stages;
-        let made = spans.par_iter();
-        let made = made.map(|span| stages.layers(span, &self.needed)).collect();
+        let made = parallel::map(spans.len(), |i| {
+            stages.layers(spans[i], &self.needed)
+        });
         Ok(all_or_first(made)?.concat())
     }
 }

@@ -20,11 +20,10 @@ use super::options::Extent;
 use super::part::{Counted, LayerEnd, PartPaths, Passed};
 use super::stages::Stages;
 use isoslice_base::limits;
-use isoslice_layer::skin::Patch;
+use isoslice_base::parallel;
 use isoslice_settings::layers::LayerSpan;
 use lower::{Lower, Window};
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -170,9 +169,8 @@ impl<'a> Supply<'a> {
         let count = self.pool.current_num_threads().min(self.slabs.len());
         let slabs: Vec<&[LayerSpan]> = self.slabs.drain(..count).collect();
         let (stages, needed) = (self.stages, &self.needed);
-        let made = self.pool.install(|| {
-            let slabs = slabs.par_iter();
-            slabs.map(|s| stages.layers(s, needed)).collect()
+        let made = parallel::map_in(self.pool, count, |i| {
+            stages.layers(slabs[i], needed)
         });
         self.append(all_or_first(made)?.into_iter().flatten());
         Ok(())
@@ -219,9 +217,8 @@ impl<'a> Supply<'a> {
     ) -> Result<Vec<Filled>, SliceError> {
         let window = self.window();
         let groups = window.alike(which);
-        let fill =
-            |group: &Range<usize>| window.fill_group(group, &self.layers);
-        let done = self.pool.install(|| groups.par_iter().map(fill).collect());
+        let fill = |i: usize| window.fill_group(&groups[i], &self.layers);
+        let done = parallel::map_in(self.pool, groups.len(), fill);
         let mut all = Vec::new();
         for (group, (filled, inside)) in groups.iter().zip(all_or_first(done)?)
         {
@@ -273,9 +270,7 @@ impl<'a> Supply<'a> {
                 self.stages.skin(&view(&self.outlines, start + k), areas)
             })
         };
-        let laid: Vec<Option<Vec<Patch>>> = self
-            .pool
-            .install(|| (0..all.len()).into_par_iter().map(lay).collect());
+        let laid = parallel::map_in(self.pool, all.len(), lay);
         for (filled, laid) in all.iter_mut().zip(laid) {
             if let Some(skin) = laid {
                 filled.beads.skin = skin;
