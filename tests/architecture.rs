@@ -42,7 +42,7 @@ const ORDER: &[(&str, Steps)] = &[
         "crates/base/src",
         &[
             &["units"],
-            &["sets", "random"],
+            &["sets", "random", "parallel"],
             // Every reader of text files needs `encoding`.
             &["encoding"],
             // Several name the values of their enums.

@@ -39,7 +39,8 @@ const NESTED: f64 = 14.0;
 /// beside them, mm: lines go on in each other, such a bead is a stroke alone.
 const SHORTEST: Mm = 1.0;
 
-/// Length of beads beside a ring that are not worth the way, in lines.
+/// Length of beads beside a ring that are not worth the way, in lines. In the tips of
+/// a star of five, 16 of 72 strokes were shorter.
 const DAB: f64 = 0.5;
 
 /// What the islands of a layer have in common.

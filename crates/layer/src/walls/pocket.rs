@@ -86,6 +86,8 @@ impl Left<'_> {
             return lines;
         }
         let grid = EdgeGrid::new(open, self.radius);
+        // No ball in pieces that hold no line is larger than a line is wide. They are at
+        // nodes and at corners, so their own edges stand for the nodes.
         let left = Left {
             grid: &grid,
             depth: 0.0,

@@ -26,8 +26,9 @@ use isoslice_planar::{Area, BoxTree, Rect, Ring};
 /// some are remains that no bead fits into.
 const SMALL: Mm2 = 1.0;
 /// Pieces with a shorter border than this, in lines, are filled by walls and not by a
-/// bead, unless a whole line fits in. In a honeycomb of strips of 1.9 mm there are 81
-/// strokes instead of 128, and none of 50 pits is left.
+/// bead, unless a whole line fits in. A piece that is round has two lines across then.
+/// In a honeycomb of strips of 1.9 mm there are 81 strokes instead of 128, and none of
+/// 50 pits is left.
 const DAB: f64 = 6.0;
 
 /// What is left of an area beside a wall, some of whose lines are wider than usual: where
