@@ -1,8 +1,8 @@
 //! Answers that are found on all threads, and stand in the order of their questions.
 //!
 //! Rayon hands out the numbers of the questions, in a loop that is compiled once.
-//! Each of its own iterators would be some 3,500 lines more for the compiler, and
-//! there are forty places that use these functions.
+//! Each of its own iterators would be some 3,500 lines more for the compiler, in each of
+//! the three dozen places that use these functions.
 
 use rayon::ThreadPool;
 use rayon::prelude::*;
