@@ -39,10 +39,6 @@ const NESTED: f64 = 14.0;
 /// beside them, mm: lines go on in each other, such a bead is a stroke alone.
 const SHORTEST: Mm = 1.0;
 
-/// Length of beads beside a ring that are not worth the way, in lines. In the tips of
-/// a star of five, 16 of 72 strokes were shorter.
-const DAB: f64 = 0.5;
-
 /// What the islands of a layer have in common.
 pub(super) struct Filler<'a> {
     pub above: AdjacentLayer<'a>,
@@ -96,9 +92,7 @@ impl Filler<'_> {
             let middle = s.segments().next().map(|(a, b)| a.midpoint(b));
             !middle.is_some_and(|p| inside.contains(p))
         };
-        let dab = DAB * self.plan.internal.width;
-        let is_long = |s: &Stroke| s.length() > dab && outside(s);
-        around.thin.retain(|s| s.length() >= SHORTEST || is_long(s));
+        around.thin.retain(|s| s.length() >= SHORTEST || outside(s));
         let fills = self.fills(&inside, &around, sides);
         let mut lines = fills.iter().flat_map(|f| &f.lines);
         let bridge = lines.any(|l| l.role == Role::Bridge);

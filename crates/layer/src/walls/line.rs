@@ -7,7 +7,7 @@
 //! in, each taking half.
 
 use super::medial_axis::Axis;
-use super::widen::{CORNER, SEEN, Station, across, widened};
+use super::widen::{CORNER, SEEN, Station, across, nowhere, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::along::change;
@@ -116,30 +116,6 @@ impl<'a> AxisIndex<'a> {
     ) -> Option<(DVec2, Mm)> {
         let (edge, q) = self.grid.nearest_of(segments, p, reach)?;
         Some((q, self.thickness(edge, q)))
-    }
-
-    /// The first point of some segments that lies ahead of a place, in a direction of
-    /// length 1 and within `reach`, and the thickness there.
-    fn ahead(
-        &self,
-        segments: &[u32],
-        p: DVec2,
-        ahead: DVec2,
-        reach: Mm,
-    ) -> Option<(DVec2, Mm)> {
-        let hit = |&segment: &u32| {
-            let (a, b) = self.grid.edge(segment as usize);
-            let along = b - a;
-            let far = (a - p).perp_dot(along) / ahead.perp_dot(along);
-            let share = (a - p).perp_dot(ahead) / ahead.perp_dot(along);
-            let meets =
-                (0.0..=reach).contains(&far) && (0.0..=1.0).contains(&share);
-            meets.then_some((far, segment as usize))
-        };
-        let hits = segments.iter().filter_map(hit);
-        let (far, segment) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let q = p + far * ahead;
-        Some((q, self.thickness(segment, q)))
     }
 
     /// Does what [`AxisIndex::nearest_of`] does, but only among segments for
@@ -341,19 +317,59 @@ pub(super) fn within(lines: Vec<Stroke>, border: &EdgeGrid) -> Vec<Stroke> {
     lines.into_iter().map(narrowed).collect()
 }
 
-/// Tells whether a ball fits into what lines leave: its middle and radius.
-pub(super) type Fits<'a> = &'a dyn Fn(DVec2, Mm) -> bool;
-
 /// Widens the lines beside slivers. `away` is the distance of the lines from
-/// the border of the area that has the slivers as its axes. Lines `inside`, which nobody
-/// sees, have all that lies straight ahead of them, and become narrow again beyond the
-/// slivers' ends, where there is room for it.
+/// the border of the area that has the slivers as its axes.
 pub(super) fn absorb(
     lines: Vec<Stroke>,
     slivers: &[Axis],
     away: Mm,
     tolerance: Mm,
-    inside: Option<Fits<'_>>,
+) -> Vec<Stroke> {
+    widen(lines, slivers, away, tolerance, SEEN, nowhere, nowhere)
+}
+
+/// What lines that nobody sees are beside, and what lies beyond slivers' ends.
+pub(super) struct Inside<'a> {
+    /// The area's edges.
+    pub grid: &'a EdgeGrid,
+    /// Depth in the area at which begins what the lines leave.
+    pub depth: Mm,
+    /// Distance of the lines from there.
+    pub away: Mm,
+}
+
+impl Inside<'_> {
+    /// Widens lines beside slivers. They become narrow again beyond the slivers'
+    /// ends, where there is room for it.
+    pub(super) fn absorb(
+        &self,
+        lines: Vec<Stroke>,
+        slivers: &[Axis],
+        tolerance: Mm,
+    ) -> Vec<Stroke> {
+        // A ball fits there that reaches as far as the line moves its inner side.
+        let fits = |place: &Station, inwards: DVec2, moves: Mm| {
+            let radius = 2.0 * moves;
+            let centre = place.at + (self.away + radius) * inwards;
+            self.grid
+                .clear(centre, centre, self.depth + radius - THINNED)
+        };
+        let corner = |p: &Station, moves: Mm| fits(p, p.across, moves);
+        let room = |p: &Station, moves: Mm| {
+            fits(p, p.across.normalize_or_zero(), moves)
+        };
+        widen(lines, slivers, self.away, tolerance, CORNER, corner, room)
+    }
+}
+
+fn widen(
+    lines: Vec<Stroke>,
+    slivers: &[Axis],
+    away: Mm,
+    tolerance: Mm,
+    slope: f64,
+    corner: impl Fn(&Station, Mm) -> bool,
+    room: impl Fn(&Station, Mm) -> bool,
 ) -> Vec<Stroke> {
     if slivers.is_empty() {
         return lines;
@@ -361,32 +377,13 @@ pub(super) fn absorb(
     let thickest = slivers.iter().map(Axis::thickest).fold(0.0, f64::max);
     let reach = away + 0.5 * thickest + THINNED;
     let index = AxisIndex::new(slivers, reach);
-    let slope = inside.map_or(SEEN, |_| CORNER);
-    // A ball fits there that reaches as far as the line moves its inner side.
-    let fits = |place: &Station, inwards: DVec2, moves: Mm| {
-        let radius = 2.0 * moves;
-        let centre = place.at + (away + radius) * inwards;
-        inside.is_some_and(|fits| fits(centre, radius))
-    };
-    let corner = |p: &Station, moves: Mm| fits(p, p.across, moves);
-    let room =
-        |p: &Station, moves: Mm| fits(p, p.across.normalize_or_zero(), moves);
     let widen = |line: Stroke| {
         let width = line.width;
         let station = |p: DVec2, across: DVec2, _, near: &[u32]| {
+            let sliver = index
+                .nearest_of(near, p, reach)
+                .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + THINNED);
             let left = across.normalize_or_zero();
-            let beside = |(q, t): &(DVec2, Mm)| {
-                p.distance(*q) <= away + 0.5 * t + THINNED
-            };
-            // Where a sliver grows, what is nearest is thinner than what is ahead.
-            let grows = |ahead: &(DVec2, Mm)| ahead.1 > 0.0 && beside(ahead);
-            let or_ahead = |nearest| {
-                let ahead =
-                    inside.and_then(|_| index.ahead(near, p, left, reach));
-                ahead.filter(grows).unwrap_or(nearest)
-            };
-            let nearest = index.nearest_of(near, p, reach).filter(beside);
-            let sliver = nearest.map(or_ahead);
             let inwards = |(q, t): (DVec2, Mm)| {
                 0.25 * t * left.dot((q - p).normalize_or_zero())
             };
@@ -402,7 +399,7 @@ pub(super) fn absorb(
             }
         };
         let places = stations(&line, &index, reach, station);
-        widened(places, line.closed, tolerance, slope, corner, room)
+        widened(places, line.closed, tolerance, slope, &corner, &room)
             .unwrap_or(line)
     };
     lines.into_iter().map(widen).collect()
@@ -501,7 +498,7 @@ mod tests {
         let lines = cut(&walls, &[], 0.2, 0.45);
         // A sliver 0.2 thick in the middle: the walls are 0.2 from it.
         let sliver = axis(&[(5.0, 0.0), (15.0, 0.0)], 0.2);
-        let lines = absorb(lines, &[sliver], 0.2, 0.005, None);
+        let lines = absorb(lines, &[sliver], 0.2, 0.005);
         let line = &lines[0];
         assert!(line.closed);
         let middle = line

@@ -51,7 +51,7 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::{Room, offset, offset_within};
 use isoslice_planar::simplify::simplify_area;
 use isoslice_planar::{Area, Rect, Solid, path_length, signed_area};
-use line::{Fits, absorb, cut, within};
+use line::{Inside, absorb, cut, within};
 use loops::lead_into_tips;
 use medial_axis::{Axes, Axis, axes};
 pub use overhang::Support;
@@ -528,7 +528,27 @@ fn laid(
             depth += lay.inner;
             let slivers = places.slivers(2 * k + 2, depth);
             let away = lay.inner - lay.centre;
+            // The axes that the widths follow are found to a share of the
+            // accuracy.
+            let fine = 0.4 * accuracy;
             let shares = shared && k + 1 == pair.len();
+            let mut walls = if shares {
+                let grid = solid.grid();
+                Inside { grid, depth, away }.absorb(walls, &slivers, fine)
+            } else {
+                absorb(walls, &slivers, away, fine)
+            };
+            if outer && seen {
+                walls = lead_into_tips(walls, &places.tips(lay, fine), lay);
+            }
+            let [walls, beads] = match lines.last() {
+                Some(outside) => {
+                    let width = lays[lines.len() - 1].width;
+                    [walls, beads]
+                        .map(|own| give_way(own, outside, width, height, fine))
+                }
+                None => [within(walls, solid.grid()), beads],
+            };
             // Inside the last wall, beads of skin fill what a whole line fits into, or
             // the thinnest if the wall does not share it.
             let radius = match pair.get(k + 1) {
@@ -542,7 +562,7 @@ fn laid(
                     .all(|((a, _), (b, _))| dots.clear(a, b, 0.5 * lay.width))
             });
             beside.extend(places.beads(2 * k + 3, depth));
-            let inside = Left {
+            let pockets = Left {
                 grid: solid.grid(),
                 depth,
                 away,
@@ -552,33 +572,15 @@ fn laid(
                 nodes: &nodes,
                 around,
                 shares,
-                open: None,
             };
-            // The axes that the widths follow are found to a share of the
-            // accuracy.
-            let fine = 0.4 * accuracy;
-            let fits = |p: DVec2, radius: Mm| inside.fits(p, radius);
-            let fits = shares.then_some(&fits as Fits<'_>);
-            let mut walls = absorb(walls, &slivers, away, fine, fits);
-            if outer && seen {
-                walls = lead_into_tips(walls, &places.tips(lay, fine), lay);
-            }
-            let [mut walls, beads] = match lines.last() {
-                Some(outside) => {
-                    let width = lays[lines.len() - 1].width;
-                    [walls, beads]
-                        .map(|own| give_way(own, outside, width, height, fine))
-                }
-                None => [within(walls, solid.grid()), beads],
+            let walls = if seen {
+                pockets.shared(walls, fine)
+            } else {
+                walls
             };
-            if seen {
-                walls = inside.shared(walls, fine);
-            }
             if shares {
                 let lays = (lay, &lays[next]);
-                let open;
-                [left, open] = shared::without(left, &walls, lays, accuracy);
-                walls = inside.closed(walls, &open, accuracy, fine);
+                left = shared::without(left, &walls, lays, accuracy);
             }
             lines.push(walls);
             thin.push(beads);

@@ -44,7 +44,7 @@ pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let away = plan.inner - plan.centre;
     let thin = single.iter().chain(&core);
     let (rings, thin) = joined(
-        absorb(rings, &slivers, away, tolerance, None),
+        absorb(rings, &slivers, away, tolerance),
         thin.map(|r| r.stroke(plan.extra)).collect(),
         skeleton.solid,
         0.0,
@@ -83,7 +83,7 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
             let rings = places.cut(&rings, k, depth, &plan);
             let slivers = places.beads(2 * k + 2, depth + plan.inner);
             let (rings, thin) = joined(
-                absorb(rings, &slivers, away, tolerance, None),
+                absorb(rings, &slivers, away, tolerance),
                 beads.iter().map(|r| r.stroke(plan.extra)).collect(),
                 skeleton.solid,
                 depth,

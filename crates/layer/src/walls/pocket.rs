@@ -14,10 +14,9 @@
 
 use super::line::AxisIndex;
 use super::medial_axis::Axis;
-use super::widen::{CORNER, HIDDEN, Station, across, nowhere, widened};
+use super::widen::{CORNER, Station, across, nowhere, widened};
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_planar::Area;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::EdgeGrid;
 
@@ -55,8 +54,6 @@ pub(super) struct Left<'a> {
     pub around: Mm,
     /// True if walls may be wide where skin would be.
     pub shares: bool,
-    /// Pieces in which nothing is laid, if the wall has taken the rest.
-    pub open: Option<&'a Area>,
 }
 
 impl Left<'_> {
@@ -71,36 +68,6 @@ impl Left<'_> {
             .into_iter()
             .map(|line| self.filled(line, &beads, tolerance))
             .collect()
-    }
-
-    /// Widens lines beside pieces that are `open` where the wall has taken the rest. They
-    /// begin beyond the wall by `slack`.
-    pub(super) fn closed(
-        &self,
-        lines: Vec<Stroke>,
-        open: &Area,
-        slack: Mm,
-        tolerance: Mm,
-    ) -> Vec<Stroke> {
-        if open.is_empty() {
-            return lines;
-        }
-        let grid = EdgeGrid::new(open, self.radius);
-        // No ball in pieces that hold no line is larger than a line is wide. They are at
-        // nodes and at corners, so their own edges stand for the nodes.
-        let left = Left {
-            grid: &grid,
-            depth: 0.0,
-            away: self.away + slack,
-            radius: self.width,
-            beads: &[],
-            nodes: &grid,
-            around: self.width,
-            shares: false,
-            open: Some(open),
-            ..*self
-        };
-        left.shared(lines, tolerance)
     }
 
     /// Greatest distance from a pocket's middle of a bead that matters to it.
@@ -126,18 +93,12 @@ impl Left<'_> {
             let inwards = across.normalize_or_zero();
             let more = more(width);
             let usual = p - 0.5 * more * inwards;
-            // What is left begins where the wall ends that has taken the rest.
-            let (taken, beside) = match self.open {
-                Some(_) => (more, across),
-                None => (0.0, inwards),
-            };
-            let base = usual + (self.away + taken) * beside;
             let ball = if near {
-                self.pocket(base, inwards, more - taken, beads)
+                self.pocket(usual, inwards, more, beads).unwrap_or(0.0)
             } else {
-                None
+                0.0
             };
-            let lacks = ball.map_or(0.0, |ball| ball + taken - more);
+            let lacks = ball - more;
             places.push(Station {
                 at: p,
                 across,
@@ -183,8 +144,7 @@ impl Left<'_> {
             let on = self.away + radius - 0.5 * more(place.width);
             self.shares && self.fits(place.at + on * inwards, radius)
         };
-        let slope = self.open.map_or(CORNER, |_| HIDDEN);
-        widened(places, line.closed, tolerance, slope, nowhere, room)
+        widened(places, line.closed, tolerance, CORNER, nowhere, room)
             .unwrap_or(line)
     }
 
@@ -197,20 +157,21 @@ impl Left<'_> {
     }
 
     /// True if a ball fits into what the wall leaves.
-    pub(super) fn fits(&self, p: DVec2, radius: Mm) -> bool {
+    fn fits(&self, p: DVec2, radius: Mm) -> bool {
         self.grid.clear(p, p, self.depth + radius - THINNED)
     }
 
-    /// The radius of the ball that touches what the wall leaves at a place of its
-    /// border, if it is larger than what is `filled` already and nothing else is laid
-    /// there.
+    /// The radius of the ball that touches what the wall leaves beside a place
+    /// of its line, if it is larger than what is `filled` already and nothing else is
+    /// laid there.
     fn pocket(
         &self,
-        base: DVec2,
+        p: DVec2,
         inwards: DVec2,
         filled: Mm,
         beads: &AxisIndex<'_>,
     ) -> Option<Mm> {
+        let base = p + self.away * inwards;
         if !self.fits(base + LEAST * inwards, LEAST) {
             return None;
         }
@@ -245,11 +206,7 @@ impl Left<'_> {
         if bead_near(centre, low) {
             return None;
         }
-        let is_open = match self.open {
-            Some(open) => open.contains(centre),
-            None => !self.is_laid_around(centre),
-        };
-        is_open.then_some(low - 0.5 * THINNED)
+        (!self.is_laid_around(centre)).then_some(low - 0.5 * THINNED)
     }
 
     /// True if other beads are laid around a ball: there is room for them in some
