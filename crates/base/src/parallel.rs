@@ -4,9 +4,13 @@
 //! Each of its own iterators would be some 3,500 lines more for the compiler, in each of
 //! the three dozen places that use these functions.
 
+use crate::limits::Watch;
 use rayon::ThreadPool;
 use rayon::prelude::*;
+use std::iter;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
 
 /// What `f` makes of the numbers below `count`, in their order.
 pub fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
@@ -38,6 +42,43 @@ pub fn map_owned<U: Send, T: Send>(
         item.map(|item| f(i, item))
     };
     map(items.len(), of_item).into_iter().flatten().collect()
+}
+
+/// The same as [`map`], on as many threads of its own, for what a thread makes while
+/// others wait for it, as in a cell that is filled once.
+///
+/// A thread of a pool that waits for its loop takes up other work of the pool
+/// meanwhile. If that work asks for the same cell, the thread waits for itself.
+/// These threads take up nothing else.
+pub fn map_apart<T: Send>(
+    count: usize,
+    f: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let made = cells((0..count).map(|_| None));
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let numbers =
+            iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+        for i in numbers.take_while(|i| *i < count) {
+            *open(&made[i]) = Some(f(i));
+        }
+    };
+    let watch = Watch::current();
+    let helper = || {
+        Watch::adopt(watch.as_ref());
+        work();
+    };
+    let helpers = rayon::current_num_threads().min(count).saturating_sub(1);
+    thread::scope(|scope| {
+        for _ in 0..helpers {
+            // Where there are no more threads, those that there are do the work.
+            if thread::Builder::new().spawn_scoped(scope, helper).is_err() {
+                break;
+            }
+        }
+        work();
+    });
+    contents(made)
 }
 
 /// Changes each of some items by `f`, which also gets the item's number.
@@ -74,6 +115,9 @@ fn contents<T>(cells: Vec<Mutex<Option<T>>>) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::OnceLock;
+    use std::sync::mpsc::channel;
+    use std::time::{Duration, Instant};
 
     #[test]
     fn answers_stand_in_order_on_any_threads() {
@@ -83,9 +127,47 @@ mod tests {
             let pool = pool.build().unwrap();
             assert_eq!(map_in(&pool, 1000, |i| i.to_string()), asked);
             let twice = pool.install(|| map(1000, |i| 2 * i));
+            assert_eq!(pool.install(|| map_apart(1000, |i| 2 * i)), twice);
             assert_eq!(twice, (0..1000).map(|i| 2 * i).collect::<Vec<_>>());
         }
         assert!(map(0, |i| i).is_empty());
+    }
+
+    #[test]
+    fn a_cell_that_is_filled_apart_never_waits_for_itself() {
+        /// Of 8 questions half need the cell. The first of the others takes as long
+        /// as the cell is empty, so that its thread keeps questions to be taken up.
+        fn ask(i: usize, cell: &OnceLock<Vec<usize>>) {
+            let slow = |i: usize| {
+                thread::sleep(Duration::from_micros(100));
+                i
+            };
+            match i {
+                1..4 => {}
+                4 => {
+                    let from = Instant::now();
+                    let most = Duration::from_millis(20);
+                    while cell.get().is_none() && from.elapsed() < most {
+                        thread::yield_now();
+                    }
+                }
+                _ => {
+                    cell.get_or_init(|| map_apart(64, slow));
+                }
+            }
+        }
+        let (sender, done) = channel();
+        // The loops are in a thread that can be left behind if it hangs.
+        thread::spawn(move || {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(3);
+            let pool = pool.build().unwrap();
+            for _ in 0..50 {
+                let cell = OnceLock::new();
+                map_in(&pool, 8, |i| ask(i, &cell));
+            }
+            sender.send(()).unwrap();
+        });
+        done.recv_timeout(Duration::from_secs(30)).unwrap();
     }
 
     #[test]

@@ -9,6 +9,9 @@
 //! *Euclidean distance mapping*, 1980, in space). Only the sign and the
 //! direction of f are used, so f need not be a distance.
 //!
+//! Threads wait for the distances while they are measured, so they are measured
+//! apart from other work.
+//!
 //! Distances are right to a few hundredths of the lattice's step near the
 //! surface, and also where one surface is clearly nearest. Details smaller than
 //! the step are missed.
@@ -18,7 +21,6 @@ use fidget::context::Tree;
 use glam::{DVec3, IVec3};
 use isoslice_base::parallel;
 use isoslice_base::units::Mm;
-use rayon::prelude::*;
 
 /// Greatest number of nodes. They take 6 MB of distances and half a second.
 const NODES: f64 = 1.5e6;
@@ -101,7 +103,7 @@ impl DepthMap {
     /// True for each node that is inside.
     fn inside(&self, field: &Expression) -> Vec<bool> {
         let plane = self.size[0] * self.size[1];
-        let planes = parallel::map(self.size[2], |k| {
+        let planes = parallel::map_apart(self.size[2], |k| {
             let first = k * plane;
             let places: Vec<Place> = (first..first + plane)
                 .map(|i| place(self.point(self.node(i))))
@@ -149,7 +151,7 @@ impl DepthMap {
             let feet = feet_between(field, ends, self.step);
             nodes.into_iter().zip(feet).collect::<Vec<_>>()
         };
-        parallel::map(self.size[2], of_plane).concat()
+        parallel::map_apart(self.size[2], of_plane).concat()
     }
 
     /// Distances of all nodes from their nearest feet.
@@ -231,9 +233,9 @@ impl DepthMap {
         }
         // Sweeps pass a foot on along the axes only, so a diagonal neighbour
         // may have the nearest foot.
-        self.depth = (0..inside.len())
-            .into_par_iter()
-            .map(|i| {
+        let plane = self.size[0] * self.size[1];
+        let of_plane = |k: usize| {
+            let distance = |i: usize| {
                 let node = self.node(i);
                 let p = self.point(node);
                 let mut best: Option<(f64, &SurfacePoint)> = None;
@@ -250,8 +252,11 @@ impl DepthMap {
                 let d = best
                     .map_or(f64::INFINITY, |(_, f)| f.distance(p, self.step));
                 (if inside[i] { d } else { -d }) as f32
-            })
-            .collect();
+            };
+            let nodes = k * plane..(k + 1) * plane;
+            nodes.map(distance).collect::<Vec<f32>>()
+        };
+        self.depth = parallel::map_apart(self.size[2], of_plane).concat();
     }
 
     /// A node and its neighbours, the diagonal ones included.

@@ -4,7 +4,7 @@
 //! them, at several k. A box is looked up at the level at which it meets three
 //! blocks along each axis at most. Small boxes are looked at number by number.
 
-use rayon::prelude::*;
+use isoslice_base::parallel;
 
 /// Two numbers between which others are.
 pub(crate) type Range = [f64; 2];
@@ -169,7 +169,7 @@ fn lowest(
         let range = |block: &[Range]| block.iter().copied().fold(NONE, both);
         blocks.map(|b| outward(range(b))).collect::<Vec<_>>()
     };
-    let ranges = (0..b * c).into_par_iter().flat_map_iter(row).collect();
+    let ranges = rows(b * c, row);
     Level { k, blocks, ranges }
 }
 
@@ -192,8 +192,26 @@ fn level(
             outward(range(from, to))
         })
     };
-    let ranges = (0..b * c).into_par_iter().flat_map_iter(row).collect();
+    let ranges = rows(b * c, row);
     Level { k, blocks, ranges }
+}
+
+/// What `row` makes of each of some rows, one after the other. Pyramids are made
+/// while others wait for them, so they are made apart.
+fn rows<I: IntoIterator<Item = [f32; 2]>>(
+    count: usize,
+    row: impl Fn(usize) -> I + Sync,
+) -> Vec<[f32; 2]> {
+    /// Rows that one thread makes at a time: enough that handing them out costs
+    /// nothing, few enough that all threads have some.
+    const AT_ONCE: usize = 16;
+    let some = |part: usize| -> Vec<[f32; 2]> {
+        let first = part * AT_ONCE;
+        (first..(first + AT_ONCE).min(count))
+            .flat_map(&row)
+            .collect()
+    };
+    parallel::map_apart(count.div_ceil(AT_ONCE), some).concat()
 }
 
 /// A range a little wider, by `by` on each side.
