@@ -203,7 +203,16 @@ fn run(rule: OverlayRule, a: &Area, b: &Area) -> Area {
     }
     let mut overlay = Overlay::new(edge_count(a) + edge_count(b));
     add(&mut overlay, a, ShapeType::Subject);
-    add(&mut overlay, b, ShapeType::Clip);
+    if rule == OverlayRule::Union {
+        add(&mut overlay, b, ShapeType::Clip);
+    } else {
+        // Nothing else of the second area counts.
+        let bounds = a.bounds();
+        let near = |ring: &&Ring| Rect::around(*ring).meets(bounds);
+        for ring in b.rings.iter().filter(near) {
+            overlay.add_contour(&to_contour(ring), ShapeType::Clip);
+        }
+    }
     from_shapes(overlay.overlay(rule, FillRule::NonZero))
 }
 

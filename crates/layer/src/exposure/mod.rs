@@ -34,13 +34,14 @@ mod shells;
 pub use plan::{ExposurePlan, ShellPlan};
 pub use rough::rough;
 
+use crate::cover::neighbour::Neighbour;
 use crate::cover::{
     Covered, Exposed, Islands, TOLERANCE, by_island, exposed, near, open,
 };
 use crate::view::{LayerFace, LayerView};
 use isoslice_base::units::Mm;
 use isoslice_planar::clip::{
-    crop, difference, intersection, not_covered_by_all, union, unite,
+    crop, difference, intersection, not_covered_by_all, union,
 };
 use isoslice_planar::offset::offset;
 use isoslice_planar::opening::{is_wider, opened, wide_parts};
@@ -302,7 +303,7 @@ impl<'a> Exposure<'a> {
             return vec![Area::EMPTY; islands.len()];
         }
         let all = asked.iter().flat_map(|island| &island.rings);
-        let found = intersection(&all.cloned().collect(), &unite(&found));
+        let found = intersection(&all.cloned().collect(), &found);
         // What is thinner than a bead lies beside what holds the walls.
         let found = opened(&found, 0.5 * self.plan.walls.skin, TOLERANCE);
         by_island(islands, found.islands())
@@ -465,10 +466,12 @@ fn beside(left: &Area, skin: &Area, plan: &ExposurePlan) -> Vec<Area> {
     }
     // Narrow parts away from the skin stay sparse, as in layers without skin.
     let near = offset(skin, plan.infill, TOLERANCE);
+    // Of a lattice there are many narrow parts, each beside little of the skin.
+    let near = Neighbour::new(&near);
     let narrow = difference(&all, &wide).islands();
     let away = narrow
         .into_iter()
-        .filter(|part| intersection(part, &near).is_empty());
+        .filter(|part| intersection(part, &near.near(part)).is_empty());
     let rings = away.flat_map(|part| part.rings).collect();
     union(&wide, &Area { rings }).islands()
 }
