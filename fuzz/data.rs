@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use isocontour::{Bounds, Data, Values};
-use isoslice_drawings::{Drawing, SvgOptions};
+use isoslice_drawings::{Drawing, DxfOptions, SvgOptions};
 use isoslice_mesh::{Format, Mesh};
 use isoslice_pictures::{
     Picture, PictureOptions, Samples, SamplesOptions, Volume, VolumeOptions,
@@ -55,10 +55,14 @@ pub(super) fn mesh(bytes: &[u8]) {
     }
 }
 
-/// SVG drawings.
+/// SVG and DXF drawings.
 pub(super) fn drawing(bytes: &[u8]) {
     let options = SvgOptions::default();
     if let Ok(drawing) = Drawing::from_svg("fuzz", bytes, &options) {
+        judge(&drawing);
+    }
+    let options = DxfOptions::default();
+    if let Ok(drawing) = Drawing::from_dxf("fuzz", bytes, &options) {
         judge(&drawing);
     }
 }

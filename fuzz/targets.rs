@@ -234,7 +234,7 @@ pub fn mesh(bytes: &[u8]) {
     data::mesh(bytes);
 }
 
-/// SVG drawings.
+/// SVG and DXF drawings.
 pub fn drawing(bytes: &[u8]) {
     data::drawing(bytes);
 }

@@ -19,6 +19,10 @@ fn folder() -> TempDir {
         height='30mm' viewBox='0 0 40 30'><path fill-rule='evenodd' \
         d='M5 5H35V25H5Z M14 15a6 6 0 1 0 12 0a6 6 0 1 0-12 0'/></svg>";
     write("logo.svg", drawing.as_bytes());
+    let plate = "0 SECTION 2 ENTITIES 0 LWPOLYLINE 8 a 70 1 10 5 20 5 10 35 \
+        20 5 10 35 20 25 10 5 20 25 0 CIRCLE 8 b 10 20 20 15 40 6 \
+        0 LINE 8 open 10 1 20 2 11 3 21 4 0 ENDSEC 0 EOF";
+    write("plate.dxf", plate.replace(' ', "\n").as_bytes());
     // A ramp from black to white in 11 columns.
     let mut picture = Vec::new();
     let mut encoder = png::Encoder::new(&mut picture, 11, 2);
@@ -57,6 +61,12 @@ fn data_prints_as_the_formula_of_the_same_function() {
     for (text, same, within) in [
         (
             "max(svg(\"logo.svg\"), abs(z - 2) - 2)",
+            format!("max({hole}, abs(z-2)-2)"),
+            0.001,
+        ),
+        (
+            "max(dxf(\"plate.dxf\", #{ layers: [\"a\", \"b\"] }), \
+             abs(z - 2) - 2)",
             format!("max({hole}, abs(z-2)-2)"),
             0.001,
         ),
@@ -148,6 +158,19 @@ fn wrong_options_are_errors_with_what_is_right() {
         ("svg(\"logo.svg\", #{ width: \"3\" })", "width is a number"),
         ("svg(\"logo.svg\", #{ anchor: \"top\" })", "one of \"page\""),
         ("mesh(\"logo.svg\")", "meshes are .stl"),
+        (
+            "dxf(\"plate.dxf\", #{ layers: 3 })",
+            "a list of texts, not 3",
+        ),
+        (
+            "dxf(\"plate.dxf\", #{ layers: \"hole\" })",
+            "plate.dxf: it has no layer `hole`; it has `a`, `b`, `open`",
+        ),
+        (
+            "dxf(\"plate.dxf\")",
+            "plate.dxf: an outline ends at x = 1, y = 2 mm (line",
+        ),
+        ("dxf(\"logo.svg\")", "logo.svg: line 1: `<svg"),
         ("mesh(\"a.stl\", #{ unit: 1 })", "cannot read"),
         ("image(\"logo.svg\")", "logo.svg"),
         (

@@ -10,6 +10,17 @@ use isocontour::{Bounds, Data, Ring};
 /// Greatest coordinate of a drawing, mm.
 const FARTHEST: f64 = 1e6;
 
+/// The most bytes of a file.
+pub const MOST_DRAWING_BYTES: usize = 1 << 25;
+
+/// Refuses a file that is too large.
+pub(crate) fn small_enough(bytes: &[u8]) -> Problem<()> {
+    if bytes.len() > MOST_DRAWING_BYTES {
+        return Err("it is larger than 32 MB; simplify it".into());
+    }
+    Ok(())
+}
+
 /// An area in the plane as a function of x and y, the same at all heights: the
 /// distance to its border, mm, negative inside.
 #[derive(Debug)]

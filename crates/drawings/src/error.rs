@@ -1,5 +1,7 @@
 //! Why a file is no drawing, or a text cannot be drawn.
 
+use std::collections::BTreeMap;
+
 /// Why a drawing or a text cannot be used: which, what is wrong, and what to
 /// do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,4 +36,13 @@ pub(crate) type Problem<T> = Result<T, String>;
 /// Lets work go on unless it is to stop.
 pub(crate) fn go_on() -> Problem<()> {
     isoslice_base::limits::go_on().map_err(|stopped| stopped.to_string())
+}
+
+/// Sentences for what of a file is not drawn, and how often.
+pub(crate) fn not_drawn(left_out: BTreeMap<String, usize>) -> Vec<String> {
+    let sentence = |(what, times)| match times {
+        1 => format!("not drawn: {what}"),
+        _ => format!("not drawn: {what} ({times} times)"),
+    };
+    left_out.into_iter().map(sentence).collect()
 }

@@ -1,6 +1,6 @@
 //! Drawings and text as exact distances in the plane.
 //!
-//! In: an SVG file, a text and a font, or outlines. Out: a [`Drawing`], which
+//! In: an SVG or DXF file, a text and a font, or outlines. Out: a [`Drawing`], which
 //! is [`isocontour::Data`]: the distance to the border of the drawn area in the
 //! plane, negative inside, the same at all heights, with its gradient and
 //! bounds of both over boxes.
@@ -16,8 +16,10 @@
 mod area;
 mod curve;
 mod drawing;
+mod dxf;
 mod error;
 mod outline;
+mod place;
 mod roots;
 mod stroke;
 mod svg;
@@ -27,9 +29,11 @@ mod tests;
 mod text;
 mod tree;
 
-pub use drawing::Drawing;
+pub use drawing::{Drawing, MOST_DRAWING_BYTES};
+pub use dxf::DxfOptions;
 pub use error::DrawingError;
 pub use outline::{Fill, Outline};
-pub use svg::{Anchor, MOST_SVG_BYTES, SvgOptions, White};
+pub use place::Anchor;
+pub use svg::{SvgOptions, White};
 #[cfg(feature = "text")]
 pub use text::{Align, TextOptions, Vertical};

@@ -89,15 +89,31 @@ impl Outline {
         }
     }
 
+    /// Goes along a curve. A straight line leads to its start if that is farther
+    /// away than `near`; if not, it begins where the last one ends.
+    pub(crate) fn along(&mut self, curve: &Curve, near: f64) {
+        let mut control = curve.control().to_vec();
+        if self.at.distance(curve.start()) > near {
+            self.line_to(curve.start());
+        }
+        control[0] = self.at;
+        self.push(&control);
+    }
+
     /// Closes the ring with a straight line, if its ends are apart.
     pub fn close(&mut self) {
+        // Arcs end where they should but for rounding.
+        self.close_within(1e-12 * (1.0 + self.start.length()));
+    }
+
+    /// Closes the ring with a straight line, or if its ends are within `near` by
+    /// moving the last.
+    pub(crate) fn close_within(&mut self, near: f64) {
         if self.at == self.start {
             return;
         }
-        // Arcs end where they should but for rounding.
-        let near = 1e-12 * (1.0 + self.start.length());
         match self.curves.last_mut() {
-            Some(last) if (self.at - self.start).length() < near => {
+            Some(last) if self.at.distance(self.start) < near => {
                 last.end_at(self.start);
             }
             _ => self.line_to(self.start),

@@ -13,21 +13,16 @@ mod tests;
 mod view;
 mod walk;
 
-use crate::area::Area;
-use crate::drawing::Drawing;
-use crate::error::{DrawingError, Problem, go_on};
-use crate::outline::Outline;
+use crate::drawing::{Drawing, small_enough};
+use crate::error::{DrawingError, Problem, go_on, not_drawn};
+use crate::place::{Anchor, place_all};
 use glam::{DAffine2, DVec2};
-use isoslice_base::units::human_number;
 use roxmltree::{Document, Node, NodeId, ParsingOptions};
 use simplecss::StyleSheet;
 use std::collections::BTreeMap;
 use style::Style;
 use view::{Share, attribute, fit, view_box};
 use walk::{Place, Walk};
-
-/// The most bytes of a file.
-pub const MOST_SVG_BYTES: usize = 1 << 25;
 
 /// The most elements, texts and comments of a file.
 const MOST_NODES: u32 = 1_000_000;
@@ -46,18 +41,6 @@ const MOST_SELECTOR_PARTS: usize = 8;
 
 /// Millimetres of a pixel: 96 pixels are an inch.
 const PIXEL: f64 = 25.4 / 96.0;
-
-/// What lies at the origin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Anchor {
-    /// The lower left corner of the page.
-    #[default]
-    Page,
-    /// The lower left corner of the box around the area.
-    Corner,
-    /// The middle of the box around the area.
-    Centre,
-}
 
 /// What white shapes are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -110,9 +93,7 @@ impl Drawing {
 }
 
 fn read(name: &str, bytes: &[u8], options: &SvgOptions) -> Problem<Drawing> {
-    if bytes.len() > MOST_SVG_BYTES {
-        return Err("it is larger than 32 MB; simplify it".into());
-    }
+    small_enough(bytes)?;
     if bytes.starts_with(b"\x1f\x8b") {
         return Err("it is compressed (SVGZ); save it as plain SVG".into());
     }
@@ -145,15 +126,9 @@ fn read(name: &str, bytes: &[u8], options: &SvgOptions) -> Problem<Drawing> {
     if options.white == White::Area || !any {
         outlines.iter_mut().for_each(|o| o.cuts = false);
     }
-    place_all(&mut outlines, options)?;
-    let mut warnings: Vec<String> = walk
-        .left_out
-        .into_iter()
-        .map(|(what, times)| match times {
-            1 => format!("not drawn: {what}"),
-            _ => format!("not drawn: {what} ({times} times)"),
-        })
-        .collect();
+    let sized = [options.width_mm, options.height_mm];
+    place_all(&mut outlines, sized, options.anchor)?;
+    let mut warnings = not_drawn(walk.left_out);
     if outlines.iter().any(|o| o.cuts) {
         warnings.push("white shapes cut away what is below them".into());
     }
@@ -265,48 +240,5 @@ fn page(root: Node) -> Problem<Place> {
         port,
         depth: 0,
         seen_in: 0,
-    })
-}
-
-/// Gives all outlines the size and the place that the options say.
-fn place_all(outlines: &mut [Outline], options: &SvgOptions) -> Problem<()> {
-    let sized = [options.width_mm, options.height_mm];
-    if options.anchor == Anchor::Page && sized == [None; 2] {
-        return Ok(());
-    }
-    let bounds = Area::new(outlines)?.bounds();
-    let size = bounds.size();
-    if !(size.is_finite() && size.min_element() > 0.0) {
-        return Ok(());
-    }
-    let scale = scale(sized, size)?;
-    let to = DAffine2::from_scale(scale);
-    let from = match options.anchor {
-        Anchor::Page => DVec2::ZERO,
-        Anchor::Corner => bounds.min,
-        Anchor::Centre => 0.5 * (bounds.min + bounds.max),
-    };
-    let by = to * DAffine2::from_translation(-from);
-    for outline in outlines {
-        *outline = outline.mapped(by);
-    }
-    Ok(())
-}
-
-/// How much larger something of a size has to be.
-fn scale(sized: [Option<f64>; 2], size: DVec2) -> Problem<DVec2> {
-    for mm in sized.into_iter().flatten() {
-        if !(1e-3..=1e6).contains(&mm) {
-            return Err(format!(
-                "its size is to be {} mm; give one from 0.001 to 1000000",
-                human_number(mm)
-            ));
-        }
-    }
-    Ok(match sized {
-        [Some(w), Some(h)] => DVec2::new(w, h) / size,
-        [Some(w), None] => DVec2::splat(w / size.x),
-        [None, Some(h)] => DVec2::splat(h / size.y),
-        [None, None] => DVec2::ONE,
     })
 }

@@ -75,7 +75,7 @@ from ._functions import (
     y,
     z,
 )
-from ._data import image, mesh, samples, svg, text, volume
+from ._data import dxf, image, mesh, samples, svg, text, volume
 from ._model import formula, load, script, vm
 from ._native import (
     Error,

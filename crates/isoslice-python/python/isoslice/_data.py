@@ -25,6 +25,11 @@ def svg(path: Path, **options: Any) -> Expr:
     return call("svg", path, options)
 
 
+def dxf(path: Path, **options: Any) -> Expr:
+    """The distance to the border of a DXF drawing, in the plane."""
+    return call("dxf", path, options)
+
+
 def text(text: str, **options: Any) -> Expr:
     """The distance to the border of a text, in the plane."""
     return call("text", text, options)

@@ -7,8 +7,8 @@ use fidget::context::Tree;
 use glam::DVec3;
 use isocontour::{Data, call};
 use isoslice_drawings::{
-    Align, Anchor, Drawing, MOST_SVG_BYTES, SvgOptions, TextOptions, Vertical,
-    White,
+    Align, Anchor, Drawing, DxfOptions, MOST_DRAWING_BYTES, SvgOptions,
+    TextOptions, Vertical, White,
 };
 use isoslice_mesh::{Format, Mesh};
 use isoslice_pictures::{
@@ -101,6 +101,13 @@ pub(crate) const KINDS: &[Kind] = &[
         of_file: true,
         is_body: true,
         make: svg,
+    },
+    Kind {
+        name: "dxf",
+        example: "dxf(\"plate.dxf\")",
+        of_file: true,
+        is_body: true,
+        make: dxf,
     },
     Kind {
         name: "text",
@@ -221,24 +228,49 @@ fn mesh(asked: &Asked<'_>) -> Result<Made, String> {
     Ok(Made::leaf(Arc::new(mesh), notes))
 }
 
+const ANCHOR: &[(&str, Anchor)] = &[
+    ("page", Anchor::Page),
+    ("corner", Anchor::Corner),
+    ("centre", Anchor::Centre),
+    ("center", Anchor::Centre),
+];
+
+/// A DXF has an origin, and no page.
+const ANCHOR_OF_DXF: &[(&str, Anchor)] = &[
+    ("origin", Anchor::Page),
+    ("corner", Anchor::Corner),
+    ("centre", Anchor::Centre),
+    ("center", Anchor::Centre),
+];
+
 fn svg(asked: &Asked<'_>) -> Result<Made, String> {
     let mut given = Reader::new("svg", asked.options);
-    let anchors = [
-        ("page", Anchor::Page),
-        ("corner", Anchor::Corner),
-        ("centre", Anchor::Centre),
-        ("center", Anchor::Centre),
-    ];
     let white = [("cuts", White::Cuts), ("area", White::Area)];
     let options = SvgOptions {
         width_mm: given.number("width")?,
         height_mm: given.number("height")?,
-        anchor: given.word("anchor", &anchors)?.unwrap_or_default(),
+        anchor: given.word("anchor", ANCHOR)?.unwrap_or_default(),
         white: given.word("white", &white)?.unwrap_or_default(),
     };
     given.finish()?;
-    let bytes = asked.bytes(MOST_SVG_BYTES as u64)?;
+    let bytes = asked.bytes(MOST_DRAWING_BYTES as u64)?;
     let made = Drawing::from_svg(asked.text, &bytes, &options);
+    Ok(drawn(made.map_err(|e| e.problem().to_owned())?))
+}
+
+fn dxf(asked: &Asked<'_>) -> Result<Made, String> {
+    let mut given = Reader::new("dxf", asked.options);
+    let options = DxfOptions {
+        width_mm: given.number("width")?,
+        height_mm: given.number("height")?,
+        anchor: given.word("anchor", ANCHOR_OF_DXF)?.unwrap_or_default(),
+        unit_mm: given.number("unit")?,
+        layers: given.texts("layers")?,
+        gap_mm: given.number("gap")?,
+    };
+    given.finish()?;
+    let bytes = asked.bytes(MOST_DRAWING_BYTES as u64)?;
+    let made = Drawing::from_dxf(asked.text, &bytes, &options);
     Ok(drawn(made.map_err(|e| e.problem().to_owned())?))
 }
 

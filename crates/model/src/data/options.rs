@@ -107,6 +107,27 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Several texts; one text stands for a list of it.
+    pub(super) fn texts(
+        &mut self,
+        name: &'static str,
+    ) -> Result<Option<Vec<String>>, String> {
+        let text = |given: &Given| match given {
+            Given::Text(text) => Some(text.clone()),
+            _ => None,
+        };
+        let Some(given) = self.take(name) else {
+            return Ok(None);
+        };
+        let all: Option<Vec<String>> = match given {
+            Given::List(all) => all.iter().map(text).collect(),
+            one => text(one).map(|text| vec![text]),
+        };
+        all.map(Some).ok_or_else(|| {
+            self.wrong(name, "a text in quotes, or a list of texts", given)
+        })
+    }
+
     /// One of some words.
     pub(super) fn word<T: Copy>(
         &mut self,

@@ -1,0 +1,288 @@
+//! Goes through the entities of a file, those of inserted blocks too, and collects
+//! the lines that are drawn.
+
+use super::file::{Block, File, folded};
+use super::pairs::{Record, shown};
+use super::shape::{Shape, shape, space};
+use crate::area::MOST_CURVES;
+use crate::curve::Curve;
+use crate::error::{Problem, go_on};
+use glam::{DAffine2, DMat2, DVec2};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The most blocks in one another.
+const DEEPEST: usize = 32;
+
+/// The most entities that are drawn, those of blocks as often as they are inserted.
+const MOST_ENTITIES: usize = 200_000;
+
+/// The most rows and columns of an inserted block, which is what files can say.
+const MOST_TIMES: i64 = 32_767;
+
+/// The most things that are named that are not drawn.
+const MOST_NAMED: usize = 20;
+
+/// Greatest coordinate, mm. Beyond it the drawing is refused anyway.
+const FARTHEST: f64 = 1e6;
+
+/// A line of curves that follow one another; there is at least one.
+pub(super) struct Line {
+    pub(super) curves: Vec<Curve>,
+    /// True if it is a ring.
+    pub(super) is_closed: bool,
+    /// The number of its first line in the file.
+    pub(super) line: usize,
+}
+
+impl Line {
+    /// Where it begins and ends.
+    pub(super) fn ends(&self) -> impl Iterator<Item = DVec2> {
+        let start = self.curves.first().map(Curve::start);
+        let end = self.curves.last().map(Curve::end);
+        start.into_iter().chain(end)
+    }
+}
+
+/// Where entities are drawn.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    to_mm: DAffine2,
+    /// The layer of what is on layer 0.
+    layer: &'a str,
+    depth: usize,
+}
+
+pub(super) struct Walk<'a, 'f> {
+    file: &'f File<'a>,
+    /// The folded names of the layers to draw, if not all.
+    layers: Option<BTreeSet<String>>,
+    pub(super) lines: Vec<Line>,
+    /// How many curves they have.
+    curves: usize,
+    entities: usize,
+    /// What is not drawn, and how often.
+    pub(super) left_out: BTreeMap<String, usize>,
+}
+
+impl<'a, 'f> Walk<'a, 'f> {
+    pub(super) fn new(
+        file: &'f File<'a>,
+        layers: Option<BTreeSet<String>>,
+    ) -> Walk<'a, 'f> {
+        Walk {
+            file,
+            layers,
+            lines: Vec::new(),
+            curves: 0,
+            entities: 0,
+            left_out: BTreeMap::new(),
+        }
+    }
+
+    /// Draws the whole file, of whose units one has so many mm.
+    pub(super) fn all(&mut self, unit: f64) -> Problem<()> {
+        let place = Place {
+            to_mm: DAffine2::from_scale(DVec2::splat(unit)),
+            layer: "0",
+            depth: 0,
+        };
+        self.records(&self.file.entities, place)
+    }
+
+    fn leave_out(&mut self, what: String) {
+        let is_named = self.left_out.contains_key(&what);
+        let what = if is_named || self.left_out.len() < MOST_NAMED {
+            what
+        } else {
+            "other things".into()
+        };
+        *self.left_out.entry(what).or_default() += 1;
+    }
+
+    /// Counts an entity, or a block that may have none.
+    fn count(&mut self) -> Problem<()> {
+        go_on()?;
+        self.entities += 1;
+        if self.entities > MOST_ENTITIES {
+            return Err(format!(
+                "more than {MOST_ENTITIES} entities are drawn, those of blocks \
+                 as often as they are inserted; simplify the drawing"
+            ));
+        }
+        Ok(())
+    }
+
+    fn records(
+        &mut self,
+        records: &'f [Record<'a>],
+        place: Place<'a>,
+    ) -> Problem<()> {
+        let mut rest = records;
+        while let Some((record, after)) = rest.split_first() {
+            self.count()?;
+            let is_point = |record: &&Record| record.kind == "VERTEX";
+            let count = after.iter().take_while(is_point).count();
+            let (points, after) = after.split_at(count);
+            rest = after;
+            if self.is_seen(record, place)? {
+                self.record(record, points, place)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an entity is to be drawn.
+    fn is_seen(
+        &mut self,
+        record: &Record<'a>,
+        place: Place<'a>,
+    ) -> Problem<bool> {
+        // Sheets for paper show the drawing again.
+        if record.integer(67)? == Some(1) {
+            self.leave_out("what is on paper only".into());
+            return Ok(false);
+        }
+        if record.integer(60)? == Some(1) {
+            self.leave_out("what is hidden".into());
+            return Ok(false);
+        }
+        let is_insert = record.kind == "INSERT";
+        let name = folded(layer(record, place));
+        if let Some(layers) = &self.layers {
+            // What is in a block has layers of its own.
+            return Ok(is_insert || layers.contains(&name));
+        }
+        let known = self.file.layers.get(&name).copied().unwrap_or_default();
+        let hidden = known.is_frozen || known.is_off && !is_insert;
+        if hidden {
+            self.leave_out("what is on layers that are off".into());
+        }
+        Ok(!hidden)
+    }
+
+    fn record(
+        &mut self,
+        record: &Record<'a>,
+        points: &[Record<'a>],
+        place: Place<'a>,
+    ) -> Problem<()> {
+        match record.kind {
+            "INSERT" => self.insert(record, place),
+            // The end of a polyline, and texts that a block asks for.
+            "SEQEND" | "ATTDEF" | "VIEWPORT" => Ok(()),
+            _ => match shape(record, points)? {
+                Some(shape) => self.draw(record, &shape, place),
+                None => {
+                    self.leave_out(shown(record.kind));
+                    Ok(())
+                }
+            },
+        }
+    }
+
+    fn draw(
+        &mut self,
+        record: &Record<'a>,
+        shape: &Shape,
+        place: Place<'a>,
+    ) -> Problem<()> {
+        let curves = shape.line.mapped(place.to_mm).curves().to_vec();
+        let far = |c: &Curve| {
+            let bounds = c.bounds();
+            !c.is_finite()
+                || bounds.max.max(-bounds.min).max_element() > FARTHEST
+        };
+        if curves.iter().any(far) {
+            return Err(format!(
+                "line {}: {} has a coordinate beyond 1 km; is the unit right? \
+                 Say how many mm it has with unit",
+                record.line, record.kind
+            ));
+        }
+        self.curves += curves.len();
+        if self.curves > MOST_CURVES {
+            return Err(format!(
+                "it has more than {MOST_CURVES} lines and curves; simplify it"
+            ));
+        }
+        if !curves.is_empty() {
+            self.lines.push(Line {
+                curves,
+                is_closed: shape.is_closed,
+                line: record.line,
+            });
+        }
+        Ok(())
+    }
+
+    fn insert(&mut self, record: &Record<'a>, place: Place<'a>) -> Problem<()> {
+        let name = record.text(2);
+        let Some(block) = self.file.blocks.get(&folded(name)) else {
+            self.leave_out(format!(
+                "block {}, which there is not",
+                shown(name)
+            ));
+            return Ok(());
+        };
+        if place.depth == DEEPEST {
+            return Err(format!(
+                "line {}: blocks are in one another more than {DEEPEST} deep; \
+                 does block {} hold itself?",
+                record.line,
+                shown(name)
+            ));
+        }
+        let number = |code: i32, usual: f64| {
+            record.number(code).map(|v| v.unwrap_or(usual))
+        };
+        let scale = DVec2::new(number(41, 1.0)?, number(42, 1.0)?);
+        let angle = number(50, 0.0)?.rem_euclid(360.0).to_radians();
+        let x = DVec2::new(libm::cos(angle), libm::sin(angle));
+        let own = DAffine2 {
+            matrix2: DMat2::from_cols(x, x.perp()),
+            translation: record.point(10)?,
+        };
+        let to_mm = place.to_mm * space(record)? * own;
+        let step = DVec2::new(number(44, 0.0)?, number(45, 0.0)?);
+        for [column, row] in places(record)? {
+            self.count()?;
+            let by = DVec2::new(column as f64, row as f64) * step;
+            let Block { base, records } = block;
+            let inner = DAffine2::from_translation(by)
+                * DAffine2::from_scale(scale)
+                * DAffine2::from_translation(-*base);
+            let inner = Place {
+                to_mm: to_mm * inner,
+                layer: layer(record, place),
+                depth: place.depth + 1,
+            };
+            self.records(records, inner)?;
+        }
+        Ok(())
+    }
+}
+
+/// The layer of an entity.
+fn layer<'a>(record: &Record<'a>, place: Place<'a>) -> &'a str {
+    match record.text(8) {
+        "" | "0" => place.layer,
+        own => own,
+    }
+}
+
+/// The columns and rows at which a block is inserted.
+fn places(record: &Record<'_>) -> Problem<impl Iterator<Item = [i64; 2]>> {
+    let times = |code: i32| {
+        let times = record.integer(code)?.unwrap_or(1).max(1);
+        if times > MOST_TIMES {
+            return Err(format!(
+                "line {}: a block is inserted {times} times in a row; \
+                 {MOST_TIMES} are the most",
+                record.line
+            ));
+        }
+        Ok(times)
+    };
+    let (columns, rows) = (times(70)?, times(71)?);
+    Ok((0..rows).flat_map(move |row| (0..columns).map(move |c| [c, row])))
+}
