@@ -8,7 +8,7 @@ use super::heat::HeatLimit;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Celsius, Mm, Mm2, MmPerSec};
 use isoslice_gcode_read::reader::Heater;
-use isoslice_settings::{PlateSequence, Settings};
+use isoslice_settings::{PlateSequence, Settings, keys};
 
 /// Precision of the positions in a file, mm.
 pub(super) const ROUNDING: Mm = 2e-3;
@@ -177,11 +177,18 @@ fn both([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
 /// where they lie. An expression may ask for all that the setting takes.
 fn spread([least, most]: [f64; 2], settings: &Settings) -> [f64; 2] {
     let share = settings.bead_width.constant();
-    let [narrow, wide] = share.map_or([50.0, 180.0], |share| [share; 2]);
+    let [narrow, wide] = share.map_or_else(any_bead_width, |share| [share; 2]);
     [
         least * (narrow / 100.0).min(1.0),
         most * (wide / 100.0).max(1.0),
     ]
+}
+
+/// The least and the greatest share of a width that `bead_width` takes, per cent.
+fn any_bead_width() -> [f64; 2] {
+    let key = keys().iter().find(|key| key.name == "bead_width");
+    let range = key.and_then(|key| key.range);
+    range.map_or([0.0, f64::INFINITY], |range| [range.min, range.max])
 }
 
 /// The least and the greatest flow of beads with these settings, as shares. An

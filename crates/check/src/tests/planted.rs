@@ -318,6 +318,15 @@ fn the_first_layer_lies_on_the_bed() {
         count(&verdict(&text), FindingKind::OffBed)
     };
     assert_eq!((bare(0.35), bare(1.8), bare(0.0)), (0, 2, 2));
+    // What rises begins a wall that climbs; what follows it in the air does not.
+    let rising = |to: &str| {
+        let text = format!(
+            "G28\nM109 S200\nM83\n;LAYER_CHANGE\n;Z:0.2\nG1 Z0.2 F600\n\
+             G1 X50 Y50 F6000\nG1 X80 Z{to} E1.2 F1800\nG1 Y80 E1.2\n{END}"
+        );
+        count(&verdict(&text), FindingKind::OffBed)
+    };
+    assert_eq!((rising("0.3"), rising("0.6")), (0, 1));
 }
 
 #[test]
