@@ -5,7 +5,7 @@
 //! be nearest to any place of a cell is collected once, when the second place in it
 //! is asked for.
 
-use super::tree::{Near, Tree};
+use super::tree::{Near, SLACK, Tree};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -20,8 +20,6 @@ const CORNER: f64 = 0.8661;
 const MOST: usize = 600;
 /// Samples in all cells, 16 bytes each, after which the cells are forgotten.
 const KEPT: usize = 1 << 17;
-/// Distances are rounded, so that what is hardly too far away is looked at too.
-const SLACK: f64 = 1e-9;
 
 /// A sample: its distance from the middle of the cell, its number.
 type Sample = (f64, usize);
@@ -114,16 +112,9 @@ impl<'a> Cells<'a> {
     }
 
     /// Collects what may be nearest to a place that is up to `corner` from the middle
-    /// of a cell: it is no farther from the place than the nearest ones of the middle
-    /// are.
+    /// of a cell.
     fn collect(&mut self, key: [i64; 3], middle: DVec3, corner: f64) {
-        let nearest = self.alone(middle);
-        let last = nearest.points.last().map_or(0.0, |p| p.0.sqrt());
-        let far = if nearest.points.len() < self.most {
-            f64::INFINITY
-        } else {
-            (last + 2.0 * corner) * (1.0 + SLACK) + SLACK
-        };
+        let far = self.tree.reach(self.points, middle, corner, self.most);
         let mut found = Vec::new();
         self.tree.within(self.points, middle, far, &mut found);
         let cell = if found.len() > MOST {

@@ -463,12 +463,7 @@ impl Data for Samples {
             WEIGHED + 1
         };
         let far = if centre.is_finite() && half.is_finite() {
-            let mut near = Near::new(most);
-            self.tree.near(&self.points, centre, &mut near);
-            let last = near.points.last().map_or(0.0, |p| p.0.sqrt());
-            // The samples that count at a place of the box are no farther from
-            // it than those of the centre, and it is `half` away from it.
-            (last + 2.0 * half) * (1.0 + 1e-9) + 1e-9
+            self.tree.reach(&self.points, centre, half, most)
         } else {
             f64::INFINITY
         };

@@ -3,6 +3,9 @@
 use glam::DVec3;
 use isocontour::Bounds;
 
+/// Distances are rounded, so that what is hardly too far away is looked at too.
+pub(super) const SLACK: f64 = 1e-9;
+
 /// Points in a leaf.
 const LEAF: usize = 8;
 
@@ -160,6 +163,22 @@ impl Tree {
             }
             todo.extend(children);
         }
+    }
+
+    /// How far from the middle of a ball those points are at most that are among the
+    /// `most` nearest of any place in the ball: no farther from the place than those of
+    /// the middle.
+    pub(super) fn reach(
+        &self,
+        points: &[DVec3],
+        middle: DVec3,
+        radius: f64,
+        most: usize,
+    ) -> f64 {
+        let mut near = Near::new(most);
+        self.near(points, middle, &mut near);
+        let last = near.points.last().map_or(0.0, |p| p.0.sqrt());
+        (last + 2.0 * radius) * (1.0 + SLACK) + SLACK
     }
 
     /// Adds all points within a distance of a place, each with its distance.
