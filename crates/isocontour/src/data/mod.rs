@@ -84,6 +84,12 @@ pub trait Data: Any + Send + Sync {
     /// The memory that it takes, in bytes.
     fn bytes(&self) -> usize;
 
+    /// What of [its memory](Data::bytes) other data may share: the address by
+    /// which it is known, and its size in bytes.
+    fn shared(&self) -> Option<(usize, usize)> {
+        None
+    }
+
     /// The box around the places p where it is below zero at `place` of p, if
     /// it is known exactly.
     fn extent(&self, place: &DAffine3) -> Option<Bounds> {

@@ -14,7 +14,7 @@ use super::version::FileVersion;
 use fidget::context::Tree;
 use isocontour::Data;
 use isoslice_base::units::human_bytes;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, Weak};
 
@@ -47,6 +47,8 @@ struct Kept {
     notes: Vec<String>,
     /// What the data takes, bytes.
     bytes: u64,
+    /// The addresses of what several of them share, which counts once.
+    shared: BTreeSet<usize>,
     /// How often something was asked for that was not kept.
     times: u64,
     /// What was made of each thing that was asked for.
@@ -193,7 +195,11 @@ impl Kept {
             if self.data.iter().any(|kept| Arc::ptr_eq(kept, &data)) {
                 return Ok(());
             }
-            self.bytes = self.bytes.saturating_add(data.bytes() as u64);
+            let shared = data.shared();
+            let again = shared.filter(|(at, _)| !self.shared.insert(*at));
+            let counted = again.map_or(0, |(_, bytes)| bytes);
+            let own = data.bytes().saturating_sub(counted);
+            self.bytes = self.bytes.saturating_add(own as u64);
             if self.bytes > most {
                 return Err(format!(
                     "with {} the model's data takes more than {}; read fewer \
@@ -285,4 +291,41 @@ fn make(
         });
     }
     Ok(made)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::options::Given;
+    use super::*;
+
+    #[test]
+    fn the_pixels_of_a_picture_count_once_for_all_its_sizes() {
+        let folder = tempfile::tempdir().unwrap();
+        let header =
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (64, 64)}\n";
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend([0; 8 * 64 * 64]);
+        for name in ["a.npy", "b.npy", "c.npy"] {
+            std::fs::write(folder.path().join(name), &bytes).unwrap();
+        }
+        // Enough for two of them.
+        let most = Most {
+            bytes: 45_000,
+            times: 100,
+        };
+        let files = Files::of(Folder::new(Some(folder.path())), most);
+        let image = kind("image").unwrap();
+        let sized = |name: &str, width: f64| {
+            let width = ("width".to_owned(), Given::Number(width));
+            files.call(image, name, &Options::from([width]))
+        };
+        for width in 1..20 {
+            sized("a.npy", f64::from(width)).unwrap();
+        }
+        sized("b.npy", 1.0).unwrap();
+        let error = sized("c.npy", 1.0).unwrap_err();
+        assert!(error.contains("data takes more than"), "{error}");
+    }
 }

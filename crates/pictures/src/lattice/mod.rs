@@ -90,6 +90,10 @@ impl Grid {
         }
     }
 
+    fn bytes(&self) -> usize {
+        self.numbers.bytes() + self.values.bytes()
+    }
+
     /// The number that stands for white.
     pub(crate) fn white(&self) -> f64 {
         self.numbers.white()
@@ -158,11 +162,15 @@ impl Lattice {
         self.grid.numbers.contents(tell);
     }
 
-    /// Its memory, bytes, with that of the numbers, which others may share.
+    /// Its memory, bytes, with that of the grid, which others may share.
     pub(crate) fn bytes(&self) -> usize {
         let steps = self.steps.iter().filter_map(|steps| steps.get());
-        let steps: usize = steps.map(Pyramid::bytes).sum();
-        self.grid.numbers.bytes() + self.grid.values.bytes() + steps
+        self.grid.bytes() + steps.map(Pyramid::bytes).sum::<usize>()
+    }
+
+    /// The grid's address and its memory, bytes.
+    pub(crate) fn shared(&self) -> (usize, usize) {
+        (Arc::as_ptr(&self.grid).addr(), self.grid.bytes())
     }
 
     /// The samples around a place with their weights, along each axis.

@@ -317,4 +317,8 @@ impl Data for Picture {
     fn bytes(&self) -> usize {
         self.place.lattice.bytes()
     }
+
+    fn shared(&self) -> Option<(usize, usize)> {
+        Some(self.place.lattice.shared())
+    }
 }
