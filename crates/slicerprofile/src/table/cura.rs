@@ -211,6 +211,9 @@ pub(super) static ROWS: &[Row] = rows! {
                 ("no_outer_surfaces", "not-over-top-skin"),
                 ("infill", "within-infill"),
             ]));
+        "retraction_combing_max_distance"
+            => made(hidden_travels, &["retract.max_unretracted"],
+                "0 is any length");
         "magic_fuzzy_skin_enabled", "magic_fuzzy_skin_thickness"
             => made(
                 |given| when(given, "magic_fuzzy_skin_enabled",
@@ -318,7 +321,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "infill_wipe_dist", "wall_0_wipe_dist", "skin_overlap",
             "z_seam_corner", "z_seam_x", "z_seam_y", "z_seam_relative",
             "retraction_hop_only_when_collides", "retraction_count_max",
-            "retraction_extrusion_window", "retraction_combing_max_distance",
+            "retraction_extrusion_window",
             "travel_avoid_other_parts", "travel_avoid_supports",
             "travel_avoid_distance", "limit_support_retractions",
             "skirt_brim_minimal_length", "skin_no_small_gaps_heuristic",
@@ -662,6 +665,22 @@ fn elephant_foot(given: &Given<'_>) -> Outcome {
         Some(x) if x <= 0.0 => Outcome::set("elephant_foot", -x),
         _ => Outcome::Lost("the first layer can only be drawn in".to_owned()),
     }
+}
+
+fn hidden_travels(given: &Given<'_>) -> Outcome {
+    /// The least length of a travel that retracts, mm, if none is given.
+    const USUAL_LEAST: f64 = 1.5;
+    let Some(most) = given.number("retraction_combing_max_distance") else {
+        return Outcome::Lost("it is not a number".to_owned());
+    };
+    let least = given.number("retraction_min_travel").unwrap_or(USUAL_LEAST);
+    let most = if most > 0.0 {
+        // isoslice refuses a bound below the least length, which would never count.
+        most.max(least).min(make::ANY_LENGTH)
+    } else {
+        make::ANY_LENGTH
+    };
+    Outcome::set("retract.max_unretracted", most)
 }
 
 fn jerk(given: &Given<'_>) -> Outcome {

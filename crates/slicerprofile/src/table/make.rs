@@ -1041,6 +1041,25 @@ pub(super) fn support_density(given: &Given<'_>) -> Outcome {
     Outcome::of(out)
 }
 
+/// The greatest length of a travel in isoslice, mm: no bound.
+pub(super) const ANY_LENGTH: f64 = 10_000.0;
+
+pub(super) fn hidden_travels(given: &Given<'_>) -> Outcome {
+    let keys = [
+        "only_retract_when_crossing_perimeters",
+        "reduce_infill_retraction",
+    ];
+    let hidden = given.first_of(&keys).and_then(|key| given.switch(key));
+    let Some(hidden) = hidden else {
+        return lost("it is neither 0 nor 1");
+    };
+    let most = hidden.then(|| Value::from(ANY_LENGTH));
+    Outcome::known([
+        ("retract.when_crossing", Some(hidden.into())),
+        ("retract.max_unretracted", most),
+    ])
+}
+
 pub(super) fn fuzzy(given: &Given<'_>) -> Outcome {
     let word = given.values.first("fuzzy_skin").unwrap_or("none");
     if matches!(word, "none" | "disabled_fuzzy" | "0") {

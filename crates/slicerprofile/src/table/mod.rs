@@ -329,6 +329,28 @@ mod tests {
                 format!("{}; cooling.short_layer_fan_speed=0", fans(0)),
             ),
             (Cura, "cool_fan_speed=40", fans(40)),
+            // Travels that need not retract may be of any length there.
+            (
+                Prusa,
+                "only_retract_when_crossing_perimeters=1",
+                "retract.max_unretracted=10000; retract.when_crossing=true"
+                    .into(),
+            ),
+            (
+                Orca,
+                "reduce_infill_retraction=0",
+                "retract.when_crossing=false".into(),
+            ),
+            (
+                Cura,
+                "retraction_combing_max_distance=0",
+                "retract.max_unretracted=10000".into(),
+            ),
+            (
+                Cura,
+                "retraction_combing_max_distance=1; retraction_min_travel=2",
+                "retract.max_unretracted=2; retract.min_travel=2".into(),
+            ),
             // Rafts, ears, shields, slopes, steps.
             (
                 Prusa,

@@ -256,7 +256,9 @@ pub(super) static ROWS: &[Row] = rows! {
         "avoid_crossing_perimeters_max_detour", "max_travel_detour_distance"
             => To("travel.max_detour", As::Amount);
         "only_retract_when_crossing_perimeters", "reduce_infill_retraction"
-            => To("retract.when_crossing", As::Switch);
+            => made(make::hidden_travels,
+                &["retract.when_crossing", "retract.max_unretracted"],
+                "hidden travels of any length do without");
         "fuzzy_skin", "fuzzy_skin_thickness", "fuzzy_skin_point_dist",
             "fuzzy_skin_point_distance"
             => made(make::fuzzy,
