@@ -42,7 +42,7 @@ const ORDER: &[(&str, Steps)] = &[
         "crates/base/src",
         &[
             &["units"],
-            &["sets", "random", "parallel"],
+            &["sets", "random"],
             // Every reader of text files needs `encoding`.
             &["encoding"],
             // Several name the values of their enums.
@@ -51,6 +51,8 @@ const ORDER: &[(&str, Steps)] = &[
             &["stopwatch"],
             // Any loop may ask whether it is to go on.
             &["limits"],
+            // Threads of a loop are under the watch of the one that begins it.
+            &["parallel"],
             // Reading a pipe may take long, so `files` and `archive` ask `limits`
             // as well.
             &["files", "archive"],

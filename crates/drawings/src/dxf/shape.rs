@@ -1,7 +1,7 @@
 //! Entities as lines and curves.
 
 use super::pairs::Record;
-use super::spline;
+use super::spline::spline;
 use crate::error::Problem;
 use crate::outline::{Fill, Outline};
 use glam::{DAffine2, DMat2, DVec2};
@@ -65,7 +65,11 @@ pub(super) fn shape(
             let line = polyline(&vertices(points)?, record.has_flag(1)?);
             in_space(record, line.line, line.is_closed)?
         }
-        "SPLINE" => spline::spline(record)?,
+        "SPLINE" => Shape {
+            line: spline(record)?,
+            // The flags of closed splines and of those that repeat.
+            is_closed: record.has_flag(1 | 2)?,
+        },
         _ => return Ok(None),
     }))
 }

@@ -5,7 +5,6 @@
 //! piece itself. Others are halved until the cubic is close to them.
 
 use super::pairs::Record;
-use super::shape::Shape;
 use crate::error::Problem;
 use crate::outline::{Fill, Outline};
 use glam::{DVec2, DVec3};
@@ -30,13 +29,9 @@ struct Spline {
     accuracy: f64,
 }
 
-pub(super) fn spline(record: &Record<'_>) -> Problem<Shape> {
-    /// The flags of closed splines and of those that repeat.
-    const CLOSED: i64 = 1 | 2;
-    let spline = Spline::read(record)?;
-    let line = spline.drawn()?;
-    let is_closed = record.has_flag(CLOSED)?;
-    Ok(Shape { line, is_closed })
+/// The line of a spline.
+pub(super) fn spline(record: &Record<'_>) -> Problem<Outline> {
+    Spline::read(record)?.drawn()
 }
 
 impl Spline {
