@@ -152,8 +152,8 @@ fn sampled(
 pub fn remedy(error: &FieldError) -> &'static str {
     match error {
         FieldError::TooLarge { .. } => {
-            "; raise sample_spacing, up to half of outer_wall_width, or make \
-             the part smaller (--scale)"
+            "; make the part smaller (--scale), or raise sample_spacing if it \
+             is less than half of outer_wall_width"
         }
         FieldError::TooFine { .. } => {
             " (lengths are mm in the model's coordinates, as it is turned and \

@@ -155,9 +155,9 @@ pub(super) fn sampling(
     warnings: &mut Vec<String>,
 ) -> Result<(), Conflict> {
     let (spacing, width) = (s.lattice_spacing(), s.outer_wall_width());
-    let by_width = spacing < s.sample_spacing;
     if s.accuracy >= spacing {
-        let (key, what) = if by_width {
+        // A setting that is as large as it may be has no effect if it is raised.
+        let (key, what) = if s.sample_spacing >= 0.5 * width {
             let what =
                 format!("{spacing} mm, half of outer_wall_width = {width} mm");
             ("outer_wall_width", what)
@@ -175,7 +175,8 @@ pub(super) fn sampling(
         ));
     }
     // With a fine nozzle, nobody has to lower what is there by default.
-    if by_width && s.sample_spacing != Settings::default().sample_spacing {
+    let is_less = spacing < s.sample_spacing;
+    if is_less && s.sample_spacing != Settings::default().sample_spacing {
         warnings.push(format!(
             "sample_spacing = {} mm is more than half of outer_wall_width = \
              {width} mm: {spacing} mm is used, since a coarser lattice would \
@@ -184,4 +185,26 @@ pub(super) fn sampling(
         ));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_to_be_raised_that_is_at_its_bound() {
+        let remedy = |sample_spacing: Mm| {
+            let s = Settings {
+                sample_spacing,
+                outer_wall_width: ByNozzle::Length(0.4),
+                accuracy: 0.2,
+                ..Settings::default()
+            };
+            let said = sampling(&s, &mut Vec::new()).unwrap_err().message;
+            said.split("or raise ").last().map(str::to_owned).unwrap()
+        };
+        assert_eq!(remedy(0.15), "sample_spacing");
+        assert_eq!(remedy(0.2), "outer_wall_width");
+        assert_eq!(remedy(0.3), "outer_wall_width");
+    }
 }
