@@ -315,6 +315,7 @@ fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
                 .to_owned()
         }
         Some("gcode" | "gco" | "g" | "bgcode") => "is G-code".to_owned(),
+        Some("svg" | "dxf") => "is a drawing".to_owned(),
         Some(extension) => format!("has the extension .{extension}"),
         None => "has no extension".to_owned(),
     };
@@ -326,6 +327,14 @@ fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
         }
         _ if script.is_file() => format!("did you mean {}?", script.display()),
         _ if extension.is_none() => "write its whole name".to_owned(),
+        "is a drawing" => {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let kind = extension.unwrap_or_default();
+            format!(
+                "raise it in its folder, as in -e 'max({kind}({name:?}), \
+                 abs(z - 1) - 1)'"
+            )
+        }
         _ => "write the part as one, see isoslice new".to_owned(),
     };
     LoadError::NoModel {

@@ -109,6 +109,20 @@ fn an_error_names_the_files_that_were_asked_for() {
 }
 
 #[test]
+fn a_drawing_is_no_model_but_becomes_one() {
+    for name in ["plate.DXF", "logo.svg"] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        fs::write(&path, "").unwrap();
+        let error = load(&Source::File(path), &[]).err().unwrap().to_string();
+        let kind = &name[name.len() - 3..].to_lowercase();
+        let call = format!("-e 'max({kind}(\"{name}\"), abs(z - 1) - 1)'");
+        assert!(error.contains("is a drawing"), "{error}");
+        assert!(error.contains(&call), "{error}");
+    }
+}
+
+#[test]
 fn messages_of_texts_name_the_function_once() {
     for (call, wanted) in [
         ("text(\"a\", #{sise: 3})", "text has no option"),
