@@ -172,9 +172,8 @@ impl Flow {
         }
         self.layer.bead(step, area);
         let (from, to) = (step.from.truncate(), step.to.truncate());
-        // Places in the middle of steps of two cells' size, or less: a window is
-        // covered if no cell of it is farther than one cell from all places.
-        let count = (from.distance(to) / (2.0 * CELL)).ceil().max(1.0);
+        // Places in the middle of steps of a cell's size, or less.
+        let count = (from.distance(to) / CELL).ceil().max(1.0);
         let way = (step.to - step.from) / count;
         let length = step.length() / count;
         let mut run = Run::default();
