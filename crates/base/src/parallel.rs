@@ -4,10 +4,11 @@
 //! Each of its own iterators would be some 3,500 lines more for the compiler, in each of
 //! the three dozen places that use these functions.
 
-use crate::limits::Watch;
+use crate::limits::{self, Watch};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::iter;
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -62,6 +63,8 @@ pub fn map_apart<T: Send>(
         for i in numbers.take_while(|i| *i < count) {
             *open(&made[i]) = Some(f(i));
         }
+        // A thread's processor time counts from where it asks.
+        let _ = limits::is_stopped();
     };
     let watch = Watch::current();
     let helper = || {
@@ -70,13 +73,15 @@ pub fn map_apart<T: Send>(
     };
     let helpers = rayon::current_num_threads().min(count).saturating_sub(1);
     thread::scope(|scope| {
-        for _ in 0..helpers {
-            // Where there are no more threads, those that there are do the work.
-            if thread::Builder::new().spawn_scoped(scope, helper).is_err() {
-                break;
+        // Where there are no more threads, those that there are do the work.
+        let spawn = |_| thread::Builder::new().spawn_scoped(scope, helper).ok();
+        let running: Vec<_> = (0..helpers).map_while(spawn).collect();
+        work();
+        for thread in running {
+            if let Err(panic) = thread.join() {
+                resume_unwind(panic);
             }
         }
-        work();
     });
     contents(made)
 }

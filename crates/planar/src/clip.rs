@@ -201,17 +201,17 @@ fn run(rule: OverlayRule, a: &Area, b: &Area) -> Area {
     if isoslice_base::limits::is_stopped() {
         return Area::EMPTY;
     }
-    let mut overlay = Overlay::new(edge_count(a) + edge_count(b));
+    let bounds = a.bounds();
+    // Nothing of the second area counts that is away from the first one.
+    let counts = |ring: &&Ring| {
+        rule == OverlayRule::Union || Rect::around(*ring).meets(bounds)
+    };
+    let beside: Vec<&Ring> = b.rings.iter().filter(counts).collect();
+    let edges = beside.iter().map(|ring| ring.len()).sum::<usize>();
+    let mut overlay = Overlay::new(edge_count(a) + edges);
     add(&mut overlay, a, ShapeType::Subject);
-    if rule == OverlayRule::Union {
-        add(&mut overlay, b, ShapeType::Clip);
-    } else {
-        // Nothing else of the second area counts.
-        let bounds = a.bounds();
-        let near = |ring: &&Ring| Rect::around(*ring).meets(bounds);
-        for ring in b.rings.iter().filter(near) {
-            overlay.add_contour(&to_contour(ring), ShapeType::Clip);
-        }
+    for ring in beside {
+        overlay.add_contour(&to_contour(ring), ShapeType::Clip);
     }
     from_shapes(overlay.overlay(rule, FillRule::NonZero))
 }

@@ -29,7 +29,7 @@ pub(super) struct Block<'a> {
 pub(super) struct File<'a> {
     /// The number of its unit, 0 if it names none.
     pub(super) unit: i64,
-    /// Layers and blocks by their [folded](folded) names.
+    /// Layers and blocks by their [folded] names.
     pub(super) layers: BTreeMap<String, Layer>,
     pub(super) blocks: BTreeMap<String, Block<'a>>,
     pub(super) entities: Vec<Record<'a>>,

@@ -104,6 +104,9 @@ impl DepthMap {
     fn inside(&self, field: &Expression) -> Vec<bool> {
         let plane = self.size[0] * self.size[1];
         let planes = parallel::map_apart(self.size[2], |k| {
+            if isoslice_base::limits::is_stopped() {
+                return vec![false; plane];
+            }
             let first = k * plane;
             let places: Vec<Place> = (first..first + plane)
                 .map(|i| place(self.point(self.node(i))))

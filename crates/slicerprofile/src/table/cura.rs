@@ -2,7 +2,7 @@
 
 use super::PresetKind::{Filament, Print, Printer};
 use super::{As, CURA, FLOW, Outcome, Row, Rule, made, make, patterns};
-use crate::given::Given;
+use crate::given::{Given, Value};
 use crate::values::parse;
 use Rule::{Ignored, Lost, To};
 
@@ -203,17 +203,11 @@ pub(super) static ROWS: &[Row] = rows! {
         "support_infill_rate" => To("support.density", As::Percent);
         "support_interface_density"
             => To("support.interface_density", As::Percent);
-        "retraction_combing"
-            => To("travel.combing", As::Words(&[
-                ("off", "off"),
-                ("all", "everywhere"),
-                ("noskin", "not-over-top-skin"),
-                ("no_outer_surfaces", "not-over-top-skin"),
-                ("infill", "within-infill"),
-            ]));
-        "retraction_combing_max_distance"
-            => made(hidden_travels, &["retract.max_unretracted"],
-                "0 is any length");
+        "retraction_combing", "retraction_combing_max_distance"
+            => made(combing,
+                &["travel.combing", "retract.when_crossing",
+                    "retract.max_unretracted"],
+                "off: all travels retract; a distance of 0 is any");
         "magic_fuzzy_skin_enabled", "magic_fuzzy_skin_thickness"
             => made(
                 |given| when(given, "magic_fuzzy_skin_enabled",
@@ -667,20 +661,35 @@ fn elephant_foot(given: &Given<'_>) -> Outcome {
     }
 }
 
-fn hidden_travels(given: &Given<'_>) -> Outcome {
+fn combing(given: &Given<'_>) -> Outcome {
     /// The least length of a travel that retracts, mm, if none is given.
     const USUAL_LEAST: f64 = 1.5;
-    let Some(most) = given.number("retraction_combing_max_distance") else {
-        return Outcome::Lost("it is not a number".to_owned());
+    let way = match given.values.first("retraction_combing") {
+        Some("off") => {
+            return Outcome::known([
+                ("travel.combing", Some(Value::from("off"))),
+                ("retract.when_crossing", Some(false.into())),
+            ]);
+        }
+        Some("all") => Some("everywhere"),
+        Some("noskin" | "no_outer_surfaces") => Some("not-over-top-skin"),
+        Some("infill") => Some("within-infill"),
+        Some(word) => return Outcome::Lost(format!("{word} is not known")),
+        None => None,
     };
     let least = given.number("retraction_min_travel").unwrap_or(USUAL_LEAST);
-    let most = if most > 0.0 {
-        // isoslice refuses a bound below the least length, which would never count.
-        most.max(least).min(make::ANY_LENGTH)
-    } else {
-        make::ANY_LENGTH
-    };
-    Outcome::set("retract.max_unretracted", most)
+    let most = given.number("retraction_combing_max_distance").map(|most| {
+        if most > 0.0 {
+            // isoslice refuses a bound below the least length: it would never count.
+            most.max(least).min(make::ANY_LENGTH)
+        } else {
+            make::ANY_LENGTH
+        }
+    });
+    Outcome::known([
+        ("travel.combing", way.map(Value::from)),
+        ("retract.max_unretracted", most.map(Value::from)),
+    ])
 }
 
 fn jerk(given: &Given<'_>) -> Outcome {

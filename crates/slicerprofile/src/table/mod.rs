@@ -348,6 +348,17 @@ mod tests {
             ),
             (
                 Cura,
+                "retraction_combing=off; retraction_combing_max_distance=0",
+                "retract.when_crossing=false; travel.combing=off".into(),
+            ),
+            (
+                Cura,
+                "retraction_combing=noskin; retraction_combing_max_distance=30",
+                "retract.max_unretracted=30; travel.combing=not-over-top-skin"
+                    .into(),
+            ),
+            (
+                Cura,
                 "retraction_combing_max_distance=1; retraction_min_travel=2",
                 "retract.max_unretracted=2; retract.min_travel=2".into(),
             ),
