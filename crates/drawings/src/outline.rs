@@ -146,7 +146,10 @@ impl Outline {
             curves: self.curves.iter().map(|c| c.map(map)).collect(),
             start: map(self.start),
             at: map(self.at),
-            ..self.clone()
+            fill: self.fill,
+            cuts: self.cuts,
+            seen_in: self.seen_in.clone(),
+            window: self.window,
         }
     }
 
@@ -171,5 +174,9 @@ impl Outline {
     /// Its lines and curves, in rings.
     pub(crate) fn curves(&self) -> &[Curve] {
         &self.curves
+    }
+
+    pub(crate) fn into_curves(self) -> Vec<Curve> {
+        self.curves
     }
 }

@@ -8,12 +8,13 @@
 //! | `pairs` | group codes, values and records |
 //! | `file` | units, layers, blocks and entities |
 //! | `walk` | which entities are drawn, and where |
-//! | `shape`, `spline` | entities as curves |
+//! | `shape`, `spline`, `pen` | entities as curves |
 //! | `join` | lines as rings |
 
 mod file;
 mod join;
 mod pairs;
+mod pen;
 mod shape;
 mod spline;
 #[cfg(test)]

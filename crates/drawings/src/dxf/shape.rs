@@ -1,6 +1,7 @@
 //! Entities as lines and curves.
 
 use super::pairs::Record;
+use super::pen::Pen;
 use super::spline::spline;
 use crate::error::Problem;
 use crate::outline::{Fill, Outline};
@@ -24,15 +25,18 @@ const WHOLE: f64 = 1e-9;
 const MOST_BULGE: f64 = 0.098_491_404;
 
 /// What an entity draws, with the points of a polyline, which follow it. None if it
-/// is not flat, or of a kind that is no line.
+/// is not flat, or of a kind that is no line. At most `left` curves are drawn by
+/// what may be long.
 pub(super) fn shape(
     record: &Record<'_>,
     points: &[Record<'_>],
+    left: usize,
 ) -> Problem<Option<Shape>> {
+    let pen = Pen::new(left);
     Ok(Some(match record.kind {
         "LINE" => {
             let ends = [record.point(10)?, record.point(11)?];
-            polyline(&ends.map(|p| (p, 0.0)), false)
+            polyline(pen, &ends.map(|p| (p, 0.0)), false)?
         }
         "CIRCLE" => {
             let radius = radius(record)?;
@@ -53,7 +57,8 @@ pub(super) fn shape(
         }
         "ELLIPSE" => ellipse(record)?,
         "LWPOLYLINE" => {
-            let line = polyline(&corners(record)?, record.has_flag(1)?);
+            let line = corners(record, &pen)?;
+            let line = polyline(pen, &line, record.has_flag(1)?)?;
             in_space(record, line.line, line.is_closed)?
         }
         "POLYLINE" => {
@@ -62,11 +67,12 @@ pub(super) fn shape(
             if record.has_flag(SOLID)? {
                 return Ok(None);
             }
-            let line = polyline(&vertices(points)?, record.has_flag(1)?);
+            let line = vertices(points, &pen)?;
+            let line = polyline(pen, &line, record.has_flag(1)?)?;
             in_space(record, line.line, line.is_closed)?
         }
         "SPLINE" => Shape {
-            line: spline(record)?,
+            line: spline(record, pen)?,
             // The flags of closed splines and of those that repeat.
             is_closed: record.has_flag(1 | 2)?,
         },
@@ -140,11 +146,12 @@ fn ellipse(record: &Record<'_>) -> Problem<Shape> {
 }
 
 /// The corners of a polyline, each with the bulge of the line to the next.
-fn corners(record: &Record<'_>) -> Problem<Vec<(DVec2, f64)>> {
+fn corners(record: &Record<'_>, pen: &Pen) -> Problem<Vec<(DVec2, f64)>> {
     let mut corners: Vec<(DVec2, f64)> = Vec::new();
     for pair in record.pairs() {
         match (pair.code, corners.last_mut()) {
             (10, _) => {
+                pen.may_draw(corners.len())?;
                 corners.push((DVec2::new(pair.number()?, 0.0), 0.0));
             }
             (20, Some((corner, _))) => corner.y = pair.number()?,
@@ -156,11 +163,12 @@ fn corners(record: &Record<'_>) -> Problem<Vec<(DVec2, f64)>> {
 }
 
 /// The same of the points that follow a polyline.
-fn vertices(points: &[Record<'_>]) -> Problem<Vec<(DVec2, f64)>> {
+fn vertices(points: &[Record<'_>], pen: &Pen) -> Problem<Vec<(DVec2, f64)>> {
     /// Points that only steer a curve.
     const FRAME: i64 = 16;
-    let mut corners = Vec::with_capacity(points.len());
+    let mut corners = Vec::new();
     for point in points {
+        pen.may_draw(corners.len())?;
         if !point.has_flag(FRAME)? {
             let bulge = point.number(42)?.unwrap_or(0.0);
             corners.push((point.point(10)?, bulge));
@@ -169,16 +177,20 @@ fn vertices(points: &[Record<'_>]) -> Problem<Vec<(DVec2, f64)>> {
     Ok(corners)
 }
 
-fn polyline(corners: &[(DVec2, f64)], is_closed: bool) -> Shape {
-    let mut line = Outline::new(Fill::EvenOdd);
+fn polyline(
+    mut pen: Pen,
+    corners: &[(DVec2, f64)],
+    is_closed: bool,
+) -> Problem<Shape> {
     let first = corners.first();
-    line.move_to(first.map_or(DVec2::ZERO, |(p, _)| *p));
+    pen.move_to(first.map_or(DVec2::ZERO, |(p, _)| *p));
     let back = first.filter(|_| is_closed);
     let next = corners.iter().skip(1).chain(back);
     for ((from, bulge), (to, _)) in corners.iter().zip(next) {
-        bulge_to(&mut line, *from, *to, *bulge);
+        bulge_to(&mut pen, *from, *to, *bulge)?;
     }
-    Shape { line, is_closed }
+    let line = pen.line();
+    Ok(Shape { line, is_closed })
 }
 
 /// Goes along an arc to `to`. Its bulge is the tangent of a quarter of its angle,
@@ -186,20 +198,20 @@ fn polyline(corners: &[(DVec2, f64)], is_closed: bool) -> Shape {
 ///
 /// Neither centre nor angle is asked for, which would be far off where the arc is
 /// nearly straight.
-fn bulge_to(line: &mut Outline, from: DVec2, to: DVec2, bulge: f64) {
+fn bulge_to(pen: &mut Pen, from: DVec2, to: DVec2, bulge: f64) -> Problem<()> {
     let chord = to - from;
     if bulge == 0.0 {
-        line.line_to(to);
+        pen.line_to(to)
     } else if bulge.abs() <= MOST_BULGE {
         let along = chord * (1.0 - bulge * bulge) / 3.0;
         let across = chord.perp() * (2.0 * bulge) / 3.0;
-        line.cubic_to(from + along - across, to - along - across, to);
+        pen.cubic_to(from + along - across, to - along - across, to)
     } else {
         let middle = from.midpoint(to) - chord.perp() * (0.5 * bulge);
         // The tangent of half the angle. A bulge of any size is 1 at most then, so
         // that five halvings are enough.
         let half = bulge / (1.0 + 1.0_f64.hypot(bulge));
-        bulge_to(line, from, middle, half);
-        bulge_to(line, middle, to, half);
+        bulge_to(pen, from, middle, half)?;
+        bulge_to(pen, middle, to, half)
     }
 }

@@ -5,8 +5,9 @@
 //! piece itself. Others are halved until the cubic is close to them.
 
 use super::pairs::Record;
-use crate::error::Problem;
-use crate::outline::{Fill, Outline};
+use super::pen::Pen;
+use crate::error::{Problem, go_on};
+use crate::outline::Outline;
 use glam::{DVec2, DVec3};
 
 /// The greatest degree, of which programs make none greater.
@@ -30,8 +31,9 @@ struct Spline {
 }
 
 /// The line of a spline.
-pub(super) fn spline(record: &Record<'_>) -> Problem<Outline> {
-    Spline::read(record)?.drawn()
+pub(super) fn spline(record: &Record<'_>, mut pen: Pen) -> Problem<Outline> {
+    Spline::read(record)?.draw(&mut pen)?;
+    Ok(pen.line())
 }
 
 impl Spline {
@@ -43,7 +45,10 @@ impl Spline {
             match (pair.code, points.last_mut()) {
                 (40, _) => knots.push(pair.number()?),
                 (41, _) => weights.push(pair.number()?),
-                (10, _) => points.push(DVec2::new(pair.number()?, 0.0)),
+                (10, _) => {
+                    go_on()?;
+                    points.push(DVec2::new(pair.number()?, 0.0));
+                }
                 (20, Some(point)) => point.y = pair.number()?,
                 _ => {}
             }
@@ -89,23 +94,22 @@ impl Spline {
         })
     }
 
-    fn drawn(&self) -> Problem<Outline> {
-        let mut line = Outline::new(Fill::EvenOdd);
+    fn draw(&self, pen: &mut Pen) -> Problem<()> {
         let (first, last) = (self.degree, self.control.len());
-        line.move_to(self.at(first, self.knots[first]).0);
+        pen.move_to(self.at(first, self.knots[first]).0);
         for span in first..last {
             let ends = [self.knots[span], self.knots[span + 1]];
             if ends[0] < ends[1] {
-                self.piece(&mut line, span, ends, DEEPEST)?;
+                self.piece(pen, span, ends, DEEPEST)?;
             }
         }
-        Ok(line)
+        Ok(())
     }
 
     /// Goes along a part of a piece.
     fn piece(
         &self,
-        line: &mut Outline,
+        pen: &mut Pen,
         span: usize,
         [from, to]: [f64; 2],
         deep: u32,
@@ -124,8 +128,7 @@ impl Spline {
         };
         let far = [0.25, 0.5, 0.75].map(off).into_iter().fold(0.0, f64::max);
         if far <= self.accuracy {
-            line.cubic_to(b, c, d);
-            return Ok(());
+            return pen.cubic_to(b, c, d);
         }
         let middle = 0.5 * (from + to);
         if deep == 0 || !far.is_finite() {
@@ -135,8 +138,8 @@ impl Spline {
                 self.line
             ));
         }
-        self.piece(line, span, [from, middle], deep - 1)?;
-        self.piece(line, span, [middle, to], deep - 1)
+        self.piece(pen, span, [from, middle], deep - 1)?;
+        self.piece(pen, span, [middle, to], deep - 1)
     }
 
     /// The place and the derivative at a parameter of a span (de Boor's way).

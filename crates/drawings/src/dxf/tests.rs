@@ -463,6 +463,28 @@ fn hostile() -> Vec<(String, &'static str)> {
         };
         (0..n).map(line).collect::<Vec<String>>().join(";")
     };
+    // What is too much is said before what lies too far away.
+    let round = |n: usize| {
+        let points: String = (0..n)
+            .map(|i| format!(" 10={} 20=0 42=9", 10_000_000 + i))
+            .collect();
+        entities(&format!("LWPOLYLINE 70=1{points}"))
+    };
+    let vertices = |n: usize| {
+        let all = many("VERTEX 10=0", n);
+        entities(&format!("POLYLINE; {all}; VERTEX 10=x"))
+    };
+    let corners =
+        |n: usize| entities(&format!("LWPOLYLINE{} 10=x", " 10=0".repeat(n)));
+    let weighted = |n: usize| {
+        let point = |i: usize| {
+            let weight = if i % 2 == 0 { 1e-3 } else { 1.0 };
+            format!(" 40={i} 10={}e7 20={} 41={weight}", i % 5, i % 3)
+        };
+        let all: String = (0..n).map(point).collect();
+        let last: String = (n..n + 4).map(|i| format!(" 40={i}")).collect();
+        entities(&format!("SPLINE 71=3{all}{last}"))
+    };
     let repeated =
         |n: &str| file(empty, &format!("INSERT 2=b 10=0 20=0 70={n} 71={n}"));
     vec![
@@ -558,6 +580,10 @@ fn hostile() -> Vec<(String, &'static str)> {
         ),
         (entities(&cloud(20_000, 50.0)), "an outline ends"),
         (entities(&cloud(100_000, 1.0)), "too many lines end within"),
+        (round(30_000), "more than 262144 lines"),
+        (corners(300_000), "more than 262144 lines"),
+        (vertices(300_000), "more than 262144 lines"),
+        (weighted(12_000), "more than 262144 lines"),
         (whole(99, "", "", SLOT), "has the number `99`"),
     ]
 }

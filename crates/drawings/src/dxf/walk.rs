@@ -3,6 +3,7 @@
 
 use super::file::{Block, File, folded};
 use super::pairs::{Record, shown};
+use super::pen::too_many;
 use super::shape::{Shape, shape, space};
 use crate::area::MOST_CURVES;
 use crate::curve::Curve;
@@ -166,12 +167,13 @@ impl<'a, 'f> Walk<'a, 'f> {
         points: &[Record<'a>],
         place: Place<'a>,
     ) -> Problem<()> {
+        let left = MOST_CURVES.saturating_sub(self.curves);
         match record.kind {
             "INSERT" => self.insert(record, place),
             // The end of a polyline, and texts that a block asks for.
             "SEQEND" | "ATTDEF" | "VIEWPORT" => Ok(()),
-            _ => match shape(record, points)? {
-                Some(shape) => self.draw(record, &shape, place),
+            _ => match shape(record, points, left)? {
+                Some(shape) => self.draw(record, shape, place),
                 None => {
                     self.leave_out(shown(record.kind));
                     Ok(())
@@ -183,10 +185,10 @@ impl<'a, 'f> Walk<'a, 'f> {
     fn draw(
         &mut self,
         record: &Record<'a>,
-        shape: &Shape,
+        shape: Shape,
         place: Place<'a>,
     ) -> Problem<()> {
-        let curves = shape.line.mapped(place.to_mm).curves().to_vec();
+        let curves = shape.line.mapped(place.to_mm).into_curves();
         let far = |c: &Curve| {
             let bounds = c.bounds();
             !c.is_finite()
@@ -201,9 +203,7 @@ impl<'a, 'f> Walk<'a, 'f> {
         }
         self.curves += curves.len();
         if self.curves > MOST_CURVES {
-            return Err(format!(
-                "it has more than {MOST_CURVES} lines and curves; simplify it"
-            ));
+            return too_many();
         }
         if !curves.is_empty() {
             self.lines.push(Line {
