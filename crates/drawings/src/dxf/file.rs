@@ -5,7 +5,7 @@ use crate::error::{Problem, go_on};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
-/// The most records of a file: some 50 MB of memory.
+/// The most records of a file: some 60 MB of memory.
 const MOST_RECORDS: usize = 1_000_000;
 
 /// A layer of the table of layers.
@@ -69,14 +69,15 @@ impl<'a> File<'a> {
     }
 
     /// The names of all layers, in order, each once.
-    pub(super) fn layer_names(&self) -> Vec<&'a str> {
+    pub(super) fn layer_names(&self) -> Problem<Vec<&'a str>> {
         let blocks = self.blocks.values().flat_map(|b| &b.records);
         let all = self.entities.iter().chain(blocks);
-        let mut names: Vec<&str> = all.map(|r| r.text(8)).collect();
+        let names: Problem<Vec<&str>> = all.map(|r| r.name(8)).collect();
+        let mut names = names?;
         names.retain(|name| !name.is_empty());
         names.sort_unstable();
         names.dedup();
-        names
+        Ok(names)
     }
 }
 
@@ -111,7 +112,7 @@ impl<'a> Reader<'a> {
                     None => DVec2::ZERO,
                 };
                 let records = Vec::new();
-                let name = folded(record.text(2));
+                let name = folded(record.name(2)?);
                 self.block = Some((name, Block { base, records }));
             }
             ("BLOCKS", "ENDBLK") => self.file.blocks.extend(self.block.take()),
@@ -134,7 +135,7 @@ impl<'a> Reader<'a> {
             is_off: record.integer(62)?.is_some_and(|colour| colour < 0),
             is_frozen: record.has_flag(FROZEN)?,
         };
-        self.file.layers.insert(folded(record.text(2)), layer);
+        self.file.layers.insert(folded(record.name(2)?), layer);
         Ok(())
     }
 }

@@ -137,7 +137,7 @@ fn layers(
     let Some(wanted) = &options.layers else {
         return Ok(None);
     };
-    let names = file.layer_names();
+    let names = file.layer_names()?;
     let known: BTreeSet<String> = names.iter().map(|n| folded(n)).collect();
     let is_known = |name: &&String| known.contains(&folded(name));
     if let Some(name) = wanted.iter().find(|name| !is_known(name)) {

@@ -9,6 +9,8 @@ use glam::DVec2;
 const KIND: i32 = 0;
 /// The code of remarks.
 const REMARK: i32 = 999;
+/// The most characters of a name of a layer or a block, as of CAD programs.
+const MOST_NAME: usize = 255;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair<'a> {
@@ -18,12 +20,25 @@ pub(super) struct Pair<'a> {
     pub(super) line: usize,
 }
 
-impl Pair<'_> {
+impl<'a> Pair<'a> {
     pub(super) fn number(&self) -> Problem<f64> {
         let number = self.value.parse::<f64>().ok();
         number.filter(|v| v.is_finite()).ok_or_else(|| {
             format!("line {}: {} is no number", self.line, shown(self.value))
         })
+    }
+
+    /// A name, which is no longer than names are.
+    pub(super) fn name(&self) -> Problem<&'a str> {
+        if self.value.chars().nth(MOST_NAME).is_some() {
+            return Err(format!(
+                "line {}: the name {} has more than {MOST_NAME} characters; \
+                 give it a shorter one",
+                self.line,
+                shown(self.value)
+            ));
+        }
+        Ok(self.value)
     }
 
     pub(super) fn integer(&self) -> Problem<i64> {
@@ -63,9 +78,11 @@ impl<'a> Pairs<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let split = self.rest.split_once('\n');
-        let (line, rest) = split.unwrap_or((self.rest, ""));
-        self.rest = rest;
+        // Lines are so short that this is faster than what finds ends far away.
+        let end = self.rest.bytes().position(|b| b == b'\n');
+        let end = end.unwrap_or(self.rest.len());
+        let line = &self.rest[..end];
+        self.rest = self.rest.get(end + 1..).unwrap_or_default();
         self.line += 1;
         Some(line.trim())
     }
@@ -99,14 +116,32 @@ impl<'a> Pairs<'a> {
     pub(super) fn record(&mut self) -> Problem<Option<Record<'a>>> {
         while let Some(pair) = self.pair()? {
             if pair.code == KIND {
+                let pairs = *self;
                 return Ok(Some(Record {
                     kind: pair.value,
                     line: pair.line,
-                    pairs: *self,
+                    pairs,
+                    length: self.pass(),
                 }));
             }
         }
         Ok(None)
+    }
+
+    /// Passes the pairs up to the next record, or to a mistake, which is then found
+    /// when that record is read. Gives their number.
+    fn pass(&mut self) -> usize {
+        let mut count = 0;
+        loop {
+            let before = *self;
+            match self.pair() {
+                Ok(Some(pair)) if pair.code != KIND => count += 1,
+                _ => {
+                    *self = before;
+                    return count;
+                }
+            }
+        }
     }
 }
 
@@ -117,6 +152,8 @@ pub(super) struct Record<'a> {
     /// The number of its first line in the file.
     pub(super) line: usize,
     pairs: Pairs<'a>,
+    /// How many pairs it has, which each look at it may pass.
+    pub(super) length: usize,
 }
 
 impl<'a> Record<'a> {
@@ -135,6 +172,11 @@ impl<'a> Record<'a> {
     /// The text of a code; nothing if there is none.
     pub(super) fn text(&self, code: i32) -> &'a str {
         self.find(code).map_or("", |pair| pair.value)
+    }
+
+    /// The name of a layer or a block; nothing if there is none.
+    pub(super) fn name(&self, code: i32) -> Problem<&'a str> {
+        self.find(code).map_or(Ok(""), |pair| pair.name())
     }
 
     pub(super) fn number(&self, code: i32) -> Problem<Option<f64>> {

@@ -485,6 +485,12 @@ fn hostile() -> Vec<(String, &'static str)> {
         let last: String = (n..n + 4).map(|i| format!(" 40={i}")).collect();
         entities(&format!("SPLINE 71=3{all}{last}"))
     };
+    // A block that is inserted 10,000 times, of one thing that draws nothing.
+    let often = |text: &str| {
+        let block = format!("BLOCK 2=b 10=0 20=0; {text}; ENDBLK");
+        file(&block, "INSERT 2=b 10=0 20=0 70=100 71=100")
+    };
+    let long = |n: usize| "l".repeat(n);
     let repeated =
         |n: &str| file(empty, &format!("INSERT 2=b 10=0 20=0 70={n} 71={n}"));
     vec![
@@ -580,6 +586,42 @@ fn hostile() -> Vec<(String, &'static str)> {
         ),
         (entities(&cloud(20_000, 50.0)), "an outline ends"),
         (entities(&cloud(100_000, 1.0)), "too many lines end within"),
+        (
+            often(&format!("LWPOLYLINE{}", " 10=0".repeat(1000))),
+            "more than 8388608 pairs",
+        ),
+        (
+            often(&format!("POLYLINE; {}", many("VERTEX 10=0", 500))),
+            "more than 8388608 pairs",
+        ),
+        (
+            often(&format!("INSERT{} 2=c", " 1=0".repeat(1000))),
+            "more than 8388608 pairs",
+        ),
+        (
+            often(&format!("CIRCLE{} 10=0 40=0", " 1=0".repeat(1000))),
+            "more than 8388608 pairs",
+        ),
+        (
+            entities(&format!("CIRCLE 8={} 10=0 40=1", long(256))),
+            "line 34: the name `lllll",
+        ),
+        (
+            entities(&format!("INSERT 2={} 10=0", long(256))),
+            "more than 255 characters",
+        ),
+        (
+            file(&format!("BLOCK 2={}; ENDBLK", long(256)), SLOT),
+            "more than 255 characters",
+        ),
+        (
+            whole(4, &format!("LAYER 2={}", long(256)), "", SLOT),
+            "more than 255 characters",
+        ),
+        (
+            entities(&format!("INSERT 2={} 10=0", long(255))),
+            "which there is not",
+        ),
         (round(30_000), "more than 262144 lines"),
         (corners(300_000), "more than 262144 lines"),
         (vertices(300_000), "more than 262144 lines"),

@@ -7,8 +7,10 @@ use super::pen::too_many;
 use super::shape::{Shape, shape, space};
 use crate::area::MOST_CURVES;
 use crate::curve::Curve;
+use crate::drawing::MOST_DRAWING_BYTES;
 use crate::error::{Problem, go_on};
 use glam::{DAffine2, DMat2, DVec2};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most blocks in one another.
@@ -16,6 +18,11 @@ const DEEPEST: usize = 32;
 
 /// The most entities that are drawn, those of blocks as often as they are inserted.
 const MOST_ENTITIES: usize = 200_000;
+
+/// The most pairs of lines of the file that entities have, those of blocks as often
+/// as they are inserted: as many as a file may have, at 4 bytes each. To look at so
+/// many for all codes takes some 2 seconds.
+const MOST_PAIRS: usize = MOST_DRAWING_BYTES / 4;
 
 /// The most rows and columns of an inserted block, which is what files can say.
 const MOST_TIMES: i64 = 32_767;
@@ -46,10 +53,10 @@ impl Line {
 
 /// Where entities are drawn.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct Place<'p> {
     to_mm: DAffine2,
-    /// The layer of what is on layer 0.
-    layer: &'a str,
+    /// The folded name of the layer of what is on layer 0.
+    layer: &'p str,
     depth: usize,
 }
 
@@ -61,6 +68,8 @@ pub(super) struct Walk<'a, 'f> {
     /// How many curves they have.
     curves: usize,
     entities: usize,
+    /// How many pairs of lines these have.
+    pairs: usize,
     /// What is not drawn, and how often.
     pub(super) left_out: BTreeMap<String, usize>,
 }
@@ -76,6 +85,7 @@ impl<'a, 'f> Walk<'a, 'f> {
             lines: Vec::new(),
             curves: 0,
             entities: 0,
+            pairs: 0,
             left_out: BTreeMap::new(),
         }
     }
@@ -100,9 +110,17 @@ impl<'a, 'f> Walk<'a, 'f> {
         *self.left_out.entry(what).or_default() += 1;
     }
 
-    /// Counts an entity, or a block that may have none.
-    fn count(&mut self) -> Problem<()> {
+    /// Counts an entity, or a block that may have none, and its pairs.
+    fn count(&mut self, pairs: usize) -> Problem<()> {
         go_on()?;
+        self.pairs += pairs;
+        if self.pairs > MOST_PAIRS {
+            return Err(format!(
+                "what is drawn is more than {MOST_PAIRS} pairs of lines of the \
+                 file, those of blocks as often as they are inserted; simplify \
+                 the drawing"
+            ));
+        }
         self.entities += 1;
         if self.entities > MOST_ENTITIES {
             return Err(format!(
@@ -116,56 +134,66 @@ impl<'a, 'f> Walk<'a, 'f> {
     fn records(
         &mut self,
         records: &'f [Record<'a>],
-        place: Place<'a>,
+        place: Place<'_>,
     ) -> Problem<()> {
         let mut rest = records;
         while let Some((record, after)) = rest.split_first() {
-            self.count()?;
             let is_point = |record: &&Record| record.kind == "VERTEX";
             let count = after.iter().take_while(is_point).count();
             let (points, after) = after.split_at(count);
             rest = after;
-            if self.is_seen(record, place)? {
-                self.record(record, points, place)?;
+            let with_points = std::iter::once(record).chain(points);
+            self.count(with_points.map(|r| r.length + 1).sum())?;
+            let looks = Looks::of(record)?;
+            let layer = looks.layer(place);
+            if self.is_seen(record, &looks, &layer) {
+                self.record(
+                    record,
+                    points,
+                    Place {
+                        layer: &layer,
+                        ..place
+                    },
+                )?;
             }
         }
         Ok(())
     }
 
-    /// Whether an entity is to be drawn.
+    /// Whether an entity on a layer is to be drawn.
     fn is_seen(
         &mut self,
         record: &Record<'a>,
-        place: Place<'a>,
-    ) -> Problem<bool> {
+        looks: &Looks<'a>,
+        layer: &str,
+    ) -> bool {
         // Sheets for paper show the drawing again.
-        if record.integer(67)? == Some(1) {
+        if looks.on_paper == Some(1) {
             self.leave_out("what is on paper only".into());
-            return Ok(false);
+            return false;
         }
-        if record.integer(60)? == Some(1) {
+        if looks.hidden == Some(1) {
             self.leave_out("what is hidden".into());
-            return Ok(false);
+            return false;
         }
         let is_insert = record.kind == "INSERT";
-        let name = folded(layer(record, place));
         if let Some(layers) = &self.layers {
             // What is in a block has layers of its own.
-            return Ok(is_insert || layers.contains(&name));
+            return is_insert || layers.contains(layer);
         }
-        let known = self.file.layers.get(&name).copied().unwrap_or_default();
+        let known = self.file.layers.get(layer).copied().unwrap_or_default();
         let hidden = known.is_frozen || known.is_off && !is_insert;
         if hidden {
             self.leave_out("what is on layers that are off".into());
         }
-        Ok(!hidden)
+        !hidden
     }
 
     fn record(
         &mut self,
         record: &Record<'a>,
         points: &[Record<'a>],
-        place: Place<'a>,
+        place: Place<'_>,
     ) -> Problem<()> {
         let left = MOST_CURVES.saturating_sub(self.curves);
         match record.kind {
@@ -186,7 +214,7 @@ impl<'a, 'f> Walk<'a, 'f> {
         &mut self,
         record: &Record<'a>,
         shape: Shape,
-        place: Place<'a>,
+        place: Place<'_>,
     ) -> Problem<()> {
         let curves = shape.line.mapped(place.to_mm).into_curves();
         let far = |c: &Curve| {
@@ -215,8 +243,8 @@ impl<'a, 'f> Walk<'a, 'f> {
         Ok(())
     }
 
-    fn insert(&mut self, record: &Record<'a>, place: Place<'a>) -> Problem<()> {
-        let name = record.text(2);
+    fn insert(&mut self, record: &Record<'a>, place: Place<'_>) -> Problem<()> {
+        let name = record.name(2)?;
         let Some(block) = self.file.blocks.get(&folded(name)) else {
             self.leave_out(format!(
                 "block {}, which there is not",
@@ -245,7 +273,7 @@ impl<'a, 'f> Walk<'a, 'f> {
         let to_mm = place.to_mm * space(record)? * own;
         let step = DVec2::new(number(44, 0.0)?, number(45, 0.0)?);
         for [column, row] in places(record)? {
-            self.count()?;
+            self.count(1)?;
             let by = DVec2::new(column as f64, row as f64) * step;
             let Block { base, records } = block;
             let inner = DAffine2::from_translation(by)
@@ -253,7 +281,7 @@ impl<'a, 'f> Walk<'a, 'f> {
                 * DAffine2::from_translation(-*base);
             let inner = Place {
                 to_mm: to_mm * inner,
-                layer: layer(record, place),
+                layer: place.layer,
                 depth: place.depth + 1,
             };
             self.records(records, inner)?;
@@ -262,11 +290,38 @@ impl<'a, 'f> Walk<'a, 'f> {
     }
 }
 
-/// The layer of an entity.
-fn layer<'a>(record: &Record<'a>, place: Place<'a>) -> &'a str {
-    match record.text(8) {
-        "" | "0" => place.layer,
-        own => own,
+/// What decides whether an entity is drawn, by the first pair of each code.
+#[derive(Default)]
+struct Looks<'a> {
+    layer: Option<&'a str>,
+    hidden: Option<i64>,
+    on_paper: Option<i64>,
+}
+
+impl<'a> Looks<'a> {
+    fn of(record: &Record<'a>) -> Problem<Looks<'a>> {
+        let mut looks = Looks::default();
+        for pair in record.pairs() {
+            match pair.code {
+                8 if looks.layer.is_none() => looks.layer = Some(pair.name()?),
+                60 if looks.hidden.is_none() => {
+                    looks.hidden = Some(pair.integer()?);
+                }
+                67 if looks.on_paper.is_none() => {
+                    looks.on_paper = Some(pair.integer()?);
+                }
+                _ => {}
+            }
+        }
+        Ok(looks)
+    }
+
+    /// The folded name of the entity's layer.
+    fn layer<'p>(&self, place: Place<'p>) -> Cow<'p, str> {
+        match self.layer {
+            None | Some("" | "0") => Cow::Borrowed(place.layer),
+            Some(own) => Cow::Owned(folded(own)),
+        }
     }
 }
 
