@@ -40,7 +40,7 @@ pub(super) fn rings(
     for line in closed {
         ring(&mut outline, line.curves.iter().copied());
     }
-    let mut ends = Ends::new(&open);
+    let mut ends = Ends::new(&open)?;
     ends.bridge(gap)?;
     ends.all_go_on(&open)?;
     ends.trails(&open, |trail| {
@@ -101,7 +101,7 @@ struct Ends {
 }
 
 impl Ends {
-    fn new(lines: &[Line]) -> Ends {
+    fn new(lines: &[Line]) -> Problem<Ends> {
         let mut ends = Ends {
             places: Vec::new(),
             at: Vec::new(),
@@ -109,6 +109,7 @@ impl Ends {
         };
         let mut grid: HashMap<Cell, Vec<usize>> = HashMap::new();
         for (end, p) in lines.iter().flat_map(Line::ends).enumerate() {
+            go_on()?;
             let own = cell(p, SAME);
             let near = around(own).filter_map(|c| grid.get(&c)).flatten();
             let near = near.copied().map(|i| (ends.places[i].distance(p), i));
@@ -124,7 +125,7 @@ impl Ends {
             ends.at[place].push(end);
             ends.of.push(place);
         }
-        ends
+        Ok(ends)
     }
 
     /// The places where an odd number of lines end.
@@ -134,12 +135,14 @@ impl Ends {
 
     /// Makes one of each two odd places that are near each other, the nearest first.
     fn bridge(&mut self, gap: f64) -> Problem<()> {
-        if gap <= 0.0 {
+        // Ends that are as near are at one place already.
+        if gap <= SAME {
             return Ok(());
         }
         let mut grid: HashMap<Cell, Vec<usize>> = HashMap::new();
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for place in self.odd() {
+            go_on()?;
             let p = self.places[place];
             let own = cell(p, gap);
             for other in around(own).filter_map(|c| grid.get(&c)).flatten() {

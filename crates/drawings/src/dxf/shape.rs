@@ -177,6 +177,26 @@ fn vertices(points: &[Record<'_>], pen: &Pen) -> Problem<Vec<(DVec2, f64)>> {
     Ok(corners)
 }
 
+/// Whether a polyline has a width, at some of its points or at all.
+pub(super) fn is_wide(
+    record: &Record<'_>,
+    points: &[Record<'_>],
+) -> Problem<bool> {
+    if !matches!(record.kind, "LWPOLYLINE" | "POLYLINE") {
+        return Ok(false);
+    }
+    let all = std::iter::once(record).chain(points);
+    let widths = all
+        .flat_map(Record::pairs)
+        .filter(|pair| matches!(pair.code, 40 | 41 | 43));
+    for width in widths {
+        if width.number()? > 0.0 {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
 fn polyline(
     mut pen: Pen,
     corners: &[(DVec2, f64)],

@@ -95,13 +95,36 @@ impl Spline {
     }
 
     fn draw(&self, pen: &mut Pen) -> Problem<()> {
-        let (first, last) = (self.degree, self.control.len());
-        pen.move_to(self.at(first, self.knots[first]).0);
-        for span in first..last {
-            let ends = [self.knots[span], self.knots[span + 1]];
-            if ends[0] < ends[1] {
-                self.piece(pen, span, ends, DEEPEST)?;
+        let mut end = None;
+        for span in self.degree..self.control.len() {
+            let [from, to] = [self.knots[span], self.knots[span + 1]];
+            if from < to {
+                let start = self.at(span, from).0;
+                self.go_to(pen, start, end)?;
+                self.piece(pen, span, [from, to], DEEPEST)?;
+                end = Some(self.at(span, to).0);
             }
+        }
+        Ok(())
+    }
+
+    /// Begins the spline, or checks that it goes on where it was.
+    fn go_to(
+        &self,
+        pen: &mut Pen,
+        start: DVec2,
+        end: Option<DVec2>,
+    ) -> Problem<()> {
+        match end {
+            None => pen.move_to(start),
+            Some(end) if end.distance(start) > self.accuracy => {
+                return Err(format!(
+                    "line {}: a SPLINE is broken at a knot, beyond which it \
+                     goes on elsewhere; split it there into two",
+                    self.line
+                ));
+            }
+            Some(_) => {}
         }
         Ok(())
     }
@@ -126,12 +149,19 @@ impl Spline {
             };
             self.at(span, from + (to - from) * share).0.distance(cubic)
         };
-        let far = [0.25, 0.5, 0.75].map(off).into_iter().fold(0.0, f64::max);
-        if far <= self.accuracy {
+        let far = [0.25, 0.5, 0.75].map(off);
+        if far.iter().all(|far| *far <= self.accuracy) {
             return pen.cubic_to(b, c, d);
         }
         let middle = 0.5 * (from + to);
-        if deep == 0 || !far.is_finite() {
+        if !far.iter().all(|far| far.is_finite()) {
+            return Err(format!(
+                "line {}: a SPLINE has numbers that are too great or too small \
+                 to be read; turn it into a polyline",
+                self.line
+            ));
+        }
+        if deep == 0 {
             return Err(format!(
                 "line {}: a SPLINE turns too sharply to be read; turn it into \
                  a polyline",

@@ -293,6 +293,49 @@ fn splines_are_where_their_definition_says() {
 }
 
 #[test]
+fn splines_of_strange_knots() {
+    let points = [[0.0, 0.0], [5.0, 9.0], [8.0, 3.0], [10.0, 0.0]];
+    let base = "LINE 10=0 20=0 11=10 21=0";
+    // The first span is empty, so that the first point does not count.
+    let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    let from = "LINE 10=5 20=9 11=10 21=0";
+    let text = format!("{}; {from}", spline(2, &knots, &points));
+    let drawing = drawn(&file("", &text));
+    // A quadratic curve cuts off two thirds of the triangle of its points.
+    let triangle = 0.5 * (3.0 * -9.0 - -6.0 * 5.0_f64).abs();
+    assert!((area(&drawing) - triangle * 2.0 / 3.0).abs() < 1e-3);
+    // It jumps from one point to the next.
+    let knots = [0.0, 0.0, 1.0, 1.0, 2.0, 2.0];
+    let jump = format!("{base}; {}", spline(1, &knots, &points));
+    let error = refused(&file("", &jump));
+    assert!(error.contains("is broken at a knot"), "{error}");
+    // It could, but does not.
+    let still = [points[0], points[1], points[1], points[3]];
+    let still = format!("{base}; {}", spline(1, &knots, &still));
+    assert!((area(&drawn(&file("", &still))) - 45.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_polyline_of_a_width_is_its_middle_line() {
+    // A donut, as programs write it, and two where only one point is wide.
+    let donut = "10=-4 20=0 42=1 10=4 20=0 42=1";
+    for wide in [
+        format!("LWPOLYLINE 43=2 70=1 {donut}"),
+        format!("LWPOLYLINE 43=0 70=1 {donut} 40=0 41=1"),
+        "POLYLINE 70=1; VERTEX 10=-4 20=0 42=1; \
+         VERTEX 10=4 20=0 40=3 42=1; SEQEND"
+            .to_owned(),
+    ] {
+        let drawing = drawn(&file("", &wide));
+        is(&drawing, 10.0, |p| p.length() - 4.0);
+        let said = drawing.warnings().join("; ");
+        assert!(said.contains("not drawn: the width of"), "{said}");
+    }
+    let none = format!("LWPOLYLINE 43=0 70=1 {donut} 40=0 41=0");
+    assert!(drawn(&file("", &none)).warnings().is_empty());
+}
+
+#[test]
 fn a_circle_as_a_spline() {
     // Nine points of a square, those of its corners with less weight.
     let points = (0..9).map(|i| {
@@ -337,6 +380,16 @@ fn lines_are_joined_where_their_ends_meet() {
     ] {
         assert!(error.contains(part), "{error}");
     }
+    let narrow = DxfOptions {
+        gap_mm: Some(1e-300),
+        ..DxfOptions::default()
+    };
+    let began = Instant::now();
+    for text in [square(0.1), cloud(100_000, 50.0)] {
+        let error = read(&file("", &text), &narrow).unwrap_err().to_string();
+        assert!(error.contains("an outline ends"), "{error}");
+    }
+    assert!(began.elapsed() < Duration::from_secs(10));
     let wide = DxfOptions {
         gap_mm: Some(0.2),
         ..DxfOptions::default()
@@ -441,6 +494,15 @@ fn sizes_and_units() {
     near(sized(corner), [0.0, 0.0, 60.0, 20.0]);
 }
 
+/// Lines that begin one above the other, and end so.
+fn cloud(n: usize, size: f64) -> String {
+    let line = |i: usize| {
+        let y = size * (i as f64) / (n as f64);
+        format!("LINE 10=0 20={y} 11=9 21={}", y + 100.0)
+    };
+    (0..n).map(line).collect::<Vec<String>>().join(";")
+}
+
 /// Files that a stranger may send, each with a part of what is said of it.
 fn hostile() -> Vec<(String, &'static str)> {
     let entities = |text: &str| file("", text);
@@ -456,13 +518,6 @@ fn hostile() -> Vec<(String, &'static str)> {
     let empty = "BLOCK 2=b 10=0 20=0; ENDBLK";
     let slot = || entities(SLOT);
     let many = |text: &str, n: usize| vec![text; n].join(";");
-    let cloud = |n: usize, size: f64| {
-        let line = |i: usize| {
-            let y = size * (i as f64) / (n as f64);
-            format!("LINE 10=0 20={y} 11=9 21={}", y + 100.0)
-        };
-        (0..n).map(line).collect::<Vec<String>>().join(";")
-    };
     // What is too much is said before what lies too far away.
     let round = |n: usize| {
         let points: String = (0..n)

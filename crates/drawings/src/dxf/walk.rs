@@ -4,7 +4,7 @@
 use super::file::{Block, File, folded};
 use super::pairs::{Record, shown};
 use super::pen::too_many;
-use super::shape::{Shape, shape, space};
+use super::shape::{Shape, is_wide, shape, space};
 use crate::area::MOST_CURVES;
 use crate::curve::Curve;
 use crate::drawing::MOST_DRAWING_BYTES;
@@ -29,6 +29,9 @@ const MOST_TIMES: i64 = 32_767;
 
 /// The most things that are named that are not drawn.
 const MOST_NAMED: usize = 20;
+
+/// What of wide polylines is not drawn.
+const WIDTH: &str = "the width of polylines, of which the middle lines count";
 
 /// Greatest coordinate, mm. Beyond it the drawing is refused anyway.
 const FARTHEST: f64 = 1e6;
@@ -201,7 +204,12 @@ impl<'a, 'f> Walk<'a, 'f> {
             // The end of a polyline, and texts that a block asks for.
             "SEQEND" | "ATTDEF" | "VIEWPORT" => Ok(()),
             _ => match shape(record, points, left)? {
-                Some(shape) => self.draw(record, shape, place),
+                Some(shape) => {
+                    if is_wide(record, points)? {
+                        self.leave_out(WIDTH.into());
+                    }
+                    self.draw(record, shape, place)
+                }
                 None => {
                     self.leave_out(shown(record.kind));
                     Ok(())
