@@ -10,6 +10,9 @@ use isocontour::{Bounds, Data, Ring};
 /// Greatest coordinate of a drawing, mm.
 const FARTHEST: f64 = 1e6;
 
+/// What to do if a drawing of shapes has no area.
+pub(crate) const FILL: &str = "fill its shapes";
+
 /// The most bytes of a file.
 pub const MOST_DRAWING_BYTES: usize = 1 << 25;
 
@@ -40,14 +43,16 @@ impl Drawing {
         name: &str,
         outlines: &[Outline],
     ) -> Result<Drawing, DrawingError> {
-        Drawing::warned(name.to_owned(), outlines, Vec::new())
+        Drawing::warned(name.to_owned(), outlines, Vec::new(), FILL)
             .map_err(|problem| DrawingError::new(name, problem))
     }
 
+    /// As [`new`](Drawing::new), with warnings, and what to do if there is no area.
     pub(crate) fn warned(
         name: String,
         outlines: &[Outline],
         warnings: Vec<String>,
+        no_area: &str,
     ) -> Problem<Drawing> {
         let mut closed = outlines.to_vec();
         closed.iter_mut().for_each(Outline::close);
@@ -67,8 +72,7 @@ impl Drawing {
         }
         let area = Area::new(&closed)?;
         if area.bounds().size().min_element() <= 0.0 {
-            let mut problem =
-                "nothing in it is an area; fill its shapes".to_owned();
+            let mut problem = format!("nothing in it is an area; {no_area}");
             for warning in warnings {
                 problem += "; ";
                 problem += &warning;

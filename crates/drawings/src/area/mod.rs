@@ -17,7 +17,7 @@ use crate::error::{Problem, go_on};
 use crate::outline::{Fill, Outline};
 use crate::tree::Tree;
 use glam::DVec2;
-use nearest::Piece;
+pub(crate) use nearest::Piece;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use winding::Winding;

@@ -4,6 +4,7 @@
 //! difference which of several lines goes on where more than two end at a place,
 //! as long as their number is even.
 
+use super::same::each_once;
 use super::walk::Line;
 use crate::curve::Curve;
 use crate::error::{Problem, go_on};
@@ -20,33 +21,48 @@ const SAME: f64 = 1e-5;
 /// The most pairs of ends that are looked at to close gaps.
 const MOST_PAIRS: usize = 1_000_000;
 
-/// Rings of lines, filled by the even-odd rule, and how many lines are left out
-/// since they are drawn twice. Between ends that are up to `gap` apart, mm, a straight
-/// line is drawn.
+/// Rings of lines, filled by the even-odd rule, and warnings of lines and rings that
+/// are left out since they are drawn twice. Ends that are up to `gap` apart, mm, are
+/// joined by a straight line.
 ///
 /// # Errors
 /// If a line ends where no other goes on.
 pub(super) fn rings(
     mut lines: Vec<Line>,
     gap: f64,
-) -> Problem<(Outline, usize)> {
+) -> Problem<(Outline, Vec<String>)> {
     let before = lines.len();
     let mut seen = HashSet::new();
     lines.retain(|line| seen.insert(points(line)));
     let twice = before - lines.len();
-    let mut outline = Outline::new(Fill::EvenOdd);
     let (closed, open): (Vec<Line>, Vec<Line>) =
         lines.into_iter().partition(|line| line.is_closed);
-    for line in closed {
-        ring(&mut outline, line.curves.iter().copied());
-    }
+    let closed = closed.iter().map(|line| ring(line.curves.iter().copied()));
+    let mut rings: Vec<Outline> = closed.collect();
     let mut ends = Ends::new(&open)?;
     ends.bridge(gap)?;
     ends.all_go_on(&open)?;
     ends.trails(&open, |trail| {
-        ring(&mut outline, trail.iter().flat_map(|end| from(&open, *end)));
+        rings.push(ring(trail.iter().flat_map(|end| from(&open, *end))));
     })?;
-    Ok((outline, twice))
+    let (rings, rings_twice) = each_once(rings)?;
+    let mut outline = Outline::new(Fill::EvenOdd);
+    rings.iter().for_each(|ring| outline.append(ring));
+    let warnings = [left_out(twice, "line"), left_out(rings_twice, "outline")];
+    Ok((outline, warnings.into_iter().flatten().collect()))
+}
+
+/// What is said of lines that are drawn more than once, however often.
+fn left_out(count: usize, what: &str) -> Option<String> {
+    match count {
+        0 => None,
+        1 => Some(format!(
+            "1 {what} is drawn again where one is, and left out"
+        )),
+        _ => Some(format!(
+            "{count} {what}s are drawn again where one is, and left out"
+        )),
+    }
 }
 
 /// The curves of a line from one of its ends to the other.
@@ -59,7 +75,8 @@ fn from(lines: &[Line], end: usize) -> Vec<Curve> {
     }
 }
 
-fn ring(outline: &mut Outline, curves: impl Iterator<Item = Curve>) {
+fn ring(curves: impl Iterator<Item = Curve>) -> Outline {
+    let mut outline = Outline::new(Fill::EvenOdd);
     for (i, curve) in curves.enumerate() {
         if i == 0 {
             outline.move_to(curve.start());
@@ -67,6 +84,7 @@ fn ring(outline: &mut Outline, curves: impl Iterator<Item = Curve>) {
         outline.along(&curve, SAME);
     }
     outline.close_within(SAME);
+    outline
 }
 
 /// All control points of a line, from the same end whichever way it is drawn.
@@ -82,12 +100,12 @@ fn points(line: &Line) -> Vec<[u64; 2]> {
 type Cell = [i64; 2];
 
 /// The cell of a grid in which a place is.
-fn cell(p: DVec2, size: f64) -> Cell {
+pub(super) fn cell(p: DVec2, size: f64) -> Cell {
     (p / size).floor().to_array().map(|v| v as i64)
 }
 
 /// A cell and those around it.
-fn around([x, y]: Cell) -> impl Iterator<Item = Cell> {
+pub(super) fn around([x, y]: Cell) -> impl Iterator<Item = Cell> {
     (-1..=1).flat_map(move |i| (-1..=1).map(move |j| [x + i, y + j]))
 }
 

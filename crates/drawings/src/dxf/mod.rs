@@ -10,11 +10,13 @@
 //! | `walk` | which entities are drawn, and where |
 //! | `shape`, `spline`, `pen` | entities as curves |
 //! | `join` | lines as rings |
+//! | `same` | rings that are drawn twice |
 
 mod file;
 mod join;
 mod pairs;
 mod pen;
+mod same;
 mod shape;
 mod spline;
 #[cfg(test)]
@@ -39,6 +41,10 @@ const GAP: f64 = 0.005;
 
 /// The gaps that users may allow, mm.
 const GAPS: RangeInclusive<f64> = 0.0..=1.0;
+
+/// What is said of lines that hold no area.
+const NO_AREA: &str = "what an odd number of outlines go round is solid, so close \
+    the outlines, and draw each once";
 
 /// The units that users may name, mm.
 const UNITS: RangeInclusive<f64> = 1e-6..=1e6;
@@ -99,14 +105,12 @@ fn read(name: &str, bytes: &[u8], options: &DxfOptions) -> Problem<Drawing> {
         return Err(format!("no line is drawn in it{left_out}{all}"));
     }
     let (outline, twice) = join::rings(walk.lines, gap)?;
-    if twice > 0 {
-        warnings.push(format!("{twice} lines are drawn twice, and taken once"));
-    }
+    warnings.extend(twice);
     warnings.extend(note);
     let mut outlines = [outline];
     let sized = [options.width_mm, options.height_mm];
     place_all(&mut outlines, sized, options.anchor)?;
-    Drawing::warned(format!("dxf({name:?})"), &outlines, warnings)
+    Drawing::warned(format!("dxf({name:?})"), &outlines, warnings, NO_AREA)
 }
 
 /// The text of a file.

@@ -425,11 +425,60 @@ fn places_where_more_than_two_lines_end() {
     assert!((area(&drawing) - 100.0).abs() < 1e-9);
     assert_eq!(
         drawing.warnings(),
-        ["1 lines are drawn twice, and taken once"]
+        ["1 line is drawn again where one is, and left out"]
+    );
+    let thrice = twice + "; LINE 10=10 20=0 11=0 21=0";
+    assert_eq!(
+        drawn(&file("", &thrice)).warnings(),
+        ["2 lines are drawn again where one is, and left out"]
     );
     // A line from corner to corner.
     let error = refused(&file("", &(square(0.0) + "; LINE 11=10 21=10 10=0")));
     assert!(error.contains("3 lines meet at x = 0, y = 0"), "{error}");
+}
+
+#[test]
+fn outlines_that_are_drawn_twice_count_once() {
+    let plate = "LWPOLYLINE 70=1 10=0 20=0 10=40 20=0 10=40 20=30 10=0 20=30";
+    let sides = "LINE 10=0 20=0 11=40; LINE 10=40 20=0 11=40 21=30; \
+        LINE 10=40 20=30 11=0 21=30; LINE 10=0 20=30 11=0 21=0";
+    let turned = "LWPOLYLINE 70=1 10=40 20=30 10=40 20=0 10=0 20=0 10=0 20=30";
+    // Rounded otherwise, and with a point more.
+    let rounded = "LWPOLYLINE 70=1 10=0 20=0.001 10=11 20=0 10=40 20=0 \
+        10=40 20=30.001 10=0 20=30";
+    let hole = "CIRCLE 10=20 20=15 40=5";
+    let arcs = "ARC 10=20 20=15 40=5 50=10 51=200; \
+        ARC 10=20 20=15 40=5 50=200 51=10";
+    let once = 1200.0 - 25.0 * PI;
+    for again in [sides, turned, rounded, arcs] {
+        let text = file("", &format!("{plate}; {hole}; {again}"));
+        let drawing = drawn(&text);
+        assert!((area(&drawing) - once).abs() < 0.05, "{again}");
+        assert_eq!(
+            drawing.warnings(),
+            ["1 outline is drawn again where one is, and left out"]
+        );
+    }
+    // What is only near is another outline, and small ones may be nearer.
+    for (radius, wall) in [(5.0, 0.01), (0.01, 0.001)] {
+        let tube = format!(
+            "CIRCLE 10=0 20=0 40={radius}; CIRCLE 10=0 20=0 40={}",
+            radius - wall
+        );
+        let drawing = drawn(&file("", &tube));
+        assert!(drawing.warnings().is_empty(), "{radius}");
+        let middle = DVec2::new(radius - 0.5 * wall, 0.0);
+        assert!((value(&drawing, middle) + 0.5 * wall).abs() < 1e-6);
+    }
+    // The same box, but another outline: two triangles of a square.
+    let triangles = "LWPOLYLINE 70=1 10=0 20=0 10=9 20=0 10=9 20=9; \
+        LWPOLYLINE 70=1 10=0 20=0 10=9 20=9 10=0 20=9";
+    assert!((area(&drawn(&file("", triangles))) - 81.0).abs() < 1e-9);
+    // Where nothing is left, what to do is said for a DXF.
+    let flat = "LWPOLYLINE 70=1 10=0 20=0 10=9 20=9";
+    let error = refused(&file("", flat));
+    assert!(error.contains("an odd number of outlines"), "{error}");
+    assert!(!error.contains("fill its shapes"), "{error}");
 }
 
 #[test]

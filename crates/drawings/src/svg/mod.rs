@@ -13,7 +13,7 @@ mod tests;
 mod view;
 mod walk;
 
-use crate::drawing::{Drawing, small_enough};
+use crate::drawing::{Drawing, FILL, small_enough};
 use crate::error::{DrawingError, Problem, go_on, not_drawn};
 use crate::place::{Anchor, place_all};
 use glam::{DAffine2, DVec2};
@@ -132,7 +132,7 @@ fn read(name: &str, bytes: &[u8], options: &SvgOptions) -> Problem<Drawing> {
     if outlines.iter().any(|o| o.cuts) {
         warnings.push("white shapes cut away what is below them".into());
     }
-    Drawing::warned(format!("svg({name:?})"), &outlines, warnings)
+    Drawing::warned(format!("svg({name:?})"), &outlines, warnings, FILL)
 }
 
 /// The rules of a document's style sheets.

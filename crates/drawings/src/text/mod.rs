@@ -10,7 +10,7 @@ mod kerning;
 mod tests;
 
 use crate::curve::Box2;
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, FILL};
 use crate::error::{DrawingError, Problem};
 use crate::outline::{Fill, Outline};
 use font::Font;
@@ -92,7 +92,7 @@ impl Drawing {
         let short: String = text.chars().take(40).collect();
         let name = format!("text({short:?})");
         let made = draw(text, font, options).and_then(|(outline, warnings)| {
-            Drawing::warned(name.clone(), &[outline], warnings)
+            Drawing::warned(name.clone(), &[outline], warnings, FILL)
         });
         made.map_err(|problem| DrawingError::new(&name, problem))
     }

@@ -1,0 +1,99 @@
+//! Finds rings that are drawn more than once: in other pieces, from another point or
+//! the other way.
+
+use super::GAP;
+use super::join::{around, cell};
+use crate::area::Piece;
+use crate::curve::Box2;
+use crate::error::{Problem, go_on};
+use crate::outline::Outline;
+use crate::tree::Tree;
+use std::collections::HashMap;
+
+/// How far apart two rings that are the same may be at most, as a share of their
+/// size, so that small rings in one another are not: 1 µm at 10 mm, as numbers of
+/// 3 digits are rounded.
+const SHARE: f64 = 1e-4;
+
+/// How many rings that begin at the same corner of a box are compared with one. More
+/// are only in files that are made to take time.
+const MOST_LIKE: usize = 16;
+
+struct Ring {
+    line: Outline,
+    bounds: Box2,
+}
+
+/// The rings, each once, and how many are left out.
+pub(super) fn each_once(
+    mut rings: Vec<Outline>,
+) -> Problem<(Vec<Outline>, usize)> {
+    // Lines that are shorter than ends are apart leave nothing.
+    rings.retain(|ring| !ring.is_empty());
+    let before = rings.len();
+    let mut kept: Vec<Ring> = Vec::new();
+    let mut grid: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
+    for line in rings {
+        let ring = Ring::new(line);
+        let own = cell(ring.bounds.min, GAP);
+        let near = around(own).filter_map(|c| grid.get(&c)).flatten();
+        let near = near.take(MOST_LIKE).map(|i| &kept[*i]);
+        if !ring.is_among(near)? {
+            grid.entry(own).or_default().push(kept.len());
+            kept.push(ring);
+        }
+    }
+    let twice = before - kept.len();
+    Ok((kept.into_iter().map(|ring| ring.line).collect(), twice))
+}
+
+impl Ring {
+    fn new(line: Outline) -> Ring {
+        let parts = line.curves().iter().flat_map(|c| c.monotone());
+        let bounds = parts.fold(Box2::NONE, |bounds, part| {
+            bounds.with(part.start()).with(part.end())
+        });
+        Ring { line, bounds }
+    }
+
+    fn is_among<'a>(
+        &self,
+        mut others: impl Iterator<Item = &'a Ring>,
+    ) -> Problem<bool> {
+        go_on()?;
+        others.try_fold(false, |found, other| Ok(found || self.is_same(other)?))
+    }
+
+    fn is_same(&self, other: &Ring) -> Problem<bool> {
+        let (a, b) = (self.bounds, other.bounds);
+        let near = GAP.min(SHARE * a.size().max_element());
+        let off = (a.min - b.min).abs().max((a.max - b.max).abs());
+        Ok(off.max_element() <= near
+            && self.is_along(other, near)?
+            && other.is_along(self, near)?)
+    }
+
+    /// Whether it is near another wherever it is looked at.
+    fn is_along(&self, other: &Ring, near: f64) -> Problem<bool> {
+        let curves = other.line.curves();
+        let tree = Tree::new(curves.iter().map(|c| c.bounds()).collect());
+        let pieces: Vec<Piece> =
+            curves.iter().copied().map(Piece::new).collect();
+        let most = near * near;
+        for curve in self.line.curves() {
+            go_on()?;
+            for t in [0.0, 0.25, 0.5, 0.75] {
+                let p = curve.at(t);
+                let mut least = f64::INFINITY;
+                tree.near(p, most, |i, _| {
+                    least = least.min(pieces[i].nearest(p).0);
+                    least.min(most)
+                });
+                if least > most {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+}
