@@ -3,11 +3,12 @@
 
 use super::GAP;
 use super::join::{around, cell};
-use crate::area::Piece;
+use crate::area::{MOST_CURVES, Piece};
 use crate::curve::Box2;
 use crate::error::{Problem, go_on};
 use crate::outline::Outline;
 use crate::tree::Tree;
+use std::cell::OnceCell;
 use std::collections::HashMap;
 
 /// How far apart two rings that are the same may be at most, as a share of their
@@ -19,9 +20,15 @@ const SHARE: f64 = 1e-4;
 /// are only in files that are made to take time.
 const MOST_LIKE: usize = 16;
 
+/// How many places are looked at to compare rings: twice as many as if all rings of
+/// the greatest drawing are drawn twice. What is beyond counts as different.
+const MOST_LOOKS: usize = 16 * MOST_CURVES;
+
 struct Ring {
     line: Outline,
     bounds: Box2,
+    /// What its nearest point is found with, if it is ever asked for.
+    nearest: OnceCell<(Tree, Vec<Piece>)>,
 }
 
 /// The rings, each once, and how many are left out.
@@ -31,6 +38,7 @@ pub(super) fn each_once(
     // Lines that are shorter than ends are apart leave nothing.
     rings.retain(|ring| !ring.is_empty());
     let before = rings.len();
+    let mut looks = MOST_LOOKS;
     let mut kept: Vec<Ring> = Vec::new();
     let mut grid: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
     for line in rings {
@@ -38,7 +46,7 @@ pub(super) fn each_once(
         let own = cell(ring.bounds.min, GAP);
         let near = around(own).filter_map(|c| grid.get(&c)).flatten();
         let near = near.take(MOST_LIKE).map(|i| &kept[*i]);
-        if !ring.is_among(near)? {
+        if !ring.is_among(near, &mut looks)? {
             grid.entry(own).or_default().push(kept.len());
             kept.push(ring);
         }
@@ -53,32 +61,46 @@ impl Ring {
         let bounds = parts.fold(Box2::NONE, |bounds, part| {
             bounds.with(part.start()).with(part.end())
         });
-        Ring { line, bounds }
+        let nearest = OnceCell::new();
+        Ring {
+            line,
+            bounds,
+            nearest,
+        }
     }
 
     fn is_among<'a>(
         &self,
         mut others: impl Iterator<Item = &'a Ring>,
+        looks: &mut usize,
     ) -> Problem<bool> {
         go_on()?;
-        others.try_fold(false, |found, other| Ok(found || self.is_same(other)?))
+        others.try_fold(false, |found, other| {
+            Ok(found || self.is_same(other, looks)?)
+        })
     }
 
-    fn is_same(&self, other: &Ring) -> Problem<bool> {
+    fn is_same(&self, other: &Ring, looks: &mut usize) -> Problem<bool> {
         let (a, b) = (self.bounds, other.bounds);
         let near = GAP.min(SHARE * a.size().max_element());
         let off = (a.min - b.min).abs().max((a.max - b.max).abs());
         Ok(off.max_element() <= near
-            && self.is_along(other, near)?
-            && other.is_along(self, near)?)
+            && self.is_along(other, near, looks)?
+            && other.is_along(self, near, looks)?)
     }
 
     /// Whether it is near another wherever it is looked at.
-    fn is_along(&self, other: &Ring, near: f64) -> Problem<bool> {
-        let curves = other.line.curves();
-        let tree = Tree::new(curves.iter().map(|c| c.bounds()).collect());
-        let pieces: Vec<Piece> =
-            curves.iter().copied().map(Piece::new).collect();
+    fn is_along(
+        &self,
+        other: &Ring,
+        near: f64,
+        looks: &mut usize,
+    ) -> Problem<bool> {
+        let (tree, pieces) = other.nearest.get_or_init(|| {
+            let curves = other.line.curves().iter();
+            let boxes = curves.clone().map(|c| c.bounds()).collect();
+            (Tree::new(boxes), curves.copied().map(Piece::new).collect())
+        });
         let most = near * near;
         for curve in self.line.curves() {
             go_on()?;
@@ -89,7 +111,8 @@ impl Ring {
                     least = least.min(pieces[i].nearest(p).0);
                     least.min(most)
                 });
-                if least > most {
+                *looks = looks.saturating_sub(1);
+                if least > most || *looks == 0 {
                     return Ok(false);
                 }
             }

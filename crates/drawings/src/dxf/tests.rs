@@ -595,6 +595,16 @@ fn hostile() -> Vec<(String, &'static str)> {
         file(&block, "INSERT 2=b 10=0 20=0 70=100 71=100")
     };
     let long = |n: usize| "l".repeat(n);
+    // Outlines that are the same but for one corner, which has to be found.
+    let like = |n: i32| {
+        let side = (1..200).map(|i| 0.04 * f64::from(i));
+        let side: String = side.map(|x| format!(" 10={x} 20=0")).collect();
+        let one = |i: i32| {
+            let low = 0.1 + 0.001 * f64::from(i);
+            format!("LWPOLYLINE 70=1 10=0 20=0{side} 10=9 20={low} 10=9 20=9")
+        };
+        (0..n).map(one).collect::<Vec<String>>().join(";")
+    };
     let repeated =
         |n: &str| file(empty, &format!("INSERT 2=b 10=0 20=0 70={n} 71={n}"));
     vec![
@@ -726,6 +736,7 @@ fn hostile() -> Vec<(String, &'static str)> {
             entities(&format!("INSERT 2={} 10=0", long(255))),
             "which there is not",
         ),
+        (entities(&like(300)), "cross one another too often"),
         (round(30_000), "more than 262144 lines"),
         (corners(300_000), "more than 262144 lines"),
         (vertices(300_000), "more than 262144 lines"),
