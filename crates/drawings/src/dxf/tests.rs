@@ -582,7 +582,7 @@ fn hostile() -> Vec<(String, &'static str)> {
         |n: usize| entities(&format!("LWPOLYLINE{} 10=x", " 10=0".repeat(n)));
     let weighted = |n: usize| {
         let point = |i: usize| {
-            let weight = if i % 2 == 0 { 1e-3 } else { 1.0 };
+            let weight = if i.is_multiple_of(2) { 1e-3 } else { 1.0 };
             format!(" 40={i} 10={}e7 20={} 41={weight}", i % 5, i % 3)
         };
         let all: String = (0..n).map(point).collect();
