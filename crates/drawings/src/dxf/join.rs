@@ -4,6 +4,7 @@
 //! difference which of several lines goes on where more than two end at a place,
 //! as long as their number is even.
 
+use super::cells::{Cell, around, cell};
 use super::same::each_once;
 use super::walk::Line;
 use crate::curve::Curve;
@@ -95,18 +96,6 @@ fn points(line: &Line) -> Vec<[u64; 2]> {
     let forth: Vec<[u64; 2]> = all.map(bits).collect();
     let back = forth.iter().rev().copied().collect();
     forth.min(back)
-}
-
-type Cell = [i64; 2];
-
-/// The cell of a grid in which a place is.
-pub(super) fn cell(p: DVec2, size: f64) -> Cell {
-    (p / size).floor().to_array().map(|v| v as i64)
-}
-
-/// A cell and those around it.
-pub(super) fn around([x, y]: Cell) -> impl Iterator<Item = Cell> {
-    (-1..=1).flat_map(move |i| (-1..=1).map(move |j| [x + i, y + j]))
 }
 
 /// The places where lines end. Of line i, the ends are 2 i and 2 i + 1.

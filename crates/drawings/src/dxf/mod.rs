@@ -12,6 +12,7 @@
 //! | `join` | lines as rings |
 //! | `same` | rings that are drawn twice |
 
+mod cells;
 mod file;
 mod join;
 mod pairs;

@@ -2,7 +2,7 @@
 //! the other way.
 
 use super::GAP;
-use super::join::{around, cell};
+use super::cells::{Cell, around, cell};
 use crate::area::{MOST_CURVES, Piece};
 use crate::curve::Box2;
 use crate::error::{Problem, go_on};
@@ -40,7 +40,7 @@ pub(super) fn each_once(
     let before = rings.len();
     let mut looks = MOST_LOOKS;
     let mut kept: Vec<Ring> = Vec::new();
-    let mut grid: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
+    let mut grid: HashMap<Cell, Vec<usize>> = HashMap::new();
     for line in rings {
         let ring = Ring::new(line);
         let own = cell(ring.bounds.min, GAP);
