@@ -137,6 +137,12 @@
 #![doc = include_str!("../docs/glossary.md")]
 #![warn(unreachable_pub)]
 
+// The command sees the library by this name, as other programs do.
+extern crate self as isoslice;
+
+#[doc(hidden)]
+pub mod cli;
+
 /// Checks whether G-code, of any slicer, is safe to run.
 pub mod check {
     #[doc(inline)]

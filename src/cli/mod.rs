@@ -2,12 +2,17 @@
 //!
 //! In: arguments. Out: calls of the library, and text for people: results on
 //! standard output; progress, warnings and errors on the error stream. This
-//! module decides on no geometry and on no setting's default.
+//! module decides on no geometry and on no setting's default. It sees the library
+//! as any other program does, by its name.
+//!
+//! Exit codes: 0 done; 1 something is wrong with the input; 2 the command line
+//! is wrong; 130 interrupted; 141 the reader of standard output has closed it
+//! before the end, which needs no message.
 
 mod args;
 mod check;
 mod closed;
-pub(crate) mod complete;
+mod complete;
 mod excerpt;
 mod export;
 mod folder;
@@ -37,11 +42,15 @@ mod signals;
 mod slice;
 mod split;
 mod summary;
-pub(crate) mod terminal;
+mod terminal;
 mod watch;
 
 use clap::{Parser, Subcommand};
-pub(crate) use parse::parse;
+use std::io::ErrorKind::BrokenPipe;
+use std::process::ExitCode;
+
+/// Exit code that shells have for the signal of a pipe that nobody reads.
+const BROKEN_PIPE: u8 = 141;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -126,8 +135,31 @@ enum Command {
     Man(manual::ManArgs),
 }
 
+/// The whole program: parses its arguments, runs the command and reports what went
+/// wrong.
+#[must_use]
+pub fn main() -> ExitCode {
+    complete::answer();
+    match run(parse::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => ExitCode::from(BROKEN_PIPE),
+        Err(error) => {
+            terminal::report_error(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<std::io::Error>()
+            .is_some_and(|e| e.kind() == BrokenPipe)
+    })
+}
+
 /// Carries out a command.
-pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
+fn run(cli: Cli) -> anyhow::Result<()> {
     cli.verbosity.apply();
     memory::return_large_blocks();
     #[cfg(unix)]

@@ -91,7 +91,7 @@ impl Again {
 /// What a bead is known by: its ends, in micrometres.
 fn key(step: &Move) -> u64 {
     let ends = [step.from, step.to];
-    let ends = ends.map(|p| (p * 1000.0).round().as_i64vec3().to_array());
+    let ends = ends.map(|p| (p * 1000.0).round().to_array().map(|v| v as i64));
     let all = ends.as_flattened().iter();
     all.fold(0, |key, &number| mix(key ^ number as u64))
 }
