@@ -188,7 +188,7 @@ const CONFINED: &[Confined] = &[
     },
     Confined {
         name: "anyhow",
-        modules: &["cli", "main"],
+        modules: &["cli"],
     },
 ];
 

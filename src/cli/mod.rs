@@ -9,6 +9,9 @@
 //! is wrong; 130 interrupted; 141 the reader of standard output has closed it
 //! before the end, which needs no message.
 
+// Comments on arguments are the help that a terminal shows.
+#![allow(rustdoc::bare_urls, reason = "a terminal has no links")]
+
 mod args;
 mod check;
 mod closed;

@@ -108,7 +108,7 @@ fn forward_and_inner_paths_are_clean() {
          mod tests { use super::*; use super::super::Grid; }\n",
     );
     assert_clean("units.rs", "mod tests { use super::*; }");
-    assert_clean("main.rs", "use isoslice::cli;\nuse anyhow::Result;");
+    assert_clean("main.rs", "use isoslice::cli;");
     assert_clean("main.rs", "mod tests { use super::*; }");
 }
 
