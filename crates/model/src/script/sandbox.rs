@@ -20,6 +20,8 @@ pub(super) fn add_limits(engine: &mut Engine, most: u64, stop: Arc<AtomicU8>) {
         .set_max_functions(MAX_FUNCTIONS)
         .set_max_call_levels(MAX_CALLS)
         .set_max_expr_depths(MAX_DEPTH.0, MAX_DEPTH.1)
+        .set_max_modules(0)
+        .set_module_resolver(rhai::module_resolvers::DummyModuleResolver::new())
         .disable_symbol("eval")
         .disable_symbol("import")
         .on_print(|_| {})
