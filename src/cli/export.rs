@@ -16,8 +16,8 @@ Examples:
   isoslice slice ball.3mf
 
 The shape in the file is a function of nodes, not a mesh, as the implicit
-extension of 3MF has it. Few other programs read that. Meshes that the model
-reads go along; drawings, pictures and other data cannot.";
+extension of 3MF has it. Few other programs read that. Meshes, pictures and
+volumes that the model reads go along; drawings and other data cannot.";
 
 /// Arguments of `isoslice export`.
 #[derive(Args, Debug)]

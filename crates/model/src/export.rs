@@ -8,10 +8,10 @@ use isoslice_threemf::{ExportError, Part, write};
 
 impl Model {
     /// The bytes of a 3MF file that has the model as a function of nodes, and its
-    /// meshes beside it. Equal models have equal bytes.
+    /// meshes, pictures and volumes beside it. Equal models have equal bytes.
     ///
     /// # Errors
-    /// If the function has something for which 3MF has no node, such as pictures
+    /// If the function has something for which 3MF has no node, such as drawings
     /// and `rand`, or more nodes than are read again.
     pub fn to_3mf(&self) -> Result<Vec<u8>, ExportError> {
         write(&Part {

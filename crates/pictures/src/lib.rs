@@ -27,6 +27,7 @@ mod npy;
 mod numbers;
 mod picture;
 mod samples;
+mod sheets;
 mod stream;
 #[cfg(test)]
 mod testing;
@@ -37,6 +38,7 @@ pub use lattice::{Border, Interpolation};
 pub use numbers::Numbers;
 pub use picture::{Picture, PictureOptions, TransparentAs};
 pub use samples::{Between, Samples, SamplesOptions};
+pub use sheets::Sheets;
 pub use volume::{Axes, Volume, VolumeOptions};
 
 /// The most memory that the numbers of one file may take, bytes: a volume of

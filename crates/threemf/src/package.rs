@@ -9,7 +9,7 @@ use zip::result::ZipError;
 
 /// Greatest number of files in an archive. Projects have a dozen, and a few for
 /// each object.
-const MOST_FILES: usize = 10_000;
+pub(crate) const MOST_FILES: usize = 10_000;
 /// Greatest length of all files that are read, unpacked, bytes. As many triangles
 /// as are allowed take 5 GB.
 const MOST_BYTES: u64 = 8 << 30;

@@ -62,7 +62,8 @@ impl Layout {
         }
     }
 
-    fn at(&self, [i, j, k]: [usize; 3]) -> usize {
+    /// The place of a sample in memory.
+    pub(crate) fn at(&self, [i, j, k]: [usize; 3]) -> usize {
         let [a, b, c] = self.steps;
         let step = i as isize * a + j as isize * b + k as isize * c;
         self.start.wrapping_add_signed(step)
@@ -92,6 +93,14 @@ impl Grid {
 
     fn bytes(&self) -> usize {
         self.numbers.bytes() + self.values.bytes()
+    }
+
+    pub(crate) fn numbers(&self) -> &Numbers {
+        &self.numbers
+    }
+
+    pub(crate) fn layout(&self) -> Layout {
+        self.layout
     }
 
     /// The number that stands for white.
@@ -145,6 +154,19 @@ impl Lattice {
 
     pub(crate) fn size(&self) -> [usize; 3] {
         self.grid.layout.size
+    }
+
+    pub(crate) fn interpolation(&self) -> Interpolation {
+        self.how
+    }
+
+    pub(crate) fn border(&self) -> [Border; 3] {
+        self.border
+    }
+
+    /// A value is a number times the first plus the second.
+    pub(crate) fn scale(&self) -> [f64; 2] {
+        self.scale
     }
 
     /// Tells all on which it depends.

@@ -15,6 +15,7 @@ use crate::error::{DataError, Problem};
 use crate::lattice::{Border, Grid, Interpolation, Lattice, Layout, Place};
 use crate::npy;
 use crate::numbers::{Numbers, count};
+use crate::sheets::Sheets;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use isocontour::{Bounds, Data};
 use std::sync::Arc;
@@ -181,6 +182,11 @@ impl Picture {
             },
             size_mm,
         })
+    }
+
+    /// Its pixels, as one sheet.
+    pub fn sheets(&self) -> Sheets<'_> {
+        Sheets::of_place(&self.place)
     }
 
     /// Width and height, mm.

@@ -10,6 +10,7 @@ use crate::error::{DataError, Problem};
 use crate::lattice::{Border, Grid, Interpolation, Lattice, Layout, Place};
 use crate::npy;
 use crate::numbers::Numbers;
+use crate::sheets::Sheets;
 use glam::{DAffine3, DMat3, DVec3};
 use isocontour::{Bounds, Data};
 use std::sync::Arc;
@@ -162,6 +163,11 @@ impl Volume {
     /// How many samples there are along each axis.
     pub fn samples(&self) -> [usize; 3] {
         self.place.lattice.size()
+    }
+
+    /// Its samples, as a sheet for each along the third axis.
+    pub fn sheets(&self) -> Sheets<'_> {
+        Sheets::of_place(&self.place)
     }
 
     /// The box around all samples, mm.

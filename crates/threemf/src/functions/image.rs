@@ -17,7 +17,7 @@ use png::{BitDepth, Decoder, Limits, Transformations};
 use std::io::{Cursor, Read, Seek};
 
 /// Greatest number of pixels of a stack. Each takes two bytes.
-const MOST_PIXELS: usize = 1 << 28;
+pub(crate) const MOST_PIXELS: usize = 1 << 28;
 /// Greatest memory for a whole sheet, bytes.
 const MOST_DECODED: usize = 1 << 29;
 /// Greatest length of a sheet's file, bytes.

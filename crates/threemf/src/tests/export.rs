@@ -7,6 +7,10 @@ use fidget::context::{BinaryOpcode, Context, Tree, TreeOp, UnaryOpcode};
 use fidget::var::Var;
 use isocontour::{Data, call, nodes_of};
 use isoslice_mesh::{Mesh, Strut, Struts, Triangles};
+use isoslice_pictures::{
+    Border, Interpolation, Numbers, Picture, PictureOptions, Volume,
+    VolumeOptions,
+};
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::sync::Arc;
@@ -390,6 +394,121 @@ fn meshes_are_objects_of_the_file() {
     assert_eq!(body.data.len(), 1);
     let places = places();
     assert_eq!(values(&body.tree, &places), values(&tree, &places));
+}
+
+const BORDERS: [Border; 3] = [Border::Clamp, Border::Repeat, Border::Mirror];
+
+/// A picture of 4 × 3 pixels, 6 mm wide.
+fn picture(numbers: Numbers, how: Interpolation, border: Border) -> Picture {
+    let options = PictureOptions {
+        width_mm: Some(6.0),
+        interpolation: how,
+        border: [border, Border::Mirror],
+        ..PictureOptions::default()
+    };
+    Picture::from_numbers("p.png", [4, 3], numbers, &options).unwrap()
+}
+
+/// A turned volume of 2 × 3 × 4 samples.
+fn volume(interpolation: Interpolation, border: Border) -> Volume {
+    let header = "NRRD0005\ntype: int16\ndimension: 3\nsizes: 2 3 4\n\
+        encoding: raw\nendian: little\nspace dimension: 3\n\
+        space origin: (-1, 0.5, 2)\n\
+        space directions: (0.6,0.8,0) (-0.8,0.6,0) (0,0.25,1.5)\n\n";
+    let numbers = (0..24).flat_map(|n: i16| (731 * n - 9000).to_le_bytes());
+    let bytes: Vec<u8> = header.bytes().chain(numbers).collect();
+    let options = VolumeOptions {
+        interpolation,
+        border: [border; 3],
+        ..VolumeOptions::default()
+    };
+    Volume::read("v.nrrd", &bytes, &options).unwrap()
+}
+
+#[test]
+fn pictures_and_volumes_are_stacks_of_sheets() {
+    let narrow: Vec<u8> = (0..12).map(|n| n * 21).collect();
+    let wide = narrow.iter().map(|n| 200 * u16::from(*n)).collect();
+    let all = [Numbers::U8(narrow), Numbers::U16(wide)];
+    let (x, y, z) = Tree::axes();
+    // Nothing is half-way between samples there, where the nearest one may
+    // be either.
+    let place =
+        |i: u32| [7, 13, 29].map(|k| (i * k % 101) as f32 / 4.07 - 11.03);
+    let places: Vec<[f32; 3]> = (0..101).map(place).collect();
+    for (how, border) in [Interpolation::Linear, Interpolation::Nearest]
+        .into_iter()
+        .flat_map(|how| BORDERS.map(|border| (how, border)))
+    {
+        for (data, span) in [
+            (
+                Arc::new(picture(all[0].clone(), how, border)) as Arc<dyn Data>,
+                1.0,
+            ),
+            (Arc::new(picture(all[1].clone(), how, border)), 1.0),
+            (Arc::new(volume(how, border)), 16_813.0),
+        ] {
+            let here = call(&data, [x.clone(), y.clone(), z.clone()]);
+            let there = call(&data, [y.clone() * 0.5, z.clone(), x.clone()]);
+            let tree = here - there;
+            let bytes = written(&tree).unwrap();
+            assert_eq!(bytes, written(&tree).unwrap());
+            let body = of(&bytes).unwrap();
+            // Both calls read the same sheets.
+            assert_eq!(body.data.len(), 1);
+            let (own, read) =
+                (values(&tree, &places), values(&body.tree, &places));
+            for (i, (a, b)) in own.into_iter().zip(read).enumerate() {
+                let [a, b] = [a, b].map(f64::from);
+                assert!(
+                    (a - b).abs() < 1e-5 * span,
+                    "{how:?} {border:?} {span} {:?}: {a} {b}",
+                    places[i]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn pictures_for_which_there_is_no_stack_are_refused_with_the_reason() {
+    let whole = Numbers::U8(vec![1; 12]);
+    let floats = Numbers::F32(vec![0.5; 12]);
+    for (numbers, how, why) in [
+        (
+            whole,
+            Interpolation::Cubic,
+            "which is cubic between its samples",
+        ),
+        (
+            floats,
+            Interpolation::Linear,
+            "which has numbers with fractions",
+        ),
+    ] {
+        let data: Arc<dyn Data> =
+            Arc::new(picture(numbers, how, Border::Clamp));
+        let (x, y, z) = Tree::axes();
+        let said = written(&call(&data, [x, y, z])).unwrap_err().to_string();
+        let begins = format!("it reads image(\"p.png\"), {why}");
+        assert!(said.starts_with(&begins), "{said}");
+    }
+    // As many sheets as an archive may have files.
+    let tall = |count: usize| {
+        let numbers = Numbers::U8(vec![7; count]);
+        let options = VolumeOptions::default();
+        let shape = [1, 1, count];
+        Volume::from_numbers("v", &shape, numbers, &options).unwrap()
+    };
+    let (x, y, z) = Tree::axes();
+    for (count, fits) in [(9996, true), (9997, false)] {
+        let data: Arc<dyn Data> = Arc::new(tall(count));
+        let bytes = written(&call(&data, [x.clone(), y.clone(), z.clone()]));
+        assert_eq!(
+            bytes.as_ref().ok().map(|b| of(b).is_ok()),
+            fits.then_some(true)
+        );
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::functions::graph::MOST_NODES;
 use crate::model::MOST_SHAPES;
+use crate::package::MOST_FILES;
 use isocontour::{Cancelled, ExpandError};
 use std::io;
 
@@ -39,16 +40,27 @@ pub enum ExportError {
     NotFinite(f32),
     /// There is data for which there is no node.
     #[error(
-        "it reads {0}, and functions of 3MF files have nodes for meshes only; \
-         leave it out, or put a formula or a mesh in its place"
+        "it reads {0}, and functions of 3MF files have nodes for meshes, \
+         pictures and volumes only; leave it out, or put a formula or a mesh in \
+         its place"
     )]
     Data(String),
-    /// There are too many meshes.
+    /// A picture or a volume is of a kind for which there is no stack.
+    #[error("it reads {0}, which {1}")]
+    Picture(String, &'static str),
+    /// There are too many meshes, pictures and volumes.
     #[error(
-        "it has more than {0} meshes, and no function of a 3MF file with more \
-         is read; join them in the program that made them"
+        "it has more than {0} meshes, pictures and volumes, and no function of a \
+         3MF file with more is read; join them in the program that made them"
     )]
-    TooManyMeshes(usize),
+    TooMuchData(usize),
+    /// The sheets of pictures and volumes are more than what is read again.
+    #[error(
+        "its pictures and volumes take more than {MOST_FILES} files or a \
+         thousand million samples together, and no 3MF file with more is read; \
+         scale them down"
+    )]
+    TooManySheets,
     /// The meshes are larger than what is read again.
     #[error(
         "its meshes have more than {} million vertices and triangles together, \

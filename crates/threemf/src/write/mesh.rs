@@ -2,8 +2,9 @@
 
 use super::error::ExportError;
 use glam::DVec3;
-use isocontour::Bounds;
+use isocontour::{Bounds, Data};
 use isoslice_mesh::Mesh;
+use std::any::Any;
 use std::io::Write;
 
 /// Lines between two questions whether to go on.
@@ -22,6 +23,12 @@ pub(crate) const SIDES: [[u32; 4]; 6] = [
 
 /// Number of vertices and triangles of a box.
 pub(super) const CUBOID: usize = 8 + 2 * SIDES.len();
+
+/// The mesh that data is, if it is one.
+pub(super) fn mesh_of(data: &dyn Data) -> Option<&Mesh> {
+    let data: &dyn Any = data;
+    data.downcast_ref()
+}
 
 /// Writes a box.
 pub(super) fn cuboid(

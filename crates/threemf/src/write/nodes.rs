@@ -19,14 +19,14 @@
 //! The reader makes the operations of these nodes again.
 
 use super::error::ExportError;
+use super::mesh::mesh_of;
+use super::picture::{self, sheets_of};
 use crate::functions::graph::MOST_NODES;
 use crate::functions::op;
 use crate::leaves;
 use fidget::context::{BinaryOpcode, Context, Node, Op, UnaryOpcode};
 use fidget::var::Var;
 use isocontour::{Call, Data, call_of, nodes_of};
-use isoslice_mesh::Mesh;
-use std::any::Any;
 use std::collections::HashMap;
 use std::fmt::{self, Write};
 use std::sync::Arc;
@@ -45,6 +45,8 @@ pub(super) enum Output {
     Result(usize),
     /// The distance to a mesh.
     Distance(usize),
+    /// The value of a picture.
+    Red(usize),
 }
 
 impl fmt::Display for Output {
@@ -54,6 +56,7 @@ impl fmt::Display for Output {
             Output::Value(n) => write!(f, "n{n}.value"),
             Output::Result(n) => write!(f, "n{n}.result"),
             Output::Distance(n) => write!(f, "n{n}.distance"),
+            Output::Red(n) => write!(f, "n{n}.red"),
         }
     }
 }
@@ -64,23 +67,32 @@ pub(super) struct Nodes {
     pub text: String,
     /// The output that is the function's value.
     pub value: Output,
-    /// The meshes that it asks for. The first has the number `first_mesh`.
-    pub meshes: Vec<Arc<dyn Data>>,
+    /// The data that it asks for.
+    pub resources: Vec<Resource>,
+    /// The number that the next resource may have.
+    pub next_id: usize,
+}
+
+/// Data that a function asks for.
+pub(super) struct Resource {
+    /// Its number. That of the function of a picture is the next one.
+    pub id: usize,
+    pub data: Arc<dyn Data>,
 }
 
 impl Nodes {
-    /// The nodes of an expression. Its meshes are numbered from `first_mesh` on.
+    /// The nodes of an expression. Its data is numbered from `first_id` on.
     pub(super) fn new(
         context: &Context,
         root: Node,
-        first_mesh: usize,
+        first_id: usize,
     ) -> Result<Nodes, ExportError> {
         let mut writing = Writing {
             context,
-            first_mesh,
+            next_id: first_id,
             text: String::new(),
             count: 1,
-            meshes: Vec::new(),
+            resources: Vec::new(),
             values: HashMap::new(),
             known: HashMap::new(),
         };
@@ -97,24 +109,19 @@ impl Nodes {
         Ok(Nodes {
             text: writing.text,
             value,
-            meshes: writing.meshes,
+            resources: writing.resources,
+            next_id: writing.next_id,
         })
-    }
-
-    /// The mesh that data is, if it is one.
-    pub(super) fn mesh_of(data: &Arc<dyn Data>) -> Option<&Mesh> {
-        let data: &dyn Any = &**data;
-        data.downcast_ref()
     }
 }
 
 struct Writing<'a> {
     context: &'a Context,
-    first_mesh: usize,
+    next_id: usize,
     text: String,
     /// Number of nodes so far.
     count: usize,
-    meshes: Vec<Arc<dyn Data>>,
+    resources: Vec<Resource>,
     /// Constants, by their bits.
     values: HashMap<u32, Output>,
     /// Nodes by their kind and inputs, so that there is one of each.
@@ -236,37 +243,70 @@ impl Writing<'_> {
         self.node("select", &[zero, size, then, other])
     }
 
-    /// The distance to a mesh at a place.
+    /// What data is at a place.
     fn call(
         &mut self,
         data: &Arc<dyn Data>,
         at: [Output; 3],
     ) -> Result<Output, ExportError> {
-        if Nodes::mesh_of(data).is_none() {
+        if mesh_of(&**data).is_some() {
+            let resource = self.resource(data, 1)?;
+            let place = self.place(at)?;
+            let n = self.next()?;
+            put(
+                &mut self.text,
+                format_args!(
+                    "<i:mesh identifier=\"n{n}\"><i:in><i:vectorref \
+                     identifier=\"pos\" ref=\"{place}\"/><i:resourceref \
+                     identifier=\"mesh\" ref=\"{resource}\"/></i:in><i:out>\
+                     <i:scalar identifier=\"distance\"/></i:out></i:mesh>\n"
+                ),
+            );
+            return Ok(Output::Distance(n));
+        }
+        let Some(sheets) = sheets_of(&**data) else {
             return Err(ExportError::Data(data.name().to_owned()));
-        }
-        let is_same = |d: &Arc<dyn Data>| Arc::ptr_eq(d, data);
-        let number = self.meshes.iter().position(is_same);
-        let number = number.unwrap_or_else(|| {
-            self.meshes.push(data.clone());
-            self.meshes.len() - 1
-        });
-        if self.meshes.len() > leaves::MOST {
-            return Err(ExportError::TooManyMeshes(leaves::MOST));
-        }
-        let place = self.place(at)?;
-        let mesh = self.resource(self.first_mesh + number)?;
+        };
+        picture::check(data.name(), &sheets)?;
+        let resource = self.resource(data, 2)?;
+        let [u, v, w] = picture::rows(&sheets).map(|row| self.row(row, at));
+        let place = self.place([u?, v?, w?])?;
         let n = self.next()?;
         put(
             &mut self.text,
             format_args!(
-                "<i:mesh identifier=\"n{n}\"><i:in><i:vectorref \
+                "<i:functioncall identifier=\"n{n}\"><i:in><i:vectorref \
                  identifier=\"pos\" ref=\"{place}\"/><i:resourceref \
-                 identifier=\"mesh\" ref=\"{mesh}\"/></i:in><i:out><i:scalar \
-                 identifier=\"distance\"/></i:out></i:mesh>\n"
+                 identifier=\"functionID\" ref=\"{resource}\"/></i:in><i:out>\
+                 <i:scalar identifier=\"red\"/></i:out></i:functioncall>\n"
             ),
         );
-        Ok(Output::Distance(n))
+        Ok(Output::Red(n))
+    }
+
+    /// A coordinate times each of three numbers, and a fourth.
+    fn row(
+        &mut self,
+        [a, b, c, d]: [f32; 4],
+        [x, y, z]: [Output; 3],
+    ) -> Result<Output, ExportError> {
+        let mut sum = None;
+        for (factor, by) in [(a, x), (b, y), (c, z)] {
+            if factor == 0.0 {
+                continue;
+            }
+            let factor = self.value(factor)?;
+            let term = self.node("multiplication", &[by, factor])?;
+            sum = Some(match sum {
+                None => term,
+                Some(sum) => self.node("addition", &[sum, term])?,
+            });
+        }
+        let offset = self.value(d)?;
+        match sum {
+            None => Ok(offset),
+            Some(sum) => self.node("addition", &[sum, offset]),
+        }
     }
 
     /// The vector of three coordinates.
@@ -284,8 +324,26 @@ impl Writing<'_> {
         Ok(format!("n{n}.result"))
     }
 
-    /// The number of a resource.
-    fn resource(&mut self, id: usize) -> Result<String, ExportError> {
+    /// The number of the last of the resources that data takes.
+    fn resource(
+        &mut self,
+        data: &Arc<dyn Data>,
+        takes: usize,
+    ) -> Result<String, ExportError> {
+        let is_same = |r: &&Resource| Arc::ptr_eq(&r.data, data);
+        let known = self.resources.iter().find(is_same).map(|r| r.id);
+        let first = known.unwrap_or(self.next_id);
+        if known.is_none() {
+            if self.resources.len() >= leaves::MOST {
+                return Err(ExportError::TooMuchData(leaves::MOST));
+            }
+            self.next_id += takes;
+            self.resources.push(Resource {
+                id: first,
+                data: data.clone(),
+            });
+        }
+        let id = first + takes - 1;
         let n = self.next()?;
         put(
             &mut self.text,
