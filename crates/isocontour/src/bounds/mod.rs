@@ -15,7 +15,8 @@
 //! `undefined` finds out whether f is NaN, and which operation makes it so.
 //!
 //! Where the budget ends, the boxes that are left are looked at by points, close
-//! enough for all that can be printed.
+//! enough for all that can be printed. If these boxes are too many, all of the
+//! region is looked at so, in columns as close as the budget permits.
 //!
 //! Guarantees: the result is deterministic (the budget counts operations, not
 //! time), there is no recursion, and the budget bounds the memory. A side that

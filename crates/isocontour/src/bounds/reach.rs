@@ -192,6 +192,8 @@ impl Search<'_> {
             if self.scratch.work > stop {
                 let (reach, program) = (c.reach, c.program.clone());
                 queue.push(c);
+                let hull = queue.iter().map(|c| c.cell);
+                let hull = hull.reduce(|a, b| a.joined(&b));
                 let boxes = queue.into_iter().map(|c| (c.cell, c.program));
                 let known = self.sample(side, boxes, tolerance, budget);
                 let beyond = reach >= 0.9 * self.options.limit_mm
@@ -201,7 +203,12 @@ impl Search<'_> {
                     None if self.inside.is_none() || beyond => {
                         Err(self.undecided(side, &program))
                     }
-                    None => Ok(reach),
+                    None => Ok(match (parts, hull) {
+                        ([part], Some(hull)) => self
+                            .columns(side, &hull, &part.program, tolerance)
+                            .min(reach),
+                        _ => reach,
+                    }),
                 };
             }
             let f = c.program.enclose(&c.cell, &mut self.scratch);
@@ -327,6 +334,62 @@ impl Search<'_> {
             self.look_down(side, &cell, &program, tolerance, 0.5 * PITCH);
         }
         self.inside.as_ref().map(|inside| side.reach(inside))
+    }
+
+    /// Looks for inside points in all of a box, in columns as close as the budget
+    /// permits. Returned: how far the part reaches at most, if it has nothing thinner
+    /// than the columns lie apart.
+    fn columns(
+        &mut self,
+        side: BoxSide,
+        hull: &Cell,
+        program: &Program,
+        tolerance: f64,
+    ) -> f64 {
+        /// Distances of columns, mm: a line is as thick as the least of them.
+        const PITCHES: [f64; 4] = [0.4, 0.8, 1.6, 3.2];
+        let [u, v] = [(side.axis + 1) % 3, (side.axis + 2) % 3];
+        let face = side.reach(hull);
+        let known = |search: &Self| {
+            let inside = search.inside.as_ref();
+            inside.map_or(f64::NEG_INFINITY, |inside| side.reach(inside))
+        };
+        let known_before = known(self).max(side.outward(side.inner_face(hull)));
+        let counts = |pitch: f64| {
+            [u, v].map(|axis| (hull.width(axis) / pitch).ceil().max(1.0))
+        };
+        let work = program.value_work() as f64;
+        let fits = |pitch: &f64| {
+            let [a, b] = counts(*pitch);
+            // Points lie a tenth of the way apart where that is more than the pitch.
+            let far = ((face - known_before) / pitch).max(1.0);
+            a * b * (10.0 + 10.0 * far.ln()) * work
+                < self.options.max_work as f64
+        };
+        let Some(pitch) = PITCHES.into_iter().find(fits) else {
+            return face;
+        };
+        let [across, along] = counts(pitch);
+        let before = self.scratch.work;
+        for i in 0..(across * along) as usize {
+            if self.cancel.is_asked() {
+                return face;
+            }
+            let at = [i % across as usize, i / across as usize];
+            let mut column = *hull;
+            for (axis, (k, count)) in
+                [u, v].into_iter().zip(at.into_iter().zip([across, along]))
+            {
+                let width = hull.width(axis) / count;
+                column.lo[axis] = hull.lo[axis] + k as f64 * width;
+                column.hi[axis] = column.lo[axis] + width;
+            }
+            side.clip(&mut column, known(self));
+            self.look_down(side, &column, program, tolerance, pitch);
+        }
+        // This work has a budget of its own, so that no other side lacks it.
+        self.scratch.work = before;
+        known(self) + if pitch > PITCHES[0] { pitch } else { tolerance }
     }
 
     /// Looks for the highest inside point in the middle of a column that ends
@@ -564,5 +627,33 @@ mod tests {
         search.probe(BoxSide::all()[0], &program, 1e-4, options.max_work);
         let found = search.inside.expect("a point inside").centre();
         assert!(program.value(found, &mut Scratch::default()) < 0.0);
+    }
+
+    /// A bowl in a region that is far larger, whose boxes nothing is proved of.
+    #[test]
+    fn columns_find_how_far_a_part_reaches() {
+        let (x, y, z) = Tree::axes();
+        let out = (x.square() + y.square() + z.square()).sqrt() - 9.0;
+        let bowl = out.max(z.clone() - 4.0 - 0.1 * (x * 2.0).sin());
+        let program = flattened(&bowl).unwrap();
+        let options = SearchOptions::default();
+        for (half, off) in [(30.0, 1e-3), (60.0, 1e-3), (500.0, 3.3)] {
+            for (side, true_reach) in BoxSide::all()
+                .into_iter()
+                .zip([9.0, 4.1, 9.0, 9.0, 9.0, 9.0])
+            {
+                let mut search = Search::new(&options, &Cancel::NEVER).unwrap();
+                let region = Cell {
+                    lo: [-half; 3],
+                    hi: [half; 3],
+                };
+                search.region = region;
+                search.note_inside([0.1, 0.2, 0.3]);
+                let found = search.columns(side, &region, &program, 1e-4);
+                let more = found - true_reach;
+                assert!((0.0..off).contains(&more), "{half} {found}");
+                assert_eq!(search.scratch.work, 0);
+            }
+        }
     }
 }

@@ -243,6 +243,11 @@ impl Program {
         self.steps.len() as u64 + DATA_WORK * self.data.len() as u64
     }
 
+    /// The work of a value, in operations.
+    pub(crate) fn value_work(&self) -> u64 {
+        self.work() / 8 + 1
+    }
+
     /// Number of operations.
     pub(crate) fn len(&self) -> usize {
         self.steps.len()
@@ -291,7 +296,7 @@ impl Program {
     /// Value at a point, perhaps NaN. It is NaN where another piece is the true
     /// one.
     pub(crate) fn value(&self, point: [f64; 3], scratch: &mut Scratch) -> f64 {
-        scratch.work += self.work() / 8 + 1;
+        scratch.work += self.value_work();
         let v = &mut scratch.values;
         v.clear();
         for step in self.steps.iter() {

@@ -69,8 +69,13 @@ pub(super) fn lines(layer: &Layer<'_>, families: &[Family]) -> Vec<LinePiece> {
 /// A line's threshold. The line is there if the share to be filled is more than
 /// this.
 pub(super) fn threshold(row: i64) -> f64 {
+    /// Digits that count: as many as are exact. A line whose digits are all 1, such as
+    /// the one of number −1, would have 1 or a half as its threshold if these were
+    /// rounded, and solid fill would lack it.
+    const DIGITS: u32 = f64::MANTISSA_DIGITS;
     // The digits of negative numbers go on to the left: two's complement.
-    (row as u64).reverse_bits() as f64 / 2.0_f64.powi(64)
+    let digits = (row as u64).reverse_bits() >> (u64::BITS - DIGITS);
+    digits as f64 / 2.0_f64.powi(DIGITS as i32)
 }
 
 /// The parts of a line's piece where the share passes the line's threshold.
@@ -118,6 +123,15 @@ fn thresholded(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn solid_fill_has_all_lines_and_half_of_it_each_other_one() {
+        for row in -5000..5000 {
+            assert!(threshold(row) < 1.0, "{row}");
+            assert_eq!(threshold(row) < 0.5, row % 2 == 0, "{row}");
+            assert_eq!(threshold(row) < 0.25, row % 4 == 0, "{row}");
+        }
+    }
 
     #[test]
     fn a_share_takes_that_share_of_the_lines() {

@@ -9,7 +9,7 @@ use super::plan::{Look, SkinPlan};
 use super::roles::Sides;
 use super::strokes::strokes;
 use super::zigzag::{Joined, Turns, join};
-use super::{Fill, Patch, dabs, sweep};
+use super::{Fill, Patch, dabs, hung, sweep};
 use crate::cover::Covered;
 use crate::cover::neighbour::Neighbour;
 use crate::view::LayerFace;
@@ -83,7 +83,7 @@ impl Filler<'_> {
             return None;
         }
         if let Some(nested) = self.nested(island, sides) {
-            return (!nested.rings.is_empty()).then_some(nested);
+            return nested.first().is_some().then_some(nested);
         }
         let ring = self.beside(self.plan.internal.width);
         let mut around = patch(island, ring, TOLERANCE);
@@ -113,8 +113,8 @@ impl Filler<'_> {
     }
 
     /// The beads of an island that is nowhere wider than some lines: rings one
-    /// inside the other. There are none if the island is wider, if its parts
-    /// are to look different, or if it hangs, as bridges run across.
+    /// inside the other, those that hang last. There are none if the island is
+    /// wider, if its parts are to look different, or if bridges run across.
     fn nested(&self, island: &Area, sides: Sides<'_>) -> Option<Patch> {
         let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
         let looks = kinds.map(|role| self.plan.look(role));
@@ -143,12 +143,25 @@ impl Filler<'_> {
         let strokes = concentric(island, lay, TOLERANCE);
         let strokes = dabs::filling(strokes, island.content(), lay.extra);
         let strokes = strokes.into_iter();
-        let rings = strokes.map(|l| self.bead(role(&l), l));
+        let rings = strokes.map(|l| self.bead(role(&l), l)).collect();
+        let (rings, mut fills) = match self.over_air(sides) {
+            Some(below) => {
+                let below = below.near(island);
+                hung::apart(rings, &EdgeGrid::new(&below, look.width))
+            }
+            None => (rings, Vec::new()),
+        };
         let whole = || offset(island, -lay.inner, TOLERANCE);
-        Some(Patch {
-            rings: rings.collect(),
-            fills: self.ironing(whole, sides).into_iter().collect(),
-        })
+        fills.extend(self.ironing(whole, sides));
+        Some(Patch { rings, fills })
+    }
+
+    /// The layer below, if there may be bridges over what it leaves open.
+    fn over_air(&self, sides: Sides<'_>) -> Option<&Neighbour<'_>> {
+        let may_hang = self.plan.bridges
+            && !self.on_bed
+            && sides.below.0 != Covered::Wholly;
+        self.below.get().filter(|_| may_hang)
     }
 
     /// True if sparse infill touches no more than the ends of a strip of skin.
@@ -168,15 +181,11 @@ impl Filler<'_> {
 
     /// The bridges of an area, and what they leave of it.
     fn bridged(&self, area: &Area, sides: Sides<'_>) -> (Vec<Bridge>, Area) {
-        match self.below.get() {
-            Some(below)
-                if self.plan.bridges
-                    && !self.on_bed
-                    && sides.below.0 != Covered::Wholly =>
-            {
+        match self.over_air(sides) {
+            Some(below) => {
                 bridges(area, below, self.plan.bottom.width, self.plan.anchor)
             }
-            _ => (Vec::new(), area.clone()),
+            None => (Vec::new(), area.clone()),
         }
     }
 

@@ -10,7 +10,8 @@
 //!
 //! Lines go on in their neighbours over narrow turns ([`zigzag`]). An area that
 //! is nowhere wider than some lines gets no lines: it gets rings one inside the
-//! other, and beads in the middle.
+//! other, and beads in the middle. Where these hang, they are laid from what holds
+//! them outwards ([`hung`]).
 //!
 //! Inside the ring the area is split by what the neighbouring layers leave
 //! open. It has bridges where it hangs between supports, then bottom, top and
@@ -23,6 +24,7 @@ mod dabs;
 mod direction;
 mod fill;
 mod gaps;
+mod hung;
 pub mod internal_bridges;
 mod plan;
 mod roles;

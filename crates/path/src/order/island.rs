@@ -20,6 +20,8 @@ pub(super) struct Inside {
     /// Walls, gaps and infill, each with its stage.
     jobs: Vec<(u32, Job)>,
     skin: Vec<Patch>,
+    /// Walls that nothing but the skin beside them holds.
+    after_skin: Vec<(u32, Job)>,
 }
 
 impl Inside {
@@ -34,7 +36,7 @@ impl Inside {
         };
         // Walls that pass no seam have a stage of their own, before all loops or
         // after them.
-        let jobs = &mut inside.jobs;
+        let has_skin = !inside.skin.is_empty();
         let stage = |inner_first| if inner_first { 0 } else { 2 };
         let away_stage = stage(plan.inner_first);
         for mut group in island.loops {
@@ -42,7 +44,10 @@ impl Inside {
             let is_low = |wall: &mut Bead| wall.plane == Plane::HalfLower;
             let walls = group.walls.extract_if(.., is_low);
             inside.low.extend(walls.map(Job::of));
-            let mut inner_first = plan.inner_first;
+            let after_skin =
+                has_skin && context.hangs_around_hole(&group.walls);
+            // The inner ones lie along the skin.
+            let mut inner_first = plan.inner_first || after_skin;
             if plan.inner_first_at_overhangs || plan.turns_overhangs {
                 let hangs =
                     group.walls.first().is_some_and(|w| context.hangs(w));
@@ -54,12 +59,18 @@ impl Inside {
             }
             let (job, away) =
                 loop_job(group, inner_first, plan.begins_anywhere);
+            let jobs = if after_skin {
+                &mut inside.after_skin
+            } else {
+                &mut inside.jobs
+            };
             jobs.extend(job.map(|job| (1, job)));
             let stage = stage(inner_first);
             jobs.extend(away.into_iter().map(|b| (stage, Job::of(b))));
         }
         // If there are such walls, gaps lie between them. Otherwise gaps can be
         // filled on the way through the infill.
+        let jobs = &mut inside.jobs;
         let gap_stage = if jobs.iter().any(|j| j.0 == away_stage) {
             away_stage
         } else {
@@ -98,6 +109,7 @@ impl Inside {
             low: Vec::new(),
             jobs,
             skin: std::mem::take(&mut self.skin),
+            after_skin: std::mem::take(&mut self.after_skin),
         };
         // The others are put in order once more when it is known where the head
         // comes from. Where they end now is a good guess of where they will end.
@@ -121,7 +133,11 @@ impl Inside {
             return print(jobs, at, to, out);
         }
         print(jobs, at, None, out);
-        print_skin(skin, at, to, out);
+        if self.after_skin.is_empty() {
+            return print_skin(skin, at, to, out);
+        }
+        print_skin(skin, at, None, out);
+        print(self.after_skin, at, to, out);
     }
 }
 

@@ -6,7 +6,8 @@
 //! the head comes from. So an order depends on no more than the layer and the end
 //! of the layer below. Islands are finished one at a time. Within an island the
 //! walls come first, then gap fill and sparse infill, then skin, each on a
-//! short tour (`tour`) that begins where the tour before ends.
+//! short tour (`tour`) that begins where the tour before ends. Walls around a hole
+//! that hang all along come last, since the skin beside them holds them.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -45,6 +46,7 @@ use isoslice_layer::skin::Patch;
 use isoslice_layer::view::LayerFace;
 use isoslice_layer::walls::Support;
 use isoslice_planar::bead::{Bead, Role};
+use isoslice_planar::signed_area;
 pub use link::linked;
 pub use plan::OrderPlan;
 pub use supports::supports_last;
@@ -107,6 +109,16 @@ impl Context<'_> {
     /// True if an outer wall hangs somewhere, and so does what is beside it.
     fn hangs(&self, outer: &Bead) -> bool {
         self.support.is_some_and(|support| support.hangs(outer))
+    }
+
+    /// True if all walls around a hole hang all along, as where a bore begins in the
+    /// ceiling of a wider hole.
+    fn hangs_around_hole(&self, walls: &[Bead]) -> bool {
+        let is_hole = walls.first().is_some_and(|outer| {
+            outer.stroke.closed && signed_area(&outer.stroke.points) < 0.0
+        });
+        let hangs = |s: &Support| walls.iter().all(|w| s.hangs_all_along(w));
+        is_hole && self.support.is_some_and(hangs)
     }
 }
 

@@ -167,7 +167,11 @@ impl Body {
         let shares = looks.map(|look| (look / all.clone()).min(1.0));
         let [a, b, c] = shares;
         let [p, q, r] = pictures;
-        a * p + b * q + c * r
+        let least = p.clone().min(q.clone()).min(r.clone());
+        let most = p.clone().max(q.clone()).max(r.clone());
+        // A mean lies between the least and the most. The ranges of the shares do not
+        // say so.
+        (a * p + b * q + c * r).max(least).min(most)
     }
 
     /// The body as seen from a place that was moved level to just below the

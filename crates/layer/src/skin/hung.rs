@@ -1,0 +1,110 @@
+//! Rings of skin over nothing that no lines can bridge, as in the ceiling of a
+//! counterbore.
+//!
+//! ```text
+//!   ▒▒▒▒▒▒▒▒│           ▒ what the layer below holds; rings that lie on it come
+//!   ▒▒═══1══│═2═ ═3═ ○  first, then one beside the other, so that each is laid
+//!   ▒▒▒▒▒▒▒▒│           along one that is there
+//! ```
+//!
+//! In: rings, and the layer below. Out: those that are held, and those that hang,
+//! in print order and with a bridge's speed and fan.
+
+use super::Fill;
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::bead::{Bead, Role, Stroke};
+use isoslice_planar::grid::EdgeGrid;
+use std::collections::BTreeMap;
+
+/// Share of a ring's length from which on it counts as hanging.
+const MOST: f64 = 0.5;
+/// A place hangs if it lies farther beyond what is below than so many widths: a
+/// quarter of the bead, or less, then lies on that.
+const BEYOND: f64 = 0.25;
+
+/// The rings that lie on the layer below, which `below` holds, and the others: those
+/// nearest to it first.
+pub(super) fn apart(
+    rings: Vec<Bead>,
+    below: &EdgeGrid,
+) -> (Vec<Bead>, Vec<Fill>) {
+    let mut held = Vec::with_capacity(rings.len());
+    // By their distance from what is below, in widths.
+    let mut hung: BTreeMap<u32, Vec<Bead>> = BTreeMap::new();
+    for bead in rings {
+        let width = bead.stroke.width;
+        match distance(&bead.stroke, below) {
+            Some(far) if bead.role == Role::BottomSkin => {
+                let bead = Bead {
+                    role: Role::Bridge,
+                    ..bead
+                };
+                hung.entry((far / width) as u32).or_default().push(bead);
+            }
+            _ => held.push(bead),
+        }
+    }
+    let fill = |lines| Fill {
+        lines,
+        after: Vec::new(),
+        one_way: Vec::new(),
+    };
+    (held, hung.into_values().map(fill).collect())
+}
+
+/// The mean distance of a ring from what is below, if most of the ring hangs.
+fn distance(stroke: &Stroke, below: &EdgeGrid) -> Option<Mm> {
+    let least = BEYOND * stroke.width;
+    let far = |p: DVec2| {
+        let hangs =
+            !below.contains(p) && below.nearest_edge(p, least).is_none();
+        // Beyond a layer without any edge nothing is near.
+        let far = || below.foot(p).map_or(f64::MAX, |(_, q)| p.distance(q));
+        hangs.then(far)
+    };
+    let (mut hanging, mut length, mut sum) = (0.0, 0.0, 0.0);
+    for (a, b) in stroke.segments() {
+        let own = a.distance(b);
+        length += own;
+        if let Some(far) = far(a.midpoint(b)) {
+            hanging += own;
+            sum += far * own;
+        }
+    }
+    (hanging > MOST * length).then(|| sum / hanging)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice_planar::clip::difference;
+    use isoslice_planar::shapes::{circle, disc, rect};
+
+    #[test]
+    fn rings_over_a_hole_are_laid_from_its_rim_inwards() {
+        let below = difference(&rect(-9.0, -9.0, 9.0, 9.0), &disc(4.0, 100));
+        let below = EdgeGrid::new(&below, 0.5);
+        let ring = |radius: Mm| {
+            let stroke = Stroke::new(circle(radius, 100), true, 0.45);
+            Bead::new(Role::BottomSkin, stroke, 0.2)
+        };
+        // The one at 3.95 mm lies on the rim for the most part.
+        let radii = [2.2, 3.0, 3.95, 4.6, 3.45];
+        let (held, hung) = apart(radii.map(ring).to_vec(), &below);
+        let size = |bead: &Bead| bead.stroke.points[0].length();
+        assert_eq!(held.iter().map(size).collect::<Vec<_>>(), [3.95, 4.6]);
+        let sizes: Vec<f64> =
+            hung.iter().flat_map(|f| &f.lines).map(size).collect();
+        assert_eq!(sizes, [3.45, 3.0, 2.2]);
+        let all = hung.iter().flat_map(|f| &f.lines);
+        assert!(all.clone().all(|b| b.role == Role::Bridge));
+        assert_eq!(hung.len(), 3);
+        // What is skin for another reason stays what it is.
+        let inside = Bead {
+            role: Role::InternalSkin,
+            ..ring(3.0)
+        };
+        assert_eq!(apart(vec![inside.clone()], &below).0, [inside]);
+    }
+}
