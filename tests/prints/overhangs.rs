@@ -220,3 +220,48 @@ fn what_lies_over_a_support_counts_half() {
     let half = |s: &f64| (19.0..21.0).contains(s);
     assert!(!held.is_empty() && held.iter().all(half), "{held:?}");
 }
+
+/// A plate with a pocket for the head of a screw from below, and a bore for the
+/// screw.
+const COUNTERBORE: &str = "max(max(max(abs(x), abs(y)) - 12, abs(z - 4) - 4), \
+    -min(sqrt(x^2 + y^2) - 1.7, max(sqrt(x^2 + y^2) - 4, z - 3)))";
+
+#[test]
+fn the_ceiling_of_a_pocket_is_laid_from_its_rim_to_the_bore() {
+    const BRIDGE: &str = "Bridge infill";
+    for order in ["outer-first", "inner-first"] {
+        let settings = common::settings(&[&format!("wall_order={order}")]);
+        let model = formula(COUNTERBORE, &settings);
+        let gcode = common::slice(&model, &settings, 2).0;
+        let layers = parse(&gcode);
+        let above = |l: &&Layer| (l.z - 3.2).abs() < 1e-6;
+        let ceiling = layers.iter().find(above).unwrap();
+        // What hangs: its role, and how far its middle is from the bore's.
+        let hangs: Vec<(&str, f64)> = ceiling
+            .prints()
+            .map(|m| {
+                let (a, b) = m.ends();
+                let out = 0.5 * (a + b) - DVec2::splat(110.0);
+                (m.role, out.length())
+            })
+            .filter(|(_, out)| *out < 3.8)
+            .collect();
+        let walls = hangs.iter().position(|h| h.0 == OVERHANG).unwrap();
+        let (skin, walls) = hangs.split_at(walls);
+        let laid = |role: &'static str| move |h: &&(&str, f64)| h.0 == role;
+        assert!(walls.iter().all(|h| h.0 != BRIDGE), "{order}: {hangs:?}");
+        assert!(skin.iter().filter(laid(BRIDGE)).count() > 20, "{skin:?}");
+        // Ring after ring, each nearer to the bore; then its walls, the outer one
+        // last.
+        for part in [
+            skin.iter().filter(laid(BRIDGE)).collect::<Vec<_>>(),
+            walls.iter().filter(laid(OVERHANG)).collect(),
+        ] {
+            for pair in part.windows(2) {
+                assert!(pair[1].1 < pair[0].1 + 0.1, "{order}: {part:?}");
+            }
+        }
+        let (_, last) = walls.last().unwrap();
+        assert!((last - 1.925).abs() < 0.05, "{order}: {last}");
+    }
+}

@@ -13,6 +13,8 @@ pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 /// An array. Numbers are in the order of the file.
 pub(crate) struct Array {
     pub(crate) numbers: Numbers,
+    /// What stands for white in a picture, if the numbers do not tell it.
+    pub(crate) white: Option<f32>,
     /// How many there are along each axis: two or three axes.
     pub(crate) shape: Vec<usize>,
     /// Whether the first axis runs fastest, not the last.
@@ -54,14 +56,34 @@ pub(crate) fn read(bytes: &[u8]) -> Problem<Array> {
     let shape = shape(&header)?;
     let fortran = text(&header, "fortran_order")?.starts_with("True");
     let size = std::array::from_fn(|a| shape.get(a).copied().unwrap_or(1));
-    let count = count(size, kind)?;
+    let is_bool = kind == Kind::U8 && text(&header, "descr")?.contains("b1");
+    let count = count(size, if is_bool { Kind::F32 } else { kind })?;
     let data = bytes.get(end..).unwrap_or_default();
-    let numbers = stream::raw(data, kind, big, count)?;
+    let numbers = match stream::raw(data, kind, big, count)? {
+        // True is 1, in a picture as well, where 255 is white in bytes.
+        Numbers::U8(all) if is_bool => {
+            Numbers::F32(all.into_iter().map(|n| f32::from(n != 0)).collect())
+        }
+        numbers => numbers,
+    };
     Ok(Array {
         numbers,
+        white: white(kind),
         shape,
         fortran,
     })
+}
+
+/// The greatest number of a kind whose numbers are whole and kept as floating-point
+/// ones.
+fn white(kind: Kind) -> Option<f32> {
+    match kind {
+        Kind::U32 => Some(u32::MAX as f32),
+        Kind::I32 => Some(i32::MAX as f32),
+        Kind::U64 => Some(u64::MAX as f32),
+        Kind::I64 => Some(i64::MAX as f32),
+        _ => None,
+    }
 }
 
 /// What follows a key of the header.

@@ -267,10 +267,11 @@ fn of_array(array: npy::Array) -> Problem<Pixels> {
     } else {
         Layout::picture(columns, rows)
     };
-    Ok(Pixels {
-        numbers: array.numbers,
-        layout,
-    })
+    let mut numbers = array.numbers;
+    if let (Some(white), Numbers::F32(all)) = (array.white, &mut numbers) {
+        all.iter_mut().for_each(|n| *n /= white);
+    }
+    Ok(Pixels { numbers, layout })
 }
 
 /// How many pixels there are, if they are not too many.

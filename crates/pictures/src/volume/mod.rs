@@ -117,6 +117,7 @@ impl Volume {
         } else {
             let array = npy::Array {
                 numbers,
+                white: None,
                 shape: shape.to_vec(),
                 fortran: false,
             };
@@ -222,6 +223,7 @@ fn of_array(array: npy::Array, axes: Axes) -> Problem<Read> {
         numbers,
         shape,
         fortran,
+        ..
     } = array;
     if !(2..=3).contains(&shape.len()) {
         return Err(format!(

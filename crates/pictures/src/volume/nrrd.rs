@@ -128,7 +128,8 @@ impl<'a> Header<'a> {
     }
 
     /// The ways to the next sample along each axis, as far as they are told.
-    fn directions(&self, axes: usize) -> Problem<Vec<Option<DVec3>>> {
+    fn directions(&self, sizes: &[usize]) -> Problem<Vec<Option<DVec3>>> {
+        let axes = sizes.len();
         if let Some(text) = self.get("spacedirections") {
             let all = vectors(text)?;
             if all.len() == axes {
@@ -146,12 +147,45 @@ impl<'a> Header<'a> {
             let mm: f64 = text.parse().unwrap_or(f64::NAN);
             *way = mm.is_finite().then(|| axis * mm);
         }
+        // Without spacings, the ends of an axis tell them: those of its first and last
+        // sample, or of what these stand for.
+        for (axis, way) in all.iter_mut().enumerate().take(3) {
+            if let (None, Some(from), Some(to)) =
+                (&way, self.end("axismins", axis), self.end("axismaxs", axis))
+            {
+                let n = sizes[axis] as f64;
+                let steps = if self.is_cell(axis) { n } else { n - 1.0 };
+                *way = (steps > 0.0).then(|| unit[axis] * (to - from) / steps);
+            }
+        }
         Ok(all)
     }
 
-    fn origin(&self) -> Problem<DVec3> {
+    /// The end of an axis, if it is told.
+    fn end(&self, key: &str, axis: usize) -> Option<f64> {
+        let text = self.get(key)?.split_whitespace().nth(axis)?;
+        text.parse().ok().filter(|mm: &f64| mm.is_finite())
+    }
+
+    /// True if samples stand for cells whose outer sides are the ends of an axis.
+    fn is_cell(&self, axis: usize) -> bool {
+        let text = self.get("centers").or(self.get("centerings"));
+        let own = text.and_then(|text| text.split_whitespace().nth(axis));
+        own == Some("cell")
+    }
+
+    /// Where the first sample is, given the ways to the next ones.
+    fn origin(&self, ways: &[Option<DVec3>]) -> Problem<DVec3> {
         let Some(text) = self.get("spaceorigin") else {
-            return Ok(DVec3::ZERO);
+            let unit = [DVec3::X, DVec3::Y, DVec3::Z];
+            let own = |(axis, way): (usize, DVec3)| {
+                let from = self.end("axismins", axis)?;
+                let step = ways.get(axis).copied().flatten().unwrap_or(way);
+                let half = if self.is_cell(axis) { 0.5 } else { 0.0 };
+                Some(from * way + half * step)
+            };
+            let all = unit.into_iter().enumerate().filter_map(own);
+            return Ok(all.sum());
         };
         match vectors(text)?[..] {
             [Some(origin)] => Ok(origin),
@@ -230,8 +264,8 @@ pub(super) fn read(bytes: &[u8]) -> Problem<Read> {
     }
     let kind = header.kind()?;
     let sizes = header.sizes()?;
-    let ways = header.directions(sizes.len())?;
-    let (size, ways) = axes(&sizes, &ways)?;
+    let told = header.directions(&sizes)?;
+    let (size, ways) = axes(&sizes, &told)?;
     let count = count(size, kind)?;
     let big = header.get("endian").is_some_and(|e| e == "big");
     let lines = header.whole("lineskip")?;
@@ -270,7 +304,7 @@ pub(super) fn read(bytes: &[u8]) -> Problem<Read> {
         numbers,
         layout: Layout::first_fastest(size),
         scale: [1.0, 0.0],
-        lies: Some(DAffine3::from_cols(x, y, z, header.origin()? * unit)),
+        lies: Some(DAffine3::from_cols(x, y, z, header.origin(&told)? * unit)),
     })
 }
 

@@ -1,6 +1,7 @@
 use crate::testing::bounds_hold;
 use crate::{
-    Axes, Border, DataError, Interpolation, Numbers, Volume, VolumeOptions,
+    Axes, Border, DataError, Interpolation, Numbers, Picture, PictureOptions,
+    Volume, VolumeOptions,
 };
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -61,6 +62,24 @@ fn floats(big: bool) -> Vec<u8> {
         }
     };
     values().iter().flat_map(one).collect()
+}
+
+#[test]
+fn the_ends_of_a_nrrd_s_axes_tell_where_it_lies() {
+    let head = "type: float\ndimension: 3\nsizes: 24 20 16\nendian: little\n\
+        encoding: raw\naxis mins: 1 -2 0.5\n";
+    let of = |more: &str, first: DVec3, step: DVec3| {
+        let file = nrrd(&format!("{head}{more}"), &floats(false));
+        is_ball(&read(&file).unwrap(), |u| first + step * u, 1.0);
+    };
+    let first = DVec3::new(1.0, -2.0, 0.5);
+    of("spacings: 2 1 0.5", first, DVec3::new(2.0, 1.0, 0.5));
+    // From sample to sample, or from side to side.
+    let ends = "axis maxs: 24 17 8";
+    of(ends, first, DVec3::new(1.0, 1.0, 0.5));
+    let cells = format!("{ends}\ncenters: cell node cell");
+    let step = DVec3::new(23.0 / 24.0, 1.0, 7.5 / 16.0);
+    of(&cells, first + 0.5 * step * DVec3::new(1.0, 0.0, 1.0), step);
 }
 
 #[test]
@@ -214,6 +233,17 @@ fn arrays_are_read() {
     is_ball(&memory, place, 1.0);
     assert_eq!(memory.name(), "volume(\"a\")");
     // Two axes: the same at all heights.
+    // True is white in a picture, and 1 in a volume.
+    let truths = npy("|b1", "False", "(1, 3)", &[0, 1, 1]);
+    let picture = Picture::read("b.npy", &truths, &PictureOptions::default());
+    let at = DVec3::new(1.5, 0.5, 0.0);
+    assert_eq!(picture.unwrap().value(at), 1.0);
+    assert_eq!(read(&truths).unwrap().value(DVec3::Y), 1.0);
+    // Wide whole numbers are shares of the greatest one in a picture.
+    let wide = npy("<u4", "False", "(1, 2)", &[0, 0, 0, 0, 0, 0, 0, 128]);
+    let picture = Picture::read("w.npy", &wide, &PictureOptions::default());
+    assert_eq!(picture.unwrap().value(at), 0.5);
+    assert_eq!(read(&wide).unwrap().value(DVec3::Y), 2_147_483_648.0);
     let flat = npy("|u1", "False", "(2, 3)", &[1, 2, 3, 4, 5, 6]);
     let flat = read(&flat).unwrap();
     assert_eq!(flat.value(DVec3::new(1.0, 2.0, 50.0)), 6.0);

@@ -91,6 +91,24 @@ pub(super) fn area(points: &[[f64; 2]]) -> f64 {
     points.iter().zip(next).map(cross).sum()
 }
 
+/// Two sides of a polygon that cross, by the numbers of their first corners.
+pub(super) fn crossing(points: &[[f64; 2]]) -> Option<[usize; 2]> {
+    let n = points.len();
+    let side = |i: usize| (points[i % n], points[(i + 1) % n]);
+    // On which side of a line a point is: 1, -1, or 0.
+    let turn = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2]),
+                [x, y]: [f64; 2]| {
+        let cross = (bx - ax) * (y - ay) - (by - ay) * (x - ax);
+        i32::from(cross > 0.0) - i32::from(cross < 0.0)
+    };
+    let cross = |i: usize, j: usize| {
+        let (a, b) = (side(i), side(j));
+        turn(a, b.0) * turn(a, b.1) < 0 && turn(b, a.0) * turn(b, a.1) < 0
+    };
+    let pairs = (0..n).flat_map(|i| (i + 2..n).map(move |j| [i, j]));
+    pairs.into_iter().find(|[i, j]| cross(*i, *j))
+}
+
 /// The region within a simple polygon that turns left: its hull without its
 /// pockets, each of which is a polygon, too. The field is a distance only where
 /// the polygon is convex. (S. Tor, A. Middleditch: Convex decomposition of

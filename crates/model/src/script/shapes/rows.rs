@@ -1,6 +1,6 @@
 //! The shapes and operations beside fidget's, one row each.
 
-use super::convex::{area, convex, corner, polygon};
+use super::convex::{area, convex, corner, crossing, polygon};
 use super::curved::curved;
 use super::flush::flush;
 use super::{Argument, ArgumentKind, Given, Row};
@@ -213,6 +213,13 @@ pub(super) const ROWS: &[Row] = rows![
             points.dedup();
             if points.len() > MOST_CORNERS {
                 return Err(format!("at most {MOST_CORNERS} corners"));
+            }
+            if let Some([i, j]) = crossing(&points) {
+                let [a, b] = [points[i], points[j]];
+                return Err(format!(
+                    "the polygon crosses itself: the sides from {a:?} and from \
+                     {b:?} do"
+                ));
             }
             if area(&points) < 0.0 {
                 points.reverse();

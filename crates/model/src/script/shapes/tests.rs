@@ -409,6 +409,27 @@ fn blends_keep_flush_faces() {
 
 /// Bodies without common faces blend as fidget has it.
 #[test]
+fn polygons_that_cross_themselves_are_refused() {
+    for (corners, sides) in [
+        // A star in one stroke.
+        (
+            "[0, 9], [5, -7], [-8, 3], [8, 3], [-5, -7]",
+            "from [0.0, 9.0] and from [-8.0, 3.0]",
+        ),
+        (
+            "[0, 0], [9, 0], [3, 5], [6, -4], [0, 8]",
+            "from [0.0, 0.0] and from [3.0, 5.0]",
+        ),
+    ] {
+        let error = tree(&format!("polygon([{corners}])")).unwrap_err();
+        assert!(error.contains("crosses itself"), "{error}");
+        assert!(error.contains(sides), "{error}");
+    }
+    // What only touches itself does not cross.
+    assert!(tree("polygon([[0, 0], [9, 0], [9, 9], [5, 0], [0, 9]])").is_ok());
+}
+
+#[test]
 fn blends_of_other_bodies_are_as_they_were() {
     for (a, b) in [
         ("sphere(10)", "sphere([8, 0, 0], 10)"),
