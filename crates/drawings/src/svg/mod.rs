@@ -119,6 +119,7 @@ fn read(name: &str, bytes: &[u8], options: &SvgOptions) -> Problem<Drawing> {
     let place = page(root)?;
     let (style, own) = Style::default().of(root, &walk.sheet);
     if !own.hidden {
+        walk.see(root, &own);
         walk.children(root, &style, place)?;
     }
     let mut outlines = std::mem::take(&mut walk.outlines);

@@ -5,11 +5,20 @@ use super::view::{Share, attribute};
 use crate::outline::{Fill, Outline};
 use glam::{DAffine2, DVec2};
 use roxmltree::Node;
-use svgtypes::PointsParser;
+use std::str::FromStr;
+use svgtypes::{Length, NumberListParser, PointsParser};
 
-/// The path of an element that is a shape, and whether a part of it cannot be
-/// read. None if it is no shape.
-pub(super) fn path(node: Node, port: DVec2) -> Option<(Path, bool)> {
+/// The path of an element that is a shape, and what of it cannot be read. None if it
+/// is no shape.
+pub(super) fn path(
+    node: Node,
+    port: DVec2,
+) -> Option<(Path, Option<&'static str>)> {
+    let mut broken = lengths(node.tag_name().name())
+        .iter()
+        .filter_map(|name| node.attribute(*name))
+        .any(|text| Length::from_str(text.trim()).is_err())
+        .then_some("a length that cannot be read");
     let get = |name: &str, share: Share| attribute(node, name, share, port);
     let number = |name: &str, share: Share| get(name, share).unwrap_or(0.0);
     let pair = |x: &str, y: &str| {
@@ -17,7 +26,12 @@ pub(super) fn path(node: Node, port: DVec2) -> Option<(Path, bool)> {
     };
     let mut made = Path::default();
     match node.tag_name().name() {
-        "path" => return Some(Path::parse(node.attribute("d").unwrap_or(""))),
+        "path" => {
+            let text = node.attribute("d").unwrap_or("");
+            let (path, is_cut) = Path::parse(text);
+            let what = "the rest of a path after a mistake in it";
+            return Some((path, is_cut.then_some(what)));
+        }
         "rect" => {
             let radii = [get("rx", Share::Width), get("ry", Share::Height)];
             let radii = match radii {
@@ -51,10 +65,29 @@ pub(super) fn path(node: Node, port: DVec2) -> Option<(Path, bool)> {
             if name == "polygon" {
                 made.close();
             }
+            let mut numbers = NumberListParser::from(points);
+            let all = numbers.by_ref().take_while(Result::is_ok).count();
+            let rest = points.split([' ', ',', '\n', '\t', '\r']);
+            let words = rest.filter(|word| !word.is_empty()).count();
+            if all % 2 == 1 || all < words {
+                broken =
+                    Some("the rest of a shape after a mistake in its points");
+            }
         }
         _ => return None,
     }
-    Some((made, false))
+    Some((made, broken))
+}
+
+/// The attributes of a shape that are lengths.
+fn lengths(shape: &str) -> &'static [&'static str] {
+    match shape {
+        "rect" => &["x", "y", "width", "height"],
+        "circle" => &["cx", "cy", "r"],
+        "ellipse" => &["cx", "cy"],
+        "line" => &["x1", "y1", "x2", "y2"],
+        _ => &[],
+    }
 }
 
 fn ellipse(path: &mut Path, centre: DVec2, radii: DVec2) {

@@ -65,6 +65,38 @@ pub(super) struct Own {
     pub(super) clip: Option<String>,
     /// It is masked or filtered.
     pub(super) cut: Option<&'static str>,
+    /// A property that is not read, and changes what is drawn.
+    pub(super) unread: Option<String>,
+    /// Its transforms are about a place of their own.
+    origin: bool,
+}
+
+/// Properties of style sheets that are read as attributes only.
+const AS_ATTRIBUTES: [&str; 13] = [
+    "transform",
+    "x",
+    "y",
+    "width",
+    "height",
+    "cx",
+    "cy",
+    "r",
+    "rx",
+    "ry",
+    "d",
+    "rotate",
+    "scale",
+];
+
+impl Own {
+    /// Notes what a declaration of a style says that is not read.
+    fn see(&mut self, node: Node, name: &str, value: &str) {
+        let is_port = matches!(node.tag_name().name(), "svg" | "symbol");
+        let counts = !matches!(value, "none" | "auto" | "initial");
+        if AS_ATTRIBUTES.contains(&name) && !is_port && counts {
+            self.unread = Some(format!("`{name}` of a style"));
+        }
+    }
 }
 
 impl Style {
@@ -78,14 +110,19 @@ impl Style {
         for rule in &sheet.rules.rules {
             if rule.selector.matches(&Element(node)) {
                 for d in &rule.declarations {
+                    own.see(node, d.name, d.value);
                     style.set(d.name, d.value, self, &mut own);
                 }
             }
         }
         if let Some(text) = node.attribute("style") {
             for d in DeclarationTokenizer::from(text) {
+                own.see(node, d.name, d.value);
                 style.set(d.name, d.value, self, &mut own);
             }
+        }
+        if own.origin && node.has_attribute("transform") {
+            own.unread = Some("`transform-origin`".to_owned());
         }
         (style, own)
     }
@@ -152,6 +189,13 @@ impl Style {
             "clip-path" => {
                 let link = FuncIRI::from_str(value);
                 own.clip = link.ok().map(|link| link.0.to_owned());
+                if own.clip.is_none() && !matches!(value, "none" | "inherit") {
+                    own.cut = Some("clip path of a basic shape");
+                }
+            }
+            "transform-origin" => own.origin = true,
+            "vector-effect" if value == "non-scaling-stroke" => {
+                own.unread = Some("`vector-effect`".to_owned());
             }
             "mask" if value != "none" => own.cut = Some("mask"),
             "filter" if value != "none" => own.cut = Some("filter"),

@@ -319,6 +319,44 @@ fn what_is_left_out_is_named() {
             "dashes",
         ),
         ("<g transform='spin(4)'><rect/></g>", "transform"),
+        (
+            "<rect width='9' height='9' style='transform: scale(2)'/>",
+            "`transform` of a style",
+        ),
+        (
+            "<rect width='9' height='9' transform='scale(2)' \
+             transform-origin='4 4'/>",
+            "`transform-origin`",
+        ),
+        (
+            "<style>circle { r: 4px }</style><circle r='3'/>",
+            "`r` of a style",
+        ),
+        (
+            "<rect width='9' height='9' style='clip-path: inset(2px)'/>",
+            "clip path of a basic shape",
+        ),
+        (
+            "<path d='M0 0H9' stroke='red' \
+             vector-effect='non-scaling-stroke'/>",
+            "`vector-effect`",
+        ),
+        (
+            "<rect width='20q' height='9'/>",
+            "a length that cannot be read",
+        ),
+        (
+            "<polygon points='0,0 9,0 9,9 x 4,4 5,6'/>",
+            "a mistake in its points",
+        ),
+        (
+            "<polygon points='0,0 9,0 9,9 4'/>",
+            "a mistake in its points",
+        ),
+        (
+            "<svg x='1' y='1' width='5' height='5'><circle r='4'/></svg>",
+            "border of an inner svg",
+        ),
     ] {
         let drawing = drawn(&format!("{rect}{what}"));
         let warnings = drawing.warnings();
@@ -330,9 +368,20 @@ fn what_is_left_out_is_named() {
     // What editors write is no reason for warnings.
     let plain = drawn(&format!(
         "<title>x</title><metadata/><defs><linearGradient id='g'/></defs>\
-         <g fill='url(#g)'>{rect}</g>"
+         <g fill='url(#g)' transform-origin='3 3'>{rect}</g>\
+         <svg x='1' y='1' width='5' height='5'><rect width='5' height='5'/></svg>\
+         <polyline points='0,0 10-5,3,3\n'/>"
     ));
-    assert!(plain.warnings().is_empty());
+    assert!(plain.warnings().is_empty(), "{:?}", plain.warnings());
+    // The first child that a reader of English sees.
+    let switch = drawn(
+        "<switch><rect width='9' height='9' systemLanguage='de'/>\
+         <rect x='20' width='9' height='9' systemLanguage='fr, en-GB'/>\
+         <rect x='40' width='9' height='9'/></switch>",
+    );
+    let inside = [5.0, 25.0, 45.0].map(|x| value(&switch, x, 5.0) < 0.0);
+    assert_eq!(inside, [false, true, false]);
+    assert!(switch.warnings().is_empty());
 }
 
 #[test]

@@ -18,6 +18,20 @@ const DEEPEST: usize = 128;
 /// often.
 const MOST_ELEMENTS: usize = 200_000;
 
+/// How far outside of its port an inner drawing may be, mm.
+const BESIDE: f64 = 1e-3;
+
+/// True if an element of a `switch` is for readers of English and asks for nothing
+/// else.
+fn is_for_all(node: Node) -> bool {
+    let english = |list: &str| {
+        list.split(',')
+            .any(|l| l.trim().to_lowercase().starts_with("en"))
+    };
+    node.attribute("requiredExtensions").is_none()
+        && node.attribute("systemLanguage").is_none_or(english)
+}
+
 /// Where an element is drawn.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
@@ -93,13 +107,11 @@ impl<'a> Walk<'a> {
                  ungroup them"
             ));
         }
-        for child in node.children().filter(Node::is_element) {
+        let switch = node.tag_name().name() == "switch";
+        let all = node.children().filter(Node::is_element);
+        let all = all.filter(|child| !switch || is_for_all(*child));
+        for child in all.take(if switch { 1 } else { usize::MAX }) {
             self.element(child, style, place)?;
-            if node.tag_name().name() == "switch"
-                && child.attribute("requiredExtensions").is_none()
-            {
-                break;
-            }
         }
         Ok(())
     }
@@ -153,8 +165,8 @@ impl<'a> Walk<'a> {
             }
             _ => match shapes::path(node, place.port) {
                 Some((path, broken)) => {
-                    if broken {
-                        self.warn("the rest of a path after a mistake in it");
+                    if let Some(what) = broken {
+                        self.warn(what);
                     }
                     self.draw(&path, &style, place)
                 }
@@ -211,9 +223,20 @@ impl<'a> Walk<'a> {
         })
     }
 
+    /// Notes what of the outermost element is not read.
+    pub(super) fn see(&mut self, root: Node, own: &Own) {
+        self.warn_of(own);
+        if root.has_attribute("transform") {
+            self.warn("the transform of the outermost svg");
+        }
+    }
+
     fn warn_of(&mut self, own: &Own) {
         if let Some(cut) = own.cut {
             self.warn(format!("a {cut}, without which all is drawn"));
+        }
+        if let Some(unread) = &own.unread {
+            self.warn(format!("{unread}, so a shape may be elsewhere"));
         }
     }
 
@@ -252,7 +275,28 @@ impl<'a> Walk<'a> {
             port,
             ..place
         };
-        self.children(node, style, place)
+        let before = self.outlines.len();
+        self.children(node, style, place)?;
+        // Browsers draw no more than what is in the port.
+        let shown =
+            matches!(node.attribute("overflow"), Some("visible" | "auto"));
+        let [low, high] =
+            [DVec2::ZERO, size].map(|p| moved.transform_point2(p));
+        let (low, high) = (low.min(high) - BESIDE, low.max(high) + BESIDE);
+        let is_beyond = |outline: &Outline| {
+            outline.curves().iter().any(|curve| {
+                let own = curve.bounds();
+                own.min.cmplt(low).any() || own.max.cmpgt(high).any()
+            })
+        };
+        let is_turned = moved.x_axis.y != 0.0 || moved.y_axis.x != 0.0;
+        let added = self.outlines.get(before..).unwrap_or_default();
+        if !shown && !is_turned && added.iter().any(is_beyond) {
+            self.warn(
+                "the border of an inner svg or symbol, beyond which all is drawn",
+            );
+        }
+        Ok(())
     }
 
     /// What `use` refers to.

@@ -26,6 +26,9 @@ const PROJECTIONS: &[&str] = &[
 /// less than what is printed.
 const STEP: f32 = 0.02;
 
+/// Steeper faces than this get the whole depth where level ones get none, degrees.
+const ANGLE: f64 = 45.0;
+
 const fn flag(name: &'static str, default: f64) -> Argument {
     argument(name, ArgumentKind::Flag, Some(default))
 }
@@ -40,7 +43,7 @@ pub(super) const ROWS: &[Row] = rows![
         argument("center", ArgumentKind::Place, Some(0.0)),
         argument("where", ArgumentKind::Shape, Some(f64::NEG_INFINITY)),
         argument("blend", ArgumentKind::Length, Some(0.0)),
-        flag("tops", 1.0), number("angle", Some(45.0)), flag("inward", 0.0))
+        flag("tops", 1.0), number("angle", Some(ANGLE)), flag("inward", 0.0))
         "f.textured(0.4, knurl(2), #{projection: \"cylinder\", radius: 10, size: 2})"
         textured;
     "wrapped" (
@@ -60,14 +63,25 @@ fn textured(g: &Given) -> Result<Tree, String> {
     let mut height = projected(g, &body)? * depth as f32;
     if let Some(part) = part(g, depth) {
         height *= part;
+    } else if g.number(8) != 0.0 {
+        return Err("blend is for where: it is how far from its border the \
+                    depth is whole"
+            .to_owned());
     }
     let inward = g.number(11) != 0.0;
     let way = if inward { -1.0 } else { 1.0 };
     let moved = body.field.clone() - height * way;
+    let angle = g.number(10);
     if g.number(9) != 0.0 {
+        if angle != ANGLE {
+            return Err(
+                "angle is for tops: false: steeper faces then get the \
+                        whole depth"
+                    .to_owned(),
+            );
+        }
         return Ok(moved);
     }
-    let angle = g.number(10);
     if !(5.0..=85.0).contains(&angle) {
         return Err("angle must be from 5 to 85 degrees".to_owned());
     }
@@ -364,6 +378,8 @@ mod tests {
             ("projection: \"cylinder\"", "radius is missing"),
             ("size: 4", "size and radius are for \"cylinder\""),
             ("tops: 1", "tops must be true or false"),
+            ("angle: 30", "angle is for tops: false"),
+            ("blend: 2", "blend is for where"),
             ("tops: false, angle: 90", "from 5 to 85"),
             ("top: false", "there is no \"top\""),
         ] {
