@@ -433,6 +433,15 @@ fn explained(error: SettingsError) -> SettingsError {
     let SettingsError::UnknownKey { place, key, hint } = error else {
         return error;
     };
+    if key == "description" {
+        let hint = "it is a profile's: give the file with --printer, --filament or \
+                    --preset";
+        return SettingsError::UnknownKey {
+            place,
+            key,
+            hint: hint.to_owned(),
+        };
+    }
     let known = isoslice_settings::foreign_name(&key).is_some()
         || isoslice_settings::instead(&key).is_some();
     let hint = match slicerprofile::counterpart(&key) {

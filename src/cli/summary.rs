@@ -279,6 +279,25 @@ fn describe_lost(sums: &Sums<'_>, rows: &mut Rows) {
     }
 }
 
+/// The line of the summary about layers that have too little time to cool.
+fn describe_short(sums: &Sums<'_>, rows: &mut Rows) {
+    /// Fewer layers are the tip of a part, which is as it is.
+    const FEW: usize = 10;
+    let Some((count, time)) = sums.summary.short_layers else {
+        return;
+    };
+    let cooling = &sums.plate.settings.cooling;
+    let (least, slowest) = (cooling.min_layer_time, cooling.min_speed);
+    if count >= FEW {
+        let line = format!(
+            "{count} layers take less than cooling.min_layer_time = {least} s, the \
+             shortest {time:.1} s, at cooling.min_speed = {slowest} mm/s: print \
+             several parts at once"
+        );
+        rows.add("short", line);
+    }
+}
+
 /// The number of islands that begin in the air, and where the first of them
 /// begins.
 fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
@@ -342,6 +361,7 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     describe_parts(summary, &mut rows);
     rows.add("print time", human_time(summary.time));
     describe_lost(sums, &mut rows);
+    describe_short(sums, &mut rows);
     let (metres, grams) =
         (summary.filament_length / 1000.0, summary.filament_mass_g);
     let cost = sums.cost().map(|cost| {

@@ -51,6 +51,9 @@ pub struct Summary {
     /// Number of moves that are slower than asked for, because the printer
     /// takes only so many in a second, and for no stronger reason.
     pub slowed_moves: usize,
+    /// Number of layers that take much less than `cooling.min_layer_time`, though they
+    /// are slowed to `cooling.min_speed`, and the time of the shortest one.
+    pub short_layers: Option<(usize, Seconds)>,
     /// Time that the print takes longer than at the speeds asked for, by its
     /// cause: `cooling`, `flow` of the hot end, `moves` that the printer takes,
     /// and `acceleration`. Where several causes slow a bead, the strongest one
@@ -131,6 +134,7 @@ impl Summary {
             solid_area: 0.0,
             printing_moves: sums.printing,
             slowed_moves: sums.slowed,
+            short_layers: sums.short,
             time_lost: sums.lost.iter().map(|(c, t)| (c.name(), *t)).collect(),
             dropped_rings: 0,
             hanging: Hanging::default(),

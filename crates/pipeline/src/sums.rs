@@ -13,6 +13,7 @@ use isoslice_held::overhangs::{self, Hanging};
 use isoslice_layer::infill::standing;
 use isoslice_planar::Area;
 use isoslice_plate::Part;
+use isoslice_settings::BrimPlace;
 use std::ops::Range;
 
 /// The sums of a part.
@@ -94,12 +95,15 @@ impl<'a> PartSums<'a> {
             return;
         }
         self.warnings.extend(counted.warnings);
-        if index == 0 && self.raft_layers == 0 {
+        if index == self.raft_layers {
             let none = Area::EMPTY;
             let pads = self.pads.unwrap_or(&none);
             let (outline, height) = (layer.area(), layer.span.height());
-            self.foot =
-                Foot::new(outline, pads, height, &self.plans.adhesion.brim);
+            let mut brim = self.plans.adhesion.brim;
+            if self.raft_layers > 0 {
+                brim.place = BrimPlace::None;
+            }
+            self.foot = Foot::new(outline, pads, height, &brim);
         }
         self.left_out += counted.left_out;
         self.tally.support += counted.support;

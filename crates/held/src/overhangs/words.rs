@@ -83,19 +83,32 @@ impl Hanging {
             ));
         }
         if let Some(foot) = self.foot {
-            all.push(off_the_bed(foot, height));
+            all.push(off_the_bed(foot, height, plan.raft_layers > 0));
         }
         all
     }
 }
 
 /// What a part of some height has to fear that stands on a small foot.
-fn off_the_bed(foot: Foot, height: Mm) -> String {
+fn off_the_bed(foot: Foot, height: Mm, raft: bool) -> String {
+    let (ground, help) = if raft {
+        (
+            "raft",
+            "a raft holds it no better: lay it down, or take supports",
+        )
+    } else {
+        (
+            "bed",
+            "give it a brim (brim.place = \"outer\"), or lay it down",
+        )
+    };
     let from = if foot.holds_nothing() {
-        "the nozzle may tear it off the bed from its first layers on".to_owned()
+        format!(
+            "the nozzle may tear it off the {ground} from its first layers on"
+        )
     } else {
         format!(
-            "from about {:.0} mm on the nozzle may tear it off the bed",
+            "from about {:.0} mm on the nozzle may tear it off the {ground}",
             foot.holds
         )
     };
@@ -106,8 +119,7 @@ fn off_the_bed(foot: Foot, height: Mm) -> String {
         format!("{:.1} mm²", foot.area)
     };
     format!(
-        "the part stands on {area} and is {height:.1} mm high: {from}; give it a \
-         brim (brim.place = \"outer\"), or lay it down"
+        "the part stands on {area} and is {height:.1} mm high: {from}; {help}"
     )
 }
 
@@ -134,7 +146,16 @@ mod tests {
 
     #[test]
     fn no_foot_holds_a_height_of_0_mm() {
-        let told = |area, holds| off_the_bed(Foot { area, holds }, 30.0);
+        let told = |area, holds| off_the_bed(Foot { area, holds }, 30.0, false);
+        let on_raft = off_the_bed(
+            Foot {
+                area: 9.0,
+                holds: 8.0,
+            },
+            30.0,
+            true,
+        );
+        assert!(on_raft.contains("off the raft; a raft holds"), "{on_raft}");
         let small = told(9.0, 8.0);
         assert!(small.contains("9.0 mm² and is 30.0 mm high"), "{small}");
         assert!(small.contains("from about 8 mm on"), "{small}");

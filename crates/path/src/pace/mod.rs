@@ -87,6 +87,9 @@ const SAME_PLACE: Mm = MICRON;
 /// Difference up to which two heights are one: 0.1 of what the G-code resolves.
 const SAME_HEIGHT: Mm = 0.1 * MICRON;
 
+/// Share of `cooling.min_layer_time` below which a layer is told of as short.
+const MUCH_LESS: f64 = 0.8;
+
 /// Speed of a wipe as a share of that of travels. It is slower because it
 /// touches what has just been printed.
 const WIPE_SPEED: f64 = 0.8;
@@ -233,6 +236,9 @@ impl<'a> Pacer<'a> {
             }
         }
         fan = fan_at(fan);
+        let mut sums = self.sums(slowing);
+        let is_short = time < MUCH_LESS * cooling.min_layer_time;
+        sums.short = (is_short && sums.printing > 0).then_some((1, time));
         Ok(PacedLayer {
             span,
             before: 0,
@@ -242,7 +248,7 @@ impl<'a> Pacer<'a> {
             fan,
             nozzle_temperature: whole.temperature(&span)?,
             time,
-            sums: self.sums(slowing),
+            sums,
         })
     }
 

@@ -116,6 +116,9 @@ pub struct Sums {
     /// How many of them are slower than asked for, since the printer takes only
     /// so many in a second, and for no stronger reason.
     pub slowed: usize,
+    /// Number of layers that take much less than `cooling.min_layer_time`, though they
+    /// are slowed as far as they may be, and the time of the shortest one.
+    pub short: Option<(usize, Seconds)>,
     /// Time that the layers take longer than at the speeds asked for. Where
     /// several causes slow a bead, the strongest one counts.
     pub lost: BTreeMap<Cause, Seconds>,
@@ -128,6 +131,10 @@ impl Sums {
     pub fn add(&mut self, layer: &Sums) {
         self.printing += layer.printing;
         self.slowed += layer.slowed;
+        if let Some((count, time)) = layer.short {
+            let (all, least) = self.short.unwrap_or((0, time));
+            self.short = Some((all + count, least.min(time)));
+        }
         for (cause, time) in &layer.lost {
             *self.lost.entry(*cause).or_default() += time;
         }

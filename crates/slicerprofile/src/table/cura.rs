@@ -177,7 +177,7 @@ pub(super) static ROWS: &[Row] = rows! {
                   "printer.travel_acceleration"], "if accelerations are on");
         "jerk_enabled", "jerk_print"
             => made(jerk, &["printer.square_corner_velocity"], "if jerk is on");
-        "adhesion_type", "brim_width", "skirt_line_count",
+        "adhesion_type", "brim_width", "brim_line_count", "skirt_line_count",
             "raft_surface_layers", "raft_interface_layers", "raft_base_layers",
             "raft_airgap", "raft_margin"
             => made(adhesion,
@@ -326,7 +326,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "skirt_height", "cool_fan_full_at_height",
             "bridge_settings_enabled", "skin_preshrink", "top_skin_preshrink",
             "bottom_skin_preshrink", "gradual_infill_step_height",
-            "infill_sparse_thickness", "coasting_volume", "brim_line_count",
+            "infill_sparse_thickness", "coasting_volume",
             "brim_outside_only", "brim_replaces_support",
             "wall_transition_angle", "beading_strategy_type", "speed_z_hop",
             "adaptive_layer_height_variation",
@@ -701,6 +701,8 @@ fn jerk(given: &Given<'_>) -> Outcome {
 }
 
 fn adhesion(given: &Given<'_>) -> Outcome {
+    /// The line's width where the profile names none: that of a nozzle of 0.4 mm.
+    const USUAL_LINE: f64 = 0.4;
     let word = given.values.first("adhesion_type").unwrap_or("skirt");
     let word = word.trim_matches('\'');
     let loops = given.number("skirt_line_count").unwrap_or(1.0);
@@ -708,8 +710,14 @@ fn adhesion(given: &Given<'_>) -> Outcome {
     let place = if word == "brim" { "outer" } else { "none" };
     let mut out =
         vec![("skirt.loops", loops.into()), ("brim.place", place.into())];
+    // Cura takes the number of lines from the width, unless it is given.
+    let lines = given.positive("brim_line_count").map(|count| {
+        let own = given.positive("skirt_brim_line_width");
+        let width = own.or(given.positive("line_width"));
+        count * width.unwrap_or(USUAL_LINE)
+    });
     if word == "brim"
-        && let Some(width) = given.positive("brim_width")
+        && let Some(width) = lines.or(given.positive("brim_width"))
     {
         out.push(("brim.width", width.into()));
     }
