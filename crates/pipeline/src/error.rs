@@ -158,6 +158,14 @@ pub enum SliceError {
     /// The G-code cannot be read back.
     #[error("the G-code cannot be checked; --no-check leaves that out")]
     Unread(#[from] ReadError),
+    /// A part touches the bed in next to nothing.
+    #[error(
+        "no line fits into the first layer of the part, which touches the bed \
+         in hardly more than a point: the next layer would lie on air; set \
+         supports = \"auto\", turn it, or cut its tip off in the model, as \
+         max(f, 0.5 - z) does. --no-check writes it as it is"
+    )]
+    Floats,
     /// The G-code could hurt the printer or the print.
     #[error(
         "the G-code should not be run on this printer:\n{}\nIf the lines \

@@ -6,7 +6,7 @@ use super::write::write;
 use super::{Options, SliceError, Summary};
 use isoslice_base::timings::{self, Stage};
 use isoslice_base::units::Seconds;
-use isoslice_check::{Alongside, FindingKind, Rules, Severity};
+use isoslice_check::{Alongside, Finding, FindingKind, Rules, Severity};
 use isoslice_gcode::Format;
 use isoslice_model::Model;
 use isoslice_plate::Plate;
@@ -112,6 +112,11 @@ fn add_time(summary: &mut Summary, stage: Stage, time: Seconds) {
 fn judge(checker: Alongside, summary: &mut Summary) -> Result<(), SliceError> {
     let (verdict, time) = checker.finish()?;
     if !verdict.is_safe() {
+        let is_fault = |f: &&Finding| f.kind.severity() == Severity::Fault;
+        let mut faults = verdict.findings.iter().filter(is_fault);
+        if summary.floats && faults.all(|f| f.kind == FindingKind::OffBed) {
+            return Err(SliceError::Floats);
+        }
         let faults = verdict.sentences("", Severity::Fault);
         return Err(SliceError::Unsafe(faults));
     }

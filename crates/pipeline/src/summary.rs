@@ -51,6 +51,8 @@ pub struct Summary {
     /// Number of moves that are slower than asked for, because the printer
     /// takes only so many in a second, and for no stronger reason.
     pub slowed_moves: usize,
+    /// True if nothing of a part is printed in its first layer.
+    pub(super) floats: bool,
     /// Number of layers that take much less than `cooling.min_layer_time`, though they
     /// are slowed to `cooling.min_speed`, and the time of the shortest one.
     pub short_layers: Option<(usize, Seconds)>,
@@ -135,6 +137,7 @@ impl Summary {
             printing_moves: sums.printing,
             slowed_moves: sums.slowed,
             short_layers: sums.short,
+            floats: false,
             time_lost: sums.lost.iter().map(|(c, t)| (c.name(), *t)).collect(),
             dropped_rings: 0,
             hanging: Hanging::default(),
@@ -202,6 +205,7 @@ impl Summary {
         warnings.extend(hanging.warnings(top, &stages.plans.overhangs));
         let tally = done.tally;
         tally.warn(&mut warnings);
+        self.floats |= tally.floats;
         let times = copies as f64;
         self.hanging.add(&hanging, copies);
         self.support_length += times * tally.support / per_mm;

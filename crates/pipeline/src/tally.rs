@@ -20,6 +20,8 @@ pub(super) struct Tally {
     layers: usize,
     empty: usize,
     bridged: usize,
+    /// True if nothing is printed in the first layer.
+    pub floats: bool,
 }
 
 impl Tally {
@@ -33,6 +35,7 @@ impl Tally {
         self.nan_layers += usize::from(outline.nan_samples > 0);
         self.forced_rings += outline.forced_rings;
         self.dropped_rings += outline.dropped_rings;
+        self.floats |= empty && self.layers == 0;
         self.layers += 1;
         if empty {
             self.empty += 1;

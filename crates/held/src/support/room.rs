@@ -168,6 +168,13 @@ impl<'a> Room<'a> {
         !grid.contains(at) && grid.nearest_within(at, around).is_none()
     }
 
+    /// True if a branch to the bed whose core is as wide as `reach` on each side of a
+    /// point of layer `j` would be cut before it is drawn together: from there on
+    /// its border comes nearer by as much as what has no way down.
+    pub(super) fn cuts(&self, j: usize, at: DVec2, reach: Mm) -> bool {
+        self.closed[j].grid().nearest_within(at, reach).is_some()
+    }
+
     /// The part in layer `j`, and what is too near to it, within a box. Notches
     /// count as too near if no branch has room in them.
     pub(super) fn taken(&self, j: usize, within: Rect) -> Area {

@@ -158,8 +158,19 @@ fn begun(
     let mut new = Vec::new();
     let mut add = |area: &Area, foot: StandsOn| {
         for (cell, core) in pieces(area, cells, foot, step) {
-            let near = || is_near(inside(&core), layer, parts, solids);
-            let foot = if anywhere && near() {
+            let is_over = |share: f64| {
+                is_over_part(inside(&core), layer, share, parts, solids)
+            };
+            // Past the part it would come down as a sheet along it.
+            let is_cut = || {
+                let middle = middle(&core);
+                let points = core.rings.iter().flatten();
+                let far = points.map(|p| p.distance(middle));
+                step.room.cuts(layer, middle, far.fold(0.0, f64::max))
+            };
+            let foot = if anywhere
+                && (is_over(NEAR) || cell.is_some() && is_cut() && is_over(1.0))
+            {
                 StandsOn::Part
             } else {
                 foot
@@ -300,15 +311,16 @@ fn inside(island: &Area) -> DVec2 {
     outer.and_then(|r| point_beside(r)).unwrap_or(middle)
 }
 
-/// True if the part is below a point of a layer, at less than [`NEAR`] of the
-/// way to the bed.
-fn is_near(
+/// True if the part is below a point of a layer, at less than a share of the way to
+/// the bed.
+fn is_over_part(
     at: DVec2,
     layer: usize,
+    share: f64,
     parts: Parts<'_>,
     solids: &[Solid<'_>],
 ) -> bool {
-    let lowest = (1.0 - NEAR) * parts.spans()[layer].bottom;
+    let lowest = (1.0 - share) * parts.spans()[layer].bottom;
     let near = (0..layer)
         .rev()
         .take_while(|&k| parts.spans()[k].top > lowest);
