@@ -167,6 +167,24 @@ fn columns_go_straight_down() {
     assert!(of_snug > 1.5 * of_tree && of_grid > of_snug);
 }
 
+/// A leaning plate with a hole, on a base that reaches so far that no branch of the
+/// hole's ceiling comes past it but along the plate.
+#[test]
+fn no_branch_comes_down_as_a_sheet() {
+    let stand = "min(max(max(abs(x - 12) - 40, abs(y) - 35), abs(z - 2) - 2), \
+                 max(max(max(abs(x - 0.36*z) - 3, abs(y) - 30), abs(z - 30) - 30), \
+                 7 - sqrt(y^2 + (z - 32)^2)))";
+    let (gcode, _) = run(stand, &["supports=auto", "support.style=tree"]);
+    let mut wide = 0;
+    for layer in supported(&gcode) {
+        let across = layer.iter().map(|p| p.y.abs()).fold(0.0, f64::max);
+        assert!(across < 9.0, "{across}");
+        wide += usize::from(across > 3.0);
+    }
+    // It is drawn together to a post.
+    assert!((3..60).contains(&wide), "{wide}");
+}
+
 #[test]
 fn low_wide_faces_are_held_by_columns() {
     // 864 mm² at a height of 4 mm, and of 14 mm.
