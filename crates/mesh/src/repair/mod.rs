@@ -65,6 +65,14 @@ impl Work {
         self.is_turned.push(false);
     }
 
+    /// Leaves triangles out, none of which is turned.
+    fn leave_out(&mut self, is_out: impl Fn(&[u32; 3]) -> bool) {
+        let given = &self.corners[..self.given];
+        self.given -= given.iter().filter(|t| is_out(t)).count();
+        self.corners.retain(|t| !is_out(t));
+        self.is_turned.truncate(self.corners.len());
+    }
+
     /// True if so many more triangles can be added.
     fn has_room(&self, count: usize) -> bool {
         self.corners.len() + count <= MOST
@@ -100,9 +108,8 @@ pub(crate) fn repair(
     let vertices = std::mem::take(&mut triangles.vertices);
     facts.doubled = doubles::leave_out(&mut corners, vertices.len());
     go_on()?;
-    facts.joined = seams::weld(&vertices, &mut corners);
     let mut work = Work::new(vertices, corners);
-    facts.joined += seams::part_edges(&mut work);
+    facts.joined = seams::join(&mut work);
     go_on()?;
     turning::agree(&mut work);
     go_on()?;

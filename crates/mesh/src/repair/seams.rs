@@ -22,6 +22,11 @@ use std::cell::Cell;
 /// What is nearer than this share of the mesh's size is at the same place: some
 /// roundings of f32.
 const NEAR: f64 = 1e-6;
+/// Where rims are left open, places farther apart are the same: 1 µm and 10 µm in
+/// a part of 100 mm.
+const FARTHER: [f64; 2] = [1e-5, 1e-4];
+/// Share of the mean edge of the rims beyond which no two places are the same.
+const OF_EDGE: f64 = 0.1;
 /// Nodes of the tree and edges that are looked at, by edge of the rim. Usual rims
 /// take 7 to 16. Where all edges lie on one another, not all are looked at.
 const LOOKS: usize = 40;
@@ -34,7 +39,7 @@ struct Rim {
 }
 
 impl Rim {
-    fn of(vertices: &[DVec3], corners: &[[u32; 3]]) -> Rim {
+    fn of(vertices: &[DVec3], corners: &[[u32; 3]], near: f64) -> Rim {
         let mut edges = Vec::new();
         each_edge(corners, vertices.len(), |edge| {
             if let Some((from, to, more)) = edge.excess()
@@ -43,11 +48,18 @@ impl Rim {
                 edges.push([from, to]);
             }
         });
+        let length = |[a, b]: &[u32; 2]| {
+            vertices[*a as usize].distance(vertices[*b as usize])
+        };
+        let sum: f64 = edges.iter().map(length).sum();
+        let mean = sum / (edges.len() as f64).max(1.0);
         let low = vertices.iter().fold(DVec3::INFINITY, |a, b| a.min(*b));
         let high = vertices.iter().fold(DVec3::NEG_INFINITY, |a, b| a.max(*b));
+        let size = (high - low).max_element();
+        let farther = (near * size).min(OF_EDGE * mean);
         Rim {
             edges,
-            reach: NEAR * (high - low).max_element(),
+            reach: farther.max(NEAR * size),
         }
     }
 
@@ -99,10 +111,47 @@ fn meets(node: &Node, low: [f32; 3], high: [f32; 3]) -> [bool; 4] {
     })
 }
 
+/// Joins rims that lie on one another. Returns how many vertices were made one with
+/// others, or part an edge.
+pub(super) fn join(work: &mut Work) -> usize {
+    let near = nearness(work);
+    weld(work, near) + part_edges(work, near)
+}
+
+/// How near places have to be that are one: farther apart than roundings only where
+/// that leaves less than half of the rims.
+fn nearness(work: &Work) -> f64 {
+    let mut best = NEAR;
+    let mut least = usize::MAX;
+    for near in std::iter::once(NEAR).chain(FARTHER) {
+        let mut trial = Work::new(work.vertices.clone(), work.corners.clone());
+        weld(&mut trial, near);
+        let rims = rims(&trial);
+        if rims < least.div_ceil(2) {
+            (best, least) = (near, rims);
+        }
+        if rims == 0 || is_stopped() {
+            break;
+        }
+    }
+    best
+}
+
+/// Number of edges with an odd number of triangles.
+fn rims(work: &Work) -> usize {
+    let mut count = 0;
+    each_edge(&work.corners, work.vertices.len(), |edge| {
+        let is_rim = edge.excess().is_some_and(|(_, _, more)| more % 2 == 1);
+        count += usize::from(is_rim);
+    });
+    count
+}
+
 /// Makes vertices of rims one that are at the same place. Returns how many are
 /// gone.
-pub(super) fn weld(vertices: &[DVec3], corners: &mut Vec<[u32; 3]>) -> usize {
-    let rim = Rim::of(vertices, corners);
+fn weld(work: &mut Work, near: f64) -> usize {
+    let vertices = &work.vertices;
+    let rim = Rim::of(vertices, &work.corners, near);
     let mut sets = Sets::new(vertices.len());
     let mut welded = 0;
     rim.each_near(vertices, |end, edge| {
@@ -117,18 +166,18 @@ pub(super) fn weld(vertices: &[DVec3], corners: &mut Vec<[u32; 3]>) -> usize {
         }
     });
     if welded > 0 {
-        for corner in corners.as_flattened_mut() {
+        for corner in work.corners.as_flattened_mut() {
             *corner = sets.of(*corner as usize) as u32;
         }
-        corners.retain(|[a, b, c]| a != b && b != c && c != a);
+        work.leave_out(|[a, b, c]| a == b || b == c || c == a);
     }
     welded
 }
 
 /// Parts edges of rims at the vertices of rims that lie on them. Returns how
 /// many vertices did.
-pub(super) fn part_edges(work: &mut Work) -> usize {
-    let rim = Rim::of(&work.vertices, &work.corners);
+fn part_edges(work: &mut Work, near: f64) -> usize {
+    let rim = Rim::of(&work.vertices, &work.corners, near);
     let mut places = Vec::new();
     rim.each_near(&work.vertices, |vertex, edge| {
         let [from, to] = rim.edges[edge];
