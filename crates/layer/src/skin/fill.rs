@@ -93,7 +93,7 @@ impl Filler<'_> {
             !middle.is_some_and(|p| inside.contains(p))
         };
         around.thin.retain(|s| s.length() >= SHORTEST || outside(s));
-        let fills = self.fills(&inside, &around, sides);
+        let mut fills = self.fills(&inside, &around, sides);
         let mut lines = fills.iter().flat_map(|f| &f.lines);
         let bridge = lines.any(|l| l.role == Role::Bridge);
         let strokes = around.rings.iter().chain(&around.thin);
@@ -108,8 +108,15 @@ impl Filler<'_> {
                 bead
             }
         });
-        let rings: Vec<Bead> = rings.collect();
-        (!rings.is_empty()).then_some(Patch { rings, fills })
+        let mut rings: Vec<Bead> = rings.collect();
+        if let Some(below) = self.over_air(sides)
+            && rings.iter().any(hung::is_around_hole)
+        {
+            let below = EdgeGrid::new(&below.near(island), ring.width);
+            fills.extend(hung::around_holes(&mut rings, &below));
+        }
+        let patch = Patch { rings, fills };
+        patch.first().is_some().then_some(patch)
     }
 
     /// The beads of an island that is nowhere wider than some lines: rings one

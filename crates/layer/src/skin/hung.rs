@@ -8,13 +8,15 @@
 //! ```
 //!
 //! In: rings, and the layer below. Out: those that are held, and those that hang,
-//! in print order and with a bridge's speed and fan.
+//! in print order and with a bridge's speed and fan. Where there are lines inside a
+//! ring, only what is around a hole waits for them.
 
 use super::Fill;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
+use isoslice_planar::signed_area;
 use std::collections::BTreeMap;
 
 /// Share of a ring's length from which on it counts as hanging.
@@ -51,6 +53,36 @@ pub(super) fn apart(
         one_way: Vec::new(),
     };
     (held, hung.into_values().map(fill).collect())
+}
+
+/// True for a ring around a hole that faces downwards.
+pub(super) fn is_around_hole(ring: &Bead) -> bool {
+    matches!(ring.role, Role::BottomSkin | Role::Bridge)
+        && ring.stroke.closed
+        && signed_area(&ring.stroke.points) < 0.0
+}
+
+/// Takes out the rings around holes that hang. The lines beside them hold them, and
+/// come first.
+pub(super) fn around_holes(
+    rings: &mut Vec<Bead>,
+    below: &EdgeGrid,
+) -> Option<Fill> {
+    let hangs = |ring: &mut Bead| {
+        is_around_hole(ring) && distance(&ring.stroke, below).is_some()
+    };
+    let lines: Vec<Bead> = rings
+        .extract_if(.., hangs)
+        .map(|ring| Bead {
+            role: Role::Bridge,
+            ..ring
+        })
+        .collect();
+    (!lines.is_empty()).then_some(Fill {
+        lines,
+        after: Vec::new(),
+        one_way: Vec::new(),
+    })
 }
 
 /// The mean distance of a ring from what is below, if most of the ring hangs.
