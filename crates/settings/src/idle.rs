@@ -157,6 +157,9 @@ reasons! {
          supports to \"auto\" or \"plate\"";
     no_raft if s.raft.layers == 0 =>
         " has no effect, since raft.layers = 0 prints no raft; set it to 3, say";
+    no_brim if s.brim.place == BrimPlace::None =>
+        " has no effect, since brim.place = none prints no brim; set it to \
+         \"outer\"";
     no_ears if s.brim.place != BrimPlace::Ears =>
         " has no effect, since brim.place = {} makes no ears; set it to \"ears\"",
         s.brim.place.word();

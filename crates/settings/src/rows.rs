@@ -524,10 +524,10 @@ table::settings! {
         /// discs at its sharp corners.
         place: BrimPlace = BrimPlace::None;
         /// Width of all loops together, or radius of ears.
-        width: Mm = 5.0, in 0.1..=200.0;
+        width: Mm = 5.0, in 0.1..=200.0, idle no_brim;
         /// Gap between the part and the first loop; the wider the gap, the
         /// easier the brim comes off.
-        gap: Mm = 0.1, in 0.0..=20.0;
+        gap: Mm = 0.1, in 0.0..=20.0, idle no_brim;
         /// Corners of the first layer that are sharper than this get ears.
         ear_angle: Degrees = 125.0, in 0.0..=180.0, idle no_ears;
     }
