@@ -181,6 +181,11 @@ fn wrong_options_are_errors_with_what_is_right() {
             "volume(\"ramp.png\", #{ spacing: [1, 2] })",
             "a list of three",
         ),
+        (
+            "image(\"ramp.png\", #{ of: \"transparency\", paper: 0.3 })",
+            "paper is what shows through",
+        ),
+        ("text(\"a\", #{ font: \"ramp.png\" })", "(font: "),
         ("text(\" \")", "text: it has no letter"),
         ("text(12)", "takes a text, as in text("),
         ("svg(x)", "takes a file's name"),

@@ -7,8 +7,8 @@ use fidget::context::Tree;
 use glam::DVec3;
 use isocontour::{Data, call};
 use isoslice_drawings::{
-    Align, Anchor, Drawing, DxfOptions, MOST_DRAWING_BYTES, SvgOptions,
-    TextOptions, Vertical, White,
+    Align, Anchor, Drawing, DrawingError, DxfOptions, MOST_DRAWING_BYTES,
+    SvgOptions, TextOptions, Vertical, White,
 };
 use isoslice_mesh::{Format, Mesh};
 use isoslice_pictures::{
@@ -308,7 +308,11 @@ fn text(asked: &Asked<'_>) -> Result<Made, String> {
     };
     let font = asked.path.map(read).transpose()?;
     let made = Drawing::from_text(asked.text, font.as_deref(), &options);
-    Ok(drawn(made.map_err(|e| e.to_string())?))
+    let of_font = |e: DrawingError| match asked.path {
+        Some(path) => format!("{e} (font: {})", path.display()),
+        None => e.to_string(),
+    };
+    Ok(drawn(made.map_err(of_font)?))
 }
 
 /// A drawing, with its warnings.
@@ -324,6 +328,13 @@ fn image(asked: &Asked<'_>) -> Result<Made, String> {
     let paper = given.number("paper")?.map(TransparentAs::Paper);
     let seen = [("colour", false), ("color", false), ("transparency", true)];
     let mask = given.word("of", &seen)?.unwrap_or(false);
+    if mask && paper.is_some() {
+        return Err(
+            "image: paper is what shows through the colours, which of: \
+                    \"transparency\" does not read; leave one of them out"
+                .to_owned(),
+        );
+    }
     let usual = PictureOptions::default();
     let options = PictureOptions {
         width_mm: given.number("width")?,
