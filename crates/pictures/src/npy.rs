@@ -13,8 +13,6 @@ pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 /// An array. Numbers are in the order of the file.
 pub(crate) struct Array {
     pub(crate) numbers: Numbers,
-    /// What stands for white in a picture, if the numbers do not tell it.
-    pub(crate) white: Option<f32>,
     /// How many there are along each axis: two or three axes.
     pub(crate) shape: Vec<usize>,
     /// Whether the first axis runs fastest, not the last.
@@ -68,22 +66,9 @@ pub(crate) fn read(bytes: &[u8]) -> Problem<Array> {
     };
     Ok(Array {
         numbers,
-        white: white(kind),
         shape,
         fortran,
     })
-}
-
-/// The greatest number of a kind whose numbers are whole and kept as floating-point
-/// ones.
-fn white(kind: Kind) -> Option<f32> {
-    match kind {
-        Kind::U32 => Some(u32::MAX as f32),
-        Kind::I32 => Some(i32::MAX as f32),
-        Kind::U64 => Some(u64::MAX as f32),
-        Kind::I64 => Some(i64::MAX as f32),
-        _ => None,
-    }
 }
 
 /// What follows a key of the header.

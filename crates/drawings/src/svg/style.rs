@@ -69,6 +69,10 @@ pub(super) struct Own {
     pub(super) unread: Option<String>,
     /// Its transforms are about a place of their own.
     origin: bool,
+    /// Its lines are as wide as they say, whatever the scale.
+    keeps_width: bool,
+    /// What is beyond its port is drawn.
+    pub(super) overflows: bool,
 }
 
 /// Properties of style sheets that are read as attributes only.
@@ -94,7 +98,9 @@ impl Own {
         let is_port = matches!(node.tag_name().name(), "svg" | "symbol");
         let counts = !matches!(value, "none" | "auto" | "initial");
         if AS_ATTRIBUTES.contains(&name) && !is_port && counts {
-            self.unread = Some(format!("`{name}` of a style"));
+            self.unread = Some(format!(
+                "`{name}` of a style, so a shape may be elsewhere"
+            ));
         }
     }
 }
@@ -122,7 +128,14 @@ impl Style {
             }
         }
         if own.origin && node.has_attribute("transform") {
-            own.unread = Some("`transform-origin`".to_owned());
+            own.unread = Some(
+                "`transform-origin`, so a shape may be elsewhere".to_owned(),
+            );
+        }
+        if own.keeps_width && style.stroke != Paint::None {
+            own.unread = Some(
+                "`vector-effect`, so a line may be of another width".to_owned(),
+            );
         }
         (style, own)
     }
@@ -193,9 +206,15 @@ impl Style {
                     own.cut = Some("clip path of a basic shape");
                 }
             }
-            "transform-origin" => own.origin = true,
+            "transform-origin" => {
+                let starts = |word: &str| {
+                    matches!(word, "left" | "top") || is_zero_length(word)
+                };
+                own.origin = !value.split_whitespace().all(starts);
+            }
+            "overflow" => own.overflows = matches!(value, "visible" | "auto"),
             "vector-effect" if value == "non-scaling-stroke" => {
-                own.unread = Some("`vector-effect`".to_owned());
+                own.keeps_width = true;
             }
             "mask" if value != "none" => own.cut = Some("mask"),
             "filter" if value != "none" => own.cut = Some("filter"),
@@ -225,6 +244,11 @@ fn rule(value: &str, parent: Fill) -> Fill {
         "nonzero" => Fill::NonZero,
         _ => parent,
     }
+}
+
+/// True for a length or a share of nothing.
+fn is_zero_length(word: &str) -> bool {
+    Length::from_str(word).is_ok_and(|length| length.number == 0.0)
 }
 
 fn is_zero(value: &str) -> bool {

@@ -370,6 +370,10 @@ fn what_is_left_out_is_named() {
         "<title>x</title><metadata/><defs><linearGradient id='g'/></defs>\
          <g fill='url(#g)' transform-origin='3 3'>{rect}</g>\
          <svg x='1' y='1' width='5' height='5'><rect width='5' height='5'/></svg>\
+         <svg width='5' height='5' style='overflow: visible'>\
+         <rect width='9' height='5'/></svg>\
+         <rect width='9' height='9' transform='scale(2)' \
+         transform-origin='0 0' vector-effect='non-scaling-stroke'/>\
          <polyline points='0,0 10-5,3,3\n'/>"
     ));
     assert!(plain.warnings().is_empty(), "{:?}", plain.warnings());

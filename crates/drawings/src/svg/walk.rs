@@ -236,7 +236,7 @@ impl<'a> Walk<'a> {
             self.warn(format!("a {cut}, without which all is drawn"));
         }
         if let Some(unread) = &own.unread {
-            self.warn(format!("{unread}, so a shape may be elsewhere"));
+            self.warn(unread.clone());
         }
     }
 
@@ -278,8 +278,7 @@ impl<'a> Walk<'a> {
         let before = self.outlines.len();
         self.children(node, style, place)?;
         // Browsers draw no more than what is in the port.
-        let shown =
-            matches!(node.attribute("overflow"), Some("visible" | "auto"));
+        let (_, own) = Style::default().of(node, &self.sheet);
         let [low, high] =
             [DVec2::ZERO, size].map(|p| moved.transform_point2(p));
         let (low, high) = (low.min(high) - BESIDE, low.max(high) + BESIDE);
@@ -291,7 +290,7 @@ impl<'a> Walk<'a> {
         };
         let is_turned = moved.x_axis.y != 0.0 || moved.y_axis.x != 0.0;
         let added = self.outlines.get(before..).unwrap_or_default();
-        if !shown && !is_turned && added.iter().any(is_beyond) {
+        if !own.overflows && !is_turned && added.iter().any(is_beyond) {
             self.warn(
                 "the border of an inner svg or symbol, beyond which all is drawn",
             );

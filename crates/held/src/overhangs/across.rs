@@ -17,9 +17,9 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, Segment};
 use isoslice_planar::{Area, Solid};
 
-/// How much longer than it should be a line may be found, mm: outlines are within
-/// `accuracy`.
-const FOUND: Mm = 0.02;
+/// Lines may be found longer than they are by so much, mm: outlines are thinned, and
+/// offset and back.
+const SLACK: Mm = 0.02;
 
 /// About so many lines are looked at across a gap.
 const LINES: f64 = 400.0;
@@ -101,7 +101,7 @@ impl Across {
         let fate = |(line, ends): (Segment, [bool; 2])| {
             let fate = if ends != [true; 2] {
                 Fate::Falls
-            } else if line.from.distance(line.to) > plan.bridge_max + FOUND {
+            } else if line.from.distance(line.to) > plan.bridge_max + SLACK {
                 Fate::TooLong
             } else if upper.is_wall(line, below) {
                 Fate::Falls

@@ -168,9 +168,10 @@ impl<'a> Room<'a> {
         !grid.contains(at) && grid.nearest_within(at, around).is_none()
     }
 
-    /// True if a branch to the bed whose core is as wide as `reach` on each side of a
-    /// point of layer `j` would be cut before it is drawn together: from there on
-    /// its border comes nearer by as much as what has no way down.
+    /// True if the part will cut a branch to the bed, whose core reaches so far from
+    /// a point of layer `j`, before it is drawn together. On the way down the core and
+    /// its distance from what has no way down both shrink by what branches lean. So
+    /// they meet before the core is a post if they overlap now.
     pub(super) fn cuts(&self, j: usize, at: DVec2, reach: Mm) -> bool {
         self.closed[j].grid().nearest_within(at, reach).is_some()
     }

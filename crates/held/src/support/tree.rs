@@ -34,7 +34,7 @@ use rstar::primitives::GeomWithData;
 const BELOW: f64 = 0.5;
 
 /// A branch stands on the part if that is nearer than this share of the way
-/// down to the bed.
+/// down to the bed, or if it would come past the part as a sheet.
 const NEAR: f64 = 0.5;
 /// So many of the branches next to a post are looked at.
 const LOOKED_AT: usize = 16;

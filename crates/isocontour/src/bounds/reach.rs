@@ -103,7 +103,7 @@ impl Search<'_> {
                 slack_mm = slack_mm.max(reach - side.reach(&inside));
             }
         }
-        Ok(slack_mm)
+        Ok(slack_mm.max(self.pitch))
     }
 
     /// Cuts off the largest slab at a side that one enclosure proves empty, to
@@ -203,12 +203,20 @@ impl Search<'_> {
                     None if self.inside.is_none() || beyond => {
                         Err(self.undecided(side, &program))
                     }
-                    None => Ok(match (parts, hull) {
-                        ([part], Some(hull)) => self
-                            .columns(side, &hull, &part.program, tolerance)
-                            .min(reach),
-                        _ => reach,
-                    }),
+                    None => {
+                        let looked = match (parts, hull) {
+                            ([part], Some(hull)) => self.columns(
+                                side,
+                                &hull,
+                                &part.program,
+                                tolerance,
+                            ),
+                            _ => None,
+                        };
+                        let (found, pitch) = looked.unwrap_or((reach, 0.0));
+                        self.pitch = self.pitch.max(pitch);
+                        Ok(found.min(reach))
+                    }
                 };
             }
             let f = c.program.enclose(&c.cell, &mut self.scratch);
@@ -336,44 +344,41 @@ impl Search<'_> {
         self.inside.as_ref().map(|inside| side.reach(inside))
     }
 
-    /// Looks for inside points in all of a box, in columns as close as the budget
-    /// permits. Returned: how far the part reaches at most, if it has nothing thinner
-    /// than the columns lie apart.
+    /// Looks for inside points in all of a box, `pitch` apart along all axes, where
+    /// that is as little as the budget permits. Returned: how far the part reaches,
+    /// if it has nothing thinner than that, and the pitch.
     fn columns(
         &mut self,
         side: BoxSide,
         hull: &Cell,
         program: &Program,
         tolerance: f64,
-    ) -> f64 {
-        /// Distances of columns, mm: a line is as thick as the least of them.
+    ) -> Option<(f64, f64)> {
+        /// Distances of points, mm: a line is as thick as the least of them.
         const PITCHES: [f64; 4] = [0.4, 0.8, 1.6, 3.2];
         let [u, v] = [(side.axis + 1) % 3, (side.axis + 2) % 3];
         let face = side.reach(hull);
+        let low = side.outward(side.inner_face(hull));
         let known = |search: &Self| {
             let inside = search.inside.as_ref();
-            inside.map_or(f64::NEG_INFINITY, |inside| side.reach(inside))
+            inside.map_or(low, |inside| side.reach(inside).max(low))
         };
-        let known_before = known(self).max(side.outward(side.inner_face(hull)));
         let counts = |pitch: f64| {
             [u, v].map(|axis| (hull.width(axis) / pitch).ceil().max(1.0))
         };
         let work = program.value_work() as f64;
+        let known_before = known(self);
         let fits = |pitch: &f64| {
             let [a, b] = counts(*pitch);
-            // Points lie a tenth of the way apart where that is more than the pitch.
-            let far = ((face - known_before) / pitch).max(1.0);
-            a * b * (10.0 + 10.0 * far.ln()) * work
-                < self.options.max_work as f64
+            let deep = ((face - known_before) / pitch).max(0.0) + 2.0;
+            a * b * deep * work < 4.0 * self.options.max_work as f64
         };
-        let Some(pitch) = PITCHES.into_iter().find(fits) else {
-            return face;
-        };
+        let pitch = PITCHES.into_iter().find(fits)?;
         let [across, along] = counts(pitch);
         let before = self.scratch.work;
         for i in 0..(across * along) as usize {
             if self.cancel.is_asked() {
-                return face;
+                return None;
             }
             let at = [i % across as usize, i / across as usize];
             let mut column = *hull;
@@ -384,12 +389,28 @@ impl Search<'_> {
                 column.lo[axis] = hull.lo[axis] + k as f64 * width;
                 column.hi[axis] = column.lo[axis] + width;
             }
-            side.clip(&mut column, known(self));
-            self.look_down(side, &column, program, tolerance, pitch);
+            // What rises beyond the known extent by less than the pitch is inside
+            // just above that, and what ends with the box right below its end.
+            let known = known(self);
+            let steps = ((face - known) / pitch).floor().max(0.0) as usize;
+            let above = (1..=steps).rev().map(|k| known + k as f64 * pitch);
+            let ends = [face - tolerance, known + tolerance];
+            let places = ends[..1].iter().copied().chain(above);
+            let mut p = column.centre();
+            for reach in places.chain([ends[1]]) {
+                p[side.axis] = side.outward(reach);
+                if program.value(p, &mut self.scratch) < 0.0 {
+                    self.note_inside(p);
+                    self.climb(side, program, p, face);
+                    self.creep(side, &column, program, p, tolerance);
+                    break;
+                }
+            }
         }
         // This work has a budget of its own, so that no other side lacks it.
         self.scratch.work = before;
-        known(self) + if pitch > PITCHES[0] { pitch } else { tolerance }
+        let beyond = if pitch > PITCHES[0] { pitch } else { tolerance };
+        Some((known(self) + beyond, pitch))
     }
 
     /// Looks for the highest inside point in the middle of a column that ends
@@ -635,9 +656,23 @@ mod tests {
         let (x, y, z) = Tree::axes();
         let out = (x.square() + y.square() + z.square()).sqrt() - 9.0;
         let bowl = out.max(z.clone() - 4.0 - 0.1 * (x * 2.0).sin());
-        let program = flattened(&bowl).unwrap();
+        let program = flattened(&bowl.clone()).unwrap();
         let options = SearchOptions::default();
-        for (half, off) in [(30.0, 1e-3), (60.0, 1e-3), (500.0, 3.3)] {
+        // A plate far beside it is thinner than a tenth of the way to it.
+        let (x, y, z) = Tree::axes();
+        let plate = (x - 23.0).abs() - 0.4;
+        let plate = plate.max(y.abs() - 6.0).max(z.abs() - 3.0);
+        let both = flattened(&bowl.min(plate)).unwrap();
+        let mut search = Search::new(&options, &Cancel::NEVER).unwrap();
+        let hull = Cell {
+            lo: [-30.0; 3],
+            hi: [30.0; 3],
+        };
+        search.note_inside([0.1, 0.2, 0.3]);
+        let up = BoxSide { axis: 0, up: true };
+        let found = search.columns(up, &hull, &both, 1e-4).unwrap();
+        assert!((found.0 - 23.4).abs() < 1e-3 && found.1 < 0.5, "{found:?}");
+        for (half, off) in [(30.0, 1e-3), (50.0, 1e-3), (500.0, 3.3)] {
             for (side, true_reach) in BoxSide::all()
                 .into_iter()
                 .zip([9.0, 4.1, 9.0, 9.0, 9.0, 9.0])
@@ -650,6 +685,10 @@ mod tests {
                 search.region = region;
                 search.note_inside([0.1, 0.2, 0.3]);
                 let found = search.columns(side, &region, &program, 1e-4);
+                let Some((found, _)) = found else {
+                    assert!(half > 100.0);
+                    continue;
+                };
                 let more = found - true_reach;
                 assert!((0.0..off).contains(&more), "{half} {found}");
                 assert_eq!(search.scratch.work, 0);

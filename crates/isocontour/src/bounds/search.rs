@@ -28,6 +28,8 @@ pub(super) struct Search<'a> {
     pub region: Cell,
     /// Box of the points known to be inside.
     pub inside: Option<Cell>,
+    /// How far apart points are that were looked at in place of a proof, mm.
+    pub pitch: f64,
 }
 
 impl<'a> Search<'a> {
@@ -58,6 +60,7 @@ impl<'a> Search<'a> {
             scratch: Scratch::default(),
             region,
             inside: None,
+            pitch: 0.0,
         })
     }
 

@@ -45,6 +45,11 @@ impl<'a> Ground<'a> {
         (differs && !lower.is_empty()).then_some(Ground { here, below })
     }
 
+    /// True if the layer below has the part at a point.
+    pub fn holds(&self, p: DVec2) -> bool {
+        self.below.outline.grid().contains(p)
+    }
+
     /// How far the outline beside a point reaches beyond the layer below, as a
     /// share of the layer's height. It is 0 where the outline recedes.
     fn overhang(&self, p: DVec2) -> f64 {

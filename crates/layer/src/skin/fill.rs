@@ -113,7 +113,13 @@ impl Filler<'_> {
             && rings.iter().any(hung::is_around_hole)
         {
             let below = EdgeGrid::new(&below.near(island), ring.width);
-            fills.extend(hung::around_holes(&mut rings, &below));
+            let role = self.plan.hung;
+            let last = hung::around_holes(&mut rings, &below, role);
+            // Nothing is printed on what is ironed.
+            let irons =
+                |f: &Fill| f.lines.iter().any(|l| l.role == Role::Ironing);
+            let at = fills.iter().position(irons).unwrap_or(fills.len());
+            fills.splice(at..at, last);
         }
         let patch = Patch { rings, fills };
         patch.first().is_some().then_some(patch)
@@ -154,7 +160,8 @@ impl Filler<'_> {
         let (rings, mut fills) = match self.over_air(sides) {
             Some(below) => {
                 let below = below.near(island);
-                hung::apart(rings, &EdgeGrid::new(&below, look.width))
+                let below = EdgeGrid::new(&below, look.width);
+                hung::apart(rings, &below, self.plan.hung)
             }
             None => (rings, Vec::new()),
         };

@@ -25,11 +25,12 @@ const MOST: f64 = 0.5;
 /// quarter of the bead, or less, then lies on that.
 const BEYOND: f64 = 0.25;
 
-/// The rings that lie on the layer below, which `below` holds, and the others: those
-/// nearest to it first.
+/// The rings that lie on the layer below, which `below` holds, and the others, of a
+/// role of their own: those nearest to it first.
 pub(super) fn apart(
     rings: Vec<Bead>,
     below: &EdgeGrid,
+    role: Role,
 ) -> (Vec<Bead>, Vec<Fill>) {
     let mut held = Vec::with_capacity(rings.len());
     // By their distance from what is below, in widths.
@@ -38,21 +39,21 @@ pub(super) fn apart(
         let width = bead.stroke.width;
         match distance(&bead.stroke, below) {
             Some(far) if bead.role == Role::BottomSkin => {
-                let bead = Bead {
-                    role: Role::Bridge,
-                    ..bead
-                };
+                let bead = Bead { role, ..bead };
                 hung.entry((far / width) as u32).or_default().push(bead);
             }
             _ => held.push(bead),
         }
     }
-    let fill = |lines| Fill {
+    (held, hung.into_values().map(fill).collect())
+}
+
+fn fill(lines: Vec<Bead>) -> Fill {
+    Fill {
         lines,
         after: Vec::new(),
         one_way: Vec::new(),
-    };
-    (held, hung.into_values().map(fill).collect())
+    }
 }
 
 /// True for a ring around a hole that faces downwards.
@@ -67,22 +68,14 @@ pub(super) fn is_around_hole(ring: &Bead) -> bool {
 pub(super) fn around_holes(
     rings: &mut Vec<Bead>,
     below: &EdgeGrid,
+    role: Role,
 ) -> Option<Fill> {
     let hangs = |ring: &mut Bead| {
         is_around_hole(ring) && distance(&ring.stroke, below).is_some()
     };
-    let lines: Vec<Bead> = rings
-        .extract_if(.., hangs)
-        .map(|ring| Bead {
-            role: Role::Bridge,
-            ..ring
-        })
-        .collect();
-    (!lines.is_empty()).then_some(Fill {
-        lines,
-        after: Vec::new(),
-        one_way: Vec::new(),
-    })
+    let hung = rings.extract_if(.., hangs);
+    let lines: Vec<Bead> = hung.map(|ring| Bead { role, ..ring }).collect();
+    (!lines.is_empty()).then(|| fill(lines))
 }
 
 /// The mean distance of a ring from what is below, if most of the ring hangs.
@@ -123,7 +116,8 @@ mod tests {
         };
         // The one at 3.95 mm lies on the rim for the most part.
         let radii = [2.2, 3.0, 3.95, 4.6, 3.45];
-        let (held, hung) = apart(radii.map(ring).to_vec(), &below);
+        let rings = radii.map(ring).to_vec();
+        let (held, hung) = apart(rings, &below, Role::Bridge);
         let size = |bead: &Bead| bead.stroke.points[0].length();
         assert_eq!(held.iter().map(size).collect::<Vec<_>>(), [3.95, 4.6]);
         let sizes: Vec<f64> =
@@ -137,6 +131,7 @@ mod tests {
             role: Role::InternalSkin,
             ..ring(3.0)
         };
-        assert_eq!(apart(vec![inside.clone()], &below).0, [inside]);
+        let (held, _) = apart(vec![inside.clone()], &below, Role::Bridge);
+        assert_eq!(held, [inside]);
     }
 }

@@ -101,15 +101,6 @@ impl<'a> Support<'a> {
         self.pieces(bead).iter().any(|piece| piece.hangs)
     }
 
-    /// True if all of a wall hangs.
-    pub fn hangs_all_along(&self, bead: &Bead) -> bool {
-        if isoslice_base::limits::is_stopped() {
-            return false;
-        }
-        let pieces = self.pieces(bead);
-        !pieces.is_empty() && pieces.iter().all(|piece| piece.hangs)
-    }
-
     /// True if there is more of the part beside this place of a bead.
     fn leans(&self, bead: &Bead, place: f64, width: Mm) -> bool {
         // The segment that the place is on, or that begins there.

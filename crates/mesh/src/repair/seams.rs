@@ -8,7 +8,8 @@
 //!   ───────A─────C────────B───     the lower ones have AC and CB
 //! ```
 //!
-//! Vertices of rims that are as near as rounding are made one. A vertex on an
+//! Vertices of rims that are as near as rounding, or not much farther apart, are made
+//! one. A vertex on an
 //! edge parts it: a triangle A, C, B without an area is put between.
 
 use super::Work;
@@ -25,7 +26,8 @@ const NEAR: f64 = 1e-6;
 /// Where rims are left open, places farther apart are the same: 1 µm and 10 µm in
 /// a part of 100 mm.
 const FARTHER: [f64; 2] = [1e-5, 1e-4];
-/// Share of the mean edge of the rims beyond which no two places are the same.
+/// Share of the shortest rim edge at a vertex beyond which no other one is at the same
+/// place, unless it is as near as rounding: fine rims keep their shape.
 const OF_EDGE: f64 = 0.1;
 /// Nodes of the tree and edges that are looked at, by edge of the rim. Usual rims
 /// take 7 to 16. Where all edges lie on one another, not all are looked at.
@@ -36,6 +38,10 @@ struct Rim {
     /// From and to, as more triangles go.
     edges: Vec<[u32; 2]>,
     reach: f64,
+    /// Distance of places that are the same whatever the rim is like.
+    rounding: f64,
+    /// Length of the shortest edge of the rim at each vertex.
+    shortest: Vec<f64>,
 }
 
 impl Rim {
@@ -48,19 +54,27 @@ impl Rim {
                 edges.push([from, to]);
             }
         });
-        let length = |[a, b]: &[u32; 2]| {
-            vertices[*a as usize].distance(vertices[*b as usize])
-        };
-        let sum: f64 = edges.iter().map(length).sum();
-        let mean = sum / (edges.len() as f64).max(1.0);
+        let mut shortest = vec![f64::INFINITY; vertices.len()];
+        for [a, b] in edges.iter().map(|edge| edge.map(|v| v as usize)) {
+            let length = vertices[a].distance(vertices[b]);
+            shortest[a] = length.min(shortest[a]);
+            shortest[b] = length.min(shortest[b]);
+        }
         let low = vertices.iter().fold(DVec3::INFINITY, |a, b| a.min(*b));
         let high = vertices.iter().fold(DVec3::NEG_INFINITY, |a, b| a.max(*b));
         let size = (high - low).max_element();
-        let farther = (near * size).min(OF_EDGE * mean);
         Rim {
             edges,
-            reach: farther.max(NEAR * size),
+            reach: near * size,
+            rounding: NEAR * size,
+            shortest,
         }
+    }
+
+    /// How far from a vertex another place may be that is the same.
+    fn reach_of(&self, vertex: u32) -> f64 {
+        let own = OF_EDGE * self.shortest[vertex as usize];
+        own.min(self.reach).max(self.rounding)
     }
 
     /// Calls `see` with vertices of the rim and the numbers of edges that may be
@@ -118,8 +132,9 @@ pub(super) fn join(work: &mut Work) -> usize {
     weld(work, near) + part_edges(work, near)
 }
 
-/// How near places have to be that are one: farther apart than roundings only where
-/// that leaves less than half of the rims.
+/// How near places have to be that are one, as a share of the size: farther apart
+/// than roundings only if that leaves less than half of the open edges that a smaller
+/// distance leaves.
 fn nearness(work: &Work) -> f64 {
     let mut best = NEAR;
     let mut least = usize::MAX;
@@ -156,9 +171,10 @@ fn weld(work: &mut Work, near: f64) -> usize {
     let mut welded = 0;
     rim.each_near(vertices, |end, edge| {
         for other in rim.edges[edge] {
+            let reach = rim.reach_of(end).min(rim.reach_of(other));
             let one = sets.of(end as usize);
             let other = sets.of(other as usize);
-            if vertices[one].distance(vertices[other]) <= rim.reach
+            if vertices[one].distance(vertices[other]) <= reach
                 && sets.join(one, other)
             {
                 welded += 1;
@@ -188,7 +204,7 @@ fn part_edges(work: &mut Work, near: f64) -> usize {
         let along = (p - a).dot(b - a) / (b - a).length_squared();
         if along > 0.0
             && along < 1.0
-            && p.distance(a.lerp(b, along)) <= rim.reach
+            && p.distance(a.lerp(b, along)) <= rim.reach_of(vertex)
             // Each vertex lies on one edge, if not many lie on one another.
             && places.len() < rim.edges.len()
         {

@@ -212,6 +212,42 @@ fn cracks_of_roundings_are_welded() {
     }
 }
 
+/// A fine rim that is open, beside long edges that are.
+#[test]
+fn fine_rims_keep_their_shape_beside_long_ones() {
+    let n = 700;
+    let at = |i: usize, z: f64| {
+        let turn = std::f64::consts::TAU * i as f64 / f64::from(n as u32);
+        DVec3::new(turn.cos(), turn.sin(), z)
+    };
+    let wall = (0..n).flat_map(|i| {
+        let next = (i + 1) % n;
+        let [a, b] = [at(i, 10.0), at(next, 10.0)];
+        let [c, d] = [at(i, 0.0), at(next, 0.0)];
+        [[c, d, b], [c, b, a], [d, c, DVec3::ZERO]]
+    });
+    // Two faces of a box of 100 mm, far from the pin.
+    let far = |x: f64, y: f64, z: f64| DVec3::new(x + 50.0, y, z);
+    let wide = [
+        [
+            far(0.0, 0.0, 0.0),
+            far(100.0, 0.0, 0.0),
+            far(0.0, 100.0, 0.0),
+        ],
+        [
+            far(0.0, 0.0, 5.0),
+            far(0.0, 100.0, 5.0),
+            far(100.0, 0.0, 5.0),
+        ],
+    ];
+    let pin = mesh(&wall.chain(wide).collect::<Vec<_>>());
+    assert_eq!(pin.facts().joined, 0);
+    for z in [3.0, 9.0] {
+        let off = pin.value(DVec3::new(0.97, 0.0, z)) + 0.03;
+        assert!(off.abs() < 1e-3, "{off}");
+    }
+}
+
 #[test]
 fn doubled_faces_are_one() {
     for (name, faces) in shapes() {

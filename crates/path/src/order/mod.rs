@@ -7,7 +7,8 @@
 //! of the layer below. Islands are finished one at a time. Within an island the
 //! walls come first, then gap fill and sparse infill, then skin, each on a
 //! short tour (`tour`) that begins where the tour before ends. Walls around a hole
-//! that hang all along come last, since the skin beside them holds them.
+//! that hang all along come last, since the skin beside them holds them, unless there
+//! are supports.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -117,8 +118,9 @@ impl Context<'_> {
         let is_hole = walls.first().is_some_and(|outer| {
             outer.stroke.closed && signed_area(&outer.stroke.points) < 0.0
         });
-        let hangs = |s: &Support| walls.iter().all(|w| s.hangs_all_along(w));
-        is_hole && self.support.is_some_and(hangs)
+        let mut points = walls.iter().flat_map(|wall| &wall.stroke.points);
+        let hangs = |g: Ground| points.all(|p| !g.holds(*p));
+        is_hole && self.ground.is_some_and(hangs)
     }
 }
 
@@ -292,7 +294,7 @@ fn place_seams(
 /// Where an island's printing would start.
 fn island_start(island: &Island) -> Option<DVec2> {
     let walls = island.loops.iter().flat_map(|l| &l.walls);
-    let skin = island.skin.iter().flat_map(|p| &p.rings);
+    let skin = island.skin.iter().filter_map(Patch::first);
     walls
         .chain(&island.gaps)
         .chain(&island.infill)

@@ -69,8 +69,8 @@ impl Default for PictureOptions {
 ///
 /// Colours count by their brightness as it is stored (luma, 0.299 red + 0.587
 /// green + 0.114 blue), which most programs show as "grey". Numbers of a `.npy`
-/// file are taken as they are if they are floating-point, and divided by the
-/// greatest of their kind if not.
+/// file are divided by the greatest of their kind if they are whole and have 8 or 16
+/// bits, and are taken as they are if not. True is white.
 #[derive(Debug)]
 pub struct Picture {
     name: String,
@@ -267,11 +267,10 @@ fn of_array(array: npy::Array) -> Problem<Pixels> {
     } else {
         Layout::picture(columns, rows)
     };
-    let mut numbers = array.numbers;
-    if let (Some(white), Numbers::F32(all)) = (array.white, &mut numbers) {
-        all.iter_mut().for_each(|n| *n /= white);
-    }
-    Ok(Pixels { numbers, layout })
+    Ok(Pixels {
+        numbers: array.numbers,
+        layout,
+    })
 }
 
 /// How many pixels there are, if they are not too many.

@@ -117,7 +117,6 @@ impl Volume {
         } else {
             let array = npy::Array {
                 numbers,
-                white: None,
                 shape: shape.to_vec(),
                 fortran: false,
             };
@@ -223,7 +222,6 @@ fn of_array(array: npy::Array, axes: Axes) -> Problem<Read> {
         numbers,
         shape,
         fortran,
-        ..
     } = array;
     if !(2..=3).contains(&shape.len()) {
         return Err(format!(

@@ -21,7 +21,7 @@ pub(crate) const MOST_PIXELS: usize = 1 << 28;
 /// Greatest memory for a whole sheet, bytes.
 const MOST_DECODED: usize = 1 << 29;
 /// Greatest length of a sheet's file, bytes.
-const MOST_FILE: u64 = 1 << 28;
+pub(crate) const MOST_FILE: u64 = 1 << 28;
 
 /// A stack of pictures.
 #[derive(Debug)]

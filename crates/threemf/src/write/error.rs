@@ -56,9 +56,9 @@ pub enum ExportError {
     TooMuchData(usize),
     /// The sheets of pictures and volumes are more than what is read again.
     #[error(
-        "its pictures and volumes take more than {MOST_FILES} files or a \
-         thousand million samples together, and no 3MF file with more is read; \
-         scale them down"
+        "its pictures and volumes take more than {MOST_FILES} files, a thousand \
+         million samples together, or 256 MB for one sheet, and no 3MF file with \
+         more is read; scale them down"
     )]
     TooManySheets,
     /// The meshes are larger than what is read again.

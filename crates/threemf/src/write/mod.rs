@@ -32,6 +32,7 @@ mod picture;
 
 pub use error::ExportError;
 
+use crate::functions::image::MOST_FILE;
 use crate::model::MOST_SHAPES;
 use crate::package::MOST_FILES;
 use fidget::context::Tree;
@@ -142,8 +143,12 @@ pub fn write(part: &Part) -> Result<Vec<u8>, ExportError> {
     for (path, resource, sheet) in sheets {
         isoslice_base::limits::go_on()?;
         if let Some(sheets) = sheets_of(&*resource.data) {
+            let png = picture::png(&sheets, sheet)?;
+            if png.len() as u64 > MOST_FILE {
+                return Err(ExportError::TooManySheets);
+            }
             zip.start_file(path, packed).map_err(io_error)?;
-            zip.write_all(&picture::png(&sheets, sheet)?)?;
+            zip.write_all(&png)?;
         }
     }
     Ok(zip.finish().map_err(io_error)?.into_inner())

@@ -99,7 +99,10 @@ pub(super) fn crossing(points: &[[f64; 2]]) -> Option<[usize; 2]> {
     let turn = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2]),
                 [x, y]: [f64; 2]| {
         let cross = (bx - ax) * (y - ay) - (by - ay) * (x - ax);
-        i32::from(cross > 0.0) - i32::from(cross < 0.0)
+        // What rounding may make of a point on the line.
+        let far = ax.abs().max(ay.abs()).max(x.abs()).max(y.abs());
+        let off = 1e-12 * (bx - ax).hypot(by - ay) * far;
+        i32::from(cross > off) - i32::from(cross < -off)
     };
     let cross = |i: usize, j: usize| {
         let (a, b) = (side(i), side(j));

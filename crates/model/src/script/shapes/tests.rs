@@ -407,7 +407,6 @@ fn blends_keep_flush_faces() {
     }
 }
 
-/// Bodies without common faces blend as fidget has it.
 #[test]
 fn polygons_that_cross_themselves_are_refused() {
     for (corners, sides) in [
@@ -425,10 +424,20 @@ fn polygons_that_cross_themselves_are_refused() {
         assert!(error.contains("crosses itself"), "{error}");
         assert!(error.contains(sides), "{error}");
     }
+    // Many corners on one straight side, turned.
+    let (sin, cos) = 0.37_f64.sin_cos();
+    let side = (0..=30).map(|i| [f64::from(i), 0.0]);
+    let all = side.chain([[30.0, 10.0], [0.0, 10.0]]);
+    let turned = all.map(|[x, y]| {
+        format!("[{}, {}]", x * cos - y * sin - 27.3, x * sin + y * cos)
+    });
+    let turned: Vec<String> = turned.collect();
+    assert!(tree(&format!("polygon([{}])", turned.join(", "))).is_ok());
     // What only touches itself does not cross.
     assert!(tree("polygon([[0, 0], [9, 0], [9, 9], [5, 0], [0, 9]])").is_ok());
 }
 
+/// Bodies without common faces blend as fidget has it.
 #[test]
 fn blends_of_other_bodies_are_as_they_were() {
     for (a, b) in [
