@@ -345,8 +345,8 @@ impl Search<'_> {
     }
 
     /// Looks for inside points in all of a box, `pitch` apart along all axes, where
-    /// that is as little as the budget permits. Returned: how far the part reaches,
-    /// if it has nothing thinner than that, and the pitch.
+    /// that is as little as the budget permits. Returned: how far the part reaches, if
+    /// it has nothing thinner than that, and the pitch, if lines may be as thin.
     fn columns(
         &mut self,
         side: BoxSide,
@@ -409,8 +409,12 @@ impl Search<'_> {
         }
         // This work has a budget of its own, so that no other side lacks it.
         self.scratch.work = before;
-        let beyond = if pitch > PITCHES[0] { pitch } else { tolerance };
-        Some((known(self) + beyond, pitch))
+        // Nothing that is printed is as thin as the least pitch.
+        Some(if pitch > PITCHES[0] {
+            (known(self) + pitch, pitch)
+        } else {
+            (known(self) + tolerance, 0.0)
+        })
     }
 
     /// Looks for the highest inside point in the middle of a column that ends
