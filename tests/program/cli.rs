@@ -1715,3 +1715,49 @@ fn a_variable_of_other_programs_starts_no_threads() {
     }
     assert!(files[0] == files[1] && files[0] == files[2]);
 }
+
+/// A cone on its tip has no line in its first layer.
+#[test]
+fn a_part_on_a_point_is_refused_with_what_helps() {
+    let folder = folder();
+    let cone = "max(sqrt(x^2 + y^2)*2 - z, z - 10)";
+    isoslice(&folder)
+        .args(["slice", "-e", cone, "-o", "cone.gcode"])
+        .assert()
+        .code(1)
+        .stderr(
+            contains("hardly more than a point")
+                .and(contains("supports = \"auto\"")),
+        );
+    assert!(!folder.path().join("cone.gcode").exists());
+    isoslice(&folder)
+        .args(["slice", "-e", cone, "-o", "cone.gcode"])
+        .args(["--set", "supports=auto"])
+        .assert()
+        .success();
+}
+
+#[test]
+fn layers_that_are_too_short_to_cool_are_told_of() {
+    let rod = "max(sqrt(x^2 + y^2) - 2, abs(z - 4) - 4)";
+    let told = |time: &str| {
+        let time = format!("cooling.min_layer_time={time}");
+        let args = ["slice", "-e", rod, "-o", "rod.gcode", "--set", &time];
+        stdout(isoslice(&folder()).args(args))
+    };
+    assert!(
+        told("30").contains("layers take less than cooling.min_layer_time")
+    );
+    assert!(!told("0").contains("min_layer_time"));
+}
+
+#[test]
+fn a_profile_given_as_settings_is_told_to_be_one() {
+    let folder = folder();
+    write(&folder, "my.toml", "description = \"Mine\"\nwalls = 3\n");
+    isoslice(&folder)
+        .args(["slice", "-e", BALL, "--config", "my.toml"])
+        .assert()
+        .code(1)
+        .stderr(contains("it is a profile's: give the file with --printer"));
+}

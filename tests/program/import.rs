@@ -681,7 +681,8 @@ fn profiles_and_printers_of_cura_are_read() {
     zipped(
         &dir.path().join("fine.curaprofile"),
         b"[general]\nversion = 4\n[values]\nlayer_height = 0.12\n\
-          infill_pattern = gyroid\nspeed_print = 60\nspeed_wall_0 = =speed_print/2\n",
+          infill_pattern = gyroid\nspeed_print = 60\nspeed_wall_0 = =speed_print/2\n\
+          adhesion_type = brim\nbrim_width = 8\nbrim_line_count = 30\n",
     );
     let printer = ["profiles", "import", "one.def.json", "-o", "-"];
     let text = output(dir.path(), &printer);
@@ -700,6 +701,8 @@ fn profiles_and_printers_of_cura_are_read() {
             "infill = \"gyroid\"",
             "sparse_infill = 60",
             "outer_wall = 30",
+            // The number of lines counts, each of 0.4 mm.
+            "width = 12",
         ],
     );
 }

@@ -75,9 +75,10 @@ pub(super) struct Own {
     pub(super) overflows: bool,
 }
 
-/// Properties of style sheets that are read as attributes only.
-const AS_ATTRIBUTES: [&str; 13] = [
+/// Properties that move or shape an element and are not read in styles.
+const GEOMETRY: [&str; 14] = [
     "transform",
+    "translate",
     "x",
     "y",
     "width",
@@ -97,9 +98,9 @@ impl Own {
     fn see(&mut self, node: Node, name: &str, value: &str) {
         let is_port = matches!(node.tag_name().name(), "svg" | "symbol");
         let counts = !matches!(value, "none" | "auto" | "initial");
-        if AS_ATTRIBUTES.contains(&name) && !is_port && counts {
+        if GEOMETRY.contains(&name) && !is_port && counts {
             self.unread = Some(format!(
-                "`{name}` of a style, so a shape may be elsewhere"
+                "`{name}` of a style, so a shape may have another size or place"
             ));
         }
     }

@@ -94,7 +94,7 @@ fn off_the_bed(foot: Foot, height: Mm, raft: bool) -> String {
     let (ground, help) = if raft {
         (
             "raft",
-            "a raft holds it no better: lay it down, or take supports",
+            "a raft holds it no better: lay it down, or give it a wider foot",
         )
     } else {
         (

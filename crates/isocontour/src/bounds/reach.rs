@@ -391,13 +391,12 @@ impl Search<'_> {
             }
             // What rises beyond the known extent by less than the pitch is inside
             // just above that, and what ends with the box right below its end.
-            let known = known(self);
-            let steps = ((face - known) / pitch).floor().max(0.0) as usize;
-            let above = (1..=steps).rev().map(|k| known + k as f64 * pitch);
-            let ends = [face - tolerance, known + tolerance];
-            let places = ends[..1].iter().copied().chain(above);
+            let low = known(self);
+            let steps = ((face - low) / pitch).floor().max(0.0) as usize;
+            let between = (1..=steps).rev().map(|k| low + k as f64 * pitch);
+            let places = std::iter::once(face - tolerance).chain(between);
             let mut p = column.centre();
-            for reach in places.chain([ends[1]]) {
+            for reach in places.chain([low + tolerance]) {
                 p[side.axis] = side.outward(reach);
                 if program.value(p, &mut self.scratch) < 0.0 {
                     self.note_inside(p);
@@ -660,7 +659,7 @@ mod tests {
         let (x, y, z) = Tree::axes();
         let out = (x.square() + y.square() + z.square()).sqrt() - 9.0;
         let bowl = out.max(z.clone() - 4.0 - 0.1 * (x * 2.0).sin());
-        let program = flattened(&bowl.clone()).unwrap();
+        let program = flattened(&bowl).unwrap();
         let options = SearchOptions::default();
         // A plate far beside it is thinner than a tenth of the way to it.
         let (x, y, z) = Tree::axes();

@@ -7,9 +7,9 @@
 //!   ▒▒▒▒▒▒▒▒│           along one that is there
 //! ```
 //!
-//! In: rings, and the layer below. Out: those that are held, and those that hang,
-//! in print order and with a bridge's speed and fan. Where there are lines inside a
-//! ring, only what is around a hole waits for them.
+//! In: rings, the layer below, and the role of what hangs: a bridge's, or skin's where
+//! supports may hold it. Out: those that are held, and those that hang, in print order.
+//! Where there are lines inside the rings, only rings around holes wait for them.
 
 use super::Fill;
 use glam::DVec2;
@@ -63,8 +63,8 @@ pub(super) fn is_around_hole(ring: &Bead) -> bool {
         && signed_area(&ring.stroke.points) < 0.0
 }
 
-/// Takes out the rings around holes that hang. The lines beside them hold them, and
-/// come first.
+/// Takes out the rings around holes that hang, and gives them a role: they come after
+/// the lines beside them, which hold them.
 pub(super) fn around_holes(
     rings: &mut Vec<Bead>,
     below: &EdgeGrid,

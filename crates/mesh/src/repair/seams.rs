@@ -141,25 +141,15 @@ fn nearness(work: &Work) -> f64 {
     for near in std::iter::once(NEAR).chain(FARTHER) {
         let mut trial = Work::new(work.vertices.clone(), work.corners.clone());
         weld(&mut trial, near);
-        let rims = rims(&trial);
-        if rims < least.div_ceil(2) {
-            (best, least) = (near, rims);
+        let open = Rim::of(&trial.vertices, &trial.corners, near).edges.len();
+        if open < least.div_ceil(2) {
+            (best, least) = (near, open);
         }
-        if rims == 0 || is_stopped() {
+        if open == 0 || is_stopped() {
             break;
         }
     }
     best
-}
-
-/// Number of edges with an odd number of triangles.
-fn rims(work: &Work) -> usize {
-    let mut count = 0;
-    each_edge(&work.corners, work.vertices.len(), |edge| {
-        let is_rim = edge.excess().is_some_and(|(_, _, more)| more % 2 == 1);
-        count += usize::from(is_rim);
-    });
-    count
 }
 
 /// Makes vertices of rims one that are at the same place. Returns how many are

@@ -251,17 +251,7 @@ impl Writing<'_> {
     ) -> Result<Output, ExportError> {
         if mesh_of(&**data).is_some() {
             let resource = self.resource(data, 1)?;
-            let place = self.place(at)?;
-            let n = self.next()?;
-            put(
-                &mut self.text,
-                format_args!(
-                    "<i:mesh identifier=\"n{n}\"><i:in><i:vectorref \
-                     identifier=\"pos\" ref=\"{place}\"/><i:resourceref \
-                     identifier=\"mesh\" ref=\"{resource}\"/></i:in><i:out>\
-                     <i:scalar identifier=\"distance\"/></i:out></i:mesh>\n"
-                ),
-            );
+            let n = self.asked("mesh", at, ("mesh", &resource), "distance")?;
             return Ok(Output::Distance(n));
         }
         let Some(sheets) = sheets_of(&**data) else {
@@ -270,18 +260,31 @@ impl Writing<'_> {
         picture::check(data.name(), &sheets)?;
         let resource = self.resource(data, 2)?;
         let [u, v, w] = picture::rows(&sheets).map(|row| self.row(row, at));
-        let place = self.place([u?, v?, w?])?;
+        let (at, of) = ([u?, v?, w?], ("functionID", &*resource));
+        Ok(Output::Red(self.asked("functioncall", at, of, "red")?))
+    }
+
+    /// The number of a node that asks a resource, whose input has a name, for what it
+    /// is at a place.
+    fn asked(
+        &mut self,
+        kind: &str,
+        at: [Output; 3],
+        (input, resource): (&str, &str),
+        output: &str,
+    ) -> Result<usize, ExportError> {
+        let place = self.place(at)?;
         let n = self.next()?;
         put(
             &mut self.text,
             format_args!(
-                "<i:functioncall identifier=\"n{n}\"><i:in><i:vectorref \
+                "<i:{kind} identifier=\"n{n}\"><i:in><i:vectorref \
                  identifier=\"pos\" ref=\"{place}\"/><i:resourceref \
-                 identifier=\"functionID\" ref=\"{resource}\"/></i:in><i:out>\
-                 <i:scalar identifier=\"red\"/></i:out></i:functioncall>\n"
+                 identifier=\"{input}\" ref=\"{resource}\"/></i:in><i:out>\
+                 <i:scalar identifier=\"{output}\"/></i:out></i:{kind}>\n"
             ),
         );
-        Ok(Output::Red(n))
+        Ok(n)
     }
 
     /// A coordinate times each of three numbers, and a fourth.
