@@ -86,6 +86,10 @@ pub fn offset_within(
     // In a strip thinner than the slack, a side that has moved through the other
     // is no nearer to it than it should be, but lies on its wrong side.
     let beyond = |p: DVec2| grid.contains(p) != (distance < 0.0);
+    let passes = |[a, b]: [DVec2; 2]| {
+        [a.midpoint(b), a, b].into_iter().all(beyond)
+            && grid.crossings(a, b).is_empty()
+    };
     let mut rings: Vec<Ring> = Vec::with_capacity(area.rings.len());
     let mut turned = Vec::with_capacity(area.rings.len());
     let mut states = Vec::with_capacity(EdgeGrid::numbers(&area.rings));
@@ -123,9 +127,9 @@ pub fn offset_within(
             };
             states.push(passed.state(
                 known.unwrap_or_else(ask),
-                [a.midpoint(b), a, b],
+                [a, b],
                 clearance,
-                beyond,
+                passes,
             ));
         }
         turned.push((signed_area(ring) > 0.0) != (signed_area(&m) > 0.0));
@@ -167,19 +171,18 @@ struct Passed {
 }
 
 impl Passed {
-    /// The state of an edge, which is covered if all of these places on it are
-    /// beyond the border.
+    /// The state of an edge, which is covered if all of it `passes` beyond the border.
     fn state(
         &mut self,
         state: State,
-        places: [DVec2; 3],
+        edge: [DVec2; 2],
         clearance: Mm,
-        beyond: impl Fn(DVec2) -> bool,
+        passes: impl Fn([DVec2; 2]) -> bool,
     ) -> State {
         let clear = state == State::Clear && clearance > 0.0;
         let before = self.clear.take().filter(|_| clear);
-        let passed = state != State::Covered
-            && before.unwrap_or_else(|| places.into_iter().all(beyond));
+        let passed =
+            state != State::Covered && before.unwrap_or_else(|| passes(edge));
         self.clear = clear.then_some(passed);
         if passed { State::Covered } else { state }
     }
@@ -453,6 +456,30 @@ mod tests {
     use super::*;
     use isoslice_base::random::{mix, share};
     use std::f64::consts::PI;
+
+    #[test]
+    fn a_needle_takes_nothing_from_its_area() {
+        let ring: Ring = [
+            (0.83562, -4.61394),
+            (0.83562, -7.7965),
+            (1.08814, -7.72884),
+            (2.91224, -7.72884),
+            (3.16515, -7.79662),
+            (3.1666, -1.42647),
+            (3.16587, -4.61397),
+            (3.16573, -4.61394),
+        ]
+        .map(|(x, y)| DVec2::new(x, y))
+        .to_vec();
+        // Without the needle, 2.33 mm by 3.11 mm are left.
+        let area = Area::from(ring);
+        for k in 1..11 {
+            let by = 0.1 * f64::from(k);
+            let left = offset(&area, -by, 0.01).content();
+            let room = (2.33 - 2.0 * by) * (3.115 - 2.0 * by);
+            assert!((left - room).abs() < 0.03, "{by}: {left} {room}");
+        }
+    }
 
     #[test]
     fn shrinking_keeps_convex_corners_and_rounds_concave_ones() {
