@@ -8,6 +8,7 @@ use clap::Args;
 use isoslice::check::{Rules, Severity, Verdict, check};
 use isoslice::limits;
 use isoslice::reader::filament_diameter;
+use isoslice_gcode_read::reader::base;
 use serde_json::json;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -61,6 +62,10 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
         // Its E is the length of the filament that it was made for.
         if let Some(diameter) = filament_diameter(&mut file) {
             rules.filament_diameter = diameter;
+        }
+        // A range of layers continues a part.
+        if let Some(base) = base(&mut file) {
+            rules.base = base;
         }
         let verdict = judge(file, &name, &rules)?;
         (name, verdict)

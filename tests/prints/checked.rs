@@ -124,6 +124,8 @@ fn any_plastic_passes_with_any_comments() {
             "bead_width=50",
             "bead_width=180",
             "bead_width=expr: 50 + 130*step(x, 0)",
+            "bead_width=expr: 60 + 60*step(1, z)",
+            "flow=expr: 100 + 80*step(1, z)",
         ] {
             let own = [
                 &format!("gcode.comments={comments}"),
@@ -140,5 +142,31 @@ fn any_plastic_passes_with_any_comments() {
             );
             assert!(sliced.is_ok(), "{comments} {plastic}: {sliced:?}");
         }
+    }
+}
+
+/// What settings ask for is no fault: ends of scarfs with much plastic, and filament that
+/// is missing at the beginning of each of many short beads.
+#[test]
+fn legal_settings_pass() {
+    let many = "max(max(sin(2*x), sin(2*y)) - 0.1, max(max(abs(x), abs(y)) - 6, \
+                abs(z - 1) - 1))";
+    let ball = "sqrt(x^2 + y^2 + z^2) - 4";
+    for (formula, own) in [
+        (
+            many,
+            &["retract.extra_prime=-0.3", "retract.min_travel=0"][..],
+        ),
+        (ball, &["flow=150", "seam_scarf=10"][..]),
+    ] {
+        let settings = settings(own);
+        let model = crate::common::formula(formula, &settings);
+        let sliced = isoslice::pipeline::slice(
+            &model,
+            &settings,
+            &Options::default(),
+            &mut Vec::new(),
+        );
+        assert!(sliced.is_ok(), "{formula}: {sliced:?}");
     }
 }

@@ -68,12 +68,17 @@ impl Checker<'_> {
              reaches up to {top:.3}",
             place(step.to)
         );
-        // A nozzle's width is more than any layer. A smaller depth leaves a mark.
+        self.verdict
+            .add(self.ploughs(depth), step.line, step.to, || why);
+    }
+
+    /// What a nozzle does that is this deep in what is printed. Its width is more than
+    /// any layer. A smaller depth leaves a mark.
+    pub(super) fn ploughs(&self, depth: Mm) -> FindingKind {
         if depth > self.rules.nozzle + ROUNDING {
-            self.hold(FindingKind::Dive, "", step.line, step.to, why);
+            FindingKind::Dive
         } else {
-            self.verdict
-                .add(FindingKind::Low, step.line, step.to, || why);
+            FindingKind::Low
         }
     }
 }

@@ -15,6 +15,11 @@ pub(super) const SIDE: i32 = 32;
 /// Number of cells on the negative side, beyond which no bead reaches.
 const BELOW: i32 = 1 << 12;
 
+/// Where the borders of cells lie, in cells. Walls run along round numbers: along
+/// such a border, a wall would be in one column in some layers, and in the next one
+/// in others.
+const ORIGIN: DVec2 = DVec2::new(0.274, 0.618);
+
 /// Where a tile is, in tiles.
 pub(super) type Place = (i32, i32);
 
@@ -48,7 +53,12 @@ impl Hasher for OfPlace {
 pub(super) fn cell_of(p: DVec2) -> IVec2 {
     // This rounds down as the slower `floor()` does, since no bead is that far
     // below zero.
-    (p / CELL + f64::from(BELOW)).as_ivec2() - BELOW
+    (p / CELL + ORIGIN + f64::from(BELOW)).as_ivec2() - BELOW
+}
+
+/// The middle of a cell.
+pub(super) fn middle_of(cell: IVec2) -> DVec2 {
+    (cell.as_dvec2() + 0.5 - ORIGIN) * CELL
 }
 
 /// The cell and its eight neighbours.
@@ -285,7 +295,10 @@ mod tests {
         near.dedup();
         assert_eq!(grown, near);
         assert!(!cells.has(IVec2::new(-33, -27)));
-        let cell = cell_of(DVec2::new(-0.1, 0.6));
+        let p = DVec2::new(-0.2, 0.6);
+        let cell = cell_of(p);
         assert_eq!(cell, IVec2::new(-1, 1));
+        let away = (middle_of(cell) - p).abs();
+        assert!(away.max_element() <= 0.5 * CELL, "{away}");
     }
 }

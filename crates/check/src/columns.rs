@@ -141,9 +141,10 @@ impl Columns {
         self.tiles.len()
     }
 
-    /// Takes in a part of a bead. Returns the top of the layers below it.
+    /// Takes in a part of a bead. Returns the top of the layers below it, and of all
+    /// that was printed there before.
     #[inline]
-    pub(super) fn lay(&mut self, cell: IVec2, bead: Reach) -> Option<f64> {
+    pub(super) fn lay(&mut self, cell: IVec2, bead: Reach) -> Option<[f64; 2]> {
         let Reach {
             low,
             deep,
@@ -169,6 +170,7 @@ impl Columns {
         of.mark(row, column);
         let own = &mut tile.columns[row][column];
         *own = own.at(layer);
+        let before = own.top;
         let low = if own.below >= low { low } else { deep };
         if low < own.low {
             own.low = low;
@@ -180,7 +182,7 @@ impl Columns {
             own.top = top;
             own.stamp = own.stamp & !TOP_SUPPORT | u32::from(support);
         }
-        Some(f64::from(own.below))
+        Some([own.below, before].map(f64::from))
     }
 
     /// What is known of a cell; nothing where nothing was ever printed.
@@ -371,9 +373,9 @@ mod tests {
         let mut columns = Columns::default();
         let cell = IVec2::new(-3, 70);
         assert!(columns.at(cell).is_none());
-        let below = columns.lay(cell, reach(0.0, 0.2, true)).unwrap();
+        let [below, _] = columns.lay(cell, reach(0.0, 0.2, true)).unwrap();
         assert!(below.is_infinite());
-        let below = columns.lay(cell, reach(0.3, 0.5, false)).unwrap();
+        let [below, _] = columns.lay(cell, reach(0.3, 0.5, false)).unwrap();
         assert!(below.is_infinite(), "one layer");
         let seen = columns.at(cell).unwrap();
         assert!((seen.low, seen.on_support) == (0.0, false), "{seen:?}");
@@ -381,7 +383,7 @@ mod tests {
         let seen = columns.at(cell).unwrap();
         assert_eq!((seen.below, seen.top), (0.5, 0.5));
         assert!(!seen.on_support && seen.low.is_infinite());
-        assert_eq!(columns.lay(cell, reach(0.5, 0.7, true)), Some(0.5));
+        assert_eq!(columns.lay(cell, reach(0.5, 0.7, true)), Some([0.5; 2]));
         columns.next_layer();
         columns.next_layer();
         let seen = columns.at(cell).unwrap();

@@ -99,10 +99,23 @@ impl Checker<'_> {
             }
             _ => {}
         }
-        let effect = words::of_code(letter, tenths, words);
+        let effect = match (letter, tenths) {
+            ('M', 5680) if self.idles(words) => Some(Effect::Disturbs(
+                "lets the nozzle cool in the middle of the print",
+            )),
+            _ => words::of_code(letter, tenths, words),
+        };
         if effect != Some(Effect::None) {
             self.word(line, &words::code(letter, tenths), effect);
         }
+    }
+
+    /// True if RepRapFirmware's M568 turns the tool in use off, or to its standby
+    /// temperature.
+    fn idles(&self, words: &Words) -> bool {
+        let own = |tool| tool == f64::from(self.tool);
+        words.get(b'A').is_some_and(|state| state < 2.0)
+            && words.get(b'P').is_none_or(own)
     }
 
     /// Reports a wait that is hardly meant.

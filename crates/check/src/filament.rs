@@ -132,8 +132,9 @@ impl Checker<'_> {
                 }
             });
         }
-        // The missing filament counts for this bead only.
+        // The missing filament counts for this bead only, which gets less.
         *self.back(step) = 0.0;
+        self.laid -= missing;
         self.fresh_tool = false;
     }
 

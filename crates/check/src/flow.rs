@@ -262,9 +262,15 @@ impl Flow {
         lies.map_or(said, |(rise, _)| rise.max(said))
     }
 
-    /// What is wrong with the rise of the layer with this number, which ends.
-    pub(super) fn rise(&mut self, number: u32) -> Option<rise::Wrong> {
-        self.rise.next_layer(number)
+    /// What is wrong with the rise of the layer with this number, which ends. `flow`
+    /// are the least and the greatest one by the settings.
+    pub(super) fn rise(
+        &mut self,
+        number: u32,
+        [least, most]: [f64; 2],
+    ) -> Option<rise::Wrong> {
+        let steps = most / least;
+        self.rise.next_layer(number, steps)
     }
 
     /// Ends a layer. `flow` and `widths` are the least and the greatest ones by

@@ -19,14 +19,14 @@
 //! layer gets no more material than what lies open of it takes: it is lifted by
 //! up to half of the next layer, which is no higher than the nozzle is wide.
 
-use super::cells::{CELL, Cells, around, cell_of};
+use super::cells::{CELL, Cells, around, cell_of, middle_of};
 use super::columns::{Columns, Reach, Seen};
 use glam::{DVec3, IVec2};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_gcode_read::reader::{Move, Role};
 use isoslice_planar::bead::height_of;
 use std::f64::consts::FRAC_PI_4;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// Greatest gap between a support and what it holds above it, and between a
 /// support and what it stands on, if the settings ask for none that is wider.
@@ -216,12 +216,15 @@ impl Ground {
                 top: z as f32,
                 support,
             };
-            let below = self.columns.lay(cell, bead);
-            let Some(below) = below else { continue };
+            let tops = self.columns.lay(cell, bead);
+            let Some([below, before]) = tops else {
+                continue;
+            };
+            let own = z - height - ROUNDED..z - ROUNDED;
             if z < below - PLOUGH {
                 let (top, how) = (below, How::Low);
                 wrong = wrong.or(Some(Wrong { at, top, how }));
-            } else if below < low {
+            } else if below < low && !self.lies_on_own(cell, before, own) {
                 if step.role == Role::OuterWall {
                     self.here.walls.mark(cell);
                 }
@@ -236,6 +239,15 @@ impl Ground {
             }
         }
         wrong
+    }
+
+    /// True if a bead lies on another one of its layer, whose top is within a range,
+    /// as the flat turn does that ends a climbing wall. `before` is the top that the
+    /// cell had without the bead.
+    fn lies_on_own(&self, cell: IVec2, before: Mm, own: Range<Mm>) -> bool {
+        let top = |near| self.columns.at(near).map(|seen| seen.top);
+        let mut near = around(cell).filter_map(top);
+        own.contains(&before) || near.any(|top| own.contains(&top))
     }
 
     /// Tells whether a bead that reaches down to `low` hangs in the air only
@@ -267,15 +279,17 @@ impl Ground {
         self.columns.below(cell)
     }
 
-    /// The first place where a travel leads through what is printed. A line's
+    /// The place where a travel is deepest in what is printed, the first of several. A line's
     /// width at both ends is left out: beads lie side by side there, and cells do
     /// not tell one from the next.
     pub(super) fn travel(&self, step: &Move) -> Option<Wrong> {
-        places(step, CELL).find_map(|(cell, at)| {
+        let low = places(step, CELL).filter_map(|(cell, at)| {
             let top = self.columns.at(cell)?.top;
             let how = How::Low;
             (at.z < top - PLOUGH).then_some(Wrong { at, top, how })
-        })
+        });
+        let depth = |wrong: &Wrong| wrong.top - wrong.at.z;
+        low.reduce(|a, b| if depth(&b) > depth(&a) { b } else { a })
     }
 
     /// Ends a layer; `found` is told where islands begin in the air. Returns
@@ -295,7 +309,7 @@ impl Ground {
             (bed, bottom) => bed.or(bottom),
         };
         self.bed = bed;
-        let at = |cell: IVec2| ((cell.as_dvec2() + 0.5) * CELL).extend(top);
+        let at = |cell: IVec2| middle_of(cell).extend(top);
         let mut adrift = None;
         if bed.is_some() || self.above_others {
             for support in [false, true] {

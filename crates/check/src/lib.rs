@@ -325,6 +325,10 @@ impl<'a> Checker<'a> {
         } else if step.travels() && !template {
             self.travel(step);
             self.dive(step);
+        } else if step.travels() && self.ending.has_printed() {
+            // A template may lead below the print's top beside the print.
+            self.through(step);
+            self.dive(step);
         }
         if !step.prints() && sideways(step) {
             self.idle.0 = if self.idle.1 == 0 {
@@ -368,7 +372,8 @@ impl<'a> Checker<'a> {
         }
         let middle = step.from.midpoint(step.to);
         let height = self.flow.height(middle, step.height, &self.ground);
-        let most = self.rules.nozzle * height;
+        // Beads with more flow are thicker.
+        let most = self.rules.flow[1].max(1.0) * self.rules.nozzle * height;
         if let Some(line) = self.again.bead(step, area, most) {
             self.verdict.add(FindingKind::Again, line, step.from, || {
                 format!(
@@ -535,10 +540,19 @@ impl<'a> Checker<'a> {
                      printed, {top:.3}"
                 )
             });
-        } else if self.within(step)
+        } else {
+            self.through(step);
+        }
+    }
+
+    /// Reports a travel that leads through what is printed, cell by cell.
+    fn through(&mut self, step: &Move) {
+        if sideways(step)
+            && self.within(step)
             && let Some(Wrong { at, top, .. }) = self.ground.travel(step)
         {
-            self.verdict.add(FindingKind::Low, step.line, at, || {
+            let kind = self.ploughs(top - at.z);
+            self.verdict.add(kind, step.line, at, || {
                 format!(
                     "the head leads through what is printed: at {}, where \
                      that reaches up to {top:.3}",
@@ -590,7 +604,7 @@ impl<'a> Checker<'a> {
                 )
             });
         }
-        let rise = self.flow.rise(layer);
+        let rise = self.flow.rise(layer, self.rules.flow);
         let flow = self.flow.next_layer(self.rules.flow, self.rules.widths);
         if let Some(flow) = flow.filter(|_| !self.untold) {
             verdict.add(FindingKind::Flow, flow.line, DVec3::NAN, || {

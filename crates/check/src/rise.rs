@@ -130,8 +130,13 @@ impl Rise {
         self.layers > 0
     }
 
-    /// Ends the layer with this number.
-    pub(super) fn next_layer(&mut self, number: u32) -> Option<Wrong> {
+    /// Ends the layer with this number. From one layer to the next, its beads may
+    /// have up to `steps` times the plastic.
+    pub(super) fn next_layer(
+        &mut self,
+        number: u32,
+        steps: f64,
+    ) -> Option<Wrong> {
         let here = summed(&self.beads);
         self.beads.fill(Beads::default());
         let unnamed = std::mem::take(&mut self.unnamed);
@@ -155,7 +160,7 @@ impl Rise {
         let same =
             alike(here.length, last.length) && alike(here.rise, last.rise);
         let share = (here.width / last.width).min(here.area / last.area);
-        (same && share > FARTHER).then_some(Wrong::Thick { share })
+        (same && share > FARTHER * steps).then_some(Wrong::Thick { share })
     }
 }
 
@@ -206,7 +211,7 @@ mod tests {
             // A tenth lies on others, and the rest over sparse infill.
             rise.bead(up, 0.1 * length, area, said, named);
             rise.bead(3.0 * up, 0.9 * length, area, said, named);
-            Some((number, rise.next_layer(number)?))
+            Some((number, rise.next_layer(number, 1.0)?))
         });
         all.collect()
     }

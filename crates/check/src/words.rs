@@ -76,7 +76,7 @@ const HARMLESS: &str = "
     M5 M7 M8 M9 M10 M11 M16 M17 M18 M20 M21 M22 M27 M31 M36 M38 M39 M73
     M73.2 M70 M72 M74 M75 M76 M77 M78 M80 M82 M83 M84 M85 M86 M87 M100
     M104 M104.1 M105 M106 M107 M108 M109 M110 M111 M113 M114 M115 M116 M117
-    M118 M119 M122 M123 M132 M140 M141 M144 M145 M146 M150 M154 M155 M190
+    M118 M119 M122 M123 M132 M140 M141 M145 M146 M150 M154 M155 M190
     M191 M192 M200 M204.2 M208 M209 M211 M217 M220 M221 M240 M250 M255 M256
     M281 M282 M290 M300 M355 M400 M404 M405 M406 M407
     M408 M409 M411 M412 M413 M414 M415 M422 M430 M450 M451 M486 M493
@@ -119,6 +119,9 @@ const FILES: &str = "writes, deletes or starts files on the printer";
 const MOTORS: &str = "changes the current or the set-up of motors";
 const RECALL: &str = "sets places and modes back to what was saved before, \
                       which the check does not follow";
+const TOO_FAR: &str = "retracts farther than a nozzle can bear";
+const PRIME: &str = "pushes much more or much less forward than was pulled back, \
+                     at each retraction";
 const LOGIC: &str = "makes what follows depend on what only the printer knows";
 
 // Rows: commands, perhaps when the row applies, and the effect.
@@ -132,6 +135,7 @@ macro_rules! rows {
 const ROWS: &[(&str, When, Effect)] = rows! {
     "G6", Always => Harms(UNSEEN);
     "G10", Has(b"L") => Harms(ZERO);
+    "G10", Beyond(b"XYZ", 0.0, 0.0) => Spoils("moves a tool's place");
     "G12 G27 G42 G61 M361 M362 M363 M364", Always => Leaves(AWAY);
     "G26", Always => Spoils("prints a pattern of the firmware's own");
     "G29 G30 G32 G33 G34 G35 G76 G80 G425 M45 M48 M401", Always
@@ -168,6 +172,9 @@ const ROWS: &[(&str, When, Effect)] = rows! {
         => Warns("turns end stops off, or sets the machine's state back");
     "M143", Always
         => Warns("changes the greatest temperature that the printer allows");
+    "M144", Always
+        => Doubts("lets the bed cool in the middle of the print: the print may \
+                   come loose from it");
     "M149", Has(b"FK") => Harms("makes temperatures Fahrenheit or Kelvin");
     "M163 M164 M165 M166", Always => Warns("changes what is mixed");
     "M201 M202", Beyond(b"XYZE", 1.0, 200_000.0) => Warns(ABSURD);
@@ -178,9 +185,11 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M206", Beyond(b"XYZ", -1.0, 1.0) => Harms(ZERO);
     "M206", Beyond(b"XYZ", 0.0, 0.0) => Spoils(ZERO);
     "M207", Beyond(b"S", 0.0, 20.0)
-        => Warns("retracts farther than a nozzle can bear");
+        => Warns(TOO_FAR);
+    "M207", Beyond(b"R", -5.0, 5.0) => Warns(PRIME);
     "M207", Beyond(b"Z", 0.0, 20.0) => Warns(ABSURD);
     "M208", Has(b"XYZ") => Warns("changes how far the axes reach");
+    "M208", Beyond(b"S", -5.0, 5.0) => Warns(PRIME);
     "M210", Always => Warns("changes the speed of homing");
     "M211", Is(b'S', 0.0) => Warns(FREE);
     "M211", Has(b"XYZ") => Warns(FREE);
@@ -263,7 +272,7 @@ const HARMLESS_NAMES: &str = "
     SET_DOTSTAR SET_FAN_SPEED SET_FILAMENT_SENSOR SET_GCODE_VARIABLE
     SET_HEATER_TEMPERATURE SET_IDLE_TIMEOUT SET_INPUT_SHAPER SET_LED
     SET_LED_TEMPLATE SET_NEOPIXEL SET_PRESSURE_ADVANCE SET_PRINT_STATS_INFO
-    SET_RETRACTION SET_SMOOTH_TIME SET_TEMPERATURE_FAN_TARGET
+    SET_SMOOTH_TIME SET_TEMPERATURE_FAN_TARGET
     SET_VELOCITY_LIMIT STATUS TEMPERATURE_WAIT TIMELAPSE_TAKE_FRAME
     TURN_OFF_HEATERS BREAK CONTINUE T? TX TC
     DUMP_TMC GLOBAL RESUME SKIP VAR
@@ -347,6 +356,9 @@ pub(super) fn of_name(named: &Named) -> Option<Effect> {
     if named.is("SET_GCODE_OFFSET") {
         return Some(offset(named));
     }
+    if named.is("SET_RETRACTION") {
+        return Some(retraction(named));
+    }
     let among = |names: &str| names.split_whitespace().any(|n| named.is(n));
     let row = NAMES.iter().find(|(names, _)| among(names));
     let effect = row.map(|(_, effect)| *effect);
@@ -366,6 +378,21 @@ fn offset(named: &Named) -> Effect {
         Disturbs(ZERO)
     } else if beyond(0.0, &heights) {
         Doubts("moves all that follows by a small step")
+    } else {
+        Effect::None
+    }
+}
+
+/// What Klipper's lengths of retractions by the firmware do.
+fn retraction(named: &Named) -> Effect {
+    let beyond = |key: &str, least: f64, most: f64| {
+        let number = named.number(key);
+        number.is_some_and(|n| !(least..=most).contains(&n))
+    };
+    if beyond("RETRACT_LENGTH", 0.0, 20.0) {
+        Warns(TOO_FAR)
+    } else if beyond("UNRETRACT_EXTRA_LENGTH", -5.0, 5.0) {
+        Warns(PRIME)
     } else {
         Effect::None
     }

@@ -96,7 +96,18 @@ fn the_nozzle_does_not_go_down_into_the_print() {
         (count(&all, FindingKind::Dive), all.is_safe())
     };
     assert_eq!(over("G1 Z2.2\nG1 F1800\nG1 X60 E0.3\n"), (1, false));
-    assert_eq!(over(""), (0, true), "nothing is printed after it");
+    assert_eq!(over(""), (1, false), "the part is finished, and spoiled");
+    // Ends are looked at, too, wherever they lead.
+    let ends = |end: &str| {
+        let all = verdict(&format!("{text};TYPE:Custom\n{end}{END}"));
+        (
+            count(&all, FindingKind::Dive),
+            count(&all, FindingKind::Low),
+        )
+    };
+    assert_eq!(ends("G1 Z0 F600\n"), (1, 0));
+    assert_eq!(ends("G1 X60 Y60 Z0 F600\n"), (1, 0));
+    assert_eq!(ends("G1 X20 F6000\nG1 Z0 F600\n"), (0, 0));
     assert_eq!(dive(2.0), []);
 }
 
@@ -122,6 +133,8 @@ fn nothing_is_measured_in_the_middle_of_a_print() {
         "M401",
         "BED_MESH_OFFSET X=1",
         "SET_GCODE_OFFSET X=3",
+        "M568 P0 A0",
+        "M568 A1",
         // These move the head away.
         "G12",
         "G27",
@@ -166,6 +179,7 @@ fn no_step_or_offset_changes_in_the_middle_of_a_print() {
         "M851 Z-1.2",
         "M206 Z-0.2",
         "M218 T1 X3",
+        "G10 P0 X3",
         "M501",
         "M666 X0.3",
         "M350 X32",
@@ -191,6 +205,7 @@ fn what_may_move_something_in_the_middle_is_to_be_looked_at() {
         "M280 P0 S10",
         "M140 S0",
         "M190 S0",
+        "M144",
         "SET_HEATER_TEMPERATURE HEATER=heater_bed TARGET=0",
         "M402",
         "SET_SERVO SERVO=probe ANGLE=10",

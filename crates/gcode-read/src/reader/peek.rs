@@ -1,7 +1,7 @@
 //! Finds what a file says about itself before the file is read.
 //!
-//! In: a file. Out: the diameter of the filament that it was made for. Slicers
-//! write it at the end, or at the beginning.
+//! In: a file. Out: the diameter of the filament that it was made for, which slicers
+//! write at the end, or at the beginning; and where a range of layers begins.
 
 use super::info::Info;
 use isoslice_base::units::Mm;
@@ -10,6 +10,9 @@ use std::io::{Read, Seek, SeekFrom};
 /// How much is read at each end, bytes. The settings take up to 60 kB, and
 /// pictures may come before them.
 const ENDS: u64 = 1 << 18;
+
+/// A lower beginning is the bed, mm.
+const ROUNDED: Mm = 1e-3;
 
 /// The diameter of the filament that a text file was made for, if it says so. The
 /// file is then read from its beginning. Pipes are not read.
@@ -37,10 +40,47 @@ fn said_from(file: &mut (impl Read + Seek), from: u64) -> Option<Mm> {
     info.filament_diameter
 }
 
+/// The height at which a text file begins to print, if isoslice has written it and it
+/// is a range of a part's layers. The file is then read from its beginning. Pipes are
+/// not read.
+pub fn base(file: &mut (impl Read + Seek)) -> Option<Mm> {
+    file.rewind().ok()?;
+    let mut text = Vec::new();
+    file.take(ENDS).read_to_end(&mut text).ok()?;
+    file.rewind().ok()?;
+    let text = String::from_utf8_lossy(&text);
+    let (_, range) = text.split_once("\n; range of: isoslice ")?;
+    let number = |name: &str| -> Option<Mm> {
+        let (_, after) = range.split_once(name)?;
+        after.lines().next()?.parse().ok()
+    };
+    let base = number("\n;Z:")? - number("\n;HEIGHT:")?;
+    (base.is_finite() && base > ROUNDED).then_some(base)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::io::Cursor;
+
+    #[test]
+    fn a_range_begins_where_its_first_layer_lies() {
+        let base_of = |text: &str| {
+            let mut file = Cursor::new(text.as_bytes());
+            let found = base(&mut file);
+            assert_eq!(file.position(), 0);
+            found
+        };
+        let range =
+            "; a\n; layers 12 to 20 of 40\n; range of: isoslice 1\nG21\n";
+        let with = |z: &str| {
+            base_of(&format!("{range};LAYER_CHANGE\n;Z:{z}\n;HEIGHT:0.2\nG1\n"))
+        };
+        assert!(with("2.4").is_some_and(|base| (base - 2.2).abs() < 1e-9));
+        assert_eq!([with("0.2"), with("x"), with("inf")], [None; 3]);
+        assert_eq!(base_of("; a\n;Z:2.4\n;HEIGHT:0.2\n"), None);
+        assert_eq!([base_of(range), base_of("")], [None; 2]);
+    }
 
     #[test]
     fn both_ends_are_read() {
