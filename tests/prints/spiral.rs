@@ -2,7 +2,7 @@
 
 use crate::common;
 use crate::common::head::Head;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use isoslice::pipeline::{self, Options};
 
 /// Layer height, mm, and the wall's width.
@@ -89,6 +89,57 @@ fn it_climbs_without_a_break() {
     // The bead is down to nothing where the last turn ends.
     let climb = &climb[..climb.len() - 1];
     assert_eq!(climb.iter().find(|l| !l.contains('E')), None);
+}
+
+/// A pipe leans by 60° towards x, so that only that side reaches far beyond the turn
+/// below.
+#[test]
+fn the_side_that_hangs_is_an_overhang_all_along_it() {
+    let part = "max(sqrt((x - 1.7*z)^2 + y^2) - 12, max(-z, z - 6))";
+    let (model, settings) = common::part(part, &asked(&[]));
+    let (gcode, _) = common::slice(&model, &settings, 2);
+    let (steps, text) = turns(&gcode, 2);
+    for (a, b) in steps.iter().zip(&steps[1..]) {
+        assert_eq!(a.1, b.0);
+    }
+    let mut head = Head::new(DVec3::new(110.0, 110.0, 0.0));
+    let (mut hangs, mut seen) = (false, [0; 2]);
+    for line in text.lines() {
+        match line.strip_prefix(";TYPE:") {
+            Some(role) => hangs = role == "Overhang perimeter",
+            None => {
+                let Some(step) = head.step(line) else {
+                    continue;
+                };
+                let middle = 0.5 * (step.from + step.to);
+                if step.fed <= 0.0 || middle.z < 0.7 || middle.z > 5.9 {
+                    continue;
+                }
+                let axis = 1.7 * (middle.z - 3.0);
+                let side = DVec2::new(middle.x - axis, middle.y);
+                // A turn moves by 0.34 mm, and half of the width is 0.225.
+                match side.x / side.length() {
+                    lean if lean > 0.75 => assert!(hangs, "{middle}"),
+                    lean if lean < 0.55 => assert!(!hangs, "{middle}"),
+                    _ => continue,
+                }
+                seen[usize::from(hangs)] += 1;
+            }
+        }
+    }
+    assert!(seen.iter().all(|n| *n > 200), "{seen:?}");
+}
+
+/// The flat turn at the end lies on the turn of its own layer, in thick layers, too.
+#[test]
+fn nothing_of_it_lies_in_the_air() {
+    for height in ["layer_height=0.28", "layer_height=0.2"] {
+        let part = "max(sqrt(x^2 + y^2) - 12, max(-z, z - 6))";
+        let (model, settings) = common::part(part, &asked(&[height]));
+        let (_, summary) = common::slice(&model, &settings, 2);
+        let verdict = summary.verdict.unwrap();
+        assert!(verdict.findings.is_empty(), "{:?}", verdict.findings);
+    }
 }
 
 #[test]

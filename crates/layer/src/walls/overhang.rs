@@ -8,11 +8,10 @@
 //!
 //! In: a bead, and the solid of the layer below. Out: the bead, cut where it
 //! begins or ceases to hang, if it is a wall. A wall that has grown wider
-//! reaches another wall beside it, which holds it, so such a wall is left as it
-//! is. Beads that fill gaps between walls are left, too. The only bead of a
-//! thin place has air on both sides, so it may hang. A bead may hang over by a
-//! share of its width: at half of the width, it is the centre line that must
-//! not leave the solid.
+//! reaches another wall beside it. It does not hang if that one lies on the layer
+//! below. Beads that fill gaps between walls are left as they are: they lean on
+//! both. A bead may hang over by a share of its width: at half of the width, it is
+//! the centre line that must not leave the solid.
 
 use crate::walls::WallPlan;
 use glam::DVec2;
@@ -93,6 +92,13 @@ impl<'a> Support<'a> {
         }
     }
 
+    /// The parts of a bead that hang: from which of its places to which, each the
+    /// number of a segment plus a share of it.
+    pub fn hanging(&self, bead: &Bead) -> Vec<[f64; 2]> {
+        let pieces = self.pieces(bead).into_iter();
+        pieces.filter(|p| p.hangs).map(|p| [p.from, p.to]).collect()
+    }
+
     /// True if a wall hangs somewhere.
     pub fn hangs(&self, bead: &Bead) -> bool {
         if isoslice_base::limits::is_stopped() {
@@ -101,14 +107,16 @@ impl<'a> Support<'a> {
         self.pieces(bead).iter().any(|piece| piece.hangs)
     }
 
-    /// True if there is more of the part beside this place of a bead.
+    /// True if there is more of the part beside this place of a bead, and the layer
+    /// below holds that.
     fn leans(&self, bead: &Bead, place: f64, width: Mm) -> bool {
         // The segment that the place is on, or that begins there.
         let from = place.floor();
         let (a, b) = (at(&bead.stroke, from).0, at(&bead.stroke, from + 1.0).0);
         let side = (b - a).perp().normalize_or_zero() * BESIDE * width;
         let p = at(&bead.stroke, place).0;
-        self.own.contains(p + side) || self.own.contains(p - side)
+        let holds = |p| self.own.contains(p) && self.below.contains(p);
+        holds(p + side) || holds(p - side)
     }
 
     /// The parts of a bead, each of which hangs or does not. A bead without a
@@ -311,7 +319,7 @@ fn snap(pieces: &mut [BeadPiece], bead: &Bead) {
 mod tests {
     use super::*;
     use isoslice_planar::Area;
-    use isoslice_planar::shapes::rect_ring;
+    use isoslice_planar::shapes::{self, rect_ring};
     use isoslice_settings::testing::plan_with;
 
     fn wall(points: Vec<DVec2>) -> Bead {
@@ -406,8 +414,11 @@ mod tests {
         let away = rect_ring(-9.0, -5.0, -5.0, 5.0);
         let found = lengths(&cut_in(thin.clone(), bent, away, 50.0));
         assert_eq!(found, [(Role::Overhang, 20.0)]);
-        // If that bead is the wall of something thicker, it leans on the rest.
+        // The wall of something thicker leans on the rest if that is held.
         let thick = rect_ring(0.0, -0.3, 20.0, 5.0);
+        let found = lengths(&cut_in(thick.clone(), fin.clone(), below, 50.0));
+        assert_eq!(found, [(Role::OuterWall, 5.0), (Role::Overhang, 15.0)]);
+        let below = rect_ring(-1.0, 0.2, 20.0, 5.0);
         let found = lengths(&cut_in(thick, fin, below, 50.0));
         assert_eq!(found, [(Role::OuterWall, 20.0)]);
     }
@@ -426,7 +437,17 @@ mod tests {
         // One side is wider and leans on another wall.
         let mut wide = bead.clone();
         wide.stroke.widths = vec![0.4, 0.4, 0.6, 0.6];
-        let pieces = cut(wide, rect_ring(-1.0, -1.0, 5.0, 5.0), 50.0);
+        let held = shapes::ring(&[
+            (-1.0, -1.0),
+            (5.0, -1.0),
+            (5.0, 3.5),
+            (11.0, 3.5),
+            (11.0, 3.9),
+            (5.0, 3.9),
+            (5.0, 5.0),
+            (-1.0, 5.0),
+        ]);
+        let pieces = cut(wide, held, 50.0);
         let found = lengths(&pieces);
         assert_eq!(found.len(), 3, "{found:?}");
         assert!((found[1].1 - 7.0).abs() < 2.1 && found[1].0 == Role::Overhang);

@@ -22,6 +22,9 @@
 //! comes from, right behind it. So the flat turns at the end come after all
 //! turns that climb.
 //!
+//! Turns are cut where the flat walls of their layers would begin or cease to hang
+//! over the layer below: a turn reaches as far beyond the one below as these do.
+//!
 //! Not guaranteed: that a wall follows a surface that moves by more than 1 mm
 //! from one layer to the next. It is laid as if the surface did not move.
 
@@ -34,7 +37,7 @@ pub use plan::SpiralPlan;
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_layer::walls::{OFFSET_SHARE, OUTLINE_SHARE};
+use isoslice_layer::walls::{OFFSET_SHARE, OUTLINE_SHARE, Support};
 use isoslice_model::{Model, Probe, Spot};
 use isoslice_planar::bead::{Bead, Level, Role, Stroke, spacing};
 use isoslice_planar::offset::offset;
@@ -162,40 +165,49 @@ impl Spiral {
         layer >= self.first
     }
 
-    /// The turns of a layer that lies on a layer `below` and has an outline, in
-    /// print order: the outer wall's comes last.
+    /// The turns of the first of two layers, which lies on the other, in print order:
+    /// the outer wall's comes last. `support` tells which parts of them hang; without
+    /// it, none does.
     ///
     /// # Errors
     /// If there is no single wall round the outline.
     pub fn turns(
         &self,
-        span: &LayerSpan,
-        below: &LayerSpan,
+        layers: [&LayerSpan; 2],
         outline: &Area,
+        support: Option<&Support<'_>>,
     ) -> Result<Vec<Bead>, SpiralError> {
+        let span = layers[0];
         let rings = self.middle_lines(span, outline)?;
         let alone = rings.len() == 1;
         let (mut climbing, mut flat) = (Vec::new(), Vec::new());
         for (wall, ring) in rings.into_iter().enumerate().rev() {
-            let (mut turn, last) = self.turn([span, below], ring, wall)?;
-            match last {
-                Some(last) if alone => turn.append(&last),
-                last => flat.extend(last.map(|last| bead(wall, last, span))),
+            let (mut turn, last) = self.turn(layers, ring, wall, support)?;
+            match (&mut turn[..], last) {
+                ([only], Some(last))
+                    if alone && only.role != Role::Overhang =>
+                {
+                    only.stroke.append(&last);
+                }
+                (_, last) => {
+                    flat.extend(last.map(|last| bead(wall, last, span)));
+                }
             }
-            climbing.push(bead(wall, turn, span));
+            climbing.extend(turn);
         }
         climbing.extend(flat);
         Ok(climbing)
     }
 
-    /// A wall's turn round its middle line in a layer and on the one below, and
-    /// the flat turn after it if it is the highest.
+    /// A wall's turn round its middle line in a layer and on the one below, cut where
+    /// it begins or ceases to hang, and the flat turn after it if it is the highest.
     fn turn(
         &self,
         [span, below]: [&LayerSpan; 2],
         ring: Ring,
         wall: usize,
-    ) -> Result<(Stroke, Option<Stroke>), SpiralError> {
+        support: Option<&Support<'_>>,
+    ) -> Result<(Vec<Bead>, Option<Stroke>), SpiralError> {
         let first = self.first;
         let number = span.index - first;
         let end = self.ends.get(number + 1).and_then(|ends| ends.get(wall));
@@ -227,21 +239,46 @@ impl Spiral {
         // Its points are on the surface, so that it has the outline's share.
         let tolerance = OUTLINE_SHARE * self.plan.accuracy;
         let width = self.width(wall);
-        let mut stroke = Stroke::new(Vec::new(), false, width);
         let height = span.height();
         let least = LEAST.min(height) - height;
-        for (p, i) in simplify_path(&way, false, tolerance, |_, _| true) {
+        let flat: Vec<DVec2> = points.iter().map(|p| p.at).collect();
+        let hanging = support.map_or_else(Vec::new, |support| {
+            let flat = Stroke::new(flat.clone(), false, width);
+            support.hanging(&bead(wall, flat, span))
+        });
+        let hanging = hanging.iter().map(|h| h.map(|p| p.round() as usize));
+        let hanging: Vec<_> = hanging.filter(|[from, to]| from < to).collect();
+        let is_end = |i: usize| hanging.as_flattened().contains(&i);
+        let fits = |a: usize, b: usize| !(a + 1..b).any(is_end);
+        let piece = |from: usize| {
+            let stroke = Stroke::new(Vec::new(), false, width);
+            let mut piece = bead(wall, stroke, span);
+            if hanging.iter().any(|hangs| hangs[0] == from) {
+                piece.role = Role::Overhang;
+            }
+            piece
+        };
+        let mut turn = vec![piece(0)];
+        for (p, i) in simplify_path(&way, false, tolerance, fits) {
             let share = points[i].share;
-            stroke.points.push(p);
-            stroke.levels.push(Level {
+            let level = Level {
                 rise: (share - 1.0) * height,
                 extra: ((1.0 - share) * (from - height)).max(least),
-            });
+            };
+            let add = |piece: &mut Bead| {
+                piece.stroke.points.push(p);
+                piece.stroke.levels.push(level);
+            };
+            turn.last_mut().map(add);
+            if is_end(i) && 0 < i && i + 1 < points.len() {
+                let mut next = piece(i);
+                add(&mut next);
+                turn.push(next);
+            }
         }
         if number + 2 != self.ends.len() {
-            return Ok((stroke, None));
+            return Ok((turn, None));
         }
-        let flat: Vec<DVec2> = points.iter().map(|p| p.at).collect();
         let mut last = Stroke::new(Vec::new(), false, width);
         for (p, i) in simplify_path(&flat, false, tolerance, |_, _| true) {
             last.points.push(p);
@@ -250,7 +287,7 @@ impl Spiral {
                 extra: (-points[i].share * height).max(least),
             });
         }
-        Ok((stroke, Some(last)))
+        Ok((turn, Some(last)))
     }
 
     /// Width of a wall, counted from the outside.

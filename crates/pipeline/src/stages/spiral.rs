@@ -5,6 +5,7 @@ use super::outlines::WallFields;
 use crate::SliceError;
 use isoslice_base::limits;
 use isoslice_layer::view::LayerView;
+use isoslice_layer::walls::Support;
 use isoslice_path::spiral::Spiral;
 use isoslice_planar::bead::Bead;
 use isoslice_settings::layers::LayerSpan;
@@ -46,8 +47,11 @@ impl<'a> Stages<'a> {
         let LayerView { here, below, .. } = view;
         match (self.spiral_at(here.span.index), below.first()) {
             (Some(spiral), Some(below)) => {
+                let plan = &self.plans.walls;
+                let support = Support::new(below.outline, here.outline, plan);
                 let outline = here.outline.area();
-                Ok(spiral.turns(&here.span, &below.span, outline)?)
+                let spans = [&here.span, &below.span];
+                Ok(spiral.turns(spans, outline, support.as_ref())?)
             }
             _ => Ok(Vec::new()),
         }
