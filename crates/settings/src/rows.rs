@@ -158,7 +158,7 @@ table::settings! {
         /// Width of the lines of skin that faces upwards; auto takes
         /// skin_width.
         top_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
-        /// Pattern of skin, except where it is nowhere wider than 14 lines:
+        /// Pattern of skin, except where it is nowhere wider than 5 lines:
         /// there strokes follow its border. Lines that face upwards are swept
         /// one way, which shines evenly, unless they are unordered-lines. Skin
         /// that faces upwards (top) or downwards (bottom), or that the layers

@@ -31,9 +31,10 @@ use std::cell::OnceCell;
 const TOLERANCE: Mm = 0.01;
 
 /// An area that is nowhere wider than this many lines is filled with strokes
-/// along it. That suits the arms of a lattice and the nodes between them, not a
-/// plate.
-const NESTED: f64 = 14.0;
+/// along it. Lines across it would be hardly longer than their turns. Where such
+/// strokes meet in a wider area, they leave pits: with 14 lines, tops of a gear with
+/// holes were filled below 90 % in 8.4 % of them, with 5 in 4.6 %.
+const NESTED: f64 = 5.0;
 
 /// Beads that are shorter, between the sides of a ring, are left to the lines
 /// beside them, mm: lines go on in each other, such a bead is a stroke alone.
