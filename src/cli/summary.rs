@@ -212,7 +212,7 @@ fn place(p: DVec3) -> String {
 /// The lines of the summary about what hangs.
 fn describe_hanging(hanging: &Hanging, rows: &mut Rows) {
     let mut line = |sum: &Sum, what: String| {
-        if let Some(first) = sum.first.map(place) {
+        if let Some(first) = sum.first.filter(|_| sum.is_told()).map(place) {
             let area = content(sum.area);
             let line = format!("{area} mm² {what}, the first at {first}");
             rows.add("hanging", line);

@@ -16,6 +16,7 @@ use isoslice_base::timings::{Stage, Timings};
 use isoslice_base::units::{Mm2, Mm3};
 use isoslice_held::overhangs::LayerOverhang;
 use isoslice_layer::adhesion::{keep_on_bed, without_ears};
+use isoslice_layer::infill::told::InfillCount;
 use isoslice_layer::seam::Ground;
 use isoslice_layer::seam::ending::{Ended, cut, endings};
 use isoslice_layer::walls::{Reach, Support};
@@ -115,9 +116,8 @@ pub(super) struct Counted {
     pub layer: Layer,
     /// How the layer lies over the layer below, if their outlines differ.
     pub look: Option<LayerOverhang>,
-    /// Number of beads of the infill that are left out, since they stand on
-    /// nothing.
-    pub left_out: usize,
+    /// Its infill.
+    pub infill: InfillCount,
     /// Area of gaps that nothing fills.
     pub gap: Mm2,
     /// Number of the part's beads.
@@ -143,7 +143,11 @@ impl Counted {
         Counted {
             layer: filled.layer.clone(),
             look: filled.look.take(),
-            left_out: filled.left_out,
+            infill: InfillCount::new(
+                filled.left_out,
+                beads.clone(),
+                filled.sparse.area().content(),
+            ),
             gap: filled.gap,
             beads: beads.filter(|bead| bead.role.is_part()).count(),
             supported: of_support.clone().next().is_some(),

@@ -2,6 +2,7 @@
 
 use super::exit::Done;
 use super::job::{Job, Planned};
+use super::plans::WallFieldPlan;
 use super::sums::PartDone;
 use crate::report::{Figures, Report, RoleSum};
 use glam::{DVec2, DVec3};
@@ -204,7 +205,8 @@ impl Summary {
         hanging.foot = done.foot.filter(|foot| top > foot.holds);
         warnings.extend(hanging.warnings(top, &stages.plans.overhangs));
         let tally = done.tally;
-        tally.warn(&mut warnings);
+        let by_field = !matches!(stages.plans.wall_fields, WallFieldPlan::None);
+        tally.warn(by_field, &mut warnings);
         self.floats |= tally.floats;
         let times = copies as f64;
         self.hanging.add(&hanging, copies);

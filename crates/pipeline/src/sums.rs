@@ -10,7 +10,7 @@ use glam::DVec2;
 use isoslice_base::timings::{Stage, Timings};
 use isoslice_held::overhangs::foot::Foot;
 use isoslice_held::overhangs::{self, Hanging};
-use isoslice_layer::infill::standing;
+use isoslice_layer::infill::told::InfillCount;
 use isoslice_planar::Area;
 use isoslice_plate::Part;
 use isoslice_settings::BrimPlace;
@@ -29,7 +29,7 @@ pub(super) struct PartSums<'a> {
     pads: Option<&'a Area>,
     timings: &'a Timings,
     beads: usize,
-    left_out: usize,
+    infill: InfillCount,
     tally: Tally,
     hanging: overhangs::Tracker,
     foot: Option<Foot>,
@@ -67,7 +67,7 @@ impl<'a> PartSums<'a> {
             pads: stages.support().map(Supported::pads),
             timings: &stages.timings,
             beads: 0,
-            left_out: 0,
+            infill: InfillCount::default(),
             tally: Tally::default(),
             hanging: overhangs::Tracker::default(),
             foot: None,
@@ -105,7 +105,7 @@ impl<'a> PartSums<'a> {
             }
             self.foot = Foot::new(outline, pads, height, &brim);
         }
-        self.left_out += counted.left_out;
+        self.infill.add(counted.infill);
         self.tally.support += counted.support;
         self.beads += counted.beads;
         if index >= self.raft_layers {
@@ -118,8 +118,8 @@ impl<'a> PartSums<'a> {
 
     /// The results of the part.
     pub(super) fn finish(mut self) -> PartDone {
-        let warning = standing::warning(self.left_out, &self.plans.infill);
-        self.warnings.extend(warning);
+        self.warnings
+            .extend(self.infill.warnings(&self.plans.infill));
         PartDone {
             beads: self.beads,
             tally: self.tally,

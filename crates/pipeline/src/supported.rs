@@ -128,16 +128,16 @@ impl<'a> Supported<'a> {
             all.push(
                 "support.where is negative under every face that needs a \
                  support, so none is printed: let it be 0 where the angle is \
-                 to decide; x and y are the model's own, z is the height above \
-                 the bed, d is next to 0 at an underside"
+                 to decide; x and y count from the model's origin, z is the \
+                 height above the bed, d is next to 0 at an underside"
                     .to_owned(),
             );
         }
         if idle {
             all.push(
                 "support.where has no effect: it is neither positive nor \
-                 negative on any underside of the part; x and y are the \
-                 model's own, z is the height above the bed"
+                 negative on any underside of the part; x and y count from \
+                 the model's origin, z is the height above the bed"
                     .to_owned(),
             );
         }

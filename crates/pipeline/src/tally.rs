@@ -44,20 +44,31 @@ impl Tally {
         }
     }
 
-    pub(super) fn warn(&self, warnings: &mut Vec<String>) {
-        if self.bridged > 0 {
+    /// Adds what the user should know. `by_field` is true if walls lie where the field
+    /// has their depth as its value.
+    pub(super) fn warn(&self, by_field: bool, warnings: &mut Vec<String>) {
+        let thin = self.gap > 0.02 * self.solid;
+        let share = 100.0 * self.gap / self.solid.max(f64::MIN_POSITIVE);
+        let (bridged, layers) = (self.bridged, self.layers);
+        if by_field && (bridged > 0 || thin) {
             warnings.push(format!(
-                "{} of {} layers have nothing to print and others follow \
-                 above them: the part is not in one piece, thinner than any \
-                 line there, or does not stand on the bed",
-                self.bridged, self.layers
+                "wall_offset = \"field\" leaves {share:.0} % of the part out, \
+                 and {bridged} of its {layers} layers empty below others: the \
+                 outer wall is where the field is minus half the wall's width, \
+                 and in a thin place, or near a level face, it is nowhere that \
+                 low; set wall_offset to \"distance\""
+            ));
+        } else if bridged > 0 {
+            warnings.push(format!(
+                "{bridged} of {layers} layers have nothing to print and others \
+                 follow above them: the part is not in one piece, thinner than \
+                 any line there, or does not stand on the bed"
             ));
         }
-        if self.gap > 0.02 * self.solid {
+        if thin && !by_field {
             warnings.push(format!(
-                "{:.0} % of the part is thinner than any line and is left \
-                 out; scale it up, or lower outer_wall_width or thin_min",
-                100.0 * self.gap / self.solid
+                "{share:.0} % of the part is thinner than any line and is left \
+                 out; scale it up, or lower outer_wall_width or thin_min"
             ));
         }
         if self.nan_samples > 0 {

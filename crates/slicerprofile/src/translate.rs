@@ -113,13 +113,10 @@ impl Translation {
             }
             Rule::Made { make, .. } => (make.0)(given),
         };
-        if let Outcome::Alike(_, ours) = &outcome
+        if let Outcome::Alike(_, why) = &outcome
             && let Some(key) = given.first_of(present)
         {
-            let why = format!(
-                "isoslice has no such pattern; {ours} is the most like it"
-            );
-            self.alike.push(given.left(key, &why));
+            self.alike.push(given.left(key, why));
         }
         match outcome {
             Outcome::Set(settings) | Outcome::Alike(settings, _) => {

@@ -82,7 +82,6 @@ impl Client {
             .timeout_resolve(Some(CONNECT))
             .timeout_connect(Some(CONNECT))
             .timeout_per_write(Some(STALL))
-            .timeout_recv_body(Some(ANSWER))
             .build()
             .into();
         Ok(Client {
@@ -169,6 +168,7 @@ impl Client {
             .agent
             .configure_request(request)
             .timeout_recv_response(Some(patience))
+            .timeout_recv_body(Some(patience))
             .build();
         let answer = self.agent.run(request);
         let mut answer = answer.map_err(|error| self.failed(error))?;

@@ -115,9 +115,13 @@ impl Sum {
     pub fn is_none(&self) -> bool {
         self.first.is_none()
     }
-}
 
-impl Sum {
+    /// True if it is worth a word: a smaller area reads as 0.00 mm².
+    pub fn is_told(&self) -> bool {
+        const LEAST: Mm2 = 0.005;
+        self.area >= LEAST
+    }
+
     /// Adds what hangs in each of several equal parts.
     fn add_parts(&mut self, other: &Sum, copies: usize) {
         self.count += copies * other.count;
@@ -170,4 +174,13 @@ pub struct Hanging {
     pub bridges: Sum,
     /// The foot of the whole part, if it is too small for the part's height.
     pub foot: Option<foot::Foot>,
+}
+
+impl Hanging {
+    /// True if some of it is large enough to be told.
+    pub fn is_told(&self) -> bool {
+        [&self.begins, &self.leans, &self.bridges]
+            .into_iter()
+            .any(Sum::is_told)
+    }
 }

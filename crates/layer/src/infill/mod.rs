@@ -34,6 +34,7 @@ mod schwarz_p;
 mod shape;
 mod sheet;
 pub mod standing;
+pub mod told;
 mod triangles;
 
 pub use bare::fill_bare;

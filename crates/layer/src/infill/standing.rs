@@ -127,17 +127,6 @@ impl Standing {
     }
 }
 
-/// The warning about beads that were left out of a user's own pattern. Nobody
-/// needs to know of those left out of the shipped patterns.
-pub fn warning(left_out: usize, plan: &InfillPlan) -> Option<String> {
-    (plan.is_own() && left_out > 0).then(|| {
-        format!(
-            "beads of the infill's shape that lie on nothing and touch \
-             nothing in their layer are left out: {left_out}"
-        )
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

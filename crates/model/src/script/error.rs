@@ -180,6 +180,7 @@ pub(super) fn explain(
                 ("an iterable value", "; write for example for i in 0..6"),
                 ("'import'", "; models cannot import other files"),
                 ("'eval'", "; models cannot run text as code"),
+                ("is a reserved keyword", "; give it another name"),
             ] {
                 if plain.contains(symbol) {
                     plain.push_str(remedy);

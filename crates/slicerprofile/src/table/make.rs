@@ -792,7 +792,14 @@ pub(super) fn ironing(given: &Given<'_>) -> Outcome {
         }
         None => word.is_some_and(|word| word != "no ironing"),
     };
-    Outcome::set("ironing", ironed(given, on, &IRONING_FLOW))
+    let value = vec![("ironing", ironed(given, on, &IRONING_FLOW))];
+    match word {
+        Some("topmost" | "solid") if on => {
+            let why = "isoslice irons every top, and nothing else";
+            Outcome::Alike(value, why.to_owned())
+        }
+        _ => Outcome::Set(value),
+    }
 }
 
 fn same_for(

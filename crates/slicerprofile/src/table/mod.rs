@@ -115,9 +115,9 @@ const fn made(
 pub(crate) enum Outcome {
     /// They set these settings.
     Set(Vec<(&'static str, Value)>),
-    /// They set these settings to a pattern of isoslice instead of one that isoslice
-    /// does not have, which is named.
-    Alike(Vec<(&'static str, Value)>, &'static str),
+    /// They set these settings to what isoslice has instead of what they ask for; the
+    /// sentence that says so.
+    Alike(Vec<(&'static str, Value)>, String),
     /// Nothing is needed; the reason.
     Nothing(String),
     /// The keys have no counterpart; the reason, and what to do.
@@ -161,7 +161,12 @@ impl Outcome {
             Err(why) => return Outcome::Lost(why),
         };
         match how.alike(given, key) {
-            Some(ours) => Outcome::Alike(value, ours),
+            Some(ours) => Outcome::Alike(
+                value,
+                format!(
+                    "isoslice has no such pattern; {ours} is the most like it"
+                ),
+            ),
             None => Outcome::of(value),
         }
     }
