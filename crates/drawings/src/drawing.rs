@@ -1,11 +1,11 @@
 //! Drawings as functions: the distance in the plane.
 
 use crate::area::{Area, MOST_CURVES};
-use crate::curve::{Box2, Curve};
+use crate::curve::Curve;
 use crate::error::{DrawingError, Problem};
 use crate::outline::Outline;
 use glam::{DAffine2, DAffine3, DVec2, DVec3};
-use isocontour::{Bounds, Data, Ring};
+use isocontour::{Bounds, Data, Rect, Ring};
 
 /// Greatest coordinate of a drawing, mm.
 const FARTHEST: f64 = 1e6;
@@ -94,7 +94,7 @@ impl Drawing {
     /// The lower left and the upper right corner of the box around the area,
     /// mm.
     pub fn bounds(&self) -> [DVec2; 2] {
-        let Box2 { min, max } = self.area.bounds();
+        let Rect { min, max } = self.area.bounds();
         [min, max]
     }
 }
@@ -145,11 +145,11 @@ impl Data for Drawing {
     }
 
     fn range(&self, over: &Bounds) -> [f64; 2] {
-        self.area.range(from_above(over))
+        self.area.range(over.from_above())
     }
 
     fn slopes(&self, over: &Bounds) -> [[f64; 2]; 3] {
-        let [x, y] = self.area.slopes(from_above(over));
+        let [x, y] = self.area.slopes(over.from_above());
         [x, y, [0.0; 2]]
     }
 
@@ -176,12 +176,5 @@ impl Data for Drawing {
         let to_data = DAffine2::from_cols(x, y, at.truncate());
         let back = to_data.inverse();
         back.is_finite().then(|| self.area.rings(back)).flatten()
-    }
-}
-
-fn from_above(over: &Bounds) -> Box2 {
-    Box2 {
-        min: over.min.truncate(),
-        max: over.max.truncate(),
     }
 }

@@ -37,7 +37,7 @@ pub(crate) fn place_all(
     let from = match anchor {
         Anchor::Page => DVec2::ZERO,
         Anchor::Corner => bounds.min,
-        Anchor::Centre => 0.5 * (bounds.min + bounds.max),
+        Anchor::Centre => bounds.centre(),
     };
     let by = to * DAffine2::from_translation(-from);
     for outline in outlines {

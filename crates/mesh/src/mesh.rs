@@ -117,8 +117,7 @@ impl Mesh {
     }
 
     pub(crate) fn is_inside(&self, p: DVec3) -> bool {
-        let b = &self.bounds;
-        p.cmpge(b.min).all() && p.cmple(b.max).all() && self.winding(p) > 0.5
+        self.bounds.contains(p) && self.winding(p) > 0.5
     }
 
     /// The triangle that is closest to a place.
@@ -181,10 +180,7 @@ impl Mesh {
 
 /// The box around two places.
 fn between(a: DVec3, b: DVec3) -> Bounds {
-    Bounds {
-        min: a.min(b),
-        max: a.max(b),
-    }
+    Bounds::new(a.min(b), a.max(b))
 }
 
 impl Data for Mesh {
@@ -244,14 +240,9 @@ impl Data for Mesh {
 
     fn extent(&self, place: &DAffine3) -> Option<Bounds> {
         let back = place.inverse();
-        let seen = |v: &DVec3| {
-            let p = back.transform_point3(*v);
-            Bounds { min: p, max: p }
-        };
-        let all = self.shell.vertices.iter().map(seen);
-        let all = all.reduce(|all, one| all.union(one))?;
-        let is_finite = all.min.is_finite() && all.max.is_finite();
-        is_finite.then_some(all)
+        let seen = self.shell.vertices.iter();
+        let all = Bounds::around(seen.map(|v| back.transform_point3(*v)));
+        all.is_finite().then_some(all)
     }
 
     fn corners(&self) -> Option<&[DVec3]> {

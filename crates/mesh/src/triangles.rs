@@ -24,15 +24,7 @@ pub struct Triangles {
 impl Triangles {
     /// The box around all vertices.
     pub fn bounds(&self) -> Bounds {
-        let mut bounds = Bounds {
-            min: DVec3::INFINITY,
-            max: DVec3::NEG_INFINITY,
-        };
-        for &v in &self.vertices {
-            bounds.min = bounds.min.min(v);
-            bounds.max = bounds.max.max(v);
-        }
-        bounds
+        Bounds::around(self.vertices.iter().copied())
     }
 
     /// Moves, turns or scales all. A mirror image keeps its outside outside.

@@ -82,10 +82,7 @@ impl Struts {
             name: name.to_owned(),
             struts,
             tree,
-            bounds: Bounds {
-                min: DVec3::ZERO,
-                max: DVec3::ZERO,
-            },
+            bounds: Bounds::EMPTY,
             deepest,
         };
         all.bounds = all.around(&DAffine3::IDENTITY);
@@ -94,12 +91,8 @@ impl Struts {
 
     /// The box around all struts where `seen` puts them.
     fn around(&self, seen: &DAffine3) -> Bounds {
-        let nothing = Bounds {
-            min: DVec3::INFINITY,
-            max: DVec3::NEG_INFINITY,
-        };
         let boxes = self.struts.par_iter().map(|s| s.extent(seen));
-        boxes.reduce(|| nothing, Bounds::union)
+        boxes.reduce(|| Bounds::EMPTY, Bounds::union)
     }
 
     /// The strut that is closest to a place, or in which it is deepest; of
@@ -268,7 +261,6 @@ impl Data for Struts {
 
     fn extent(&self, place: &DAffine3) -> Option<Bounds> {
         let all = self.around(&place.inverse());
-        let is_finite = all.min.is_finite() && all.max.is_finite();
-        is_finite.then_some(all)
+        all.is_finite().then_some(all)
     }
 }

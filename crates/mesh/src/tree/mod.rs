@@ -76,10 +76,10 @@ impl Node {
     /// Box `i`.
     pub(crate) fn bounds(&self, i: usize) -> Bounds {
         let corner = |c: [f32; 3]| DVec3::from_array(c.map(f64::from));
-        Bounds {
-            min: corner([0, 1, 2].map(|k| self.min[k][i])),
-            max: corner([0, 1, 2].map(|k| self.max[k][i])),
-        }
+        Bounds::new(
+            corner([0, 1, 2].map(|k| self.min[k][i])),
+            corner([0, 1, 2].map(|k| self.max[k][i])),
+        )
     }
 
     /// What is in box `i`, as a stack holds it.
@@ -121,11 +121,7 @@ impl Tree {
         corners: &[[u32; 3]],
     ) -> (Tree, Vec<u32>) {
         Tree::of(corners.len(), |i| {
-            let [a, b, c] = corners[i].map(|i| vertices[i as usize]);
-            Bounds {
-                min: a.min(b).min(c),
-                max: a.max(b).max(c),
-            }
+            Bounds::around(corners[i].map(|i| vertices[i as usize]))
         })
     }
 
@@ -167,12 +163,6 @@ impl Tree {
             }
         }
     }
-}
-
-/// The distance of two boxes.
-pub(crate) fn gap(a: &Bounds, b: &Bounds) -> f64 {
-    let apart = (a.min - b.max).max(b.min - a.max);
-    apart.max(DVec3::ZERO).length()
 }
 
 /// The corners of a box.

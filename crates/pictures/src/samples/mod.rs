@@ -253,10 +253,7 @@ impl Samples {
 
     /// The box around all samples, mm.
     pub fn bounds(&self) -> Bounds {
-        let none = Bounds {
-            min: DVec3::ZERO,
-            max: DVec3::ZERO,
-        };
+        let none = Bounds::new(DVec3::ZERO, DVec3::ZERO);
         self.tree.bounds().unwrap_or(none)
     }
 
@@ -448,10 +445,7 @@ impl Data for Samples {
     /// samples that may count in the box.
     fn range(&self, over: &Bounds) -> [f64; 2] {
         let over = if self.flat {
-            Bounds {
-                min: over.min.with_z(0.0),
-                max: over.max.with_z(0.0),
-            }
+            Bounds::new(over.min.with_z(0.0), over.max.with_z(0.0))
         } else {
             *over
         };

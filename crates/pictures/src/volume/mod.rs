@@ -177,10 +177,9 @@ impl Volume {
             let at: [f64; 3] = std::array::from_fn(|a| {
                 if i >> a & 1 == 1 { last[a] } else { 0.0 }
             });
-            let at = self.from_lattice.transform_point3(at.into());
-            Bounds { min: at, max: at }
+            self.from_lattice.transform_point3(at.into())
         };
-        (1..8).map(corner).fold(corner(0), Bounds::union)
+        Bounds::around((0..8).map(corner))
     }
 }
 
@@ -210,10 +209,7 @@ fn lies_at(lies: DAffine3, options: &VolumeOptions) -> Problem<DAffine3> {
              mend the header, or give the spacing and the origin"
         ));
     }
-    Ok(DAffine3 {
-        matrix3,
-        translation,
-    })
+    Ok(DAffine3::from_mat3_translation(matrix3, translation))
 }
 
 /// An array as a volume.
