@@ -9,6 +9,7 @@ use super::Settings;
 use super::idle::Reason;
 use super::rows::{GROUPS, KEYS};
 use super::value::{Form, Measure, Range, Raw, Value, ValueKind};
+use isoslice_base::units::human_list;
 
 /// One row of the table: a setting's name and all that is known about it.
 #[derive(Debug)]
@@ -64,11 +65,11 @@ impl Key {
             }
             ValueKind::NumberOrText(allowed, _)
             | ValueKind::WholeOrText(allowed, _) => allowed.to_owned(),
-            ValueKind::Word(words) => alternatives(words),
+            ValueKind::Word(words) => human_list(words, "or"),
             ValueKind::WordOrText(words, forms) => {
                 let forms = forms.iter().map(|form| form.shown().to_owned());
                 let words = words.iter().map(|word| (*word).to_owned());
-                alternatives(&words.chain(forms).collect::<Vec<_>>())
+                human_list(&words.chain(forms).collect::<Vec<_>>(), "or")
             }
             ValueKind::WordOrNumber(words) | ValueKind::WordOrWhole(words) => {
                 format!("{} or {range}", words.join(", "))
@@ -302,16 +303,6 @@ pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
     };
     let all = all.filter(|key| besides(key) == Some(least));
     all.map(|key| key.name).take(MOST_NAMES).collect()
-}
-
-/// Lists words as `a, b or c`.
-pub(super) fn alternatives<T: AsRef<str>>(words: &[T]) -> String {
-    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
-    match words.as_slice() {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
-    }
 }
 
 /// A doc comment as one line: doc comments keep the spaces and line breaks of
