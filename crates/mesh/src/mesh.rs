@@ -10,7 +10,7 @@ use crate::shell::{ROUNDINGS, Shell};
 use crate::sign::Sign;
 use crate::triangles::Triangles;
 use glam::{DAffine3, DVec3};
-use isocontour::{Bounds, Crossing, Data, Grid, Ring};
+use isocontour::{Bounds, Crossing, Data, Grid, Ring, places};
 use std::cell::Cell;
 
 /// Places that are farther than this along an axis, mm, are so far that the
@@ -205,16 +205,10 @@ impl Data for Mesh {
         self.next(p, &mut Before::default())
     }
 
-    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
+    fn values(&self, at: [&[f32]; 3], out: &mut Vec<f32>) {
         let mut before = Before::default();
-        out.extend(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| {
-            let p = DVec3::new(x.into(), y.into(), z.into());
-            if p.is_finite() {
-                self.next(p, &mut before) as f32
-            } else {
-                f32::NAN
-            }
-        }));
+        let mut value = |p| self.next(p, &mut before) as f32;
+        out.extend(places(at).map(|p| p.map_or(f32::NAN, &mut value)));
     }
 
     fn range(&self, over: &Bounds) -> [f64; 2] {

@@ -15,7 +15,6 @@ use super::words::{self, Words, shortened};
 use crate::error::MeshError;
 use crate::limits::MOST_TRIANGLES;
 use crate::triangles::{Collector, Triangles};
-use glam::DVec3;
 use std::io::Read;
 
 pub(super) fn read(source: impl Read) -> Result<Triangles, MeshError> {
@@ -27,11 +26,7 @@ pub(super) fn read(source: impl Read) -> Result<Triangles, MeshError> {
     while let Some(word) = words.next()? {
         match word {
             b"v" => {
-                let p = DVec3::new(
-                    words.number()?,
-                    words.number()?,
-                    words.number()?,
-                );
+                let p = words.point()?;
                 let line = words.line();
                 vertices.push(all.vertex(p, || format!("line {line}"))?);
                 // Three for each triangle, if no triangles share any.

@@ -1,6 +1,7 @@
 //! Words of a text file, one after another.
 
 use crate::error::MeshError;
+use glam::DVec3;
 use std::io::{BufRead, BufReader, Read};
 use std::str::FromStr;
 
@@ -119,6 +120,16 @@ impl<R: Read> Words<R> {
         Ok(())
     }
 
+    /// What is wrong in the line of the last word.
+    pub(super) fn wrong(&self, what: impl Into<String>) -> MeshError {
+        MeshError::at(format_args!("line {}", self.line()), what)
+    }
+
+    /// The next three words as a point.
+    pub(super) fn point(&mut self) -> Result<DVec3, MeshError> {
+        Ok(DVec3::new(self.number()?, self.number()?, self.number()?))
+    }
+
     /// The next word as a number.
     pub(super) fn number(&mut self) -> Result<f64, MeshError> {
         let word = self.next()?;
@@ -131,7 +142,7 @@ impl<R: Read> Words<R> {
                 format!("{:?} is no number", shortened(word))
             }
         };
-        Err(MeshError::at(format_args!("line {}", self.line()), what))
+        Err(self.wrong(what))
     }
 }
 

@@ -82,6 +82,24 @@ impl Node {
         )
     }
 
+    /// Two numbers between which `row` · p + `offset` is for all places p in box
+    /// `i`.
+    #[inline]
+    pub(crate) fn range(&self, i: usize, row: DVec3, offset: f64) -> [f64; 2] {
+        // More than the roundings of the sums, here and for vertices.
+        const SLACK: f64 = 1e-12;
+        let (mut low, mut high) = (offset, offset);
+        let mut size = offset.abs();
+        for k in 0..3 {
+            let a = row[k] * f64::from(self.min[k][i]);
+            let b = row[k] * f64::from(self.max[k][i]);
+            low += a.min(b);
+            high += a.max(b);
+            size += a.abs().max(b.abs());
+        }
+        [low - SLACK * size, high + SLACK * size]
+    }
+
     /// What is in box `i`, as a stack holds it.
     #[inline]
     pub(crate) fn link(&self, i: usize) -> u32 {
