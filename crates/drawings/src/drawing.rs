@@ -2,10 +2,10 @@
 
 use crate::area::{Area, MOST_CURVES};
 use crate::curve::Curve;
-use crate::error::{DrawingError, Problem};
 use crate::outline::Outline;
 use glam::{DAffine2, DAffine3, DVec2, DVec3};
-use isocontour::{Bounds, Data, Rect, Ring};
+use isocontour::{Bounds, Data, Rect, Ring, places};
+use isoslice_base::problem::{NamedProblem, Problem};
 
 /// Greatest coordinate of a drawing, mm.
 const FARTHEST: f64 = 1e6;
@@ -42,9 +42,9 @@ impl Drawing {
     pub fn new(
         name: &str,
         outlines: &[Outline],
-    ) -> Result<Drawing, DrawingError> {
+    ) -> Result<Drawing, NamedProblem> {
         Drawing::warned(name.to_owned(), outlines, Vec::new(), FILL)
-            .map_err(|problem| DrawingError::new(name, problem))
+            .map_err(|problem| NamedProblem::new(name, problem))
     }
 
     /// As [`new`](Drawing::new), with warnings, and what to do if there is no area.
@@ -115,16 +115,14 @@ impl Data for Drawing {
         if self.area.is_inside(p) { -far } else { far }
     }
 
-    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
+    fn values(&self, at: [&[f32]; 3], out: &mut Vec<f32>) {
         // The last point and its value: no border is nearer than that.
         let (mut last, mut value) = (DVec2::ZERO, f64::NAN);
-        for ((&x, &y), &z) in x.iter().zip(y).zip(z) {
-            let p = DVec3::new(x.into(), y.into(), z.into());
-            if !p.is_finite() {
+        for p in places(at) {
+            let Some(p) = p.map(DVec3::truncate) else {
                 out.push(f32::NAN);
                 continue;
-            }
-            let p = p.truncate();
+            };
             let moved = (p - last).length();
             if value.is_nan() {
                 value = self.value(p.extend(0.0));

@@ -1,9 +1,9 @@
 //! How large a drawing is and where it lies.
 
 use crate::area::Area;
-use crate::error::Problem;
 use crate::outline::Outline;
 use glam::{DAffine2, DVec2};
+use isoslice_base::problem::Problem;
 use isoslice_base::units::human_number;
 
 /// What lies at the origin.

@@ -1,10 +1,10 @@
 //! Where pieces of outlines meet.
 
 use crate::curve::Curve;
-use crate::error::{Problem, go_on};
 use crate::tree::Tree;
 use glam::DVec2;
 use isocontour::Rect;
+use isoslice_base::problem::{Problem, go_on};
 
 /// The most pairs of pieces that are looked at.
 const MOST_PAIRS: usize = 4_000_000;

@@ -13,11 +13,11 @@ mod slopes;
 mod winding;
 
 use crate::curve::Curve;
-use crate::error::{Problem, go_on};
 use crate::outline::{Fill, Outline};
 use crate::tree::Tree;
 use glam::DVec2;
 use isocontour::Rect;
+use isoslice_base::problem::{Problem, go_on};
 pub(crate) use nearest::Piece;
 use rayon::prelude::*;
 use std::sync::OnceLock;

@@ -2,8 +2,8 @@
 //! follows, and a value. A record is a pair of code 0, its kind, and all pairs up to
 //! the next.
 
-use crate::error::Problem;
 use glam::DVec2;
+use isoslice_base::problem::Problem;
 
 /// The code at which a record begins.
 const KIND: i32 = 0;

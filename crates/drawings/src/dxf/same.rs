@@ -4,10 +4,10 @@
 use super::GAP;
 use super::cells::{Cell, around, cell};
 use crate::area::{MOST_CURVES, Piece};
-use crate::error::{Problem, go_on};
 use crate::outline::Outline;
 use crate::tree::Tree;
 use isocontour::Rect;
+use isoslice_base::problem::{Problem, go_on};
 use std::cell::OnceCell;
 use std::collections::HashMap;
 

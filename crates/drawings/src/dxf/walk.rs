@@ -8,8 +8,8 @@ use super::shape::{Shape, is_wide, shape, space};
 use crate::area::MOST_CURVES;
 use crate::curve::Curve;
 use crate::drawing::MOST_DRAWING_BYTES;
-use crate::error::{Problem, go_on};
 use glam::{DAffine2, DMat2, DVec2};
+use isoslice_base::problem::{Problem, go_on};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 

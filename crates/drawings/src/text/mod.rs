@@ -10,11 +10,11 @@ mod kerning;
 mod tests;
 
 use crate::drawing::{Drawing, FILL};
-use crate::error::{DrawingError, Problem};
 use crate::outline::{Fill, Outline};
 use font::Font;
 use glam::{DAffine2, DVec2};
 use isocontour::Rect;
+use isoslice_base::problem::{NamedProblem, Problem};
 use isoslice_base::units::human_number;
 
 /// The most characters of a text.
@@ -88,13 +88,13 @@ impl Drawing {
         text: &str,
         font: Option<&[u8]>,
         options: &TextOptions,
-    ) -> Result<Drawing, DrawingError> {
+    ) -> Result<Drawing, NamedProblem> {
         let short: String = text.chars().take(40).collect();
         let name = format!("text({short:?})");
         let made = draw(text, font, options).and_then(|(outline, warnings)| {
             Drawing::warned(name.clone(), &[outline], warnings, FILL)
         });
-        made.map_err(|problem| DrawingError::new(&name, problem))
+        made.map_err(|problem| NamedProblem::new(&name, problem))
     }
 }
 

@@ -2,9 +2,9 @@
 //! are turned as their camera was held.
 
 use super::{Pixels, pixel_count};
-use crate::error::Problem;
 use crate::lattice::Layout;
 use crate::numbers::Numbers;
+use isoslice_base::problem::Problem;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;

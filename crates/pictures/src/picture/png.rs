@@ -1,9 +1,9 @@
 //! Reads PNG: grey and colours, with and without transparency, 8 and 16 bits.
 
 use super::{Pixels, TransparentAs, luma, pixel_count};
-use crate::error::Problem;
 use crate::lattice::Layout;
 use crate::numbers::Numbers;
+use isoslice_base::problem::Problem;
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 use std::io::Cursor;
 
