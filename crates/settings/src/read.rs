@@ -203,8 +203,7 @@ impl Builder {
         let Some(key) = table::find(name) else {
             return Err(unknown(name, place));
         };
-        (key.field_mut)(&mut self.settings)
-            .assign(raw, key.measure())
+        (key.assign)(&mut self.settings, raw, key.measure())
             .map_err(|refused| refusal(refused, key, raw, place.clone()))?;
         if name != key.name {
             self.renamed

@@ -101,14 +101,13 @@ fn picture(text: &str) -> Option<PictureSize> {
 }
 
 impl Value for Sizes {
-    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
-        *self = match raw {
+    fn read(raw: Raw<'_>, _: Measure) -> Result<Self, Refused> {
+        Ok(match raw {
             Raw::Text(text) | Raw::Word(text) => {
                 Sizes::read(text).ok_or(Refused::Type)?
             }
             _ => return Err(Refused::Type),
-        };
-        Ok(())
+        })
     }
 
     fn to_toml(&self) -> String {

@@ -8,7 +8,7 @@
 use super::Settings;
 use super::idle::Reason;
 use super::rows::{GROUPS, KEYS};
-use super::value::{Form, Measure, Range, Raw, Value, ValueKind};
+use super::value::{Form, Measure, Range, Raw, Refused, Value, ValueKind};
 use isoslice_base::units::human_list;
 
 /// One row of the table: a setting's name and all that is known about it.
@@ -24,7 +24,8 @@ pub struct Key {
     pub range: Option<Range>,
     pub(super) doc: &'static str,
     pub(super) field: fn(&Settings) -> &dyn Value,
-    pub(super) field_mut: fn(&mut Settings) -> &mut dyn Value,
+    pub(super) assign:
+        fn(&mut Settings, Raw<'_>, Measure) -> Result<(), Refused>,
     /// What may deprive the setting of its effect.
     pub(super) idle: &'static [Reason],
 }
@@ -219,8 +220,7 @@ impl Key {
     /// True if the setting takes a text.
     pub(super) fn takes(&self, text: &str) -> bool {
         let mut settings = Settings::default();
-        let field = (self.field_mut)(&mut settings);
-        field.assign(Raw::Text(text), self.measure()).is_ok()
+        (self.assign)(&mut settings, Raw::Text(text), self.measure()).is_ok()
     }
 
     pub(super) fn kind(&self) -> ValueKind {
@@ -456,7 +456,10 @@ macro_rules! settings {
                 range: $crate::table::range!($($min $max)?),
                 doc: concat!($($doc, "\n"),+),
                 field: |settings| &settings.$field,
-                field_mut: |settings| &mut settings.$field,
+                assign: |settings, raw, measure| {
+                    settings.$field = $crate::value::Value::read(raw, measure)?;
+                    Ok(())
+                },
                 idle: &[$($($crate::idle::$idle),+)?],
             },)+)+
             $($($crate::Key {
@@ -470,7 +473,10 @@ macro_rules! settings {
                 range: $crate::table::range!($($gmin $gmax $($gzero)?)?),
                 doc: concat!($($gdoc, "\n"),+),
                 field: |settings| &settings.$group.$gfield,
-                field_mut: |settings| &mut settings.$group.$gfield,
+                assign: |settings, raw, measure| {
+                    settings.$group.$gfield = $crate::value::Value::read(raw, measure)?;
+                    Ok(())
+                },
                 idle: &[$($($crate::idle::$gidle),+)?],
             },)+)+
         ];
