@@ -81,6 +81,15 @@ pub fn human_list<T: AsRef<str>>(words: &[T], before_last: &str) -> String {
     }
 }
 
+/// The beginning of a text, as much of it as people read in a message: so many
+/// characters, and `…` where more would follow.
+pub fn human_start(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
 /// A number of bytes in whole units, rounded down: `512 MB`, `4 kB`.
 pub fn human_bytes(bytes: u64) -> String {
     match bytes {

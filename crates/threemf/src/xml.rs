@@ -1,7 +1,7 @@
 //! XML, of unknown origin: elements one after another.
 
 use crate::space::Space;
-use isoslice_base::units::human_list;
+use isoslice_base::units::{human_list, human_start};
 use isoslice_mesh::MeshError;
 use quick_xml::XmlVersion;
 use quick_xml::events::attributes::Attribute;
@@ -13,6 +13,8 @@ use std::str::FromStr;
 
 /// Greatest length of an element's start or of a text, bytes.
 const LONGEST: usize = 1 << 20;
+/// Greatest number of characters of a word in a message.
+const LONGEST_SHOWN: usize = 30;
 /// Greatest number of elements around an element. Models have six.
 const DEEPEST: usize = 64;
 
@@ -57,7 +59,7 @@ impl<'a> Element<'a> {
         let prefix = name.split(':').next().unwrap_or_default();
         self.wrong(format!(
             "the prefix {:?} of an element is not declared",
-            shortened(prefix)
+            human_start(prefix, LONGEST_SHOWN)
         ))
     }
 
@@ -169,18 +171,10 @@ impl<'a> Element<'a> {
             None => self.absent(name),
             Some(value) => self.wrong(format!(
                 "the attribute {name} is {:?}, which is no number that it may be",
-                shortened(value)
+                human_start(value, LONGEST_SHOWN)
             )),
         })
     }
-}
-
-/// The beginning of a word, for messages.
-fn shortened(word: &str) -> String {
-    if word.chars().count() <= 30 {
-        return word.to_owned();
-    }
-    word.chars().take(30).chain(['…']).collect()
 }
 
 /// What is wrong, in words that do not tell how to change the program.

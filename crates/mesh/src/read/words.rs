@@ -2,6 +2,7 @@
 
 use crate::error::MeshError;
 use glam::DVec3;
+use isoslice_base::units::human_start;
 use std::io::{BufRead, BufReader, Read};
 use std::str::FromStr;
 
@@ -153,9 +154,5 @@ pub(super) fn parsed<T: FromStr>(word: &[u8]) -> Option<T> {
 
 /// The beginning of a word, for messages.
 pub(super) fn shortened(word: &[u8]) -> String {
-    let word = String::from_utf8_lossy(word);
-    if word.chars().count() <= 30 {
-        return word.into_owned();
-    }
-    word.chars().take(30).chain(['…']).collect()
+    human_start(&String::from_utf8_lossy(word), 30)
 }
