@@ -56,6 +56,12 @@ impl Curve {
         }
     }
 
+    /// True if all coordinates are numbers, none of them greater than `far`.
+    pub(crate) fn is_within(&self, far: f64) -> bool {
+        let Rect { min, max } = self.bounds();
+        self.is_finite() && max.max(-min).max_element() <= far
+    }
+
     /// The control vectors of the derivative.
     pub(crate) fn slope(&self) -> ([DVec2; 3], usize) {
         let n = self.degree as f64;

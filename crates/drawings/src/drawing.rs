@@ -63,11 +63,8 @@ impl Drawing {
                  most; simplify it (Inkscape: Path > Simplify)"
             ));
         }
-        let far = |c: &Curve| {
-            let b = c.bounds();
-            !c.is_finite() || b.max.max(-b.min).max_element() > FARTHEST
-        };
-        if closed.iter().flat_map(|o| o.curves()).any(far) {
+        let is_near = |c: &Curve| c.is_within(FARTHEST);
+        if !closed.iter().flat_map(|o| o.curves()).all(is_near) {
             return Err("a coordinate is no number, or beyond 1 km".into());
         }
         let area = Area::new(&closed)?;

@@ -136,16 +136,10 @@ impl Edge {
             if self.smooth[end] || over.distance2(p) > far * far {
                 continue;
             }
-            let corners = [
-                over.min,
-                DVec2::new(over.max.x, over.min.y),
-                over.max,
-                DVec2::new(over.min.x, over.max.y),
-            ];
             if over.grown(1e-9).distance2(p) == 0.0 {
                 return Ways::ALL;
             }
-            let from = Ways::between(&corners.map(|c| c - p));
+            let from = Ways::between(&over.corners().map(|c| c - p));
             for side in [1.0, -1.0] {
                 if sign != -side {
                     ways = ways.both(from.turned(side));

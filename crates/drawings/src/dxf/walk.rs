@@ -225,12 +225,7 @@ impl<'a, 'f> Walk<'a, 'f> {
         place: Place<'_>,
     ) -> Problem<()> {
         let curves = shape.line.mapped(place.to_mm).into_curves();
-        let far = |c: &Curve| {
-            let bounds = c.bounds();
-            !c.is_finite()
-                || bounds.max.max(-bounds.min).max_element() > FARTHEST
-        };
-        if curves.iter().any(far) {
+        if !curves.iter().all(|curve| curve.is_within(FARTHEST)) {
             return Err(format!(
                 "line {}: {} has a coordinate beyond 1 km; is the unit right? \
                  Say how many mm it has with unit",

@@ -79,6 +79,13 @@ impl Rect {
         self.min.midpoint(self.max)
     }
 
+    /// The corners, counter-clockwise from the lower left one.
+    #[inline]
+    pub fn corners(self) -> [DVec2; 4] {
+        let Rect { min, max } = self;
+        [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)]
+    }
+
     /// The distance of another box: 0 if the two have a point in common.
     #[inline]
     pub fn gap(self, other: Rect) -> Length {
