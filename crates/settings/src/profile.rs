@@ -185,7 +185,7 @@ impl Profiles {
             None => Err(self.unknown(
                 kind,
                 name,
-                format!("--{} {name}", kind.word()),
+                format!("--{} {name}", kind.name()),
             )),
         }
     }
@@ -327,7 +327,7 @@ impl Profiles {
     ) -> SettingsError {
         SettingsError::UnknownProfile {
             place,
-            kind: kind.word(),
+            kind: kind.name(),
             name: name.to_owned(),
             hint: self.suggestion(&[kind], name),
         }

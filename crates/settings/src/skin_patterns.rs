@@ -67,7 +67,7 @@ impl Value for SkinPatterns {
         let other = all
             .into_iter()
             .filter(|(_, pattern)| *pattern != SkinPattern::default())
-            .map(|(face, pattern)| format!("{face}: {}", pattern.word()));
+            .map(|(face, pattern)| format!("{face}: {}", pattern.name()));
         other.collect::<Vec<_>>().join(", ").to_toml()
     }
 

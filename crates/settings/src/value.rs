@@ -428,27 +428,17 @@ macro_rules! words {
             $($(#[doc = $variant_doc:literal])+ $variant:ident = $word:literal,)+
         }
     )+) => {$(
-        $(#[doc = $doc])+
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $name {
-            $($(#[doc = $variant_doc])+ $variant,)+
+        isoslice_base::named! {
+            $(#[doc = $doc])+
+            #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+            pub enum $name {
+                $($(#[doc = $variant_doc])+ $variant = $word,)+
+            }
         }
 
         impl Default for $name {
             fn default() -> Self {
                 Self::ALL[0]
-            }
-        }
-
-        impl $name {
-            /// Every value, in the order of the documentation.
-            pub const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
-
-            /// The value's word in files and assignments.
-            pub fn word(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $word,)+
-                }
             }
         }
 
@@ -462,7 +452,7 @@ macro_rules! words {
             }
 
             fn to_toml(&self) -> String {
-                format!("\"{}\"", self.word())
+                format!("\"{}\"", self.name())
             }
 
             fn kind(&self) -> $crate::value::ValueKind {

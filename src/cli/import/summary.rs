@@ -95,7 +95,7 @@ impl Import {
             let options: Vec<String> = written
                 .iter()
                 .map(|(kind, name, _)| {
-                    let word = ours(*kind).word();
+                    let word = ours(*kind).name();
                     format!("--{word} {}", plain::value(name))
                 })
                 .collect();

@@ -73,7 +73,7 @@ impl Site {
         let names = |kind: ProfileKind| {
             let (profiles, _) = profiles.list(kind);
             let names: Vec<_> = profiles.into_iter().map(|p| p.name).collect();
-            json!({ "kind": kind.word(), "names": names })
+            json!({ "kind": kind.name(), "names": names })
         };
         Site {
             page: live_html(&job.name()),

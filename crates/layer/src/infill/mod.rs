@@ -264,7 +264,7 @@ impl<'a> Infill<'a> {
                 let pattern = pattern(*word, graded);
                 if graded && !pattern.can_vary() {
                     return Err(InfillError::NotGraded {
-                        pattern: word.word(),
+                        pattern: word.name(),
                     });
                 }
                 InfillKind::Pattern(pattern)
