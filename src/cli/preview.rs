@@ -7,7 +7,6 @@ use super::plates::{self, PlateArgs};
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, FromArgMatches};
-use isoslice::Format;
 use isoslice::human_time;
 use isoslice::layers::LayerRange;
 use isoslice::limits::{self, Watch};
@@ -207,17 +206,13 @@ impl PreviewArgs {
         let options = Options {
             threads: sliced.threads.count(),
             layers: sliced.layers.unwrap_or(LayerRange::ALL),
-            glimpse: None,
-            svg_dir: None,
-            report: false,
             // A model that is only shown need not be fit to print.
             check: false,
-            timestamp: None,
-            format: Format::Text,
             on_layer: &|done, total| {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             },
+            ..Options::default()
         };
         let file = tempfile::tempfile()
             .context("cannot make a temporary file for the G-code")?;

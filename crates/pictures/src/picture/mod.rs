@@ -286,6 +286,23 @@ fn pixel_count(width: u32, height: u32) -> Problem<usize> {
     Ok(pixels)
 }
 
+/// Refuses a file with fewer bytes than its pixels take at least.
+fn long_enough(
+    bytes: &[u8],
+    least: usize,
+    width: u32,
+    height: u32,
+) -> Problem<()> {
+    if bytes.len() < least {
+        return Err(format!(
+            "it has {} bytes, too few for {width} × {height} pixels; the file \
+             is cut off or no picture",
+            bytes.len()
+        ));
+    }
+    Ok(())
+}
+
 /// Brightness of a colour, 0 to 255,000 for 8 bits.
 fn luma([red, green, blue]: [u32; 3]) -> u32 {
     299 * red + 587 * green + 114 * blue

@@ -961,7 +961,12 @@ pub(super) fn supports(given: &Given<'_>) -> Outcome {
     if !said {
         return nothing("whether to print supports is not said");
     }
-    let word = match (on && !by_hand, plate) {
+    supported(on && !by_hand, plate)
+}
+
+/// Supports, if there are some, on the bed only or anywhere.
+pub(super) fn supported(on: bool, plate_only: bool) -> Outcome {
+    let word = match (on, plate_only) {
         (false, _) => "off",
         (true, true) => "plate",
         (true, false) => "auto",
