@@ -49,11 +49,6 @@ pub struct Collector {
 }
 
 impl Collector {
-    /// Nothing yet.
-    pub fn new() -> Collector {
-        Collector::default()
-    }
-
     /// The number of a vertex. `place` says where in the file it is.
     ///
     /// # Errors

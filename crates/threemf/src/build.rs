@@ -101,7 +101,7 @@ pub(crate) fn read(
         root: root.clone(),
         models: BTreeMap::from([(root.clone(), Rc::new(model))]),
         marks,
-        all: Collector::new(),
+        all: Collector::default(),
         parts: Parts::default(),
         name: name.to_owned(),
         levels: BTreeMap::new(),

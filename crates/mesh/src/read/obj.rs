@@ -19,7 +19,7 @@ use std::io::Read;
 
 pub(super) fn read(source: impl Read) -> Result<Triangles, MeshError> {
     let mut words = Words::new(source);
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     // The merged vertices, by the file's numbers.
     let mut vertices: Vec<u32> = Vec::new();
     let mut face = Face::default();

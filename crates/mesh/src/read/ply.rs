@@ -118,7 +118,7 @@ pub(super) fn read(source: impl Read) -> Result<Triangles, MeshError> {
     let mut words = Words::new(source);
     let (encoding, elements) = head(&mut words)?;
     let mut numbers = Numbers { encoding, words };
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     let mut vertices: Vec<u32> = Vec::new();
     let mut face = Face::default();
     for element in &elements {

@@ -72,7 +72,7 @@ fn binary(source: impl Read, count: u32) -> Result<Triangles, MeshError> {
         return Err(MeshError::TooMany);
     }
     let mut source = BufReader::with_capacity(1 << 16, source);
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     let mut bytes = [0; TRIANGLE];
     for i in 1..=count {
         source.read_exact(&mut bytes)?;
@@ -96,7 +96,7 @@ fn binary(source: impl Read, count: u32) -> Result<Triangles, MeshError> {
 
 fn text(source: impl Read) -> Result<Triangles, MeshError> {
     let mut words = Words::new(source);
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     let mut corners = Vec::new();
     while let Some(word) = words.next()? {
         let word = word.to_ascii_lowercase();
