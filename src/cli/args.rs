@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 pub(super) const FORMULA: &str = "formula";
 
 /// Name of a model that comes from standard input.
-pub(super) const STDIN: &str = "stdin";
+const STDIN: &str = "stdin";
 
 /// Which model, and how it is placed.
 #[derive(Args, Clone, Debug, PartialEq)]
