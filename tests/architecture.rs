@@ -51,6 +51,8 @@ const ORDER: &[(&str, Steps)] = &[
             &["stopwatch"],
             // Any loop may ask whether it is to go on.
             &["limits"],
+            // Work that may stop says so in words.
+            &["problem"],
             // Threads of a loop are under the watch of the one that begins it.
             &["parallel"],
             // Reading a pipe may take long, so `files` and `archive` ask `limits`

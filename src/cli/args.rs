@@ -15,6 +15,7 @@ use isoslice::plate::Wanted;
 use isoslice::settings::{
     Builder, Origin, ProfileKind, Settings, SettingsError,
 };
+use isoslice_base::units::human_list;
 use slicerprofile::Counterpart;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +23,7 @@ use std::path::{Path, PathBuf};
 pub(super) const FORMULA: &str = "formula";
 
 /// Name of a model that comes from standard input.
-pub(super) const STDIN: &str = "stdin";
+const STDIN: &str = "stdin";
 
 /// Which model, and how it is placed.
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -460,12 +461,7 @@ fn explained(error: SettingsError) -> SettingsError {
 pub(super) fn either(names: &[&str]) -> String {
     /// More names than this help nobody.
     const MOST: usize = 5;
-    let names = &names[..names.len().min(MOST)];
-    match names.split_last() {
-        Some((last, [])) => (*last).to_owned(),
-        Some((last, others)) => format!("{} or {last}", others.join(", ")),
-        None => String::new(),
-    }
+    human_list(&names[..names.len().min(MOST)], "or")
 }
 
 fn define(given: &str) -> Result<(String, String), String> {

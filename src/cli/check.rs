@@ -2,6 +2,7 @@
 
 use super::args::SettingsSource;
 use super::limits::{LimitArgs, watched};
+use super::rows::counted;
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -80,14 +81,17 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
         }
         terminal::warn(&verdict.sentences(&name, Severity::Warning));
         if !terminal::is_quiet() {
+            let count = |severity, what| {
+                counted(verdict.count(severity) as usize, what)
+            };
             writeln!(
                 out,
                 "{}: {} moves in {} layers, {}, {}{}",
                 plain::line(&name),
                 verdict.moves,
                 verdict.layers,
-                counted(verdict.count(Severity::Fault), "fault"),
-                counted(verdict.count(Severity::Warning), "warning"),
+                count(Severity::Fault, "fault"),
+                count(Severity::Warning, "warning"),
                 unknown(&verdict)
             )?;
         }
@@ -97,14 +101,6 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
         bail!("{name} should not be run on this printer as it is");
     }
     Ok(())
-}
-
-/// Writes `1 fault` or `2 faults`.
-fn counted(count: u64, what: &str) -> String {
-    match count {
-        1 => format!("1 {what}"),
-        _ => format!("{count} {what}s"),
-    }
 }
 
 /// The sentence about unknown commands, which the counts leave out.

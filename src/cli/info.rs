@@ -3,6 +3,7 @@
 
 use super::args::{Gathered, ModelArgs, SettingsSource};
 use super::limits::LimitArgs;
+use super::rows::{Rows, counted};
 use super::{plain, print_json, terminal};
 use anyhow::Context;
 use clap::Args;
@@ -67,11 +68,11 @@ pub(super) fn show(args: &InfoArgs, gathered: &Gathered) -> anyhow::Result<()> {
         json.needs_support = survey.as_ref().map(SupportsJson::new);
         return print_json(&json);
     }
-    let mut text = describe(&model, gathered)?;
+    let mut rows = describe(&model, gathered)?;
     if let Some(found) = &survey {
-        describe_supports(found, &mut text)?;
+        describe_supports(found, &mut rows);
     }
-    plain::print(&text)
+    plain::print(&rows.text)
 }
 
 /// The keys of `--json`.
@@ -169,50 +170,45 @@ pub(super) fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
     }
 }
 
-/// The lines about layers of different heights, of which there are `count`.
-pub(super) fn describe_steps(
-    steps: &Steps,
-    count: usize,
-    text: &mut String,
-) -> Result<(), std::fmt::Error> {
-    writeln!(
-        text,
-        "  heights     {:.3} to {:.3} mm, steps of up to {:.3} mm (99 % of the \
-         layers: {:.3}), first layer aside",
+/// Adds the lines about layers of different heights, of which there are `count`.
+pub(super) fn describe_steps(steps: &Steps, count: usize, rows: &mut Rows) {
+    let line = format!(
+        "{:.3} to {:.3} mm, steps of up to {:.3} mm (99 % of the layers: {:.3}), \
+         first layer aside",
         steps.thinnest_mm,
         steps.thickest_mm,
         steps.step_max_mm,
         steps.step_p99_mm,
-    )?;
+    );
+    rows.add("heights", line);
     let uniform = steps.uniform_layers;
     let change = count.abs_diff(uniform);
     let share = 100.0 * change as f64 / uniform as f64;
     let word = if count < uniform { "fewer" } else { "more" };
     if change > 0 {
-        writeln!(
-            text,
-            "              {change} layers {word} than with layer_heights = \
-             \"uniform\" ({share:.0} %)"
-        )?;
+        let line = format!(
+            "{change} layers {word} than with layer_heights = \"uniform\" \
+             ({share:.0} %)"
+        );
+        rows.add("", line);
     }
     if steps.missed_faces > 0 {
-        writeln!(
-            text,
-            "              {} level faces lie too close to another one for a \
-             layer to end there; lower layer_height_min",
+        let line = format!(
+            "{} level faces lie too close to another one for a layer to end \
+             there; lower layer_height_min",
             steps.missed_faces
-        )?;
+        );
+        rows.add("", line);
     }
     if steps.unproved_mm > 0.0 {
-        writeln!(
-            text,
-            "              over {:.2} mm of the height too little is proved of the \
-             surface: layers may be thinner than they need to be, or steps \
-             smaller than said",
+        let line = format!(
+            "over {:.2} mm of the height too little is proved of the surface: \
+             layers may be thinner than they need to be, or steps smaller than \
+             said",
             steps.unproved_mm
-        )?;
+        );
+        rows.add("", line);
     }
-    Ok(())
 }
 
 /// The places that would need supports.
@@ -267,24 +263,18 @@ fn area_of(survey: &Survey, kind: OverhangKind) -> f64 {
     places.map(|place| place.area).sum()
 }
 
-/// The lines about what would need supports.
-pub(super) fn describe_supports(
-    survey: &Survey,
-    text: &mut String,
-) -> Result<(), std::fmt::Error> {
+/// Adds the lines about what would need supports.
+pub(super) fn describe_supports(survey: &Survey, rows: &mut Rows) {
     /// Greatest number of places that are listed. Lattices have thousands of
     /// small ones.
     const TOLD: usize = 30;
     let area: f64 = survey.places.iter().map(|place| place.area).sum();
     if survey.places.is_empty() {
-        return writeln!(text, "  supports    nothing needs any");
+        return rows.add("supports", "nothing needs any");
     }
     let count = survey.places.len();
-    let places = if count == 1 { "place" } else { "places" };
-    writeln!(
-        text,
-        "  supports    {area:.1} mm² in {count} {places} need some"
-    )?;
+    let places = counted(count, "place");
+    rows.add("supports", format!("{area:.1} mm² in {places} need some"));
     // The largest ones, in the order of their heights.
     let mut order: Vec<usize> = (0..count).collect();
     let content = |k: &usize| survey.places[*k].area;
@@ -292,82 +282,71 @@ pub(super) fn describe_supports(
     order.truncate(TOLD);
     order.sort_unstable();
     for k in order {
-        let place = &survey.places[k];
-        let p = place.at;
-        let what = match place.kind {
+        let unsupported = &survey.places[k];
+        let Unsupported {
+            area,
+            from,
+            to,
+            reach,
+            ..
+        } = *unsupported;
+        let what = match unsupported.kind {
             OverhangKind::Begins => "begins on nothing".to_owned(),
-            OverhangKind::Leans => {
-                format!("leans, reach {:.1} mm", place.reach)
-            }
-            OverhangKind::Bridge => format!("bridge of {:.1} mm", place.reach),
+            OverhangKind::Leans => format!("leans, reach {reach:.1} mm"),
+            OverhangKind::Bridge => format!("bridge of {reach:.1} mm"),
         };
-        let heights = if place.to > place.from {
-            format!("z = {:.2} to {:.2}", place.from, place.to)
+        let heights = if to > from {
+            format!("z = {from:.2} to {to:.2}")
         } else {
-            format!("z = {:.2}", place.from)
+            format!("z = {from:.2}")
         };
-        writeln!(
-            text,
-            "    {:>8.1} mm²  {heights}, {what}, at x = {:.1}, y = {:.1}, z = \
-             {:.2} mm",
-            place.area, p.x, p.y, p.z
-        )?;
+        let at = place(unsupported.at);
+        rows.plain(format!("    {area:>8.1} mm²  {heights}, {what}, at {at}"));
     }
     if count > TOLD {
-        writeln!(text, "    and {} smaller ones (--json)", count - TOLD)?;
+        rows.plain(format!("    and {} smaller ones (--json)", count - TOLD));
     }
     if let Some(set) = survey.supports {
-        writeln!(
-            text,
-            "              supports = \"{set}\" is set: slice the part to \
-             learn what supports cost, and what none reaches"
-        )?;
+        rows.add(
+            "",
+            format!(
+                "supports = \"{set}\" is set: slice the part to learn what \
+                 supports cost, and what none reaches"
+            ),
+        );
     }
-    Ok(())
 }
 
 fn describe(
     model: &Model,
     Gathered { settings, .. }: &Gathered,
-) -> anyhow::Result<String> {
-    let size = model.bounds.size();
+) -> anyhow::Result<Rows> {
     let raised = model.raised(settings.raft_height());
     let Heights { spans, steps } = heights(&raised, settings)?;
     let layers = spans.len();
-    let mut text = String::new();
-    writeln!(text, "{}", plain::line(&model.name))?;
-    writeln!(text, "  size        {}", dimensions(size))?;
+    let mut rows = Rows::default();
+    rows.plain(plain::line(&model.name));
+    rows.add("size", dimensions(model.bounds.size()));
     if let Some(area) = model.laid {
-        writeln!(text, "  lies on     {}", flat_side(area))?;
+        rows.add("lies on", flat_side(area));
     }
-    let drawn = model.drawn_bounds();
-    writeln!(
-        text,
-        "  bounds      {} to {} mm",
-        corner(drawn.min),
-        corner(drawn.max)
-    )?;
-    let printed = raised.printed_bounds();
-    writeln!(
-        text,
-        "  on the bed  {} to {} mm",
-        corner(printed.min),
-        corner(printed.max)
-    )?;
+    rows.add("bounds", corners(&model.drawn_bounds()));
+    rows.add("on the bed", corners(&raised.printed_bounds()));
+    let planned = format!("{layers} planned");
     match steps {
-        None => writeln!(
-            text,
-            "  layers      {layers} planned, of {} mm",
-            settings.layer_height()
-        )?,
+        None => {
+            let height = settings.layer_height();
+            rows.add("layers", format!("{planned}, of {height} mm"));
+        }
         Some(steps) => {
-            writeln!(text, "  layers      {layers} planned")?;
-            describe_steps(&steps, layers, &mut text)?;
+            rows.add("layers", planned);
+            describe_steps(&steps, layers, &mut rows);
         }
     }
-    writeln!(text, "  expression  {} operations", model.expression_size)?;
+    let operations = model.expression_size;
+    rows.add("expression", format!("{operations} operations"));
     if !model.parameters.is_empty() {
-        writeln!(text, "  parameters (set with -D name=value)")?;
+        rows.plain("  parameters (set with -D name=value)");
     }
     let names: Vec<_> = model
         .parameters
@@ -377,19 +356,20 @@ fn describe(
     let width = names.iter().map(|name| name.chars().count()).max();
     let width = width.unwrap_or(0);
     for (name, parameter) in names.iter().zip(&model.parameters) {
-        let mut value = format!("{name:<width$} = {}", parameter.value);
+        let mut line = format!("    {name:<width$} = {}", parameter.value);
         if parameter.value != parameter.default {
-            write!(value, " (default {})", parameter.default)?;
+            write!(line, " (default {})", parameter.default)?;
         }
         if !parameter.allowed.is_anything() {
-            write!(value, " ({})", parameter.allowed)?;
+            write!(line, " ({})", parameter.allowed)?;
         }
         match &*plain::line(&parameter.description) {
-            "" => writeln!(text, "    {value}")?,
-            description => writeln!(text, "    {value}  {description}")?,
+            "" => {}
+            description => write!(line, "  {description}")?,
         }
+        rows.plain(line);
     }
-    Ok(text)
+    Ok(rows)
 }
 
 /// Writes `60.00 × 40.00 × 12.50 mm`.
@@ -402,8 +382,17 @@ pub(super) fn flat_side(area: f64) -> String {
     format!("a flat side of {area:.1} mm²")
 }
 
-fn corner(p: DVec3) -> String {
-    // Adding zero makes −0 a plain 0. Rounding first does so for −0.001, too.
-    let tidy = |v: f64| (v * 100.0).round() / 100.0 + 0.0;
-    format!("({:.2}, {:.2}, {:.2})", tidy(p.x), tidy(p.y), tidy(p.z))
+/// A place, as lines of results name it.
+pub(super) fn place(p: DVec3) -> String {
+    format!("x = {:.1}, y = {:.1}, z = {:.2} mm", p.x, p.y, p.z)
+}
+
+fn corners(bounds: &Bounds) -> String {
+    let corner = |p: DVec3| {
+        // Adding zero makes −0 a plain 0. Rounding first does so for −0.001,
+        // too.
+        let p = (p * 100.0).round() / 100.0 + 0.0;
+        format!("({:.2}, {:.2}, {:.2})", p.x, p.y, p.z)
+    };
+    format!("{} to {} mm", corner(bounds.min), corner(bounds.max))
 }

@@ -38,6 +38,7 @@ mod preview;
 mod printers;
 mod profiles;
 mod render;
+mod rows;
 mod send;
 mod settings;
 #[cfg(unix)]

@@ -5,13 +5,13 @@ use super::info::{
 };
 use super::limits::watched;
 use super::plates::{self, PlateArgs};
+use super::rows::Rows;
 use super::{plain, print_json, terminal};
 use anyhow::Context;
 use isoslice::heights::heights;
 use isoslice::plate::{Part, Plate};
 use isoslice::{Survey, survey};
 use serde::Serialize;
-use std::fmt::Write as _;
 
 /// Shows what a plate file or a model is.
 pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
@@ -70,41 +70,33 @@ fn show(
             warnings: [told, &warnings].concat(),
         });
     }
-    let mut text = String::new();
-    writeln!(text, "{}", plain::line(&plate.name))?;
-    writeln!(text, "  size        {}", dimensions(plate.size()))?;
-    writeln!(text, "  parts       {}", plate.place_count())?;
+    let mut rows = Rows::default();
+    rows.plain(plain::line(&plate.name));
+    rows.add("size", dimensions(plate.size()));
+    rows.add("parts", plate.place_count());
     if let Some(order) = order {
         let order = order.join(", ");
-        writeln!(text, "  one by one  {}", plain::line(&order))?;
+        rows.add("one by one", plain::line(&order));
     }
     for ((json, found), part) in parts.iter().zip(&plate.parts) {
         let copies = match part.places.len() {
             1 => String::new(),
             count => format!(", {count} times"),
         };
-        writeln!(
-            text,
-            "{}{copies}\n  size        {}\n  layers      {} planned\n  \
-             expression  {} operations",
-            plain::line(json.model),
-            dimensions(part.model.bounds.size()),
-            json.layer_count,
-            json.operations
-        )?;
+        rows.plain(plain::line(json.model) + &*copies);
+        rows.add("size", dimensions(part.model.bounds.size()));
+        rows.add("layers", format!("{} planned", json.layer_count));
+        rows.add("expression", format!("{} operations", json.operations));
         for place in &json.places {
             let [x, y] = place.at_mm;
-            writeln!(
-                text,
-                "  at          {x:.2}, {y:.2} mm  {}",
-                plain::line(place.name)
-            )?;
+            let name = plain::line(place.name);
+            rows.plain(format!("  at          {x:.2}, {y:.2} mm  {name}"));
         }
         if let Some(found) = found {
-            describe_supports(found, &mut text)?;
+            describe_supports(found, &mut rows);
         }
     }
-    plain::print(&text)
+    plain::print(&rows.text)
 }
 
 fn survey_of(part: &Part) -> anyhow::Result<Survey> {

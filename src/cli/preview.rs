@@ -4,10 +4,10 @@ use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource, is_plate};
 use super::limits::{LimitArgs, ThreadArgs, watched};
 use super::output;
 use super::plates::{self, PlateArgs};
+use super::rows::Rows;
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, FromArgMatches};
-use isoslice::Format;
 use isoslice::human_time;
 use isoslice::layers::LayerRange;
 use isoslice::limits::{self, Watch};
@@ -15,9 +15,8 @@ use isoslice::model::is_mesh;
 use isoslice::pipeline::{self, Options};
 use isoslice::plate::{Plate, PlateFile};
 use isoslice::preview::{Toolpath, ToolpathError};
-use isoslice::reader::{ReadError, Reader};
+use isoslice::reader::{ReadError, Reader, filament_diameter};
 use std::ffi::OsStr;
-use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -129,24 +128,26 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
             let job = alone.job(&source.model, plate, &gathered)?;
             terminal::warn(&job.warnings);
             let (gcode, warnings) = args.slice(&job.plate, watch)?;
-            read(gcode, &file_name)?
+            read(Reader::new(gcode), &file_name)?
                 .with_settings(&job.plate.settings)
                 .with_warnings(&warnings)
         }
-        InputKind::Stdin => read(io::stdin().lock(), "standard input")?,
+        InputKind::Stdin => {
+            read(Reader::new(io::stdin().lock()), "standard input")?
+        }
         InputKind::Gcode(path) => {
-            let cannot =
-                || format!("cannot read {}: check its name", path.display());
             if path.is_dir() {
                 bail!("{} is a folder; name a file in it", path.display());
             }
-            let mut file = File::open(&path).with_context(cannot)?;
-            match said_diameter(&mut file).with_context(cannot)? {
-                Some(d) => {
-                    read_as(Reader::new(file).filament_diameter(d), &file_name)?
-                }
-                None => read(file, &file_name)?,
+            let mut file = File::open(&path).with_context(|| {
+                format!("cannot read {}: check its name", path.display())
+            })?;
+            let said = filament_diameter(&mut file);
+            let mut reader = Reader::new(file);
+            if let Some(diameter) = said {
+                reader = reader.filament_diameter(diameter);
             }
+            read(reader, &file_name)?
         }
     };
     let problems = toolpath.problems().warnings(&file_name);
@@ -160,7 +161,7 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     output.finish()?;
 
     if !terminal::is_quiet() {
-        let text = describe(&path, &toolpath, started)?;
+        let text = describe(&path, &toolpath, started);
         if streamed {
             io::stderr().write_all(plain::lines(&text).as_bytes())?;
         } else {
@@ -207,17 +208,13 @@ impl PreviewArgs {
         let options = Options {
             threads: sliced.threads.count(),
             layers: sliced.layers.unwrap_or(LayerRange::ALL),
-            glimpse: None,
-            svg_dir: None,
-            report: false,
             // A model that is only shown need not be fit to print.
             check: false,
-            timestamp: None,
-            format: Format::Text,
             on_layer: &|done, total| {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             },
+            ..Options::default()
         };
         let file = tempfile::tempfile()
             .context("cannot make a temporary file for the G-code")?;
@@ -294,11 +291,7 @@ impl Sliced {
     }
 }
 
-fn read(input: impl Read, name: &str) -> anyhow::Result<Toolpath> {
-    read_as(Reader::new(input), name)
-}
-
-fn read_as<R: Read>(reader: Reader<R>, name: &str) -> anyhow::Result<Toolpath> {
+fn read<R: Read>(reader: Reader<R>, name: &str) -> anyhow::Result<Toolpath> {
     let read = limits::doing("reading", || Toolpath::read(reader));
     let toolpath = read.map_err(|error| match error {
         ToolpathError::Read(ReadError::Io { .. }) => {
@@ -315,41 +308,20 @@ fn read_as<R: Read>(reader: Reader<R>, name: &str) -> anyhow::Result<Toolpath> {
     Ok(toolpath)
 }
 
-/// Diameter of the filament. Some slicers write it only at the end of the file,
-/// after the beads.
-fn said_diameter(file: &mut File) -> io::Result<Option<f64>> {
-    const TAIL: u64 = 1 << 17;
-    let metadata = file.metadata()?;
-    // A named pipe cannot be rewound, so it is read once.
-    if !metadata.is_file() {
-        return Ok(None);
-    }
-    let length = metadata.len();
-    file.seek(io::SeekFrom::Start(length.saturating_sub(TAIL)))?;
-    let mut tail = Reader::new(&mut *file);
-    while let Some(Ok(_)) = tail.next() {}
-    let diameter = tail.info().filament_diameter;
-    file.rewind()?;
-    Ok(diameter)
-}
-
-fn describe(
-    path: &Path,
-    toolpath: &Toolpath,
-    started: Instant,
-) -> Result<String, std::fmt::Error> {
+fn describe(path: &Path, toolpath: &Toolpath, started: Instant) -> String {
     let statistics = toolpath.statistics();
     let time = statistics.said_time.unwrap_or(statistics.time);
-    let mut text = String::new();
-    writeln!(text, "{}", plain::value(path.display()))?;
+    let mut rows = Rows::default();
+    rows.plain(plain::value(path.display()));
     if let Some(generator) = &statistics.generator {
-        writeln!(text, "  made by     {}", plain::line(generator))?;
+        rows.add("made by", plain::line(generator));
     }
-    writeln!(text, "  layers      {}", toolpath.layer_count())?;
-    writeln!(text, "  moves       {}", toolpath.len())?;
-    writeln!(text, "  print time  {}", human_time(time))?;
-    writeln!(text, "  filament    {:.2} m", statistics.filament / 1000.0)?;
+    rows.add("layers", toolpath.layer_count());
+    rows.add("moves", toolpath.len());
+    rows.add("print time", human_time(time));
+    let metres = statistics.filament / 1000.0;
+    rows.add("filament", format!("{metres:.2} m"));
     let took = started.elapsed().as_secs_f64();
-    writeln!(text, "  took        {took:.1} s")?;
-    Ok(text)
+    rows.add("took", format!("{took:.1} s"));
+    rows.text
 }

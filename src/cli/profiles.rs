@@ -83,7 +83,7 @@ struct Listed {
 impl Listed {
     fn new(profile: &Profile) -> Self {
         Listed {
-            kind: profile.kind.word(),
+            kind: profile.kind.name(),
             name: profile.name.clone(),
             description: profile.description.clone(),
             inherits: profile.inherits.clone(),
@@ -137,7 +137,7 @@ fn describe(
     let length = |p: &Profile| plain::line(&p.name).chars().count();
     let width = names.map(length).max().unwrap_or(0);
     for (kind, profiles) in found {
-        writeln!(text, "{} (--{} NAME)", kind.folder(), kind.word())?;
+        writeln!(text, "{} (--{} NAME)", kind.folder(), kind.name())?;
         for profile in profiles.iter().filter(own_line) {
             write!(text, "  {:<width$}", plain::line(&profile.name))?;
             if !profile.description.is_empty() {

@@ -170,10 +170,6 @@ impl RenderArgs {
         let alone = PlateArgs::default();
         let sets = &self.settings.set;
         let file = plates::file(&self.model, &alone, gathered, sets)?;
-        if file.is_none() {
-            let model = self.model.load(&gathered.settings)?;
-            return Ok(Plate::of(&model, &gathered.settings));
-        }
         let job = alone.job(&self.model, file, gathered)?;
         terminal::warn(&job.warnings);
         Ok(job.plate)

@@ -82,7 +82,8 @@ pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
     plain::print_file(&text)
 }
 
-fn origin(gathered: &Gathered, key: &Key) -> String {
+/// Where a setting's value is from.
+pub(super) fn origin(gathered: &Gathered, key: &Key) -> String {
     let place = gathered.builder.place(key);
     place.map_or_else(|| "default".to_owned(), ToString::to_string)
 }

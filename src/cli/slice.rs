@@ -1,6 +1,6 @@
 //! `isoslice slice`: makes a G-code file of a model, and prints a summary.
 
-use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
+use super::args::{ModelArgs, SettingsSource};
 use super::formats::format_of;
 use super::hosts::Printer;
 use super::limits::{LimitArgs, ThreadArgs, watched};
@@ -256,11 +256,10 @@ impl SliceArgs {
         let extension = format.extension();
         match (&self.output, &self.model.model) {
             (Some(output), _) => output.clone(),
-            _ if self.model.is_stdin() => {
-                Path::new(STDIN).with_extension(extension)
+            (None, Some(model)) if !self.model.is_stdin() => {
+                self.plate.output(model, extension)
             }
-            (None, Some(model)) => self.plate.output(model, extension),
-            (None, None) => Path::new(FORMULA).with_extension(extension),
+            _ => self.model.beside(extension),
         }
     }
 

@@ -3,6 +3,7 @@
 use super::args::{ModelArgs, SettingsSource};
 use super::limits::{LimitArgs, ThreadArgs, watched};
 use super::plates::{self, PlateArgs};
+use super::rows::counted;
 use super::{plain, print_json, terminal};
 use anyhow::Context;
 use clap::Args;
@@ -72,11 +73,10 @@ fn divide(args: &SplitArgs) -> anyhow::Result<()> {
     if shares.len() < parts {
         let count = shares.last().map_or(0, |share| share.layers.end);
         terminal::warn(&[format!(
-            "{} has {count} layers, which make {} {}, not {parts}: a range \
+            "{} has {count} layers, which make {}, not {parts}: a range \
              begins with layer 1, 33, 65 and so on",
             plate.name,
-            shares.len(),
-            if shares.len() == 1 { "range" } else { "ranges" }
+            counted(shares.len(), "range")
         )]);
     }
     let ends = |share: &Share| (share.layers.start + 1, share.layers.end);

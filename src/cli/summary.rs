@@ -1,8 +1,9 @@
 //! The summary of `isoslice slice`, for people and as JSON.
 
-use super::info::{describe_steps, dimensions, flat_side};
+use super::info::{describe_steps, dimensions, flat_side, place};
 use super::output::is_stream;
 use super::plain;
+use super::rows::{Rows, counted};
 use glam::DVec3;
 use isoslice::Figures;
 use isoslice::check::{Finding, FindingKind, Verdict};
@@ -11,7 +12,7 @@ use isoslice::pipeline::{PartSummary, Summary};
 use isoslice::{Hanging, Plate, RoleSum, Sum};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::{Display, Write as _};
+use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
 
@@ -188,27 +189,6 @@ fn content(area: f64) -> String {
     }
 }
 
-/// The lines of the summary, each with a title.
-struct Rows {
-    text: String,
-    last: &'static str,
-}
-
-impl Rows {
-    /// Adds a line. Of lines of one title that follow one another only the first
-    /// has it.
-    fn add(&mut self, title: &'static str, what: impl Display) {
-        let shown = if title == self.last { "" } else { title };
-        self.last = title;
-        self.text.push_str(&format!("  {shown:<11} {what}\n"));
-    }
-}
-
-/// A place, as lines of the summary name it.
-fn place(p: DVec3) -> String {
-    format!("x = {:.1}, y = {:.1}, z = {:.2} mm", p.x, p.y, p.z)
-}
-
 /// The lines of the summary about what hangs.
 fn describe_hanging(hanging: &Hanging, rows: &mut Rows) {
     let mut line = |sum: &Sum, what: String| {
@@ -224,16 +204,12 @@ fn describe_hanging(hanging: &Hanging, rows: &mut Rows) {
         bridges,
         ..
     } = hanging;
-    let of = |n: usize, one: &str| match n {
-        1 => format!("1 {one}"),
-        n => format!("{n} {one}s"),
-    };
-    let count = of(begins.count, "island");
+    let count = counted(begins.count, "island");
     let verb = if begins.count == 1 { "begins" } else { "begin" };
     line(begins, format!("in {count} that {verb} on nothing"));
     let reach = leans.reach;
     line(leans, format!("lean too far, by up to {reach:.1} mm"));
-    let (count, span) = (of(bridges.count, "bridge"), bridges.reach);
+    let (count, span) = (counted(bridges.count, "bridge"), bridges.reach);
     let what = format!("in {count} too long, of up to {span:.1} mm");
     line(bridges, what);
     if let Some(foot) = hanging.foot {
@@ -325,14 +301,12 @@ fn describe_parts(summary: &Summary, rows: &mut Rows) {
 pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
     let head = if is_stream(sums.output) {
-        format!("{} (on standard output)\n", plain::line(&sums.plate.name))
+        format!("{} (on standard output)", plain::line(&sums.plate.name))
     } else {
-        format!("{}\n", plain::value(sums.output.display()))
+        plain::value(sums.output.display())
     };
-    let mut rows = Rows {
-        text: head,
-        last: "",
-    };
+    let mut rows = Rows::default();
+    rows.plain(head);
     rows.add("size", dimensions(summary.size));
     for part in &summary.parts {
         let Some(side) = part.laid.map(flat_side) else {
@@ -356,7 +330,7 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     };
     rows.add("layers", which + &raft);
     if let Some(steps) = &summary.steps {
-        describe_steps(steps, count, &mut rows.text)?;
+        describe_steps(steps, count, &mut rows);
     }
     describe_parts(summary, &mut rows);
     rows.add("print time", human_time(summary.time));

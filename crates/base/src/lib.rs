@@ -9,6 +9,7 @@
 //! | [`stopwatch`] | measures the processor time of a thread |
 //! | [`parallel`] | finds answers on all threads, in order |
 //! | [`limits`] | bounds the time, the work and the memory of a run, and stops it |
+//! | [`problem`] | says what is wrong with what a user has named |
 //! | [`named!`] | declares an enum whose values have names |
 //! | [`archive`] | counts the files of an archive before it is opened |
 //! | [`files`] | reads files within limits, and writes them whole or not at all |
@@ -27,6 +28,7 @@ pub mod files;
 pub mod limits;
 mod named;
 pub mod parallel;
+pub mod problem;
 pub mod random;
 pub mod sets;
 pub mod stopwatch;

@@ -69,6 +69,27 @@ pub fn human_time(seconds: Seconds) -> String {
     }
 }
 
+/// Words as people list them, with `or` or `and` before the last one: `a, b or c`.
+pub fn human_list<T: AsRef<str>>(words: &[T], before_last: &str) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.as_slice() {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [rest @ .., last] => {
+            format!("{} {before_last} {last}", rest.join(", "))
+        }
+    }
+}
+
+/// The beginning of a text, as much of it as people read in a message: so many
+/// characters, and `…` where more would follow.
+pub fn human_start(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
 /// A number of bytes in whole units, rounded down: `512 MB`, `4 kB`.
 pub fn human_bytes(bytes: u64) -> String {
     match bytes {

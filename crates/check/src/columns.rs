@@ -206,11 +206,20 @@ impl Columns {
         cells: &Cells,
         is: impl Fn(IVec2, &Seen) -> bool,
     ) -> Cells {
+        self.sifted(cells, |cell, own| {
+            self.seen(own).is_some_and(|seen| is(cell, &seen))
+        })
+    }
+
+    fn sifted(
+        &self,
+        cells: &Cells,
+        is: impl Fn(IVec2, Column) -> bool,
+    ) -> Cells {
         let all = cells.tiles().filter_map(|(place, bits)| {
-            let tile = self.known(place)?;
+            let columns = &self.known(place)?.columns;
             let is = |cell: IVec2, row: usize, column: usize| {
-                let seen = self.seen(tile.columns[row][column]);
-                seen.is_some_and(|seen| is(cell, &seen))
+                is(cell, columns[row][column])
             };
             Some((place, bits.which(place, is)))
         });
@@ -225,16 +234,11 @@ impl Columns {
         range: impl Fn(bool) -> RangeInclusive<f64>,
     ) -> Cells {
         let ranges = [false, true].map(range);
-        let all = cells.tiles().filter_map(|(place, bits)| {
-            let tile = self.known(place)?;
-            let is = |_, row: usize, column: usize| {
-                let own = tile.columns[row][column].at(self.layer);
-                let support = own.stamp & BELOW_SUPPORT != 0;
-                ranges[usize::from(support)].contains(&own.below.into())
-            };
-            Some((place, bits.which(place, is)))
-        });
-        Cells::of(all)
+        self.sifted(cells, |_, own| {
+            let own = own.at(self.layer);
+            let support = own.stamp & BELOW_SUPPORT != 0;
+            ranges[usize::from(support)].contains(&own.below.into())
+        })
     }
 
     /// Of some cells of the layer, the deepest and highest reach of beads, and the

@@ -6,7 +6,6 @@
 //! be out of the head's reach, and below whatever moves across the bed with the
 //! head.
 
-use glam::DVec2;
 use isoslice_base::limits::MOST_PARTS;
 use isoslice_base::units::Mm;
 use isoslice_gcode_read::reader::{Move, Role};
@@ -52,8 +51,7 @@ struct Block {
 impl Block {
     /// Grows to hold another block as well.
     fn add(&mut self, other: Block) {
-        self.area.min = self.area.min.min(other.area.min);
-        self.area.max = self.area.max.max(other.area.max);
+        self.area = self.area.union(other.area);
         self.top = self.top.max(other.top);
     }
 }
@@ -102,11 +100,11 @@ impl Finished {
     pub(super) fn hit(&self, step: &Move, room: &HeadRoom) -> Option<String> {
         let low = step.from.z.min(step.to.z);
         let (from, to) = (step.from.truncate(), step.to.truncate());
-        let (min, max) = (from.min(to), from.max(to));
+        let here = Rect::new(from.min(to), from.max(to));
         let height = |block: &Block| block.top - low;
         for block in &self.done {
             let Block { area, top } = block;
-            let ahead = min.y - area.max.y;
+            let ahead = here.min.y - area.max.y;
             let passes =
                 room.front.is_some_and(|front| ahead >= front - ROUNDED);
             if height(block) > room.gantry + ROUNDED && !passes {
@@ -117,8 +115,7 @@ impl Finished {
                     room.gantry
                 ));
             }
-            let gap = (min - area.max).max(area.min - max);
-            let apart = gap.max(DVec2::ZERO).length();
+            let apart = here.gap(*area);
             if height(block) > room.free_below + ROUNDED
                 && apart < room.radius - ROUNDED
             {

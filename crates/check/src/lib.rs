@@ -82,7 +82,7 @@ use glam::DVec3;
 use ground::{Adrift, Ground, PLOUGH, Wrong};
 use heat::{Heat, Readiness};
 use held::Held;
-use isoslice_base::units::Mm;
+use isoslice_base::units::{Mm, human_list};
 use isoslice_gcode_read::reader::{
     Event, Heater, Info, Move, ReadError, Reader, Role,
 };
@@ -463,16 +463,11 @@ impl<'a> Checker<'a> {
         self.homed = HOMED;
         self.verdict
             .add(FindingKind::NotHomed, step.line, step.to, || {
-                let (names, was) = match names.split_last() {
-                    Some((last, [])) => ((*last).to_owned(), "was"),
-                    Some((last, others)) => {
-                        (format!("{} and {last}", others.join(", ")), "were")
-                    }
-                    None => (String::new(), "was"),
-                };
+                let was = if names.len() > 1 { "were" } else { "was" };
                 format!(
-                    "the head moves, and {names} {was} not homed (G28), or not \
-                 since the motors were turned off"
+                    "the head moves, and {} {was} not homed (G28), or not \
+                     since the motors were turned off",
+                    human_list(&names, "and")
                 )
             });
     }

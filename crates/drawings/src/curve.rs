@@ -2,63 +2,7 @@
 
 use crate::roots::{Bernstein, crossings};
 use glam::DVec2;
-
-/// A box in the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Box2 {
-    pub(crate) min: DVec2,
-    pub(crate) max: DVec2,
-}
-
-impl Box2 {
-    pub(crate) const NONE: Box2 = Box2 {
-        min: DVec2::INFINITY,
-        max: DVec2::NEG_INFINITY,
-    };
-
-    pub(crate) fn with(self, p: DVec2) -> Box2 {
-        Box2 {
-            min: self.min.min(p),
-            max: self.max.max(p),
-        }
-    }
-
-    pub(crate) fn union(self, other: Box2) -> Box2 {
-        Box2 {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
-    }
-
-    pub(crate) fn size(self) -> DVec2 {
-        self.max - self.min
-    }
-
-    pub(crate) fn meets(self, other: Box2) -> bool {
-        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
-    }
-
-    pub(crate) fn wider(self, by: f64) -> Box2 {
-        Box2 {
-            min: self.min - by,
-            max: self.max + by,
-        }
-    }
-
-    /// The square of the distance of a point.
-    pub(crate) fn distance2(self, p: DVec2) -> f64 {
-        (self.min - p)
-            .max(p - self.max)
-            .max(DVec2::ZERO)
-            .length_squared()
-    }
-
-    /// The distance of another box.
-    pub(crate) fn distance(self, other: Box2) -> f64 {
-        let apart = (self.min - other.max).max(other.min - self.max);
-        apart.max(DVec2::ZERO).length()
-    }
-}
+use isocontour::Rect;
 
 /// A line or a curve, by its control points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,6 +56,12 @@ impl Curve {
         }
     }
 
+    /// True if all coordinates are numbers, none of them greater than `far`.
+    pub(crate) fn is_within(&self, far: f64) -> bool {
+        let Rect { min, max } = self.bounds();
+        self.is_finite() && max.max(-min).max_element() <= far
+    }
+
     /// The control vectors of the derivative.
     pub(crate) fn slope(&self) -> ([DVec2; 3], usize) {
         let n = self.degree as f64;
@@ -153,8 +103,8 @@ impl Curve {
         (if end { -way } else { way }).normalize_or_zero()
     }
 
-    pub(crate) fn bounds(&self) -> Box2 {
-        self.control().iter().fold(Box2::NONE, |b, p| b.with(*p))
+    pub(crate) fn bounds(&self) -> Rect {
+        Rect::around(self.control())
     }
 
     /// The parts before and after a parameter.

@@ -1,11 +1,11 @@
 //! Drawings as functions: the distance in the plane.
 
 use crate::area::{Area, MOST_CURVES};
-use crate::curve::{Box2, Curve};
-use crate::error::{DrawingError, Problem};
+use crate::curve::Curve;
 use crate::outline::Outline;
 use glam::{DAffine2, DAffine3, DVec2, DVec3};
-use isocontour::{Bounds, Data, Ring};
+use isocontour::{Bounds, Data, Rect, Ring, places};
+use isoslice_base::problem::{NamedProblem, Problem};
 
 /// Greatest coordinate of a drawing, mm.
 const FARTHEST: f64 = 1e6;
@@ -42,9 +42,9 @@ impl Drawing {
     pub fn new(
         name: &str,
         outlines: &[Outline],
-    ) -> Result<Drawing, DrawingError> {
+    ) -> Result<Drawing, NamedProblem> {
         Drawing::warned(name.to_owned(), outlines, Vec::new(), FILL)
-            .map_err(|problem| DrawingError::new(name, problem))
+            .map_err(|problem| NamedProblem::new(name, problem))
     }
 
     /// As [`new`](Drawing::new), with warnings, and what to do if there is no area.
@@ -63,11 +63,8 @@ impl Drawing {
                  most; simplify it (Inkscape: Path > Simplify)"
             ));
         }
-        let far = |c: &Curve| {
-            let b = c.bounds();
-            !c.is_finite() || b.max.max(-b.min).max_element() > FARTHEST
-        };
-        if closed.iter().flat_map(|o| o.curves()).any(far) {
+        let is_near = |c: &Curve| c.is_within(FARTHEST);
+        if !closed.iter().flat_map(|o| o.curves()).all(is_near) {
             return Err("a coordinate is no number, or beyond 1 km".into());
         }
         let area = Area::new(&closed)?;
@@ -94,7 +91,7 @@ impl Drawing {
     /// The lower left and the upper right corner of the box around the area,
     /// mm.
     pub fn bounds(&self) -> [DVec2; 2] {
-        let Box2 { min, max } = self.area.bounds();
+        let Rect { min, max } = self.area.bounds();
         [min, max]
     }
 }
@@ -115,16 +112,14 @@ impl Data for Drawing {
         if self.area.is_inside(p) { -far } else { far }
     }
 
-    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
+    fn values(&self, at: [&[f32]; 3], out: &mut Vec<f32>) {
         // The last point and its value: no border is nearer than that.
         let (mut last, mut value) = (DVec2::ZERO, f64::NAN);
-        for ((&x, &y), &z) in x.iter().zip(y).zip(z) {
-            let p = DVec3::new(x.into(), y.into(), z.into());
-            if !p.is_finite() {
+        for p in places(at) {
+            let Some(p) = p.map(DVec3::truncate) else {
                 out.push(f32::NAN);
                 continue;
-            }
-            let p = p.truncate();
+            };
             let moved = (p - last).length();
             if value.is_nan() {
                 value = self.value(p.extend(0.0));
@@ -145,11 +140,11 @@ impl Data for Drawing {
     }
 
     fn range(&self, over: &Bounds) -> [f64; 2] {
-        self.area.range(from_above(over))
+        self.area.range(over.from_above())
     }
 
     fn slopes(&self, over: &Bounds) -> [[f64; 2]; 3] {
-        let [x, y] = self.area.slopes(from_above(over));
+        let [x, y] = self.area.slopes(over.from_above());
         [x, y, [0.0; 2]]
     }
 
@@ -176,12 +171,5 @@ impl Data for Drawing {
         let to_data = DAffine2::from_cols(x, y, at.truncate());
         let back = to_data.inverse();
         back.is_finite().then(|| self.area.rings(back)).flatten()
-    }
-}
-
-fn from_above(over: &Bounds) -> Box2 {
-    Box2 {
-        min: over.min.truncate(),
-        max: over.max.truncate(),
     }
 }

@@ -17,7 +17,7 @@ mod area;
 mod curve;
 mod drawing;
 mod dxf;
-mod error;
+mod left_out;
 mod outline;
 mod place;
 mod roots;
@@ -31,7 +31,6 @@ mod tree;
 
 pub use drawing::{Drawing, MOST_DRAWING_BYTES};
 pub use dxf::DxfOptions;
-pub use error::DrawingError;
 pub use outline::{Fill, Outline};
 pub use place::Anchor;
 pub use svg::{SvgOptions, White};

@@ -1,9 +1,9 @@
 //! How large a drawing is and where it lies.
 
 use crate::area::Area;
-use crate::error::Problem;
 use crate::outline::Outline;
 use glam::{DAffine2, DVec2};
+use isoslice_base::problem::Problem;
 use isoslice_base::units::human_number;
 
 /// What lies at the origin.
@@ -37,7 +37,7 @@ pub(crate) fn place_all(
     let from = match anchor {
         Anchor::Page => DVec2::ZERO,
         Anchor::Corner => bounds.min,
-        Anchor::Centre => 0.5 * (bounds.min + bounds.max),
+        Anchor::Centre => bounds.centre(),
     };
     let by = to * DAffine2::from_translation(-from);
     for outline in outlines {

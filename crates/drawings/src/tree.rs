@@ -1,7 +1,7 @@
 //! A tree of boxes in the plane.
 
-use crate::curve::Box2;
 use glam::DVec2;
+use isocontour::Rect;
 
 /// Boxes in a leaf.
 const LEAF: usize = 4;
@@ -12,12 +12,12 @@ pub(crate) struct Tree {
     nodes: Vec<Node>,
     /// The numbers of the boxes, those of a leaf beside one another.
     order: Vec<u32>,
-    boxes: Vec<Box2>,
+    boxes: Vec<Rect>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    bounds: Box2,
+    bounds: Rect,
     /// The first of its boxes in the order, and how many; of an inner node the
     /// number of its second child, and 0. The first child is the next node.
     first: u32,
@@ -28,7 +28,7 @@ struct Node {
 type Stack = [u32; 64];
 
 impl Tree {
-    pub(crate) fn new(boxes: Vec<Box2>) -> Tree {
+    pub(crate) fn new(boxes: Vec<Rect>) -> Tree {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut nodes = Vec::new();
         if !boxes.is_empty() {
@@ -41,8 +41,8 @@ impl Tree {
         }
     }
 
-    pub(crate) fn bounds(&self) -> Box2 {
-        self.nodes.first().map_or(Box2::NONE, |node| node.bounds)
+    pub(crate) fn bounds(&self) -> Rect {
+        self.nodes.first().map_or(Rect::EMPTY, |node| node.bounds)
     }
 
     pub(crate) fn bytes(&self) -> usize {
@@ -55,7 +55,7 @@ impl Tree {
     /// hold it.
     pub(crate) fn each(
         &self,
-        wanted: impl Fn(&Box2) -> bool,
+        wanted: impl Fn(&Rect) -> bool,
         mut f: impl FnMut(usize),
     ) {
         let mut stack: Stack = [0; 64];
@@ -124,13 +124,13 @@ impl Tree {
 /// Makes the node of some boxes and all below it. Halves are equal in number,
 /// so that the depth is that of the number's logarithm.
 fn build(
-    boxes: &[Box2],
+    boxes: &[Rect],
     order: &mut [u32],
     first: usize,
     nodes: &mut Vec<Node>,
 ) {
     let of = |i: &u32| boxes[*i as usize];
-    let bounds = order.iter().map(of).fold(Box2::NONE, Box2::union);
+    let bounds = order.iter().map(of).fold(Rect::EMPTY, Rect::union);
     let here = nodes.len();
     nodes.push(Node {
         bounds,
@@ -141,7 +141,7 @@ fn build(
         return;
     }
     let centres = order.iter().map(|i| of(i).min + of(i).max);
-    let spread = centres.fold(Box2::NONE, Box2::with).size();
+    let spread = centres.fold(Rect::EMPTY, Rect::with).size();
     let axis = usize::from(spread.y > spread.x);
     let half = order.len() / 2;
     let centre = |i: &u32| (of(i).min + of(i).max)[axis];

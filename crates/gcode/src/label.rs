@@ -10,6 +10,7 @@ use super::{Header, Standing, WriterPlan};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec2;
+use isoslice_planar::Rect;
 use isoslice_settings::Flavour;
 use std::collections::BTreeSet;
 use std::iter::once;
@@ -141,13 +142,8 @@ fn name(model: &str) -> String {
 
 /// The part's outline as Klipper reads it: `CENTER=x,y POLYGON=[[x,y],...]`.
 fn outline(part: &Standing) -> String {
-    let (min, max) = (part.min, part.max);
-    let corners = [
-        DVec2::new(min.x, min.y),
-        DVec2::new(max.x, min.y),
-        DVec2::new(max.x, max.y),
-        DVec2::new(min.x, max.y),
-    ];
+    let frame = Rect::new(part.min, part.max);
+    let corners = frame.corners();
     let ring = match part.outline.len() {
         0..3 => corners.as_slice(),
         _ => part.outline.as_slice(),
@@ -156,8 +152,8 @@ fn outline(part: &Standing) -> String {
         |p: &DVec2| format!("{},{}", text(p.x, DECIMALS), text(p.y, DECIMALS));
     let points: Vec<_> =
         ring.iter().map(|p| format!("[{}]", point(p))).collect();
-    let centre = 0.5 * (min + max);
-    format!("CENTER={} POLYGON=[{}]", point(&centre), points.join(","))
+    let centre = point(&frame.centre());
+    format!("CENTER={centre} POLYGON=[{}]", points.join(","))
 }
 
 #[cfg(test)]

@@ -65,6 +65,7 @@ pub mod plane;
 mod program;
 mod shift;
 mod solid;
+mod tree;
 
 pub use bounds::{
     BoundsError, FoundBounds, SearchOptions, find_bounds, is_flat,
@@ -75,7 +76,7 @@ pub use contour::{
 };
 pub use cuboid::Bounds;
 pub use data::{Call, Crossing, Data};
-pub use data::{call, call_of, data_of, known as known_data};
+pub use data::{call, call_of, data_of, known as known_data, places};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES};
 pub use expand::{expand, expand_with, nodes_of};
 pub use field::{
@@ -87,6 +88,7 @@ pub use lean::{Lean, LeanError, LeanOptions, lean};
 pub use plane::{Area, Rect, Ring};
 pub use shift::{digits, shifted};
 pub use solid::{Solid, solid};
+pub use tree::{binary, operands, unary};
 
 /// A length, in the unit of the coordinates.
 pub type Length = f64;

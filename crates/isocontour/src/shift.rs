@@ -14,6 +14,7 @@ use crate::cuboid::Bounds;
 use crate::data::{Call, call, call_of};
 use crate::expand::{ExpandError, expand, nodes_of};
 use crate::program::{Program, Scratch};
+use crate::tree;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, UnaryOpcode};
 use fidget::var::Var;
 use glam::DVec3;
@@ -129,31 +130,10 @@ fn unary(op: UnaryOpcode, a: Sum) -> Sum {
         }
         _ => {}
     }
-    let a = a.tree();
-    Sum::of(match op {
-        UnaryOpcode::Neg => -a,
-        UnaryOpcode::Abs => a.abs(),
-        UnaryOpcode::Recip => a.recip(),
-        UnaryOpcode::Sqrt => a.sqrt(),
-        UnaryOpcode::Square => a.square(),
-        UnaryOpcode::Floor => a.floor(),
-        UnaryOpcode::Ceil => a.ceil(),
-        UnaryOpcode::Round => a.round(),
-        UnaryOpcode::Sin => a.sin(),
-        UnaryOpcode::Cos => a.cos(),
-        UnaryOpcode::Tan => a.tan(),
-        UnaryOpcode::Asin => a.asin(),
-        UnaryOpcode::Acos => a.acos(),
-        UnaryOpcode::Atan => a.atan(),
-        UnaryOpcode::Exp => a.exp(),
-        UnaryOpcode::Ln => a.ln(),
-        UnaryOpcode::Not => a.not(),
-        UnaryOpcode::Rand => a.rand(),
-    })
+    Sum::of(tree::unary(op, &a.tree()))
 }
 
 fn binary(op: BinaryOpcode, a: Sum, b: Sum) -> Sum {
-    let trees = |a: Sum, b: Sum| (a.tree(), b.tree());
     match op {
         BinaryOpcode::Add | BinaryOpcode::Sub => {
             let sign = if op == BinaryOpcode::Add { 1.0 } else { -1.0 };
@@ -176,13 +156,6 @@ fn binary(op: BinaryOpcode, a: Sum, b: Sum) -> Sum {
             Some(by) if by != 0.0 => a.scaled(1.0 / by),
             _ => Sum::of(a.tree() / b.tree()),
         },
-        BinaryOpcode::Min | BinaryOpcode::Max => {
-            let (a, b) = trees(a, b);
-            Sum::of(match op {
-                BinaryOpcode::Min => a.min(b),
-                _ => a.max(b),
-            })
-        }
         // Whole periods make no difference.
         BinaryOpcode::Mod => {
             let a = match b.number() {
@@ -192,31 +165,20 @@ fn binary(op: BinaryOpcode, a: Sum, b: Sum) -> Sum {
                 },
                 _ => a,
             };
-            let (a, b) = trees(a, b);
-            Sum::of(a.modulo(b))
-        }
-        BinaryOpcode::Atan => {
-            let (a, b) = trees(a, b);
-            Sum::of(a.atan2(b))
+            Sum::of(a.tree().modulo(b.tree()))
         }
         // Only the sign of the difference counts.
         BinaryOpcode::Compare => {
             let plus = a.plus - b.plus;
-            let (a, b) = trees(Sum { plus, ..a }, Sum { plus: 0.0, ..b });
-            Sum::of(a.compare(b))
+            let b = Sum { plus: 0.0, ..b }.tree();
+            Sum::of(Sum { plus, ..a }.tree().compare(b))
         }
-        BinaryOpcode::And => {
-            let (a, b) = trees(a, b);
-            Sum::of(a.and(b))
-        }
-        BinaryOpcode::Or => {
-            let (a, b) = trees(a, b);
-            Sum::of(a.or(b))
-        }
-        BinaryOpcode::Mix => {
-            let (a, b) = trees(a, b);
-            Sum::of(a.mix(b))
-        }
+        BinaryOpcode::Min
+        | BinaryOpcode::Max
+        | BinaryOpcode::Atan
+        | BinaryOpcode::And
+        | BinaryOpcode::Or
+        | BinaryOpcode::Mix => Sum::of(tree::binary(op, a.tree(), b.tree())),
     }
 }
 

@@ -39,7 +39,7 @@ pub(crate) fn profiles(
         }
         all.extend(found.iter().map(|profile| {
             json!({
-                "kind": kind.word(),
+                "kind": kind.name(),
                 "name": profile.name,
                 "description": profile.description,
                 "file": match &profile.origin {

@@ -11,6 +11,7 @@
 use crate::operation::{binary_of, name_of, unary_of};
 use fidget::context::{Tree, TreeOp};
 use fidget::var::Var;
+use isocontour::operands;
 use nalgebra::{Affine3, Matrix4};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -34,7 +35,7 @@ pub(crate) fn steps(tree: &Tree) -> PyResult<Vec<Step>> {
             continue;
         }
         let number = |of: &&TreeOp| done.get(&std::ptr::from_ref(*of)).copied();
-        let of = operands(op);
+        let of: Vec<&TreeOp> = operands(op).collect();
         let known: Vec<usize> = of.iter().filter_map(number).collect();
         if known.len() < of.len() {
             open.extend(of.iter().filter(|of| number(of).is_none()));
@@ -46,17 +47,6 @@ pub(crate) fn steps(tree: &Tree) -> PyResult<Vec<Step>> {
         open.pop();
     }
     Ok(steps)
-}
-
-/// What an operation works on.
-fn operands(op: &TreeOp) -> Vec<&TreeOp> {
-    match op {
-        TreeOp::Input(_) | TreeOp::Const(_) => Vec::new(),
-        TreeOp::Unary(_, a) => vec![a],
-        TreeOp::Binary(_, a, b) => vec![a, b],
-        TreeOp::RemapAxes { target, x, y, z } => vec![target, x, y, z],
-        TreeOp::RemapAffine { target, .. } => vec![target],
-    }
 }
 
 /// The name of an operation, and its numbers.

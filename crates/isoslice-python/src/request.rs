@@ -528,10 +528,7 @@ fn not_positive(name: &str, value: f64) -> PyErr {
 
 /// A box, by two of its corners. The library says which are none.
 pub(crate) fn bounds([min, max]: [[f64; 3]; 2]) -> Bounds {
-    Bounds {
-        min: DVec3::from_array(min),
-        max: DVec3::from_array(max),
-    }
+    Bounds::new(DVec3::from_array(min), DVec3::from_array(max))
 }
 
 /// The profiles of the program and of a folder.

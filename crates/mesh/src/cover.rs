@@ -15,7 +15,7 @@ use crate::loops::{Missing, loops};
 use crate::ray::Direction;
 use crate::rim::RimEdge;
 use crate::shell::{ROUNDINGS, Shell};
-use crate::tree::{Node, gap};
+use crate::tree::Node;
 use glam::DVec3;
 use isocontour::Bounds;
 use isoslice_base::limits::{go_on, is_stopped};
@@ -151,7 +151,7 @@ fn meets(shell: &Shell, over: &Bounds) -> bool {
     let meets = Cell::new(false);
     let near = |node: &Node| {
         let left = !meets.get();
-        [0, 1, 2, 3].map(|i| left && gap(over, &node.bounds(i)) == 0.0)
+        [0, 1, 2, 3].map(|i| left && over.gap(&node.bounds(i)) == 0.0)
     };
     // The boxes around large triangles hold places that are far from them.
     shell.tree.visit(near, |first, end| {
@@ -218,16 +218,9 @@ mod tests {
             // The middle of the triangle is the origin, without any rounding.
             let shell = Shell::new(vec![a, b, -a - b], vec![[0, 1, 2]]);
             let corner = 1e-3 * a.cross(b).signum();
-            let over = Bounds {
-                min: corner.min(DVec3::ZERO),
-                max: corner.max(DVec3::ZERO),
-            };
+            let over = Bounds::around([corner, DVec3::ZERO]);
             assert!(meets(&shell, &over), "{a} {b}");
-            let beside = Bounds {
-                min: over.min + corner,
-                max: over.max + corner,
-            };
-            assert!(!meets(&shell, &beside), "{a} {b}");
+            assert!(!meets(&shell, &over.moved(corner)), "{a} {b}");
         }
     }
 }

@@ -23,19 +23,15 @@ pub(crate) struct Merger {
 
 impl Default for Merger {
     fn default() -> Merger {
-        Merger::new()
-    }
-}
-
-impl Merger {
-    pub(crate) fn new() -> Merger {
         Merger {
             vertices: Vec::new(),
             slots: vec![FREE; 64],
             seed: RandomState::new().hash_one(0u8) | 1,
         }
     }
+}
 
+impl Merger {
     /// The number of the vertex at a place.
     pub(crate) fn vertex(&mut self, p: DVec3) -> u32 {
         // Without −0, so that equal coordinates have equal bits.
@@ -93,7 +89,7 @@ mod tests {
 
     #[test]
     fn equal_places_are_one_vertex() {
-        let mut merger = Merger::new();
+        let mut merger = Merger::default();
         let place = |i: u32| DVec3::new(f64::from(i), 0.5, -f64::from(i));
         for _ in 0..2 {
             for i in 0..1000 {

@@ -10,7 +10,7 @@ use crate::shell::{ROUNDINGS, Shell};
 use crate::sign::Sign;
 use crate::triangles::Triangles;
 use glam::{DAffine3, DVec3};
-use isocontour::{Bounds, Crossing, Data, Grid, Ring};
+use isocontour::{Bounds, Crossing, Data, Grid, Ring, places};
 use std::cell::Cell;
 
 /// Places that are farther than this along an axis, mm, are so far that the
@@ -117,8 +117,7 @@ impl Mesh {
     }
 
     pub(crate) fn is_inside(&self, p: DVec3) -> bool {
-        let b = &self.bounds;
-        p.cmpge(b.min).all() && p.cmple(b.max).all() && self.winding(p) > 0.5
+        self.bounds.contains(p) && self.winding(p) > 0.5
     }
 
     /// The triangle that is closest to a place.
@@ -181,10 +180,7 @@ impl Mesh {
 
 /// The box around two places.
 fn between(a: DVec3, b: DVec3) -> Bounds {
-    Bounds {
-        min: a.min(b),
-        max: a.max(b),
-    }
+    Bounds::new(a.min(b), a.max(b))
 }
 
 impl Data for Mesh {
@@ -209,16 +205,10 @@ impl Data for Mesh {
         self.next(p, &mut Before::default())
     }
 
-    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
+    fn values(&self, at: [&[f32]; 3], out: &mut Vec<f32>) {
         let mut before = Before::default();
-        out.extend(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| {
-            let p = DVec3::new(x.into(), y.into(), z.into());
-            if p.is_finite() {
-                self.next(p, &mut before) as f32
-            } else {
-                f32::NAN
-            }
-        }));
+        let mut value = |p| self.next(p, &mut before) as f32;
+        out.extend(places(at).map(|p| p.map_or(f32::NAN, &mut value)));
     }
 
     fn range(&self, over: &Bounds) -> [f64; 2] {
@@ -244,14 +234,9 @@ impl Data for Mesh {
 
     fn extent(&self, place: &DAffine3) -> Option<Bounds> {
         let back = place.inverse();
-        let seen = |v: &DVec3| {
-            let p = back.transform_point3(*v);
-            Bounds { min: p, max: p }
-        };
-        let all = self.shell.vertices.iter().map(seen);
-        let all = all.reduce(|all, one| all.union(one))?;
-        let is_finite = all.min.is_finite() && all.max.is_finite();
-        is_finite.then_some(all)
+        let seen = self.shell.vertices.iter();
+        let all = Bounds::around(seen.map(|v| back.transform_point3(*v)));
+        all.is_finite().then_some(all)
     }
 
     fn corners(&self) -> Option<&[DVec3]> {

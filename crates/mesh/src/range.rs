@@ -15,7 +15,7 @@
 use crate::closest::{Near, closest};
 use crate::mesh::Mesh;
 use crate::shell::Shell;
-use crate::tree::{Child, child, corners, gap};
+use crate::tree::{Child, child, corners};
 use glam::DVec3;
 use isocontour::Bounds;
 
@@ -56,7 +56,7 @@ impl Shell {
                 Child::Node(node) => {
                     let node = &self.tree.nodes[node];
                     for i in 0..4 {
-                        let gap = gap(over, &node.bounds(i));
+                        let gap = over.gap(&node.bounds(i));
                         if gap < least {
                             todo.push((gap, node.link(i)));
                         }
@@ -70,10 +70,7 @@ impl Shell {
     /// A bound from below on the distance of a box and a triangle.
     pub(crate) fn apart(&self, triangle: usize, over: &Bounds) -> f64 {
         let [a, b, c] = self.triangle(triangle);
-        let around = Bounds {
-            min: a.min(b).min(c),
-            max: a.max(b).max(c),
-        };
+        let around = Bounds::around([a, b, c]);
         let centre = over.centre();
         let way = closest(centre, [a, b, c]) - centre;
         let distance = way.length();
@@ -82,7 +79,7 @@ impl Shell {
         } else {
             0.0
         };
-        gap(over, &around).max(plane)
+        over.gap(&around).max(plane)
     }
 }
 
@@ -123,7 +120,7 @@ impl Mesh {
     pub(crate) fn range_over(&self, over: &Bounds) -> [f64; 2] {
         // The deepest place is at most this far from a triangle.
         let deepest = 0.5 * self.bounds.size().length();
-        let meets = gap(over, &self.bounds) == 0.0;
+        let meets = over.gap(&self.bounds) == 0.0;
         let lowest = if meets { -deepest } else { 0.0 };
         if over.min.is_nan() || over.max.is_nan() {
             return [f64::NEG_INFINITY, f64::INFINITY];
@@ -171,9 +168,7 @@ impl Mesh {
         if self.sign.is_closed() {
             return Some(self.is_inside(over.centre()));
         }
-        let within = |p: DVec3| {
-            p.cmpge(self.bounds.min).all() && p.cmple(self.bounds.max).all()
-        };
+        let within = |p: DVec3| self.bounds.contains(p);
         let above = self.winding(over.centre()) - 0.5;
         // Winding numbers of what is far are off by some thousandths.
         let change = self.sign.change(over) + 0.02;

@@ -64,8 +64,7 @@ impl Mesh {
         z: f64,
     ) -> Option<Vec<Ring>> {
         let to = place.inverse();
-        let finite = to.matrix3.is_finite() && to.translation.is_finite();
-        if !finite || !z.is_finite() {
+        if !to.is_finite() || !z.is_finite() {
             return None;
         }
         let plane = Plane {
@@ -107,20 +106,10 @@ impl Shell {
     fn near(&self, plane: &Plane) -> Vec<u32> {
         let row = plane.to.matrix3.row(2);
         let offset = plane.to.translation.z;
-        // More than the roundings of the sums, here and for vertices.
-        let slack = 1e-12;
         let meets = |node: &Node| {
             [0, 1, 2, 3].map(|i| {
-                let (mut low, mut high) = (offset, offset);
-                let mut size = offset.abs();
-                for k in 0..3 {
-                    let a = row[k] * f64::from(node.min[k][i]);
-                    let b = row[k] * f64::from(node.max[k][i]);
-                    low += a.min(b);
-                    high += a.max(b);
-                    size += a.abs().max(b.abs());
-                }
-                low <= slack * size && high >= -slack * size
+                let [low, high] = node.range(i, row, offset);
+                low <= 0.0 && high >= 0.0
             })
         };
         let mut near = Vec::new();

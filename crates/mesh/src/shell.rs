@@ -116,20 +116,7 @@ impl Shell {
                 }
                 Child::Node(at) => {
                     let node = &self.tree.nodes[at];
-                    let squares = reach.squares(node);
-                    let base = top;
-                    for (i, square) in squares.into_iter().enumerate() {
-                        if square <= limit {
-                            // The nearest one is on top.
-                            let mut place = top;
-                            while place > base && stack[place - 1].0 < square {
-                                stack[place] = stack[place - 1];
-                                place -= 1;
-                            }
-                            stack[place] = (square, node.link(i));
-                            top += 1;
-                        }
-                    }
+                    reach.push(node, limit, &mut stack, &mut top);
                 }
             }
         }
@@ -173,5 +160,29 @@ impl Reach {
             squares += out * out;
         }
         squares.to_array()
+    }
+
+    /// Puts those boxes of a node on a stack that may hold something as near as
+    /// `limit`, the nearest one on top.
+    #[inline]
+    pub(crate) fn push(
+        &self,
+        node: &Node,
+        limit: f32,
+        stack: &mut [(f32, u32); STACK],
+        top: &mut usize,
+    ) {
+        let base = *top;
+        for (i, square) in self.squares(node).into_iter().enumerate() {
+            if square <= limit {
+                let mut place = *top;
+                while place > base && stack[place - 1].0 < square {
+                    stack[place] = stack[place - 1];
+                    place -= 1;
+                }
+                stack[place] = (square, node.link(i));
+                *top += 1;
+            }
+        }
     }
 }

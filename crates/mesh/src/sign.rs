@@ -19,7 +19,7 @@ use crate::error::MeshError;
 use crate::ray::Direction;
 use crate::rim::{RimEdge, caps};
 use crate::shell::Shell;
-use crate::tree::{Child, child, gap};
+use crate::tree::{Child, child};
 use crate::winding::Winding;
 use glam::DVec3;
 use isocontour::Bounds;
@@ -110,14 +110,9 @@ impl Sign {
 
     /// True if the rim, or what closes it, may be within a distance of a box.
     pub(crate) fn may_be_near_rim(&self, over: &Bounds, within: f64) -> bool {
-        let margin = DVec3::splat(within);
-        let grown = Bounds {
-            min: over.min - margin,
-            max: over.max + margin,
-        };
         match self {
             Sign::Closed => false,
-            Sign::Covered(cover) => cover.meets(&grown),
+            Sign::Covered(cover) => cover.meets(&over.grown(within)),
             Sign::Capped { .. } | Sign::Loose(_) => true,
         }
     }
@@ -150,7 +145,7 @@ impl Sign {
                     let node = &caps.tree.nodes[at];
                     for i in 0..4 {
                         let bounds = node.bounds(i);
-                        let gap = gap(over, &bounds);
+                        let gap = over.gap(&bounds);
                         match child(node.link(i)) {
                             Child::Nothing => {}
                             // What is nearer than it is large is looked into.
@@ -210,11 +205,7 @@ impl Sign {
 
 /// What the edge of a cap's rim adds, at most, to a gradient in a box.
 fn at_edge(over: &Bounds, [_, a, b]: [DVec3; 3]) -> f64 {
-    let edge = Bounds {
-        min: a.min(b),
-        max: a.max(b),
-    };
-    let gap = gap(over, &edge);
+    let gap = over.gap(&Bounds::new(a.min(b), a.max(b)));
     a.distance(b) / (gap * gap)
 }
 

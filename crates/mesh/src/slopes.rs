@@ -6,7 +6,7 @@
 
 use crate::mesh::Mesh;
 use crate::shell::Shell;
-use crate::tree::{Child, child, gap};
+use crate::tree::{Child, child};
 use glam::DVec3;
 use isocontour::Bounds;
 
@@ -73,7 +73,7 @@ impl Shell {
         while let Some(at) = todo.pop() {
             let node = &self.tree.nodes[at];
             for i in 0..4 {
-                if gap(over, &node.bounds(i)) > greatest {
+                if over.gap(&node.bounds(i)) > greatest {
                     continue;
                 }
                 match child(node.link(i)) {

@@ -10,7 +10,7 @@ use isocontour::{Bounds, Data, Ring};
 
 /// Triangles of faces, given by places.
 pub(crate) fn triangles(faces: &[[DVec3; 3]]) -> Triangles {
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     for face in faces {
         let corners = face.map(|p| all.vertex(p, String::new).unwrap());
         all.triangle(corners).unwrap();

@@ -24,15 +24,7 @@ pub struct Triangles {
 impl Triangles {
     /// The box around all vertices.
     pub fn bounds(&self) -> Bounds {
-        let mut bounds = Bounds {
-            min: DVec3::INFINITY,
-            max: DVec3::NEG_INFINITY,
-        };
-        for &v in &self.vertices {
-            bounds.min = bounds.min.min(v);
-            bounds.max = bounds.max.max(v);
-        }
-        bounds
+        Bounds::around(self.vertices.iter().copied())
     }
 
     /// Moves, turns or scales all. A mirror image keeps its outside outside.
@@ -57,11 +49,6 @@ pub struct Collector {
 }
 
 impl Collector {
-    /// Nothing yet.
-    pub fn new() -> Collector {
-        Collector::default()
-    }
-
     /// The number of a vertex. `place` says where in the file it is.
     ///
     /// # Errors

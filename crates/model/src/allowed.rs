@@ -7,6 +7,7 @@
 //! whole numbers from a whole default takes whole numbers only.
 
 use super::value::Value;
+use isoslice_base::units::human_list;
 use std::fmt;
 
 /// Greatest number of choices of a parameter: more than a person would read.
@@ -142,10 +143,7 @@ impl fmt::Display for Allowed {
             (Some(min), None, []) => write!(f, "at least {min}"),
             (None, Some(max), []) => write!(f, "at most {max}"),
             (_, _, []) => f.write_str("anything"),
-            (_, _, [only]) => f.write_str(only),
-            (_, _, [first @ .., last]) => {
-                write!(f, "{} or {last}", first.join(", "))
-            }
+            (_, _, choices) => f.write_str(&human_list(choices, "or")),
         }
     }
 }

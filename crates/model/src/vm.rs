@@ -12,7 +12,9 @@
 //! its panics, with three exceptions: a name may be given only once, a line may
 //! have no left-over words, and a constant may not be NaN.
 
-use fidget::context::Tree;
+use fidget::context::{BinaryOpcode, Tree, UnaryOpcode};
+use fidget::var::Var;
+use isocontour::{binary, unary};
 use std::collections::HashMap;
 
 /// Why a `.vm` file cannot be read.
@@ -25,42 +27,64 @@ pub struct VmError {
     pub message: String,
 }
 
-/// Every operation of the format with its number of operands.
-const OPCODES: [(&str, usize); 34] = [
-    ("const", 1),
-    ("var-x", 0),
-    ("var-y", 0),
-    ("var-z", 0),
-    ("abs", 1),
-    ("neg", 1),
-    ("sqrt", 1),
-    ("square", 1),
-    ("floor", 1),
-    ("ceil", 1),
-    ("round", 1),
-    ("sin", 1),
-    ("cos", 1),
-    ("tan", 1),
-    ("asin", 1),
-    ("acos", 1),
-    ("atan", 1),
-    ("ln", 1),
-    ("not", 1),
-    ("rand", 1),
-    ("exp", 1),
-    ("recip", 1),
-    ("add", 2),
-    ("mul", 2),
-    ("min", 2),
-    ("max", 2),
-    ("div", 2),
-    ("atan2", 2),
-    ("sub", 2),
-    ("compare", 2),
-    ("mod", 2),
-    ("and", 2),
-    ("or", 2),
-    ("mix", 2),
+/// An operation of the format.
+#[derive(Clone, Copy)]
+enum Operation {
+    Constant,
+    Axis(Var),
+    Unary(UnaryOpcode),
+    Binary(BinaryOpcode),
+}
+
+impl Operation {
+    /// The number of its operands.
+    fn operands(self) -> usize {
+        match self {
+            Axis(_) => 0,
+            Constant | Unary(_) => 1,
+            Binary(_) => 2,
+        }
+    }
+}
+
+use Operation::{Axis, Binary, Constant, Unary};
+
+/// Every operation of the format by its name.
+const OPCODES: [(&str, Operation); 34] = [
+    ("const", Constant),
+    ("var-x", Axis(Var::X)),
+    ("var-y", Axis(Var::Y)),
+    ("var-z", Axis(Var::Z)),
+    ("abs", Unary(UnaryOpcode::Abs)),
+    ("neg", Unary(UnaryOpcode::Neg)),
+    ("sqrt", Unary(UnaryOpcode::Sqrt)),
+    ("square", Unary(UnaryOpcode::Square)),
+    ("floor", Unary(UnaryOpcode::Floor)),
+    ("ceil", Unary(UnaryOpcode::Ceil)),
+    ("round", Unary(UnaryOpcode::Round)),
+    ("sin", Unary(UnaryOpcode::Sin)),
+    ("cos", Unary(UnaryOpcode::Cos)),
+    ("tan", Unary(UnaryOpcode::Tan)),
+    ("asin", Unary(UnaryOpcode::Asin)),
+    ("acos", Unary(UnaryOpcode::Acos)),
+    ("atan", Unary(UnaryOpcode::Atan)),
+    ("ln", Unary(UnaryOpcode::Ln)),
+    ("not", Unary(UnaryOpcode::Not)),
+    ("rand", Unary(UnaryOpcode::Rand)),
+    ("exp", Unary(UnaryOpcode::Exp)),
+    ("recip", Unary(UnaryOpcode::Recip)),
+    ("add", Binary(BinaryOpcode::Add)),
+    ("mul", Binary(BinaryOpcode::Mul)),
+    ("min", Binary(BinaryOpcode::Min)),
+    ("max", Binary(BinaryOpcode::Max)),
+    ("div", Binary(BinaryOpcode::Div)),
+    ("atan2", Binary(BinaryOpcode::Atan)),
+    ("sub", Binary(BinaryOpcode::Sub)),
+    ("compare", Binary(BinaryOpcode::Compare)),
+    ("mod", Binary(BinaryOpcode::Mod)),
+    ("and", Binary(BinaryOpcode::And)),
+    ("or", Binary(BinaryOpcode::Or)),
+    ("mix", Binary(BinaryOpcode::Mix)),
 ];
 
 /// Reads a `.vm` file.
@@ -91,7 +115,8 @@ pub fn parse_vm(bytes: &[u8]) -> Result<Tree, VmError> {
                 shown(name)
             )));
         };
-        let Some((_, wants)) = OPCODES.iter().find(|o| o.0 == opcode) else {
+        let Some((_, operation)) = OPCODES.iter().find(|o| o.0 == opcode)
+        else {
             let meant =
                 super::param::nearest(opcode, OPCODES.iter().map(|o| o.0))
                     .map(|n| format!("; did you mean `{n}`?"))
@@ -104,42 +129,44 @@ pub fn parse_vm(bytes: &[u8]) -> Result<Tree, VmError> {
                 shown(opcode)
             )));
         };
+        let wants = operation.operands();
         // This is one word more than any operation takes, so that a wrong
         // number shows without collecting a line of a million words.
         let operands: Vec<&str> = words.by_ref().take(3).collect();
-        if operands.len() != *wants {
+        if operands.len() != wants {
             return Err(error(format!(
                 "`{opcode}` takes {wants} operand{}, found {}",
-                if *wants == 1 { "" } else { "s" },
+                if wants == 1 { "" } else { "s" },
                 match operands.len() {
                     3 => "3 or more".to_owned(),
                     n => n.to_string(),
                 },
             )));
         }
-        let tree = if opcode == "const" {
-            constant(operands[0]).map_err(error)?
-        } else {
-            let mut trees = Vec::with_capacity(2);
-            for word in &operands {
-                let Some(tree) = known.get(word) else {
-                    return Err(error(if *word == name {
-                        format!(
-                            "`{}` refers to itself; an operand must be \
-                             defined on an earlier line",
-                            shown(word)
-                        )
-                    } else {
-                        format!(
-                            "undefined name `{}`; an operand must be \
-                             defined on an earlier line",
-                            shown(word)
-                        )
-                    }));
-                };
-                trees.push(tree.clone());
+        let tree_of = |word: &str| {
+            known.get(word).cloned().ok_or_else(|| {
+                error(if word == name {
+                    format!(
+                        "`{}` refers to itself; an operand must be \
+                         defined on an earlier line",
+                        shown(word)
+                    )
+                } else {
+                    format!(
+                        "undefined name `{}`; an operand must be \
+                         defined on an earlier line",
+                        shown(word)
+                    )
+                })
+            })
+        };
+        let tree = match *operation {
+            Constant => constant(operands[0]).map_err(error)?,
+            Axis(axis) => Tree::from(axis),
+            Unary(op) => unary(op, &tree_of(operands[0])?),
+            Binary(op) => {
+                binary(op, tree_of(operands[0])?, tree_of(operands[1])?)
             }
-            build(opcode, &trees)
         };
         if known.insert(name, tree.clone()).is_some() {
             return Err(error(format!(
@@ -183,53 +210,6 @@ fn constant(word: &str) -> Result<Tree, String> {
     }
 }
 
-fn build(opcode: &str, operands: &[Tree]) -> Tree {
-    match (opcode, operands) {
-        ("var-x", _) => Tree::x(),
-        ("var-y", _) => Tree::y(),
-        ("var-z", _) => Tree::z(),
-        (_, [a]) => match opcode {
-            "abs" => a.abs(),
-            "neg" => Tree::neg(a),
-            "sqrt" => a.sqrt(),
-            "square" => a.square(),
-            "floor" => a.floor(),
-            "ceil" => a.ceil(),
-            "round" => a.round(),
-            "sin" => a.sin(),
-            "cos" => a.cos(),
-            "tan" => a.tan(),
-            "asin" => a.asin(),
-            "acos" => a.acos(),
-            "atan" => a.atan(),
-            "ln" => a.ln(),
-            "not" => a.not(),
-            "rand" => a.rand(),
-            "exp" => a.exp(),
-            _ => a.recip(),
-        },
-        (_, [a, b]) => {
-            let (a, b) = (a.clone(), b.clone());
-            match opcode {
-                "add" => a + b,
-                "mul" => a * b,
-                "min" => a.min(b),
-                "max" => a.max(b),
-                "div" => a / b,
-                "atan2" => a.atan2(b),
-                "sub" => a - b,
-                "compare" => a.compare(b),
-                "mod" => a.modulo(b),
-                "and" => a.and(b),
-                "or" => a.or(b),
-                _ => a.mix(b),
-            }
-        }
-        // The number of operands was checked against `OPCODES`.
-        _ => Tree::constant(f32::NAN),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -237,14 +217,14 @@ mod tests {
 
     #[test]
     fn every_operation_gives_what_fidget_gives() {
-        for (opcode, wants) in OPCODES {
+        for (opcode, operation) in OPCODES {
             if opcode == "const" || opcode == "recip" {
                 continue; // in every text below; not known to fidget
             }
             let text = format!(
                 "# test\n\n_x var-x\n_c const 0.5\n_y var-y\n_s {opcode} {}\n\
                  _r add _s _c\n",
-                ["", "_x", "_x _y"][wants]
+                ["", "_x", "_x _y"][operation.operands()]
             );
             let (theirs, root) = Context::from_text(text.as_bytes()).unwrap();
             let mut ours = Context::new();

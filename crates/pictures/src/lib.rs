@@ -21,7 +21,6 @@
 
 #![warn(unreachable_pub)]
 
-mod error;
 mod lattice;
 mod npy;
 mod numbers;
@@ -33,7 +32,6 @@ mod stream;
 mod testing;
 mod volume;
 
-pub use error::DataError;
 pub use lattice::{Border, Interpolation};
 pub use numbers::Numbers;
 pub use picture::{Picture, PictureOptions, TransparentAs};

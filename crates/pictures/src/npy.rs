@@ -3,9 +3,9 @@
 //! A file begins with a Python dictionary such as
 //! `{'descr': '<f4', 'fortran_order': False, 'shape': (3, 4), }`.
 
-use crate::error::Problem;
 use crate::numbers::{Kind, Numbers, count};
 use crate::stream;
+use isoslice_base::problem::Problem;
 
 /// How such files begin.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";

@@ -1,6 +1,6 @@
 //! The numbers of a lattice, in as few bytes as they need.
 
-use crate::error::Problem;
+use isoslice_base::problem::Problem;
 
 /// Numbers of one kind.
 #[derive(Clone, Debug, PartialEq)]

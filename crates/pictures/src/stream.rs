@@ -1,9 +1,9 @@
 //! Reads numbers from bytes, compressed or not, without trust in how many a
 //! header says there are.
 
-use crate::error::{Problem, go_on};
 use crate::numbers::{Kind, Numbers};
 use flate2::bufread::MultiGzDecoder;
+use isoslice_base::problem::{Problem, go_on};
 use std::io::Read;
 
 /// The most bytes that a byte of gzip can stand for.

@@ -17,6 +17,10 @@ use isoslice_settings::layers::PlanError;
 use std::io;
 use std::path::PathBuf;
 
+/// What to do if the system gives no threads.
+const NO_THREADS: &str = "cannot start the worker threads; try --threads 1, or \
+                          raise what the system allows (ulimit -v, ulimit -u)";
+
 /// Why a run failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -141,16 +145,10 @@ pub enum SliceError {
     #[error(transparent)]
     Report(#[from] ReportError),
     /// The threads cannot be started.
-    #[error(
-        "cannot start the worker threads; try --threads 1, or raise what the \
-         system allows (ulimit -v, ulimit -u)"
-    )]
+    #[error("{NO_THREADS}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// The thread that hands out work to the threads cannot be started.
-    #[error(
-        "cannot start the worker threads; try --threads 1, or raise what the \
-         system allows (ulimit -v, ulimit -u)"
-    )]
+    #[error("{NO_THREADS}")]
     LayersThread(#[source] io::Error),
     /// The thread that checks the G-code cannot be started.
     #[error("cannot start a thread to check the G-code; try --no-check")]

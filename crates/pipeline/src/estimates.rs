@@ -106,7 +106,7 @@ fn the_estimate_is_what_the_text_takes() {
                 "retract.z_hop=0.4",
                 "gcode.end=G91\nG1 E-2 F1200\nG1 Z10 F600\nG90\n\
                  G1 X0 Y200 F6000\nG4 P1500\nM84\n",
-                &format!("gcode.flavour={}", flavour.word()),
+                &format!("gcode.flavour={}", flavour.name()),
                 &format!("gcode.relative_e={relative}"),
             ]);
             let mut text = Vec::new();

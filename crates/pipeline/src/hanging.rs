@@ -74,7 +74,7 @@ pub fn survey(
         height: spans.last().map_or(0.0, |span| span.top),
         supports: match settings.supports {
             Supports::Off => None,
-            set => Some(set.word()),
+            set => Some(set.name()),
         },
     })
 }

@@ -214,7 +214,7 @@ fn used(settings: &Settings) -> Used {
         accuracy: settings.accuracy,
         sample_spacing: settings.lattice_spacing(),
         walls: settings.walls,
-        wall_offset: settings.wall_offset.word(),
+        wall_offset: settings.wall_offset.name(),
         outer_wall_width: settings.outer_wall_width(),
         inner_wall_width: settings.inner_wall_width(),
         thin_min: settings.thin_min,

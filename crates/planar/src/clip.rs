@@ -100,13 +100,7 @@ fn open(a: &Area, covers: &[&Area]) -> Area {
     // complement. The winding rule unites overlapping complements, so that the
     // intersection of the covers is never built.
     let frame = covers.iter().fold(a.bounds(), |r, c| r.union(c.bounds()));
-    let (lo, hi) = (frame.min - 1.0, frame.max + 1.0);
-    let border = vec![
-        DVec2::new(lo.x, lo.y),
-        DVec2::new(hi.x, lo.y),
-        DVec2::new(hi.x, hi.y),
-        DVec2::new(lo.x, hi.y),
-    ];
+    let border = frame.grown(1.0).corners();
     let mut overlay = Overlay::new(edge_count(a) + 4 * covers.len());
     add(&mut overlay, a, ShapeType::Subject);
     for cover in covers {

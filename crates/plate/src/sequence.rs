@@ -230,7 +230,7 @@ impl Plate {
                         }),
                     });
                 }
-                let apart = distance(first.area, later.area);
+                let apart = first.area.gap(later.area);
                 if first.top > head.free_below + ROUNDED
                     && apart < head.radius - ROUNDED
                 {
@@ -259,32 +259,8 @@ impl Part {
         let foot = self.foot();
         let mut area = foot;
         if self.settings.supports != Supports::Off {
-            let room = self.room();
-            area.min = area.min.min(room.min);
-            area.max = area.max.max(room.max);
+            area = area.union(self.room());
         }
         area.moved(shift)
-    }
-}
-
-/// Distance between two boxes; 0 if they touch or overlap.
-fn distance(a: Rect, b: Rect) -> Mm {
-    let gap = (a.min - b.max).max(b.min - a.max);
-    gap.max(DVec2::ZERO).length()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn boxes_are_apart_by_their_corners_too() {
-        let rect = |x: f64, y: f64| {
-            Rect::new(DVec2::new(x, y), DVec2::new(x + 10.0, y + 10.0))
-        };
-        assert_eq!(distance(rect(0.0, 0.0), rect(13.0, 14.0)), 5.0);
-        assert_eq!(distance(rect(13.0, 14.0), rect(0.0, 0.0)), 5.0);
-        assert_eq!(distance(rect(0.0, 0.0), rect(30.0, 5.0)), 20.0);
-        assert_eq!(distance(rect(0.0, 0.0), rect(5.0, 5.0)), 0.0);
     }
 }

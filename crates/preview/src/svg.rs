@@ -9,7 +9,7 @@ use isoslice_base::units::Mm;
 use isoslice_path::travel::{LayerPath, Move};
 use isoslice_planar::Rect;
 use isoslice_planar::bead::{Bead, Role};
-use std::fmt::Write;
+use std::fmt::{Arguments, Write};
 
 /// Margin around the part, mm, with room for the skirt.
 const MARGIN: f64 = 2.0;
@@ -68,37 +68,35 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
         path.span.index + 1,
         path.span.top,
     );
-    let place = |p: DVec2| (p.x - lo.x, hi.y - p.y);
-    let points = |svg: &mut String, all: &mut dyn Iterator<Item = DVec2>| {
-        for p in all {
-            let (x, y) = place(p);
-            let _ = write!(svg, "{x:.3},{y:.3} ");
+    let line = |svg: &mut String,
+                style: Arguments<'_>,
+                points: &mut dyn Iterator<Item = DVec2>| {
+        let _ = write!(svg, "<polyline {style} points=\"");
+        for p in points {
+            let _ = write!(svg, "{:.3},{:.3} ", p.x - lo.x, hi.y - p.y);
         }
+        svg.push_str("\"/>\n");
     };
     let mut travels = String::new();
     let mut at: Option<DVec2> = None;
     for m in &path.moves {
         match m {
             Move::Print(bead) => {
-                let _ = write!(
-                    svg,
-                    "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \
-                     stroke-opacity=\"0.8\" points=\"",
+                let style = format_args!(
+                    "stroke=\"{}\" stroke-width=\"{:.3}\" \
+                     stroke-opacity=\"0.8\"",
                     colour(bead.role),
                     bead.stroke.width
                 );
-                points(&mut svg, &mut bead.stroke.path());
-                svg.push_str("\"/>\n");
+                line(&mut svg, style, &mut bead.stroke.path());
                 for (shade, run) in rises(bead, path.span.height()) {
-                    let _ = write!(
-                        svg,
-                        "<polyline stroke=\"{}\" stroke-width=\"0.15\" \
-                         stroke-opacity=\"{:.3}\" points=\"",
+                    let style = format_args!(
+                        "stroke=\"{}\" stroke-width=\"0.15\" \
+                         stroke-opacity=\"{:.3}\"",
                         if shade > 0.0 { "#fff" } else { "#000" },
                         shade.abs()
                     );
-                    points(&mut svg, &mut run.into_iter());
-                    svg.push_str("\"/>\n");
+                    line(&mut svg, style, &mut run.into_iter());
                 }
                 at = bead.stroke.path().last();
             }
@@ -108,14 +106,10 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
                 } else {
                     ""
                 };
-                let _ = write!(
-                    travels,
-                    "<polyline stroke=\"#16e\" \
-                     stroke-width=\"0.06\"{dash} points=\""
-                );
+                let style =
+                    format_args!("stroke=\"#16e\" stroke-width=\"0.06\"{dash}");
                 let way = travel.wipe.iter().chain(&travel.points).copied();
-                points(&mut travels, &mut at.into_iter().chain(way));
-                travels.push_str("\"/>\n");
+                line(&mut travels, style, &mut at.into_iter().chain(way));
                 at = travel.points.last().copied();
             }
         }

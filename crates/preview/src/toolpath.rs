@@ -5,6 +5,7 @@
 //! statistics that it shows.
 
 use glam::DVec3;
+use isocontour::Bounds;
 use isoslice_base::units::{Celsius, Mm, Mm3, Seconds, filament_area};
 use isoslice_gcode_read::reader::{
     Event, Heater, Info, MachineState, Move, ReadError, Reader, Role,
@@ -211,8 +212,8 @@ struct Collector {
     path: Toolpath,
     clock: Clock<u8>,
     /// Boxes of the part and of all that is printed.
-    part: Box3,
-    printed: Box3,
+    part: Bounds,
+    printed: Bounds,
     /// Length of filament for each role.
     volume: [Mm; Role::ALL.len()],
     /// True while filament is pulled back.
@@ -221,30 +222,20 @@ struct Collector {
     begun: bool,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Box3 {
-    min: DVec3,
-    max: DVec3,
+/// The box around a bead.
+fn around(step: &Move) -> Bounds {
+    let side = DVec3::new(0.5, 0.5, 0.0) * step.width;
+    let below = DVec3::Z * step.height;
+    Bounds::new(
+        step.from.min(step.to) - side - below,
+        step.from.max(step.to) + side,
+    )
 }
 
-impl Box3 {
-    const EMPTY: Self = Self {
-        min: DVec3::INFINITY,
-        max: DVec3::NEG_INFINITY,
-    };
-
-    /// Takes in a bead.
-    fn add(&mut self, step: &Move) {
-        let side = DVec3::new(0.5, 0.5, 0.0) * step.width;
-        let below = DVec3::Z * step.height;
-        self.min = self.min.min(step.from.min(step.to) - side - below);
-        self.max = self.max.max(step.from.max(step.to) + side);
-    }
-
-    fn corners(self) -> Option<[[Mm; 3]; 2]> {
-        (self.min.x <= self.max.x)
-            .then(|| [self.min.to_array(), self.max.to_array()])
-    }
+/// The lower and the upper corner of a box, unless it is empty.
+fn corners(of: Bounds) -> Option<[[Mm; 3]; 2]> {
+    let Bounds { min, max } = of;
+    (min.x <= max.x).then(|| [min.to_array(), max.to_array()])
 }
 
 impl Default for Collector {
@@ -252,8 +243,8 @@ impl Default for Collector {
         Self {
             path: Toolpath::default(),
             clock: Clock::new(Limits::default()),
-            part: Box3::EMPTY,
-            printed: Box3::EMPTY,
+            part: Bounds::EMPTY,
+            printed: Bounds::EMPTY,
             volume: [0.0; Role::ALL.len()],
             back: false,
             begun: false,
@@ -270,8 +261,8 @@ impl Collector {
                 if number == 1 {
                     self.path.layers.clear();
                     self.nothing_yet();
-                    self.part = Box3::EMPTY;
-                    self.printed = Box3::EMPTY;
+                    self.part = Bounds::EMPTY;
+                    self.printed = Bounds::EMPTY;
                 }
                 let first = self.path.roles.len() as u32;
                 self.path.layers.push(Layer {
@@ -346,9 +337,9 @@ impl Collector {
             return;
         }
         self.volume[usize::from(what)] += step.filament;
-        self.printed.add(step);
+        self.printed = self.printed.union(around(step));
         if is_part(step.role) {
-            self.part.add(step);
+            self.part = self.part.union(around(step));
         }
         if let Some(layer) = path.layers.last_mut()
             && !std::mem::replace(&mut self.begun, true)
@@ -429,8 +420,8 @@ impl Collector {
         statistics.cost = info.filament_cost;
         statistics.plate.clone_from(&info.bed);
         statistics.lines = reader.lines();
-        statistics.printed = self.printed.corners();
-        statistics.part = self.part.corners().or(statistics.printed);
+        statistics.printed = corners(self.printed);
+        statistics.part = corners(self.part).or(statistics.printed);
         // Moves before the first layer are shown with it.
         if let Some(layer) = path.layers.first_mut() {
             layer.first = 0;

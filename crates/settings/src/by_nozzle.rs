@@ -49,24 +49,14 @@ const SHARE: Measure = Measure {
 };
 
 impl Value for ByNozzle {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
-        let mut value = 0.0;
-        *self = match raw {
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
+        Ok(match raw {
             Raw::Text("auto") | Raw::Word("auto") => ByNozzle::Auto,
             Raw::Text(text) | Raw::Word(text) if text.ends_with('%') => {
-                value.assign(raw, SHARE)?;
-                ByNozzle::Share(value)
+                ByNozzle::Share(Value::read(raw, SHARE)?)
             }
-            _ => {
-                value.assign(raw, measure)?;
-                ByNozzle::Length(value)
-            }
-        };
-        Ok(())
+            _ => ByNozzle::Length(Value::read(raw, measure)?),
+        })
     }
 
     fn to_toml(&self) -> String {

@@ -69,10 +69,8 @@ pub struct Refusals {
     pub feed: Mm,
 }
 
-/// Marlin mostly gets its lines over a serial connection: 25 bytes at 115,200
-/// baud take 2 ms, and a host sends only a few lines ahead of Marlin's answers.
-/// A Marlin built without M73 says that it does not know M73, and goes on.
-const MARLIN: Firmware = Firmware {
+/// Firmware that does nothing of its own. Each of the others says in what it differs.
+const PLAIN: Firmware = Firmware {
     moves_per_second: 200.0,
     retraction: Retraction::Any,
     refuses: None,
@@ -80,12 +78,22 @@ const MARLIN: Firmware = Firmware {
     reads_plates: false,
     one_acceleration: false,
     print_stats: false,
-    shows_progress: true,
-    forgets_place: true,
+    shows_progress: false,
+    forgets_place: false,
     outlines_parts: false,
     asks_printer: false,
     select_tool: None,
     cura_name: "Marlin",
+};
+
+/// Marlin mostly gets its lines over a serial connection: 25 bytes at 115,200
+/// baud take 2 ms, and a host sends only a few lines ahead of Marlin's answers.
+/// A Marlin built without M73 says that it does not know M73, and goes on.
+const MARLIN: Firmware = Firmware {
+    moves_per_second: 200.0,
+    shows_progress: true,
+    forgets_place: true,
+    ..PLAIN
 };
 
 /// Klipper plans on the host. Its limits are the defaults of
@@ -98,68 +106,40 @@ const KLIPPER: Firmware = Firmware {
         section: 4.0,
         feed: 50.0,
     }),
-    reads_binary: false,
-    reads_plates: false,
     one_acceleration: true,
     print_stats: true,
-    shows_progress: false,
-    forgets_place: false,
     outlines_parts: true,
-    asks_printer: false,
-    select_tool: None,
-    cura_name: "Marlin",
+    ..PLAIN
 };
 
 /// RepRapFirmware 3 reads the file itself.
 const RRF: Firmware = Firmware {
     moves_per_second: 500.0,
-    retraction: Retraction::Any,
-    refuses: None,
-    reads_binary: false,
-    reads_plates: false,
-    one_acceleration: false,
-    print_stats: false,
-    shows_progress: false,
-    forgets_place: false,
-    outlines_parts: false,
-    asks_printer: false,
     select_tool: Some("T0"),
     cura_name: "RepRap",
+    ..PLAIN
 };
 
 /// Prusa's 32-bit boards read the file themselves. Those from the MINI and the
 /// MK3.5 on read binary G-code.
 const PRUSA: Firmware = Firmware {
     moves_per_second: 400.0,
-    retraction: Retraction::Any,
-    refuses: None,
     reads_binary: true,
-    reads_plates: false,
-    one_acceleration: false,
-    print_stats: false,
     shows_progress: true,
     forgets_place: true,
-    outlines_parts: false,
     asks_printer: true,
-    select_tool: None,
-    cura_name: "Marlin",
+    ..PLAIN
 };
 
 /// Bambu Lab's printers read the file themselves.
 const BAMBU: Firmware = Firmware {
     moves_per_second: 500.0,
     retraction: Retraction::None,
-    refuses: None,
-    reads_binary: false,
     reads_plates: true,
     one_acceleration: true,
-    print_stats: false,
     shows_progress: true,
     forgets_place: true,
-    outlines_parts: false,
-    asks_printer: false,
-    select_tool: None,
-    cura_name: "Marlin",
+    ..PLAIN
 };
 
 impl Flavour {

@@ -95,7 +95,7 @@ reasons! {
     no_overhangs
         if s.overhang_share >= 100.0
             && (value == "true"
-                || value == WallOrder::OuterFirstUnlessOverhang.word()) =>
+                || value == WallOrder::OuterFirstUnlessOverhang.name()) =>
         " = {value} has no effect, since overhang_share = 100% leaves no wall \
          that counts as an overhang; lower it";
 
@@ -162,7 +162,7 @@ reasons! {
          \"outer\"";
     no_ears if s.brim.place != BrimPlace::Ears =>
         " has no effect, since brim.place = {} makes no ears; set it to \"ears\"",
-        s.brim.place.word();
+        s.brim.place.name();
     shield_too_low
         if matches!(s.draft_shield, DraftShield::UpTo(height)
             if height < s.bed_layer_height() - ROUNDED) =>

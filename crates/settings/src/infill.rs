@@ -21,28 +21,18 @@ pub enum Infill {
 const SCRIPT: &str = ".rhai";
 
 impl Value for Infill {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
         if let Some(formula) = formula(raw) {
-            *self = Infill::Expression(formula);
-            return Ok(());
+            return Ok(Infill::Expression(formula));
         }
-        *self = match raw {
+        Ok(match raw {
             Raw::Text(text) | Raw::Word(text)
                 if text.trim().ends_with(SCRIPT) =>
             {
                 Infill::Script(text.trim().to_owned())
             }
-            _ => {
-                let mut pattern = InfillPattern::default();
-                pattern.assign(raw, measure)?;
-                Infill::Pattern(pattern)
-            }
-        };
-        Ok(())
+            _ => Infill::Pattern(Value::read(raw, measure)?),
+        })
     }
 
     fn to_toml(&self) -> String {

@@ -34,29 +34,28 @@ const STEP_ERROR: Measure = Measure {
 const SHARES: std::ops::RangeInclusive<f64> = 0.5..=500.0;
 
 impl Value for LayerHeights {
-    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
-        *self = match (formula(raw), raw) {
+    fn read(raw: Raw<'_>, _: Measure) -> Result<Self, Refused> {
+        Ok(match (formula(raw), raw) {
             (Some(formula), _) => LayerHeights::Expression(formula),
             (None, Raw::Text("uniform") | Raw::Word("uniform")) => {
                 LayerHeights::Uniform
             }
             (None, Raw::Text(text) | Raw::Word(text)) => {
                 let step = text.strip_prefix(ADAPTIVE).ok_or(Refused::Type)?;
-                let mut auto = ByNozzle::Auto;
                 let step = without("mm", step)
                     .filter(|step| !step.ends_with('%'))
                     .unwrap_or(step.trim());
-                if !step.is_empty() {
-                    auto.assign(Raw::Word(step), STEP_ERROR)?;
-                }
-                if matches!(auto, ByNozzle::Share(s) if !SHARES.contains(&s)) {
+                let step = match step {
+                    "" => ByNozzle::Auto,
+                    step => Value::read(Raw::Word(step), STEP_ERROR)?,
+                };
+                if matches!(step, ByNozzle::Share(s) if !SHARES.contains(&s)) {
                     return Err(Refused::Range);
                 }
-                LayerHeights::Adaptive(auto)
+                LayerHeights::Adaptive(step)
             }
             _ => return Err(Refused::Type),
-        };
-        Ok(())
+        })
     }
 
     fn to_toml(&self) -> String {

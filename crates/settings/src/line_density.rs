@@ -23,23 +23,13 @@ const SPACING: Measure = Measure {
 };
 
 impl Value for LineDensity {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
-        let mut value = 0.0;
-        *self = match raw.length() {
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
+        Ok(match raw.length() {
             Some(length) => {
-                value.assign(Raw::Word(length), SPACING)?;
-                LineDensity::Spacing(value)
+                LineDensity::Spacing(Value::read(Raw::Word(length), SPACING)?)
             }
-            None => {
-                value.assign(raw, measure)?;
-                LineDensity::Share(value)
-            }
-        };
-        Ok(())
+            None => LineDensity::Share(Value::read(raw, measure)?),
+        })
     }
 
     fn to_toml(&self) -> String {

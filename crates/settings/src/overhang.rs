@@ -44,7 +44,7 @@ impl<T> OfOverhangs<T> {
 fn read<T: Value>(
     raw: Raw<'_>,
     measure: Measure,
-    (mut rate, of): (T, Of),
+    of: Of,
 ) -> Result<OfOverhangs<T>, Refused> {
     Ok(match raw {
         Raw::Text(text) | Raw::Word(text)
@@ -52,10 +52,7 @@ fn read<T: Value>(
         {
             OfOverhangs::Steps(Steps::read(text, of)?)
         }
-        _ => {
-            rate.assign(raw, measure)?;
-            OfOverhangs::Same(rate)
-        }
+        _ => OfOverhangs::Same(T::read(raw, measure)?),
     })
 }
 
@@ -67,13 +64,8 @@ fn written<T: Value>(rate: &OfOverhangs<T>) -> String {
 }
 
 impl Value for OverhangSpeed {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
-        *self = read(raw, measure, (0.0.into(), Of::Speed))?;
-        Ok(())
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
+        read(raw, measure, Of::Speed)
     }
 
     fn to_toml(&self) -> String {
@@ -92,13 +84,8 @@ impl Value for OverhangSpeed {
 }
 
 impl Value for OverhangFan {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
-        *self = read(raw, measure, (0.0, Of::Fan))?;
-        Ok(())
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
+        read(raw, measure, Of::Fan)
     }
 
     fn to_toml(&self) -> String {

@@ -39,12 +39,7 @@ macro_rules! pairs {
         }
 
         impl Value for $name {
-            fn assign(
-                &mut self,
-                raw: Raw<'_>,
-                measure: Measure,
-            ) -> Result<(), Refused> {
-                let mut pair = Self::from(0.0);
+            fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
                 let (first, second) = match raw {
                     Raw::Text(text) | Raw::Word(text) => {
                         match text.split_once($word) {
@@ -59,7 +54,7 @@ macro_rules! pairs {
                     None if second.is_some() => Raw::Word(first.trim()),
                     None => raw,
                 };
-                pair.$first.assign(first, measure)?;
+                let mut pair = Self::from(Mm::read(first, measure)?);
                 if let Some(second) = second {
                     let number =
                         without($unit, second).unwrap_or(second.trim());
@@ -69,10 +64,9 @@ macro_rules! pairs {
                         or_zero: false,
                     };
                     let measure = Measure { unit: $unit, range: Some(range) };
-                    pair.$second.assign(Raw::Word(number), measure)?;
+                    pair.$second = Value::read(Raw::Word(number), measure)?;
                 }
-                *self = pair;
-                Ok(())
+                Ok(pair)
             }
 
             fn to_toml(&self) -> String {

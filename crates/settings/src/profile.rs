@@ -14,9 +14,9 @@
 
 use super::error::{GivenIn, SettingsError};
 use super::shipped::{NOZZLES, ProfileKind, SHIPPED};
-use super::table::alternatives;
 use super::text;
 use etcetera::BaseStrategy;
+use isoslice_base::units::human_list;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -185,7 +185,7 @@ impl Profiles {
             None => Err(self.unknown(
                 kind,
                 name,
-                format!("--{} {name}", kind.word()),
+                format!("--{} {name}", kind.name()),
             )),
         }
     }
@@ -327,7 +327,7 @@ impl Profiles {
     ) -> SettingsError {
         SettingsError::UnknownProfile {
             place,
-            kind: kind.word(),
+            kind: kind.name(),
             name: name.to_owned(),
             hint: self.suggestion(&[kind], name),
         }
@@ -403,5 +403,5 @@ fn suggestion(name: &str, mut names: Vec<String>) -> String {
         return "`isoslice profiles` lists them".to_owned();
     }
     let names: Vec<_> = names.iter().map(String::as_str).collect();
-    format!("did you mean {}?", alternatives(&names))
+    format!("did you mean {}?", human_list(&names, "or"))
 }

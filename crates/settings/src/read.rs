@@ -13,6 +13,7 @@ use super::table::{self, Key};
 use super::text::{self, HEAD, line_of};
 use super::value::{Raw, Refused, formula};
 use super::{Settings, keys};
+use isoslice_base::units::human_list;
 use std::ops::Range;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
@@ -202,8 +203,7 @@ impl Builder {
         let Some(key) = table::find(name) else {
             return Err(unknown(name, place));
         };
-        (key.field_mut)(&mut self.settings)
-            .assign(raw, key.measure())
+        (key.assign)(&mut self.settings, raw, key.measure())
             .map_err(|refused| refusal(refused, key, raw, place.clone()))?;
         if name != key.name {
             self.renamed
@@ -274,7 +274,7 @@ fn hint(name: &str) -> String {
     }
     let meant = table::ambiguous(name);
     if meant.len() > 1 {
-        return format!("did you mean {}?", table::alternatives(&meant));
+        return format!("did you mean {}?", human_list(&meant, "or"));
     }
     match table::nearest(name) {
         Some(near) => format!("did you mean {near}?"),

@@ -47,30 +47,18 @@ impl Shell {
 }
 
 impl Value for Shell {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
-        let mut thickness = ByNozzle::Auto;
-        let mut count = 0;
-        *self = match (raw, raw.length()) {
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
+        Ok(match (raw, raw.length()) {
             (_, Some(length)) if length.trim().parse::<f64>().is_ok() => {
-                thickness.assign(Raw::Word(length), THICKNESS)?;
-                Shell::Thickness(thickness)
+                Shell::Thickness(Value::read(Raw::Word(length), THICKNESS)?)
             }
             (Raw::Text(text) | Raw::Word(text), None)
                 if text == "auto" || text.ends_with('%') =>
             {
-                thickness.assign(raw, THICKNESS)?;
-                Shell::Thickness(thickness)
+                Shell::Thickness(Value::read(raw, THICKNESS)?)
             }
-            _ => {
-                count.assign(raw, measure)?;
-                Shell::Layers(count)
-            }
-        };
-        Ok(())
+            _ => Shell::Layers(Value::read(raw, measure)?),
+        })
     }
 
     fn to_toml(&self) -> String {

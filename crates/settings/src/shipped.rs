@@ -1,36 +1,23 @@
 //! The profiles that are part of the program: their texts, as they are in
 //! `profiles/`, and those of printers with other nozzles.
 
-/// The kind of a profile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ProfileKind {
-    /// The profile describes a machine: bed, limits, retraction, firmware,
-    /// start of the print.
-    Printer,
-    /// The profile describes a material: temperatures, fan, flow, density,
-    /// cost.
-    Filament,
-    /// The profile describes a kind of print: heights, walls, infill.
-    Preset,
+isoslice_base::named! {
+    /// The kind of a profile, in the order in which the settings are taken over.
+    /// Its name is also the option's.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum ProfileKind {
+        /// The profile describes a machine: bed, limits, retraction, firmware,
+        /// start of the print.
+        Printer = "printer",
+        /// The profile describes a material: temperatures, fan, flow, density,
+        /// cost.
+        Filament = "filament",
+        /// The profile describes a kind of print: heights, walls, infill.
+        Preset = "preset",
+    }
 }
 
 impl ProfileKind {
-    /// All kinds, in the order in which their settings are taken over.
-    pub const ALL: [ProfileKind; 3] = [
-        ProfileKind::Printer,
-        ProfileKind::Filament,
-        ProfileKind::Preset,
-    ];
-
-    /// The kind's word, which is also the option's.
-    pub fn word(self) -> &'static str {
-        match self {
-            ProfileKind::Printer => "printer",
-            ProfileKind::Filament => "filament",
-            ProfileKind::Preset => "preset",
-        }
-    }
-
     /// The folder of the kind's files.
     pub fn folder(self) -> &'static str {
         match self {

@@ -14,35 +14,28 @@ pub(super) const EXPECTED: &str = "sizes in pixels, width x height, and \
     formats (PNG, if none is given, QOI or JPG), such as \"32x32, \
     300x300/QOI\" (up to 8, each side from 1 to 1024), or \"\" for none";
 
-/// The format of a picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ImageFormat {
-    /// PNG, which hosts and web pages show.
-    #[default]
-    Png,
-    /// JPEG, which is small and has no transparency.
-    Jpg,
-    /// QOI, which small processors can read: Prusa's screens, Duet's PanelDue.
-    Qoi,
+isoslice_base::named! {
+    /// The format of a picture, by its name in settings and in files.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum ImageFormat {
+        /// PNG, which hosts and web pages show.
+        #[default]
+        Png = "PNG",
+        /// JPEG, which is small and has no transparency.
+        Jpg = "JPG",
+        /// QOI, which small processors can read: Prusa's screens, Duet's PanelDue.
+        Qoi = "QOI",
+    }
 }
 
 impl ImageFormat {
-    /// The format's name in settings and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            ImageFormat::Png => "PNG",
-            ImageFormat::Jpg => "JPG",
-            ImageFormat::Qoi => "QOI",
-        }
-    }
-
     fn read(text: &str) -> Option<Self> {
-        let all = [ImageFormat::Png, ImageFormat::Jpg, ImageFormat::Qoi];
         let text = text.trim();
         if text.eq_ignore_ascii_case("jpeg") {
             return Some(ImageFormat::Jpg);
         }
-        all.into_iter()
+        ImageFormat::ALL
+            .into_iter()
             .find(|f| f.name().eq_ignore_ascii_case(text))
     }
 }
@@ -101,14 +94,13 @@ fn picture(text: &str) -> Option<PictureSize> {
 }
 
 impl Value for Sizes {
-    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
-        *self = match raw {
+    fn read(raw: Raw<'_>, _: Measure) -> Result<Self, Refused> {
+        Ok(match raw {
             Raw::Text(text) | Raw::Word(text) => {
                 Sizes::read(text).ok_or(Refused::Type)?
             }
             _ => return Err(Refused::Type),
-        };
-        Ok(())
+        })
     }
 
     fn to_toml(&self) -> String {

@@ -36,31 +36,23 @@ impl SkinPatterns {
 }
 
 impl Value for SkinPatterns {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
         let (Raw::Text(text) | Raw::Word(text)) = raw else {
             return Err(Refused::Type);
         };
-        let mut patterns = SkinPatterns::default();
         if !text.contains(':') {
-            let mut pattern = SkinPattern::default();
-            pattern.assign(raw, measure)?;
-            patterns = SkinPatterns::all(pattern);
-        } else {
-            let mut faces = BTreeSet::new();
-            for part in text.split(',') {
-                let (face, word) = part.split_once(':').ok_or(Refused::Type)?;
-                let pattern = patterns.of_face(face.trim());
-                let pattern = pattern.filter(|_| faces.insert(face.trim()));
-                let pattern = pattern.ok_or(Refused::Type)?;
-                pattern.assign(Raw::Word(word.trim()), measure)?;
-            }
+            return Ok(SkinPatterns::all(Value::read(raw, measure)?));
         }
-        *self = patterns;
-        Ok(())
+        let mut patterns = SkinPatterns::default();
+        let mut faces = BTreeSet::new();
+        for part in text.split(',') {
+            let (face, word) = part.split_once(':').ok_or(Refused::Type)?;
+            let pattern = patterns.of_face(face.trim());
+            let pattern = pattern.filter(|_| faces.insert(face.trim()));
+            let pattern = pattern.ok_or(Refused::Type)?;
+            *pattern = Value::read(Raw::Word(word.trim()), measure)?;
+        }
+        Ok(patterns)
     }
 
     fn to_toml(&self) -> String {
@@ -75,7 +67,7 @@ impl Value for SkinPatterns {
         let other = all
             .into_iter()
             .filter(|(_, pattern)| *pattern != SkinPattern::default())
-            .map(|(face, pattern)| format!("{face}: {}", pattern.word()));
+            .map(|(face, pattern)| format!("{face}: {}", pattern.name()));
         other.collect::<Vec<_>>().join(", ").to_toml()
     }
 

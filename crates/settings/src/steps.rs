@@ -101,8 +101,7 @@ fn read(text: &str, of: Of) -> Result<(Percent, At), Refused> {
             Err(Refused::Range)
         };
     }
-    let mut number = 0.0;
-    number.assign(Raw::Word(value), of.measure())?;
+    let number = Value::read(Raw::Word(value), of.measure())?;
     Ok((share, At::Value(number)))
 }
 

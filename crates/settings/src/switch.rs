@@ -29,21 +29,12 @@ impl<T: Copy> SwitchOr<T> {
 }
 
 impl<T: Value + Default> Value for SwitchOr<T> {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
-        *self = match raw {
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
+        Ok(match raw {
             Raw::Bool(true) | Raw::Word("true") => SwitchOr::On,
             Raw::Bool(false) | Raw::Word("false") => SwitchOr::Off,
-            _ => {
-                let mut number = T::default();
-                number.assign(raw, measure)?;
-                SwitchOr::Number(number)
-            }
-        };
-        Ok(())
+            _ => SwitchOr::Number(T::read(raw, measure)?),
+        })
     }
 
     fn to_toml(&self) -> String {

@@ -8,7 +8,8 @@
 use super::Settings;
 use super::idle::Reason;
 use super::rows::{GROUPS, KEYS};
-use super::value::{Form, Measure, Range, Raw, Value, ValueKind};
+use super::value::{Form, Measure, Range, Raw, Refused, Value, ValueKind};
+use isoslice_base::units::human_list;
 
 /// One row of the table: a setting's name and all that is known about it.
 #[derive(Debug)]
@@ -23,7 +24,8 @@ pub struct Key {
     pub range: Option<Range>,
     pub(super) doc: &'static str,
     pub(super) field: fn(&Settings) -> &dyn Value,
-    pub(super) field_mut: fn(&mut Settings) -> &mut dyn Value,
+    pub(super) assign:
+        fn(&mut Settings, Raw<'_>, Measure) -> Result<(), Refused>,
     /// What may deprive the setting of its effect.
     pub(super) idle: &'static [Reason],
 }
@@ -64,11 +66,11 @@ impl Key {
             }
             ValueKind::NumberOrText(allowed, _)
             | ValueKind::WholeOrText(allowed, _) => allowed.to_owned(),
-            ValueKind::Word(words) => alternatives(words),
+            ValueKind::Word(words) => human_list(words, "or"),
             ValueKind::WordOrText(words, forms) => {
                 let forms = forms.iter().map(|form| form.shown().to_owned());
                 let words = words.iter().map(|word| (*word).to_owned());
-                alternatives(&words.chain(forms).collect::<Vec<_>>())
+                human_list(&words.chain(forms).collect::<Vec<_>>(), "or")
             }
             ValueKind::WordOrNumber(words) | ValueKind::WordOrWhole(words) => {
                 format!("{} or {range}", words.join(", "))
@@ -218,8 +220,7 @@ impl Key {
     /// True if the setting takes a text.
     pub(super) fn takes(&self, text: &str) -> bool {
         let mut settings = Settings::default();
-        let field = (self.field_mut)(&mut settings);
-        field.assign(Raw::Text(text), self.measure()).is_ok()
+        (self.assign)(&mut settings, Raw::Text(text), self.measure()).is_ok()
     }
 
     pub(super) fn kind(&self) -> ValueKind {
@@ -302,16 +303,6 @@ pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
     };
     let all = all.filter(|key| besides(key) == Some(least));
     all.map(|key| key.name).take(MOST_NAMES).collect()
-}
-
-/// Lists words as `a, b or c`.
-pub(super) fn alternatives<T: AsRef<str>>(words: &[T]) -> String {
-    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
-    match words.as_slice() {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
-    }
 }
 
 /// A doc comment as one line: doc comments keep the spaces and line breaks of
@@ -465,7 +456,10 @@ macro_rules! settings {
                 range: $crate::table::range!($($min $max)?),
                 doc: concat!($($doc, "\n"),+),
                 field: |settings| &settings.$field,
-                field_mut: |settings| &mut settings.$field,
+                assign: |settings, raw, measure| {
+                    settings.$field = $crate::value::Value::read(raw, measure)?;
+                    Ok(())
+                },
                 idle: &[$($($crate::idle::$idle),+)?],
             },)+)+
             $($($crate::Key {
@@ -479,7 +473,10 @@ macro_rules! settings {
                 range: $crate::table::range!($($gmin $gmax $($gzero)?)?),
                 doc: concat!($($gdoc, "\n"),+),
                 field: |settings| &settings.$group.$gfield,
-                field_mut: |settings| &mut settings.$group.$gfield,
+                assign: |settings, raw, measure| {
+                    settings.$group.$gfield = $crate::value::Value::read(raw, measure)?;
+                    Ok(())
+                },
                 idle: &[$($($crate::idle::$gidle),+)?],
             },)+)+
         ];

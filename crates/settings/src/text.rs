@@ -5,6 +5,7 @@ use super::foreign;
 use super::table;
 use super::value::{Raw, Value};
 use isoslice_base::files::{self, FileError, MAX_SETTINGS_BYTES};
+use isoslice_base::units::human_start;
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -74,7 +75,9 @@ pub(super) fn parse<'a>(
         let line = text.lines().nth(number - 1);
         SettingsError::NotToml {
             message: match line.map(str::trim).filter(|line| !line.is_empty()) {
-                Some(line) => format!("{what}, in `{}`", shortened(line)),
+                Some(line) => {
+                    format!("{what}, in `{}`", human_start(line, LONGEST))
+                }
                 None => what,
             },
             hint: line.map_or_else(String::new, |line| {
@@ -85,15 +88,8 @@ pub(super) fn parse<'a>(
     })
 }
 
-/// A line, shortened for a message.
-fn shortened(line: &str) -> String {
-    // The line stands in the middle of a message.
-    const LONGEST: usize = 60;
-    match line.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &line[..end]),
-        None => line.to_owned(),
-    }
-}
+/// Most characters of a line that stands in the middle of a message.
+const LONGEST: usize = 60;
 
 /// The group whose settings stand in a line.
 fn group_at(text: &str, line: usize) -> String {

@@ -164,20 +164,17 @@ pub(super) enum ValueKind {
 
 /// A field of the settings.
 pub(super) trait Value {
-    /// Takes the value over, or leaves the field as it is.
-    fn assign(&mut self, raw: Raw<'_>, measure: Measure)
-    -> Result<(), Refused>;
-    /// The value as TOML that `assign` reads back as the same value.
+    /// The value that a user gives.
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused>
+    where
+        Self: Sized;
+    /// The value as TOML that `read` reads back as the same value.
     fn to_toml(&self) -> String;
     fn kind(&self) -> ValueKind;
 }
 
 impl Value for f64 {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
         let parsed = match raw {
             Raw::Integer(i) => Some(i as f64),
             Raw::Float(x) => Some(x),
@@ -189,8 +186,7 @@ impl Value for f64 {
             Raw::Word(s) => s.parse().ok(),
             _ => None,
         };
-        *self = in_range(parsed.ok_or(Refused::Type)?, measure)?;
-        Ok(())
+        in_range(parsed.ok_or(Refused::Type)?, measure)
     }
 
     fn to_toml(&self) -> String {
@@ -289,20 +285,11 @@ impl From<f64> for Varying {
 }
 
 impl<T: Value + Default> Value for Varying<T> {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
-        *self = match formula(raw) {
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
+        Ok(match formula(raw) {
             Some(formula) => Varying::Expression(formula),
-            None => {
-                let mut value = T::default();
-                value.assign(raw, measure)?;
-                Varying::Constant(value)
-            }
-        };
-        Ok(())
+            None => Varying::Constant(T::read(raw, measure)?),
+        })
     }
 
     fn to_toml(&self) -> String {
@@ -323,11 +310,7 @@ impl<T: Value + Default> Value for Varying<T> {
 }
 
 impl Value for u32 {
-    fn assign(
-        &mut self,
-        raw: Raw<'_>,
-        measure: Measure,
-    ) -> Result<(), Refused> {
+    fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
         let whole = match raw {
             Raw::Integer(i) => Some(i.into()),
             Raw::Huge(_) => return Err(Refused::Range),
@@ -337,8 +320,7 @@ impl Value for u32 {
         };
         let whole = whole.ok_or(Refused::Type)?;
         in_range(whole as f64, measure)?;
-        *self = u32::try_from(whole).map_err(|_| Refused::Range)?;
-        Ok(())
+        u32::try_from(whole).map_err(|_| Refused::Range)
     }
 
     fn to_toml(&self) -> String {
@@ -354,21 +336,15 @@ impl Value for u32 {
 macro_rules! or_auto {
     ($value:ty, $kind:expr) => {
         impl $crate::value::Value for Option<$value> {
-            fn assign(
-                &mut self,
+            fn read(
                 raw: $crate::value::Raw<'_>,
                 measure: $crate::value::Measure,
-            ) -> Result<(), $crate::value::Refused> {
+            ) -> Result<Self, $crate::value::Refused> {
                 use $crate::value::Raw;
-                *self = match raw {
+                Ok(match raw {
                     Raw::Text("auto") | Raw::Word("auto") => None,
-                    _ => {
-                        let mut value = <$value>::default();
-                        value.assign(raw, measure)?;
-                        Some(value)
-                    }
-                };
-                Ok(())
+                    _ => Some(<$value>::read(raw, measure)?),
+                })
             }
 
             fn to_toml(&self) -> String {
@@ -390,14 +366,13 @@ or_auto!(u32, ValueKind::WholeOrAuto);
 or_auto!(f64, ValueKind::NumberOrAuto);
 
 impl Value for bool {
-    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
-        *self = match raw {
+    fn read(raw: Raw<'_>, _: Measure) -> Result<Self, Refused> {
+        Ok(match raw {
             Raw::Bool(b) => b,
             Raw::Word("true") => true,
             Raw::Word("false") => false,
             _ => return Err(Refused::Type),
-        };
-        Ok(())
+        })
     }
 
     fn to_toml(&self) -> String {
@@ -410,12 +385,11 @@ impl Value for bool {
 }
 
 impl Value for String {
-    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
-        *self = match raw {
+    fn read(raw: Raw<'_>, _: Measure) -> Result<Self, Refused> {
+        Ok(match raw {
             Raw::Text(s) | Raw::Word(s) => s.to_owned(),
             _ => return Err(Refused::Type),
-        };
-        Ok(())
+        })
     }
 
     fn to_toml(&self) -> String {
@@ -454,10 +428,12 @@ macro_rules! words {
             $($(#[doc = $variant_doc:literal])+ $variant:ident = $word:literal,)+
         }
     )+) => {$(
-        $(#[doc = $doc])+
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $name {
-            $($(#[doc = $variant_doc])+ $variant,)+
+        isoslice_base::named! {
+            $(#[doc = $doc])+
+            #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+            pub enum $name {
+                $($(#[doc = $variant_doc])+ $variant = $word,)+
+            }
         }
 
         impl Default for $name {
@@ -466,34 +442,17 @@ macro_rules! words {
             }
         }
 
-        impl $name {
-            /// Every value, in the order of the documentation.
-            pub const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
-
-            /// The value's word in files and assignments.
-            pub fn word(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $word,)+
-                }
-            }
-        }
-
         impl $crate::value::Value for $name {
-            fn assign(
-                &mut self,
-                raw: $crate::value::Raw<'_>,
-                _: $crate::value::Measure,
-            ) -> Result<(), $crate::value::Refused> {
+            fn read(raw: $crate::value::Raw<'_>, _: $crate::value::Measure) -> Result<Self, $crate::value::Refused> {
                 use $crate::value::{Raw, Refused};
-                *self = match raw {
+                Ok(match raw {
                     $(Raw::Text($word) | Raw::Word($word) => Self::$variant,)+
                     _ => return Err(Refused::Type),
-                };
-                Ok(())
+                })
             }
 
             fn to_toml(&self) -> String {
-                format!("\"{}\"", self.word())
+                format!("\"{}\"", self.name())
             }
 
             fn kind(&self) -> $crate::value::ValueKind {

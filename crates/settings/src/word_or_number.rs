@@ -22,20 +22,11 @@ macro_rules! words_or_number {
         }
 
         impl Value for $name {
-            fn assign(
-                &mut self,
-                raw: Raw<'_>,
-                measure: Measure,
-            ) -> Result<(), Refused> {
-                *self = match raw {
+            fn read(raw: Raw<'_>, measure: Measure) -> Result<Self, Refused> {
+                Ok(match raw {
                     $(Raw::Text($text) | Raw::Word($text) => Self::$word,)+
-                    _ => {
-                        let mut number = <$ty>::default();
-                        number.assign(raw, measure)?;
-                        Self::$number(number)
-                    }
-                };
-                Ok(())
+                    _ => Self::$number(Value::read(raw, measure)?),
+                })
             }
 
             fn to_toml(&self) -> String {

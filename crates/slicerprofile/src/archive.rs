@@ -20,15 +20,43 @@ pub(crate) fn open<R: Read + Seek>(
     most: usize,
     what: &str,
 ) -> Result<ZipArchive<R>, String> {
-    let damaged = |why: &dyn std::fmt::Display| format!("its archive: {why}");
-    let many = headers(&mut source, most).map_err(|e| damaged(&e))? > most;
-    if many {
+    if headers(&mut source, most).map_err(damaged)? > most {
         return Err(format!(
             "it holds more than {most} files, and {what} fewer"
         ));
     }
-    source.rewind().map_err(|e| damaged(&e))?;
-    ZipArchive::new(source).map_err(|e| damaged(&e))
+    source.rewind().map_err(damaged)?;
+    ZipArchive::new(source).map_err(damaged)
+}
+
+/// What is wrong with an archive.
+pub(crate) fn damaged(why: impl std::fmt::Display) -> String {
+    format!("its archive: {why}")
+}
+
+/// The bytes of an entry, of which there may be `most`. `what` is the entry.
+///
+/// # Errors
+/// A sentence, if the entry is damaged or has more.
+pub(crate) fn unpacked(
+    entry: impl Read,
+    most: u64,
+    what: &str,
+) -> Result<Vec<u8>, String> {
+    let bytes = up_to(entry, most).map_err(damaged)?;
+    bytes.ok_or_else(|| {
+        format!("{what} is larger than {} MB unpacked", most >> 20)
+    })
+}
+
+/// All bytes of a source; none if there are more than `most`.
+pub(crate) fn up_to(
+    source: impl Read,
+    most: u64,
+) -> std::io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    source.take(most + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= most).then_some(bytes))
 }
 
 /// Number of headers in what is left of a file, counted until there are more

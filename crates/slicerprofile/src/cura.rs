@@ -4,7 +4,7 @@
 use crate::values::{Values, plain_text};
 use crate::{Error, MOST_BYTES, archive, bytes_of};
 use serde_json::Value;
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use std::path::Path;
 
 /// Greatest number of files in a `.curaprofile`. Each has one or two per
@@ -22,7 +22,6 @@ const DEEPEST_NESTING: usize = 64;
 /// # Errors
 /// A sentence, if the file is not a `.curaprofile`, or is too large.
 pub(crate) fn zipped(bytes: Vec<u8>) -> Result<Values, String> {
-    let damaged = |e: zip::result::ZipError| format!("its archive: {e}");
     let what = "a profile of Cura has";
     let mut archive = archive::open(Cursor::new(bytes), MOST_PARTS, what)?;
     let mut all = Values::default();
@@ -30,17 +29,8 @@ pub(crate) fn zipped(bytes: Vec<u8>) -> Result<Values, String> {
     // extruder.
     let mut parts = Vec::new();
     for i in 0..archive.len() {
-        let part = archive.by_index(i).map_err(damaged)?;
-        let mut text = Vec::new();
-        part.take(MOST_PART + 1)
-            .read_to_end(&mut text)
-            .map_err(|e| format!("its archive: {e}"))?;
-        if text.len() as u64 > MOST_PART {
-            return Err(format!(
-                "a file in it is larger than {} MB unpacked",
-                MOST_PART >> 20
-            ));
-        }
+        let part = archive.by_index(i).map_err(archive::damaged)?;
+        let text = archive::unpacked(part, MOST_PART, "a file in it")?;
         parts.push(instance(&String::from_utf8_lossy(&text)));
     }
     parts.sort_by_key(|(position, _)| *position);
@@ -124,10 +114,7 @@ pub(crate) fn definition(
         if matches!(parent, "fdmprinter" | "fdmextruder") {
             return Ok((all, name));
         }
-        let wrong = |message: String| Error::NotUnderstood {
-            path: path.to_owned(),
-            message,
-        };
+        let wrong = Error::wrong(path);
         if names.iter().any(|n| n == parent) {
             return Err(wrong(format!(
                 "definitions inherit in a circle: {parent:?} inherits from \
@@ -148,12 +135,8 @@ pub(crate) fn definition(
             )));
         }
         let text = bytes_of(&file, MOST_BYTES)?;
-        current = serde_json::from_slice(&text).map_err(|e| {
-            Error::NotUnderstood {
-                path: file,
-                message: format!("it is not JSON: {e}"),
-            }
-        })?;
+        current = serde_json::from_slice(&text)
+            .map_err(|e| Error::wrong(&file)(format!("it is not JSON: {e}")))?;
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is wrong with a file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a file cannot be read as profiles.
 #[derive(Debug, thiserror::Error)]
@@ -30,4 +30,24 @@ pub enum Error {
         /// The profiles to choose from.
         message: String,
     },
+}
+
+impl Error {
+    /// A file that the system refuses to read, by the system's reason.
+    pub(crate) fn unreadable(
+        path: &Path,
+    ) -> impl Fn(std::io::Error) -> Error + Copy {
+        move |cause| Error::Unreadable {
+            path: path.to_owned(),
+            cause,
+        }
+    }
+
+    /// A file that is not understood, by what is wrong with it.
+    pub(crate) fn wrong(path: &Path) -> impl Fn(String) -> Error + Copy {
+        move |message| Error::NotUnderstood {
+            path: path.to_owned(),
+            message,
+        }
+    }
 }

@@ -62,17 +62,11 @@ pub(crate) fn resolve(
     own: Own,
     beside: &[PathBuf],
 ) -> Result<Own, Error> {
-    let wrong = |message: String| Error::NotUnderstood {
-        path: path.to_owned(),
-        message,
-    };
+    let wrong = Error::wrong(path);
     let mut all = own;
     let mut names: Vec<String> = all.name.clone().into_iter().collect();
     let mut heir =
-        std::path::absolute(path).map_err(|cause| Error::Unreadable {
-            path: path.to_owned(),
-            cause,
-        })?;
+        std::path::absolute(path).map_err(Error::unreadable(path))?;
     let mut parents = Parents::new(heir.clone(), beside);
     while let Some(parent) = all.inherits.take() {
         if names.contains(&parent) {
@@ -98,10 +92,7 @@ pub(crate) fn resolve(
         let text = bytes_of(&found, MOST_BYTES)?;
         let text = String::from_utf8_lossy(&text);
         let text = text.trim_start_matches('\u{feff}');
-        let from = read(text).map_err(|message| Error::NotUnderstood {
-            path: found.clone(),
-            message,
-        })?;
+        let from = read(text).map_err(Error::wrong(&found))?;
         all.values.inherit(&from.values);
         all.kind = all.kind.or(from.kind);
         all.inherits = from.inherits;

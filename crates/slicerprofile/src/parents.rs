@@ -70,15 +70,14 @@ impl<'a> Parents<'a> {
         let Some(second) = nearest.clone().next() else {
             return Ok(Some(one.clone()));
         };
-        let ambiguous = |other: &Path| Error::NotUnderstood {
-            path: heir.to_owned(),
-            message: format!(
+        let ambiguous = |other: &Path| {
+            Error::wrong(heir)(format!(
                 "it inherits {name:?}, and there are two of that name: {} and \
                  {}; name the folder of the right one with --beside, and no \
                  folder that holds both",
                 one.display(),
                 other.display()
-            ),
+            ))
         };
         if nearest.clone().count() > MOST_ALIKE {
             return Err(ambiguous(second));

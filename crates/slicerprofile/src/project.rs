@@ -6,7 +6,7 @@
 
 use crate::archive;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use zip::result::ZipError;
 
 /// The entry with the configuration.
@@ -23,7 +23,6 @@ const MOST_BYTES: u64 = 4 << 20;
 /// # Errors
 /// A sentence, if the archive has no configuration, or too large a one.
 pub(crate) fn settings(file: File) -> Result<String, String> {
-    let damaged = |e: ZipError| format!("its archive: {e}");
     let mut archive =
         archive::open(BufReader::new(file), MOST_ENTRIES, "a project has")?;
     let entry = match archive.by_name(SETTINGS) {
@@ -35,19 +34,9 @@ pub(crate) fn settings(file: File) -> Result<String, String> {
                  profiles as .ini or .json"
             ));
         }
-        Err(error) => return Err(damaged(error)),
+        Err(error) => return Err(archive::damaged(error)),
     };
-    let mut bytes = Vec::new();
-    entry
-        .take(MOST_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|e| format!("its archive: {e}"))?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(format!(
-            "its configuration is larger than {} MB unpacked",
-            MOST_BYTES >> 20
-        ));
-    }
+    let bytes = archive::unpacked(entry, MOST_BYTES, "its configuration")?;
     String::from_utf8(bytes)
         .map_err(|_| "its configuration is not text".to_owned())
 }

@@ -1,7 +1,9 @@
 //! A file of profiles, of whichever slicer.
 
 use crate::values::Values;
-use crate::{Error, PresetKind, cura, formula, gcode, ini, orca, project};
+use crate::{
+    Error, PresetKind, archive, cura, formula, gcode, ini, orca, project,
+};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -86,10 +88,7 @@ impl Source {
     /// # Errors
     /// If the file cannot be read, is too large, or is not a profile.
     pub fn open(path: &Path, beside: &[PathBuf]) -> Result<Source, Error> {
-        let wrong = |message: String| Error::NotUnderstood {
-            path: path.to_owned(),
-            message,
-        };
+        let wrong = Error::wrong(path);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.to_ascii_lowercase();
         let ends = |of: &[&str]| of.iter().any(|end| name.ends_with(end));
@@ -103,13 +102,8 @@ impl Source {
                         .to_owned(),
                 )
             })?;
-            return Ok(Source::one(
-                path,
-                of_words(&values),
-                values,
-                None,
-                None,
-            ));
+            let slicer = of_words(&values);
+            return Ok(Source::one(path, slicer, values, None, None));
         }
         if ends(&[".3mf"]) {
             let text = project::settings(regular(path)?).map_err(wrong)?;
@@ -255,13 +249,9 @@ impl Source {
                     found.kind.word()
                 )));
             }
-            let values =
-                ini.resolve(found.kind, &found.name).map_err(|message| {
-                    Error::NotUnderstood {
-                        path: self.path.clone(),
-                        message,
-                    }
-                })?;
+            let values = ini
+                .resolve(found.kind, &found.name)
+                .map_err(Error::wrong(&self.path))?;
             picked.values.inherit(&values);
             picked.kinds.push(found.kind);
             picked.names.push(found.clone());
@@ -338,34 +328,19 @@ fn of_words(values: &Values) -> Slicer {
 
 /// The bytes of a file, if there are no more than `most`.
 pub(crate) fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
-    let unreadable = |cause| Error::Unreadable {
-        path: path.to_owned(),
-        cause,
-    };
-    let file = regular(path)?;
-    let mut bytes = Vec::new();
-    file.take(most + 1)
-        .read_to_end(&mut bytes)
-        .map_err(unreadable)?;
-    if bytes.len() as u64 > most {
-        return Err(Error::NotUnderstood {
-            path: path.to_owned(),
-            message: format!(
-                "it is larger than {} MB, which no profile is",
-                most >> 20
-            ),
-        });
-    }
-    Ok(bytes)
+    let bytes = archive::up_to(regular(path)?, most);
+    bytes.map_err(Error::unreadable(path))?.ok_or_else(|| {
+        let most = most >> 20;
+        Error::wrong(path)(format!(
+            "it is larger than {most} MB, which no profile is"
+        ))
+    })
 }
 
 /// Opens a file. Folders, pipes and devices are refused, since they may have no
 /// end.
 fn regular(path: &Path) -> Result<File, Error> {
-    let unreadable = |cause| Error::Unreadable {
-        path: path.to_owned(),
-        cause,
-    };
+    let unreadable = Error::unreadable(path);
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
         let cause = std::io::Error::other("it is no regular file");
         return Err(unreadable(cause));
@@ -378,10 +353,7 @@ fn regular(path: &Path) -> Result<File, Error> {
 /// # Errors
 /// If the file cannot be read.
 pub fn both_ends(path: &Path) -> Result<String, Error> {
-    let unreadable = |cause| Error::Unreadable {
-        path: path.to_owned(),
-        cause,
-    };
+    let unreadable = Error::unreadable(path);
     let mut file = regular(path)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let mut bytes = Vec::new();

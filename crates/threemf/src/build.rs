@@ -101,7 +101,7 @@ pub(crate) fn read(
         root: root.clone(),
         models: BTreeMap::from([(root.clone(), Rc::new(model))]),
         marks,
-        all: Collector::new(),
+        all: Collector::default(),
         parts: Parts::default(),
         name: name.to_owned(),
         levels: BTreeMap::new(),
@@ -114,7 +114,7 @@ pub(crate) fn read(
         short: 0,
         thin: 0,
     };
-    let scale = DAffine3::from_scale(DVec3::splat(unit.millimetres()));
+    let scale = DAffine3::from_scale(DVec3::splat(unit));
     for item in &items {
         if !item.is_printable {
             building.leave_out("an object that is not printable");

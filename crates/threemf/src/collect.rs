@@ -28,7 +28,7 @@ pub(crate) fn mesh_of(
     let Some(object) = model.objects.get(&id) else {
         return Err(MeshError::at(place, "it is named, and is not there"));
     };
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     collect(&place, id, object, by, None, &mut all)?;
     all.finish().map_err(|e| match e {
         MeshError::Empty => MeshError::at(place, "it has no triangles"),

@@ -70,16 +70,14 @@ impl Lattice {
     /// A lattice without beams, of its element.
     pub(crate) fn new(element: &Element) -> Result<Lattice, MeshError> {
         let cap = cap(element, "cap")?.unwrap_or(Cap::Sphere);
-        let balls_at = match element.text_of_any("ballmode")?.as_deref() {
-            None | Some("none") => Balls::None,
-            Some("mixed") => Balls::Listed,
-            Some("all") => Balls::All,
-            Some(other) => {
-                return Err(element.wrong(format!(
-                    "{other:?} is no mode of balls; those of 3MF are none, \
-                     mixed and all"
-                )));
-            }
+        let modes = [
+            ("none", Balls::None),
+            ("mixed", Balls::Listed),
+            ("all", Balls::All),
+        ];
+        let balls_at = match element.text_of_any("ballmode")? {
+            None => Balls::None,
+            Some(mode) => element.one_of(&mode, "mode of balls", &modes)?,
         };
         let ball_radius = match element.text_of_any("ballradius")? {
             None => None,
@@ -93,7 +91,7 @@ impl Lattice {
         Ok(Lattice {
             min_length: length(element, "minlength")?.unwrap_or(0.0),
             radius: length(element, "radius")?
-                .ok_or_else(|| element.wrong("there is no attribute radius"))?,
+                .ok_or_else(|| element.absent("radius"))?,
             cap,
             balls_at,
             ball_radius,
@@ -248,31 +246,25 @@ pub(crate) fn scale(matrix: &DMat3) -> Option<f64> {
 }
 
 fn clipped(element: &Element) -> Result<Option<(u32, Side)>, MeshError> {
-    let side = match element.text("clippingmode")?.as_deref() {
-        None | Some("none") => return Ok(None),
-        Some("inside") => Side::Inside,
-        Some("outside") => Side::Outside,
-        Some(other) => {
-            return Err(element.wrong(format!(
-                "{other:?} is no mode of clipping; those of 3MF are none, \
-                 inside and outside"
-            )));
-        }
-    };
-    Ok(Some((element.number("clippingmesh")?, side)))
+    let modes = [
+        ("none", None),
+        ("inside", Some(Side::Inside)),
+        ("outside", Some(Side::Outside)),
+    ];
+    let side = element.word("clippingmode", "mode of clipping", &modes)?;
+    match side.flatten() {
+        None => Ok(None),
+        Some(side) => Ok(Some((element.number("clippingmesh")?, side))),
+    }
 }
 
 fn cap(element: &Element, name: &str) -> Result<Option<Cap>, MeshError> {
-    match element.text(name)?.as_deref() {
-        None => Ok(None),
-        Some("sphere") => Ok(Some(Cap::Sphere)),
-        Some("hemisphere") => Ok(Some(Cap::Hemisphere)),
-        Some("butt") => Ok(Some(Cap::Butt)),
-        Some(other) => Err(element.wrong(format!(
-            "{other:?} is no end of beams; those of 3MF are sphere, hemisphere \
-             and butt"
-        ))),
-    }
+    let caps = [
+        ("sphere", Cap::Sphere),
+        ("hemisphere", Cap::Hemisphere),
+        ("butt", Cap::Butt),
+    ];
+    element.word(name, "end of beams", &caps)
 }
 
 /// An attribute that is a length, if it is there.

@@ -27,12 +27,8 @@ pub(crate) struct LevelSet {
 impl LevelSet {
     pub(crate) fn new(element: &Element) -> Result<LevelSet, MeshError> {
         let channel = element.text("channel")?;
-        let transform = match element.text("transform")? {
-            None => DAffine3::IDENTITY,
-            Some(text) => transform(&text).ok_or_else(|| {
-                element.wrong("its transform is not twelve finite numbers")
-            })?,
-        };
+        let wrong = "its transform is not twelve finite numbers";
+        let transform = transform(element, wrong)?;
         let fallback = match element.text("fallbackvalue")? {
             None => 0.0,
             Some(_) => element.number("fallbackvalue")?,
@@ -40,9 +36,7 @@ impl LevelSet {
         let in_box = element.text("meshbboxonly")?;
         Ok(LevelSet {
             function: element.number("functionid")?,
-            channel: channel.ok_or_else(|| {
-                element.wrong("there is no attribute channel")
-            })?,
+            channel: channel.ok_or_else(|| element.absent("channel"))?,
             transform,
             mesh: element.number("meshid")?,
             is_in_box: matches!(in_box.as_deref(), Some("true" | "1")),

@@ -16,50 +16,15 @@ use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 use std::rc::Rc;
 
-/// A unit of lengths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Unit {
-    Micron,
-    Millimetre,
-    Centimetre,
-    Inch,
-    Foot,
-    Metre,
-}
-
-impl Unit {
-    const ALL: [Unit; 6] = [
-        Unit::Micron,
-        Unit::Millimetre,
-        Unit::Centimetre,
-        Unit::Inch,
-        Unit::Foot,
-        Unit::Metre,
-    ];
-
-    /// As files name it.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Unit::Micron => "micron",
-            Unit::Millimetre => "millimeter",
-            Unit::Centimetre => "centimeter",
-            Unit::Inch => "inch",
-            Unit::Foot => "foot",
-            Unit::Metre => "meter",
-        }
-    }
-
-    pub(crate) fn millimetres(self) -> f64 {
-        match self {
-            Unit::Micron => 1e-3,
-            Unit::Millimetre => 1.0,
-            Unit::Centimetre => 10.0,
-            Unit::Inch => 25.4,
-            Unit::Foot => 304.8,
-            Unit::Metre => 1e3,
-        }
-    }
-}
+/// The units of lengths, as files name them, mm.
+const UNITS: &[(&str, f64)] = &[
+    ("micron", 1e-3),
+    ("millimeter", 1.0),
+    ("centimeter", 10.0),
+    ("inch", 25.4),
+    ("foot", 304.8),
+    ("meter", 1e3),
+];
 
 /// An object at a place.
 #[derive(Clone, Debug)]
@@ -100,7 +65,8 @@ impl Object {
 
 #[derive(Debug)]
 pub(crate) struct Model {
-    pub unit: Unit,
+    /// The unit of lengths, mm.
+    pub unit: f64,
     pub objects: BTreeMap<u32, Rc<Object>>,
     pub items: Vec<Item>,
     pub functions: BTreeMap<u32, Function>,
@@ -142,7 +108,7 @@ pub(crate) fn read<R: Read + Seek>(
 ) -> Result<Model, MeshError> {
     let mut reading = Reading {
         model: Model {
-            unit: Unit::Millimetre,
+            unit: 1.0,
             objects: BTreeMap::new(),
             items: Vec::new(),
             functions: BTreeMap::new(),
@@ -446,14 +412,8 @@ impl Reading {
         }
         self.is_model = true;
         self.sound.root(element)?;
-        if let Some(name) = element.text("unit")? {
-            let unit = Unit::ALL.into_iter().find(|u| u.name() == name);
-            self.model.unit = unit.ok_or_else(|| {
-                element.wrong(format!(
-                    "{name:?} is no unit; those of 3MF are micron, millimeter, \
-                     centimeter, inch, foot and meter"
-                ))
-            })?;
+        if let Some(mm) = element.word("unit", "unit", UNITS)? {
+            self.model.unit = mm;
         }
         let required = element.text("requiredextensions")?.unwrap_or_default();
         let prefixes = element.prefixes();
@@ -479,24 +439,20 @@ impl Reading {
         if self.object.is_some() {
             return Err(element.wrong("an object inside an object"));
         }
-        let left_out = match element.text("type")?.as_deref() {
-            Some("support" | "solidsupport") => Some("a support"),
-            Some("other") => Some(OTHER),
-            None | Some("model" | "surface") => None,
-            Some(other) => {
-                return Err(element.wrong(format!(
-                    "{other:?} is no type of objects; those of 3MF are model, \
-                     surface, support, solidsupport and other"
-                )));
-            }
+        let types = [
+            ("model", None),
+            ("surface", None),
+            ("support", Some("a support")),
+            ("solidsupport", Some("a support")),
+            ("other", Some(OTHER)),
+        ];
+        let object = Object {
+            left_out: element
+                .word("type", "type of objects", &types)?
+                .flatten(),
+            ..Object::default()
         };
-        self.object = Some((
-            id,
-            Object {
-                left_out,
-                ..Object::default()
-            },
-        ));
+        self.object = Some((id, object));
         Ok(())
     }
 }
@@ -522,18 +478,11 @@ fn few(references: usize) -> Result<(), MeshError> {
 /// The object that an item or a component names.
 fn reference(element: &Element) -> Result<Reference, MeshError> {
     let path = element.text_of_any("path")?;
-    let transform = match element.text("transform")? {
-        None => DAffine3::IDENTITY,
-        Some(text) => transform(&text).ok_or_else(|| {
-            element.wrong(
-                "its transform is not twelve finite numbers; save the file \
-                 again",
-            )
-        })?,
-    };
+    let wrong =
+        "its transform is not twelve finite numbers; save the file again";
     Ok(Reference {
         path,
+        transform: transform(element, wrong)?,
         id: element.number("objectid")?,
-        transform,
     })
 }

@@ -1,8 +1,10 @@
 //! XML, of unknown origin: elements one after another.
 
 use crate::space::Space;
+use isoslice_base::units::{human_list, human_start};
 use isoslice_mesh::MeshError;
 use quick_xml::XmlVersion;
+use quick_xml::events::attributes::Attribute;
 use quick_xml::events::{BytesStart, Event as Raw};
 use quick_xml::name::{NamespaceError, ResolveResult};
 use quick_xml::reader::NsReader;
@@ -11,6 +13,8 @@ use std::str::FromStr;
 
 /// Greatest length of an element's start or of a text, bytes.
 const LONGEST: usize = 1 << 20;
+/// Greatest number of characters of a word in a message.
+const LONGEST_SHOWN: usize = 30;
 /// Greatest number of elements around an element. Models have six.
 const DEEPEST: usize = 64;
 
@@ -38,6 +42,7 @@ impl<'a> Element<'a> {
     ) -> Element<'a> {
         Element { space, raw, at }
     }
+
     /// Where its name is from.
     pub(crate) fn space(&self) -> Space {
         self.space
@@ -54,7 +59,7 @@ impl<'a> Element<'a> {
         let prefix = name.split(':').next().unwrap_or_default();
         self.wrong(format!(
             "the prefix {:?} of an element is not declared",
-            shortened(prefix)
+            human_start(prefix, LONGEST_SHOWN)
         ))
     }
 
@@ -63,16 +68,15 @@ impl<'a> Element<'a> {
         MeshError::at((self.at)(), what)
     }
 
-    /// An attribute, its value being as in the file.
-    fn attribute(
-        &self,
-        name: &str,
-    ) -> Option<quick_xml::events::attributes::Attribute<'_>> {
+    /// The attributes that can be read, their values being as in the file.
+    fn attributes(&self) -> impl Iterator<Item = Attribute<'_>> {
         let mut attributes = self.raw.attributes();
-        attributes
-            .with_checks(false)
-            .filter_map(Result::ok)
-            .find(|a| a.key.0 == name)
+        attributes.with_checks(false);
+        attributes.filter_map(Result::ok)
+    }
+
+    fn attribute(&self, name: &str) -> Option<Attribute<'_>> {
+        self.attributes().find(|a| a.key.0 == name)
     }
 
     /// An attribute as text.
@@ -88,40 +92,70 @@ impl<'a> Element<'a> {
         Ok(Some(text.into_owned()))
     }
 
+    /// An attribute that has to be there, as text.
+    pub(crate) fn required(&self, name: &str) -> Result<String, MeshError> {
+        self.text(name)?.ok_or_else(|| self.absent(name))
+    }
+
+    /// Why an attribute that is not there has to be.
+    pub(crate) fn absent(&self, name: &str) -> MeshError {
+        self.wrong(format!("there is no attribute {name}"))
+    }
+
+    /// An attribute that is one of some words, each with what it stands for.
+    /// `kind` says what they are.
+    pub(crate) fn word<T: Copy>(
+        &self,
+        name: &str,
+        kind: &str,
+        words: &[(&str, T)],
+    ) -> Result<Option<T>, MeshError> {
+        let text = self.text(name)?;
+        text.map(|text| self.one_of(&text, kind, words)).transpose()
+    }
+
+    /// What a text stands for that has to be one of some words.
+    pub(crate) fn one_of<T: Copy>(
+        &self,
+        text: &str,
+        kind: &str,
+        words: &[(&str, T)],
+    ) -> Result<T, MeshError> {
+        let found = words.iter().find(|(word, _)| *word == text);
+        found.map(|(_, meant)| *meant).ok_or_else(|| {
+            let all: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+            self.wrong(format!(
+                "{text:?} is no {kind}; those of 3MF are {}",
+                human_list(&all, "and")
+            ))
+        })
+    }
+
     /// An attribute by the end of its name, whatever its prefix is.
     pub(crate) fn text_of_any(
         &self,
         local: &str,
     ) -> Result<Option<String>, MeshError> {
-        let mut attributes = self.raw.attributes();
-        let name = attributes
-            .with_checks(false)
-            .filter_map(Result::ok)
-            .find(|a| a.key.local_name().as_ref() == local)
-            .map(|a| a.key.0.to_owned());
-        match name {
-            Some(name) => self.text(&name),
+        let is_meant = |a: &Attribute| a.key.local_name().as_ref() == local;
+        match self.attributes().find(is_meant) {
+            Some(attribute) => self.text(attribute.key.0),
             None => Ok(None),
         }
     }
 
     /// Attributes that name a prefix: prefix and namespace.
     pub(crate) fn prefixes(&self) -> Vec<(String, String)> {
-        let mut attributes = self.raw.attributes();
-        let named = attributes.with_checks(false).filter_map(Result::ok);
-        named
-            .filter_map(|a| {
-                let prefix = a.key.0.strip_prefix("xmlns:")?;
-                Some((prefix.to_owned(), a.value.into_owned()))
-            })
-            .collect()
+        let named = self.attributes().filter_map(|a| {
+            let prefix = a.key.0.strip_prefix("xmlns:")?;
+            Some((prefix.to_owned(), a.value.into_owned()))
+        });
+        named.collect()
     }
 
     /// The prefixes of its attributes.
     pub(crate) fn prefixes_of_attributes(&self) -> Vec<String> {
-        let mut attributes = self.raw.attributes();
-        let all = attributes.with_checks(false).filter_map(Result::ok);
-        let prefixes = all.filter_map(|a| a.key.0.split_once(':'));
+        let prefixes =
+            self.attributes().filter_map(|a| a.key.0.split_once(':'));
         prefixes.map(|(prefix, _)| prefix.to_owned()).collect()
     }
 
@@ -134,21 +168,13 @@ impl<'a> Element<'a> {
         let value = attribute.as_ref().map(|a| a.value.trim_ascii());
         let parsed = value.and_then(|text| text.parse().ok());
         parsed.ok_or_else(|| match value {
-            None => self.wrong(format!("there is no attribute {name}")),
+            None => self.absent(name),
             Some(value) => self.wrong(format!(
                 "the attribute {name} is {:?}, which is no number that it may be",
-                shortened(value)
+                human_start(value, LONGEST_SHOWN)
             )),
         })
     }
-}
-
-/// The beginning of a word, for messages.
-fn shortened(word: &str) -> String {
-    if word.chars().count() <= 30 {
-        return word.to_owned();
-    }
-    word.chars().take(30).chain(['…']).collect()
 }
 
 /// What is wrong, in words that do not tell how to change the program.

@@ -1,6 +1,7 @@
 //! Addresses of hosts, and words of strangers.
 
 use super::HostError;
+use isoslice_base::units::human_start;
 use ureq::http::Uri;
 
 /// Greatest number of characters of a stranger's words that are shown.
@@ -37,8 +38,5 @@ pub(super) fn address(url: &str) -> Result<String, HostError> {
 /// A host's words, no longer than people read, in one line.
 pub(super) fn shortened(text: &str) -> String {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    match line.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &line[..end]),
-        None => line,
-    }
+    human_start(&line, LONGEST)
 }

@@ -78,7 +78,7 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<()> {
     let has_few = matches!(own, Some(Own::Nothing));
     let mut import = if let Some(Own::Given(settings)) = own {
         if args.list {
-            return plain::print("It holds one profile, without a choice.\n");
+            return plain::print(ONE_PROFILE);
         }
         Import::of_own(&args.file, settings)
     } else {
@@ -112,14 +112,17 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<()> {
     plain::print(&import.summary(&written, args.all))
 }
 
+/// What `--list` says of a file that is no bundle.
+const ONE_PROFILE: &str = "It holds one profile, without a choice.\n";
+
 /// Names what there is in a bundle.
 fn list(source: &Source) -> anyhow::Result<()> {
     let all = source.list();
     if all.is_empty() {
-        return plain::print("It holds one profile, without a choice.\n");
+        return plain::print(ONE_PROFILE);
     }
     let mut text = String::new();
-    for kind in [PresetKind::Printer, PresetKind::Filament, PresetKind::Print] {
+    for kind in KINDS {
         for named in all.iter().filter(|n| n.kind == kind) {
             let name = plain::line(&named.name);
             writeln!(text, "{}:{name}", kind.word())?;
@@ -127,6 +130,10 @@ fn list(source: &Source) -> anyhow::Result<()> {
     }
     plain::print(&text)
 }
+
+/// The kinds of keys, in the order in which they are listed.
+const KINDS: [PresetKind; 3] =
+    [PresetKind::Printer, PresetKind::Filament, PresetKind::Print];
 
 /// An import on its way.
 struct Import {
@@ -184,15 +191,12 @@ impl Import {
         let has = |kind: &PresetKind| {
             translation.settings.iter().any(|s| s.kind == *kind)
         };
-        let kinds =
-            [PresetKind::Printer, PresetKind::Filament, PresetKind::Print];
-        let kinds = kinds.into_iter().filter(has).collect();
-        let stem = file.file_name().unwrap_or_default().to_string_lossy();
-        let stem = stem.split('.').next().unwrap_or("").to_owned();
+        let kinds = KINDS.into_iter().filter(has).collect();
+        let file = file.file_name().unwrap_or_default().to_string_lossy();
+        let stem = file.split('.').next().unwrap_or("");
         let names: Vec<&str> =
             picked.names.iter().map(|n| n.name.as_str()).collect();
-        let name = names.first().map_or(stem.as_str(), |name| name);
-        let file = file.file_name().unwrap_or_default().to_string_lossy();
+        let name = names.first().map_or(stem, |name| name);
         let of = match names.as_slice() {
             [] => String::new(),
             all => format!(", {}", all.join(", ")),

@@ -1,6 +1,7 @@
 //! What an import tells: what became of which keys.
 
 use super::super::plain;
+use super::super::rows::counted;
 use super::words::{shortened, shown};
 use super::{Import, Written, ours, own};
 use slicerprofile::Left;
@@ -18,19 +19,16 @@ impl Import {
     /// How many keys became what.
     pub(super) fn counts(&self) -> String {
         let t = &self.translation;
-        let settings = some(t.settings.len(), "setting", "settings");
+        let settings = counted(t.settings.len(), "setting");
         if self.maker == own::MAKER {
-            let differ = if t.settings.len() == 1 {
-                "differs"
-            } else {
-                "differ"
-            };
+            let is_one = t.settings.len() == 1;
+            let differ = if is_one { "differs" } else { "differ" };
             return format!("{settings} that {differ} from the defaults");
         }
         let is = |list: &[Left]| some(list.len(), "is", "are");
         format!(
             "{} became {settings}, {} not needed, {} no counterpart, {} not known",
-            some(t.mapped, "key", "keys"),
+            counted(t.mapped, "key"),
             is(&t.ignored),
             some(t.lost.len(), "has", "have"),
             is(&t.unknown)
@@ -95,7 +93,7 @@ impl Import {
             let options: Vec<String> = written
                 .iter()
                 .map(|(kind, name, _)| {
-                    let word = ours(*kind).word();
+                    let word = ours(*kind).name();
                     format!("--{word} {}", plain::value(name))
                 })
                 .collect();

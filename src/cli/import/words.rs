@@ -1,5 +1,6 @@
 //! Names, values and texts of other slicers as profiles and summaries have them.
 
+use isoslice_base::units::human_start;
 use slicerprofile::{Setting, Value};
 
 /// Greatest length of a profile's name.
@@ -28,10 +29,7 @@ pub(super) fn shown(value: &Value) -> String {
 pub(super) fn shortened(text: &str) -> String {
     // The rest of the line has the setting's name, and where it is from.
     const LONGEST: usize = 60;
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
-    }
+    human_start(text, LONGEST)
 }
 
 /// Text that cannot end a comment's line.

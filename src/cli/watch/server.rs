@@ -65,22 +65,17 @@ impl Site {
         profiles: &Profiles,
         printers: Vec<String>,
     ) -> Site {
-        let kinds = [
-            ProfileKind::Printer,
-            ProfileKind::Filament,
-            ProfileKind::Preset,
-        ];
         let names = |kind: ProfileKind| {
             let (profiles, _) = profiles.list(kind);
             let names: Vec<_> = profiles.into_iter().map(|p| p.name).collect();
-            json!({ "kind": kind.word(), "names": names })
+            json!({ "kind": kind.name(), "names": names })
         };
         Site {
             page: live_html(&job.name()),
             session,
             job,
             guard,
-            profiles: kinds.map(names).to_vec().into(),
+            profiles: ProfileKind::ALL.map(names).to_vec().into(),
             printers,
             drawing: Mutex::new(()),
             fine: Mutex::new(None),

@@ -13,6 +13,7 @@ use super::subject::{Read, Subject};
 use crate::cli::args::Gathered;
 use crate::cli::excerpt::{excerpt, of_loading};
 use crate::cli::limits::{GRACE, ThreadArgs};
+use crate::cli::settings::origin;
 use crate::cli::terminal;
 use anyhow::Context;
 use isoslice::files::{Output, read_text};
@@ -344,7 +345,6 @@ fn list(gathered: &Gathered, choice: &Choice) -> (String, String) {
         if differs {
             toml.push_str(&format!("{} = {value}\n", key.name));
         }
-        let place = gathered.builder.place(key);
         all.push(Setting {
             name: key.name,
             section: key.section(),
@@ -354,7 +354,7 @@ fn list(gathered: &Gathered, choice: &Choice) -> (String, String) {
             some_words: key.some_words(),
             allowed: key.allowed(),
             value: bare(value),
-            from: place.map_or("default".into(), ToString::to_string),
+            from: origin(gathered, key),
             set: choice.set.contains_key(key.name),
             differs,
         });

@@ -1,9 +1,10 @@
 //! Where pieces of outlines meet.
 
 use crate::curve::Curve;
-use crate::error::{Problem, go_on};
 use crate::tree::Tree;
 use glam::DVec2;
+use isocontour::Rect;
+use isoslice_base::problem::{Problem, go_on};
 
 /// The most pairs of pieces that are looked at.
 const MOST_PAIRS: usize = 4_000_000;
@@ -32,10 +33,9 @@ pub(super) fn meetings(
     let (mut pairs, mut found, mut parts) = (0, 0, 0);
     for (i, a) in pieces.iter().enumerate() {
         go_on()?;
-        let bounds = a.bounds().wider(flat);
+        let bounds = a.bounds().grown(flat);
         let mut near = Vec::new();
-        let meets =
-            |b: &crate::curve::Box2| pairs < MOST_PAIRS && b.meets(bounds);
+        let meets = |b: &Rect| pairs < MOST_PAIRS && b.meets(bounds);
         tree.each(meets, |j| {
             if j > i {
                 near.push(j);

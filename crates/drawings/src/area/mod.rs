@@ -12,11 +12,12 @@ mod rings;
 mod slopes;
 mod winding;
 
-use crate::curve::{Box2, Curve};
-use crate::error::{Problem, go_on};
+use crate::curve::Curve;
 use crate::outline::{Fill, Outline};
 use crate::tree::Tree;
 use glam::DVec2;
+use isocontour::Rect;
+use isoslice_base::problem::{Problem, go_on};
 pub(crate) use nearest::Piece;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -110,7 +111,7 @@ impl Area {
     }
 
     /// The box around its border.
-    pub(crate) fn bounds(&self) -> Box2 {
+    pub(crate) fn bounds(&self) -> Rect {
         self.tree.bounds()
     }
 
@@ -127,8 +128,7 @@ impl Area {
 
     /// Whether a point is inside.
     pub(crate) fn is_inside(&self, p: DVec2) -> bool {
-        let Box2 { min, max } = self.bounds();
-        p.cmpge(min).all() && p.cmple(max).all() && self.winding.is_inside(p)
+        self.bounds().contains(p) && self.winding.is_inside(p)
     }
 
     /// The nearest point of the border, which is no farther away than a square

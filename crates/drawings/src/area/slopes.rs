@@ -1,8 +1,8 @@
 //! Bounds of the distance and its gradient over boxes.
 
 use super::{Area, Edge, SMOOTH};
-use crate::curve::Box2;
 use glam::DVec2;
+use isocontour::Rect;
 use std::cell::Cell;
 
 type Range = [f64; 2];
@@ -68,14 +68,14 @@ impl Ways {
 
 impl Area {
     /// The range of the distance in a box: it changes by at most 1 per mm.
-    pub(crate) fn range(&self, over: Box2) -> Range {
+    pub(crate) fn range(&self, over: Rect) -> Range {
         let outlines = self.bounds();
         // Nothing inside is farther from the border than half the width.
         let deepest = -0.5 * outlines.size().min_element();
-        let apart = over.distance(outlines);
+        let apart = over.gap(outlines);
         let least = if apart > 0.0 { apart } else { deepest };
         let least = least - 1e-12 * (1.0 + least.abs());
-        let centre = 0.5 * (over.min + over.max);
+        let centre = over.centre();
         let half = 0.5 * over.size().length();
         if !(centre.is_finite() && half.is_finite()) {
             return [least, f64::INFINITY];
@@ -87,8 +87,8 @@ impl Area {
     }
 
     /// The ranges of the gradient's coordinates in a box.
-    pub(crate) fn slopes(&self, over: Box2) -> [Range; 2] {
-        let centre = 0.5 * (over.min + over.max);
+    pub(crate) fn slopes(&self, over: Rect) -> [Range; 2] {
+        let centre = over.centre();
         let half = 0.5 * over.size().length();
         if !(centre.is_finite() && half.is_finite()) {
             return Ways::ALL.0;
@@ -103,8 +103,7 @@ impl Area {
         };
         let mut ways = Ways([NONE; 2]);
         let met = Cell::new(0);
-        let near =
-            |b: &Box2| met.get() <= MOST_EDGES && b.distance(over) <= far;
+        let near = |b: &Rect| met.get() <= MOST_EDGES && b.gap(over) <= far;
         self.tree.each(near, |edge| {
             met.set(met.get() + 1);
             let of = self.edges[edge].ways(over, far, sign);
@@ -124,7 +123,7 @@ impl Edge {
     /// The gradients at points of a box that have their nearest point on this
     /// edge, within a distance. The sign says on which side they are; 0 for
     /// both.
-    fn ways(&self, over: Box2, far: f64, sign: f64) -> Ways {
+    fn ways(&self, over: Rect, far: f64, sign: f64) -> Ways {
         let curve = &self.piece.curve;
         let (slope, n) = curve.slope();
         // Across the border, outwards.
@@ -137,16 +136,10 @@ impl Edge {
             if self.smooth[end] || over.distance2(p) > far * far {
                 continue;
             }
-            let corners = [
-                over.min,
-                DVec2::new(over.max.x, over.min.y),
-                over.max,
-                DVec2::new(over.min.x, over.max.y),
-            ];
-            if over.wider(1e-9).distance2(p) == 0.0 {
+            if over.grown(1e-9).distance2(p) == 0.0 {
                 return Ways::ALL;
             }
-            let from = Ways::between(&corners.map(|c| c - p));
+            let from = Ways::between(&over.corners().map(|c| c - p));
             for side in [1.0, -1.0] {
                 if sign != -side {
                     ways = ways.both(from.turned(side));
@@ -158,8 +151,8 @@ impl Edge {
 }
 
 /// Whether any point of a box is beside a line.
-fn within_reach(start: DVec2, way: DVec2, over: Box2) -> bool {
-    let centre = 0.5 * (over.min + over.max);
+fn within_reach(start: DVec2, way: DVec2, over: Rect) -> bool {
+    let centre = over.centre();
     let half = 0.5 * over.size();
     let along = (centre - start).dot(way);
     let reach = half.dot(way.abs()) + 1e-9 * way.length();

@@ -8,10 +8,11 @@
 //! mirrored, x for y, and rays are as short as the area is high.
 
 use super::Shape;
-use crate::curve::{Box2, Curve};
+use crate::curve::Curve;
 use crate::outline::Fill;
 use crate::tree::Tree;
 use glam::DVec2;
+use isocontour::Rect;
 
 /// The pieces of all shapes.
 #[derive(Debug)]
@@ -32,7 +33,7 @@ impl Winding {
         shapes: Vec<Shape>,
     ) -> Winding {
         let boxes = pieces.iter().map(|(c, _)| c.bounds());
-        let size = boxes.fold(Box2::NONE, Box2::union).size();
+        let size = boxes.fold(Rect::EMPTY, Rect::union).size();
         let mirrored = size.x > size.y;
         if mirrored {
             for (piece, _) in &mut pieces {
@@ -48,12 +49,9 @@ impl Winding {
         }
     }
 
-    pub(super) fn bounds(&self) -> Box2 {
-        let Box2 { min, max } = self.tree.bounds();
-        Box2 {
-            min: self.seen(min),
-            max: self.seen(max),
-        }
+    pub(super) fn bounds(&self) -> Rect {
+        let Rect { min, max } = self.tree.bounds();
+        Rect::new(self.seen(min), self.seen(max))
     }
 
     /// A place as the pieces have it, and back.
@@ -91,7 +89,7 @@ impl Winding {
         let mut first: Met = (0, 0);
         let mut others: Vec<Met> = Vec::new();
         let ahead =
-            |b: &Box2| b.min.y <= p.y && p.y < b.max.y && p.x <= b.max.x;
+            |b: &Rect| b.min.y <= p.y && p.y < b.max.y && p.x <= b.max.x;
         self.tree.each(ahead, |i| {
             let (piece, shape) = &self.pieces[i];
             let way = passes(piece, p);

@@ -1,8 +1,8 @@
 //! What of a DXF file matters: its unit, layers, blocks and entities.
 
 use super::pairs::{Pair, Pairs, Record, shown};
-use crate::error::{Problem, go_on};
 use glam::DVec2;
+use isoslice_base::problem::{Problem, go_on};
 use std::collections::BTreeMap;
 
 /// The most records of a file: some 60 MB of memory.

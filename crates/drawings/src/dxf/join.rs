@@ -8,9 +8,9 @@ use super::cells::{Cell, around, cell};
 use super::same::each_once;
 use super::walk::Line;
 use crate::curve::Curve;
-use crate::error::{Problem, go_on};
 use crate::outline::{Fill, Outline};
 use glam::DVec2;
+use isoslice_base::problem::{Problem, go_on};
 use isoslice_base::units::human_number;
 use std::collections::{HashMap, HashSet};
 

@@ -25,9 +25,10 @@ mod tests;
 mod walk;
 
 use crate::drawing::{Drawing, small_enough};
-use crate::error::{DrawingError, Problem, not_drawn};
+use crate::left_out::not_drawn;
 use crate::place::{Anchor, place_all};
 use file::{File, folded, millimetres};
+use isoslice_base::problem::{NamedProblem, Problem};
 use isoslice_base::units::human_number;
 use pairs::shown;
 use std::borrow::Cow;
@@ -81,9 +82,9 @@ impl Drawing {
         name: &str,
         bytes: &[u8],
         options: &DxfOptions,
-    ) -> Result<Drawing, DrawingError> {
+    ) -> Result<Drawing, NamedProblem> {
         read(name, bytes, options)
-            .map_err(|problem| DrawingError::new(name, problem))
+            .map_err(|problem| NamedProblem::new(name, problem))
     }
 }
 

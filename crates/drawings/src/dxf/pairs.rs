@@ -2,8 +2,9 @@
 //! follows, and a value. A record is a pair of code 0, its kind, and all pairs up to
 //! the next.
 
-use crate::error::Problem;
 use glam::DVec2;
+use isoslice_base::problem::Problem;
+use isoslice_base::units::human_start;
 
 /// The code at which a record begins.
 const KIND: i32 = 0;
@@ -52,10 +53,7 @@ impl<'a> Pair<'a> {
 /// A text of a file in quotes, as much of it as people read.
 pub(super) fn shown(text: &str) -> String {
     const MOST: usize = 40;
-    match text.char_indices().nth(MOST) {
-        Some((end, _)) => format!("`{}…`", &text[..end]),
-        None => format!("`{text}`"),
-    }
+    format!("`{}`", human_start(text, MOST))
 }
 
 /// The pairs from some place in a file.

@@ -1,9 +1,9 @@
 //! Draws the lines of entities, of which a drawing has so many at most.
 
 use crate::area::MOST_CURVES;
-use crate::error::{Problem, go_on};
 use crate::outline::{Fill, Outline};
 use glam::DVec2;
+use isoslice_base::problem::{Problem, go_on};
 
 /// What is said of a drawing that has too many curves.
 pub(super) fn too_many<T>() -> Problem<T> {

@@ -4,10 +4,10 @@
 use super::GAP;
 use super::cells::{Cell, around, cell};
 use crate::area::{MOST_CURVES, Piece};
-use crate::curve::Box2;
-use crate::error::{Problem, go_on};
 use crate::outline::Outline;
 use crate::tree::Tree;
+use isocontour::Rect;
+use isoslice_base::problem::{Problem, go_on};
 use std::cell::OnceCell;
 use std::collections::HashMap;
 
@@ -26,7 +26,7 @@ const MOST_LOOKS: usize = 16 * MOST_CURVES;
 
 struct Ring {
     line: Outline,
-    bounds: Box2,
+    bounds: Rect,
     /// What its nearest point is found with, if it is ever asked for.
     nearest: OnceCell<(Tree, Vec<Piece>)>,
 }
@@ -58,7 +58,7 @@ pub(super) fn each_once(
 impl Ring {
     fn new(line: Outline) -> Ring {
         let parts = line.curves().iter().flat_map(|c| c.monotone());
-        let bounds = parts.fold(Box2::NONE, |bounds, part| {
+        let bounds = parts.fold(Rect::EMPTY, |bounds, part| {
             bounds.with(part.start()).with(part.end())
         });
         let nearest = OnceCell::new();

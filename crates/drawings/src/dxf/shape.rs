@@ -3,9 +3,9 @@
 use super::pairs::Record;
 use super::pen::Pen;
 use super::spline::spline;
-use crate::error::Problem;
 use crate::outline::{Fill, Outline};
 use glam::{DAffine2, DMat2, DVec2};
+use isoslice_base::problem::Problem;
 use std::f64::consts::TAU;
 
 /// What an entity draws.

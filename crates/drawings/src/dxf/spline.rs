@@ -6,9 +6,9 @@
 
 use super::pairs::Record;
 use super::pen::Pen;
-use crate::error::{Problem, go_on};
 use crate::outline::Outline;
 use glam::{DVec2, DVec3};
+use isoslice_base::problem::{Problem, go_on};
 
 /// The greatest degree, of which programs make none greater.
 const MOST_DEGREE: usize = 10;

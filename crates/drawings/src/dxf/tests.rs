@@ -1,7 +1,8 @@
 use crate::tests::bounds_hold;
-use crate::{Anchor, Drawing, DrawingError, DxfOptions};
+use crate::{Anchor, Drawing, DxfOptions};
 use glam::{DAffine3, DVec2, DVec3};
 use isocontour::Data;
+use isoslice_base::problem::NamedProblem;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
 use std::time::{Duration, Instant};
 
@@ -33,7 +34,7 @@ fn whole(unit: i32, layers: &str, blocks: &str, entities: &str) -> String {
         + "0\nEOF\n"
 }
 
-fn read(text: &str, options: &DxfOptions) -> Result<Drawing, DrawingError> {
+fn read(text: &str, options: &DxfOptions) -> Result<Drawing, NamedProblem> {
     Drawing::from_dxf("part.dxf", text.as_bytes(), options)
 }
 

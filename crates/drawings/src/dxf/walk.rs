@@ -8,8 +8,8 @@ use super::shape::{Shape, is_wide, shape, space};
 use crate::area::MOST_CURVES;
 use crate::curve::Curve;
 use crate::drawing::MOST_DRAWING_BYTES;
-use crate::error::{Problem, go_on};
 use glam::{DAffine2, DMat2, DVec2};
+use isoslice_base::problem::{Problem, go_on};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -225,12 +225,7 @@ impl<'a, 'f> Walk<'a, 'f> {
         place: Place<'_>,
     ) -> Problem<()> {
         let curves = shape.line.mapped(place.to_mm).into_curves();
-        let far = |c: &Curve| {
-            let bounds = c.bounds();
-            !c.is_finite()
-                || bounds.max.max(-bounds.min).max_element() > FARTHEST
-        };
-        if curves.iter().any(far) {
+        if !curves.iter().all(|curve| curve.is_within(FARTHEST)) {
             return Err(format!(
                 "line {}: {} has a coordinate beyond 1 km; is the unit right? \
                  Say how many mm it has with unit",

@@ -14,9 +14,10 @@ mod view;
 mod walk;
 
 use crate::drawing::{Drawing, FILL, small_enough};
-use crate::error::{DrawingError, Problem, go_on, not_drawn};
+use crate::left_out::not_drawn;
 use crate::place::{Anchor, place_all};
 use glam::{DAffine2, DVec2};
+use isoslice_base::problem::{NamedProblem, Problem, go_on};
 use roxmltree::{Document, Node, NodeId, ParsingOptions};
 use simplecss::StyleSheet;
 use std::collections::BTreeMap;
@@ -86,9 +87,9 @@ impl Drawing {
         name: &str,
         bytes: &[u8],
         options: &SvgOptions,
-    ) -> Result<Drawing, DrawingError> {
+    ) -> Result<Drawing, NamedProblem> {
         read(name, bytes, options)
-            .map_err(|problem| DrawingError::new(name, problem))
+            .map_err(|problem| NamedProblem::new(name, problem))
     }
 }
 

@@ -1,7 +1,8 @@
 use crate::tests::bounds_hold;
-use crate::{Anchor, Drawing, DrawingError, SvgOptions, White};
+use crate::{Anchor, Drawing, SvgOptions, White};
 use glam::{DVec2, DVec3};
 use isocontour::Data;
+use isoslice_base::problem::NamedProblem;
 
 /// A page of 100 × 100 mm whose user units are mm.
 fn page(inner: &str) -> String {
@@ -12,7 +13,7 @@ fn page(inner: &str) -> String {
     )
 }
 
-fn read(text: &str) -> Result<Drawing, DrawingError> {
+fn read(text: &str) -> Result<Drawing, NamedProblem> {
     Drawing::from_svg("logo.svg", text.as_bytes(), &SvgOptions::default())
 }
 

@@ -4,10 +4,10 @@ use super::style::{Own, Paint, Style};
 use super::view::{Share, attribute, fit, length, transform, view_box};
 use super::{Sheet, shapes};
 use crate::area::MOST_CURVES;
-use crate::error::{Problem, go_on};
 use crate::outline::Outline;
 use crate::stroke::{Pen, stroke};
 use glam::{DAffine2, DVec2};
+use isoslice_base::problem::{Problem, go_on};
 use roxmltree::{Node, NodeId};
 use std::collections::BTreeMap;
 

@@ -1,9 +1,9 @@
 //! A font: the outlines of its letters, and how they stand beside one another.
 
 use super::kerning::Kerning;
-use crate::error::Problem;
 use crate::outline::Outline;
 use glam::DVec2;
+use isoslice_base::problem::Problem;
 use skrifa::instance::{LocationRef, Size};
 use skrifa::metrics::GlyphMetrics;
 use skrifa::outline::{DrawSettings, OutlinePen};

@@ -9,12 +9,12 @@ mod kerning;
 #[cfg(test)]
 mod tests;
 
-use crate::curve::Box2;
 use crate::drawing::{Drawing, FILL};
-use crate::error::{DrawingError, Problem};
 use crate::outline::{Fill, Outline};
 use font::Font;
 use glam::{DAffine2, DVec2};
+use isocontour::Rect;
+use isoslice_base::problem::{NamedProblem, Problem};
 use isoslice_base::units::human_number;
 
 /// The most characters of a text.
@@ -88,13 +88,13 @@ impl Drawing {
         text: &str,
         font: Option<&[u8]>,
         options: &TextOptions,
-    ) -> Result<Drawing, DrawingError> {
+    ) -> Result<Drawing, NamedProblem> {
         let short: String = text.chars().take(40).collect();
         let name = format!("text({short:?})");
         let made = draw(text, font, options).and_then(|(outline, warnings)| {
             Drawing::warned(name.clone(), &[outline], warnings, FILL)
         });
-        made.map_err(|problem| DrawingError::new(&name, problem))
+        made.map_err(|problem| NamedProblem::new(&name, problem))
     }
 }
 
@@ -184,7 +184,7 @@ fn lay_out(
 /// At its height.
 fn raised(outline: Outline, vertical: Vertical) -> Outline {
     let curves = outline.curves().iter().flat_map(|c| c.monotone());
-    let bounds = curves.map(|c| c.bounds()).fold(Box2::NONE, Box2::union);
+    let bounds = curves.map(|c| c.bounds()).fold(Rect::EMPTY, Rect::union);
     let by = match vertical {
         Vertical::Base => return outline,
         Vertical::Centre => -0.5 * (bounds.min.y + bounds.max.y),

@@ -16,23 +16,13 @@ pub(super) fn limited(number: f64) -> f64 {
 }
 
 /// The words of one command.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Words {
     /// A bit for each letter, from A.
     given: u32,
     /// A bit for each letter that stands without a number.
     bare: u32,
     numbers: [f64; 26],
-}
-
-impl Default for Words {
-    fn default() -> Self {
-        Self {
-            given: 0,
-            bare: 0,
-            numbers: [0.0; 26],
-        }
-    }
 }
 
 /// What a line is.

@@ -82,12 +82,9 @@ impl Cells {
             }
         }
         for (cell, sliver) in slivers {
-            let middle = |area: &Area| {
-                let Rect { min, max } = area.bounds();
-                min.midpoint(max)
-            };
-            let at = middle(&sliver);
+            let at = sliver.bounds().centre();
             let beside = large.iter_mut().min_by(|(_, a), (_, b)| {
+                let middle = |area: &Area| area.bounds().centre();
                 let far = |area| middle(area).distance_squared(at);
                 far(a).total_cmp(&far(b))
             });

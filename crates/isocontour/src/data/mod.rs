@@ -25,6 +25,7 @@ pub(crate) use over::{derivatives, range_over};
 use crate::cuboid::Bounds;
 use crate::grid::Grid;
 use crate::plane::Ring;
+use crate::tree::operands;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, TreeOp};
 use fidget::var::Var;
 use glam::{DAffine3, DVec3};
@@ -52,16 +53,9 @@ pub trait Data: Any + Send + Sync {
     /// Appends its values at places, each given by one number of the three
     /// lists, to `out`. Places that follow one another are often near to one
     /// another. Coordinates may be NaN or infinite; there, values are NaN.
-    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
-        let places = x.iter().zip(y).zip(z);
-        out.extend(places.map(|((&x, &y), &z)| {
-            let p = DVec3::new(x.into(), y.into(), z.into());
-            if p.is_finite() {
-                self.value(p) as f32
-            } else {
-                f32::NAN
-            }
-        }));
+    fn values(&self, at: [&[f32]; 3], out: &mut Vec<f32>) {
+        let value = |p| self.value(p) as f32;
+        out.extend(places(at).map(|p| p.map_or(f32::NAN, value)));
     }
 
     /// Two numbers between which all of its values in a box are. The box may be
@@ -132,6 +126,15 @@ pub trait Data: Any + Send + Sync {
     }
 }
 
+/// Places of which three lists have the coordinates; none where one of these is NaN
+/// or infinite.
+pub fn places([x, y, z]: [&[f32]; 3]) -> impl Iterator<Item = Option<DVec3>> {
+    x.iter().zip(y).zip(z).map(|((&x, &y), &z)| {
+        let p = DVec3::new(x.into(), y.into(), z.into());
+        p.is_finite().then_some(p)
+    })
+}
+
 /// A place where a line crosses the surface of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
@@ -190,23 +193,14 @@ pub fn data_of(tree: &Tree) -> Vec<Arc<dyn Data>> {
         if !seen.insert(op) {
             continue;
         }
-        match op {
-            TreeOp::Input(var @ Var::V(_)) => {
-                if !found.contains_key(var)
-                    && let Some(data) = known(*var)
-                {
-                    order.push(data.clone());
-                    found.insert(*var, data);
-                }
-            }
-            TreeOp::Input(_) | TreeOp::Const(_) => {}
-            TreeOp::Unary(_, a) => todo.push(a),
-            TreeOp::Binary(_, a, b) => todo.extend([&**a, &**b]),
-            TreeOp::RemapAxes { target, x, y, z } => {
-                todo.extend([&**target, &**x, &**y, &**z]);
-            }
-            TreeOp::RemapAffine { target, .. } => todo.push(target),
+        if let TreeOp::Input(var @ Var::V(_)) = op
+            && !found.contains_key(var)
+            && let Some(data) = known(*var)
+        {
+            order.push(data.clone());
+            found.insert(*var, data);
         }
+        todo.extend(operands(op));
     }
     order
 }

@@ -79,6 +79,27 @@ impl Rect {
         self.min.midpoint(self.max)
     }
 
+    /// The corners, counter-clockwise from the lower left one.
+    #[inline]
+    pub fn corners(self) -> [DVec2; 4] {
+        let Rect { min, max } = self;
+        [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)]
+    }
+
+    /// The distance of another box: 0 if the two have a point in common.
+    #[inline]
+    pub fn gap(self, other: Rect) -> Length {
+        let apart = (self.min - other.max).max(other.min - self.max);
+        apart.max(DVec2::ZERO).length()
+    }
+
+    /// The square of the distance of a point: 0 inside.
+    #[inline]
+    pub fn distance2(self, p: DVec2) -> f64 {
+        let apart = (self.min - p).max(p - self.max);
+        apart.max(DVec2::ZERO).length_squared()
+    }
+
     /// True if the two boxes have a point in common.
     #[inline]
     pub fn meets(&self, other: Rect) -> bool {
@@ -308,6 +329,17 @@ mod tests {
     pub(super) fn reversed(mut r: Ring) -> Ring {
         r.reverse();
         r
+    }
+
+    #[test]
+    fn boxes_are_apart_by_their_corners_too() {
+        let rect = |x: f64, y: f64| {
+            Rect::new(DVec2::new(x, y), DVec2::new(x + 10.0, y + 10.0))
+        };
+        assert_eq!(rect(0.0, 0.0).gap(rect(13.0, 14.0)), 5.0);
+        assert_eq!(rect(13.0, 14.0).gap(rect(0.0, 0.0)), 5.0);
+        assert_eq!(rect(0.0, 0.0).gap(rect(30.0, 5.0)), 20.0);
+        assert_eq!(rect(0.0, 0.0).gap(rect(5.0, 5.0)), 0.0);
     }
 
     #[test]

@@ -118,11 +118,9 @@ impl Frame {
 
     /// The box in the pattern around a box in the plane.
     fn bounds(&self, rect: Rect) -> Rect {
-        let (a, b) = (rect.min, rect.max);
-        let corners = [a, DVec2::new(b.x, a.y), b, DVec2::new(a.x, b.y)];
         let back = DVec2::new(self.along.x, -self.along.y);
-        let inside = corners.map(|p| back.rotate(p - self.origin));
-        Rect::around(&inside)
+        let inside = |p: DVec2| back.rotate(p - self.origin);
+        Rect::around(&rect.corners().map(inside))
     }
 }
 
@@ -265,7 +263,7 @@ impl<'a> Infill<'a> {
                 let pattern = pattern(*word, graded);
                 if graded && !pattern.can_vary() {
                     return Err(InfillError::NotGraded {
-                        pattern: word.word(),
+                        pattern: word.name(),
                     });
                 }
                 InfillKind::Pattern(pattern)

@@ -21,7 +21,7 @@ use crate::mesh::Mesh;
 use crate::ray::around;
 use crate::shell::Shell;
 use crate::tree::Node;
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use isocontour::{Crossing, Grid};
 use std::ops::RangeInclusive;
 
@@ -51,13 +51,8 @@ impl Mesh {
     pub(crate) fn crossed_by(&self, lines: &Grid) -> Option<Vec<Crossing>> {
         self.sign.is_whole().then_some(())?;
         let [x, y, z] = lines.steps;
-        let from = DAffine3 {
-            matrix3: DMat3::from_cols(x, y, z),
-            translation: lines.origin,
-        };
-        let to = from.inverse();
-        let finite = to.matrix3.is_finite() && to.translation.is_finite();
-        finite.then_some(())?;
+        let to = DAffine3::from_cols(x, y, z, lines.origin).inverse();
+        to.is_finite().then_some(())?;
         let mut look = Look {
             to,
             mirrors: to.matrix3.determinant() < 0.0,
@@ -110,22 +105,11 @@ impl Look {
 
     /// True if there may be a line in a box of a node.
     fn may_hold_a_line(&self, node: &Node, i: usize) -> bool {
-        // More than the roundings of the sums, here and for vertices.
-        const SLACK: f64 = 1e-12;
         (0..2).all(|axis| {
             let row = self.to.matrix3.row(axis);
             let offset = self.to.translation[axis];
-            let (mut low, mut high) = (offset, offset);
-            let mut size = offset.abs();
-            for k in 0..3 {
-                let a = row[k] * f64::from(node.min[k][i]);
-                let b = row[k] * f64::from(node.max[k][i]);
-                low += a.min(b);
-                high += a.max(b);
-                size += a.abs().max(b.abs());
-            }
-            let slack = SLACK * size;
-            !self.within(axis, low - slack, high + slack).is_empty()
+            let [low, high] = node.range(i, row, offset);
+            !self.within(axis, low, high).is_empty()
         })
     }
 

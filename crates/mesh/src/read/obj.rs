@@ -15,23 +15,18 @@ use super::words::{self, Words, shortened};
 use crate::error::MeshError;
 use crate::limits::MOST_TRIANGLES;
 use crate::triangles::{Collector, Triangles};
-use glam::DVec3;
 use std::io::Read;
 
 pub(super) fn read(source: impl Read) -> Result<Triangles, MeshError> {
     let mut words = Words::new(source);
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     // The merged vertices, by the file's numbers.
     let mut vertices: Vec<u32> = Vec::new();
     let mut face = Face::default();
     while let Some(word) = words.next()? {
         match word {
             b"v" => {
-                let p = DVec3::new(
-                    words.number()?,
-                    words.number()?,
-                    words.number()?,
-                );
+                let p = words.point()?;
                 let line = words.line();
                 vertices.push(all.vertex(p, || format!("line {line}"))?);
                 // Three for each triangle, if no triangles share any.

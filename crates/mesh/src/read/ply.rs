@@ -118,7 +118,7 @@ pub(super) fn read(source: impl Read) -> Result<Triangles, MeshError> {
     let mut words = Words::new(source);
     let (encoding, elements) = head(&mut words)?;
     let mut numbers = Numbers { encoding, words };
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     let mut vertices: Vec<u32> = Vec::new();
     let mut face = Face::default();
     for element in &elements {
@@ -266,7 +266,7 @@ fn head<R: Read>(
                     Some(b"ascii") => Encoding::Text,
                     Some(b"binary_little_endian") => Encoding::Little,
                     Some(b"binary_big_endian") => Encoding::Big,
-                    _ => return Err(in_head(words, "an unknown format")),
+                    _ => return Err(words.wrong("an unknown format")),
                 };
             }
             b"element" => {
@@ -274,7 +274,7 @@ fn head<R: Read>(
                 let count =
                     words.next_in_line()?.and_then(super::words::parsed);
                 let Some(count) = count else {
-                    return Err(in_head(words, "an element without a number"));
+                    return Err(words.wrong("an element without a number"));
                 };
                 elements.push(Element {
                     name,
@@ -285,7 +285,7 @@ fn head<R: Read>(
             b"property" => {
                 let mut property = property(words)?;
                 let Some(element) = elements.last_mut() else {
-                    return Err(in_head(words, "a property of no element"));
+                    return Err(words.wrong("a property of no element"));
                 };
                 if element.name == b"tristrips"
                     && property.meaning == Meaning::Corners
@@ -300,7 +300,7 @@ fn head<R: Read>(
                 return Ok((encoding, elements));
             }
             b"comment" | b"obj_info" => {}
-            _ => return Err(in_head(words, "an unknown line of a head")),
+            _ => return Err(words.wrong("an unknown line of a head")),
         }
         words.skip_line()?;
     }
@@ -337,14 +337,14 @@ fn checked(elements: &[Element]) -> Result<(), MeshError> {
 fn property<R: Read>(words: &mut Words<R>) -> Result<Property, MeshError> {
     let kind = |words: &mut Words<R>| {
         let kind = words.next_in_line()?.and_then(Kind::named);
-        kind.ok_or_else(|| in_head(words, "an unknown type of numbers"))
+        kind.ok_or_else(|| words.wrong("an unknown type of numbers"))
     };
     let first = words.next_in_line()?.unwrap_or_default();
     let (length, kind) = if first == b"list" {
         (Some(kind(words)?), kind(words)?)
     } else {
         let Some(kind) = Kind::named(first) else {
-            return Err(in_head(words, "an unknown type of numbers"));
+            return Err(words.wrong("an unknown type of numbers"));
         };
         (None, kind)
     };
@@ -361,8 +361,4 @@ fn property<R: Read>(words: &mut Words<R>) -> Result<Property, MeshError> {
         kind,
         length,
     })
-}
-
-fn in_head<R: Read>(words: &Words<R>, what: &str) -> MeshError {
-    MeshError::at(format_args!("line {}", words.line()), what)
 }

@@ -72,7 +72,7 @@ fn binary(source: impl Read, count: u32) -> Result<Triangles, MeshError> {
         return Err(MeshError::TooMany);
     }
     let mut source = BufReader::with_capacity(1 << 16, source);
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     let mut bytes = [0; TRIANGLE];
     for i in 1..=count {
         source.read_exact(&mut bytes)?;
@@ -96,24 +96,19 @@ fn binary(source: impl Read, count: u32) -> Result<Triangles, MeshError> {
 
 fn text(source: impl Read) -> Result<Triangles, MeshError> {
     let mut words = Words::new(source);
-    let mut all = Collector::new();
+    let mut all = Collector::default();
     let mut corners = Vec::new();
     while let Some(word) = words.next()? {
         let word = word.to_ascii_lowercase();
         match word.as_slice() {
             b"vertex" => {
                 if corners.len() == 3 {
-                    return Err(wrong(
-                        &words,
+                    return Err(words.wrong(
                         "a facet of more than three vertices; export the part \
                          as triangles",
                     ));
                 }
-                let p = DVec3::new(
-                    words.number()?,
-                    words.number()?,
-                    words.number()?,
-                );
+                let p = words.point()?;
                 let line = words.line();
                 corners.push(all.vertex(p, || format!("line {line}"))?);
             }
@@ -121,8 +116,7 @@ fn text(source: impl Read) -> Result<Triangles, MeshError> {
                 if let [a, b, c] = corners[..] {
                     all.triangle([a, b, c])?;
                 } else {
-                    return Err(wrong(
-                        &words,
+                    return Err(words.wrong(
                         "a facet of fewer than three vertices; export the file \
                          again",
                     ));
@@ -140,8 +134,4 @@ fn text(source: impl Read) -> Result<Triangles, MeshError> {
         ));
     }
     all.finish()
-}
-
-fn wrong<R: Read>(words: &Words<R>, what: &str) -> MeshError {
-    MeshError::at(format_args!("line {}", words.line()), what)
 }

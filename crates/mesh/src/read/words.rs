@@ -1,6 +1,8 @@
 //! Words of a text file, one after another.
 
 use crate::error::MeshError;
+use glam::DVec3;
+use isoslice_base::units::human_start;
 use std::io::{BufRead, BufReader, Read};
 use std::str::FromStr;
 
@@ -119,6 +121,16 @@ impl<R: Read> Words<R> {
         Ok(())
     }
 
+    /// What is wrong in the line of the last word.
+    pub(super) fn wrong(&self, what: impl Into<String>) -> MeshError {
+        MeshError::at(format_args!("line {}", self.line()), what)
+    }
+
+    /// The next three words as a point.
+    pub(super) fn point(&mut self) -> Result<DVec3, MeshError> {
+        Ok(DVec3::new(self.number()?, self.number()?, self.number()?))
+    }
+
     /// The next word as a number.
     pub(super) fn number(&mut self) -> Result<f64, MeshError> {
         let word = self.next()?;
@@ -131,7 +143,7 @@ impl<R: Read> Words<R> {
                 format!("{:?} is no number", shortened(word))
             }
         };
-        Err(MeshError::at(format_args!("line {}", self.line()), what))
+        Err(self.wrong(what))
     }
 }
 
@@ -142,9 +154,5 @@ pub(super) fn parsed<T: FromStr>(word: &[u8]) -> Option<T> {
 
 /// The beginning of a word, for messages.
 pub(super) fn shortened(word: &[u8]) -> String {
-    let word = String::from_utf8_lossy(word);
-    if word.chars().count() <= 30 {
-        return word.into_owned();
-    }
-    word.chars().take(30).chain(['…']).collect()
+    human_start(&String::from_utf8_lossy(word), 30)
 }

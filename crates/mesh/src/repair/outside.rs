@@ -163,16 +163,7 @@ fn find_around(work: &Work, bodies: &mut [Body]) -> Result<(), MeshError> {
         corners: order.iter().map(|i| work.corners[*i as usize]).collect(),
         tree,
     };
-    let bounds = Bounds {
-        min: shell
-            .vertices
-            .iter()
-            .fold(glam::DVec3::INFINITY, |a, b| a.min(*b)),
-        max: shell
-            .vertices
-            .iter()
-            .fold(glam::DVec3::NEG_INFINITY, |a, b| a.max(*b)),
-    };
+    let bounds = Bounds::around(shell.vertices.iter().copied());
     let mut left = MEETINGS;
     for (k, body) in bodies.iter_mut().enumerate() {
         if k % 64 == 0 {

@@ -16,6 +16,7 @@ use super::Work;
 use crate::edges::each_edge;
 use crate::tree::{Node, Tree, above, below};
 use glam::DVec3;
+use isocontour::Bounds;
 use isoslice_base::limits::is_stopped;
 use isoslice_base::sets::Sets;
 use std::cell::Cell;
@@ -60,9 +61,8 @@ impl Rim {
             shortest[a] = length.min(shortest[a]);
             shortest[b] = length.min(shortest[b]);
         }
-        let low = vertices.iter().fold(DVec3::INFINITY, |a, b| a.min(*b));
-        let high = vertices.iter().fold(DVec3::NEG_INFINITY, |a, b| a.max(*b));
-        let size = (high - low).max_element();
+        let around = Bounds::around(vertices.iter().copied());
+        let size = around.size().max_element();
         Rim {
             edges,
             reach: near * size,

@@ -27,7 +27,7 @@ use crate::limits::{FARTHEST, MOST_STRUTS};
 use crate::shell::Reach;
 use crate::tree::{Child, Node, STACK, Tree, child};
 use glam::{DAffine3, DVec3};
-use isocontour::{Bounds, Data};
+use isocontour::{Bounds, Data, places};
 use rayon::prelude::*;
 
 /// Places that are farther than this along an axis, mm, are so far that all
@@ -82,10 +82,7 @@ impl Struts {
             name: name.to_owned(),
             struts,
             tree,
-            bounds: Bounds {
-                min: DVec3::ZERO,
-                max: DVec3::ZERO,
-            },
+            bounds: Bounds::EMPTY,
             deepest,
         };
         all.bounds = all.around(&DAffine3::IDENTITY);
@@ -94,12 +91,8 @@ impl Struts {
 
     /// The box around all struts where `seen` puts them.
     fn around(&self, seen: &DAffine3) -> Bounds {
-        let nothing = Bounds {
-            min: DVec3::INFINITY,
-            max: DVec3::NEG_INFINITY,
-        };
         let boxes = self.struts.par_iter().map(|s| s.extent(seen));
-        boxes.reduce(|| nothing, Bounds::union)
+        boxes.reduce(|| Bounds::EMPTY, Bounds::union)
     }
 
     /// The strut that is closest to a place, or in which it is deepest; of
@@ -143,7 +136,7 @@ impl Struts {
                 }
                 Child::Node(at) => {
                     let node = &self.tree.nodes[at];
-                    push(&reach, node, most, &mut stack, &mut top);
+                    reach.push(node, most, &mut stack, &mut top);
                 }
             }
         }
@@ -154,30 +147,6 @@ impl Struts {
         let way = p - self.bounds.centre();
         let is_far = p.abs().max_element() > FAR_AWAY;
         is_far.then(|| (way.length(), way.normalize_or_zero()))
-    }
-}
-
-/// Puts the boxes of a node on a stack that may hold something near, the nearest
-/// one on top.
-#[inline]
-fn push(
-    reach: &Reach,
-    node: &Node,
-    most: f32,
-    stack: &mut [(f32, u32); STACK],
-    top: &mut usize,
-) {
-    let base = *top;
-    for (i, square) in reach.squares(node).into_iter().enumerate() {
-        if square <= most {
-            let mut place = *top;
-            while place > base && stack[place - 1].0 < square {
-                stack[place] = stack[place - 1];
-                place -= 1;
-            }
-            stack[place] = (square, node.link(i));
-            *top += 1;
-        }
     }
 }
 
@@ -224,20 +193,17 @@ impl Data for Struts {
         }
     }
 
-    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
+    fn values(&self, at: [&[f32]; 3], out: &mut Vec<f32>) {
         let mut last = 0;
-        out.extend(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| {
-            let p = DVec3::new(x.into(), y.into(), z.into());
-            if !p.is_finite() {
-                return f32::NAN;
+        let mut value = |p| match self.far_away(p) {
+            Some((distance, _)) => distance as f32,
+            None => {
+                let near = self.nearest(p, last);
+                last = near.strut;
+                near.distance as f32
             }
-            if let Some((distance, _)) = self.far_away(p) {
-                return distance as f32;
-            }
-            let near = self.nearest(p, last);
-            last = near.strut;
-            near.distance as f32
-        }));
+        };
+        out.extend(places(at).map(|p| p.map_or(f32::NAN, &mut value)));
     }
 
     fn range(&self, over: &Bounds) -> [f64; 2] {
@@ -268,7 +234,6 @@ impl Data for Struts {
 
     fn extent(&self, place: &DAffine3) -> Option<Bounds> {
         let all = self.around(&place.inverse());
-        let is_finite = all.min.is_finite() && all.max.is_finite();
-        is_finite.then_some(all)
+        all.is_finite().then_some(all)
     }
 }

@@ -6,7 +6,7 @@
 
 use super::strut::Strut;
 use super::{Nearest, Struts};
-use crate::tree::{Child, child, corners, gap};
+use crate::tree::{Child, child, corners};
 use isocontour::Bounds;
 
 /// What roundings, those of values in f32 too, may take off or add: this share of
@@ -78,7 +78,7 @@ impl Struts {
                     let boxes = (0..4).map(|i| (node.bounds(i), node.link(i)));
                     todo.extend(
                         boxes
-                            .map(|(b, link)| (gap(over, &b), link))
+                            .map(|(b, link)| (over.gap(&b), link))
                             .filter(|(gap, _)| *gap == 0.0 || *gap < least),
                     );
                 }
@@ -99,7 +99,7 @@ fn least_of(strut: &Strut, over: &Bounds) -> f64 {
         strut.distance(centre) - half.length()
     };
     let around = strut.extent(&glam::DAffine3::IDENTITY);
-    let apart = gap(over, &around);
+    let apart = over.gap(&around);
     if apart > 0.0 {
         by_plane.max(apart)
     } else {

@@ -14,7 +14,7 @@
 
 use super::Struts;
 use super::strut::Strut;
-use crate::tree::{Child, child, gap};
+use crate::tree::{Child, child};
 use glam::DVec3;
 use isocontour::Bounds;
 
@@ -52,7 +52,7 @@ impl Struts {
                 Child::Node(node) => {
                     let node = &self.tree.nodes[node];
                     let near = |i: &usize| {
-                        gap(over, &node.bounds(*i)) <= (most - half).max(0.0)
+                        over.gap(&node.bounds(*i)) <= (most - half).max(0.0)
                     };
                     todo.extend((0..4).filter(near).map(|i| node.link(i)));
                 }

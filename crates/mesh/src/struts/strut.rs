@@ -150,10 +150,7 @@ impl Strut {
         let [a, b] = self.ends;
         let along = (b - a).try_normalize().unwrap_or(DVec3::Z);
         let rows = seen.matrix3.transpose();
-        let mut bounds = Bounds {
-            min: DVec3::INFINITY,
-            max: DVec3::NEG_INFINITY,
-        };
+        let mut bounds = Bounds::EMPTY;
         for e in [0, 1] {
             let out = if e == 0 { -along } else { along };
             let middle = seen.transform_point3(self.ends[e]);

@@ -134,10 +134,7 @@ fn boxes_are_tight() {
             translation: place(&mut rng, 9.0),
         };
         let around = s.extent(&seen);
-        let mut found = Bounds {
-            min: DVec3::INFINITY,
-            max: DVec3::NEG_INFINITY,
-        };
+        let mut found = Bounds::EMPTY;
         // Places on the edges of its ends, and on its balls.
         for _ in 0..20_000 {
             let e = rng.usize(..2);
@@ -149,7 +146,7 @@ fn boxes_are_tight() {
                 way = (way - way.dot(out) * out).normalize_or(DVec3::ZERO);
             }
             let p = seen.transform_point3(s.ends[e] + s.radii[e] * way);
-            found = found.union(Bounds { min: p, max: p });
+            found = found.with(p);
         }
         let size = around.size().max_element();
         assert!(around.min.cmple(found.min + 1e-9).all(), "{s:?}");

@@ -76,10 +76,28 @@ impl Node {
     /// Box `i`.
     pub(crate) fn bounds(&self, i: usize) -> Bounds {
         let corner = |c: [f32; 3]| DVec3::from_array(c.map(f64::from));
-        Bounds {
-            min: corner([0, 1, 2].map(|k| self.min[k][i])),
-            max: corner([0, 1, 2].map(|k| self.max[k][i])),
+        Bounds::new(
+            corner([0, 1, 2].map(|k| self.min[k][i])),
+            corner([0, 1, 2].map(|k| self.max[k][i])),
+        )
+    }
+
+    /// Two numbers between which `row` · p + `offset` is for all places p in box
+    /// `i`.
+    #[inline]
+    pub(crate) fn range(&self, i: usize, row: DVec3, offset: f64) -> [f64; 2] {
+        // More than the roundings of the sums, here and for vertices.
+        const SLACK: f64 = 1e-12;
+        let (mut low, mut high) = (offset, offset);
+        let mut size = offset.abs();
+        for k in 0..3 {
+            let a = row[k] * f64::from(self.min[k][i]);
+            let b = row[k] * f64::from(self.max[k][i]);
+            low += a.min(b);
+            high += a.max(b);
+            size += a.abs().max(b.abs());
         }
+        [low - SLACK * size, high + SLACK * size]
     }
 
     /// What is in box `i`, as a stack holds it.
@@ -121,11 +139,7 @@ impl Tree {
         corners: &[[u32; 3]],
     ) -> (Tree, Vec<u32>) {
         Tree::of(corners.len(), |i| {
-            let [a, b, c] = corners[i].map(|i| vertices[i as usize]);
-            Bounds {
-                min: a.min(b).min(c),
-                max: a.max(b).max(c),
-            }
+            Bounds::around(corners[i].map(|i| vertices[i as usize]))
         })
     }
 
@@ -167,12 +181,6 @@ impl Tree {
             }
         }
     }
-}
-
-/// The distance of two boxes.
-pub(crate) fn gap(a: &Bounds, b: &Bounds) -> f64 {
-    let apart = (a.min - b.max).max(b.min - a.max);
-    apart.max(DVec3::ZERO).length()
 }
 
 /// The corners of a box.

@@ -56,13 +56,8 @@ impl Sections {
 
     fn whole(&self) -> Area {
         Area {
-            rings: vec![self.corners().to_vec()],
+            rings: vec![self.frame.corners().to_vec()],
         }
-    }
-
-    fn corners(&self) -> [DVec2; 4] {
-        let Rect { min, max } = self.frame;
-        [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)]
     }
 
     /// Where normal · p is below a level, within the frame. A level face counts
@@ -76,7 +71,7 @@ impl Sections {
                 Area::EMPTY
             };
         }
-        let corners = self.corners();
+        let corners = self.frame.corners();
         let mut ring = Ring::new();
         for (k, &a) in corners.iter().enumerate() {
             let b = corners[(k + 1) % corners.len()];

@@ -6,9 +6,10 @@ use super::pictures::picture;
 use fidget::context::Tree;
 use glam::DVec3;
 use isocontour::{Data, call};
+use isoslice_base::problem::NamedProblem;
 use isoslice_drawings::{
-    Align, Anchor, Drawing, DrawingError, DxfOptions, MOST_DRAWING_BYTES,
-    SvgOptions, TextOptions, Vertical, White,
+    Align, Anchor, Drawing, DxfOptions, MOST_DRAWING_BYTES, SvgOptions,
+    TextOptions, Vertical, White,
 };
 use isoslice_mesh::{Format, Mesh};
 use isoslice_pictures::{
@@ -308,7 +309,7 @@ fn text(asked: &Asked<'_>) -> Result<Made, String> {
     };
     let font = asked.path.map(read).transpose()?;
     let made = Drawing::from_text(asked.text, font.as_deref(), &options);
-    let of_font = |e: DrawingError| match asked.path {
+    let of_font = |e: NamedProblem| match asked.path {
         Some(path) => format!("{e} (font: {})", path.display()),
         None => e.to_string(),
     };

@@ -5,7 +5,8 @@
 
 use super::lock;
 use super::version::FileVersion;
-use isoslice_pictures::{DataError, Picture, PictureOptions, TransparentAs};
+use isoslice_base::problem::NamedProblem;
+use isoslice_pictures::{Picture, PictureOptions, TransparentAs};
 use std::path::Path;
 use std::sync::{Arc, Mutex, Weak};
 
@@ -35,7 +36,7 @@ pub(super) fn picture(
         transparent: options.transparent,
         missing: options.missing,
     });
-    let in_words = |e: DataError| e.problem().to_owned();
+    let in_words = |e: NamedProblem| e.problem().to_owned();
     let picture = match source.as_ref().and_then(known) {
         Some(known) => known.again(name, options).map_err(in_words)?,
         None => Picture::read(name, &read()?, options).map_err(in_words)?,

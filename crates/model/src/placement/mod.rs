@@ -138,10 +138,7 @@ pub struct Model {
 impl Model {
     /// The box of the part in the coordinates in which it was drawn.
     pub fn drawn_bounds(&self) -> Bounds {
-        Bounds {
-            min: self.bounds.min + self.origin,
-            max: self.bounds.max + self.origin,
-        }
+        self.bounds.moved(self.origin)
     }
 
     /// The model, higher above the bed.
@@ -160,10 +157,7 @@ impl Model {
 
     /// The box of the part on the printer.
     pub fn printed_bounds(&self) -> Bounds {
-        Bounds {
-            min: self.bounds.min + self.offset,
-            max: self.bounds.max + self.offset,
-        }
+        self.bounds.moved(self.offset)
     }
 }
 
@@ -229,10 +223,8 @@ pub fn place(
     } else {
         clipped
     };
-    let bounds = Bounds {
-        min: found.bounds.min * scale,
-        max: found.bounds.max * scale,
-    };
+    let bounds =
+        Bounds::new(found.bounds.min * scale, found.bounds.max * scale);
     let expression_size = if tree.ptr_eq(&loaded.tree) {
         loaded.expression_size
     } else {
@@ -284,10 +276,7 @@ pub fn place(
         tree,
         data: loaded.data.clone(),
         files: loaded.files.clone(),
-        bounds: Bounds {
-            min: bounds.min - origin,
-            max: bounds.max - origin,
-        },
+        bounds: bounds.moved(-origin),
         offset: offset + origin,
         lift: 0.0,
         origin,
@@ -352,10 +341,7 @@ fn far_out(
     // A whole number of millimetres is exact in f32, too.
     let origin = bounds.centre().round();
     let near = shifted(tree, origin)?;
-    let moved = Bounds {
-        min: bounds.min - origin,
-        max: bounds.max - origin,
-    };
+    let moved = bounds.moved(-origin);
     let there = digits(&near, &moved, &cancel).unwrap_or(here);
     let gains = there < 0.5 * here;
     let left = if gains { there } else { here };

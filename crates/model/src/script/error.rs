@@ -5,6 +5,7 @@ use super::limits::{
 };
 use super::suggest;
 use crate::param::ParamError;
+use isoslice_base::units::human_start;
 use rhai::{EvalAltResult, Position};
 
 /// Why a script gives no model.
@@ -102,7 +103,7 @@ pub(super) fn explain(
     let failed = |message: String| ScriptError::Failed {
         line,
         column: position.position(),
-        message: shortened(message),
+        message: human_start(&message, LONGEST),
     };
     match innermost {
         EvalAltResult::ErrorTerminated(token, _) => {
@@ -198,16 +199,8 @@ pub(super) fn explain(
     }
 }
 
-/// The message, cut to a length that people read. It may quote a text of a
-/// million letters.
-fn shortened(mut message: String) -> String {
-    const LONGEST: usize = 400;
-    if let Some((end, _)) = message.char_indices().nth(LONGEST) {
-        message.truncate(end);
-        message.push('…');
-    }
-    message
-}
+/// Most characters of a message, which may quote a text of a million letters.
+const LONGEST: usize = 400;
 
 /// The error inside of function-call wrappers.
 fn unwrapped(mut error: &EvalAltResult) -> &EvalAltResult {

@@ -72,28 +72,19 @@ pub enum PacedMove {
     Fan(Percent),
 }
 
-/// What takes time that the settings' speeds would not take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Cause {
-    /// A layer has to take its time (`cooling.min_layer_time`).
-    Cooling,
-    /// The hot end melts no more (`filament.max_flow`), or not so suddenly.
-    Flow,
-    /// The printer takes no more moves (`printer.max_moves_per_second`).
-    Moves,
-    /// The machine speeds up and slows down.
-    Acceleration,
-}
-
-impl Cause {
-    /// Name in summaries.
-    pub fn name(self) -> &'static str {
-        match self {
-            Cause::Cooling => "cooling",
-            Cause::Flow => "flow",
-            Cause::Moves => "moves",
-            Cause::Acceleration => "acceleration",
-        }
+isoslice_base::named! {
+    /// What takes time that the settings' speeds would not take, by its name in
+    /// summaries.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Cause {
+        /// A layer has to take its time (`cooling.min_layer_time`).
+        Cooling = "cooling",
+        /// The hot end melts no more (`filament.max_flow`), or not so suddenly.
+        Flow = "flow",
+        /// The printer takes no more moves (`printer.max_moves_per_second`).
+        Moves = "moves",
+        /// The machine speeds up and slows down.
+        Acceleration = "acceleration",
     }
 }
 

@@ -3,7 +3,7 @@
 use super::bounds::Ends;
 use super::{Lattice, Range};
 use glam::{DAffine3, DVec3};
-use isocontour::Bounds;
+use isocontour::{Bounds, places};
 
 /// A lattice, and where it lies.
 #[derive(Debug)]
@@ -41,12 +41,9 @@ impl Place {
         (value, self.to_lattice.matrix3.transpose() * slope)
     }
 
-    pub(crate) fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
-        let places = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| {
-            let p = DVec3::new(x.into(), y.into(), z.into());
-            p.is_finite().then(|| self.to_lattice.transform_point3(p))
-        });
-        self.lattice.values(places, out);
+    pub(crate) fn values(&self, at: [&[f32]; 3], out: &mut Vec<f32>) {
+        let seen = |p| self.to_lattice.transform_point3(p);
+        self.lattice.values(places(at).map(|p| p.map(seen)), out);
     }
 
     /// Tells all on which it depends.

@@ -1,10 +1,10 @@
 //! Reads JPEG: grey and colours, of which the brightness is kept. Photographs
 //! are turned as their camera was held.
 
-use super::{Pixels, pixel_count};
-use crate::error::Problem;
+use super::{Pixels, long_enough, pixel_count};
 use crate::lattice::Layout;
 use crate::numbers::Numbers;
+use isoslice_base::problem::Problem;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
@@ -27,13 +27,7 @@ pub(super) fn read(bytes: &[u8]) -> Problem<Pixels> {
     let (width, height) = decoder.dimensions().unwrap_or((0, 0));
     let pixels = pixel_count(width as u32, height as u32)?;
     // A block of 8 × 8 pixels takes two bits at least.
-    if bytes.len() < pixels / 64 / 4 {
-        return Err(format!(
-            "it has {} bytes, too few for {width} × {height} pixels; the file \
-             is cut off or no picture",
-            bytes.len()
-        ));
-    }
+    long_enough(bytes, pixels / 64 / 4, width as u32, height as u32)?;
     let grey = decoder.decode().map_err(broken)?;
     if grey.len() != pixels {
         return Err("a JPEG with other colours; save it as PNG".into());

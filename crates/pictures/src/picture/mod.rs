@@ -11,13 +11,13 @@
 mod jpeg;
 mod png;
 
-use crate::error::{DataError, Problem};
 use crate::lattice::{Border, Grid, Interpolation, Lattice, Layout, Place};
 use crate::npy;
 use crate::numbers::{Numbers, count};
 use crate::sheets::Sheets;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use isocontour::{Bounds, Data};
+use isoslice_base::problem::{NamedProblem, Problem};
 use std::sync::Arc;
 
 /// The most pixels of a picture: 8192 × 8192.
@@ -89,10 +89,10 @@ impl Picture {
         name: &str,
         bytes: &[u8],
         options: &PictureOptions,
-    ) -> Result<Picture, DataError> {
+    ) -> Result<Picture, NamedProblem> {
         let made = pixels(bytes, options)
             .and_then(|pixels| Picture::laid_out(name, pixels, options));
-        made.map_err(|problem| DataError::new(name, problem))
+        made.map_err(|problem| NamedProblem::new(name, problem))
     }
 
     /// A picture of numbers in memory: rows from left to right, the topmost
@@ -106,7 +106,7 @@ impl Picture {
         [width, height]: [usize; 2],
         numbers: Numbers,
         options: &PictureOptions,
-    ) -> Result<Picture, DataError> {
+    ) -> Result<Picture, NamedProblem> {
         let layout = || {
             if width.checked_mul(height) != Some(numbers.len())
                 || numbers.is_empty()
@@ -121,7 +121,7 @@ impl Picture {
         let made = layout().and_then(|layout| {
             Picture::laid_out(name, Pixels { numbers, layout }, options)
         });
-        made.map_err(|problem| DataError::new(name, problem))
+        made.map_err(|problem| NamedProblem::new(name, problem))
     }
 
     /// Its pixels once more, laid out otherwise. What is transparent or missing is
@@ -133,10 +133,10 @@ impl Picture {
         &self,
         name: &str,
         options: &PictureOptions,
-    ) -> Result<Picture, DataError> {
+    ) -> Result<Picture, NamedProblem> {
         let grid = self.place.lattice.grid().clone();
         Picture::of(name, grid, self.pixels(), options)
-            .map_err(|problem| DataError::new(name, problem))
+            .map_err(|problem| NamedProblem::new(name, problem))
     }
 
     fn laid_out(
@@ -284,6 +284,23 @@ fn pixel_count(width: u32, height: u32) -> Problem<usize> {
         ));
     }
     Ok(pixels)
+}
+
+/// Refuses a file with fewer bytes than its pixels take at least.
+fn long_enough(
+    bytes: &[u8],
+    least: usize,
+    width: u32,
+    height: u32,
+) -> Problem<()> {
+    if bytes.len() < least {
+        return Err(format!(
+            "it has {} bytes, too few for {width} × {height} pixels; the file \
+             is cut off or no picture",
+            bytes.len()
+        ));
+    }
+    Ok(())
 }
 
 /// Brightness of a colour, 0 to 255,000 for 8 bits.

@@ -1,9 +1,9 @@
 //! Reads PNG: grey and colours, with and without transparency, 8 and 16 bits.
 
-use super::{Pixels, TransparentAs, luma, pixel_count};
-use crate::error::Problem;
+use super::{Pixels, TransparentAs, long_enough, luma, pixel_count};
 use crate::lattice::Layout;
 use crate::numbers::Numbers;
+use isoslice_base::problem::Problem;
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 use std::io::Cursor;
 
@@ -36,13 +36,7 @@ pub(super) fn read(bytes: &[u8], clear: TransparentAs) -> Problem<Pixels> {
              down, or save it with 8 bits"
         ));
     }
-    if bytes.len() < least {
-        return Err(format!(
-            "it has {} bytes, too few for {width} × {height} pixels; the file \
-             is cut off or no picture",
-            bytes.len()
-        ));
-    }
+    long_enough(bytes, least, width, height)?;
     let mut decoded = vec![0; needed];
     let frame = reader.next_frame(&mut decoded).map_err(broken)?;
     decoded.truncate(frame.buffer_size());

@@ -2,8 +2,8 @@
 //! semicolons, tabs or spaces.
 
 use super::{Read, SamplesOptions};
-use crate::error::{Problem, go_on};
 use glam::DVec3;
+use isoslice_base::problem::{Problem, go_on};
 
 /// The most samples of a file.
 const MOST: usize = 10_000_000;

@@ -15,10 +15,10 @@ mod tests;
 mod tree;
 mod vtu;
 
-use crate::error::{DataError, Problem, go_on};
 use cells::Cells;
 use glam::{DMat3, DVec3};
-use isocontour::{Bounds, Data};
+use isocontour::{Bounds, Data, places};
+use isoslice_base::problem::{NamedProblem, Problem, go_on};
 use isoslice_base::units::human_number;
 use rayon::prelude::*;
 use tree::{Near, Tree};
@@ -145,7 +145,7 @@ impl Samples {
         name: &str,
         bytes: &[u8],
         options: &SamplesOptions,
-    ) -> Result<Samples, DataError> {
+    ) -> Result<Samples, NamedProblem> {
         let read = if vtu::is(bytes) {
             vtu::read(bytes, options)
         } else {
@@ -154,7 +154,7 @@ impl Samples {
                 .and_then(|text| csv::read(text, options))
         };
         read.and_then(|read| Samples::new(name, read, options))
-            .map_err(|problem| DataError::new(name, problem))
+            .map_err(|problem| NamedProblem::new(name, problem))
     }
 
     /// Samples in memory: places, mm, and values.
@@ -166,14 +166,14 @@ impl Samples {
         points: Vec<DVec3>,
         values: Vec<f64>,
         options: &SamplesOptions,
-    ) -> Result<Samples, DataError> {
+    ) -> Result<Samples, NamedProblem> {
         let read = Read {
             points,
             values,
             flat: false,
         };
         Samples::new(name, read, options)
-            .map_err(|problem| DataError::new(name, problem))
+            .map_err(|problem| NamedProblem::new(name, problem))
     }
 
     fn new(
@@ -253,10 +253,7 @@ impl Samples {
 
     /// The box around all samples, mm.
     pub fn bounds(&self) -> Bounds {
-        let none = Bounds {
-            min: DVec3::ZERO,
-            max: DVec3::ZERO,
-        };
+        let none = Bounds::new(DVec3::ZERO, DVec3::ZERO);
         self.tree.bounds().unwrap_or(none)
     }
 
@@ -428,30 +425,24 @@ impl Data for Samples {
         (value, if self.flat { slope.with_z(0.0) } else { slope })
     }
 
-    fn values(&self, [x, y, z]: [&[f32]; 3], out: &mut Vec<f32>) {
+    fn values(&self, at: [&[f32]; 3], out: &mut Vec<f32>) {
         let mut cells = Cells::new(&self.tree, &self.points, WEIGHED + 1);
-        let places = x.iter().zip(y).zip(z);
-        out.extend(places.map(|((&x, &y), &z)| {
-            let p = DVec3::new(x.into(), y.into(), z.into());
-            if !p.is_finite() {
-                f32::NAN
-            } else if self.slopes.is_empty() {
+        let mut value = |p| {
+            if self.slopes.is_empty() {
                 self.value(p) as f32
             } else {
                 let p = self.place(p);
                 self.weighed(p, &cells.near(p).points).0 as f32
             }
-        }));
+        };
+        out.extend(places(at).map(|p| p.map_or(f32::NAN, &mut value)));
     }
 
     /// Values are means of samples' planes, so they are within those of all
     /// samples that may count in the box.
     fn range(&self, over: &Bounds) -> [f64; 2] {
         let over = if self.flat {
-            Bounds {
-                min: over.min.with_z(0.0),
-                max: over.max.with_z(0.0),
-            }
+            Bounds::new(over.min.with_z(0.0), over.max.with_z(0.0))
         } else {
             *over
         };

@@ -69,12 +69,6 @@ impl Near {
     }
 }
 
-/// The square of the distance of a place from a box.
-fn distance2(bounds: &Bounds, p: DVec3) -> f64 {
-    let apart = (bounds.min - p).max(p - bounds.max).max(DVec3::ZERO);
-    apart.length_squared()
-}
-
 impl Tree {
     /// Of points, and the order into which they have to be brought.
     pub(super) fn new(points: &[DVec3]) -> (Tree, Vec<u32>) {
@@ -155,7 +149,7 @@ impl Tree {
             }
             let mut children = [at + 1, node.second as usize].map(|i| {
                 let bounds = self.nodes.get(i).map(|n| n.bounds);
-                (bounds.map_or(f64::INFINITY, |b| distance2(&b, p)), i)
+                (bounds.map_or(f64::INFINITY, |b| b.distance2(p)), i)
             });
             // The near one is taken first.
             if children[0].0 < children[1].0 {
@@ -191,7 +185,7 @@ impl Tree {
     ) {
         let far2 = far * far;
         self.each(|at, bounds, leaf| {
-            let wanted = distance2(bounds, p) <= far2;
+            let wanted = bounds.distance2(p) <= far2;
             if let (true, true, Some(node)) = (wanted, leaf, self.nodes.get(at))
             {
                 let first = node.first as usize;
@@ -213,14 +207,7 @@ fn build(
     nodes: &mut Vec<Node>,
 ) {
     let of = |i: &u32| points[*i as usize];
-    let start = Bounds {
-        min: DVec3::INFINITY,
-        max: DVec3::NEG_INFINITY,
-    };
-    let bounds = order.iter().fold(start, |b, i| Bounds {
-        min: b.min.min(of(i)),
-        max: b.max.max(of(i)),
-    });
+    let bounds = Bounds::around(order.iter().map(of));
     let here = nodes.len();
     nodes.push(Node {
         bounds,

@@ -5,12 +5,12 @@
 //! may be compressed in blocks by zlib.
 
 use super::{Read, SamplesOptions};
-use crate::error::{Problem, go_on};
 use crate::numbers::{Kind, Numbers};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use flate2::read::ZlibDecoder;
 use glam::DVec3;
+use isoslice_base::problem::{Problem, go_on};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::io::Read as _;
 

@@ -6,13 +6,13 @@ mod nrrd;
 #[cfg(test)]
 mod tests;
 
-use crate::error::{DataError, Problem};
 use crate::lattice::{Border, Grid, Interpolation, Lattice, Layout, Place};
 use crate::npy;
 use crate::numbers::Numbers;
 use crate::sheets::Sheets;
 use glam::{DAffine3, DMat3, DVec3};
 use isocontour::{Bounds, Data};
+use isoslice_base::problem::{NamedProblem, Problem};
 use std::sync::Arc;
 
 /// What the axes of an array are.
@@ -83,7 +83,7 @@ impl Volume {
         name: &str,
         bytes: &[u8],
         options: &VolumeOptions,
-    ) -> Result<Volume, DataError> {
+    ) -> Result<Volume, NamedProblem> {
         let made = if bytes.starts_with(nrrd::MAGIC) {
             nrrd::read(bytes)
         } else if bytes.starts_with(npy::MAGIC) {
@@ -92,7 +92,7 @@ impl Volume {
             nifti::read(bytes)
         };
         made.and_then(|read| Volume::laid_out(name, read, options))
-            .map_err(|problem| DataError::new(name, problem))
+            .map_err(|problem| NamedProblem::new(name, problem))
     }
 
     /// A volume of an array in memory, of two or three axes, the last of which
@@ -106,7 +106,7 @@ impl Volume {
         shape: &[usize],
         numbers: Numbers,
         options: &VolumeOptions,
-    ) -> Result<Volume, DataError> {
+    ) -> Result<Volume, NamedProblem> {
         let counted =
             shape.iter().try_fold(1_usize, |all, n| all.checked_mul(*n));
         let made = if counted != Some(numbers.len()) || numbers.is_empty() {
@@ -123,7 +123,7 @@ impl Volume {
             of_array(array, options.axes)
         };
         made.and_then(|read| Volume::laid_out(name, read, options))
-            .map_err(|problem| DataError::new(name, problem))
+            .map_err(|problem| NamedProblem::new(name, problem))
     }
 
     fn laid_out(
@@ -177,10 +177,9 @@ impl Volume {
             let at: [f64; 3] = std::array::from_fn(|a| {
                 if i >> a & 1 == 1 { last[a] } else { 0.0 }
             });
-            let at = self.from_lattice.transform_point3(at.into());
-            Bounds { min: at, max: at }
+            self.from_lattice.transform_point3(at.into())
         };
-        (1..8).map(corner).fold(corner(0), Bounds::union)
+        Bounds::around((0..8).map(corner))
     }
 }
 
@@ -210,10 +209,7 @@ fn lies_at(lies: DAffine3, options: &VolumeOptions) -> Problem<DAffine3> {
              mend the header, or give the spacing and the origin"
         ));
     }
-    Ok(DAffine3 {
-        matrix3,
-        translation,
-    })
+    Ok(DAffine3::from_mat3_translation(matrix3, translation))
 }
 
 /// An array as a volume.

@@ -1,11 +1,11 @@
 //! Reads NIfTI, versions 1 and 2, in one file, compressed or not.
 
 use super::Read;
-use crate::error::Problem;
 use crate::lattice::Layout;
 use crate::numbers::{Kind, count};
 use crate::stream::{self, Unzipped};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use isoslice_base::problem::Problem;
 
 /// The lengths of the headers of the two versions.
 const LENGTHS: [usize; 2] = [348, 540];

@@ -1,11 +1,11 @@
 //! Reads NRRD: a header of lines, an empty line, and the numbers.
 
 use super::Read;
-use crate::error::Problem;
 use crate::lattice::Layout;
 use crate::numbers::{Kind, Numbers, count};
 use crate::stream::{self, Unzipped};
 use glam::{DAffine3, DVec3};
+use isoslice_base::problem::Problem;
 
 /// How such files begin.
 pub(super) const MAGIC: &[u8] = b"NRRD000";

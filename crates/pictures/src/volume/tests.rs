@@ -1,12 +1,13 @@
 use crate::testing::bounds_hold;
 use crate::{
-    Axes, Border, DataError, Interpolation, Numbers, Picture, PictureOptions,
-    Volume, VolumeOptions,
+    Axes, Border, Interpolation, Numbers, Picture, PictureOptions, Volume,
+    VolumeOptions,
 };
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use glam::DVec3;
 use isocontour::{Bounds, Data};
+use isoslice_base::problem::NamedProblem;
 use std::io::Write;
 
 const SIZE: [usize; 3] = [24, 20, 16];
@@ -36,7 +37,7 @@ fn nrrd(fields: &str, data: &[u8]) -> Vec<u8> {
     file
 }
 
-fn read(file: &[u8]) -> Result<Volume, DataError> {
+fn read(file: &[u8]) -> Result<Volume, NamedProblem> {
     Volume::read("ct", file, &VolumeOptions::default())
 }
 

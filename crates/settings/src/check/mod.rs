@@ -166,7 +166,7 @@ fn retraction(
                         "retract.firmware = true, and the firmware of \
                          gcode.flavour = {:?} has no retraction of its own \
                          (G10); set retract.firmware to false",
-                        s.gcode.flavour.word(),
+                        s.gcode.flavour.name(),
                     ),
                 ));
             }

@@ -1,14 +1,13 @@
 //! Keys of Cura.
 
 use super::PresetKind::{Filament, Print, Printer};
-use super::{As, CURA, FLOW, Outcome, Row, Rule, made, make, patterns};
+use super::{
+    As, CURA, EXACT, FLOW, JERK, Outcome, RAFT, Row, Rule, SEVERAL, SUPPORTS,
+    made, make, patterns,
+};
 use crate::given::{Given, Value};
 use crate::values::parse;
 use Rule::{Ignored, Lost, To};
-
-const SEVERAL: &str = "isoslice prints with one extruder and one material";
-const SUPPORTS: &str = "isoslice's supports are trees with settings of their \
-                        own: the group support";
 
 pub(super) static ROWS: &[Row] = rows! {
     CURA Printer {
@@ -304,9 +303,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "support_infill_angles", "support_roof_density"
             => Ignored(SUPPORTS);
         "jerk_travel_enabled"
-            => Ignored(
-                "the speed through corners is one for all: \
-                 printer.square_corner_velocity");
+            => Ignored(JERK);
         "optimize_wall_printing_order", "fill_outline_gaps",
             "fill_perimeter_gaps",
             "travel_compensate_overlapping_walls_enabled",
@@ -377,9 +374,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "jerk_topbottom", "jerk_layer_0", "jerk_travel_layer_0",
             "jerk_infill", "jerk_roofing", "jerk_print_layer_0",
             "jerk_skirt_brim", "jerk_ironing"
-            => Lost(&[],
-                "the speed through corners is one for all: \
-                 printer.square_corner_velocity");
+            => Lost(&[], JERK);
         "bridge_skin_density", "bridge_skin_material_flow",
             "bridge_wall_material_flow", "material_flow_layer_0"
             => Lost(&["100", "100.0"],
@@ -402,9 +397,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "meshfix_maximum_travel_resolution", "meshfix_union_all",
             "meshfix_keep_open_polygons", "meshfix_extensive_stitching",
             "slicing_tolerance", "carve_multiple_volumes", "print_sequence"
-            => Ignored(
-                "outlines are those of the function: accuracy and \
-                 path_accuracy");
+            => Ignored(EXACT);
         "raft_surface_thickness", "raft_surface_line_width",
             "raft_surface_line_spacing", "raft_base_thickness",
             "raft_base_line_width", "raft_base_line_spacing",
@@ -413,8 +406,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "raft_fan_speed", "layer_0_z_overlap", "raft_base_speed",
             "raft_interface_speed", "raft_surface_speed", "raft_acceleration",
             "raft_jerk"
-            => Ignored(
-                "isoslice's rafts have settings of their own: the group raft");
+            => Ignored(RAFT);
     }
 };
 
@@ -764,10 +756,5 @@ fn supports(given: &Given<'_>) -> Outcome {
         );
     };
     let plate = given.values.first("support_type") == Some("buildplate");
-    let word = match (on, plate) {
-        (false, _) => "off",
-        (true, true) => "plate",
-        (true, false) => "auto",
-    };
-    Outcome::set("supports", word)
+    make::supported(on, plate)
 }

@@ -1,11 +1,13 @@
 //! Keys of filaments.
 
 use super::PresetKind::Filament;
-use super::{As, BOTH, ORCA, PRUSA, Row, Rule, made, make};
+use super::{
+    As, BOTH, LIFTED, ORCA, PRUSA, Row, Rule, SEVERAL, SHOWN, made, make,
+};
 use Rule::{Ignored, Lost, To};
 
-const SEVERAL: &str = "isoslice prints with one extruder and one material";
-const SHOWN: &str = "it is for what the slicer shows";
+const SHORT: &str = "isoslice has rules of its own for which beads of a short \
+                     layer are slowed";
 const ANOTHER_FAN: &str = "isoslice drives the part's fan only: M106 P in \
                            gcode.start sets another one";
 
@@ -163,9 +165,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "filament_wipe_only_crossing", "filament_wipe_speed",
             "filament_scarf_seam_type", "filament_scarf_gap",
             "filament_scarf_height", "filament_scarf_length"
-            => Ignored(
-                "isoslice decides by what a travel crosses where to retract \
-                 and to lift: retract.z_hop_when");
+            => Ignored(LIFTED);
         "filament_colour", "default_filament_colour", "filament_vendor",
             "filament_notes", "filament_settings_id", "filament_id",
             "filament_ids", "filament_spool_weight", "filament_colour_type",
@@ -236,19 +236,13 @@ pub(super) static ROWS: &[Row] = rows! {
                  tops of supports");
         "dont_slow_down_outer_wall", "no_slow_down_for_cooling_on_outwalls",
             "cooling_perimeter_transition_distance"
-            => Lost(&["0"],
-                "isoslice has rules of its own for which beads of a short \
-                 layer are slowed");
+            => Lost(&["0"], SHORT);
         "cooling_slowdown_logic"
-            => Lost(&["uniform_cooling", "uniform", "0"],
-                "isoslice has rules of its own for which beads of a short \
-                 layer are slowed");
+            => Lost(&["uniform_cooling", "uniform", "0"], SHORT);
         // SuperSlicer's default is 90 (%): beads slowed so far run at about
         // cooling.min_speed, so nothing is lost.
         "max_speed_reduction"
-            => Lost(&["90", "90%", "100", "100%"],
-                "isoslice has rules of its own for which beads of a short \
-                 layer are slowed");
+            => Lost(&["90", "90%", "100", "100%"], SHORT);
         "adaptive_pressure_advance"
             => Lost(&["0"],
                 "there is one pressure advance for all speeds: \

@@ -21,6 +21,21 @@ fn nothing(why: &str) -> Outcome {
     Outcome::Nothing(why.to_owned())
 }
 
+/// The value of the first of the keys that has one.
+fn first<'a>(given: &'a Given<'_>, keys: &[&str]) -> Option<&'a str> {
+    keys.iter().find_map(|key| given.values.first(key))
+}
+
+/// The value of the first of the keys that has one, as a whole.
+fn text<'a>(given: &'a Given<'_>, keys: &[&str]) -> Option<&'a str> {
+    keys.iter().find_map(|key| given.values.text(key))
+}
+
+/// The first number among the values of the keys, if it is above 0.
+fn positive(given: &Given<'_>, keys: &[&str]) -> Option<f64> {
+    number(given, keys).filter(|x| *x > 0.0)
+}
+
 /// The first number among the values of the keys.
 fn number(given: &Given<'_>, keys: &[&str]) -> Option<f64> {
     keys.iter().find_map(|key| given.number(key))
@@ -79,10 +94,7 @@ pub(super) fn bed(given: &Given<'_>) -> Outcome {
 /// The name by which the firmware of a Prusa printer knows the printer, from the
 /// line of the start G-code that checks it.
 fn model_checked(given: &Given<'_>) -> Option<String> {
-    let start = given
-        .values
-        .text("start_gcode")
-        .or_else(|| given.values.text("machine_start_gcode"))?;
+    let start = text(given, &["start_gcode", "machine_start_gcode"])?;
     let line = start.lines().find(|line| {
         let line = line.trim_start();
         line.starts_with("M862.3") && line.contains('"')
@@ -111,10 +123,7 @@ fn is_bambus(given: &Given<'_>) -> bool {
 
 /// What the head needs beside finished parts.
 pub(super) fn clearances(given: &Given<'_>) -> Outcome {
-    let number = |key: &&str| {
-        let value = given.values.first(key)?.trim().parse::<f64>().ok()?;
-        (value.is_finite() && value > 0.0).then_some(value)
-    };
+    let number = |key: &&str| given.positive(key);
     let radii = ["extruder_clearance_radius", "extruder_clearance_max_radius"];
     let heights = [
         "extruder_clearance_height",
@@ -266,8 +275,8 @@ pub(super) fn thumbnails(given: &Given<'_>) -> Outcome {
 }
 
 fn two_speeds(given: &Given<'_>, back: &[&str], forward: &[&str]) -> Outcome {
-    let back = number(given, back).filter(|v| *v > 0.0);
-    let forward = number(given, forward).filter(|v| *v > 0.0).or(back);
+    let back = positive(given, back);
+    let forward = positive(given, forward).or(back);
     Outcome::known([("retract.speed", back), ("retract.prime_speed", forward)])
 }
 
@@ -338,13 +347,13 @@ pub(super) fn max_flow(given: &Given<'_>) -> Outcome {
 }
 
 pub(super) fn nozzle_temperatures(given: &Given<'_>) -> Outcome {
-    let positive = |keys| number(given, keys).filter(|t: &f64| *t > 0.0);
-    let above = positive(&["temperature", "nozzle_temperature"]);
-    let first = positive(&[
+    let above = positive(given, &["temperature", "nozzle_temperature"]);
+    let keys = [
         "first_layer_temperature",
         "nozzle_temperature_initial_layer",
         "nozzle_temperature_intial_layer",
-    ]);
+    ];
+    let first = positive(given, &keys);
     Outcome::known([
         ("filament.nozzle_temperature", above.or(first)),
         ("filament.first_layer_nozzle_temperature", first.or(above)),
@@ -377,11 +386,9 @@ pub(super) fn bed_temperatures(given: &Given<'_>) -> Outcome {
             given.number("first_layer_bed_temperature"),
         );
     }
-    let named = ["curr_bed_type", "default_bed_type", "bed_type"]
-        .iter()
-        .find_map(|key| given.values.first(key))
-        .map(str::to_lowercase);
-    let named = named.and_then(|name| {
+    let named =
+        first(given, &["curr_bed_type", "default_bed_type", "bed_type"]);
+    let named = named.map(str::to_lowercase).and_then(|name| {
         // Some profiles give a number instead, which does not tell the plate.
         let by_name = PLATES.iter().find(|(plate, _)| *plate == name);
         by_name.map(|(_, key)| *key)
@@ -432,8 +439,7 @@ fn commands(text: &str) -> Vec<&str> {
 
 pub(super) fn filament_start(given: &Given<'_>) -> Outcome {
     let keys = ["start_filament_gcode", "filament_start_gcode"];
-    let text = keys.iter().find_map(|key| given.values.text(key));
-    match commands(text.unwrap_or("")).as_slice() {
+    match commands(text(given, &keys).unwrap_or("")).as_slice() {
         [] => nothing("it has no commands"),
         [only] if let Some(k) = advance_of(only) => {
             Outcome::set("filament.pressure_advance", k)
@@ -447,8 +453,7 @@ pub(super) fn filament_start(given: &Given<'_>) -> Outcome {
 
 pub(super) fn filament_end(given: &Given<'_>) -> Outcome {
     let keys = ["filament_end_gcode", "end_filament_gcode"];
-    let text = keys.iter().find_map(|key| given.values.text(key));
-    match commands(text.unwrap_or("")).as_slice() {
+    match commands(text(given, &keys).unwrap_or("")).as_slice() {
         [] => nothing("it has no commands"),
         _ => lost(
             "isoslice has one end template, the printer's: add to gcode.end \
@@ -484,7 +489,7 @@ pub(super) fn fan(given: &Given<'_>) -> Outcome {
 /// The fan of bridges and overhangs. Internal bridges have the fan of bridges,
 /// unless the profile gives them one of their own, in a later row.
 pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
-    let percent = |key: &str| given.number(key).filter(|v: &f64| *v >= 0.0);
+    let percent = |key: &str| given.number(key).filter(|v| *v >= 0.0);
     if given.slicer == Slicer::Prusa {
         let bridge = percent("bridge_fan_speed");
         // The keys' names tell how many quarters of a line lie on the layer below.
@@ -624,7 +629,7 @@ fn shell(
 ) -> Outcome {
     let thick = |t: f64| Outcome::set(name, format!("{t} mm"));
     let layers = number(given, layers);
-    let thickness = number(given, thickness).filter(|t| *t > 0.0);
+    let thickness = positive(given, thickness);
     let height = given.positive("layer_height");
     match (layers, thickness) {
         (Some(0.0), _) => Outcome::set(name, 0.0),
@@ -716,9 +721,7 @@ pub(super) fn elephant_foot(given: &Given<'_>) -> Outcome {
 }
 
 pub(super) fn scarf(given: &Given<'_>) -> Outcome {
-    let on = ["seam_slope_type", "scarf_seam_placement"]
-        .iter()
-        .find_map(|key| given.values.first(key))
+    let on = first(given, &["seam_slope_type", "scarf_seam_placement"])
         .is_some_and(|word| !matches!(word, "none" | "nowhere"));
     // OrcaSlicer's own, if the profile has none.
     const USUAL: f64 = 20.0;
@@ -727,10 +730,8 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
     let Some(length) = length.filter(|l| on && *l > 0.0) else {
         return nothing("seams have no slope");
     };
-    let start = ["seam_slope_start_height", "scarf_seam_start_height"]
-        .iter()
-        .find_map(|key| given.values.first(key));
-    let percent = start.and_then(|text| {
+    let keys = ["seam_slope_start_height", "scarf_seam_start_height"];
+    let percent = first(given, &keys).and_then(|text| {
         let height = given.positive("layer_height");
         let of_height = || Some(100.0 * parse(text)? / height?);
         share(text).or_else(of_height)
@@ -747,7 +748,7 @@ pub(super) fn wall_order(given: &Given<'_>) -> Outcome {
         first
     } else {
         let keys = ["wall_sequence", "wall_infill_order"];
-        let Some(word) = keys.iter().find_map(|k| given.values.first(k)) else {
+        let Some(word) = first(given, &keys) else {
             return nothing("it has no value");
         };
         let word = word.to_ascii_lowercase();
@@ -967,7 +968,12 @@ pub(super) fn supports(given: &Given<'_>) -> Outcome {
     if !said {
         return nothing("whether to print supports is not said");
     }
-    let word = match (on && !by_hand, plate) {
+    supported(on && !by_hand, plate)
+}
+
+/// Supports, if there are some, on the bed only or anywhere.
+pub(super) fn supported(on: bool, plate_only: bool) -> Outcome {
+    let word = match (on, plate_only) {
         (false, _) => "off",
         (true, true) => "plate",
         (true, false) => "auto",
@@ -1074,7 +1080,7 @@ pub(super) fn fuzzy(given: &Given<'_>) -> Outcome {
     }
     let thickness = given.positive("fuzzy_skin_thickness");
     let grain = ["fuzzy_skin_point_dist", "fuzzy_skin_point_distance"];
-    let grain = number(given, &grain).filter(|g| *g > 0.0);
+    let grain = positive(given, &grain);
     let holes = matches!(word, "all" | "allwalls" | "hole");
     Outcome::known([
         ("fuzzy.thickness", thickness.map(Value::from)),

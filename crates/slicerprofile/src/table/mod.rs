@@ -177,6 +177,20 @@ const PRUSA: &[Slicer] = &[Slicer::Prusa];
 const ORCA: &[Slicer] = &[Slicer::Orca];
 const CURA: &[Slicer] = &[Slicer::Cura];
 
+// Reasons that the keys of several files have.
+
+const SEVERAL: &str = "isoslice prints with one extruder and one material";
+const SHOWN: &str = "it is for what the slicer shows";
+const SUPPORTS: &str = "isoslice's supports are trees with settings of their \
+                        own: the group support";
+const EXACT: &str = "outlines are those of the function: accuracy and \
+                     path_accuracy";
+const RAFT: &str =
+    "isoslice's rafts have settings of their own: the group raft";
+const JERK: &str = "the speed through corners is one for all: \
+                    printer.square_corner_velocity";
+const LIFTED: &str = "isoslice decides by what a travel crosses where to \
+                      retract and to lift: retract.z_hop_when";
 /// Why the flows of walls, skin and infill have no counterparts.
 const FLOW: &str = "walls, skin and infill have one flow: flow, which may be a \
                     formula of the place";

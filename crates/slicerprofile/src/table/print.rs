@@ -1,25 +1,18 @@
 //! Keys of kinds of print.
 
 use super::PresetKind::Print;
-use super::{As, BOTH, FLOW, ORCA, PRUSA, Row, Rule, made, make, patterns};
+use super::{
+    As, BOTH, EXACT, FLOW, JERK, ORCA, PRUSA, RAFT, Row, Rule, SEVERAL, SHOWN,
+    SUPPORTS, made, make, patterns,
+};
 use Rule::{Ignored, Lost, To};
 
-const SEVERAL: &str = "isoslice prints with one extruder and one material";
-const SHOWN: &str = "it is for what the slicer shows";
 const THIN: &str = "isoslice measures how thick thin places are: thin_min and \
                     thin_max";
-const SUPPORTS: &str = "isoslice's supports are trees with settings of their \
-                        own: the group support";
 const TOWER: &str = "without a second material there is no tower";
-const EXACT: &str = "outlines are those of the function: accuracy and \
-                     path_accuracy";
-const RAFT: &str =
-    "isoslice's rafts have settings of their own: the group raft";
 const COMBINED: &str = "infill is printed in every layer, and solid layers are \
                         not put between";
 const SHAPE: &str = "isoslice prints the shape as it is: change the model";
-const JERK: &str = "the speed through corners is one for all: \
-                    printer.square_corner_velocity";
 const LOCKED: &str = "isoslice has no infill of two zones";
 
 pub(super) static ROWS: &[Row] = rows! {
@@ -603,9 +596,7 @@ pub(super) static ROWS: &[Row] = rows! {
         "outer_wall_jerk", "inner_wall_jerk", "infill_jerk",
             "initial_layer_jerk", "top_surface_jerk", "travel_jerk",
             "default_junction_deviation"
-            => Lost(&["0"],
-                "the speed through corners is one for all: \
-                 printer.square_corner_velocity");
+            => Lost(&["0"], JERK);
         "enable_height_slowdown", "acceleration_limit_mess_enable",
             "speed_limit_to_height_enable",
             "material_flow_dependent_temperature"

@@ -1,11 +1,11 @@
 //! Keys of printers.
 
 use super::PresetKind::Printer;
-use super::{As, BOTH, ORCA, PRUSA, Row, Rule, made, make};
+use super::{
+    As, BOTH, LIFTED, ORCA, PRUSA, Row, Rule, SEVERAL, SHOWN, made, make,
+};
 use Rule::{Ignored, Lost, To};
 
-const SEVERAL: &str = "isoslice prints with one extruder and one material";
-const SHOWN: &str = "it is for what the slicer shows";
 const ONE_PART: &str = "it is for several parts one after the other";
 const FIRMWARE: &str = "the firmware keeps its own limit";
 
@@ -192,9 +192,7 @@ pub(super) static ROWS: &[Row] = rows! {
             "retract_on_top_layer", "wipe_advanced", "wipe_advanced_algo",
             "wipe_advanced_multiplier", "wipe_advanced_nozzle_melted_volume",
             "wipe_extra_perimeter"
-            => Ignored(
-                "isoslice decides by what a travel crosses where to retract \
-                 and to lift: retract.z_hop_when");
+            => Ignored(LIFTED);
         "nozzle_type", "nozzle_hrc", "nozzle_volume", "nozzle_high_flow",
             "printer_structure", "machine_LED_light_exist",
             "pellet_modded_printer", "machine_platform_motion_enable",

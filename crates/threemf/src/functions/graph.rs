@@ -91,7 +91,7 @@ impl Reading {
     }
 
     fn begin(&mut self, element: &Element) -> Result<(), MeshError> {
-        let name = required(element, "identifier")?;
+        let name = element.required("identifier")?;
         if name == INPUTS || name == "outputs" {
             return Err(element.wrong(format!("no node may be named {name}")));
         }
@@ -118,7 +118,7 @@ impl Reading {
         kind: Type,
         side: Side,
     ) -> Result<(), MeshError> {
-        let name = required(element, "identifier")?;
+        let name = element.required("identifier")?;
         let graph = &mut self.graph;
         let count = match (&mut self.node, side) {
             (None, Side::In) => {
@@ -145,18 +145,12 @@ impl Reading {
     }
 }
 
-fn required(element: &Element, name: &str) -> Result<String, MeshError> {
-    element
-        .text(name)?
-        .ok_or_else(|| element.wrong(format!("there is no attribute {name}")))
-}
-
 fn link(
     element: &Element,
     name: String,
     kind: Type,
 ) -> Result<Link, MeshError> {
-    let from = required(element, "ref")?;
+    let from = element.required("ref")?;
     let Some((node, output)) = from.split_once('.') else {
         return Err(element.wrong(format!(
             "{from:?} is no output; outputs are named node.output"
@@ -180,7 +174,7 @@ fn numbers(element: &Element) -> Result<Vec<f64>, MeshError> {
     };
     let mut numbers = Vec::new();
     for name in names {
-        for word in required(element, name)?.split_whitespace().take(17) {
+        for word in element.required(name)?.split_whitespace().take(17) {
             let number = word.parse().ok().filter(|x: &f64| x.is_finite());
             numbers.push(number.ok_or_else(|| {
                 element.wrong(format!("the attribute {name} is no number"))
@@ -212,7 +206,7 @@ fn resource(element: &Element) -> Result<Option<u32>, MeshError> {
         }
     }
     if is_constant {
-        return Err(element.wrong("there is no attribute value"));
+        return Err(element.absent("value"));
     }
     Ok(None)
 }

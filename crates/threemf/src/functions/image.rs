@@ -208,30 +208,21 @@ impl ImageFunction {
             }
             Ok(usual)
         };
-        let interpolation = match element.text("filter")?.as_deref() {
-            None | Some("linear") => Interpolation::Linear,
-            Some("nearest") => Interpolation::Nearest,
-            Some(other) => {
-                return Err(element.wrong(format!(
-                    "{other:?} is no filter; those of 3MF are linear and \
-                     nearest"
-                )));
-            }
-        };
+        let filters = [
+            ("linear", Interpolation::Linear),
+            ("nearest", Interpolation::Nearest),
+        ];
+        let interpolation = element.word("filter", "filter", &filters)?;
+        let styles = [
+            ("wrap", Border::Repeat),
+            ("mirror", Border::Mirror),
+            ("clamp", Border::Clamp),
+        ];
         let mut border = [Border::Repeat; 3];
         let names = ["tilestyleu", "tilestylev", "tilestylew"];
         for (border, name) in border.iter_mut().zip(names) {
-            *border = match element.text(name)?.as_deref() {
-                None | Some("wrap") => Border::Repeat,
-                Some("mirror") => Border::Mirror,
-                Some("clamp") => Border::Clamp,
-                Some(other) => {
-                    return Err(element.wrong(format!(
-                        "{other:?} is no style of tiles; those of 3MF are \
-                         wrap, mirror and clamp"
-                    )));
-                }
-            };
+            let style = element.word(name, "style of tiles", &styles)?;
+            *border = style.unwrap_or(*border);
         }
         let image = if element.text("image3Did")?.is_some() {
             "image3Did"
@@ -251,7 +242,7 @@ impl ImageFunction {
             image: element.number(image)?,
             offset,
             scale,
-            interpolation,
+            interpolation: interpolation.unwrap_or(Interpolation::Linear),
             border,
         })
     }

@@ -217,7 +217,7 @@ fn model(
          <metadata name=\"Application\">isoslice {}</metadata>\n<resources>",
         env!("CARGO_PKG_VERSION")
     )?;
-    object(1, out, |out| cuboid(&grown(&part.bounds), out))?;
+    object(1, out, |out| cuboid(&part.bounds.grown(MARGIN), out))?;
     for Resource { id, data } in &nodes.resources {
         if let Some(mesh) = mesh_of(&**data) {
             object(*id, out, |out| triangles(mesh, out))?;
@@ -265,13 +265,6 @@ fn object(
     mesh(out)?;
     writeln!(out, "</object>")?;
     Ok(())
-}
-
-fn grown(bounds: &Bounds) -> Bounds {
-    Bounds {
-        min: bounds.min - MARGIN,
-        max: bounds.max + MARGIN,
-    }
 }
 
 /// Entries have no dates, so that equal input gives equal bytes.

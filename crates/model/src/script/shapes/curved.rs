@@ -13,6 +13,7 @@
 
 use super::flush::{FLUSH, Search, constant};
 use fidget::context::{BinaryOpcode, Context, Tree, TreeOp, UnaryOpcode};
+use isocontour::operands;
 use std::sync::Arc;
 
 /// Operations that are looked at in one field, and that are evaluated at the places of
@@ -403,15 +404,7 @@ fn is_short(field: &TreeOp, left: &mut usize) -> bool {
             return false;
         };
         *left = fewer;
-        match op {
-            TreeOp::Input(_) | TreeOp::Const(_) => {}
-            TreeOp::Unary(_, a) => todo.push(a),
-            TreeOp::Binary(_, a, b) => todo.extend([&**a, &**b]),
-            TreeOp::RemapAxes { target, x, y, z } => {
-                todo.extend([&**target, &**x, &**y, &**z]);
-            }
-            TreeOp::RemapAffine { target, .. } => todo.push(target),
-        }
+        todo.extend(operands(op));
     }
     true
 }

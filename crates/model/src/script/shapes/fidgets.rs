@@ -1,62 +1,45 @@
 //! fidget's shapes and operations, one row each, with the names and fields that
 //! they have there.
 
-use super::rows::{number, positive, rows};
+use super::rows::{CENTER, argument, number, place, positive, rows, shape};
 use super::{Argument, ArgumentKind, Given, Row};
 use fidget::context::Tree;
 use fidget::shapes as of;
 use fidget::shapes::types::{Vec2, Vec3};
 use glam::DVec3;
 
-const fn argument(name: &'static str, kind: ArgumentKind) -> Argument {
-    Argument {
-        name,
-        kind,
-        default: None,
-    }
-}
-
-const fn shape(name: &'static str) -> Argument {
-    argument(name, ArgumentKind::Shape)
-}
-
 const SHAPE: Argument = shape("shape");
-const INPUT: Argument = argument("input", ArgumentKind::Shapes);
+const INPUT: Argument = argument("input", ArgumentKind::Shapes, None);
 const ANGLE: Argument = number("angle", None);
 const OFFSET: Argument = number("offset", Some(0.0));
 const LOWER: Argument = number("lower", Some(0.0));
 const UPPER: Argument = number("upper", None);
-const CENTER: Argument = Argument {
-    name: "center",
-    kind: ArgumentKind::Place,
-    default: Some(0.0),
-};
 
 pub(super) const ROWS: &[Row] = rows![
     "sphere" (CENTER, positive("radius"))
         "sphere(#{center: [0, 0, 0], radius: 10})"
         |g| Ok(of::Sphere { center: at(g, 0), radius: f(g, 1) }.into());
-    "box" (argument("lower", ArgumentKind::Place), argument("upper", ArgumentKind::Place))
+    "box" (place("lower"), place("upper"))
         "box(#{lower: [0, 0, 0], upper: [30, 20, 10]})"
         |g| {
             above(g.place(1) - g.place(0), 3)?;
             Ok(of::Box { lower: at(g, 0), upper: at(g, 1) }.into())
         };
     "circle" (
-        Argument { name: "center", kind: ArgumentKind::Spot, default: Some(0.0) },
+        argument("center", ArgumentKind::Spot, Some(0.0)),
         positive("radius"))
         "circle(#{center: [0, 0], radius: 5})"
         |g| Ok(of::Circle { center: spot(g, 0), radius: f(g, 1) }.into());
-    "rectangle" (argument("lower", ArgumentKind::Spot), argument("upper", ArgumentKind::Spot))
+    "rectangle" (argument("lower", ArgumentKind::Spot, None), argument("upper", ArgumentKind::Spot, None))
         "rectangle([0, 0], [30, 20])"
         |g| {
             above(g.place(1) - g.place(0), 2)?;
             Ok(of::Rectangle { lower: spot(g, 0), upper: spot(g, 1) }.into())
         };
-    "move" (SHAPE, argument("offset", ArgumentKind::Place))
+    "move" (SHAPE, place("offset"))
         "f.move([10, 0, 0])"
         |g| Ok(of::Move { shape: g.shape(0), offset: at(g, 1) }.into());
-    "scale" (SHAPE, argument("scale", ArgumentKind::Factors))
+    "scale" (SHAPE, argument("scale", ArgumentKind::Factors, None))
         "f.scale([1, 1, 2])"
         |g| Ok(of::Scale { shape: g.shape(0), scale: at(g, 1) }.into());
     "scale_uniform" (SHAPE, positive("scale"))
@@ -64,7 +47,7 @@ pub(super) const ROWS: &[Row] = rows![
         |g| Ok(of::ScaleUniform { shape: g.shape(0), scale: f(g, 1) }.into());
     "reflect" (
         SHAPE,
-        Argument { name: "plane", kind: ArgumentKind::Plane, default: Some(0.0) })
+        argument("plane", ArgumentKind::Plane, Some(0.0)))
         "f.reflect(\"yz\")"
         |g| Ok(of::Reflect { shape: g.shape(0), plane: g.plane(1) }.into());
     "reflect_x" (SHAPE, OFFSET) "f.reflect_x(0)"
@@ -94,7 +77,7 @@ pub(super) const ROWS: &[Row] = rows![
         };
     "rotate" (
         SHAPE,
-        Argument { name: "axis", kind: ArgumentKind::Axis, default: Some(0.0) },
+        argument("axis", ArgumentKind::Axis, Some(0.0)),
         ANGLE, CENTER)
         "f.rotate(#{axis: [1, 1, 0], angle: 30, center: [0, 0, 0]})"
         |g| Ok(of::Rotate {
@@ -134,7 +117,7 @@ pub(super) const ROWS: &[Row] = rows![
         |g| Ok(of::Union { input: g.shapes(0) }.into());
     "intersection" (INPUT) "intersection(a, b)"
         |g| Ok(of::Intersection { input: g.shapes(0) }.into());
-    "difference" (SHAPE, argument("cutout", ArgumentKind::Shapes)) "difference(a, b)"
+    "difference" (SHAPE, argument("cutout", ArgumentKind::Shapes, None)) "difference(a, b)"
         |g| {
             let cutout = of::Union { input: g.shapes(1) }.into();
             Ok(of::Difference { shape: g.shape(0), cutout }.into())

@@ -41,16 +41,17 @@ pub(super) const fn number(
     argument(name, ArgumentKind::Number, default)
 }
 
-const fn place(name: &'static str) -> Argument {
+pub(super) const fn place(name: &'static str) -> Argument {
     argument(name, ArgumentKind::Place, None)
 }
 
-const fn shape(name: &'static str) -> Argument {
+pub(super) const fn shape(name: &'static str) -> Argument {
     argument(name, ArgumentKind::Shape, None)
 }
 
 const POINTS: Argument = argument("points", ArgumentKind::Points, None);
-const CENTER: Argument = argument("center", ArgumentKind::Place, Some(0.0));
+pub(super) const CENTER: Argument =
+    argument("center", ArgumentKind::Place, Some(0.0));
 
 macro_rules! rows {
     ($($name:literal ($($argument:expr),* $(,)?) $example:literal
