@@ -9,7 +9,7 @@ use clap::Args;
 use isoslice::check::{Rules, Severity, Verdict, check};
 use isoslice::limits;
 use isoslice::reader::filament_diameter;
-use isoslice_gcode_read::reader::base;
+use isoslice_gcode_read::reader::range_bottom;
 use serde_json::json;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -65,8 +65,8 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
             rules.filament_diameter = diameter;
         }
         // A range of layers continues a part.
-        if let Some(base) = base(&mut file) {
-            rules.base = base;
+        if let Some(bottom) = range_bottom(&mut file) {
+            rules.base = bottom;
         }
         let verdict = judge(file, &name, &rules)?;
         (name, verdict)

@@ -16,6 +16,11 @@ const THINNEST: Mm = 0.02;
 /// offsets in files make up. A bead that falls farther does not stick.
 const AIR: Mm = 0.1;
 
+/// Length of beads in the air, one after another, that tell something if the file does
+/// not say how wide they are, mm. What leads from line to line is shorter: it is narrow,
+/// and may be as high as it is wide.
+const TELLING: Mm = 1.0;
+
 impl Checker<'_> {
     /// Reports a bead of the first layer for which the nozzle scrapes over the
     /// bed, or which lies above it.
@@ -24,6 +29,7 @@ impl Checker<'_> {
         // Beads that rise follow a surface, or begin a climbing wall.
         let level = step.from.z == step.to.z;
         let first = step.layer == self.lowest_layer && rules.base == 0.0;
+        let before = std::mem::take(&mut self.air_below);
         if !level || !first || step.role == Role::Ironing {
             return;
         }
@@ -38,7 +44,11 @@ impl Checker<'_> {
         }
         let nozzle = rules.nozzle;
         let air = z - depth(step, area, nozzle).min(strand(area, nozzle));
-        if air > AIR + ROUNDING {
+        if air <= AIR + ROUNDING {
+            return;
+        }
+        self.air_below = before + step.length();
+        if step.says_width || self.air_below > TELLING {
             self.verdict.add(FindingKind::OffBed, step.line, step.to, || {
                 format!(
                     "a bead of the first layer at z = {z:.3} has {air:.2} mm of \

@@ -3,7 +3,7 @@
 
 use super::away::Away;
 use super::words::{self, Effect};
-use super::{Checker, FindingKind, HOMED};
+use super::{Checker, FindingKind, HOMED, bit};
 use glam::DVec3;
 use isoslice_base::units::{Celsius, Seconds, human_time};
 use isoslice_gcode_read::reader::{Heater, Problem, Reader, Words};
@@ -66,6 +66,7 @@ impl Checker<'_> {
             }
         }
         if all || words.has(b'Z') {
+            self.z_lost = true;
             let why = "homes z with a print on the bed that goes on after it: \
                        the nozzle or the probe would meet the print";
             self.word(line, "G28", Some(Effect::Disturbs(why)));
@@ -99,23 +100,20 @@ impl Checker<'_> {
             }
             _ => {}
         }
-        let effect = match (letter, tenths) {
-            ('M', 5680) if self.idles(words) => Some(Effect::Disturbs(
-                "lets the nozzle cool in the middle of the print",
-            )),
-            _ => words::of_code(letter, tenths, words),
-        };
+        if let (('M', 5680), Some(state)) = ((letter, tenths), words.get(b'A'))
+        {
+            let tool = words.get(b'P').map_or(self.tool, |tool| tool as u32);
+            // 0 is off, 1 the standby temperature, and 2 the tool's own.
+            if state < 2.0 {
+                self.asleep |= bit(tool);
+            } else {
+                self.asleep &= !bit(tool);
+            }
+        }
+        let effect = words::of_code(letter, tenths, words);
         if effect != Some(Effect::None) {
             self.word(line, &words::code(letter, tenths), effect);
         }
-    }
-
-    /// True if RepRapFirmware's M568 turns the tool in use off, or to its standby
-    /// temperature.
-    fn idles(&self, words: &Words) -> bool {
-        let own = |tool| tool == f64::from(self.tool);
-        words.get(b'A').is_some_and(|state| state < 2.0)
-            && words.get(b'P').is_none_or(own)
     }
 
     /// Reports a wait that is hardly meant.
@@ -181,6 +179,7 @@ impl Checker<'_> {
         self.heat.macro_called(named);
         self.ending.macro_called();
         self.homed = HOMED;
+        self.z_lost = true;
         for (heater, to) in super::heat::told(named) {
             self.limit_heat(line, heater, to);
         }

@@ -132,6 +132,13 @@ impl Checker<'_> {
                 }
             });
         }
+        if self.asleep & bit(step.tool) != 0 {
+            self.asleep &= !bit(step.tool);
+            let kind = FindingKind::Cold;
+            self.verdict.add(kind, step.line, step.from, || {
+                "a bead begins with a tool that M568 has let cool".into()
+            });
+        }
         // The missing filament counts for this bead only, which gets less.
         *self.back(step) = 0.0;
         self.laid -= missing;

@@ -279,9 +279,9 @@ impl Ground {
         self.columns.below(cell)
     }
 
-    /// The place where a travel is deepest in what is printed, the first of several. A line's
-    /// width at both ends is left out: beads lie side by side there, and cells do
-    /// not tell one from the next.
+    /// The place where a travel is deepest in what is printed, the first of several.
+    /// A line's width at both ends is left out: beads lie side by side there, and
+    /// cells do not tell one from the next.
     pub(super) fn travel(&self, step: &Move) -> Option<Wrong> {
         let low = places(step, CELL).filter_map(|(cell, at)| {
             let top = self.columns.at(cell)?.top;

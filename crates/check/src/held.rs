@@ -1,6 +1,5 @@
-//! Findings that count only if something is printed after them. End codes
-//! unload filament, go down beside the print, measure the bed and turn the
-//! printer off.
+//! Findings that count only if something is printed after them. End codes unload
+//! filament, measure the bed and turn the printer off.
 
 use super::{Checker, FindingKind};
 use glam::DVec3;

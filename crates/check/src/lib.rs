@@ -149,8 +149,13 @@ struct Checker<'a> {
     held: Vec<Held>,
     /// A command that has moved the head elsewhere.
     away: Option<Away>,
+    /// True from a homing or a macro on, until a move gives z again: the head may be
+    /// at any height.
+    z_lost: bool,
     /// The tool in use.
     tool: u32,
+    /// A bit for each tool that RepRapFirmware has been told to let cool.
+    asleep: u64,
     tools: Tools,
     /// True until a tool that was just taken begins a bead.
     fresh_tool: bool,
@@ -183,6 +188,9 @@ struct Checker<'a> {
     /// True if beads climb in a file that does not say what they are for: it does not
     /// tell either which layer they belong to, nor what irons.
     untold: bool,
+    /// Length of the beads of the first layer, up to the last one, that have air
+    /// between them and the bed.
+    air_below: Mm,
     /// Line of the layer's first bead.
     layer_line: Option<u64>,
     /// The layer that lies on the bed.
@@ -201,7 +209,9 @@ impl<'a> Checker<'a> {
             own_start: false,
             held: Vec::new(),
             away: None,
+            z_lost: false,
             tool: 0,
+            asleep: 0,
             tools: Tools::default(),
             fresh_tool: false,
             back: [0.0; TOOLS as usize],
@@ -219,6 +229,7 @@ impl<'a> Checker<'a> {
             begun_before: None,
             layer: 0,
             untold: false,
+            air_below: 0.0,
             layer_line: None,
             lowest_layer: 1,
         }
@@ -254,8 +265,9 @@ impl<'a> Checker<'a> {
                 wait,
             } => {
                 self.heat.set(heater, self.tool, to, wait);
-                if let Heater::Nozzle(Some(tool)) = heater {
-                    self.tools.know(tool);
+                if let Heater::Nozzle(tool) = heater {
+                    self.asleep &= !bit(tool.unwrap_or(self.tool));
+                    tool.into_iter().for_each(|tool| self.tools.know(tool));
                 }
                 if matches!(heater, Heater::Nozzle(_)) && to <= 0.0 {
                     self.ending.off();
@@ -325,11 +337,12 @@ impl<'a> Checker<'a> {
         } else if step.travels() && !template {
             self.travel(step);
             self.dive(step);
-        } else if step.travels() && self.ending.has_printed() {
+        } else if step.travels() && self.ending.has_printed() && !self.z_lost {
             // A template may lead below the print's top beside the print.
             self.through(step);
             self.dive(step);
         }
+        self.z_lost &= step.to.z == step.from.z;
         if !step.prints() && sideways(step) {
             self.idle.0 = if self.idle.1 == 0 {
                 step.line
@@ -372,8 +385,10 @@ impl<'a> Checker<'a> {
         }
         let middle = step.from.midpoint(step.to);
         let height = self.flow.height(middle, step.height, &self.ground);
-        // Beads with more flow are thicker.
-        let most = self.rules.flow[1].max(1.0) * self.rules.nozzle * height;
+        // Beads with more flow are thicker. What a formula asks for here is unknown.
+        let [least, most] = self.rules.flow;
+        let flow = if least == most { most.max(1.0) } else { 1.0 };
+        let most = flow * self.rules.nozzle * height;
         if let Some(line) = self.again.bead(step, area, most) {
             self.verdict.add(FindingKind::Again, line, step.from, || {
                 format!(
@@ -546,7 +561,11 @@ impl<'a> Checker<'a> {
             && self.within(step)
             && let Some(Wrong { at, top, .. }) = self.ground.travel(step)
         {
-            let kind = self.ploughs(top - at.z);
+            let sinks = step.to.z < step.from.z;
+            let kind = match self.ploughs(top - at.z) {
+                FindingKind::Dive if sinks => FindingKind::Dive,
+                _ => FindingKind::Low,
+            };
             self.verdict.add(kind, step.line, at, || {
                 format!(
                     "the head leads through what is printed: at {}, where \

@@ -42,6 +42,7 @@ impl Checker<'_> {
     pub(super) fn take_tool(&mut self, line: u64, tool: u32) {
         self.fresh_tool |= tool != self.tool;
         self.tool = tool;
+        self.asleep &= !bit(tool);
         if !self.ending.has_printed() {
             self.tools.know(tool);
         } else if self.tools.known & bit(tool) == 0 {

@@ -97,7 +97,7 @@ named! {
         Empty = "empty",
         /// The first layer does not lie on the bed, or the nozzle does.
         OffBed = "off-bed",
-        /// The nozzle goes down into what is printed.
+        /// The nozzle goes down into what is printed, straight or on a travel.
         Dive = "dive",
         /// A layer hangs in the air far from what stands.
         Adrift = "adrift",

@@ -124,13 +124,12 @@ fn judge(checker: Alongside, summary: &mut Summary) -> Result<(), SliceError> {
     // The summary tells of what hangs in the air. Printers that heat in their
     // macros are as they should be. Whoever calls a macro knows what it is, and
     // whoever wrote a template was told of its lines.
-    let hangs = summary.hanging.is_told();
     let told = |kind: FindingKind| {
         kind.severity() == Severity::Warning
-            && !(hangs && kind == FindingKind::Adrift)
             && !matches!(
                 kind,
                 FindingKind::InTheAir
+                    | FindingKind::Adrift
                     | FindingKind::Unknown
                     | FindingKind::UnknownWord
                     | FindingKind::Purge

@@ -118,8 +118,9 @@ impl<'a> PartSums<'a> {
 
     /// The results of the part.
     pub(super) fn finish(mut self) -> PartDone {
-        self.warnings
-            .extend(self.infill.warnings(&self.plans.infill));
+        let whole = self.layers == (0..self.layer_count);
+        let told = self.infill.warnings(&self.plans.infill, whole);
+        self.warnings.extend(told);
         PartDone {
             beads: self.beads,
             tally: self.tally,

@@ -47,28 +47,30 @@ impl Tally {
     /// Adds what the user should know. `by_field` is true if walls lie where the field
     /// has their depth as its value.
     pub(super) fn warn(&self, by_field: bool, warnings: &mut Vec<String>) {
-        let thin = self.gap > 0.02 * self.solid;
-        let share = 100.0 * self.gap / self.solid.max(f64::MIN_POSITIVE);
-        let (bridged, layers) = (self.bridged, self.layers);
-        if by_field && (bridged > 0 || thin) {
+        let (or_field, remedy) = if by_field {
+            let why = ", or wall_offset = \"field\" finds no wall: near level faces \
+                       the field is nowhere minus half a wall's width";
+            let how = "wall_offset = \"field\" finds no wall where the field is \
+                       nowhere minus half the wall's width, as in thin places and \
+                       near level faces; set it to \"distance\"";
+            (why, how)
+        } else {
+            let how = "scale it up, or lower outer_wall_width or thin_min";
+            ("", how)
+        };
+        if self.bridged > 0 {
             warnings.push(format!(
-                "wall_offset = \"field\" leaves {share:.0} % of the part out, \
-                 and {bridged} of its {layers} layers empty below others: the \
-                 outer wall is where the field is minus half the wall's width, \
-                 and in a thin place, or near a level face, it is nowhere that \
-                 low; set wall_offset to \"distance\""
-            ));
-        } else if bridged > 0 {
-            warnings.push(format!(
-                "{bridged} of {layers} layers have nothing to print and others \
-                 follow above them: the part is not in one piece, thinner than \
-                 any line there, or does not stand on the bed"
+                "{} of {} layers have nothing to print and others follow \
+                 above them: the part is not in one piece, thinner than any \
+                 line there, or does not stand on the bed{or_field}",
+                self.bridged, self.layers
             ));
         }
-        if thin && !by_field {
+        if self.gap > 0.02 * self.solid {
             warnings.push(format!(
-                "{share:.0} % of the part is thinner than any line and is left \
-                 out; scale it up, or lower outer_wall_width or thin_min"
+                "{:.0} % of the part is thinner than any line and is left \
+                 out; {remedy}",
+                100.0 * self.gap / self.solid
             ));
         }
         if self.nan_samples > 0 {

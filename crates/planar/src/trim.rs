@@ -87,6 +87,11 @@ const AROUND: Mm = 0.5;
 /// beside what is dropped.
 const SHORT: Mm = 0.02;
 
+/// Parts of edges, beside a crossing or an edge that is too near, tell something if
+/// they are longer, mm. Fronts that graze each other cross at places that differ by
+/// about as much.
+const LONG: Mm = 0.5;
+
 /// How far the end of a piece may be from the beginning of the next one, as a
 /// multiple of the slack.
 const GAP: f64 = 3.0;
@@ -430,26 +435,37 @@ impl Moved<'_> {
     }
 
     /// A place where the piece that begins with an event is certainly not too
-    /// near to any origin: in the middle of an edge that is clear and does
-    /// not have a crossing.
+    /// near to any origin: in the middle of an edge that is clear, or of its part
+    /// before or after a crossing.
     fn far(&self, begin: &Event, events: &[Event]) -> Option<DVec2> {
+        let end = &events[begin.next];
         let ring = &self.rings[begin.ring];
         let n = ring.len();
-        let count = edges_between(begin, &events[begin.next], n);
-        (1..count).map(|j| (begin.edge + j) % n).find_map(|k| {
+        let count = edges_between(begin, end, n);
+        (0..=count).find_map(|j| {
+            let k = (begin.edge + j) % n;
             let (a, b) = (ring[k], ring[(k + 1) % n]);
+            let from = if j == 0 { a.lerp(b, begin.t) } else { a };
+            let to = if j == count { a.lerp(b, end.t) } else { b };
             let state = self.states[begin.first + k];
-            self.surely_far(state, a, b).then(|| a.midpoint(b))
+            let whole = state == State::Clear && 0 < j && j < count;
+            let tells = whole || from.distance(to) > LONG;
+            let far = tells && self.surely_far(state, from, to);
+            far.then(|| from.midpoint(to))
         })
     }
 
-    /// True if a moved edge is certainly part of what is left.
+    /// True if a moved edge, or a part of it, is certainly part of what is left.
     fn surely_far(&self, state: State, a: DVec2, b: DVec2) -> bool {
         let p = a.midpoint(b);
         let distance = self.clearance + FAR * self.slack;
-        state == State::Clear
-            && a.distance(b) > SHORT
-            && self.grid.clear(p, p, distance)
+        // A mixed edge may have passed through a thin strip in part.
+        let on_own_side = match state {
+            State::Clear => true,
+            State::Mixed => self.grid.contains(p) == self.left,
+            State::Covered => false,
+        };
+        on_own_side && a.distance(b) > SHORT && self.grid.clear(p, p, distance)
     }
 
     /// The points between an event and the next.
@@ -463,11 +479,12 @@ impl Moved<'_> {
 
     /// The rings that no other ring crosses and that are far enough from all
     /// origins. A ring that is much thinner than the distance may be turned
-    /// inside out; it is then far enough on the wrong side, and left out.
+    /// inside out; it is then on the wrong side, and left out.
     ///
     /// # Errors
     /// Places of a ring that is too near to origins in part only: it should
-    /// have been crossed.
+    /// have been crossed. There are no places if it has turned in part only, as a
+    /// needle does.
     fn untouched(&self, events: &[Event]) -> Result<Vec<Ring>, Vec<DVec2>> {
         let mut touched = vec![false; self.rings.len()];
         for event in events {
@@ -486,11 +503,11 @@ impl Moved<'_> {
                     self.grid.clear(p, p, self.clearance)
                 }
             };
-            if touched[r] || self.turned[r] {
+            if touched[r] {
                 continue;
             }
             let edges = || states.iter().zip(super::edges(ring));
-            if edges().all(far) {
+            if !self.turned[r] && edges().all(far) {
                 out.push(ring.clone());
                 continue;
             }

@@ -108,6 +108,9 @@ fn the_nozzle_does_not_go_down_into_the_print() {
     assert_eq!(ends("G1 Z0 F600\n"), (1, 0));
     assert_eq!(ends("G1 X60 Y60 Z0 F600\n"), (1, 0));
     assert_eq!(ends("G1 X20 F6000\nG1 Z0 F600\n"), (0, 0));
+    assert_eq!(ends("G1 X20 Y60 F6000\nG1 Z0.5 F600\nG1 X90\n"), (0, 1));
+    // Beds that go down are homed at their lower end.
+    assert_eq!(ends("G28 Z\nG1 X60 Y60 F6000\n"), (0, 0));
     assert_eq!(dive(2.0), []);
 }
 
@@ -133,8 +136,6 @@ fn nothing_is_measured_in_the_middle_of_a_print() {
         "M401",
         "BED_MESH_OFFSET X=1",
         "SET_GCODE_OFFSET X=3",
-        "M568 P0 A0",
-        "M568 A1",
         // These move the head away.
         "G12",
         "G27",
@@ -147,6 +148,23 @@ fn nothing_is_measured_in_the_middle_of_a_print() {
         let beside = format!("{line}{}{line}", print_with(""));
         assert!(verdict(&beside).counts.is_empty(), "{code}");
     }
+}
+
+#[test]
+fn no_bead_begins_with_a_tool_that_cools() {
+    for code in ["M568 P0 A0", "M568 A1", "M568 P0 A2\nM568 P0 A0"] {
+        let kinds = found(&format!("{code}\n"));
+        assert!(kinds.iter().any(|k| k.0 == FindingKind::Cold), "{code}");
+    }
+    // The tool is taken again, heated again, or another one.
+    for code in [
+        "M568 P0 A1\nM568 P0 A2",
+        "M568 A1\nT0",
+        "M568 A0\nM109 S200",
+    ] {
+        assert_eq!(found(&format!("{code}\n")), [], "{code}");
+    }
+    assert_eq!(found("M568 P1 A0\n"), []);
 }
 
 #[test]

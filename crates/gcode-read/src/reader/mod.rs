@@ -82,7 +82,7 @@ pub use machine::MachineState;
 pub use named::Named;
 pub use named::number;
 pub use nothing::{NoGcode, Tally};
-pub use peek::{base, filament_diameter};
+pub use peek::{filament_diameter, range_bottom};
 pub use problem::{Problem, Problems};
 pub use role::Role;
 pub use words::Words;

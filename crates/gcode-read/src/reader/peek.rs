@@ -43,7 +43,7 @@ fn said_from(file: &mut (impl Read + Seek), from: u64) -> Option<Mm> {
 /// The height at which a text file begins to print, if isoslice has written it and it
 /// is a range of a part's layers. The file is then read from its beginning. Pipes are
 /// not read.
-pub fn base(file: &mut (impl Read + Seek)) -> Option<Mm> {
+pub fn range_bottom(file: &mut (impl Read + Seek)) -> Option<Mm> {
     file.rewind().ok()?;
     let mut text = Vec::new();
     file.take(ENDS).read_to_end(&mut text).ok()?;
@@ -67,7 +67,7 @@ mod tests {
     fn a_range_begins_where_its_first_layer_lies() {
         let base_of = |text: &str| {
             let mut file = Cursor::new(text.as_bytes());
-            let found = base(&mut file);
+            let found = range_bottom(&mut file);
             assert_eq!(file.position(), 0);
             found
         };

@@ -175,12 +175,3 @@ pub struct Hanging {
     /// The foot of the whole part, if it is too small for the part's height.
     pub foot: Option<foot::Foot>,
 }
-
-impl Hanging {
-    /// True if some of it is large enough to be told.
-    pub fn is_told(&self) -> bool {
-        [&self.begins, &self.leans, &self.bridges]
-            .into_iter()
-            .any(Sum::is_told)
-    }
-}

@@ -7,8 +7,8 @@ use super::InfillPlan;
 use isoslice_base::units::Mm2;
 use isoslice_planar::bead::{Bead, Role};
 
-/// Room without a line from which on a shape has none, mm²: its cells are smaller,
-/// or nothing holds tops over them.
+/// A shape without a line in more room than this has none, mm²: usual cells are
+/// smaller than 20 mm by 20 mm.
 const ROOM: Mm2 = 400.0;
 
 /// What is counted of infill.
@@ -42,8 +42,8 @@ impl InfillCount {
         self.room += other.room;
     }
 
-    /// What the user should know.
-    pub fn warnings(self, plan: &InfillPlan) -> Vec<String> {
+    /// What the user should know. `whole` is true if all of a part's layers are counted.
+    pub fn warnings(self, plan: &InfillPlan, whole: bool) -> Vec<String> {
         let mut all = Vec::new();
         if !plan.is_own() {
             return all;
@@ -54,7 +54,7 @@ impl InfillCount {
                  nothing in their layer are left out: {}",
                 self.left_out
             ));
-        } else if self.beads == 0 && self.room > ROOM {
+        } else if whole && self.beads == 0 && self.room > ROOM {
             let nowhere = if plan.solid { "negative" } else { "0" };
             all.push(format!(
                 "the infill's shape has no line anywhere in the part, which \
@@ -88,7 +88,7 @@ mod tests {
         let told = |beads: &[Bead], room: f64, plan: &InfillPlan| {
             let mut all = InfillCount::new(0, beads.iter(), 0.5 * room);
             all.add(InfillCount::new(0, [].iter(), 0.5 * room));
-            all.warnings(plan)
+            all.warnings(plan, true)
         };
         let [only] = &told(&[], 500.0, &own)[..] else {
             panic!("one warning");

@@ -53,12 +53,6 @@ fn without_a_shape_the_error_says_how_to_make_one() {
 }
 
 #[test]
-fn parts_may_be_called_what_they_are() {
-    let text = "fn thread(r) { sphere(r) } let case = thread(2); case";
-    assert_eq!(value(text, 3.0, 0.0, 0.0), 1.0);
-}
-
-#[test]
 fn powers() {
     assert_eq!(value("x ** 2", 3.0, 0.0, 0.0), 9.0);
     assert_eq!(value("2 * x ** 2", 3.0, 0.0, 0.0), 18.0);

@@ -1,5 +1,4 @@
-//! Powers as mathematics has them, and words that parts are called, by another
-//! reading of a script's tokens.
+//! Powers as mathematics has them, by another reading of a script's tokens.
 //!
 //! rhai binds `^` weaker than `+`, and a sign tighter than `**`. Here `^` is
 //! `**`, and after a sign the power becomes an operator of its own, which
@@ -14,10 +13,6 @@ pub(super) const SIGNED_POWER: &str = "-**";
 /// rhai's own power binds by 190. This one binds tighter, so that it comes
 /// first in 2 ** -x ** 2.
 const TIGHTER: u8 = 191;
-
-/// Words that rhai keeps for later versions of its language. Functions and values
-/// may be called so here.
-const FREE: [&str; 3] = ["case", "package", "thread"];
 
 /// What stands before the next token, inside the same brackets.
 #[derive(Clone, Copy, Default)]
@@ -69,12 +64,7 @@ impl Reader {
             Token::EOF => *self = Reader::default(),
             _ => self.here = Before::default(),
         }
-        match token {
-            Token::Reserved(word) if FREE.contains(&word.as_str()) => {
-                Token::Identifier(word)
-            }
-            token => token,
-        }
+        token
     }
 
     fn power(&mut self) -> Token {

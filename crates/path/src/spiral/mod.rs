@@ -51,6 +51,9 @@ use ring::{Point, begin, farthest, lonely, points, rear};
 /// no step of a turn is without filament.
 const LEAST: Mm = 0.005;
 
+/// Tolerance of what turns lie on, mm: where a wall begins to hang is not seen.
+const TOLERANCE: Mm = 0.01;
+
 /// The wall of a part, turn by turn.
 pub struct Spiral {
     plan: SpiralPlan,
@@ -158,6 +161,22 @@ impl Spiral {
     fn start_of(&self, layer: usize, wall: usize) -> Option<DVec2> {
         let number = layer.checked_sub(self.first + 1)? + 1;
         self.ends.get(number)?.get(wall).copied()
+    }
+
+    /// What a layer's turns are printed on: of an outline the band that the walls below
+    /// fill, or all of it if that layer is flat.
+    pub fn ground(&self, below: &LayerSpan, outline: &Area) -> Area {
+        if !self.has(below.index) {
+            return outline.clone();
+        }
+        let last = self.plan.walls.saturating_sub(1) as usize;
+        let depth = self.depth(last, below.height()) + 0.5 * self.width(last);
+        let mut band = outline.clone();
+        for mut hollow in offset(outline, -depth, TOLERANCE).rings {
+            hollow.reverse();
+            band.rings.push(hollow);
+        }
+        band
     }
 
     /// True if the layer has a turn.
@@ -269,7 +288,9 @@ impl Spiral {
                 piece.stroke.points.push(p);
                 piece.stroke.levels.push(level);
             };
-            turn.last_mut().map(add);
+            if let Some(last) = turn.last_mut() {
+                add(last);
+            }
             if is_end(i) && 0 < i && i + 1 < points.len() {
                 let mut next = piece(i);
                 add(&mut next);

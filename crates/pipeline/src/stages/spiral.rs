@@ -7,6 +7,7 @@ use isoslice_base::limits;
 use isoslice_layer::view::LayerView;
 use isoslice_layer::walls::Support;
 use isoslice_path::spiral::Spiral;
+use isoslice_planar::Solid;
 use isoslice_planar::bead::Bead;
 use isoslice_settings::layers::LayerSpan;
 use rayon::ThreadPool;
@@ -48,7 +49,9 @@ impl<'a> Stages<'a> {
         match (self.spiral_at(here.span.index), below.first()) {
             (Some(spiral), Some(below)) => {
                 let plan = &self.plans.walls;
-                let support = Support::new(below.outline, here.outline, plan);
+                let ground = spiral.ground(&below.span, below.outline.area());
+                let ground = Solid::new(ground);
+                let support = Support::new(&ground, here.outline, plan);
                 let outline = here.outline.area();
                 let spans = [&here.span, &below.span];
                 Ok(spiral.turns(spans, outline, support.as_ref())?)
