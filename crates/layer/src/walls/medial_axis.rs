@@ -25,6 +25,7 @@ use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::offset::Room;
 use isoslice_planar::simplify::keep_farthest;
 use isoslice_planar::{Solid, path_length};
+use std::ops::Range;
 
 /// A line along the middle of a thin place.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,8 +81,37 @@ pub(super) fn axes(solid: &Solid<'_>, limit: Mm, tolerance: Mm) -> Axes {
 impl Axis {
     /// The axis's stroke, for a bead `extra` wider than the area is thick.
     pub(super) fn stroke(&self, extra: Mm) -> Stroke {
-        let widths = self.thickness.iter().map(|t| t + extra).collect();
-        Stroke::varying(self.points.clone(), widths, self.closed)
+        let straight = self.without_hooks();
+        let widths = self.thickness[straight.clone()].iter();
+        let widths = widths.map(|t| t + extra).collect();
+        let points = self.points[straight].to_vec();
+        Stroke::varying(points, widths, self.closed)
+    }
+
+    /// The numbers of its points without those at its ends that lead back by less than
+    /// half the thickness there, which the bead has covered.
+    fn without_hooks(&self) -> Range<usize> {
+        let (points, n) = (&self.points, self.points.len());
+        let mut kept = 0..n;
+        if self.closed {
+            return kept;
+        }
+        let leads_back = |end: usize, next: usize, inner: usize| {
+            let hook = points[end] - points[next];
+            hook.dot(points[next] - points[inner]) < 0.0
+                && hook.length() < 0.5 * self.thickness[end]
+        };
+        while kept.len() > 2
+            && leads_back(kept.end - 1, kept.end - 2, kept.end - 3)
+        {
+            kept.end -= 1;
+        }
+        while kept.len() > 2
+            && leads_back(kept.start, kept.start + 1, kept.start + 2)
+        {
+            kept.start += 1;
+        }
+        kept
     }
 
     /// The line with as few points as the tolerance permits (Douglas and
